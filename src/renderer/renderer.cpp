@@ -1,8 +1,6 @@
 #include "renderer/renderer.h"
 
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -110,8 +108,8 @@ struct Renderer::Impl {
             if (plan.runs(Pass::whole_lamps)) lamps = WholeLamps(posed_scene, light_points.average());
             const std::vector<LightPoint> direct = clustered(light_points.average());
             lasting = PersistentLightTrees({direct, still, moving}, settings.seed + 2 * settings.draw);
-            splits = !by_rays() &&
-                settings.cache != CacheUse::off && LightSplit::suit(posed_scene, plan, still.size(), moving.size());
+            splits = !by_rays() && settings.cache != CacheUse::off &&
+                     LightSplit::suit(posed_scene, plan, still.size(), moving.size());
             caches = (by_rays() && settings.cache != CacheUse::off) || settings.cache == CacheUse::on ||
                      (settings.cache == CacheUse::static_light &&
                       (splits || !scene::traits_of(posed_scene.animation()).changes_light()));
@@ -172,7 +170,7 @@ struct Renderer::Impl {
         std::erase_if(points, [&](LightPoint& p) {
             if (p.id < first_sky_id || p.id >= first_punctual_id) return false;
             const float radiance = core::luminance(p.intensity) / (std::numbers::pi_v<float> * p.disc2);
-            p.intensity *= std::max(1.0f - core::divide_or(sky_brightest(), radiance, 0.0f), 0.0f);
+            p.intensity *= radiance > 0.0f ? std::max(1.0f - sky_brightest() / radiance, 0.0f) : 0.0f;
             return !(core::luminance(p.intensity) > 0.0f);
         });
         return points;
@@ -203,7 +201,7 @@ struct Renderer::Impl {
         {
             const Stopwatch timer(row(Pass::direct_tree));
             light_trees = {};  // before the next one grows: many light points take as much memory
-                        light_trees = lasting.at({clustered(std::exchange(shining, {})), lit_anchors.still, lit_anchors.moving},
+            light_trees = lasting.at({clustered(std::exchange(shining, {})), lit_anchors.still, lit_anchors.moving},
                                      (snapshot.frame - first_frame) % rebuild_interval == 0);
             light_trees.lamps = lamps.at(posed_scene);
         }
@@ -269,8 +267,8 @@ struct Renderer::Impl {
                     if (!p.point.bsdf.has_diffuse() && !glossy) continue;
                     PointTolerance allowed = tolerances[k];
                     allowed.base += core::luminance(light[t][k].scattered(p));
-                    requests.push_back(request_of(p, allowed, corner + glm::ivec2(p.pixel % tile_size, p.pixel / tile_size),
-                                                  snapshot.camera));
+                    requests.push_back(request_of(
+                        p, allowed, corner + glm::ivec2(p.pixel % tile_size, p.pixel / tile_size), snapshot.camera));
                     requests.back().pool = pool;
                     of_request.push_back(&light[t][k]);
                 }
@@ -292,8 +290,8 @@ struct Renderer::Impl {
         add_rays(snapshot, seen, tolerance, found);
         const FrameLight known = found;
         ShadeCounts again;
-        radiance = renderer::shade(light_trees, posed_scene.tracer(), seen, snapshot.camera.position(), tolerance, s, again,
-                                   &known, &found);
+        radiance = renderer::shade(light_trees, posed_scene.tracer(), seen, snapshot.camera.position(), tolerance, s,
+                                   again, &known, &found);
         return radiance;
     }
 
@@ -459,7 +457,8 @@ void Renderer::add_air(const scene::Snapshot& snapshot, const core::ToleranceMap
     i.prepare(snapshot, seen);
     const Stopwatch timer(i.row(Pass::air));
     i.statistics.air_rays += add_airlight(
-        {i.posed_scene, i.light_points.at(i.posed_scene), i.by_rays() ? i.air_trees : i.light_trees, *i.lit_frame}, i.ambient_air, tolerance, seen);
+        {i.posed_scene, i.light_points.at(i.posed_scene), i.by_rays() ? i.air_trees : i.light_trees, *i.lit_frame},
+        i.ambient_air, tolerance, seen);
 }
 
 core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& wanted) {
@@ -497,10 +496,6 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
         spread_light(seen, i.light, settings.layers, radiance, blurred);
         i.count(blurred, seen.visible);
     }
-    if (std::getenv("FG_DEBUG")) {
-        const auto& c = i.final_gather.counts();
-        std::fprintf(stderr, "FG frame %lld points %.1fk rays %.2fM cellrays %.2fM evals %.3fM cells %.1fk  shade %.2f s\n", (long long)snapshot.frame, 1e-3*c.points, 1e-6*c.rays, 1e-6*c.cell_rays, 1e-6*c.evaluations, 1e-3*c.cells, cpu_seconds() - start);
-    }
     i.share_time(cpu_seconds() - start, counts);
     i.statistics.layer_seconds = i.posed_scene.layer_seconds();
     return radiance;
@@ -510,7 +505,7 @@ void Renderer::light_closer(const scene::Snapshot& snapshot, const core::Toleran
                             core::Radiance& radiance) {
     Impl& i = *impl_;
     FrameLight light = std::exchange(i.light, {});
-    if (seen.exposure || light.size() != seen.tiles.size()) return;
+    if (i.by_rays() || seen.exposure || light.size() != seen.tiles.size()) return;
     ShadeCounts counts;
     const double start = cpu_seconds();
     i.steep.light({i.light_trees, i.posed_scene.tracer(), seen, snapshot.camera.position(), tolerance}, i.lit_with,
@@ -524,8 +519,8 @@ core::Radiance Renderer::sketch(const scene::Snapshot& snapshot, const Seen& see
     const double start = impl_->prepare(snapshot, seen);
     ShadeCounts counts;
     FrameLight light;
-    core::Radiance radiance = impl_->gather(snapshot, seen, tolerance_of_points(seen, tolerance),
-                                            impl_->shade_settings(), counts, &light);
+    core::Radiance radiance =
+        impl_->gather(snapshot, seen, tolerance_of_points(seen, tolerance), impl_->shade_settings(), counts, &light);
     if (seen.exposure) spread_light(seen, light, impl_->plan.runs(Pass::layers), radiance, counts);
     impl_->share_time(cpu_seconds() - start, counts);
     return radiance;

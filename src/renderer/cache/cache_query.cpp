@@ -30,9 +30,9 @@ constexpr int asked_for_columns = 4;
 constexpr int least_for_mean = 4;
 constexpr float mean_factor = 3.0f, mean_distance = 0.75f, most_reach = 4.0f;
 
-/// Standard errors that one point in a hundred exceeds, as records keep their error; and what records are off a plane
-/// by chance, of which they may seem to be so much more. chosen: 1.5, as ten records have in one of eight planes.
-constexpr float one_in_hundred = 2.6f, chance_factor = 1.5f;
+/// Standard errors that the error of a record is; and the part of the mean square of what records are off a plane that
+/// counts as chance. chosen: 0.12 of 0 to 4: to discount all of it hides real steps.
+constexpr float errors_told = 1.3f, chance_factor = 0.12f;
 
 /// A record that takes part.
 struct Neighbour {
@@ -143,7 +143,7 @@ float Neighbours::fit() {
 float Neighbours::chance(float receives) const {
     float sum = 0, square = 0;
     for (int i = 0; i < count(); ++i) {
-        const float error = receives * (*this)[i].record->error / one_in_hundred;
+        const float error = receives * (*this)[i].record->error / errors_told;
         sum += std::sqrt(plane_.closeness(i)) * error * error;
         square += std::sqrt(plane_.closeness(i));
     }

@@ -87,8 +87,8 @@ struct TileState {
 struct FrameState {
     /// `split` of the light trees' light, of which records hold the static part; none where they hold all of it.
     FrameState(const LightingContext& context, const scene::Snapshot& snapshot, const CutLimits& limits,
-               const CacheErrorModel& errors, const GlossyPayoff& payoff, RecordStore& records,
-               const LightSplit* split, FinalGather* rays);
+               const CacheErrorModel& errors, const GlossyPayoff& payoff, RecordStore& records, const LightSplit* split,
+               FinalGather* rays);
 
     const LightTrees& light_trees;  ///< all light
     const LightSplit* split;

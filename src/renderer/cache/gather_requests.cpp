@@ -73,8 +73,8 @@ void gather_rays(FrameState& frame, std::vector<GatheredRequests>& found) {
             const PointRef& ref = g.points[i];
             const GatherPoint& p = frame.point(ref);
             receivers.push_back(uses_cache(p, frame.payoff) ? plain_receiver(p) : p);
-            requests.push_back(request_of(receivers.back(), frame.tiles[ref.tile].tolerance[ref.index], frame.pixel_of(ref.tile, p),
-                                          frame.camera));
+            requests.push_back(request_of(receivers.back(), frame.tiles[ref.tile].tolerance[ref.index],
+                                          frame.pixel_of(ref.tile, p), frame.camera));
             requests.back().pool = first_pool + g.pools[i];
         }
         if (!g.pools.empty()) first_pool += g.pools.back() + 1;

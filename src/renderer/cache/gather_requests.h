@@ -12,7 +12,7 @@ struct GatheredRequests {
     std::vector<PointRef> points;
     std::vector<PointLight> light;
     std::vector<GlossyRecord> lobes;
-    std::vector<std::uint8_t> sets;  ///< of representatives
+    std::vector<std::uint8_t> sets;    ///< of representatives
     std::vector<std::uint32_t> pools;  ///< GatherRequest::pool, within the area
     ShadeCounts counts;
 };

@@ -25,9 +25,9 @@ struct GatherRequest {
 
 /// What rays found for one point.
 struct RayLight {
-    glm::vec3 irradiance{0};         ///< over pi; under a lobe what passes it
-    glm::vec3 f0{0}, schlick{0};     ///< the lobe's radiance is f0 x `f0` + f90 x `schlick`
-    float error = 0;                 ///< luminance of the pixel that one point in a hundred exceeds
+    glm::vec3 irradiance{0};      ///< over pi; under a lobe what passes it
+    glm::vec3 f0{0}, schlick{0};  ///< the lobe's radiance is f0 x `f0` + f90 x `schlick`
+    float error = 0;              ///< luminance of the pixel that one point in a hundred exceeds
     std::uint32_t rays = 0;
 };
 

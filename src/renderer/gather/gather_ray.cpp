@@ -38,7 +38,8 @@ GatherRays::GatherRays(const PosedScene& posed_scene, bool sky_light)
 }
 
 /// The cell of a hit: of one object, one of six directions that its normal is nearest to, a cube of the world whose
-/// size is a power of two. The key's upper bits are the place in the scene, the lower ones a hash of all.
+/// size is a power of two. Size and place are dithered, so that edges of cells are noise and no pattern. The key's
+/// upper bits are the place in the scene, the lower ones a hash of all.
 Sighting GatherRays::sighting(const RayQuery& ray, const Hit& hit, float distance, const RayRules& rules,
                               std::uint64_t number) const {
     Sighting s;
@@ -50,9 +51,13 @@ Sighting GatherRays::sighting(const RayQuery& ray, const Hit& hit, float distanc
         s.depth = static_cast<std::uint8_t>(rules.depth + 1);
         return s;
     }
-    const int level = std::ilogb(std::max(rules.spread * distance, std::numeric_limits<float>::min()));
+    const std::uint64_t dither = core::mix(number);
+    const auto part = [&](unsigned shift) { return static_cast<float>(dither >> shift & 0xffffu) * 0x1p-16f - 0.5f; };
+    const int level =
+        std::ilogb(std::max(std::exp2(part(0)) * rules.spread * distance, std::numeric_limits<float>::min()));
     s.size = std::ldexp(1.0f, level);
-    const glm::vec3 at = ray.origin + hit.distance * ray.direction;
+    glm::vec3 at = ray.origin + hit.distance * ray.direction;
+    at += s.size * glm::vec3(part(16), part(32), part(48));
     const float facing = glm::dot(hit.geometric_normal, ray.direction) > 0.0f ? -1.0f : 1.0f;
     const glm::vec3 n = facing * hit.geometric_normal, a = glm::abs(n);
     const int axis = a.x > a.y && a.x > a.z ? 0 : a.y > a.z ? 1 : 2;
@@ -114,9 +119,8 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, float
         if (!(core::luminance(passing) > least_passing)) {
             passing = shown * p.bsdf.mirror;
             if (!rules.sees_lamps || !(core::luminance(passing) > least_passing)) break;
-            ray.direction =
-                core::normalize_or(2.0f * glm::dot(p.shading_normal, p.outgoing) * p.shading_normal - p.outgoing,
-                                   p.geometric_normal);
+            ray.direction = core::normalize_or(
+                2.0f * glm::dot(p.shading_normal, p.outgoing) * p.shading_normal - p.outgoing, p.geometric_normal);
             mirrored = true;
         }
         ray.origin = offset_origin(p, ray.direction);

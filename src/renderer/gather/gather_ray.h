@@ -32,13 +32,13 @@ struct RayTerm {
 
 /// How a ray is looked along.
 struct RayRules {
-    float near = 0;           ///< hits nearer than this get a cell of their own, world
-    float spread = 0;         ///< size of cells over the ray's length
-    bool sees_sky = true;     ///< what escapes shows the sky
-    float brightest = 0;      ///< luminance that the sky shows at most
-    bool sees_lamps = false;  ///< lamps behind mirrors are seen; mirrors are black otherwise
+    float near = 0;             ///< hits nearer than this get a cell of their own, world
+    float spread = 0;           ///< size of cells over the ray's length
+    bool sees_sky = true;       ///< what escapes shows the sky
+    float brightest = 0;        ///< luminance that the sky shows at most
+    bool sees_lamps = false;    ///< lamps behind mirrors are seen; mirrors are black otherwise
     bool bodies_block = false;  ///< solid bodies of glass let nothing through: caustics have it
-    std::uint8_t depth = 0;   ///< of the place that it leaves, if that has a cell of its own
+    std::uint8_t depth = 0;     ///< of the place that it leaves, if that has a cell of its own
 };
 
 /// Follows rays through the posed scene.

@@ -14,12 +14,12 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// Places that a cell is evaluated at, at most. chosen: 16 of 16 and 64, which err alike.
-constexpr std::uint32_t most_places = 16;
+/// Places that a cell is evaluated at, at most. chosen: 8 of 4 to 64, which err alike.
+constexpr std::uint32_t most_places = 8;
 
-/// Size of the cells that a cell's own rays ask, over the length of these rays. chosen: 0.25, twice that of gather rays:
+/// Size of the cells that a cell's own rays ask, over the length of these rays. chosen: 0.4, twice that of gather rays:
 /// their errors are averaged over the places of all cells that a point sees.
-constexpr float bounce_spread = 0.25f;
+constexpr float bounce_spread = 0.4f;
 
 /// Lobes seen by a cell are at least so wide: what a mirror-like floor throws is a matter of caustics, and would be
 /// noise here. chosen: 0.25 of alpha, a roughness of 0.5; not tuned.
@@ -71,10 +71,20 @@ void CellTable::insert(std::uint64_t key, std::uint32_t index) {
     ++used_;
 }
 
+/// A ray on which a cell's light goes on.
+struct SurfaceCache::Bounce {
+    RayQuery ray;
+    glm::vec3 weight{1};
+    std::uint64_t number = 0;
+    float near = 0;            ///< RayRules
+    std::uint32_t lesson = 0;  ///< of its task
+    std::uint8_t depth = 0;
+};
+
 /// What some places of lessons found.
 struct SurfaceCache::Evaluated {
+    std::vector<Bounce> bounces;
     std::vector<RayTerm> terms;
-    glm::vec3 known{0};
     std::uint64_t rays = 0;
 };
 
@@ -134,7 +144,8 @@ glm::vec3 SurfaceCache::lamps(const SurfacePoint& p, std::uint64_t number, std::
 }
 
 /// Evaluates a place: what lamps send, and one ray whose end sends the rest.
-void SurfaceCache::light_place(const Sighting& place, std::uint64_t number, Evaluated& out) const {
+void SurfaceCache::light_place(const Sighting& place, std::uint64_t number, std::uint32_t lesson,
+                               glm::vec3& known_light, Evaluated& out) const {
     glm::vec3 along, across;
     core::make_frame(place.outgoing, along, across);
     SurfacePoint p = posed_scene_.surface_at(place.address, place.outgoing, {place.size * along, place.size * across});
@@ -158,27 +169,46 @@ void SurfaceCache::light_place(const Sighting& place, std::uint64_t number, Eval
     p.bsdf.alpha_along = std::max(p.bsdf.alpha_along, least_alpha);
 
     const glm::vec3 direct = weight * lamps(p, number, out.rays);
-    if (core::is_finite(direct)) out.known += direct;
+    if (core::is_finite(direct)) known_light += direct;
 
     const glm::vec3 direction =
         core::sample_cosine_hemisphere(p.shading_normal, {uniform(number, bounce, 0), uniform(number, bounce, 1)});
     if (!(glm::dot(direction, p.geometric_normal + p.smooth.tilt) > 0.0f)) return;
     weight *= evaluate(p.bsdf, p.shading_normal, p.outgoing, direction) / lobe::inverse_pi;
     if (!(core::luminance(weight) > 0.0f) || !core::is_finite(weight)) return;
-    const RayQuery ray{shadow_origin(p), direction, std::numeric_limits<float>::infinity()};
-    ++out.rays;
+    out.rays += 1;
+    out.bounces.push_back({{shadow_origin(p), direction, std::numeric_limits<float>::infinity()},
+                           weight,
+                           number,
+                           place.depth > 0 ? 0.5f * place.size : 0.0f,
+                           lesson,
+                           place.depth});
+}
+
+/// Follows the rays of all places of a task.
+void SurfaceCache::follow_bounces(std::span<Lesson> lessons, Evaluated& out) const {
+    std::vector<RayQuery> queries;
+    for (const Bounce& b : out.bounces) queries.push_back(b.ray);
+    std::vector<Hit> hits(queries.size());
+    posed_scene_.tracer().any_nearest(queries, hits, false);
     RayRules rules;
-    rules.near = place.depth > 0 ? 0.5f * place.size : 0.0f;
     rules.spread = bounce_spread;
     rules.sees_sky = !sources_->has_sky();
     rules.brightest = std::numeric_limits<float>::infinity();
     rules.sees_lamps = true;
-    rules.depth = place.depth;
-    const std::size_t first = out.terms.size();
-    const glm::vec3 known = weight * gather_rays_.follow(ray, posed_scene_.tracer().nearest(ray.origin, direction, ray.far),
-                                                         rules, lobe::inverse_pi, core::mix(number), 0, out.terms, out.rays);
-    if (core::is_finite(known)) out.known += known;
-    for (std::size_t i = first; i < out.terms.size(); ++i) out.terms[i].weight *= weight;
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+        const Bounce& b = out.bounces[i];
+        rules.near = b.near;
+        rules.depth = b.depth;
+        Lesson& lesson = lessons[b.lesson];
+        const auto first = static_cast<std::uint32_t>(out.terms.size());
+        const glm::vec3 known = b.weight * gather_rays_.follow(b.ray, hits[i], rules, lobe::inverse_pi,
+                                                               core::mix(b.number), 0, out.terms, out.rays);
+        if (core::is_finite(known)) lesson.known += known;
+        for (std::size_t k = first; k < out.terms.size(); ++k) out.terms[k].weight *= b.weight;
+        if (lesson.first_link == lesson.last_link) lesson.first_link = first;
+        lesson.last_link = static_cast<std::uint32_t>(out.terms.size());
+    }
 }
 
 /// Chooses the places that cells are evaluated at among those where rays met them, evenly.
@@ -193,7 +223,8 @@ void SurfaceCache::plan_lessons(std::vector<Sighting>& wanted, std::vector<Sight
         const std::size_t asked = last - first, room = most_places - cell(index).places;
         const std::size_t take = std::min(asked, room);
         if (take == 0) continue;
-        lessons.push_back({index, static_cast<std::uint32_t>(places.size()), static_cast<std::uint32_t>(take), 0, 0, {}});
+        lessons.push_back(
+            {index, static_cast<std::uint32_t>(places.size()), static_cast<std::uint32_t>(take), 0, 0, {}});
         for (std::size_t i = 0; i < take; ++i) places.push_back(wanted[first + i * asked / take]);
     }
     wanted.clear();
@@ -209,15 +240,14 @@ void SurfaceCache::evaluate_lessons(std::span<Lesson> lessons, const std::vector
         const std::size_t first = task * lessons_at_once, last = std::min(first + lessons_at_once, lessons.size());
         for (std::size_t l = first; l < last; ++l) {
             Lesson& lesson = lessons[l];
-            lesson.first_link = static_cast<std::uint32_t>(out.terms.size());
-            out.known = glm::vec3(0);
             for (std::uint32_t k = 0; k < lesson.places; ++k) {
                 const Sighting& place = places[lesson.first + k];
-                light_place(place, core::mix(place.key) + cell(lesson.cell).places + k, out);
+                light_place(place, core::mix(place.key) + cell(lesson.cell).places + k,
+                            static_cast<std::uint32_t>(l - first), lesson.known, out);
             }
-            lesson.known = out.known;
-            lesson.last_link = static_cast<std::uint32_t>(out.terms.size());
         }
+        follow_bounces(lessons.subspan(first, last - first), out);
+        out.bounces = {};
     });
     for (std::size_t task = 0; task < tasks; ++task) {
         const auto base = static_cast<std::uint32_t>(links.size());

@@ -10,7 +10,7 @@
 
 #include "renderer/base/plan.h"
 #include "renderer/gather/gather_ray.h"
-#include "renderer/truth/light_sources.h"
+#include "renderer/paths/light_sources.h"
 
 namespace render2mpeg::renderer {
 
@@ -79,10 +79,11 @@ class SurfaceCache {
     /// A cell that is being learnt.
     struct Lesson {
         std::uint32_t cell = 0;
-        std::uint32_t first = 0, places = 0;           ///< of the places that are evaluated
-        std::uint32_t first_link = 0, last_link = 0;   ///< once they are
-        glm::vec3 known{0};                            ///< sum over places
+        std::uint32_t first = 0, places = 0;          ///< of the places that are evaluated
+        std::uint32_t first_link = 0, last_link = 0;  ///< once they are
+        glm::vec3 known{0};                           ///< sum over places
     };
+    struct Bounce;
     struct Evaluated;
 
     /// Indices with this bit are of own cells.
@@ -93,7 +94,9 @@ class SurfaceCache {
     Cell& cell(std::uint32_t index) { return const_cast<Cell&>(std::as_const(*this).cell(index)); }
     std::uint32_t make_cell(std::uint64_t key);
     void plan_lessons(std::vector<Sighting>& wanted, std::vector<Sighting>& places, std::vector<Lesson>& lessons);
-    void light_place(const Sighting& place, std::uint64_t number, Evaluated& out) const;
+    void light_place(const Sighting& place, std::uint64_t number, std::uint32_t lesson, glm::vec3& known_light,
+                     Evaluated& out) const;
+    void follow_bounces(std::span<Lesson> lessons, Evaluated& out) const;
     void evaluate_lessons(std::span<Lesson> lessons, const std::vector<Sighting>& places, std::vector<Link>& links,
                           std::vector<Sighting>& wanted);
     void solve(std::span<Lesson> lessons, std::vector<Link>& links);

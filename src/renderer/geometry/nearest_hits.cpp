@@ -73,7 +73,8 @@ void begin(TieContext& context, const EmbreeScene& scene, const RayQuery* querie
 /// Up to sixteen rays on their way, lane by lane.
 class HitPacket {
   public:
-    HitPacket(const EmbreeScene& scene, std::span<const RayQuery> queries) : scene_(scene), queries_(queries) {
+    HitPacket(const EmbreeScene& scene, std::span<const RayQuery> queries, bool coherent = true)
+        : scene_(scene), queries_(queries), coherent_(coherent) {
         for (int i = 0; i < packet_size; ++i) {
             const bool asked = static_cast<std::size_t>(i) < queries.size();
             valid_[i] = asked && is_traceable(queries[static_cast<std::size_t>(i)]) ? -1 : 0;
@@ -84,14 +85,28 @@ class HitPacket {
 
     /// `hits`: as many as queries.
     void answer(Hit* hits) {
+        answer_any(hits);
+        TieContext ties;
+        begin(ties, scene_, queries_.data(), hits);
+        trace(ties.embree);
+        turn(hits);
+    }
+
+    /// The same; of surfaces in one plane any.
+    void answer_any_turned(Hit* hits) {
+        answer_any(hits);
+        turn(hits);
+    }
+
+  private:
+    void answer_any(Hit* hits) {
         RTCIntersectContext context;
         rtcInitIntersectContext(&context);
         trace(context);
         for (std::size_t i = 0; i < queries_.size(); ++i) hits[i] = take(static_cast<int>(i));
+    }
 
-        TieContext ties;
-        begin(ties, scene_, queries_.data(), hits);
-        trace(ties.embree);
+    void turn(Hit* hits) const {
         for (std::size_t i = 0; i < queries_.size(); ++i) {
             if (!hits[i].found()) continue;
             hits[i].geometric_normal =
@@ -99,7 +114,6 @@ class HitPacket {
         }
     }
 
-  private:
     void set(int i, const RayQuery& query, float near, float far) {
         RTCRay16& ray = rays_.ray;
         ray.org_x[i] = query.origin.x, ray.org_y[i] = query.origin.y, ray.org_z[i] = query.origin.z;
@@ -116,7 +130,7 @@ class HitPacket {
 
     /// What is baked first, coherently; then instances (EmbreeScene::baked).
     void trace(RTCIntersectContext& context) {
-        context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+        context.flags = coherent_ ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
         rtcIntersect16(valid_, scene_.baked(), &context, &rays_);
         if (!scene_.has_instances()) return;
         std::fill(std::begin(rays_.ray.mask), std::end(rays_.ray.mask), EmbreeScene::instance_mask);
@@ -142,6 +156,7 @@ class HitPacket {
 
     const EmbreeScene& scene_;
     std::span<const RayQuery> queries_;
+    bool coherent_;
     alignas(64) int valid_[packet_size];
     RTCRayHit16 rays_;
 };
@@ -191,6 +206,14 @@ void nearest_hits(const EmbreeScene& scene, std::span<const RayQuery> queries, s
     for (std::size_t first = 0; first < queries.size(); first += packet_size) {
         const std::size_t count = std::min<std::size_t>(packet_size, queries.size() - first);
         HitPacket(scene, queries.subspan(first, count)).answer(&hits[first]);
+    }
+}
+
+void any_nearest_hits(const EmbreeScene& scene, std::span<const RayQuery> queries, std::span<Hit> hits, bool coherent) {
+    const FlushDenormals flushed;
+    for (std::size_t first = 0; first < queries.size(); first += packet_size) {
+        const std::size_t count = std::min<std::size_t>(packet_size, queries.size() - first);
+        HitPacket(scene, queries.subspan(first, count), coherent).answer_any_turned(&hits[first]);
     }
 }
 

@@ -29,6 +29,8 @@ RTCRay ray_of(const RayQuery& query, float near, float far);
 /// See RayTracer::nearest.
 Hit nearest_hit(const EmbreeScene& scene, const RayQuery& query);
 void nearest_hits(const EmbreeScene& scene, std::span<const RayQuery> queries, std::span<Hit> hits);
+/// See RayTracer::any_nearest.
+void any_nearest_hits(const EmbreeScene& scene, std::span<const RayQuery> queries, std::span<Hit> hits, bool coherent);
 
 /// Whether a ray meets anything with a bit of the mask in a scene, translucent or not.
 bool meets_any(RTCSceneTy* scene, unsigned mask, const RayQuery& query);

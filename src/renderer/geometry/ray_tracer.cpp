@@ -260,6 +260,11 @@ void RayTracer::nearest(std::span<const RayQuery> rays, std::span<Hit> hits) con
     nearest_hits(impl_->scene, rays, hits);
 }
 
+void RayTracer::any_nearest(std::span<const RayQuery> rays, std::span<Hit> hits, bool coherent) const {
+    EXPECTS(rays.size() == hits.size());
+    any_nearest_hits(impl_->scene, rays, hits, coherent);
+}
+
 bool RayTracer::meets(glm::vec3 origin, glm::vec3 direction, float far) const {
     return meets_any(impl_->scene.root(), 0xffffffffu, {origin, direction, far});
 }

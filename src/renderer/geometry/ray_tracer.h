@@ -73,6 +73,10 @@ class RayTracer {
     /// neighbours.
     void nearest(std::span<const RayQuery> rays, std::span<Hit> hits) const;
 
+    /// The same, but of surfaces that lie in one plane any may be found: for light that is a mean over many rays.
+    /// `coherent`: sixteen in a row are neighbours.
+    void any_nearest(std::span<const RayQuery> rays, std::span<Hit> hits, bool coherent) const;
+
     /// Whether the ray meets anything at a distance in (0, far), translucent or not: whether `nearest` finds something,
     /// for less.
     bool meets(glm::vec3 origin, glm::vec3 direction, float far) const;
