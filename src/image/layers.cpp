@@ -151,6 +151,7 @@ void write_layers(const std::filesystem::path& path, const core::Visible& visibl
         frame.add("render2mpeg.CutIndirect.X", false, [&](std::size_t i) { return radiance.indirect_cut.values()[i]; });
     if (!radiance.error.empty())
         frame.add("render2mpeg.Error.X", false, [&](std::size_t i) { return radiance.error.values()[i]; });
+    frame.add_color("render2mpeg.Half", radiance.half);
     add_shares(frame, radiance);
     if (tolerance != nullptr && !tolerance->is_reference()) {
         EXPECTS(tolerance->pixels.size() == radiance.combined.size());

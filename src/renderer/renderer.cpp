@@ -28,6 +28,7 @@
 #include "renderer/lights/same_light.h"
 #include "renderer/lights/whole_lamps.h"
 #include "renderer/tree/light_trees.h"
+#include "renderer/truth/true_frame.h"
 #include "renderer/view/expose.h"
 #include "renderer/view/look_closer.h"
 #include "renderer/view/see.h"
@@ -512,6 +513,24 @@ void Renderer::light_closer(const scene::Snapshot& snapshot, const core::Toleran
                   *i.lit_frame, std::move(light), i.lit_non_finite, seen, radiance, counts);
     i.count(counts, seen.visible);
     i.share_time(cpu_seconds() - start, counts);
+}
+
+core::Radiance Renderer::trace(const scene::Snapshot& snapshot, const Seen& seen, const TruthSettings& finely) {
+    Impl& i = *impl_;
+    if (!i.started) i.start_chunk(snapshot);
+    i.pose(snapshot);
+    const double start = cpu_seconds();
+    core::Plane<glm::vec3> known(seen.visible.width(), seen.visible.height(), glm::vec3(0));
+    for (int y = 0; y < known.height(); ++y)
+        for (int x = 0; x < known.width(); ++x)
+            known.at(x, y) = caustic_light_at(seen, {x, y}) + airlight_at(seen, {x, y});
+    const SeeSettings see{i.settings.format, i.settings.samples, i.settings.edge_samples, i.settings.specular_depth};
+    TrueFrame truth = true_frame(i.posed_scene, see, i.plan, known, finely);
+    i.statistics.true_paths += truth.paths;
+    i.statistics.true_pixels += known.size();
+    i.statistics.capped_pixels += truth.capped;
+    i.share_time(cpu_seconds() - start, {});
+    return std::move(truth.radiance);
 }
 
 core::Radiance Renderer::sketch(const scene::Snapshot& snapshot, const Seen& seen,

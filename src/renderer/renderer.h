@@ -67,6 +67,7 @@ struct Statistics {
     std::uint64_t caustic_photons = 0, caustic_landings = 0, caustic_rays = 0;
     std::uint64_t caustic_pairs = 0, caustic_doubts = 0;  ///< of landings and points; of them asked by a ray
     std::uint64_t gather_points = 0, capped_points = 0;   ///< capped: stopped by max_cut, tolerance not reached
+    std::uint64_t true_paths = 0, true_pixels = 0, capped_pixels = 0;  ///< of frames by paths alone; capped: likewise
     std::uint64_t direct_clusters = 0, indirect_clusters = 0;
     std::uint64_t non_finite = 0;                        ///< pixel values replaced by 0
     std::string first_non_finite;                        ///< where: "frame 3, pixel (10, 20)"
@@ -122,6 +123,10 @@ class Renderer {
     /// same.
     void light_closer(const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance, Seen& seen,
                       core::Radiance& radiance);
+
+    /// `shade` by paths alone (true_frame.h), which know nothing of light points, trees and records. Of frames that
+    /// shutter or lens blur, the middle.
+    core::Radiance trace(const scene::Snapshot& snapshot, const Seen& seen, const TruthSettings& finely);
 
     /// `shade` for a first, rough look that is no frame of the film: counts in the statistics as time and as an update
     /// of light only, teaches nothing, and takes the law of the stopping rule as it is.

@@ -169,6 +169,7 @@ struct Rung {
 ToleranceRequest loosened(const ToleranceRequest& asked, float factor) {
     ToleranceRequest tolerance = asked;
     tolerance.reference = false;
+    tolerance.truth.reset();
     // chosen: what is asked without clustering is first lit as films are; a pixel's luminance is the end of all shares.
     if (asked.reference) tolerance.coupled = true;
     if (tolerance.coupled)

@@ -201,6 +201,19 @@ void decide_passes(RenderJob& film, const RenderOptions& options) {
     tell_samples(film);
 }
 
+/// What paths do not know, or leaves nothing to ask.
+void refuse_beside_truth(const RenderJob& film, const RenderOptions& options) {
+    const auto refuse = [](const std::string& option, const char* why) {
+        throw UsageError(option + ": with --tolerance truth " + why);
+    };
+    if (film.plan.runs(renderer::Pass::shutter)) refuse("--shutter", "every frame is an instant; say --shutter 0");
+    if (film.plan.runs(renderer::Pass::lens)) refuse("--f-stop", "all is in focus; say --f-stop off");
+    if (options.audit > 0) refuse("--audit", "there is nothing truer to hold the picture against");
+    for (const auto& [subject, file] : options.heatmaps)
+        if (subject != "quantiser" && subject != "error")
+            refuse("--heatmap " + subject, "there are neither cuts nor records");
+}
+
 /// The same in half the size: whole macroblocks' worth of neither is needed, even numbers are.
 ShapeWishes half_of(ShapeWishes wishes, const Shape& shape) {
     const auto half = [](int length) { return std::max(16, (length + 3) / 4 * 2); };
@@ -305,6 +318,7 @@ RenderJob prepare(const RenderOptions& wanted) {
     settle_edges(film, options);
 
     decide_passes(film, options);
+    if (film.tolerance.truth) refuse_beside_truth(film, options);
     if (film.preview) settle_preview(film);
     return film;
 }
@@ -348,7 +362,8 @@ float measure_exposure(const RenderJob& film) {
     // chosen: 1,024, not tuned; with 4,096 the exposure of two films differs by 0.005 and 0.01 EV.
     small.rendering.vpls = std::min(small.rendering.vpls, 1024);
     small.exposure.reset();
-    small.tolerance = {false, 0.1f, false, {}};
+    small.tolerance = {};
+    small.tolerance.relative = 0.1f;
 
     renderer::Renderer renderer = renderer_of(small);
     std::vector<float> surfaces, sky;

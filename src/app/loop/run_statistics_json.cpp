@@ -54,6 +54,9 @@ void each_count(Counts& s, Visit&& visit) {
     visit("caustic_doubts", s.caustic_doubts);
     visit("gather_points", s.gather_points);
     visit("capped_points", s.capped_points);
+    visit("true_paths", s.true_paths);
+    visit("true_pixels", s.true_pixels);
+    visit("capped_pixels", s.capped_pixels);
     visit("direct_clusters", s.direct_clusters);
     visit("indirect_clusters", s.indirect_clusters);
     visit("non_finite", s.non_finite);

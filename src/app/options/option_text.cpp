@@ -78,15 +78,23 @@ FrameRange frames_from(const std::string& text) {
 }
 
 ToleranceRequest tolerance_from(const std::string& text) {
-    if (text == "reference") return {true, 0, false, {}};
-    if (text == "coupled") return {false, 0, true, {}};
+    if (text == "reference") return {true, 0, false, {}, {}};
+    if (text == "coupled") return {false, 0, true, {}, {}};
+    if (text == "truth") return {true, 0, false, {}, 0.01f};
+    if (text.starts_with("truth=")) {
+        char* end = nullptr;
+        const double percent = std::strtod(text.c_str() + 6, &end);
+        // chosen: a tenth of the default takes a hundred times as many paths, which nobody waits for.
+        if (std::string_view(end) == "%" && percent >= 0.1 && percent <= 100)
+            return {true, 0, false, {}, static_cast<float>(percent / 100)};
+    }
     if (text.starts_with("coupled=")) {
         const char* number = text.c_str() + 8;
         char* end = nullptr;
         const double share = std::strtod(number, &end);
         // chosen: more than 100 times what is hidden is a slip of the pen.
         if (end != number && *end == '\0' && static_cast<float>(share) > 0 && share <= 100)
-            return {false, 0, true, static_cast<float>(share)};
+            return {false, 0, true, static_cast<float>(share), {}};
     }
     if (text.starts_with("fixed=") || text.ends_with('%')) {
         const char* number = text.c_str() + (text.starts_with("fixed=") ? 6 : 0);
@@ -94,12 +102,12 @@ ToleranceRequest tolerance_from(const std::string& text) {
         const double percent = std::strtod(number, &end);
         // Without its sign, 1 could mean all of the light.
         if (end != number && std::string_view(end) == "%" && percent >= 0 && percent <= 100)
-            return {false, static_cast<float>(percent / 100), false, {}};
+            return {false, static_cast<float>(percent / 100), false, {}, {}};
     }
     throw UsageError(
         "tolerance " + text +
         ": expected `coupled`, coupled=K with K above 0 and up to 100, fixed=P% with P from 0 to 100, e.g. "
-        "fixed=2%, or 2% for short, or `reference`");
+        "fixed=2%, or 2% for short, `reference`, `truth`, or truth=P% with P from 0.1 to 100");
 }
 
 std::optional<double> loss_from(const std::string& text) {

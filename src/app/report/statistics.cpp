@@ -186,6 +186,7 @@ json quantisers_of(const RunStatistics& statistics) {
 
 /// What a pixel's light was allowed to be off by.
 json tolerance_of(const RenderJob& film) {
+    if (film.tolerance.truth) return {{"mode", "truth"}, {"relative", *film.tolerance.truth}};
     if (film.tolerance.reference) return {{"mode", "reference"}};
     if (!film.tolerance.coupled) return {{"mode", "fixed"}, {"relative", film.tolerance.relative}};
     return {{"mode", "coupled"},
@@ -276,6 +277,7 @@ json statistics_of(const RenderJob& film, const RunStatistics& statistics, const
         {"mean_cut", {{"direct", statistics.mean_direct_cut()}, {"indirect", statistics.mean_indirect_cut()}}},
         {"gather_points", r.gather_points},
         {"capped_points", r.capped_points},
+        {"truth", {{"paths", r.true_paths}, {"pixels", r.true_pixels}, {"capped_pixels", r.capped_pixels}}},
         {"tolerance_bands", bands_of(r.bands)},
         {"error_scale", error_scale_of(r)},
         {"records", records_of(film, r)},

@@ -126,14 +126,28 @@ std::string closing_lines(const Film& film, const RunStatistics& statistics, con
                        statistics.pumping() ? fmt::format(", pumping {:.2f}", *statistics.pumping()) : "");
 }
 
+/// What frames by paths alone took.
+std::string truth_lines(const renderer::Statistics& r) {
+    const auto pixels = static_cast<double>(r.true_pixels);
+    std::string text = fmt::format("  light      {} paths, {} a pixel\n", count_text(static_cast<double>(r.true_paths)),
+                                   count_text(static_cast<double>(r.true_paths) / pixels));
+    if (r.capped_pixels > 0)
+        text += fmt::format("             {} of the pixels stopped at the most paths, their error not reached\n",
+                            percent_text(static_cast<double>(r.capped_pixels) / pixels));
+    return text;
+}
+
 /// What gathering light took.
 std::string light_lines(const RunStatistics& statistics) {
     const renderer::Statistics& r = statistics.rendering;
-    std::string text = fmt::format(
-        "  light      {} direct and {} indirect light points; mean cut {:.1f} and {:.1f}\n"
-        "             {} points to light, {} shadow rays\n",
-        r.direct_points, r.indirect_points, statistics.mean_direct_cut(), statistics.mean_indirect_cut(),
-        count_text(static_cast<double>(r.gather_points)), count_text(static_cast<double>(r.shadow_rays)));
+    std::string text =
+        r.true_pixels > 0
+            ? truth_lines(r)
+            : fmt::format(
+                  "  light      {} direct and {} indirect light points; mean cut {:.1f} and {:.1f}\n"
+                  "             {} points to light, {} shadow rays\n",
+                  r.direct_points, r.indirect_points, statistics.mean_direct_cut(), statistics.mean_indirect_cut(),
+                  count_text(static_cast<double>(r.gather_points)), count_text(static_cast<double>(r.shadow_rays)));
     if (r.capped_points > 0)
         text += fmt::format("             {} of the points stopped at the largest cut, their tolerance not certified\n",
                             percent_text(core::divide_or(static_cast<double>(r.capped_points),

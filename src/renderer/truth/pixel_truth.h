@@ -1,35 +1,12 @@
 #pragma once
 // Estimates the true radiance of pixels, with its error.
-#include <array>
 #include <cstdint>
-#include <glm/glm.hpp>
 #include <span>
 #include <vector>
 
-#include "renderer/surface/gather_point.h"
-#include "renderer/surface/posed_scene.h"
-#include "renderer/view/see.h"
+#include "renderer/truth/pixel_paths.h"
 
 namespace render2mpeg::renderer {
-
-/// A pixel whose truth is wanted.
-struct TruthRequest {
-    glm::ivec2 place{0};
-    std::span<const GatherPoint> points;  ///< its gather points; none: nothing there wants light
-    float luminance = 0;                  ///< about, >= 0: errors count by it
-    int samples = 1;                      ///< eye samples of the pixel
-    glm::vec3 known{0};                   ///< radiance of it that paths do not find: caustics
-};
-
-/// The mean of two independent halves of equal weight.
-struct Estimate {
-    std::array<glm::dvec3, 2> halves{glm::dvec3(0), glm::dvec3(0)};  ///< radiance
-    double variance = 0;                                             ///< of the whole mean's luminance
-
-    glm::dvec3 mean() const { return 0.5 * (halves[0] + halves[1]); }
-    double luminance() const { return 0.5 * (luminance_of(0) + luminance_of(1)); }
-    double luminance_of(std::size_t half) const;
-};
 
 /// What a pixel's radiance truly is. Half 0 of one is independent of half 1 of the other; alike halves are not.
 struct PixelTruth {
