@@ -26,7 +26,7 @@ nlohmann::json statistics_of(const std::string& options) {
     return nlohmann::json::parse(support::contents(stats));
 }
 
-TEST(Audit, SaysHowWellTolerancesWereKept) {
+TEST(Audit, SaysHowWellTolerancesWereKeptSlow) {
     const nlohmann::json audited = statistics_of("--tolerance fixed=4% --audit 40");
     const nlohmann::json& audit = audited.at("audit");
     EXPECT_EQ(audit.at("pixels"), 80);

@@ -54,7 +54,7 @@ fs::path export_of(const fs::path& blend) {
     return {};
 }
 
-TEST(BlendFile, WithoutBlenderIsRefusedInALineThatSaysWhatToDo) {
+TEST(BlendFileSlow, WithoutBlenderIsRefusedInALineThatSaysWhatToDo) {
     const Folder folder;
     std::ofstream(folder / "film.blend") << "BLENDER";
     const Outcome said =
@@ -65,7 +65,7 @@ TEST(BlendFile, WithoutBlenderIsRefusedInALineThatSaysWhatToDo) {
     EXPECT_NE(said.output.find("RENDER2MPEG_BLENDER"), std::string::npos) << said.output;
 }
 
-TEST(BlendFile, ThatIsBrokenIsRefusedInALine) {
+TEST(BlendFileSlow, ThatIsBrokenIsRefusedInALine) {
     NEEDS_BLENDER();
     const Folder folder;
     make(folder, "markers");
@@ -81,7 +81,7 @@ TEST(BlendFile, ThatIsBrokenIsRefusedInALine) {
     }
 }
 
-TEST(BlendFile, ExecutesNothingThatItHolds) {
+TEST(BlendFileSlow, ExecutesNothingThatItHolds) {
     NEEDS_BLENDER();
     const Folder folder;
     make(folder, "hostile");
@@ -96,7 +96,7 @@ TEST(BlendFile, ExecutesNothingThatItHolds) {
         EXPECT_NE(said.output.find(line), std::string::npos) << said.output;
 }
 
-TEST(BlendFile, IsExportedOnceUntilItChanges) {
+TEST(BlendFileSlow, IsExportedOnceUntilItChanges) {
     NEEDS_BLENDER();
     const Folder folder;
     make(folder, "instances");
@@ -116,7 +116,7 @@ TEST(BlendFile, IsExportedOnceUntilItChanges) {
     EXPECT_NE(std::distance(fs::directory_iterator(blend.string() + ".export"), fs::directory_iterator{}), 1);
 }
 
-TEST(BlendFile, BecomesAFilmWithItsRateSizeShotsAndInstances) {
+TEST(BlendFileSlow, BecomesAFilmWithItsRateSizeShotsAndInstances) {
     NEEDS_BLENDER();
     const Folder folder;
     make(folder, "markers instances");
@@ -142,7 +142,7 @@ TEST(BlendFile, BecomesAFilmWithItsRateSizeShotsAndInstances) {
         EXPECT_NE(glb.find(node), std::string::npos) << node;
 }
 
-TEST(BlendFile, TellsWhatIsNotKeptByObjectAndReason) {
+TEST(BlendFileSlow, TellsWhatIsNotKeptByObjectAndReason) {
     NEEDS_BLENDER();
     const Folder folder;
     make(folder, "odds_and_ends");
@@ -167,7 +167,7 @@ TEST(BlendFile, TellsWhatIsNotKeptByObjectAndReason) {
         EXPECT_NE(glb.find(node), std::string::npos) << node;
 }
 
-TEST(BlendFile, HasAnIntraPictureAtEachCut) {
+TEST(BlendFileSlow, HasAnIntraPictureAtEachCut) {
     NEEDS_BLENDER();
     const Folder folder;
     make(folder, "markers");
@@ -187,7 +187,7 @@ TEST(BlendFile, HasAnIntraPictureAtEachCut) {
     EXPECT_NE(told.output.find("mp2"), std::string::npos) << told.output;
 }
 
-TEST(CyclesFrames, BecomeAFilmWithTheirMotion) {
+TEST(CyclesFramesSlow, BecomeAFilmWithTheirMotion) {
     NEEDS_BLENDER();
     const Folder folder;
     make(folder, "tracked_camera");
@@ -205,7 +205,7 @@ TEST(CyclesFrames, BecomeAFilmWithTheirMotion) {
     EXPECT_EQ(test::types_in(folder / "s.json").size(), 3u);
 }
 
-TEST(BlenderAddOn, MakesAFilmItsFolderAndTellsMistakes) {
+TEST(BlenderAddOnSlow, MakesAFilmItsFolderAndTellsMistakes) {
     NEEDS_BLENDER();
     const Folder folder;
     make(folder, "markers");

@@ -262,7 +262,7 @@ TEST(Statistics, TellTheRealQuantisersWhereNoneWasAskedFor) {
     EXPECT_NEAR(statistics.at("tolerance").at("relative").get<double>(), 0.05, 1e-6);
 }
 
-TEST(Interruption, LeavesAPlayablePartialFilmAndNoFinalOne) {
+TEST(Interruption, LeavesAPlayablePartialFilmAndNoFinalOneSlow) {
     const Folder folder;
     const auto output = folder / "film.mpg";
     const auto outcome =

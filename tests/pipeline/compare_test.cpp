@@ -69,7 +69,7 @@ TEST(Compare, HoldsSixWaysAgainstOneReference) {
         }
 }
 
-TEST(Compare, TakesMediansOfRunsAndKeepsItsReferences) {
+TEST(Compare, TakesMediansOfRunsAndKeepsItsReferencesSlow) {
     const Folder folder;
     const std::string once = program() + " compare " + plain_film() +
                              " --size 32x32 --vpls 16 --samples 1 --exposure 0 --sample 1x2 --references 1" +

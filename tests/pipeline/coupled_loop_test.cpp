@@ -83,7 +83,7 @@ double mean_absolute(const core::ToleranceMap& map) {
     return sum / static_cast<double>(map.pixels.size());
 }
 
-TEST(CoupledLoop, CutsShrinkWhileTheDecodedFilmStaysAsNearToTheTruth) {
+TEST(CoupledLoop, CutsShrinkWhileTheDecodedFilmStaysAsNearToTheTruthSlow) {
     RenderOptions options = options_of(support::panel_film(), "0:4", "48x48");
     options.coding.quantiser = 16;
     const Record truth = made(options, "reference"), fixed = made(options, "fixed=2%"),

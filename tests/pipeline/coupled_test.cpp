@@ -39,7 +39,7 @@ double mean_cut(const Made& made) {
     return cut.at("direct").get<double>() + cut.at("indirect").get<double>();
 }
 
-TEST(Coupled, CoarserQuantisersMakeSmallerCuts) {
+TEST(Coupled, CoarserQuantisersMakeSmallerCutsSlow) {
     const Folder folder;
     double before = 1e9;
     for (const char* quantiser : {"1", "6", "31"}) {
@@ -70,13 +70,13 @@ TEST(Coupled, TheShareOfWhatIsHiddenSteersTheCut) {
     EXPECT_LT(mean_cut(make(folder, plain_film(), rest + "1")), mean_cut(make(folder, plain_film(), rest + "0.1")));
 }
 
-TEST(Coupled, TheFilmDoesNotDependOnThreads) {
+TEST(Coupled, TheFilmDoesNotDependOnThreadsSlow) {
     const Folder folder;
     const std::string rest = " --frames 0:3 --gop 3 --vpls 64 --tolerance coupled=0.5 --threads ";
     EXPECT_EQ(make(folder, film("character"), rest + "1").bytes, make(folder, film("character"), rest + "4").bytes);
 }
 
-TEST(Coupled, NoChunkDependsOnTheOneBefore) {
+TEST(Coupled, NoChunkDependsOnTheOneBeforeSlow) {
     // Chunks begin on a grid from the first frame; the second one of 60 + 60 is the first one of what begins there.
     const Folder folder;
     const std::string tiny = " --vpls 16 --b-pictures 0 --tolerance coupled=1 --frames ";

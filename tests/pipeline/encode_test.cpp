@@ -37,7 +37,7 @@ nlohmann::json statistics(const Folder& folder, const std::string& arguments) {
     return outcome.status == 0 ? nlohmann::json::parse(contents(folder / "s.json")) : nlohmann::json::object();
 }
 
-TEST(Encode, FramesAndLayersOfARenderGiveNearlyTheFilmOfTheRenderItself) {
+TEST(Encode, FramesAndLayersOfARenderGiveNearlyTheFilmOfTheRenderItselfSlow) {
     const Folder folder;
     const std::string render =
         program() + " render -y --hold " + support::plain_film() +

@@ -61,7 +61,7 @@ void make_foreign(const std::string& file, const std::string& options) {
 
 class EveryContainer : public testing::TestWithParam<const char*> {};
 
-TEST_P(EveryContainer, TellsTypesAndSizesAsFfprobeDoes) {
+TEST_P(EveryContainer, TellsTypesAndSizesAsFfprobeDoesSlow) {
     const Folder folder;
     make_film(folder, GetParam(), " --gop 6");
     const json told = info(path(folder, GetParam()));

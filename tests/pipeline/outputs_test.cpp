@@ -29,7 +29,7 @@ support::Outcome interrupted(const std::string& render, const std::string& file,
                " $job; wait $job");
 }
 
-TEST(WorkFolder, IsAnotherForFilmsOfOneStem) {
+TEST(WorkFolder, IsAnotherForFilmsOfOneStemSlow) {
     const Folder folder;
     const std::string start = program() + " render " + plain_film() + endless + "-o ";
     const std::string second = program() + " render " + plain_film() + tiny + "--quiet -o " + path(folder, "a.mkv");
@@ -41,7 +41,7 @@ TEST(WorkFolder, IsAnotherForFilmsOfOneStem) {
     EXPECT_TRUE(std::filesystem::exists(folder / "a.partial.mpg")) << "the first went on beside it";
 }
 
-TEST(WorkFolder, IsNoOtherRunsMeanwhile) {
+TEST(WorkFolder, IsNoOtherRunsMeanwhileSlow) {
     const Folder folder;
     const std::string out = "-o " + path(folder, "a.mpg");
     const std::string again = program() + " render " + plain_film() + tiny + "--quiet " + out;

@@ -108,7 +108,7 @@ TEST(Shape, ABallIsRoundAsShownAndMovesByWhatItsVectorsSay) {
     }
 }
 
-TEST(Shape, ReachesEveryKindOfOutput) {
+TEST(Shape, ReachesEveryKindOfOutputSlow) {
     const Folder folder;
     const std::string render = program() + " render -y --hold " + plain_film() +
                                " --size 72x64 --display-aspect 16:9 --samples 1 --vpls 0 --frames 0:4 --exposure 0 "

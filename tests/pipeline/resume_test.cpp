@@ -75,7 +75,7 @@ int render_killed(const std::string& render, const std::string& signal, std::uin
     return ended;
 }
 
-TEST(Resume, AFilmThatIsKilledAgainAndAgainHasTheSameBytes) {
+TEST(Resume, AFilmThatIsKilledAgainAndAgainHasTheSameBytesSlow) {
     const Folder folder;
     const std::string start = program() + " render -y --hold " + scene_in(folder) + light;
     const auto output = [&](const std::string& name) {
@@ -231,7 +231,7 @@ TEST(Resume, GivesAFilmItsNameThatCouldNotHaveItBefore) {
 }
 
 /// Slow: other outputs, other settings, other scenes, many more moments.
-TEST(Resume, FramesThatAreNotCodedAreKept) {
+TEST(Resume, FramesThatAreNotCodedAreKeptSlow) {
     const Folder folder;
     const std::string start = program() + " render -y --hold " + scene_in(folder) + light + "-o ";
     const std::string film = path(folder, "film.y4m"), record = film + ".partial/chunk_00000.json";

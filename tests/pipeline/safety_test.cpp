@@ -169,7 +169,7 @@ TEST(Outputs, AreSeenToBeProtectedBeforeAnythingIsDone) {
     }
 }
 
-TEST(Heatmap, ThatFailsCostsNoFilm) {
+TEST(Heatmap, ThatFailsCostsNoFilmSlow) {
     const Folder folder;
     // Blocks of 512 bytes: the film and its statistics fit, heatmaps do not.
     const auto outcome =
@@ -212,7 +212,7 @@ support::Outcome interrupt(const std::string& render, const std::string& file) {
                " ]; do kill -0 $job || exit 99; sleep 0.05; done; kill -INT $job; wait $job");
 }
 
-TEST(Leftovers, AreRemovedByTheSameFilmAloneAndDoNotPileUp) {
+TEST(Leftovers, AreRemovedByTheSameFilmAloneAndDoNotPileUpSlow) {
     const Folder folder;
     const std::string endless =
         support::program_at_terminal() + " render " + plain_film() +
@@ -263,7 +263,7 @@ TEST(Leftovers, GoWhenTheirFilmIsWholeUnlessTheyWereChanged) {
     EXPECT_TRUE(std::filesystem::exists(other));
 }
 
-TEST(WorkFolder, IsItsRunsAloneWhileOthersEndAndBegin) {
+TEST(WorkFolder, IsItsRunsAloneWhileOthersEndAndBeginSlow) {
     const Folder folder;
     std::atomic<int> had{0}, lost{0};
     const auto runs = [&] {

@@ -164,7 +164,7 @@ json tuned(const std::string& options, int status = 0) {
     return json::parse(contents(folder / "t.json"));
 }
 
-TEST(Tune, FindsAQualityAndPrintsTheRenderThatHasIt) {
+TEST(Tune, FindsAQualityAndPrintsTheRenderThatHasItSlow) {
     const Folder folder;
     const std::string options = small_search + " --sample 2x6 --target-psnr 38 --dry-run";
     const auto outcome = run(program() + " tune " + plain_film() + options + " --report " + path(folder, "t.html") +
@@ -235,7 +235,7 @@ TEST(Tune, MakesAFilmOfItsRateAndLooksAtIt) {
     EXPECT_TRUE(film.at("near").get<bool>());
 }
 
-TEST(Tune, KeepsAFileBelowItsSize) {
+TEST(Tune, KeepsAFileBelowItsSizeSlow) {
     for (const char* ending : {"mpg", "ts"}) {
         const double most = ending[0] == 't' ? 12e3 : 6e3;
         const Folder folder;

@@ -148,7 +148,7 @@ std::string waits_for(const std::string& file) {
     return " & job=$!; while [ ! -s " + file + " ]; do kill -0 $job 2>/dev/null || exit 99; sleep 0.01; done; ";
 }
 
-TEST(Heatmap, ThatCannotHaveItsNameAtLastMayHaveItLater) {
+TEST(Heatmap, ThatCannotHaveItsNameAtLastMayHaveItLaterSlow) {
     const Folder folder;
     const std::string heat = path(folder, "heat.mpg");
     std::string start, whole, all;
@@ -174,7 +174,7 @@ TEST(Heatmap, ThatCannotHaveItsNameAtLastMayHaveItLater) {
     EXPECT_EQ(folder.entries(), 2u) << "no work folder is left";
 }
 
-TEST(Heatmap, ThatIsGivenUpLeavesNothing) {
+TEST(Heatmap, ThatIsGivenUpLeavesNothingSlow) {
     const Folder folder;
     const std::string heat = path(folder, "heat.mpg"), film = path(folder, "f.mpg");
     for (const char* way : {" --resume", ""}) {

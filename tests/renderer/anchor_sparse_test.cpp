@@ -79,7 +79,7 @@ TEST(SparseAnchors, FollowEnoughPathsThoughNoneLandedWhenTheyWereChosen) {
     EXPECT_LE(stage.anchors().paths(), 64u * 300u);
 }
 
-TEST(SparseAnchors, FollowALampOnAPathOf500Metres) {
+TEST(SparseAnchors, FollowALampOnAPathOf500MetresSlow) {
     // A lamp 2 m above a road.
     SceneBuilder b;
     b.add_quad({-4, 0, 0}, {0, 0, 520}, {8, 0, 0}, b.add_material(glm::vec3(0.6f)));

@@ -200,7 +200,7 @@ double largest_change(const AnchorSettings& settings) {
     return largest;
 }
 
-TEST(Anchors, ChangeByAtMostATwentiethWhereALampMoves14Centimetres) {
+TEST(Anchors, ChangeByAtMostATwentiethWhereALampMoves14CentimetresSlow) {
     AnchorSettings settings{2048, 4};
     const double usual = largest_change(settings);
     settings.photons = 1u << 17;
@@ -211,7 +211,7 @@ TEST(Anchors, ChangeByAtMostATwentiethWhereALampMoves14Centimetres) {
     EXPECT_LE(usual, 1.2 * smoothest);
 }
 
-TEST(Anchors, OfADarkFilmAreNone) {
+TEST(Anchors, OfADarkFilmAreNoneSlow) {
     SceneBuilder b;
     b.add_box({0, 0, 0}, {4, 3, 5}, b.add_material(glm::vec3(0.0f)), true);
     b.add_point_light({1.7f, 1.6f, 2.1f}, 10.0f);

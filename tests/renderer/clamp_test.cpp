@@ -5,7 +5,7 @@
 namespace render2mpeg::renderer {
 namespace {
 
-TEST(Clamping, LosesLittleAndLessWithMoreLightPoints) {
+TEST(Clamping, LosesLittleAndLessWithMoreLightPointsSlow) {
     double lost[2];
     for (const int more : {0, 1}) {
         Settings settings = test::small_frame(16, 16);

@@ -111,7 +111,7 @@ TEST(LightSplit, SuitFilmsWhereAFewThingsMoveAndLightsDoNot) {
     EXPECT_FALSE(suit(crowd, 1000, 5));
 }
 
-TEST(LightSplit, KeepAllRecordsWhereABoxMoves) {
+TEST(LightSplit, KeepAllRecordsWhereABoxMovesSlow) {
     FilmStage stage(parts_room({here, beside}), parts_settings(true)),
         plain(parts_room({here, beside}), parts_settings(false));
     stage.cut(0.05f, 0);
@@ -122,7 +122,7 @@ TEST(LightSplit, KeepAllRecordsWhereABoxMoves) {
     EXPECT_LT(stage.statistics().cache.created - created, created / 4);
 }
 
-TEST(LightSplit, DecideWhetherLightIsKeptWhereOnlyStaticLightMayBe) {
+TEST(LightSplit, DecideWhetherLightIsKeptWhereOnlyStaticLightMayBeSlow) {
     Settings kept = parts_settings(true), plain = parts_settings(false);
     kept.cache = CacheUse::static_light;
     FilmStage parted(parts_room({here, beside}), kept);
@@ -151,7 +151,7 @@ TEST(LightSplit, DecideWhetherLightIsKeptWhereOnlyStaticLightMayBe) {
     EXPECT_GT(walked.statistics().cache.created, 0u);
 }
 
-TEST(LightSplit, ShowNoShadowOfWhatIsGoneAndShowItAgainOnceItIsBack) {
+TEST(LightSplit, ShowNoShadowOfWhatIsGoneAndShowItAgainOnceItIsBackSlow) {
     const test::SceneBuilder b = parts_room({here, here, below, here}, false, {0.9f, 0.5f, 2.8f});
     FilmStage stage(b, parts_settings(true)), plain(b, parts_settings(false));
     stage.cut(0.05f, 0);
@@ -176,7 +176,7 @@ TEST(LightSplit, FollowWhatAppears) {
     EXPECT_GE(share_over(truth[0], truth[1], 0.05f), 0.02);
 }
 
-TEST(LightSplit, FollowWhatDeforms) {
+TEST(LightSplit, FollowWhatDeformsSlow) {
     test::SceneBuilder b = test::furnished_room();
     b.add_point_light({0.6f, 2.4f, 3.0f}, 1.5f);
     scene::Mesh mesh = test::SceneBuilder::box(low, high, false);
@@ -207,7 +207,7 @@ TEST(LightSplit, AreOfLampsWhereThereAreNoAnchors) {
     }
 }
 
-TEST(LightSplit, MeetACameraCutAndAnotherChunk) {
+TEST(LightSplit, MeetACameraCutAndAnotherChunkSlow) {
     test::SceneBuilder b = parts_room({here, beside, here, beside}, true);
     b.add_camera({3.5f, 1.2f, 3.6f}, {0.5f, 0.2f, 2.0f}, 1.1f);
     b.film().shots = {{0, 0}, {2, 1}};

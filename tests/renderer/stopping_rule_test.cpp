@@ -52,7 +52,7 @@ double share_over(const std::vector<double>& e) {
     return static_cast<double>(e.end() - std::upper_bound(e.begin(), e.end(), 1.0)) / static_cast<double>(e.size());
 }
 
-TEST(StoppingRule, KeepsItsToleranceInNinetyNineOfAHundredPixels) {
+TEST(StoppingRule, KeepsItsToleranceInNinetyNineOfAHundredPixelsSlow) {
     FilmStage& stage = shared_stage();
     const core::Radiance& truth = shared_truth();
     for (const float tolerance : {0.01f, 0.02f, 0.04f, 0.08f, 0.26f}) {
@@ -86,7 +86,7 @@ TEST(StoppingRule, KeepsEveryPixelsOwnTolerance) {
     EXPECT_LE(share_over(fine), 0.01);
 }
 
-TEST(StoppingRule, RefinesLessWhereMoreIsTolerated) {
+TEST(StoppingRule, RefinesLessWhereMoreIsToleratedSlow) {
     FilmStage& stage = shared_stage();
     std::uint64_t last = std::numeric_limits<std::uint64_t>::max();
     for (const float tolerance : {0.01f, 0.02f, 0.05f, 0.1f, 0.2f, 0.4f}) {
@@ -97,7 +97,7 @@ TEST(StoppingRule, RefinesLessWhereMoreIsTolerated) {
     }
 }
 
-TEST(StoppingRule, SaysByHowMuchEveryPixelMayErr) {
+TEST(StoppingRule, SaysByHowMuchEveryPixelMayErrSlow) {
     FilmStage stage(furnished_room(), stop_settings());
     EXPECT_TRUE(stage.cut(0.08f).error.empty());
     stage.restart(true);
