@@ -1,6 +1,5 @@
 // Filmic and AgX share one form: light on a logarithmic scale of 16.5 stops, and on it a sigmoid of two arms that meet
-// at a pivot [AgX]. AgX's constants are the published ones; Filmic's are fitted to what Blender shows
-// (docs/fits/views.md).
+// at a pivot [AgX]. Their constants are fitted to what Blender shows (docs/fits/views.md).
 #include "perceptual/view_transform.h"
 
 #include <algorithm>
@@ -20,7 +19,7 @@ struct Sigmoid {
     double x, y, slope, toe, shoulder;
 };
 
-// fit: docs/fits/views.md, Filmic's. AgX's: [AgX].
+// fit: docs/fits/views.md
 constexpr Sigmoid filmic{0.6156, 0.5215, 2.1672, 2.5374, 3.0992};
 constexpr Sigmoid very_high_contrast{0.6082, 0.5074, 3.2860, 2.9248, 2.7394};
 constexpr Sigmoid high_contrast{0.6069, 0.5032, 2.8101, 2.7511, 3.0446};
@@ -28,7 +27,10 @@ constexpr Sigmoid medium_high_contrast{0.6103, 0.5128, 2.4956, 2.6492, 2.7113};
 constexpr Sigmoid medium_low_contrast{0.6361, 0.5582, 1.9468, 2.5861, 2.6867};
 constexpr Sigmoid low_contrast{0.6270, 0.5356, 1.7293, 2.2527, 3.0726};
 constexpr Sigmoid very_low_contrast{0.5943, 0.4807, 1.5492, 1.7150, 4.4011};
-constexpr Sigmoid agx{10 / 16.5, 0.5, 2.0, 3.0, 3.25};
+constexpr Sigmoid agx{0.6219, 0.5192, 2.3359, 1.6253, 1.3400};
+
+/// AgX's sigmoid is that of a display of this power, as in Blender's own configuration.
+constexpr double agx_power = 2.4;
 
 const Sigmoid& sigmoid_of(core::ViewName name) {
     switch (name) {
@@ -87,14 +89,16 @@ double inverse_srgb(double signal) {
     return signal <= 12.92 * 0.0031308 ? signal / 12.92 : std::pow((signal + 0.055) / 1.055, 2.4);
 }
 
-/// The curve of one channel.
+/// The curve of one channel; AgX's gives a display's light, which is still to mix.
 double curve(core::ViewName name, double light) {
     if (name == core::ViewName::standard) return srgb(light);
     const double place = (std::log2(light) - darkest_stop) / (brightest_stop - darkest_stop);
-    return raised(sigmoid_of(name), std::clamp(place, 0.0, 1.0));
+    const double shown = raised(sigmoid_of(name), std::clamp(place, 0.0, 1.0));
+    return name == core::ViewName::agx ? std::pow(shown, agx_power) : shown;
 }
 double inverse_curve(core::ViewName name, double signal) {
     if (name == core::ViewName::standard) return inverse_srgb(signal);
+    if (name == core::ViewName::agx) signal = std::pow(inverse_srgb(signal), 1 / agx_power);
     return std::exp2(darkest_stop + (brightest_stop - darkest_stop) * lowered(sigmoid_of(name), signal));
 }
 
@@ -105,14 +109,23 @@ constexpr float desaturation = 5.7231e-5f, desaturation_power = 1.13548f, desatu
 /// Where that begins, and where all is white.
 constexpr float desaturated_from = 12.32f;
 
-/// How AgX's channels mix before its curve [AgX]. Rows sum to 1, so that grey stays grey.
-glm::dmat3 agx_inset() {
-    glm::dmat3 inset{{0.842479062253094, 0.0423282422610123, 0.0423756549057051},
-                     {0.0784335999999992, 0.878468636469772, 0.0784336},
-                     {0.0792237451477643, 0.0791661274605434, 0.879142973793104}};
-    const glm::dvec3 sums = inset[0] + inset[1] + inset[2];
-    for (int column = 0; column < 3; ++column) inset[column] /= sums;
-    return inset;
+/// How AgX's channels mix before its curve and after it. Rows sum to 1, so that grey stays grey.
+// fit: docs/fits/views.md
+const glm::mat3 agx_inset{
+    {0.58678f, 0.12191f, 0.09952f}, {0.31511f, 0.75954f, 0.20582f}, {0.09811f, 0.11855f, 0.69466f}};
+const glm::mat3 agx_outset{
+    {1.81007f, -0.22760f, -0.20082f}, {-0.63384f, 1.28860f, -0.33440f}, {-0.17623f, -0.06100f, 1.53522f}};
+
+/// What a channel of a display's light is as a signal.
+struct Signal {
+    float value;
+    float slope;  ///< derivative by the light
+};
+Signal signal_of(float light) {
+    constexpr float end_of_line = 0.0031308f;
+    if (light <= end_of_line) return {12.92f * std::max(light, 0.0f), 12.92f};
+    const float power = std::pow(std::min(light, 1.0f), 1.0f / 2.4f);
+    return {1.055f * power - 0.055f, 1.055f / 2.4f * power / std::min(light, 1.0f)};
 }
 
 float cut(float light) {
@@ -128,18 +141,13 @@ ViewTransform::ViewTransform(const core::View& view)
              view.name == core::ViewName::standard ? 12.92f : 0.0f) {
     EXPECTS(view.name != core::ViewName::neutral && view.gamma >= core::least_gamma &&
             view.gamma <= core::largest_gamma);
-    if (view.name == core::ViewName::agx) {
-        const glm::dmat3 inset = agx_inset();
-        inset_ = glm::mat3(inset);
-        outset_ = glm::mat3(glm::inverse(inset));
-    }
     end_slope_ = table_.point(static_cast<float>(white_ * 0.99)).log_slope;
 }
 
 ShownLight ViewTransform::mix(glm::vec3 exposed) const {
     const glm::vec3 light{cut(exposed.x), cut(exposed.y), cut(exposed.z)};
     if (view_.name == core::ViewName::standard) return {light, glm::vec3(1)};
-    if (view_.name == core::ViewName::agx) return {inset_ * light, glm::vec3(1)};
+    if (view_.name == core::ViewName::agx) return {agx_inset * light, glm::vec3(1)};
     const float largest = std::max({light.x, light.y, light.z});
     if (largest <= desaturated_from) return {light, glm::vec3(1)};
     const float power = desaturation * std::pow(largest, desaturation_power);
@@ -162,7 +170,10 @@ float ViewTransform::falls(float mixed) const {
 glm::vec3 ViewTransform::signals(glm::vec3 exposed) const {
     const glm::vec3 light = mix(exposed).signal;
     glm::vec3 signal{table_.signal(light.x), table_.signal(light.y), table_.signal(light.z)};
-    if (view_.name == core::ViewName::agx) signal = outset_ * signal;
+    if (view_.name == core::ViewName::agx) {
+        signal = agx_outset * signal;
+        for (int c = 0; c < 3; ++c) signal[c] = signal_of(signal[c]).value;
+    }
     signal = glm::clamp(signal, 0.0f, 1.0f);
     return view_.gamma == 1.0f ? signal : glm::pow(signal, glm::vec3(1.0f / view_.gamma));
 }
@@ -175,8 +186,13 @@ ShownLight ViewTransform::show(glm::vec3 exposed) const {
         shown.log_slope[c] = falls(mixed.signal[c]) * mixed.log_slope[c];
     }
     if (view_.name == core::ViewName::agx) {
-        shown.signal = outset_ * shown.signal;
-        shown.log_slope = outset_ * shown.log_slope;
+        shown.signal = agx_outset * shown.signal;
+        shown.log_slope = agx_outset * shown.log_slope;
+        for (int c = 0; c < 3; ++c) {
+            const Signal channel = signal_of(shown.signal[c]);
+            shown.signal[c] = channel.value;
+            shown.log_slope[c] *= channel.slope;
+        }
     }
     for (int c = 0; c < 3; ++c) {
         // What is cut off at black does not fall.

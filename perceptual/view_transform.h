@@ -38,9 +38,8 @@ class ViewTransform {
     float falls(float mixed) const;
 
     core::View view_;
-    glm::mat3 inset_{1}, outset_{1};  ///< AgX alone has them
-    double white_;                    ///< the least light that the curve makes 1
-    float end_slope_;                 ///< of the curve by the logarithm of the light, at `white_`
+    double white_;     ///< the least light that the curve makes 1
+    float end_slope_;  ///< of the curve by the logarithm of the light, at `white_`
     Table table_;
 };
 

@@ -1,7 +1,8 @@
 """blender -b --factory-startup -noaudio --python-exit-code 1 -P views.py
 
-Fits the constants of perceptual/view_transform.cpp to what Blender's Filmic shows: prints each look's sigmoid, how bright
-colours fade to white, and the largest errors in code values of 255 (docs/fits/views.md).
+Fits the constants of perceptual/view_transform.cpp to what Blender shows: of Filmic prints each look's sigmoid, how bright
+colours fade to white, and the largest errors in code values of 255; of AgX, which Blender 4 has, its sigmoid and how channels
+mix before and after it (docs/fits/views.md).
 """
 import os
 import tempfile
@@ -20,7 +21,7 @@ def shown(colors, view, look="None"):
     pixels = np.ones((height * width, 4), np.float32)
     pixels[:len(colors), :3] = colors
     image = bpy.data.images.new("colours", width, height, float_buffer=True)
-    image.colorspace_settings.name = "Linear"
+    image.colorspace_settings.name = "Linear" if bpy.app.version < (4, 0, 0) else "Linear Rec.709"
     image.pixels.foreach_set(pixels.ravel())
     scene = bpy.context.scene
     scene.view_settings.view_transform, scene.view_settings.look = view, look
@@ -101,7 +102,49 @@ def fit_fading(filmic):
     return min((least(error, (6e-5, power, offset)) for power in (1.1, 1.2) for offset in (0.001, 0.0005)), key=lambda found: found[1])
 
 
+def mixing(six):
+    """A matrix by what is off its diagonal; rows sum to 1."""
+    m = np.zeros((3, 3))
+    m[~np.eye(3, dtype=bool)] = six
+    return m + np.diag(1 - m.sum(1))
+
+
+def agx(constants, colors):
+    mixed = sigmoid(place(colors @ mixing(constants[5:11]).T), constants[:5]) ** 2.4 @ mixing(constants[11:]).T
+    cut = np.clip(mixed, 0, 1)
+    return np.where(cut <= 0.0031308, 12.92 * cut, 1.055 * cut ** (1 / 2.4) - 0.055)
+
+
+def fit_agx():
+    """Least squares by Levenberg and Marquardt's method, over colours whose channels are 0 or 2^-7 to 2^5."""
+    stops = np.concatenate([[-99], np.arange(-7, 6)])
+    colors = 2.0 ** np.stack(np.meshgrid(stops, stops, stops, indexing="ij"), -1).reshape(-1, 3)[1:]
+    truth = shown(colors, "AgX")
+    found, damping = np.array([0.606, 0.46, 2.1, 3, 3.25] + [0.1] * 6 + [-0.1] * 6), 1e-2
+    error = (agx(found, colors) - truth).ravel()
+    for _ in range(100):
+        slopes = np.stack([((agx(found + 1e-5 * unit, colors) - truth).ravel() - error) / 1e-5 for unit in np.eye(17)], 1)
+        square = slopes.T @ slopes
+        tried = found - np.linalg.solve(square + damping * np.diag(np.diag(square)), slopes.T @ error)
+        with np.errstate(all="ignore"):
+            new = (agx(tried, colors) - truth).ravel()
+        if np.isfinite(new).all() and new @ new < error @ error:
+            found, error, damping = tried, new, damping / 3
+        else:
+            damping *= 4
+    errors = 255 * np.abs(error.reshape(-1, 3))
+    greys = 255 * np.abs(agx(found, 2.0 ** np.arange(-12, 6, 0.25)[:, None].repeat(3, 1))
+                         - shown(2.0 ** np.arange(-12, 6, 0.25)[:, None].repeat(3, 1), "AgX"))
+    print(f"AgX: {np.round(found[:5], 4)}\n{np.round(mixing(found[5:11]), 5)}\n{np.round(mixing(found[11:]), 5)}")
+    print(f"{len(colors)} colours: mean error {errors.mean():.2f}, of 99 of 100 {np.percentile(errors.max(1), 99):.2f}, "
+          f"largest {errors.max():.2f}; greys {greys.max():.2f}")
+    for color in ((-6, -6, -6), (-2.5, -2.5, -2.5), (1, 1, 1), (0, -3, -5), (-4, -1, -2), (-5, -4, 2), (4, 1, -1), (-1, -2, 3)):
+        print(color, np.round(shown(2.0 ** np.array([color]), "AgX")[0], 4))
+
+
 def main():
+    if bpy.app.version >= (4, 0, 0):
+        fit_agx()
     light = 2.0 ** np.linspace(DARK, DARK + STOPS, 1056)
     filmic = None
     for look in LOOKS:

@@ -100,7 +100,8 @@ def described(thing, times, lost):
 
     if any(max(abs(a - b) for a, b in zip(v[2], thing.values[0][2])) > 1e-4 for v in thing.values):
         lost.add(thing.name, "animated size or angle of a lamp; as on the first frame")
-    if hasattr(light, "cycles") and not light.cycles.cast_shadow:
+    # Blender 4.3 has one switch for all its renderers.
+    if not getattr(getattr(light, "cycles", light), "cast_shadow", getattr(light, "use_shadow", True)):
         lost.add(thing.name, "a lamp without shadows; it casts some")
 
     power = [0.0] * len(times)

@@ -15,7 +15,7 @@ def view_of(scene, tell):
     elif view.view_transform == "AgX":
         kept = kept or look == "Base Contrast"
         name = "agx"
-        tell("view transform AgX; the film has its first, published form, whose colours differ")
+        tell("view transform AgX; strong colours differ a little")
     elif view.view_transform == "Khronos PBR Neutral":
         name = "neutral"
         tell("view transform Khronos PBR Neutral; the film's own curve is near to it")

@@ -21,7 +21,8 @@ def material(name, color, metallic=0.0, roughness=0.6, emission=0.0):
     inputs["Base Color"].default_value = (*color, 1)
     inputs["Metallic"].default_value, inputs["Roughness"].default_value = metallic, roughness
     if emission:
-        inputs["Emission"].default_value, inputs["Emission Strength"].default_value = (*color, 1), emission
+        light = inputs["Emission Color" if "Emission Color" in inputs else "Emission"]
+        light.default_value, inputs["Emission Strength"].default_value = (*color, 1), emission
     return made
 
 
@@ -130,7 +131,10 @@ def main():
     bpy.ops.export_scene.fbx(filepath=path + ".fbx", path_mode="COPY", embed_textures=True)
     bpy.ops.wm.collada_export(filepath=path + ".dae")
     bpy.context.scene.frame_set(1)
-    bpy.ops.export_scene.obj(filepath=path + ".obj", path_mode="RELATIVE")
+    if bpy.app.version < (4, 0, 0):
+        bpy.ops.export_scene.obj(filepath=path + ".obj", path_mode="RELATIVE")
+    else:
+        bpy.ops.wm.obj_export(filepath=path + ".obj", path_mode="RELATIVE")
     bpy.ops.wm.save_as_mainfile(filepath=path + ".blend")
     if samples:
         render(folder, int(samples[0]))

@@ -62,6 +62,19 @@ def add_material(name, color=(0.8, 0.8, 0.8), **inputs):
     return material
 
 
+def input_of(node, *names):
+    """The input by the first of its names that this Blender knows: Blender 4 renamed some."""
+    return next(node.inputs[name] for name in names if name in node.inputs)
+
+
+def add_socket(group, kind, name, is_input=False):
+    """A socket of a node group, which Blender 4 keeps in an interface."""
+    if hasattr(group, "interface"):
+        group.interface.new_socket(name, in_out="INPUT" if is_input else "OUTPUT", socket_type=kind)
+    else:
+        (group.inputs if is_input else group.outputs).new(kind, name)
+
+
 def add_matt(name, color):
     """A Diffuse shader: the same in both renderers, which Principled's rough surfaces are not."""
     material = bpy.data.materials.new(name)
@@ -344,8 +357,8 @@ def glass_and_emission():
                   location=(1.4, 0, 0.6), segments=48, ring_count=24)
     bulb = add_material("Bulb", (0, 0, 0))
     node = bulb.node_tree.nodes["Principled BSDF"]
-    node.inputs["Emission"].default_value = (1, 0.8, 0.6, 1)
-    node.inputs["Specular"].default_value = 0
+    input_of(node, "Emission Color", "Emission").default_value = (1, 0.8, 0.6, 1)
+    input_of(node, "Specular IOR Level", "Specular").default_value = 0
     strength = node.inputs["Emission Strength"]
     strength.default_value = 8
     strength.keyframe_insert("default_value", frame=1)
@@ -387,7 +400,7 @@ def procedural():
     wall.node_tree.links.new(place.outputs["Generated"], bricks.inputs["Vector"])
     link(wall, bricks.outputs["Color"])
     group = bpy.data.node_groups.new("Marble", "ShaderNodeTree")
-    group.outputs.new("NodeSocketColor", "Color")
+    add_socket(group, "NodeSocketColor", "Color")
     noise, ramp, end = (group.nodes.new(kind) for kind in ("ShaderNodeTexNoise", "ShaderNodeValToRGB", "NodeGroupOutput"))
     noise.inputs["Scale"].default_value = 3
     ramp.color_ramp.elements[0].color, ramp.color_ramp.elements[1].color = (0.1, 0.05, 0.3, 1), (0.9, 0.8, 0.6, 1)
@@ -441,8 +454,8 @@ def odds_and_ends():
 def scatter():
     """Geometry nodes that put small cubes all over a surface."""
     group = bpy.data.node_groups.new("Scatter", "GeometryNodeTree")
-    group.inputs.new("NodeSocketGeometry", "Geometry")
-    group.outputs.new("NodeSocketGeometry", "Geometry")
+    add_socket(group, "NodeSocketGeometry", "Geometry", is_input=True)
+    add_socket(group, "NodeSocketGeometry", "Geometry")
     begin, points, cube, put, end = (group.nodes.new(kind) for kind in (
         "NodeGroupInput", "GeometryNodeDistributePointsOnFaces", "GeometryNodeMeshCube", "GeometryNodeInstanceOnPoints", "NodeGroupOutput"))
     cube.inputs["Size"].default_value = (0.1, 0.1, 0.1)

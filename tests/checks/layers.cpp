@@ -43,7 +43,7 @@ constexpr std::size_t any_number = ~std::size_t{0};
 
 const std::vector<Library>& libraries() {
     static const std::vector<Library> all = {
-        {"Embree", {"embree3/"}, "src/renderer/geometry/", 3},
+        {"Embree", {"embree3/", "embree4/"}, "src/renderer/geometry/", 1},
         {"OpenImageIO", {"OpenImageIO/"}, "src/image/", 2},
         {"OpenEXR", {"OpenEXR/", "Imath/", "Imf", "half.h"}, "src/image/", 2},
         {"libdeflate", {"libdeflate.h"}, "src/image/", 1},

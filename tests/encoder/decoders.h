@@ -89,7 +89,12 @@ class Libavcodec {
             picture.cr = copy_plane(frame->data[2], frame->linesize[2], (w + 1) / 2, (h + 1) / 2);
             if (frame->decode_error_flags != 0) throw std::runtime_error("libavcodec marks a picture as damaged");
             pictures_.push_back(std::move(picture));
-            fields_.emplace_back(2 + frame->repeat_pict, frame->top_field_first != 0);
+#if LIBAVUTIL_VERSION_INT >= AV_VERSION_INT(58, 7, 100)
+            const bool top_first = (frame->flags & AV_FRAME_FLAG_TOP_FIELD_FIRST) != 0;
+#else
+            const bool top_first = frame->top_field_first != 0;
+#endif
+            fields_.emplace_back(2 + frame->repeat_pict, top_first);
         }
         av_frame_free(&frame);
     }

@@ -123,7 +123,8 @@ PictureTask noise_task(const Frame& source, const Frame& reference) {
 
 TEST(Evaluations, OfAllTriesAreCounted) {
     const Frame source = noisy(5, 4, 1), reference = noisy(5, 4, 2);
-    const Level& level = level_for(settings(80, 64));
+    const Settings small = settings(80, 64);
+    const Level& level = level_for(small);
     PictureTask task = noise_task(source, reference);
     task.quantiser = 20;
     const PictureResult first = code_picture(task, level);

@@ -23,7 +23,8 @@ void expect_sound(const scene::Animation& film) {
     if (film.cameras.empty()) throw std::logic_error("a film without a camera");
     for (const scene::Object& object : film.objects) {
         const scene::Mesh& mesh = film.meshes.at(static_cast<std::size_t>(object.mesh));
-        film.materials.at(static_cast<std::size_t>(object.material));
+        if (static_cast<std::size_t>(object.material) >= film.materials.size())
+            throw std::logic_error("an object without a material");
         for (const glm::uvec3& t : mesh.triangles)
             if (std::max({t.x, t.y, t.z}) >= mesh.positions.size()) throw std::logic_error("an index beyond its mesh");
     }

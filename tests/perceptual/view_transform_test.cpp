@@ -103,27 +103,29 @@ TEST(ViewTransform, FilmicFadesLampsToWhiteAsBlenderDoes) {
     }
 }
 
-TEST(ViewTransform, AgxIsThePublishedOne) {
-    // Its contrast curve is also published as a polynomial, with a mean squared error of 3.7e-6.
-    const auto curve = [](double x) {
-        return -0.00232 + x * (0.1191 + x * (0.4298 + x * (-6.868 + x * (31.96 + x * (-40.14 + x * 15.5)))));
+TEST(ViewTransform, AgxIsNearBlenders) {
+    // What Blender 4.3 shows: greys and strong colours.
+    struct Color {
+        glm::vec3 stops, shown;
     };
-    const glm::dmat3 inset{{0.842479062253094, 0.0423282422610123, 0.0423756549057051},
-                           {0.0784335999999992, 0.878468636469772, 0.0784336},
-                           {0.0792237451477643, 0.0791661274605434, 0.879142973793104}};
-    const glm::dmat3 outset = glm::inverse(inset);
     const ViewTransform view({ViewName::agx});
-    double worst = 0;
-    for (std::uint64_t i = 0; i < 20000; ++i) {
-        const glm::dvec3 mixed = inset * glm::dvec3(some_color(i));
-        glm::dvec3 contrasted;
-        for (int c = 0; c < 3; ++c)
-            contrasted[c] = curve(std::clamp((std::log2(mixed[c]) + 12.47393) / 16.5, 0.0, 1.0));
-        const glm::dvec3 exact = glm::clamp(outset * contrasted, 0.0, 1.0);
-        const glm::vec3 ours = view.signals(some_color(i));
-        for (int c = 0; c < 3; ++c) worst = std::max(worst, 255 * std::abs(exact[c] - static_cast<double>(ours[c])));
+    double worst = 0, sum = 0;
+    int count = 0;
+    for (const Color& color :
+         {Color{{-6, -6, -6}, {0.1045f, 0.1045f, 0.1045f}}, Color{{-2.5f, -2.5f, -2.5f}, {0.4574f, 0.4573f, 0.4573f}},
+          Color{{1, 1, 1}, {0.8518f, 0.8518f, 0.8518f}}, Color{{0, -3, -5}, {0.835f, 0.4228f, 0.2726f}},
+          Color{{-4, -1, -2}, {0.3988f, 0.6604f, 0.535f}}, Color{{-5, -4, 2}, {0.5401f, 0.6384f, 0.9679f}},
+          Color{{4, 1, -1}, {1, 0.8723f, 0.8292f}}, Color{{-1, -2, 3}, {0.7418f, 0.7734f, 0.9967f}}}) {
+        const glm::vec3 shown = view.signals(glm::exp2(color.stops));
+        for (int c = 0; c < 3; ++c, ++count) {
+            const double error = 255 * std::abs(static_cast<double>(shown[c] - color.shown[c]));
+            worst = std::max(worst, error);
+            sum += error;
+        }
     }
-    EXPECT_LT(worst, 2.0);
+    EXPECT_LT(worst, 9);
+    EXPECT_LT(sum / count, 3);
+    EXPECT_GT(worst, 0.5) << "a fit, no copy";
 }
 
 TEST(ViewTransform, KeepsGreyGreyAndRisesFromBlackToWhite) {
@@ -257,7 +259,7 @@ TEST(Views, TolerancesMoveLumaByNoMoreThanTheirDistance) {
             // The median is the distance itself: tolerances have no slack.
             EXPECT_NEAR(down[down.size() / 2], 1.0f, 0.02f) << text_of(named);
             EXPECT_LT(down[down.size() * 99 / 100], 1.3f) << text_of(named);
-            EXPECT_LT(up[up.size() * 99 / 100], 1.15f) << text_of(named);
+            EXPECT_LT(up[up.size() * 99 / 100], named.name == ViewName::agx ? 1.25f : 1.15f) << text_of(named);
         }
 }
 
@@ -287,9 +289,9 @@ TEST(Views, AgxBoundsWhatLightOfAnotherColourDoesToLuma) {
     // g / L of docs/model/display.md: mixing before the logarithm keeps every channel off black.
     const std::vector<float> agx = responses_to_other_colors(Display(0, ColorMatrix::bt709, {ViewName::agx})),
                              neutral = responses_to_other_colors(Display(0, ColorMatrix::bt709));
-    EXPECT_NEAR(agx[agx.size() / 2], 1.2f, 0.2f);
-    EXPECT_NEAR(agx[agx.size() * 99 / 100], 4.4f, 1.2f);
-    EXPECT_GT(neutral[neutral.size() * 99 / 100], 3 * agx[agx.size() * 99 / 100]);
+    EXPECT_NEAR(agx[agx.size() / 2], 1.9f, 0.3f);
+    EXPECT_NEAR(agx[agx.size() * 99 / 100], 6.8f, 1.5f);
+    EXPECT_GT(neutral[neutral.size() * 99 / 100], 2 * agx[agx.size() * 99 / 100]);
 }
 
 }  // namespace

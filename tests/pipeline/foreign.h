@@ -53,6 +53,12 @@ inline std::string types_in(const std::filesystem::path& file) {
     return all;
 }
 
+/// RGB code values of a film's first picture, or of a still.
+inline std::string codes_of(const std::string& file) {
+    return run("ffmpeg -v error -i " + file + " -frames:v 1 -f rawvideo -pix_fmt rgb24 -sws_flags accurate_rnd -")
+        .output;
+}
+
 /// What mediainfo says of the film's picture track.
 inline json mediainfo(const std::string& file) {
     const auto outcome = run("mediainfo --Output=JSON " + file);

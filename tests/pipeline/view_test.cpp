@@ -21,11 +21,7 @@ const std::string tiny_view =
 
 /// Mean size of what differs of two pictures' RGB code values.
 double mean_difference(const std::string& one, const std::string& two) {
-    const auto codes = [](const std::string& file) {
-        return run("ffmpeg -v error -i " + file + " -frames:v 1 -f rawvideo -pix_fmt rgb24 -sws_flags accurate_rnd -")
-            .output;
-    };
-    const std::string a = codes(one), b = codes(two);
+    const std::string a = test::codes_of(one), b = test::codes_of(two);
     EXPECT_EQ(a.size(), std::size_t{64} * 48 * 3);
     if (a.size() != b.size() || a.empty()) return 255;
     double sum = 0;

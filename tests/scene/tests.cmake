@@ -1,7 +1,6 @@
 # Compressed meshes are made with the libraries' own encoders.
 find_package(meshoptimizer CONFIG REQUIRED)
-pkg_check_modules(scene_test_draco REQUIRED IMPORTED_TARGET draco)
-render2mpeg_test(scene LIBS render2mpeg_scene render2mpeg_test_scenes meshoptimizer::meshoptimizer PkgConfig::scene_test_draco)
+render2mpeg_test(scene LIBS render2mpeg_scene render2mpeg_test_scenes meshoptimizer::meshoptimizer render2mpeg_draco)
 
 # What the tests of probes start, and what other tests' models are probed with.
 add_executable(probe_readings ${CMAKE_CURRENT_SOURCE_DIR}/scene/probe_readings.cpp)

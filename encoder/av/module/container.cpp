@@ -141,8 +141,8 @@ class File final : public Container {
 
     /// libavformat hands what it writes to the sink, after every picture.
     void open_sink(const Messages& messages) {
-        constexpr int size = 1 << 15;  // chosen: libavformat's own for files
-        const auto hand_over = [](void* file, std::uint8_t* bytes, int count) {
+        constexpr int size = 1 << 15;                                    // chosen: libavformat's own for files
+        const auto hand_over = [](void* file, auto* bytes, int count) {  // constant from FFmpeg 7 on
             const ByteSink& sink = static_cast<File*>(file)->sink_;
             return sink({bytes, static_cast<std::size_t>(count)}) ? count : AVERROR(EPIPE);
         };
@@ -201,8 +201,7 @@ class File final : public Container {
                     : std::max(facts.buffer_bits, static_cast<std::int64_t>(facts.largest_picture) * 16);
         buffer->buffer_size = (bits + 8191) / 8192 * 8192;
         buffer->vbv_delay = std::numeric_limits<std::uint64_t>::max();
-        const int result =
-            av_stream_add_side_data(&stream, AV_PKT_DATA_CPB_PROPERTIES, reinterpret_cast<std::uint8_t*>(buffer), size);
+        const int result = add_side_data(stream, AV_PKT_DATA_CPB_PROPERTIES, buffer, size);
         if (result < 0) av_free(buffer);
         check(result, messages);
     }

@@ -15,6 +15,7 @@ extern "C" {
 #include <libswresample/swresample.h>
 }
 
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -34,6 +35,76 @@ struct FifoFreed {
 };
 using AudioFifo = std::unique_ptr<AVAudioFifo, FifoFreed>;
 using Input = std::unique_ptr<AVFormatContext, Freed<AVFormatContext, avformat_close_input>>;
+
+// FFmpeg 5.1 to 7.1 behind the same calls.
+
+inline bool is_interlaced(const AVFrame& frame) {
+#if LIBAVUTIL_VERSION_INT >= AV_VERSION_INT(58, 7, 100)
+    return (frame.flags & AV_FRAME_FLAG_INTERLACED) != 0;
+#else
+    return frame.interlaced_frame != 0;
+#endif
+}
+
+inline bool is_top_field_first(const AVFrame& frame) {
+#if LIBAVUTIL_VERSION_INT >= AV_VERSION_INT(58, 7, 100)
+    return (frame.flags & AV_FRAME_FLAG_TOP_FIELD_FIRST) != 0;
+#else
+    return frame.top_field_first != 0;
+#endif
+}
+
+/// Has decoders number their frames: each gets the number of its packet.
+inline void number_frames(AVCodecContext& decoder) {
+#ifdef AV_CODEC_FLAG_COPY_OPAQUE
+    decoder.flags |= AV_CODEC_FLAG_COPY_OPAQUE;
+#else
+    (void)decoder;
+#endif
+}
+
+/// Called before the packet is sent.
+inline void set_number(AVCodecContext& decoder, AVPacket& packet, std::int64_t number) {
+#ifdef AV_CODEC_FLAG_COPY_OPAQUE
+    (void)decoder;
+    packet.opaque = reinterpret_cast<void*>(static_cast<std::intptr_t>(number));
+#else
+    (void)packet;
+    decoder.reordered_opaque = number;
+#endif
+}
+
+inline std::int64_t number_of(const AVFrame& frame) {
+#ifdef AV_CODEC_FLAG_COPY_OPAQUE
+    return reinterpret_cast<std::intptr_t>(frame.opaque);
+#else
+    return frame.reordered_opaque;
+#endif
+}
+
+/// Gives the stream `data`, which av_malloc made, and which the caller keeps if the result is negative.
+inline int add_side_data(AVStream& stream, AVPacketSideDataType type, void* data, std::size_t size) {
+#if LIBAVCODEC_VERSION_INT >= AV_VERSION_INT(60, 31, 100)
+    AVCodecParameters& codec = *stream.codecpar;
+    const AVPacketSideData* const added =
+        av_packet_side_data_add(&codec.coded_side_data, &codec.nb_coded_side_data, type, data, size, 0);
+    return added != nullptr ? 0 : AVERROR(ENOMEM);
+#else
+    return av_stream_add_side_data(&stream, type, static_cast<std::uint8_t*>(data), size);
+#endif
+}
+
+/// What an encoder of sound likes best.
+inline AVSampleFormat first_sample_format(const AVCodec& codec) {
+#if LIBAVCODEC_VERSION_INT >= AV_VERSION_INT(61, 13, 100)
+    const void* formats = nullptr;
+    const int result =
+        avcodec_get_supported_config(nullptr, &codec, AV_CODEC_CONFIG_SAMPLE_FORMAT, 0, &formats, nullptr);
+    return result < 0 || formats == nullptr ? AV_SAMPLE_FMT_FLTP : *static_cast<const AVSampleFormat*>(formats);
+#else
+    return codec.sample_fmts[0];
+#endif
+}
 
 /// Catches what FFmpeg would print on the terminal, while it lives and on its own thread: FFmpeg is asked for no
 /// threads. Messages of threads that have no Messages are dropped.

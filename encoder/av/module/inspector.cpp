@@ -89,14 +89,15 @@ class Film {
         decoder_->flags |= AV_CODEC_FLAG_LOW_DELAY;
         decoder_->export_side_data = AV_CODEC_EXPORT_DATA_MVS | AV_CODEC_EXPORT_DATA_VIDEO_ENC_PARAMS;
         decoder_->thread_count = 1;
+        number_frames(*decoder_);
         if (const int r = avcodec_open2(decoder_.get(), codec, nullptr); r < 0) refuse(cause_of(r, messages_));
     }
 
     /// Decodes one access unit, or with null what is held back.
-    void send(const AVPacket* packet) {
+    void send(AVPacket* packet) {
         const Messages messages;  // what is said now concerns this picture
         if (packet != nullptr) {
-            decoder_->reordered_opaque = static_cast<std::int64_t>(coded_.size());
+            set_number(*decoder_, *packet, static_cast<std::int64_t>(coded_.size()));
             coded_.push_back({packet->size, packet->pos, begins_with_header(*packet), false, {}});
             if (packet->flags & AV_PKT_FLAG_CORRUPT) coded_.back().damage = "the container marks it as damaged";
         }
@@ -111,7 +112,7 @@ class Film {
 
     void show() {
         PictureFacts facts = facts_of(*frame_);
-        facts.coded = frame_->reordered_opaque;
+        facts.coded = number_of(*frame_);
         if (frame_->flags & AV_FRAME_FLAG_CORRUPT) facts.damage = "libavcodec marks it as damaged";
         if (frame_->decode_error_flags != 0) facts.damage = "parts of it are missing or broken";
         result_.pictures.push_back(facts);

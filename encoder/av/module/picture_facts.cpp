@@ -99,8 +99,8 @@ class Vectors {
 PictureFacts facts_of(const AVFrame& frame) {
     PictureFacts facts;
     facts.type = av_get_picture_type_char(frame.pict_type);
-    facts.interlaced = frame.interlaced_frame != 0;
-    facts.top_field_first = frame.top_field_first != 0;
+    facts.interlaced = is_interlaced(frame);
+    facts.top_field_first = is_top_field_first(frame);
     facts.repeated_fields = frame.repeat_pict;
     add_quantisers(frame, facts);
     Vectors vectors(frame);

@@ -47,7 +47,7 @@ void SoundTrack::open_encoder(AVCodecID id) {
     encoder_.reset(avcodec_alloc_context3(codec));
     if (!encoder_) check(AVERROR(ENOMEM));
     encoder_->sample_rate = SoundSource::rate;
-    encoder_->sample_fmt = codec->sample_fmts[0];
+    encoder_->sample_fmt = first_sample_format(*codec);
     encoder_->time_base = {1, SoundSource::rate};
     encoder_->bit_rate = rate_of(id) * source_.channels();
     encoder_->thread_count = 1;

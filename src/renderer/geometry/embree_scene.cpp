@@ -1,13 +1,12 @@
 #include "renderer/geometry/embree_scene.h"
 
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <cstring>
 
 #include "core/error.h"
 #include "core/numeric.h"
 #include "renderer/base/flush_denormals.h"
+#include "renderer/geometry/embree.h"
 #include "renderer/geometry/largest_triangles.h"
 #include "renderer/geometry/surface_shape.h"
 
@@ -109,7 +108,7 @@ void EmbreeScene::check(const char* doing) {
 
 EmbreeScene::Scene EmbreeScene::new_scene(bool instances) const {
     Scene scene(rtcNewScene(device_.get()));
-    const int flags = RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION |
+    const int flags = RTC_SCENE_FLAG_ROBUST | embree::filters_of_contexts |
                       (instances ? RTC_SCENE_FLAG_DYNAMIC : RTC_SCENE_FLAG_NONE);
     rtcSetSceneFlags(scene.get(), static_cast<RTCSceneFlags>(flags));
     return scene;
@@ -139,6 +138,7 @@ RTCGeometry EmbreeScene::new_triangles(std::span<const std::vector<glm::vec3>* c
     void* const indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                                   sizeof(glm::uvec3), triangles.size());
     if (indices != nullptr) std::memcpy(indices, triangles.data(), triangles.size() * sizeof(glm::uvec3));
+    rtcSetGeometryMask(geometry, 0xffffffffu);  // Embree 4 starts with 1
     if (is_filtered(object)) rtcSetGeometryOccludedFilterFunction(geometry, filter_);
     rtcCommitGeometry(geometry);
     return geometry;

@@ -2,14 +2,13 @@
 // lowest id wins. Rays of the eye go in packets of sixteen.
 #include "renderer/geometry/nearest_hits.h"
 
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <cmath>
 #include <tuple>
 #include <utility>
 
 #include "renderer/base/flush_denormals.h"
+#include "renderer/geometry/embree.h"
 #include "renderer/geometry/embree_scene.h"
 
 namespace render2mpeg::renderer {
@@ -28,7 +27,7 @@ RTCRayHit unanswered(const RayQuery& query, float near, float far) {
 
 /// What Embree hands through to the filter; its own part comes first, so that its pointer is ours.
 struct TieContext {
-    RTCIntersectContext embree;
+    embree::Context embree;
     const EmbreeScene* scene;
     const RayQuery* queries;  ///< by the rays' ids
     Hit* best;                ///< likewise
@@ -42,7 +41,7 @@ auto rank(const EmbreeScene& scene, const Hit& hit, const RayQuery& query) {
 
 /// Remembers which of all surfaces that a ray meets wins, and refuses every hit so that all are seen.
 void take_lowest(const RTCFilterFunctionNArguments* arguments) {
-    const auto& context = *reinterpret_cast<const TieContext*>(arguments->context);
+    const auto& context = embree::context_of<const TieContext>(arguments);
     const unsigned n = arguments->N;
     RTCHitN* const hit = arguments->hit;
     for (unsigned i = 0; i < n; ++i) {
@@ -63,7 +62,6 @@ void take_lowest(const RTCFilterFunctionNArguments* arguments) {
 }
 
 void begin(TieContext& context, const EmbreeScene& scene, const RayQuery* queries, Hit* best) {
-    rtcInitIntersectContext(&context.embree);
     context.embree.filter = &take_lowest;
     context.scene = &scene;
     context.queries = queries;
@@ -100,8 +98,7 @@ class HitPacket {
 
   private:
     void answer_any(Hit* hits) {
-        RTCIntersectContext context;
-        rtcInitIntersectContext(&context);
+        embree::Context context;
         trace(context);
         for (std::size_t i = 0; i < queries_.size(); ++i) hits[i] = take(static_cast<int>(i));
     }
@@ -129,13 +126,13 @@ class HitPacket {
     }
 
     /// What is baked first, coherently; then instances (EmbreeScene::baked).
-    void trace(RTCIntersectContext& context) {
-        context.flags = coherent_ ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-        rtcIntersect16(valid_, scene_.baked(), &context, &rays_);
+    void trace(embree::Context& context) {
+        context.coherent = coherent_;
+        embree::intersect(valid_, scene_.baked(), context, rays_);
         if (!scene_.has_instances()) return;
         std::fill(std::begin(rays_.ray.mask), std::end(rays_.ray.mask), EmbreeScene::instance_mask);
-        context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-        rtcIntersect16(valid_, scene_.root(), &context, &rays_);
+        context.coherent = false;
+        embree::intersect(valid_, scene_.root(), context, rays_);
     }
 
     /// What ray i met, and prepares it to look once more about there.
@@ -156,7 +153,7 @@ class HitPacket {
 
     const EmbreeScene& scene_;
     std::span<const RayQuery> queries_;
-    bool coherent_;
+    bool coherent_;  ///< what is baked is met so
     alignas(64) int valid_[packet_size];
     RTCRayHit16 rays_;
 };
@@ -183,10 +180,9 @@ RTCRay ray_of(const RayQuery& query, float near, float far) {
 Hit nearest_hit(const EmbreeScene& scene, const RayQuery& query) {
     if (!is_traceable(query)) return {};
     const FlushDenormals flushed;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
+    embree::Context context;
     RTCRayHit found = unanswered(query, 0.0f, query.far);
-    rtcIntersect1(scene.root(), &context, &found);
+    embree::intersect(scene.root(), context, found);
     if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
 
     const float t = found.ray.tfar;
@@ -196,7 +192,7 @@ Hit nearest_hit(const EmbreeScene& scene, const RayQuery& query) {
     TieContext ties;
     begin(ties, scene, &query, &hit);
     RTCRayHit again = unanswered(query, t * (1.0f - coplanar), std::min(query.far, t * (1.0f + coplanar)));
-    rtcIntersect1(scene.root(), &ties.embree, &again);
+    embree::intersect(scene.root(), ties.embree, again);
     hit.geometric_normal = scene.world_normal(hit.address.object, hit.geometric_normal, query.time);
     return hit;
 }
@@ -220,11 +216,10 @@ void any_nearest_hits(const EmbreeScene& scene, std::span<const RayQuery> querie
 bool meets_any(RTCSceneTy* scene, unsigned mask, const RayQuery& query) {
     if (!is_traceable(query)) return false;
     const FlushDenormals flushed;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
+    embree::Context context;
     RTCRayHit found = unanswered(query, 0.0f, query.far);
     found.ray.mask = mask;
-    rtcIntersect1(scene, &context, &found);
+    embree::intersect(scene, context, found);
     return found.hit.geomID != RTC_INVALID_GEOMETRY_ID;
 }
 

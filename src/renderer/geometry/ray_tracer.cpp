@@ -1,7 +1,5 @@
 #include "renderer/geometry/ray_tracer.h"
 
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,6 +9,7 @@
 #include "renderer/base/flush_denormals.h"
 #include "renderer/base/isa_clones.h"
 #include "renderer/base/light_packing.h"
+#include "renderer/geometry/embree.h"
 #include "renderer/geometry/embree_scene.h"
 #include "renderer/geometry/nearest_hits.h"
 #include "renderer/geometry/occluders.h"
@@ -112,7 +111,7 @@ struct RayTracer::Impl {
     };
     /// What Embree hands through to our filters; its own part comes first, so that its pointer is ours.
     struct ShadowContext {
-        RTCIntersectContext embree;
+        embree::Context embree;
         const Impl* self;
         Bodies bodies;
         const float* direction[3];    ///< of the rays, in world space: x, y, z
@@ -141,10 +140,9 @@ struct RayTracer::Impl {
     };
     /// Prepares `context` for rays that may meet layers; costs nothing where there are none. `x`, `y`, `z`: their
     /// directions, which outlive it.
-    void begin(ShadowContext& context, RTCIntersectContextFlags flags, Bodies bodies, const float* x, const float* y,
+    void begin(ShadowContext& context, bool coherent, Bodies bodies, const float* x, const float* y,
                const float* z) const {
-        rtcInitIntersectContext(&context.embree);
-        context.embree.flags = flags;
+        context.embree.coherent = coherent;
         context.met = 0;
         if (!scene.any_translucent()) return;
         context.self = this;
@@ -171,7 +169,7 @@ struct RayTracer::Impl {
 /// Lets a shadow ray go on through a layer: takes from its light what the layer keeps, until nothing is left or there
 /// were too many.
 void RayTracer::Impl::filter_shadow(const RTCFilterFunctionNArguments* arguments) {
-    auto& context = *reinterpret_cast<ShadowContext*>(arguments->context);
+    auto& context = embree::context_of<ShadowContext>(arguments);
     const unsigned n = arguments->N;
     for (unsigned i = 0; i < n; ++i) {
         if (arguments->valid[i] != -1) continue;
@@ -203,16 +201,15 @@ std::uint32_t RayTracer::Impl::occluded(const ShadowPacket& packet, unsigned ins
     if (!load(packet, rays, valid)) return 0;
 
     ShadowContext context;
-    begin(context, RTC_INTERSECT_CONTEXT_FLAG_COHERENT, packet.bodies, packet.direction_x, packet.direction_y,
-          packet.direction_z);
-    rtcOccluded16(valid, scene.baked(), &context.embree, &rays);
+    begin(context, true, packet.bodies, packet.direction_x, packet.direction_y, packet.direction_z);
+    embree::occluded(valid, scene.baked(), context.embree, rays);
     std::uint32_t blocked = take_blocked(rays, valid);
     const bool all_blocked = std::all_of(valid, valid + 16, [](int v) { return v == 0; });
     if (!all_blocked && instances != 0) {
         // Rays that nothing baked blocks may meet instances.
         std::fill(std::begin(rays.mask), std::end(rays.mask), instances);
-        context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-        rtcOccluded16(valid, scene.root(), &context.embree, &rays);
+        context.embree.coherent = false;
+        embree::occluded(valid, scene.root(), context.embree, rays);
         blocked |= take_blocked(rays, valid);
     }
     if (light != nullptr && context.met != 0) {
@@ -308,9 +305,8 @@ std::uint32_t RayTracer::occluded_by_dynamic(const ShadowPacket& packet) const {
     if (!load(packet, rays, valid)) return 0;
     std::fill(std::begin(rays.mask), std::end(rays.mask), EmbreeScene::dynamic_mask);
     Impl::ShadowContext context;
-    impl_->begin(context, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT, packet.bodies, packet.direction_x, packet.direction_y,
-                 packet.direction_z);
-    rtcOccluded16(valid, impl_->scene.root(), &context.embree, &rays);
+    impl_->begin(context, false, packet.bodies, packet.direction_x, packet.direction_y, packet.direction_z);
+    embree::occluded(valid, impl_->scene.root(), context.embree, rays);
     return take_blocked(rays, valid);
 }
 
@@ -319,10 +315,9 @@ glm::vec3 RayTracer::passes(glm::vec3 origin, glm::vec3 direction, float far, Bo
     if (!is_traceable(query)) return glm::vec3{1.0f};
     const FlushDenormals flushed;
     Impl::ShadowContext context;
-    impl_->begin(context, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT, bodies, &query.direction.x, &query.direction.y,
-                 &query.direction.z);
+    impl_->begin(context, false, bodies, &query.direction.x, &query.direction.y, &query.direction.z);
     RTCRay ray = ray_of(query, 0.0f, far);
-    rtcOccluded1(impl_->scene.root(), &context.embree, &ray);
+    embree::occluded(impl_->scene.root(), context.embree, ray);
     if (ray.tfar < 0.0f) return glm::vec3{0.0f};
     return context.met != 0 ? Impl::light_through(context.depth[0]) : glm::vec3{1.0f};
 }
