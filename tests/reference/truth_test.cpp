@@ -1,4 +1,5 @@
-// The renderer without tolerance (every light point, no cut) against the path tracer and against closed forms.
+// The renderer without tolerance (every light point, no cut), and its own paths, against the path tracer and against
+// closed forms.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -41,10 +42,10 @@ renderer::Settings settings_of(const TruthCase& c) {
     return s;
 }
 
-PathSettings paths_of(const TruthCase& c) {
+PathSettings paths_of(const TruthCase& c, bool all_bounces) {
     PathSettings s;
     s.finding = c.finding;
-    if (c.vpls == 0) s.bounces = 0;
+    if (c.vpls == 0 && !all_bounces) s.bounces = 0;
     s.caustics = c.caustics;
     return s;
 }
@@ -138,9 +139,26 @@ void judge(const NamedCase& named) {
     const core::Radiance ours = stage.reference();
     const PathTracer tracer(posed.posed_scene);
     Found found;
-    compare_patches(ours, tracer.picture(side, side, paths_of(c), paths, seed_of(named.name)), c.allowed, found);
+    compare_patches(ours, tracer.picture(side, side, paths_of(c, false), paths, seed_of(named.name)), c.allowed, found);
     if (c.closed_form) compare_closed_form(ours, posed.world.camera, c, found);
     if (wanted_paths() > 0) print_row(named, c, found, paths * side * side);
+}
+
+/// The picture by paths alone, of pixels and not of their centres.
+void judge_paths(const NamedCase& named) {
+    const TruthCase c = named.make();
+    const Posed posed(c);
+    test::FilmStage stage(c.scene, settings_of(c), c.caustics);
+    const scene::Snapshot world = stage.at(0);
+    renderer::Seen seen = stage.renderer().see(world);
+    const core::ToleranceMap none = core::ToleranceMap::reference();
+    stage.renderer().add_caustics(world, &none, seen);
+    const core::Radiance ours = stage.renderer().trace(world, seen, {0.01f, 1u << 15});
+    Found found;
+    const Allowed allowed{std::max(c.allowed.whole, 0.01), std::max(c.allowed.patch, 0.03)};
+    compare_patches(ours,
+                    PathTracer(posed.posed_scene).picture(side, side, paths_of(c, true), c.paths, seed_of(named.name)),
+                    allowed, found);
 }
 
 std::string name_of(const testing::TestParamInfo<NamedCase>& info) {
@@ -176,6 +194,15 @@ TEST_P(IndirectTruthSlow, IsThePathTracers) {
     judge(GetParam());
 }
 INSTANTIATE_TEST_SUITE_P(All, IndirectTruthSlow, testing::ValuesIn(indirect_cases()), name_of);
+
+class OwnPathsTruthSlow : public testing::TestWithParam<NamedCase> {};
+TEST_P(OwnPathsTruthSlow, IsThePathTracers) {
+    judge_paths(GetParam());
+}
+INSTANTIATE_TEST_SUITE_P(Lamps, OwnPathsTruthSlow, testing::ValuesIn(lamp_cases()), name_of);
+INSTANTIATE_TEST_SUITE_P(Materials, OwnPathsTruthSlow, testing::ValuesIn(material_cases()), name_of);
+INSTANTIATE_TEST_SUITE_P(Furnaces, OwnPathsTruthSlow, testing::ValuesIn(furnace_cases()), name_of);
+INSTANTIATE_TEST_SUITE_P(Indirect, OwnPathsTruthSlow, testing::ValuesIn(indirect_cases()), name_of);
 
 }  // namespace
 }  // namespace render2mpeg::reference
