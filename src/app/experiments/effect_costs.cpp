@@ -59,7 +59,7 @@ std::optional<Lit> light(const RenderJob& film, const std::vector<Chunk>& window
 }
 
 /// How the pictures differ, and which of them most.
-EffectCost difference_of(const Lit& whole, Lit less) {
+EffectCost difference_of(const Lit& whole, const Lit& less) {
     EffectCost cost;
     double masked = 0, most = -1;
     perceptual::FilmQuality quality;

@@ -180,7 +180,7 @@ std::vector<std::uint32_t> MeshReader::read_corners(const Element& primitive, st
 
 void MeshReader::read_joints(const Element& primitive, const std::map<std::string, int>& attributes,
                              const std::vector<std::uint32_t>& used, Mesh& mesh) {
-    if (attributes.count("JOINTS_2") != 0) too_many_joints_ = true;
+    if (attributes.contains("JOINTS_2")) too_many_joints_ = true;
     for (int set = 0; set < 2; ++set) {
         const auto joints = attributes.find("JOINTS_" + std::to_string(set)),
                    weights = attributes.find("WEIGHTS_" + std::to_string(set));
