@@ -83,6 +83,11 @@ def add_shutter(scene, film, lost):
         lost.add(scene, "curve of the shutter; it opens and closes at once")
 
 
+def strips_of(editor):
+    """All strips of the sequencer, by Blender 4.4's name or the older one."""
+    return editor.strips_all if hasattr(editor, "strips_all") else editor.sequences_all
+
+
 def look_of_film(scene, film, lost):
     """Exposure and view, and what of the film's look is not kept."""
     from film_export.view import view_of
@@ -99,7 +104,7 @@ def look_of_film(scene, film, lost):
         lost.add(scene, "render region; the whole picture is rendered")
     if render.film_transparent:
         lost.add(scene, "transparent film; the world is seen")
-    if render.use_sequencer and scene.sequence_editor and any(s.type != "SOUND" for s in scene.sequence_editor.sequences_all):
+    if render.use_sequencer and scene.sequence_editor and any(s.type != "SOUND" for s in strips_of(scene.sequence_editor)):
         lost.add(scene, "strips of the video sequencer")
     if render.use_compositing and scene.use_nodes and scene.node_tree and len(scene.node_tree.nodes) > 2:
         lost.add(scene, "compositing nodes")
@@ -125,7 +130,7 @@ def scripts_in(lost):
 def mix_sound(scene, film, folder, lost):
     """The sequencer's and the speakers' sound as one file."""
     editor = scene.sequence_editor
-    heard = bool(editor) and any(s.type == "SOUND" and not s.mute for s in editor.sequences_all)
+    heard = bool(editor) and any(s.type == "SOUND" and not s.mute for s in strips_of(editor))
     heard = heard or any(thing.type == "SPEAKER" and thing.data.sound and not thing.data.muted for thing in scene.objects)
     if not heard:
         return

@@ -9,6 +9,7 @@ from . import png
 from .looks import Baked, Constant, Picture, look_of, without_bakes
 from .nodes import inline_groups, number_of
 from .shapes import BAKE_UV
+from .walk import curves_of
 
 CHANNELS = ("base", "metallic", "roughness", "emission", "strength", "alpha", "transmission")
 READ_AS_THEY_ARE = {".png", ".jpg", ".jpeg", ".bmp", ".tga", ".tif", ".tiff", ".webp"}
@@ -53,7 +54,7 @@ class Materials:
         if tree is None or tree.animation_data is None:
             return
         animation = tree.animation_data
-        curves = list(animation.drivers) + (list(animation.action.fcurves) if animation.action else [])
+        curves = curves_of(animation)
         look = self.looks[material.name_full][0]
         follows = f'nodes["{look.animated[0]}"]' if look.animated else None
         for curve in curves:

@@ -18,6 +18,18 @@ def moves_itself(data):
     return bool(animation and (animation.action or animation.drivers or animation.nla_tracks))
 
 
+def curves_of(animation):
+    """What moves by keys or drivers. Actions of Blender 4.4 have slots: curves are those of the thing's own slot."""
+    action = animation.action
+    slot = getattr(animation, "action_slot", None)
+    if action is None:
+        return list(animation.drivers)
+    if slot is None:
+        return list(animation.drivers) + list(getattr(action, "fcurves", ()))
+    bags = [strip.channelbag(slot) for layer in action.layers for strip in layer.strips]
+    return list(animation.drivers) + [curve for bag in bags if bag is not None for curve in bag.fcurves]
+
+
 def may_bend(thing):
     """Whether the shape of an (original) object may change over time."""
     data = thing.data
@@ -29,7 +41,7 @@ def may_bend(thing):
     animation = thing.animation_data
     if not thing.modifiers or not moves_itself(thing):
         return False
-    curves = list(animation.drivers) + (list(animation.action.fcurves) if animation.action else [])
+    curves = curves_of(animation)
     return bool(animation.nla_tracks) or any(c.data_path.startswith("modifiers") for c in curves)
 
 

@@ -87,7 +87,8 @@ TEST_P(EveryKind, TellsPlayersWhatItIs) {
     const Folder folder;
     const CodedFilm film =
         coded_film(folder, 176, 112, "23.976", 25,
-                   "-g 12 -q:v 5 -aspect 16:9 -color_primaries bt709 -color_trc bt709 -colorspace smpte170m");
+                   "-g 12 -q:v 5 -aspect 16:9 -color_primaries bt709 -color_trc bt709 -colorspace smpte170m "
+                   "-vf setparams=color_primaries=bt709:color_trc=bt709");
     const fs::path file = film.mux(folder / (std::string("film.") + GetParam()));
     auto stream = probed(file);
     EXPECT_EQ(stream["codec_name"], "mpeg2video");

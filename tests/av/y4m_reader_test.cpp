@@ -79,11 +79,13 @@ TEST(Y4mReader, ReadsBackWhatWasWrittenInAnyOrder) {
 
 TEST(Y4mReader, ReadsWhatFfmpegWrites) {
     const Folder folder;
-    const std::string source = "ffmpeg -v error -f lavfi -i testsrc2=size=98x50:rate=24:duration=0.16 ";
-    ASSERT_EQ(support::run(source + "-pix_fmt yuv420p -chroma_sample_location left " + (folder / "film.y4m").string() +
-                           " -pix_fmt yuv420p -f rawvideo " + (folder / "raw.yuv").string())
-                  .status,
-              0);
+    const std::string source = "ffmpeg -y -v error -f lavfi -i testsrc2=size=98x50:rate=24:duration=0.16 ",
+                      films = (folder / "film.y4m").string() + " -pix_fmt yuv420p -f rawvideo " +
+                              (folder / "raw.yuv").string();
+    // From ffmpeg 7 on frames say where chroma is, before that the encoder's options.
+    const std::string frames_say = source + "-pix_fmt yuv420p -vf setparams=chroma_location=left " + films,
+                      encoder_says = source + "-pix_fmt yuv420p -chroma_sample_location left " + films;
+    ASSERT_EQ(support::run(frames_say + " || " + encoder_says).status, 0);
     av::Y4mReader reader(folder / "film.y4m");
     ASSERT_EQ(reader.frames(), 4);
     EXPECT_EQ(reader.format().hertz, (core::Rational{24, 1}));

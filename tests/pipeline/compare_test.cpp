@@ -174,7 +174,8 @@ TEST(ForeignFilm, IsHeldAgainstFramesByTheMatrixThatItDeclares) {
         const std::string film = path(folder, coded + declared + ".mpg");
         const auto made =
             run("ffmpeg -v error -i " + path(folder, "f.%d.png") + " -vf scale=out_color_matrix=" + coded +
-                ":flags=accurate_rnd,format=yuv420p -colorspace " + declared + " -c:v mpeg2video -qscale:v 1 " + film);
+                ":flags=accurate_rnd,format=yuv420p,setparams=colorspace=" + declared + " -colorspace " + declared +
+                " -c:v mpeg2video -qscale:v 1 " + film);
         EXPECT_EQ(made.status, 0) << made.output;
         return app::look_at_foreign(film, folder / "f.%d.png", 0).psnr_y;
     };

@@ -52,7 +52,8 @@ class HelpFormat : public CLI::Formatter {
     }
 
     std::string make_footer(const CLI::App* app) const override {
-        return app->get_footer().empty() ? "" : wrapped(app->get_footer(), columns()) + "\n";
+        // CLI11 leaves a line before it empty up to version 2.3; two that are empty become one.
+        return app->get_footer().empty() ? "" : "\n" + wrapped(app->get_footer(), columns()) + "\n";
     }
 
     std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
