@@ -1,0 +1,190 @@
+#include "renderer/gather/final_gather.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "core/color.h"
+#include "core/sampling.h"
+#include "parallel/loops.h"
+#include "renderer/paths/light_paths.h"
+#include "tests/renderer/stage.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+using test::SceneBuilder;
+using test::Stage;
+
+constexpr float albedo = 0.5f;
+
+/// A gather point in the middle of a face.
+GatherPoint point_of(const Stage& stage, std::uint32_t object, glm::vec3 outgoing, glm::vec2 uv = {0.3f, 0.3f},
+                     std::uint32_t primitive = 0) {
+    GatherPoint p;
+    p.point = stage.posed_scene().surface_at({object, primitive, uv.x, uv.y}, glm::normalize(outgoing));
+    return p;
+}
+
+/// Light of some points that may each be off by this luminance.
+std::vector<RayLight> light_of(const Stage& stage, const std::vector<GatherPoint>& points, float tolerance) {
+    FinalGather gather(stage.posed_scene(), stage.plan());
+    gather.forget(std::numeric_limits<float>::infinity());
+    std::vector<GatherRequest> requests;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        requests.push_back({&points[i], {{tolerance, 0.0f, 0.0f}, 0.0f}, core::mix(i + 1), 1e-3f, 0});
+    return gather.gather(requests);
+}
+
+/// Sixteen points about a place of a face.
+std::vector<GatherPoint> points_about(const Stage& stage, std::uint32_t object, glm::vec3 outgoing) {
+    std::vector<GatherPoint> points;
+    for (int i = 0; i < 16; ++i)
+        points.push_back(
+            point_of(stage, object, outgoing,
+                     {0.25f + 0.03f * static_cast<float>(i % 4), 0.25f + 0.03f * static_cast<float>(i / 4)}));
+    return points;
+}
+
+glm::vec3 mean_of(const std::vector<RayLight>& light) {
+    glm::vec3 sum(0);
+    for (const RayLight& l : light) sum += l.irradiance / static_cast<float>(light.size());
+    return sum;
+}
+
+TEST(FinalGather, OfAnEvenSkyIsTheSky) {
+    SceneBuilder b;
+    b.add_quad({-50, 0, 50}, {100, 0, 0}, {0, 0, -100}, b.add_material(glm::vec3(albedo)));
+    b.film().sky.color = {0.5f, 0.6f, 0.8f};
+    const Stage stage(b);
+    for (const RayLight& l : light_of(stage, points_about(stage, 0, {0, 1, 0.1f}), 0.01f)) {
+        EXPECT_NEAR(l.irradiance.x, 0.5f, 1e-5f);
+        EXPECT_NEAR(l.irradiance.z, 0.8f, 1e-5f);
+        EXPECT_EQ(l.rays, 16u);  // all rays see the same
+    }
+}
+
+TEST(FinalGather, OfAFurnaceIsAGeometricSum) {
+    SceneBuilder b;
+    const int wall = b.add_material(glm::vec3(albedo));
+    b.material(wall).emission = glm::vec3(1);
+    b.add_box({-1, -1, -1}, {1, 1, 1}, wall, true);
+    const Stage stage(b);
+    // What shines is seen by light trees; the rest bounces: 1 / (1 - albedo) - 1.
+    const glm::vec3 light = mean_of(light_of(stage, points_about(stage, 0, {0.1f, 0.2f, 0.3f}), 0.005f));
+    EXPECT_NEAR(light.y, 1 / (1 - albedo) - 1, 0.02f);
+}
+
+/// A room under a sun that comes in by an open side, and a box in it.
+SceneBuilder sunny_room() {
+    SceneBuilder b;
+    const int white = b.add_material(glm::vec3(0.7f)), red = b.add_material({0.6f, 0.1f, 0.1f});
+    b.add_quad({-2, 0, 2}, {4, 0, 0}, {0, 0, -4}, white);
+    b.add_quad({-2, 3, -2}, {4, 0, 0}, {0, 0, 4}, white);
+    b.add_quad({-2, 0, -2}, {4, 0, 0}, {0, 3, 0}, white);
+    b.add_quad({-2, 0, 2}, {0, 0, -4}, {0, 3, 0}, red);
+    b.add_quad({2, 0, -2}, {0, 0, 4}, {0, 3, 0}, white);
+    b.add_box({-0.5f, 0, -0.5f}, {0.5f, 1, 0.5f}, white);
+    b.add_sun({0.3f, -1, -0.9f}, 4);
+    return b;
+}
+
+TEST(FinalGather, AgreesWithPaths) {
+    const Stage stage(sunny_room());
+    const LightPaths paths(stage.posed_scene(), stage.plan());
+    for (const std::uint32_t object : {1u, 2u, 4u}) {
+        const std::vector<GatherPoint> points = points_about(stage, object, {0.1f, object == 1 ? -1.0f : 0.2f, 0.3f});
+        double truth = 0;
+        constexpr int count = 20000;
+        for (int i = 0; i < count; ++i) {
+            PathNumbers numbers(7, static_cast<std::uint64_t>(i));
+            truth += static_cast<double>(
+                         core::luminance(paths.scattered(points[static_cast<std::size_t>(i) % 16].point, numbers))) /
+                     count;
+        }
+        // Take away what the sun sends straight.
+        double direct = 0;
+        for (const GatherPoint& p : points)
+            direct +=
+                static_cast<double>(core::luminance(
+                    p.point.bsdf.diffuse * 4.0f *
+                    std::max(glm::dot(p.point.shading_normal, -glm::normalize(glm::vec3(0.3f, -1, -0.9f))), 0.0f) *
+                    stage.tracer().passes(shadow_origin(p.point), -glm::normalize(glm::vec3(0.3f, -1, -0.9f)), 1e9f) /
+                    3.14159265f)) /
+                16;
+        const double found = static_cast<double>(
+            core::luminance(points[0].point.bsdf.diffuse * mean_of(light_of(stage, points, 0.002f))));
+        EXPECT_NEAR(found, truth - direct, 0.03 * (truth - direct)) << "object " << object;
+        EXPECT_GT(found, 0.0);
+    }
+}
+
+TEST(FinalGather, IsTheSameForAnyNumberOfThreads) {
+    const Stage stage(sunny_room());
+    const std::vector<GatherPoint> points = points_about(stage, 1, {0, -1, 0.2f});
+    std::vector<RayLight> one, all;
+    {
+        const parallel::ThreadLimit limit(1);
+        one = light_of(stage, points, 0.005f);
+    }
+    all = light_of(stage, points, 0.005f);
+    for (std::size_t i = 0; i < one.size(); ++i) {
+        EXPECT_EQ(one[i].irradiance, all[i].irradiance);
+        EXPECT_EQ(one[i].rays, all[i].rays);
+    }
+}
+
+TEST(FinalGather, TakesRaysByThePowerOfItsTolerance) {
+    const Stage stage(sunny_room());
+    const std::vector<GatherPoint> points = points_about(stage, 1, {0, -1, 0.2f});
+    const auto rays = [&](float tolerance) {
+        double sum = 0;
+        for (const RayLight& l : light_of(stage, points, tolerance)) sum += l.rays;
+        return sum;
+    };
+    const double coarse = rays(0.04f), fine = rays(0.01f);
+    EXPECT_GT(fine, 4 * coarse);
+    EXPECT_LT(fine, 20 * coarse);
+}
+
+TEST(FinalGather, KeepsItsTolerance) {
+    const Stage stage(sunny_room());
+    const std::vector<GatherPoint> points = points_about(stage, 1, {0, -1, 0.2f});
+    const std::vector<RayLight> truth = light_of(stage, points, 0.001f), coarse = light_of(stage, points, 0.02f);
+    double squares = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const double error = static_cast<double>(
+            core::luminance(points[i].point.bsdf.diffuse * (truth[i].irradiance - coarse[i].irradiance)));
+        squares += error * error / 16;
+    }
+    EXPECT_LT(std::sqrt(squares), 0.02);   // a tolerance is 1.3 standard errors
+    EXPECT_GT(std::sqrt(squares), 0.002);  // and no more rays are spent than it takes
+}
+
+TEST(FinalGather, LeaksNothingThroughAThinWall) {
+    SceneBuilder b;
+    const int white = b.add_material(glm::vec3(0.7f));
+    // Two closed rooms that share a wall a millimetre thin; a lamp in one of them.
+    b.add_box({-2, 0, -1}, {-0.001f, 2, 1}, white, true);
+    b.add_box({0, 0, -1}, {2, 2, 1}, white, true);
+    b.add_point_light({-1, 1.5f, 0}, 10);
+    const Stage stage(b);
+    const glm::vec3 lit = mean_of(light_of(stage, points_about(stage, 0, {-0.5f, 1, 0.1f}), 0.01f));
+    const glm::vec3 dark = mean_of(light_of(stage, points_about(stage, 1, {0.5f, 1, 0.1f}), 0.01f));
+    EXPECT_GT(lit.y, 0.1f);
+    EXPECT_LE(dark.y, 0.002f * lit.y);
+}
+
+TEST(FinalGather, OfAnEmptyWorldIsNothing) {
+    SceneBuilder b;
+    b.add_quad({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}, b.add_material(glm::vec3(albedo)));
+    b.add_point_light({0, 1, 0}, 1);
+    const Stage stage(b);
+    EXPECT_EQ(mean_of(light_of(stage, points_about(stage, 0, {0, 1, 0}), 0.01f)), glm::vec3(0));
+    EXPECT_TRUE(light_of(stage, {}, 0.01f).empty());
+}
+
+}  // namespace
+}  // namespace render2mpeg::renderer
