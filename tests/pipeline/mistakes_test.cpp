@@ -131,7 +131,6 @@ const std::vector<Mistake>& values() {
         {"render S -o x.mpg --memory lots", 2, {"--memory lots: expected a size such as 8G"}},
         {"render S -o x.mpg --keyframes a,b", 2, {"--keyframes a,b: expected frame numbers", "0,48,96"}},
         {"render S -o x.mpg --audio-offset later", 2, {"--audio-offset later: expected a number from"}},
-        {"render S -o x.mpg --loss much", 2, {"--loss much: expected decibels", "0.1dB"}},
         {"cost S --tolerances 8,,2", 2, {"--tolerances 8,,2: expected per cent", "8,4,2,1"}},
         {"cost S --quantisers 40", 2, {"--quantisers 40: expected numbers from 1 to 31"}},
         {"cost S --sample 3", 2, {"--sample 3: expected WINDOWSxFRAMES", "2x3"}},

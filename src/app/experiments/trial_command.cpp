@@ -9,7 +9,6 @@
 #include "app/files/publish.h"
 #include "app/files/text_file.h"
 #include "app/loop/film_identity.h"
-#include "app/loop/light_budget.h"
 #include "app/options/command_words.h"
 #include "app/options/help_format.h"
 #include "app/report/report.h"
@@ -62,8 +61,6 @@ RenderJob prepare_trials(const RenderOptions& options) {
         const Progress progress(1, options.quiet || !shows_steps(), "exposure", Counted::parts_of_step);
         film.exposure = measure_exposure(film);
     }
-    if (has_budget(film)) film.budget = measure_light(film, options.quiet);
-    if (film.budget) spend(film, *film.budget);
     return film;
 }
 

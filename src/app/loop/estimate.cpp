@@ -9,7 +9,6 @@
 
 #include "app/files/container_share.h"
 #include "app/loop/film_sample.h"
-#include "app/loop/light_budget.h"
 #include "app/loop/memory_need.h"
 #include "app/options/chunk.h"
 #include "app/system/interrupt.h"
@@ -65,16 +64,10 @@ SampleSize sample_for(const RenderJob& film, int most, double frame, double star
 }
 
 /// Settles what a film is lit by before its first frame. Whether nobody interrupted.
-bool settle(RenderJob& film, bool quiet) {
+bool settle(RenderJob& film) {
     if (!probe_images(*film.animation, image_probes(false))) return false;
     if (!film.exposure) film.exposure = measure_exposure(film);
-    if (InterruptGuard::requested()) return false;
-    if (has_budget(film) && !film.budget) {
-        film.budget = measure_light(film, quiet);
-        if (!film.budget) return false;
-        spend(film, *film.budget);
-    }
-    return true;
+    return !InterruptGuard::requested();
 }
 
 std::string clock_range(double seconds, double spread) {
@@ -91,7 +84,7 @@ std::string bytes_text(double bytes) {
 std::optional<FilmEstimate> estimate_film(RenderJob& film, const std::filesystem::path& output, double within,
                                           bool quiet) {
     const double began = clock_seconds(), cpu_before = cpu_seconds();
-    if (!settle(film, quiet)) return {};
+    if (!settle(film)) return {};
     const double once = cpu_seconds() - cpu_before;
 
     // A first look at small frames tells how many of the film's own there is time for.

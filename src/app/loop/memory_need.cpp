@@ -7,7 +7,6 @@
 #include <string>
 
 #include "app/loop/exposure_choice.h"
-#include "app/loop/light_budget.h"
 #include "app/system/memory_limit.h"
 #include "app/system/shown_images.h"
 #include "core/error.h"
@@ -70,7 +69,7 @@ MemoryNeed memory_need(const RenderJob& film) {
         need.decoding = std::max(need.decoding, per_decoded_pixel * pixels);
     }
     need.lights = per_lamp * (static_cast<std::uint64_t>(film.rendering.direct_points) + scene.lights.size()) +
-                  per_candidate * renderer::candidates_for(static_cast<std::uint64_t>(most_light_points(film)));
+                  per_candidate * renderer::candidates_for(static_cast<std::uint64_t>(film.rendering.vpls));
     const bool keeps_photons = film.rendering.vpls > 0 &&
                                std::any_of(scene.objects.begin(), scene.objects.end(), [](const scene::Object& object) {
                                    return object.mobility != scene::Mobility::still;

@@ -88,8 +88,7 @@ renderer::Settings rendering_settings(const RenderOptions& options, const scene:
     renderer::Settings settings;
     settings.format = format;
     settings.samples = options.samples;
-    settings.indirect =
-        options.indirect == "lightcuts" ? renderer::Indirect::lightcuts : renderer::Indirect::rays;
+    settings.indirect = options.indirect == "lightcuts" ? renderer::Indirect::lightcuts : renderer::Indirect::rays;
     settings.vpls = options.vpls;
     settings.clamp = options.clamp == "none" ? renderer::Clamp::none : renderer::Clamp::bounded;
     // chosen: of 1000 to 8000 clusters the least with which at 2 % no point stops early (docs/fits/lightcut.md).
@@ -112,15 +111,6 @@ void settle_edges(RenderJob& film, const RenderOptions& options) {
     film.rendering.edge_samples = edge_samples_of(options, film);
     const bool by_hand = options.edge_samples || film.rendering.edge_samples == 0;
     film.rendering.most_samples = film.tolerance.coupled && !by_hand ? 256 : 0;
-}
-
-/// What light points may cost, where they are chosen by it.
-std::optional<double> loss_of(const RenderOptions& options, const RenderJob& film) {
-    const bool by_hand = std::find(options.given.begin(), options.given.end(), "--vpls") != options.given.end();
-    if (options.indirect == "rays") return {};
-    if (film.kind != OutputKind::film || !film.tolerance.coupled || by_hand || options.vpls != RenderOptions().vpls)
-        return {};
-    return loss_from(options.loss);
 }
 
 CouplingSettings coupling_settings(const RenderOptions& options, const ToleranceRequest& tolerance) {
@@ -191,12 +181,11 @@ void decide_passes(RenderJob& film, const RenderOptions& options) {
         wanted.layers = wanted.layers || (heatmap.first != "tolerance" && heatmap.first != "quantiser");
     wanted.indirect = options.vpls > 0;
     wanted.caustics = options.caustics == "on";
-    film.loss = loss_of(options, film);
     const scene::Traits traits = scene::traits_of(*film.animation);
     film.plan = renderer::make_plan(traits, wanted);
-    film.cache = choose_cache(options.cache, traits, options.indirect == "rays", renderer::LightSplit::may_suit(*film.animation, film.plan),
-                              film.tolerance.reference, film.frame_count(),
-                              std::int64_t{film.format.width} * film.format.height);
+    film.cache = choose_cache(options.cache, traits, options.indirect == "rays",
+                              renderer::LightSplit::may_suit(*film.animation, film.plan), film.tolerance.reference,
+                              film.frame_count(), std::int64_t{film.format.width} * film.format.height);
     film.rendering.cache = film.cache.use;
     tell_samples(film);
 }
@@ -329,8 +318,6 @@ RenderJob draft_of(const RenderJob& film) {
     draft.preview = true;
     draft.two_passes = false;
     draft.audit = 0;
-    draft.loss.reset();
-    draft.budget.reset();
     draft.allocations.clear();
     draft.tolerance = tolerance_from(*usual.tolerance);
     draft.rendering.samples = usual.samples;

@@ -22,15 +22,6 @@
 
 namespace render2mpeg::app {
 
-/// What was measured of a film's light points, and what follows. Errors are root mean squares in code values of luma
-/// (docs/model/budget.md).
-struct LightBudget {
-    double coding_error = 0;  ///< of coding alone at the film's quantiser, about
-    double allowed = 0;       ///< of light points
-    double error = 0;         ///< of as many light points as films get without a budget
-    int vpls = 0;             ///< light points that the film gets
-};
-
 /// Everything that decides a film: the scene and all settings, with the options' gaps filled. Constant while it is
 /// rendered.
 struct RenderJob {
@@ -58,11 +49,9 @@ struct RenderJob {
     bool two_passes = false;  ///< the first one finds `allocations`
     std::vector<encoder::BitAllocation> allocations;  ///< one per frame, or none
     bool images_in_turn = false;                      ///< decode one at a time: memory is short
-    std::optional<double> loss;           ///< dB of PSNR-Y that light points may cost; none: nobody counts it
-    std::optional<LightBudget> budget;    ///< where `loss` decides how many light points there are
-    std::optional<int> exposure_samples;  ///< none: by quantiser
-    int audit = 0;                        ///< pixels of every frame that are gathered again without clustering
-    std::optional<ChunkRange> part;       ///< chunks that this run makes of it; none: all
+    std::optional<int> exposure_samples;              ///< none: by quantiser
+    int audit = 0;                   ///< pixels of every frame that are gathered again without clustering
+    std::optional<ChunkRange> part;  ///< chunks that this run makes of it; none: all
 
     std::int64_t frame_count() const { return frames.last - frames.first + 1; }
     /// The chunks that are to be made.

@@ -11,7 +11,6 @@
 #include "app/files/disk.h"
 #include "app/files/text_file.h"
 #include "app/loop/first_pass.h"
-#include "app/loop/light_budget.h"
 #include "app/loop/run_statistics_json.h"
 #include "app/system/interrupt.h"
 #include "app/system/terminal.h"
@@ -187,16 +186,6 @@ void settle(RenderJob& film, const RenderOptions& options, WorkFolder* work, Run
     if (!film.exposure) {
         film.exposure = timed(statistics, Stage::load, [&] { return measure_exposure(film); });
         keep("exposure", *film.exposure);
-    }
-    if (InterruptGuard::requested()) return;
-    if (has_budget(film)) {
-        film.budget = budget_from(kept("light"));
-        if (!film.budget) {
-            film.budget = timed(statistics, Stage::load, [&] { return measure_light(film, options.quiet); });
-            if (!film.budget) return;
-            keep("light", json_of(*film.budget));
-        }
-        spend(film, *film.budget);
     }
     if (!film.two_passes || InterruptGuard::requested()) return;
     film.allocations = allocations_from(film, kept("allocations"));

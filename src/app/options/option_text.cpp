@@ -110,15 +110,6 @@ ToleranceRequest tolerance_from(const std::string& text) {
         "fixed=2%, or 2% for short, `reference`, `truth`, or truth=P% with P from 0.1 to 100");
 }
 
-std::optional<double> loss_from(const std::string& text) {
-    if (text == "any") return {};
-    char* end = nullptr;
-    const double loss = std::strtod(text.c_str(), &end);
-    const std::string_view unit(end);
-    if (end != text.c_str() && (unit.empty() || unit == "dB") && loss >= 0.01 && loss <= 10) return loss;
-    throw UsageError("loss " + text + ": expected decibels from 0.01 to 10, e.g. 0.1dB, or `any`");
-}
-
 ShutterRequest shutter_from(const std::string& text) {
     double numbers[3] = {0, 0, 0};
     std::size_t begin = 0;

@@ -14,8 +14,6 @@ Size size_from(const std::string& text);
 /// "A:B"
 FrameRange frames_from(const std::string& text);
 ToleranceRequest tolerance_from(const std::string& text);
-/// "0.1dB" or "0.1", 0.01 to 10; "any": none.
-std::optional<double> loss_from(const std::string& text);
 /// "180" or "180:0.25": degrees and frames.
 ShutterRequest shutter_from(const std::string& text);
 /// "off", or how far one sees: 0 for "off", else core::least_visibility to core::most_visibility.

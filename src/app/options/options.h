@@ -69,10 +69,9 @@ struct RenderOptions {
     CodingOptions coding;
     int samples = 4;
     std::optional<int> edge_samples;  ///< none: as many as `samples` where that was given, else 16 or 64
-    std::string indirect = "rays";         ///< or "lightcuts"
+    std::string indirect = "rays";    ///< or "lightcuts"
     int vpls = 4096;
     std::string caustics = "on";           ///< "on" or "off"
-    std::string loss = "0.1dB";            ///< dB of PSNR-Y that films may lose, or "any"
     std::optional<std::string> tolerance;  ///< none: "coupled" for films, else "fixed=2%"
     std::string masking = "warped";        ///< "warped" or "quantised"
     int audit = 0;                         ///< pixels of every frame

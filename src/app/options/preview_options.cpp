@@ -39,7 +39,6 @@ RenderOptions preview_options(const RenderOptions& options) {
     if (!is_given("--vpls")) draft.vpls = 2048;
     draft.indirect = "lightcuts";
     draft.cache = "off";
-    draft.loss = "any";
 
     // Nobody keeps it: it only must be there soon.
     if (!is_given("--encoder")) draft.coding.encoder = "fast";

@@ -56,10 +56,8 @@ void add_scene_options(CLI::App& command, RenderOptions& options) {
         ->check(CLI::IsMember({"rays", "lightcuts"}))
         ->capture_default_str()
         ->group("Light");
-    command
-        .add_option("--vpls", options.vpls,
-                    "Light points that carry indirect light; 0: direct light only (default: 4096; long films as many "
-                    "as --loss needs)")
+    command.add_option("--vpls", options.vpls, "Light points that carry indirect light; 0: direct light only")
+        ->capture_default_str()
         ->check(CLI::Range(0, 1 << 22))
         ->group("Light");
     command
@@ -68,14 +66,6 @@ void add_scene_options(CLI::App& command, RenderOptions& options) {
             "Whether mirrors and solid glass throw light onto other things; `off`: they do not, and light passes "
             "solid glass straight")
         ->check(CLI::IsMember({"on", "off"}))
-        ->capture_default_str()
-        ->group("Light");
-    command
-        .add_option("--loss", options.loss,
-                    "PSNR-Y that a long film may lose by its light points: 1,024 to 262,144 of them are chosen by "
-                    "measuring small frames for some seconds; `any`: not measured")
-        ->type_name("DECIBELS|any")
-        ->check(checked(loss_from, ""))
         ->capture_default_str()
         ->group("Light");
 }

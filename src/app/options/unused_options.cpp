@@ -41,7 +41,7 @@ std::vector<std::string> unused_options(const RenderOptions& options, OutputKind
     if (kind == OutputKind::exr)
         note(lines, options.given, {"--view", "--glare"}, output + " holds the scene's own light");
     if (tolerance.truth)
-        note(lines, options.given, {"--vpls", "--clamp", "--cache", "--loss", "--samples", "--edge-samples"},
+        note(lines, options.given, {"--vpls", "--clamp", "--cache", "--samples", "--edge-samples"},
              "paths over the whole pixel bring its light");
     if (!tolerance.coupled)
         note(lines, options.given, {"--masking"}, "the tolerance is not coupled to the film's coding");

@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "app/loop/light_budget.h"
 #include "core/error.h"
 #include "core/numeric.h"
 
@@ -68,15 +67,6 @@ Row first_pass_row(const RenderJob& film) {
     return {"first pass", false, asked ? "not wanted: --passes 1" : "no cause: no bit rate is asked for"};
 }
 
-Row light_budget_row(const RenderJob& film) {
-    if (film.budget) return {"light points", true, text_of(*film.budget)};
-    if (has_budget(film))
-        return {"light points", true, "a few small frames tell how many --loss needs; their time is in `load`"};
-    return {
-        "light points", false,
-        film.loss ? "would not pay: the film is short, or no light bounces" : "not wanted: nothing asks for a loss"};
-}
-
 /// Whether light is kept on surfaces: with static light only the light points tell in the end.
 Row records_row(const RenderJob& film, std::optional<bool> kept) {
     if (film.cache.keeps() && kept == false)
@@ -99,7 +89,6 @@ std::vector<Row> rows_of(const RenderJob& film, std::optional<bool> kept_records
                           {"exposure", measured,
                            measured ? "none is given: a few small frames tell it; its time is in `load`"
                                     : fmt::format("no cause: {:g} EV are given", film.exposure.value_or(0))},
-                          light_budget_row(film),
                           first_pass_row(film)};
     for (const renderer::PlanRow& row : film.plan.rows()) {
         if (row.pass == renderer::Pass::shade) {

@@ -8,7 +8,6 @@
 #include <string>
 
 #include "app/files/text_file.h"
-#include "app/loop/light_budget.h"
 #include "app/report/effects.h"
 #include "core/numeric.h"
 #include "encoder/encoder.h"
@@ -272,7 +271,6 @@ json statistics_of(const RenderJob& film, const RunStatistics& statistics, const
           {"photon", r.photon_rays},
           {"caustic", r.caustic_rays},
           {"air", r.air_rays}}},
-        {"light_budget", film.budget ? json_of(*film.budget) : nlohmann::json()},
         {"light_points", {{"direct", r.direct_points}, {"indirect", r.indirect_points}}},
         {"mean_cut", {{"direct", statistics.mean_direct_cut()}, {"indirect", statistics.mean_indirect_cut()}}},
         {"gather_points", r.gather_points},
