@@ -19,7 +19,6 @@
 #include "renderer/cut/blurred_light.h"
 #include "renderer/cut/gather_groups.h"
 #include "renderer/cut/shade.h"
-#include "renderer/cut/steep_light.h"
 #include "renderer/draft/draft_light.h"
 #include "renderer/gather/final_gather.h"
 #include "renderer/judge.h"
@@ -125,7 +124,6 @@ struct Renderer::Impl {
         cache.forget();
         calibration.forget();
         draft_light.forget();
-        steep.forget();
         started = true;
     }
 
@@ -383,10 +381,7 @@ struct Renderer::Impl {
     float calibrated_share = 0;      ///< typical_share of the coarsest frame calibrated
     IrradianceCache cache;
     DraftLight draft_light;
-    SteepLight steep;
-    FrameLight light;        ///< of the points of the frame shaded last
-    ShadeSettings lit_with;  ///< that frame's
-    std::uint64_t lit_non_finite = 0;
+    FrameLight light;  ///< of the points of the frame shaded last
     AmbientAir ambient_air;
     FinalGather final_gather;
     core::Radiance sharp;  ///< of the last frame that was exposed: its middle, whose points and pixels are audited
@@ -472,7 +467,6 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
     const bool learns = i.settings.calibrate && !tolerance.is_reference();
     if (learns) i.calibrate(snapshot, seen, tolerance, settings);
     settings.limits.error_scale = learns ? i.calibration.value() : 1.0f;
-    i.lit_with = settings;
     // ask the cache, which gathers what it does not know,
     ShadeCounts counts;
     std::optional<FrameLight> cached;
@@ -489,7 +483,6 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
     if (cached && settings.layers) radiance.record_density = i.cache.density(snapshot.camera, i.settings.format);
     // and learn from the frame.
     i.count(counts, seen.visible);
-    i.lit_non_finite = counts.non_finite;
     if (learns) i.learn(snapshot, seen, tolerance, settings, radiance, counts, known);
     if (seen.exposure) {
         ShadeCounts blurred;
@@ -500,19 +493,6 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
     i.share_time(cpu_seconds() - start, counts);
     i.statistics.layer_seconds = i.posed_scene.layer_seconds();
     return radiance;
-}
-
-void Renderer::light_closer(const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance, Seen& seen,
-                            core::Radiance& radiance) {
-    Impl& i = *impl_;
-    FrameLight light = std::exchange(i.light, {});
-    if (i.by_rays() || seen.exposure || light.size() != seen.tiles.size()) return;
-    ShadeCounts counts;
-    const double start = cpu_seconds();
-    i.steep.light({i.light_trees, i.posed_scene.tracer(), seen, snapshot.camera.position(), tolerance}, i.lit_with,
-                  *i.lit_frame, std::move(light), i.lit_non_finite, seen, radiance, counts);
-    i.count(counts, seen.visible);
-    i.share_time(cpu_seconds() - start, counts);
 }
 
 core::Radiance Renderer::trace(const scene::Snapshot& snapshot, const Seen& seen, const TruthSettings& finely) {
@@ -571,7 +551,7 @@ std::vector<AuditedPixel> Renderer::audit(const scene::Snapshot& snapshot, const
     const core::Radiance& radiance = i.middle_of(seen, shown);
     i.light_unseen(snapshot);
     const std::vector<LitPixel> pixels = drawn(lit_pixels(seen), static_cast<std::size_t>(count), seen.visible.frame);
-    const MovedPoints moved = i.steep.renumbered(i.cache.moved_points(snapshot.frame, tolerance), snapshot.frame);
+    const MovedPoints moved = i.cache.moved_points(snapshot.frame, tolerance);
     const auto truth = gather_exactly(i.light_trees, i.posed_scene.tracer(), seen, pixels, moved);
     return compare(seen, pixels, truth, tolerance, radiance);
 }
@@ -584,7 +564,7 @@ std::vector<JudgedPixel> Renderer::judge(const scene::Snapshot& snapshot, const 
     const core::ToleranceMap tolerance = tolerance_of_points(seen, wanted);
     const core::Radiance& radiance = i.middle_of(seen, shown);
     i.light_unseen(snapshot);
-    const MovedPoints moved = i.steep.renumbered(i.cache.moved_points(snapshot.frame, tolerance), snapshot.frame);
+    const MovedPoints moved = i.cache.moved_points(snapshot.frame, tolerance);
     const SeeSettings see{i.settings.format, i.settings.samples, i.settings.edge_samples, i.settings.specular_depth};
     return judge_pixels({i.posed_scene, i.light_trees, seen, tolerance, radiance, moved}, see, i.plan, audited, finely);
 }

@@ -118,12 +118,6 @@ class Renderer {
     /// Gathers light for all gather points of a frame until every pixel's error bound is below its tolerance.
     core::Radiance shade(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance);
 
-    /// Lights points of the frame shaded last at more places of their pixels where light is steep (steep_light.h):
-    /// `seen` and `radiance` then hold them. Frames that shutter or lens blur stay as they are. After `shade` of the
-    /// same.
-    void light_closer(const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance, Seen& seen,
-                      core::Radiance& radiance);
-
     /// `shade` by paths alone (true_frame.h), which know nothing of light points, trees and records. Of frames that
     /// shutter or lens blur, the middle.
     core::Radiance trace(const scene::Snapshot& snapshot, const Seen& seen, const TruthSettings& finely);
