@@ -11,8 +11,8 @@ float TileState::allowed(const GatherPoint& p, std::size_t i) const {
 }
 
 FrameState::FrameState(const LightingContext& context, const scene::Snapshot& instant, const CutLimits& cut_limits,
-                       const CacheErrorModel& error_model, const GlossyPayoff& glossy_payoff, RecordStore& store,
-                       const LightSplit* parts, FinalGather* final_gather)
+                       const CacheErrorModel& error_model, RecordStore& store, const LightSplit* parts,
+                       FinalGather* final_gather)
     : light_trees(context.light_trees),
       split(parts),
       cached(parts != nullptr ? parts->static_light : context.light_trees),
@@ -23,7 +23,6 @@ FrameState::FrameState(const LightingContext& context, const scene::Snapshot& in
       camera(instant.camera),
       limits(cut_limits),
       errors(error_model),
-      payoff(glossy_payoff),
       records(store),
       grid(seen.visible.width(), seen.visible.height()),
       tiles(seen.tiles.size()) {

@@ -87,8 +87,7 @@ struct TileState {
 struct FrameState {
     /// `split` of the light trees' light, of which records hold the static part; none where they hold all of it.
     FrameState(const LightingContext& context, const scene::Snapshot& snapshot, const CutLimits& limits,
-               const CacheErrorModel& errors, const GlossyPayoff& payoff, RecordStore& records, const LightSplit* split,
-               FinalGather* rays);
+               const CacheErrorModel& errors, RecordStore& records, const LightSplit* split, FinalGather* rays);
 
     const LightTrees& light_trees;  ///< all light
     const LightSplit* split;
@@ -101,7 +100,6 @@ struct FrameState {
     const scene::Camera& camera;
     CutLimits limits;
     CacheErrorModel errors;
-    const GlossyPayoff& payoff;
     RecordStore& records;
     RecordGrid grid;
     std::vector<TileState> tiles;
@@ -111,7 +109,7 @@ struct FrameState {
     const GatherPoint& point(const PointRef& r) const { return seen.tiles[r.tile][r.index]; }
     /// Moving surfaces have no records where light is split.
     bool moves(const GatherPoint& p) const;
-    bool uses_cache(const GatherPoint& p) const { return renderer::uses_cache(p, payoff) && !moves(p); }
+    bool uses_cache(const GatherPoint& p) const { return renderer::uses_cache(p) && !moves(p); }
     /// None for points that no picture shows, which does not happen but by rounding.
     std::optional<CacheQuery> query_of(std::size_t tile, std::size_t point) const;
     glm::ivec2 pixel_of(std::size_t tile, const GatherPoint& p) const;

@@ -22,7 +22,7 @@ void gather_requests_of(const FrameState& frame, const RequestGroup& group, std:
         tolerance.set(static_cast<int>(i), frame.tiles[ref.tile].tolerance[ref.index]);
         if (i >= group.points.size()) continue;
         pointers[i] = &frame.point(ref);
-        if (!uses_cache(*pointers[i], frame.payoff)) continue;
+        if (!uses_cache(*pointers[i])) continue;
         receivers[i] = plain_receiver(*pointers[i]);
         pointers[i] = &receivers[i];
     }
@@ -72,7 +72,7 @@ void gather_rays(FrameState& frame, std::vector<GatheredRequests>& found) {
         for (std::size_t i = 0; i < g.points.size(); ++i) {
             const PointRef& ref = g.points[i];
             const GatherPoint& p = frame.point(ref);
-            receivers.push_back(uses_cache(p, frame.payoff) ? plain_receiver(p) : p);
+            receivers.push_back(uses_cache(p) ? plain_receiver(p) : p);
             requests.push_back(request_of(receivers.back(), frame.tiles[ref.tile].tolerance[ref.index],
                                           frame.pixel_of(ref.tile, p), frame.camera));
             requests.back().pool = first_pool + g.pools[i];

@@ -6,25 +6,8 @@
 #include "renderer/cache/dynamic_light.h"
 
 namespace render2mpeg::renderer {
-namespace {
-
-/// Tells materials with glossy lobes how many of their points records served.
-void note_glossy(const FrameState& frame, GlossyPayoff& payoff) {
-    for (std::size_t t = 0; t < frame.tiles.size(); ++t) {
-        const TileState& tile = frame.tiles[t];
-        for (std::size_t i = 0; i < tile.light.size(); ++i) {
-            const GatherPoint& p = frame.seen.tiles[t][i];
-            if (tile.state[i] == PointState::reused || !p.point.bsdf.has_glossy() || !frame.uses_cache(p)) continue;
-            payoff.note(p.point.material, 1, tile.light[i].served || tile.light[i].held_out ? 1 : 0);
-        }
-    }
-}
-
-}  // namespace
-
 void IrradianceCache::forget() {
     records_.forget();
-    payoff_.forget();
     validation_.forget();
     history_ = {};
     moved_ = false;
@@ -43,7 +26,6 @@ void IrradianceCache::move(bool static_changed) {
 void IrradianceCache::cut_to(const Seen& seen, const scene::Snapshot& snapshot) {
     // The last frame's errors are of another error scale.
     history_.tiles.clear();
-    payoff_.forget();
     validation_.forget();
     RecordGrid grid(seen.visible.width(), seen.visible.height());
     grid.build(records_.all(), snapshot.camera);
@@ -60,7 +42,7 @@ FrameLight IrradianceCache::light(const LightingContext& context, const scene::S
     last_error_scale_ = limits.error_scale;
 
     // Reuse the last frame's light,
-    FrameState frame(context, snapshot, limits, errors_, payoff_, records_, split, rays);
+    FrameState frame(context, snapshot, limits, errors_, records_, split, rays);
     start(frame, context.tolerance, history_, moved_);
     moved_ = false;
     // ask the cache for the rest, or gather it,
@@ -69,8 +51,6 @@ FrameLight IrradianceCache::light(const LightingContext& context, const scene::S
     if (split != nullptr) add_dynamic_light(frame);
     // and remember.
     records_.thin(snapshot.frame, frame.grid);
-    note_glossy(frame, payoff_);
-    payoff_.judge();
     FrameLight light = finish(frame, history_);
     frame.counts.live = frame.counts.most = records_.size();
     counts.add(frame.counts);

@@ -3,7 +3,6 @@
 #include "renderer/cache/cache_counts.h"
 #include "renderer/cache/cache_validation.h"
 #include "renderer/cache/frame_state.h"
-#include "renderer/cache/glossy_payoff.h"
 #include "renderer/cache/light_split.h"
 #include "renderer/cache/temporal_reuse.h"
 #include "renderer/cut/lighting_context.h"
@@ -39,7 +38,7 @@ class IrradianceCache {
     core::Plane<float> density(const scene::Camera& camera, const scene::PictureFormat& format) const;
 
     /// Bytes held between frames.
-    std::size_t bytes() const { return records_.bytes() + payoff_.bytes() + validation_.bytes() + history_.bytes(); }
+    std::size_t bytes() const { return records_.bytes() + validation_.bytes() + history_.bytes(); }
 
   private:
     /// Another shot: forgets the last frame, and records of surfaces that are so far now that they crowd its pixels.
@@ -50,7 +49,6 @@ class IrradianceCache {
     float last_error_scale_ = 1;  ///< that the last frame was lit with
     bool moved_ = false;          ///< objects lie elsewhere than in the last frame; light is split
     CacheErrorModel errors_;
-    GlossyPayoff payoff_;
     CacheValidation validation_;
 };
 
