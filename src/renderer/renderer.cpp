@@ -12,7 +12,6 @@
 #include "renderer/air/airlight.h"
 #include "renderer/base/stopwatch.h"
 #include "renderer/cache/irradiance_cache.h"
-#include "renderer/cache/light_split.h"
 #include "renderer/calibration/audit.h"
 #include "renderer/calibration/calibration.h"
 #include "renderer/caustics/caustics.h"
@@ -108,12 +107,9 @@ struct Renderer::Impl {
             if (plan.runs(Pass::whole_lamps)) lamps = WholeLamps(posed_scene, light_points.average());
             const std::vector<LightPoint> direct = clustered(light_points.average());
             lasting = PersistentLightTrees({direct, still, moving}, settings.seed + 2 * settings.draw);
-            splits = !by_rays() && settings.cache != CacheUse::off &&
-                     LightSplit::suit(posed_scene, plan, still.size(), moving.size());
             caches = (by_rays() && settings.cache != CacheUse::off) || settings.cache == CacheUse::on ||
                      (settings.cache == CacheUse::static_light &&
-                      (splits || !scene::traits_of(posed_scene.animation()).changes_light()));
-            split.forget();
+                      !scene::traits_of(posed_scene.animation()).changes_light());
         }
         shone_at.reset();
         photons.forget();
@@ -194,7 +190,7 @@ struct Renderer::Impl {
     void update_light(const scene::Snapshot& snapshot) {
         shine(snapshot);
         if (has_trees) return;
-        if (lit_frame && !splits) cache.invalidate();
+        if (lit_frame) cache.invalidate();
         statistics.direct_points = shining.size();
         statistics.indirect_points = lit_anchors.still.size() + lit_anchors.moving.size();
         {
@@ -217,7 +213,6 @@ struct Renderer::Impl {
                 light_trees.trees[static_cast<std::size_t>(t)] = {};
             final_gather.forget(sky_brightest());
         }
-        if (splits) cache.move(split.update(light_trees, lit_anchors.still, lasting));
         lit_frame = snapshot.frame;
         has_trees = true;
     }
@@ -365,8 +360,7 @@ struct Renderer::Impl {
     WholeLamps lamps;                ///< of the film
     PersistentLightTrees lasting;    ///< of the chunk
     LightTrees light_trees, air_trees;
-    bool caches = false, splits = false;  ///< light is cached; only the static part of it is
-    LightSplit split;
+    bool caches = false;                      ///< light is cached
     std::optional<scene::Snapshot> shone_at;  ///< the instant that the following are of
     std::vector<LightPoint> shining;          ///< direct light points, until trees take them
     Anchors::Lit lit_anchors;
@@ -472,8 +466,8 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
     std::optional<FrameLight> cached;
     if (i.caches && !tolerance.is_reference())
         cached = i.cache.light({i.light_trees, i.posed_scene.tracer(), seen, snapshot.camera.position(), tolerance},
-                               snapshot, settings.limits, i.splits ? &i.split : nullptr,
-                               i.by_rays() ? &i.final_gather : nullptr, counts, i.statistics.cache);
+                               snapshot, settings.limits, i.by_rays() ? &i.final_gather : nullptr, counts,
+                               i.statistics.cache);
     const FrameLight* known = cached ? &*cached : nullptr;
     // else gather all; sum up in pixels,
     core::Radiance radiance =

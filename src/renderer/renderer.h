@@ -27,7 +27,7 @@ enum class Clamp { bounded, none };
 /// Where gathered light is kept for other pixels and frames (irradiance_cache.h).
 enum class CacheUse {
     off,
-    static_light,  ///< where light, or the static part of it (light_split.h), stays what it is all through a film
+    static_light,  ///< where light stays what it is all through a film, or rays gather it
     on             ///< everywhere; a change of light forgets what was kept
 };
 

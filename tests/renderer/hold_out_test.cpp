@@ -57,8 +57,8 @@ class HoldOutFrames : public ::testing::Test {
         scene::Snapshot world = stage_.world();
         world.frame = frame;
         FrameState state({light_trees_, stage_.tracer(), seen_, world.camera.position(), tolerance_}, world, {}, model,
-                         records_, nullptr, nullptr);
-        start(state, tolerance_, history_, false);
+                         records_, nullptr);
+        start(state, tolerance_, history_);
         light_points(state, validation_);
         FrameLight light = finish(state, history_);
         counts_ = state.counts;

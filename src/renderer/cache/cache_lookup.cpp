@@ -52,7 +52,7 @@ std::vector<PointRef> look_up_tile(FrameState& frame, std::size_t t, int lattice
     for (std::size_t i = 0; i < tile.state.size(); ++i) {
         const GatherPoint& p = frame.seen.tiles[t][i];
         if (tile.state[i] >= PointState::done || !frame.on_lattice(t, p, lattice)) continue;
-        if (frame.uses_cache(p)) {
+        if (uses_cache(p)) {
             if (look_up(frame, t, i)) {
                 ++tile.served;
                 continue;

@@ -15,7 +15,6 @@ struct CacheQuery {
     float extent = 0;                             ///< of a pixel at the point, across the line of sight; world
     float receives = 0;                           ///< luminance of the pixel by unit of light from all around
     std::optional<glm::vec3> eye = std::nullopt;  ///< world; none: far away, all look along the point's direction
-    bool may_move = true;                         ///< light may be that of another place in its pixel
 };
 
 /// Where it lies, as records do.

@@ -8,7 +8,6 @@
 #include "renderer/cache/cache_counts.h"
 #include "renderer/cache/cache_query.h"
 #include "renderer/cache/interpolation_cell.h"
-#include "renderer/cache/light_split.h"
 #include "renderer/cache/receiver.h"
 #include "renderer/cache/request_groups.h"
 #include "renderer/cut/lighting_context.h"
@@ -30,9 +29,6 @@ enum class PointState : std::uint8_t {
     reused,        ///< likewise: from the frame before
     held_out       ///< likewise: the cache served it, and it was gathered as well
 };
-
-/// Where its dynamic light comes from (dynamic_light.h).
-enum class DynamicState : std::uint8_t { open, gathered, interpolated, reused };
 
 /// Interpolation cells of one tile, no two of which overlap.
 class TileCells {
@@ -60,10 +56,8 @@ class TileCells {
 struct TileState {
     std::vector<PointTolerance> tolerance;
     std::vector<PointState> state;
-    std::vector<PointLight> light;  ///< of trees
-    std::vector<PointLight> exact;  ///< of lights that are gathered one by one
-    std::vector<DynamicState> dynamic_state;
-    std::vector<PointLight> dynamic;    ///< what moving objects change; signed
+    std::vector<PointLight> light;      ///< of trees
+    std::vector<PointLight> exact;      ///< of lights that are gathered one by one
     std::vector<std::uint32_t> firsts;  ///< the first point of each pixel, and the end
     std::vector<MovedPoint> moved;      ///< in any order
     TileCells cells;
@@ -85,15 +79,12 @@ struct TileState {
 
 /// All that a frame's stages read and write. A stage is a free function; the order of stages is IrradianceCache::light.
 struct FrameState {
-    /// `split` of the light trees' light, of which records hold the static part; none where they hold all of it.
     FrameState(const LightingContext& context, const scene::Snapshot& snapshot, const CutLimits& limits,
-               const CacheErrorModel& errors, RecordStore& records, const LightSplit* split, FinalGather* rays);
+               const CacheErrorModel& errors, RecordStore& records, FinalGather* rays);
 
-    const LightTrees& light_trees;  ///< all light
-    const LightSplit* split;
-    const LightTrees& cached;  ///< what records hold
-    FinalGather* rays;         ///< gathers the sky and indirect light; null: light trees hold them
-    float finer = 1;           ///< rays err by so much less than tolerances allow
+    const LightTrees& light_trees;
+    FinalGather* rays;  ///< gathers the sky and indirect light; null: light trees hold them
+    float finer = 1;    ///< rays err by so much less than tolerances allow
     const RayTracer& tracer;
     const Seen& seen;
     const scene::Snapshot& snapshot;
@@ -107,9 +98,6 @@ struct FrameState {
     CacheCounts counts;
 
     const GatherPoint& point(const PointRef& r) const { return seen.tiles[r.tile][r.index]; }
-    /// Moving surfaces have no records where light is split.
-    bool moves(const GatherPoint& p) const;
-    bool uses_cache(const GatherPoint& p) const { return renderer::uses_cache(p) && !moves(p); }
     /// None for points that no picture shows, which does not happen but by rounding.
     std::optional<CacheQuery> query_of(std::size_t tile, std::size_t point) const;
     glm::ivec2 pixel_of(std::size_t tile, const GatherPoint& p) const;

@@ -3,24 +3,17 @@
 #include "core/error.h"
 #include "core/numeric.h"
 #include "renderer/cache/cache_lookup.h"
-#include "renderer/cache/dynamic_light.h"
 
 namespace render2mpeg::renderer {
 void IrradianceCache::forget() {
     records_.forget();
     validation_.forget();
     history_ = {};
-    moved_ = false;
 }
 
 void IrradianceCache::invalidate() {
     records_.forget();
     history_.tiles.clear();
-}
-
-void IrradianceCache::move(bool static_changed) {
-    moved_ = true;
-    if (static_changed) invalidate();
 }
 
 void IrradianceCache::cut_to(const Seen& seen, const scene::Snapshot& snapshot) {
@@ -33,8 +26,8 @@ void IrradianceCache::cut_to(const Seen& seen, const scene::Snapshot& snapshot) 
 }
 
 FrameLight IrradianceCache::light(const LightingContext& context, const scene::Snapshot& snapshot,
-                                  const CutLimits& limits, const LightSplit* split, FinalGather* rays,
-                                  ShadeCounts& shade_counts, CacheCounts& counts) {
+                                  const CutLimits& limits, FinalGather* rays, ShadeCounts& shade_counts,
+                                  CacheCounts& counts) {
     EXPECTS(!context.tolerance.is_reference());
     if (snapshot.cut_before) cut_to(context.seen, snapshot);
     errors_.cache_error_scale = validation_.cache_error_scale();
@@ -42,13 +35,10 @@ FrameLight IrradianceCache::light(const LightingContext& context, const scene::S
     last_error_scale_ = limits.error_scale;
 
     // Reuse the last frame's light,
-    FrameState frame(context, snapshot, limits, errors_, records_, split, rays);
-    start(frame, context.tolerance, history_, moved_);
-    moved_ = false;
+    FrameState frame(context, snapshot, limits, errors_, records_, rays);
+    start(frame, context.tolerance, history_);
     // ask the cache for the rest, or gather it,
     light_points(frame, validation_);
-    // add what moving objects change,
-    if (split != nullptr) add_dynamic_light(frame);
     // and remember.
     records_.thin(snapshot.frame, frame.grid);
     FrameLight light = finish(frame, history_);
