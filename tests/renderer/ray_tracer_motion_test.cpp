@@ -101,7 +101,7 @@ TEST(MovedSurfaces, MayBeMetOnlyNearWhereTheyAre) {
     for (const int second : {0, 1}) {
         stage.pose(second);
         const glm::vec3 middle = second == 0 ? glm::vec3(1) : glm::vec3(3, 1, 2);
-        for (const float beside : {-0.44f, -0.36f, 0.0f, 0.36f, 0.44f}) {
+        for (const float beside : {-0.46f, -0.34f, 0.0f, 0.34f, 0.46f}) {
             const glm::vec3 above = middle + glm::vec3(beside, 1, 0), way(0, -1, 0);
             EXPECT_EQ(stage.tracer().may_meet_dynamic(above, way, 2), std::abs(beside) < 0.4f) << beside;
             EXPECT_FALSE(stage.tracer().may_meet_dynamic(above, way, 0.5f)) << beside;

@@ -33,10 +33,6 @@ struct CacheErrorModel {
     float cache_error_scale = 1;  ///< of the first two: learnt by hold-out validation (cache_validation.h)
 };
 
-/// The factor q of a residual (docs/model/irradiance-cache.md): larger where the tolerance is a small share of the
-/// luminance that is sent into the pixel.
-float residual_factor(const PointTolerance& t, float light, float tolerance);
-
 /// The cache's answer.
 struct CacheEstimate {
     bool valid = false;  ///< its estimated error is within the point's tolerance

@@ -7,7 +7,6 @@
 
 #include "renderer/cache/cache_counts.h"
 #include "renderer/cache/cache_query.h"
-#include "renderer/cache/interpolation_cell.h"
 #include "renderer/cache/receiver.h"
 #include "renderer/cache/request_groups.h"
 #include "renderer/cut/lighting_context.h"
@@ -22,51 +21,24 @@ inline constexpr int lattices[] = {4, 2, 1};
 /// How far a gather point has come.
 enum class PointState : std::uint8_t {
     open,
-    failed,        ///< queried the cache in vain, and no record came near since
-    done,          ///< its light is known
-    at_record,     ///< likewise: at the place of a record in the same pixel
-    interpolated,  ///< likewise: in an interpolation cell
-    reused,        ///< likewise: from the frame before
-    held_out       ///< likewise: the cache served it, and it was gathered as well
-};
-
-/// Interpolation cells of one tile, no two of which overlap.
-class TileCells {
-  public:
-    TileCells() { cell_.fill(-1); }
-    /// The cell that a pixel of the tile lies in; none: null.
-    const InterpolationCell* at(int x, int y) const {
-        const int i = cell_[index(x, y)];
-        return i < 0 ? nullptr : &cells_[static_cast<std::size_t>(i)];
-    }
-    void add(int x, int y, int side, const InterpolationCell& cell) {
-        for (int v = y; v < y + side; v += least)
-            for (int u = x; u < x + side; u += least) cell_[index(u, v)] = static_cast<std::int8_t>(cells_.size());
-        cells_.push_back(cell);
-    }
-
-  private:
-    static constexpr int least = 2, across = tile_size / least;  ///< side of the smallest; so many in a row
-    static std::size_t index(int x, int y) { return static_cast<std::size_t>(y / least * across + x / least); }
-    std::array<std::int8_t, static_cast<std::size_t>(across* across)> cell_;
-    std::vector<InterpolationCell> cells_;
+    failed,     ///< queried the cache in vain, and no record came near since
+    done,       ///< its light is known
+    at_record,  ///< likewise: at the place of a record in the same pixel
+    reused,     ///< likewise: from the frame before
+    held_out    ///< likewise: the cache served it, and it was gathered as well
 };
 
 /// What is known of a tile's gather points; lists have one entry for each, in the tile's order.
 struct TileState {
     std::vector<PointTolerance> tolerance;
     std::vector<PointState> state;
-    std::vector<PointLight> light;      ///< of trees
-    std::vector<PointLight> exact;      ///< of lights that are gathered one by one
-    std::vector<std::uint32_t> firsts;  ///< the first point of each pixel, and the end
-    std::vector<MovedPoint> moved;      ///< in any order
-    TileCells cells;
+    std::vector<PointLight> light;  ///< of trees
+    std::vector<PointLight> exact;  ///< of lights that are gathered one by one
+    std::vector<MovedPoint> moved;  ///< in any order
     std::uint64_t served = 0;
 
     /// Whether records of this frame's cache light the point at its own place.
-    bool is_served(std::size_t i) const {
-        return state[i] == PointState::interpolated || (state[i] == PointState::done && light[i].served);
-    }
+    bool is_served(std::size_t i) const { return state[i] == PointState::done && light[i].served; }
     /// Forgets the light of a point that was served or reused.
     void reopen(std::size_t i) {
         state[i] = PointState::open;

@@ -24,9 +24,6 @@ TileState empty_tile(const GatherTile& points) {
     tile.light.assign(points.size(), {});
     tile.exact.assign(points.size(), {});
     tile.state.assign(points.size(), PointState::open);
-    tile.firsts.assign(tile_size * tile_size + 1, 0);
-    for (const GatherPoint& p : points) ++tile.firsts[p.pixel + 1u];
-    for (std::size_t k = 1; k < tile.firsts.size(); ++k) tile.firsts[k] += tile.firsts[k - 1];
     return tile;
 }
 
@@ -163,7 +160,6 @@ FrameLight finish(FrameState& frame, FrameHistory& history) {
         frame.shade_counts.gather_points += tile.served;
         for (std::size_t i = 0; i < tile.light.size(); ++i) {
             const GatherPoint& p = frame.seen.tiles[t][i];
-            frame.counts.interpolated += tile.state[i] == PointState::interpolated ? 1 : 0;
             history.tiles[t].push_back(
                 {p.point.address, p.point.outgoing, p.weight, tile.tolerance[i], tile.exact[i], tile.light[i]});
             add_up(frame, t, i);
