@@ -45,15 +45,6 @@ constexpr GeometryClamp emitter_clamp{0.25f};
 /// does not do so for long, and representatives never change from frame to frame.
 constexpr std::int64_t rebuild_interval = 15;
 
-/// As many times as many photons where light never changes. chosen: 4, of 1, 4 and about 8: in still_room the error of
-/// light points falls from 3.0 to 2.7 code values, light in its darker half from 2.5 to 1.2 % too much.
-constexpr std::uint64_t still_photons = 4;
-
-/// Anchors that a photon is shared among where light never changes: nothing there flickers, and light stays where it
-/// fell. chosen: 4 of 1, 4 and 16; the error of light points falls by 13 % in Sponza and still_room and rises by 3 %
-/// in Sibenik, light in Sponza's darker half from 2 % too much to 0 (1: as 4).
-constexpr int still_sharers = 4;
-
 /// Tolerances that are so much coarser are learnt as well, for the one error scale of all. chosen: 1.5, since pictures
 /// differ by type by 2 to 4; not tuned.
 constexpr float coarser = 1.5f;
@@ -87,11 +78,8 @@ struct Renderer::Impl {
         if (!anchors && plan.runs(Pass::photons) && settings.vpls > 0 &&
             (!by_rays() || plan.runs(Pass::lobe_rays) || plan.runs(Pass::air))) {
             const Stopwatch timer(row(Pass::photons));
-            // Light that never changes is traced once: it can be traced well.
-            const bool still = !scene::traits_of(posed_scene.animation()).changes_light();
             anchors.emplace(posed_scene, light_points,
-                            AnchorSettings{settings.vpls, settings.bounces, settings.photons, still ? still_photons : 1,
-                                           still ? still_sharers : shared_among});
+                            AnchorSettings{settings.vpls, settings.bounces, settings.photons});
             statistics.photon_rays += anchors->rays();
         }
         {
@@ -112,7 +100,6 @@ struct Renderer::Impl {
                       !scene::traits_of(posed_scene.animation()).changes_light());
         }
         shone_at.reset();
-        photons.forget();
         thrown.forget();
         lit_frame.reset();
         ambient_air = {};
@@ -135,7 +122,7 @@ struct Renderer::Impl {
         has_trees = false;
         if (!anchors) return;
         const Stopwatch timer(row(Pass::photons));
-        lit_anchors = anchors->at(posed_scene, shining, plan.runs(Pass::lobe_rays), &photons);
+        lit_anchors = anchors->at(posed_scene, shining, plan.runs(Pass::lobe_rays));
         statistics.photon_rays += lit_anchors.rays;
         statistics.photon_energy += lit_anchors.landed;
         statistics.photon_energy_lost += lit_anchors.lost;
@@ -365,7 +352,6 @@ struct Renderer::Impl {
     std::vector<LightPoint> shining;          ///< direct light points, until trees take them
     Anchors::Lit lit_anchors;
     Caustics thrown;                        ///< how many photons a frame of the chunk has
-    KeptPhotons photons;                    ///< of the instant that `lit_anchors` are of
     bool has_trees = false;                 ///< `light_trees` are of that instant, too
     std::optional<std::int64_t> lit_frame;  ///< the first frame that `light_trees` are of
     bool started = false;

@@ -100,13 +100,10 @@ struct Anchors::Impl {
     void average_light(const RayTracer& tracer);
     LightPoint moving_light(const PosedScene& posed_scene, std::uint32_t place) const;
     PhotonHit hit_of(const PosedScene& posed_scene, const PhotonResult& photons, std::size_t i, float part) const;
-    bool may_keep(const RayTracer& scene) const;
     std::vector<PhotonHit> hits_of(const PosedScene& posed_scene, const PhotonResult& photons,
                                    std::uint64_t count) const;
     void follow_all(const PosedScene& posed_scene, std::span<const LightPoint> lights, Lit& lit,
                     std::span<glm::dvec3> light, std::span<glm::dvec3> flux) const;
-    void follow_changed(const PosedScene& posed_scene, std::span<const LightPoint> lights, KeptPhotons& kept, Lit& lit,
-                        std::span<glm::dvec3> light, std::span<glm::dvec3> flux) const;
 
     const scene::Animation& film;
     AnchorSettings settings;
@@ -163,11 +160,10 @@ void Anchors::Impl::look(PosedScene& posed_scene, LightPoints& lights) {
     posed_scene.pose(first);
     add_even(posed_scene, wanted / even_part);
     add_unlit();
-    anchors = PhotonSplatter(choose_places(candidates, settings.count), posed_scene.tracer(), settings.sharers);
+    anchors = PhotonSplatter(choose_places(candidates, settings.count), posed_scene.tracer());
     rays += anchors.rays();
     average_light(posed_scene.tracer());
-    if (anchors.size() > 0)
-        paths = settings.times * paths_of_anchors(settings.count, settings.photons, settings.bounces, seen);
+    if (anchors.size() > 0) paths = paths_of_anchors(settings.count, settings.photons, settings.bounces, seen);
 }
 
 void Anchors::Impl::look_at(const PosedScene& posed_scene, const std::vector<LightPoint>& lights,
@@ -332,13 +328,6 @@ std::size_t Anchors::bytes() const {
     return impl_->average.capacity() * sizeof(float) + impl_->anchors.bytes();
 }
 
-/// Whether photons may be kept: something moves, and they are not too many.
-bool Anchors::Impl::may_keep(const RayTracer& scene) const {
-    const double landings = static_cast<double>(paths) *
-                            core::divide_or(static_cast<double>(seen.landed), static_cast<double>(seen.paths), 0.0);
-    return scene.has_dynamic_objects() && landings <= static_cast<double>(KeptPhotons::most);
-}
-
 /// The hits of photons, as parts of those of all batches.
 std::vector<PhotonHit> Anchors::Impl::hits_of(const PosedScene& posed_scene, const PhotonResult& photons,
                                               std::uint64_t count) const {
@@ -367,39 +356,14 @@ void Anchors::Impl::follow_all(const PosedScene& posed_scene, std::span<const Li
     }
 }
 
-/// The same; only those photons are followed that something has changed for.
-void Anchors::Impl::follow_changed(const PosedScene& posed_scene, std::span<const LightPoint> lights, KeptPhotons& kept,
-                                   Lit& lit, std::span<glm::dvec3> light, std::span<glm::dvec3> flux) const {
-    kept.start(lights, world_box(posed_scene.posed()), paths);
-    for (std::uint64_t done = 0; done < paths; done += batch) {
-        const std::uint64_t count = std::min(batch, paths - done);
-        const std::vector<std::uint64_t> changed = kept.changed(done, done + count, posed_scene.tracer());
-        const PhotonResult photons =
-            trace_photons(posed_scene, lights, {1 + done, count, settings.bounces, &guide, changed, true});
-        lit.rays += photons.rays;
-        if (photons.each.size() < changed.size()) return kept.forget();  // nothing shines now
-        kept.take(count, changed, photons, hits_of(posed_scene, photons, count));
-    }
-    kept.finish();
-    for (const PhotonPath& path : kept.paths()) {
-        lit.landed += path.landed / static_cast<double>(paths);
-        lit.lost += path.lost / static_cast<double>(paths);
-    }
-    lit.rays += anchors.splat(kept.hits(), posed_scene.tracer(), &lit.occluded, light, flux, kept.shares());
-}
-
-Anchors::Lit Anchors::at(const PosedScene& posed_scene, std::span<const LightPoint> lights, bool irradiance,
-                         KeptPhotons* kept) const {
+Anchors::Lit Anchors::at(const PosedScene& posed_scene, std::span<const LightPoint> lights, bool irradiance) const {
     const Impl& a = *impl_;
     std::vector<glm::dvec3> light(a.anchors.size(), glm::dvec3(0));
     std::vector<glm::dvec3> flux(irradiance ? a.anchors.size() : 0, glm::dvec3(0));
     Lit lit;
     lit.occluded = a.anchors.occluded_neighbours(posed_scene.tracer());
     lit.rays += lit.occluded.rays;
-    if (kept != nullptr && a.may_keep(posed_scene.tracer()))
-        a.follow_changed(posed_scene, lights, *kept, lit, light, flux);
-    else
-        a.follow_all(posed_scene, lights, lit, light, flux);
+    a.follow_all(posed_scene, lights, lit, light, flux);
     const std::uint32_t still = a.anchors.still_count();
     lit.still.reserve(still);
     lit.moving.reserve(a.anchors.size() - still);

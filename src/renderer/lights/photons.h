@@ -1,7 +1,6 @@
 #pragma once
 // Traces photons from the lights through the posed scene.
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -17,18 +16,6 @@ struct PhotonSettings {
     std::uint64_t paths = 0;
     int bounces = 0;                       ///< places where one path may leave a VPL; 0: any number
     const EmissionGuide* guide = nullptr;  ///< none: paths start evenly
-    /// Of the paths only these are followed: how many come after `first_path`, in rising order. Each brings the same
-    /// as if all were.
-    std::optional<std::span<const std::uint64_t>> only{};
-    bool keeps = false;  ///< PhotonResult::each and places
-};
-
-/// The way of one photon, to be held against what moves later.
-struct PhotonPath {
-    std::uint32_t vpls = 0, places = 0;  ///< how many of PhotonResult's are its own
-    bool escapes = false;                ///< the last of its places is no place, but the direction in which it left
-    bool met_dynamic = false;            ///< some surface that moves scattered or ended it, or let it pass
-    double landed = 0, lost = 0;         ///< see PhotonResult
 };
 
 struct PhotonResult {
@@ -36,8 +23,6 @@ struct PhotonResult {
     std::vector<core::SurfaceAddress> addresses;  ///< where each lies
     std::vector<glm::vec3> fluxes;                ///< that came there
     std::vector<std::uint64_t> paths;             ///< that left each
-    std::vector<PhotonPath> each;                 ///< of the paths, in their order; only where they are to be kept
-    std::vector<glm::vec3> places;                ///< where each path starts and meets surfaces; likewise
     std::uint64_t rays = 0;
     double landed = 0;  ///< flux that met scattering surfaces, luminance, summed over bounces
     double lost = 0;    ///< of it, what largest_albedo kept from going on
