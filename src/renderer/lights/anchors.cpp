@@ -16,7 +16,6 @@
 #include "renderer/lights/anchor_importance.h"
 #include "renderer/lights/anchor_paths.h"
 #include "renderer/lights/anchor_places.h"
-#include "renderer/lights/emission_guide.h"
 #include "renderer/lights/even_points.h"
 #include "renderer/lights/photon_splat.h"
 #include "renderer/lights/rest_pose.h"
@@ -43,10 +42,6 @@ constexpr std::uint64_t least_candidates = 4096;
 /// uneven matter less where anchors lie that densely, and each place takes some 150 bytes while they are chosen.
 constexpr std::uint64_t many_candidates = 1u << 18;
 constexpr std::uint64_t least_per_anchor = 4;
-
-/// Importance that counts at most for where photons start: a place beside one that is seen lights no more than its
-/// surroundings. chosen: 4, of 4 and none: photons' noise is 0.5 to 0.8 of what it is without a guide (cornell: alike).
-constexpr float most_importance = 4.0f;
 
 /// Paths, or places, that are traced at once: bounds the memory that they take.
 constexpr std::uint64_t batch = 1u << 15;
@@ -94,7 +89,6 @@ struct Anchors::Impl {
                               const core::SurfaceAddress& address) const;
     void look(PosedScene& posed_scene, LightPoints& lights);
     void look_at(const PosedScene& posed_scene, const std::vector<LightPoint>& lights, std::uint64_t wanted);
-    void learn(const PhotonResult& photons, std::uint64_t paths, std::span<const float> importance);
     void add_even(const PosedScene& posed_scene, std::uint64_t count);
     void add_unlit();
     void average_light(const RayTracer& tracer);
@@ -111,8 +105,6 @@ struct Anchors::Impl {
     std::vector<AnchorCandidate> candidates;
     std::vector<glm::vec3> candidate_light;  ///< radiant intensity of each, as a VPL
     Landings seen;                           ///< of the candidates' paths
-    std::vector<GuidedPath> useful;          ///< of these those that left something
-    EmissionGuide guide;
     EyeImportance eye;
 
     std::uint64_t paths = 0, rays = 0;
@@ -155,7 +147,6 @@ void Anchors::Impl::look(PosedScene& posed_scene, LightPoints& lights) {
         look_at(posed_scene, lights.at(posed_scene),
                 std::max<std::uint64_t>(wanted / static_cast<std::uint64_t>(count), 1));
     }
-    guide = EmissionGuide(std::move(useful), seen.paths);
     // What is still lies the same at any instant.
     posed_scene.pose(first);
     add_even(posed_scene, wanted / even_part);
@@ -182,20 +173,6 @@ void Anchors::Impl::look_at(const PosedScene& posed_scene, const std::vector<Lig
         // as it.
         candidates.back().importance = std::sqrt(importance[i]);
         candidate_light.push_back(photons.vpls[i].intensity);
-    }
-    learn(photons, needed, importance);
-}
-
-/// Notes what paths left, by what of it is seen.
-void Anchors::Impl::learn(const PhotonResult& photons, std::uint64_t paths, std::span<const float> importance) {
-    for (std::size_t i = 0; i < photons.paths.size();) {
-        const std::uint64_t path = photons.paths[i];
-        float value = 0;
-        for (; i < photons.paths.size() && photons.paths[i] == path; ++i)
-            value += core::luminance(photons.vpls[i].intensity) *
-                     std::clamp(importance[i] - EyeImportance::least, 0.0f, most_importance);
-        value *= static_cast<float>(paths);
-        if (value > 0.0f && std::isfinite(value)) useful.push_back({start_numbers(path), value});
     }
 }
 
@@ -316,10 +293,6 @@ std::uint64_t Anchors::paths() const {
     return impl_->paths;
 }
 
-const EmissionGuide& Anchors::guide() const {
-    return impl_->guide;
-}
-
 std::uint64_t Anchors::rays() const {
     return impl_->rays;
 }
@@ -344,7 +317,7 @@ void Anchors::Impl::follow_all(const PosedScene& posed_scene, std::span<const Li
     std::vector<PhotonHit> hits;
     for (std::uint64_t done = 0; done < paths; done += batch) {
         const std::uint64_t count = std::min(batch, paths - done);
-        const PhotonResult photons = trace_photons(posed_scene, lights, {1 + done, count, settings.bounces, &guide});
+        const PhotonResult photons = trace_photons(posed_scene, lights, {1 + done, count, settings.bounces});
         lit.rays += photons.rays;
         lit.landed += photons.landed / static_cast<double>(paths);
         lit.lost += photons.lost / static_cast<double>(paths);

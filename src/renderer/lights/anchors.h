@@ -42,9 +42,6 @@ class Anchors {
     /// more than 64 for each anchor, however few of them meet anything.
     std::uint64_t paths() const;
 
-    /// Where photons start, at all instants.
-    const EmissionGuide& guide() const;
-
     /// Rays that the choice took.
     std::uint64_t rays() const;
 

@@ -94,11 +94,10 @@ Onward scatter(const SurfacePoint& p, glm::vec3 flux, float choice, glm::vec2 u)
 }
 
 /// Leaves a VPL where a photon landed; `landed`: of its flux.
-void leave(const SurfacePoint& p, glm::vec3 flux, glm::vec3 landed, std::uint64_t path, PhotonResult& out) {
+void leave(const SurfacePoint& p, glm::vec3 flux, glm::vec3 landed, PhotonResult& out) {
     out.vpls.push_back(vpl_at(p, flux));
     out.addresses.push_back(p.address);
     out.fluxes.push_back(landed);
-    out.paths.push_back(path);
     out.landed += static_cast<double>(core::luminance(landed));
 }
 
@@ -110,10 +109,7 @@ int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint6
         return dimension < core::halton_dimensions ? core::halton(dimension, path)
                                                    : core::uniform(path, static_cast<std::uint64_t>(dimension));
     };
-    EmissionGuide::Start start{start_numbers(path), 1.0f};
-    if (settings.guide != nullptr) start = settings.guide->start(start.numbers);
-    Photon photon = source.emit(start.numbers);
-    photon.flux /= start.density;
+    Photon photon = source.emit({number(0), number(1), number(2)});
     MediaPath media;
     int rays = 0;
     int left = settings.bounces;
@@ -139,10 +135,10 @@ int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint6
         if (p.unlit) break;
         choice = core::divide_or(choice - (1.0f - p.alpha), p.alpha, 0.0f);
         if (p.bsdf.has_diffuse() || p.bsdf.has_glossy()) {
-            leave(p, photon.flux, photon.flux, path, out);
+            leave(p, photon.flux, photon.flux, out);
             --left;
         }
-        if (p.bsdf.has_diffuse_transmission()) leave(posed_scene.other_side(p), photon.flux, glm::vec3(0), path, out);
+        if (p.bsdf.has_diffuse_transmission()) leave(posed_scene.other_side(p), photon.flux, glm::vec3(0), out);
         Onward onward = scatter(p, photon.flux, choice, {number(dimension + 1), number(dimension + 2)});
         out.lost += static_cast<double>(onward.lost);
         // A bounce below the horizon of the true surface would leak through it.
@@ -170,7 +166,6 @@ PhotonResult follow_all(const PosedScene& posed_scene, const PhotonSource& sourc
         result.vpls.insert(result.vpls.end(), p.vpls.begin(), p.vpls.end());
         result.addresses.insert(result.addresses.end(), p.addresses.begin(), p.addresses.end());
         result.fluxes.insert(result.fluxes.end(), p.fluxes.begin(), p.fluxes.end());
-        result.paths.insert(result.paths.end(), p.paths.begin(), p.paths.end());
         result.rays += p.rays;
         result.landed += p.landed;
         result.lost += p.lost;
@@ -199,10 +194,6 @@ WorldBox world_box(const scene::Snapshot& snapshot) {
             hold(glm::vec3(state.to_world * glm::vec4(p, 1)));
     }
     return box;
-}
-
-glm::vec3 start_numbers(std::uint64_t path) {
-    return {core::halton(0, path), core::halton(1, path), core::halton(2, path)};
 }
 
 PhotonResult trace_photons(const PosedScene& posed_scene, std::span<const LightPoint> lights,

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "renderer/base/light_point.h"
-#include "renderer/lights/emission_guide.h"
 #include "renderer/lights/photon_source.h"
 #include "renderer/surface/posed_scene.h"
 
@@ -14,15 +13,13 @@ namespace render2mpeg::renderer {
 struct PhotonSettings {
     std::uint64_t first_path = 1;  ///< index into the Halton sequence; the same in every frame
     std::uint64_t paths = 0;
-    int bounces = 0;                       ///< places where one path may leave a VPL; 0: any number
-    const EmissionGuide* guide = nullptr;  ///< none: paths start evenly
+    int bounces = 0;  ///< places where one path may leave a VPL; 0: any number
 };
 
 struct PhotonResult {
     std::vector<LightPoint> vpls;                 ///< in the order of paths and bounces
     std::vector<core::SurfaceAddress> addresses;  ///< where each lies
     std::vector<glm::vec3> fluxes;                ///< that came there
-    std::vector<std::uint64_t> paths;             ///< that left each
     std::uint64_t rays = 0;
     double landed = 0;  ///< flux that met scattering surfaces, luminance, summed over bounces
     double lost = 0;    ///< of it, what largest_albedo kept from going on
@@ -37,9 +34,6 @@ PhotonResult trace_photons(const PosedScene& posed_scene, std::span<const LightP
 
 /// The world as its objects lie now: the film's box at its start, and whatever moves.
 WorldBox world_box(const scene::Snapshot& snapshot);
-
-/// The even numbers that choose how a path starts.
-glm::vec3 start_numbers(std::uint64_t path);
 
 /// How many paths leave about `vpls` VPLs in the posed scene; 0 where no light reaches any surface.
 std::uint64_t paths_for(const PosedScene& posed_scene, std::span<const LightPoint> lights, int vpls, int bounces);
