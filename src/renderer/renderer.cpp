@@ -12,14 +12,12 @@
 #include "renderer/air/airlight.h"
 #include "renderer/base/stopwatch.h"
 #include "renderer/cache/irradiance_cache.h"
-#include "renderer/cache/light_split.h"
 #include "renderer/calibration/audit.h"
 #include "renderer/calibration/calibration.h"
 #include "renderer/caustics/caustics.h"
 #include "renderer/cut/blurred_light.h"
 #include "renderer/cut/gather_groups.h"
 #include "renderer/cut/shade.h"
-#include "renderer/cut/steep_light.h"
 #include "renderer/draft/draft_light.h"
 #include "renderer/gather/final_gather.h"
 #include "renderer/judge.h"
@@ -46,15 +44,6 @@ constexpr GeometryClamp emitter_clamp{0.25f};
 /// Light trees may be planned anew at every so manieth frame of a chunk. chosen: 15, half a second: what fits badly
 /// does not do so for long, and representatives never change from frame to frame.
 constexpr std::int64_t rebuild_interval = 15;
-
-/// As many times as many photons where light never changes. chosen: 4, of 1, 4 and about 8: in still_room the error of
-/// light points falls from 3.0 to 2.7 code values, light in its darker half from 2.5 to 1.2 % too much.
-constexpr std::uint64_t still_photons = 4;
-
-/// Anchors that a photon is shared among where light never changes: nothing there flickers, and light stays where it
-/// fell. chosen: 4 of 1, 4 and 16; the error of light points falls by 13 % in Sponza and still_room and rises by 3 %
-/// in Sibenik, light in Sponza's darker half from 2 % too much to 0 (1: as 4).
-constexpr int still_sharers = 4;
 
 /// Tolerances that are so much coarser are learnt as well, for the one error scale of all. chosen: 1.5, since pictures
 /// differ by type by 2 to 4; not tuned.
@@ -89,11 +78,8 @@ struct Renderer::Impl {
         if (!anchors && plan.runs(Pass::photons) && settings.vpls > 0 &&
             (!by_rays() || plan.runs(Pass::lobe_rays) || plan.runs(Pass::air))) {
             const Stopwatch timer(row(Pass::photons));
-            // Light that never changes is traced once: it can be traced well.
-            const bool still = !scene::traits_of(posed_scene.animation()).changes_light();
             anchors.emplace(posed_scene, light_points,
-                            AnchorSettings{settings.vpls, settings.bounces, settings.photons, still ? still_photons : 1,
-                                           still ? still_sharers : shared_among});
+                            AnchorSettings{settings.vpls, settings.bounces, settings.photons});
             statistics.photon_rays += anchors->rays();
         }
         {
@@ -109,15 +95,11 @@ struct Renderer::Impl {
             if (plan.runs(Pass::whole_lamps)) lamps = WholeLamps(posed_scene, light_points.average());
             const std::vector<LightPoint> direct = clustered(light_points.average());
             lasting = PersistentLightTrees({direct, still, moving}, settings.seed + 2 * settings.draw);
-            splits = !by_rays() && settings.cache != CacheUse::off &&
-                     LightSplit::suit(posed_scene, plan, still.size(), moving.size());
             caches = (by_rays() && settings.cache != CacheUse::off) || settings.cache == CacheUse::on ||
                      (settings.cache == CacheUse::static_light &&
-                      (splits || !scene::traits_of(posed_scene.animation()).changes_light()));
-            split.forget();
+                      !scene::traits_of(posed_scene.animation()).changes_light());
         }
         shone_at.reset();
-        photons.forget();
         thrown.forget();
         lit_frame.reset();
         ambient_air = {};
@@ -125,7 +107,6 @@ struct Renderer::Impl {
         cache.forget();
         calibration.forget();
         draft_light.forget();
-        steep.forget();
         started = true;
     }
 
@@ -141,7 +122,7 @@ struct Renderer::Impl {
         has_trees = false;
         if (!anchors) return;
         const Stopwatch timer(row(Pass::photons));
-        lit_anchors = anchors->at(posed_scene, shining, plan.runs(Pass::lobe_rays), &photons);
+        lit_anchors = anchors->at(posed_scene, shining, plan.runs(Pass::lobe_rays));
         statistics.photon_rays += lit_anchors.rays;
         statistics.photon_energy += lit_anchors.landed;
         statistics.photon_energy_lost += lit_anchors.lost;
@@ -196,7 +177,7 @@ struct Renderer::Impl {
     void update_light(const scene::Snapshot& snapshot) {
         shine(snapshot);
         if (has_trees) return;
-        if (lit_frame && !splits) cache.invalidate();
+        if (lit_frame) cache.invalidate();
         statistics.direct_points = shining.size();
         statistics.indirect_points = lit_anchors.still.size() + lit_anchors.moving.size();
         {
@@ -219,7 +200,6 @@ struct Renderer::Impl {
                 light_trees.trees[static_cast<std::size_t>(t)] = {};
             final_gather.forget(sky_brightest());
         }
-        if (splits) cache.move(split.update(light_trees, lit_anchors.still, lasting));
         lit_frame = snapshot.frame;
         has_trees = true;
     }
@@ -367,13 +347,11 @@ struct Renderer::Impl {
     WholeLamps lamps;                ///< of the film
     PersistentLightTrees lasting;    ///< of the chunk
     LightTrees light_trees, air_trees;
-    bool caches = false, splits = false;  ///< light is cached; only the static part of it is
-    LightSplit split;
+    bool caches = false;                      ///< light is cached
     std::optional<scene::Snapshot> shone_at;  ///< the instant that the following are of
     std::vector<LightPoint> shining;          ///< direct light points, until trees take them
     Anchors::Lit lit_anchors;
     Caustics thrown;                        ///< how many photons a frame of the chunk has
-    KeptPhotons photons;                    ///< of the instant that `lit_anchors` are of
     bool has_trees = false;                 ///< `light_trees` are of that instant, too
     std::optional<std::int64_t> lit_frame;  ///< the first frame that `light_trees` are of
     bool started = false;
@@ -383,10 +361,7 @@ struct Renderer::Impl {
     float calibrated_share = 0;      ///< typical_share of the coarsest frame calibrated
     IrradianceCache cache;
     DraftLight draft_light;
-    SteepLight steep;
-    FrameLight light;        ///< of the points of the frame shaded last
-    ShadeSettings lit_with;  ///< that frame's
-    std::uint64_t lit_non_finite = 0;
+    FrameLight light;  ///< of the points of the frame shaded last
     AmbientAir ambient_air;
     FinalGather final_gather;
     core::Radiance sharp;  ///< of the last frame that was exposed: its middle, whose points and pixels are audited
@@ -472,14 +447,13 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
     const bool learns = i.settings.calibrate && !tolerance.is_reference();
     if (learns) i.calibrate(snapshot, seen, tolerance, settings);
     settings.limits.error_scale = learns ? i.calibration.value() : 1.0f;
-    i.lit_with = settings;
     // ask the cache, which gathers what it does not know,
     ShadeCounts counts;
     std::optional<FrameLight> cached;
     if (i.caches && !tolerance.is_reference())
         cached = i.cache.light({i.light_trees, i.posed_scene.tracer(), seen, snapshot.camera.position(), tolerance},
-                               snapshot, settings.limits, i.splits ? &i.split : nullptr,
-                               i.by_rays() ? &i.final_gather : nullptr, counts, i.statistics.cache);
+                               snapshot, settings.limits, i.by_rays() ? &i.final_gather : nullptr, counts,
+                               i.statistics.cache);
     const FrameLight* known = cached ? &*cached : nullptr;
     // else gather all; sum up in pixels,
     core::Radiance radiance =
@@ -489,7 +463,6 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
     if (cached && settings.layers) radiance.record_density = i.cache.density(snapshot.camera, i.settings.format);
     // and learn from the frame.
     i.count(counts, seen.visible);
-    i.lit_non_finite = counts.non_finite;
     if (learns) i.learn(snapshot, seen, tolerance, settings, radiance, counts, known);
     if (seen.exposure) {
         ShadeCounts blurred;
@@ -500,19 +473,6 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
     i.share_time(cpu_seconds() - start, counts);
     i.statistics.layer_seconds = i.posed_scene.layer_seconds();
     return radiance;
-}
-
-void Renderer::light_closer(const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance, Seen& seen,
-                            core::Radiance& radiance) {
-    Impl& i = *impl_;
-    FrameLight light = std::exchange(i.light, {});
-    if (i.by_rays() || seen.exposure || light.size() != seen.tiles.size()) return;
-    ShadeCounts counts;
-    const double start = cpu_seconds();
-    i.steep.light({i.light_trees, i.posed_scene.tracer(), seen, snapshot.camera.position(), tolerance}, i.lit_with,
-                  *i.lit_frame, std::move(light), i.lit_non_finite, seen, radiance, counts);
-    i.count(counts, seen.visible);
-    i.share_time(cpu_seconds() - start, counts);
 }
 
 core::Radiance Renderer::trace(const scene::Snapshot& snapshot, const Seen& seen, const TruthSettings& finely) {
@@ -571,7 +531,7 @@ std::vector<AuditedPixel> Renderer::audit(const scene::Snapshot& snapshot, const
     const core::Radiance& radiance = i.middle_of(seen, shown);
     i.light_unseen(snapshot);
     const std::vector<LitPixel> pixels = drawn(lit_pixels(seen), static_cast<std::size_t>(count), seen.visible.frame);
-    const MovedPoints moved = i.steep.renumbered(i.cache.moved_points(snapshot.frame, tolerance), snapshot.frame);
+    const MovedPoints moved = i.cache.moved_points(snapshot.frame, tolerance);
     const auto truth = gather_exactly(i.light_trees, i.posed_scene.tracer(), seen, pixels, moved);
     return compare(seen, pixels, truth, tolerance, radiance);
 }
@@ -584,7 +544,7 @@ std::vector<JudgedPixel> Renderer::judge(const scene::Snapshot& snapshot, const 
     const core::ToleranceMap tolerance = tolerance_of_points(seen, wanted);
     const core::Radiance& radiance = i.middle_of(seen, shown);
     i.light_unseen(snapshot);
-    const MovedPoints moved = i.steep.renumbered(i.cache.moved_points(snapshot.frame, tolerance), snapshot.frame);
+    const MovedPoints moved = i.cache.moved_points(snapshot.frame, tolerance);
     const SeeSettings see{i.settings.format, i.settings.samples, i.settings.edge_samples, i.settings.specular_depth};
     return judge_pixels({i.posed_scene, i.light_trees, seen, tolerance, radiance, moved}, see, i.plan, audited, finely);
 }

@@ -27,7 +27,7 @@ enum class Clamp { bounded, none };
 /// Where gathered light is kept for other pixels and frames (irradiance_cache.h).
 enum class CacheUse {
     off,
-    static_light,  ///< where light, or the static part of it (light_split.h), stays what it is all through a film
+    static_light,  ///< where light stays what it is all through a film, or rays gather it
     on             ///< everywhere; a change of light forgets what was kept
 };
 
@@ -117,12 +117,6 @@ class Renderer {
 
     /// Gathers light for all gather points of a frame until every pixel's error bound is below its tolerance.
     core::Radiance shade(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance);
-
-    /// Lights points of the frame shaded last at more places of their pixels where light is steep (steep_light.h):
-    /// `seen` and `radiance` then hold them. Frames that shutter or lens blur stay as they are. After `shade` of the
-    /// same.
-    void light_closer(const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance, Seen& seen,
-                      core::Radiance& radiance);
 
     /// `shade` by paths alone (true_frame.h), which know nothing of light points, trees and records. Of frames that
     /// shutter or lens blur, the middle.

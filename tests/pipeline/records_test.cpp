@@ -64,7 +64,7 @@ TEST(Records, OfFramesAddUpToThoseOfTheFilm) {
 TEST(Records, ThatAreNotThereAreNotShown) {
     const Folder folder;
     const std::string heat = " --heatmap age " + (folder / "h.m2v").string();
-    for (const char* option : {"", " --cache on --tolerance reference"}) {
+    for (const char* option : {" --indirect lightcuts", " --cache on --tolerance reference"}) {
         const auto refused = run(render_room + (folder / "f.y4m").string() + heat + option);
         EXPECT_EQ(refused.status, 1) << option;
         EXPECT_NE(refused.output.find("no records"), std::string::npos) << refused.output;
@@ -74,7 +74,7 @@ TEST(Records, ThatAreNotThereAreNotShown) {
 
 constexpr std::int64_t large = 320 * 240;  ///< pixels
 
-TEST(Records, AreKeptByThemselvesWhereLightStaysOrCanBeParted) {
+TEST(Records, AreKeptByThemselvesWhereLightStaysOrRaysFindIt) {
     scene::Traits walk;
     walk.has_diffuse_surfaces = walk.camera_moves = true;
     const auto keeps = [](const scene::Traits& traits, std::int64_t frames = 24, bool reference = false,
@@ -92,11 +92,11 @@ TEST(Records, AreKeptByThemselvesWhereLightStaysOrCanBeParted) {
         EXPECT_FALSE(keeps(changes));
         const app::CacheChoice asked = app::choose_cache("on", changes, true, false, 24, 1);
         EXPECT_EQ(asked.use, renderer::CacheUse::on) << "who asks gets it";
-        const app::CacheChoice split = app::choose_cache("auto", changes, true, false, 24, large);
-        EXPECT_EQ(split.use, changes.lights_change ? renderer::CacheUse::off : renderer::CacheUse::static_light)
-            << split.reason;
-        EXPECT_FALSE(app::choose_cache("auto", changes, true, false, 1, large).keeps());
-        EXPECT_FALSE(app::choose_cache("auto", changes, true, false, 24, 96 * 96).keeps());
+        for (const std::int64_t frames : {1, 24})
+            EXPECT_EQ(app::choose_cache("auto", changes, true, false, frames, 96 * 96).use,
+                      renderer::CacheUse::static_light)
+                << "rays are shared by pixels";
+        EXPECT_FALSE(app::choose_cache("auto", changes, true, true, 24, large).keeps()) << "--tolerance reference";
     }
     scene::Traits still;
     EXPECT_FALSE(keeps(still)) << "nothing dull";
@@ -111,37 +111,22 @@ TEST(Records, ThePlanSaysWhyTheyAreKept) {
         const std::size_t at = table.find(" records ");
         return at == std::string::npos ? "none" : table.substr(at - 3, table.find('\n', at) - at + 3);
     };
-    const std::string walk = row(support::film("colonnade") + " --cache auto"),
-                      lamps = row(support::film("many_lamps") + " --cache auto"),
-                      figure = row(support::film("character") + " --cache auto");
+    const std::string walk = row(support::film("colonnade") + " --cache auto --indirect lightcuts"),
+                      lamps = row(support::film("many_lamps") + " --cache auto --indirect lightcuts"),
+                      figure = row(support::film("character") + " --cache auto --indirect lightcuts");
     EXPECT_TRUE(walk.starts_with("yes")) << walk;
     EXPECT_NE(walk.find("only the camera moves"), std::string::npos) << walk;
     EXPECT_TRUE(lamps.starts_with("no ")) << lamps;
     EXPECT_NE(lamps.find("would not pay: lights change"), std::string::npos) << lamps;
-    EXPECT_TRUE(figure.starts_with("yes")) << figure;
-    EXPECT_NE(figure.find("light past them stays"), std::string::npos) << figure;
+    EXPECT_TRUE(figure.starts_with("no ")) << figure;
+    EXPECT_NE(figure.find("would not pay: what moves changes light"), std::string::npos) << figure;
     const std::string unwanted = row(plain_film() + " --cache off");
     EXPECT_NE(unwanted.find("not wanted"), std::string::npos) << unwanted;
-    EXPECT_EQ(row(support::film("colonnade")), walk) << "auto is the default";
+    EXPECT_EQ(row(support::film("colonnade") + " --indirect lightcuts"), walk) << "auto is the default";
+    const std::string rays = row(support::film("character"));
+    EXPECT_TRUE(rays.starts_with("yes")) << rays;
+    EXPECT_NE(rays.find("share what gather rays found"), std::string::npos) << rays;
     EXPECT_TRUE(row(plain_film() + " --cache on").starts_with("yes")) << row(plain_film() + " --cache on");
-}
-
-TEST(Records, AreNoneWhereWhatMovesHoldsMuchOfTheLight) {
-    const Folder folder;
-    const std::string cornell = support::program() + " render -y --hold " + plain_film() +
-                                " --size 160x160 --samples 1 --vpls 64 --exposure 0 --frames 3:4 --tolerance "
-                                "fixed=20% --quiet --stats " +
-                                (folder / "s.json").string();
-    const auto film =
-        run(cornell + " -o " + (folder / "f.m2v").string() + " --heatmap age " + (folder / "h.m2v").string());
-    ASSERT_EQ(film.status, 0) << film.output;
-    EXPECT_GT(contents(folder / "h.m2v").size(), 0u);
-    const auto statistics = nlohmann::json::parse(contents(folder / "s.json"));
-    EXPECT_TRUE(statistics.at("records").is_null());
-    EXPECT_FALSE(statistics.at("per_frame").at(1).contains("records"));
-    const auto plain = run(cornell + " --cache off -o " + (folder / "off.m2v").string());
-    ASSERT_EQ(plain.status, 0) << plain.output;
-    EXPECT_EQ(contents(folder / "f.m2v"), contents(folder / "off.m2v"));
 }
 
 }  // namespace

@@ -57,7 +57,7 @@ TEST(AnchorDoors, PartTheSameNeighboursWhetherTheseAreKeptInListsOrNot) {
         places.back().disc2 = l.disc2;
     }
     const RayTracer& scene = stage.posed_scene().tracer();
-    const PhotonSplatter listed(places, scene), searched(places, scene, shared_among, 0);
+    const PhotonSplatter listed(places, scene), searched(places, scene, 0);
     EXPECT_GT(listed.bytes(), searched.bytes() + 100 * places.size());
     EXPECT_EQ(listed.rays(), searched.rays());
     const OccludedNeighbours parted = listed.occluded_neighbours(scene), others = searched.occluded_neighbours(scene);

@@ -24,8 +24,7 @@ void AnchorStage::pose(double seconds) {
 }
 
 renderer::PhotonResult AnchorStage::photons() {
-    return renderer::trace_photons(posed_scene_, points_.at(posed_scene_),
-                                   {1, anchors_->paths(), 4, &anchors_->guide()});
+    return renderer::trace_photons(posed_scene_, points_.at(posed_scene_), {1, anchors_->paths(), 4});
 }
 
 SceneBuilder hall() {

@@ -193,21 +193,6 @@ TEST_F(Wall, APixelsOwnRecordServesItAtTheRecordsPlaceWhereOthersDisagree) {
     EXPECT_FALSE(estimate_off(0.3f).moved_to);
 }
 
-TEST_F(Wall, NoPointIsMovedThatMustStayNorToARecordThatFollowed) {
-    strew(1, chequered);
-    const float pixel = stage_.world().camera.pixel_size() * 2.0f;
-    const auto holds = [&](float off, bool may_move) {
-        GatherPoint p = point_at(12, 12);
-        p.point.position.x += off * pixel;
-        const auto at = stage_.world().camera.project(p.point.position);
-        const CacheQuery query{p, {0, 0.02f, 0}, at->position, pixel, 0.4f, std::nullopt, may_move};
-        return query_cache(query, map_, records_, {}, 0).valid;
-    };
-    EXPECT_TRUE(holds(0.08f, true));
-    EXPECT_FALSE(holds(0.08f, false));
-    EXPECT_TRUE(holds(0.02f, false));
-}
-
 TEST_F(Wall, OfSeveralRecordsInAPixelTheNearestThatIsFineEnoughServes) {
     strew(1, chequered);
     const float pixel = stage_.world().camera.pixel_size() * 2.0f;

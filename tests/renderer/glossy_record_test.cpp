@@ -62,31 +62,15 @@ TEST_F(Wall, RecordsAlongALineSayNothingOfLobesOfASurfaceThatBends) {
 }
 
 TEST_F(Wall, LobesOfRoughnessTwoTenthsAndMoreTakeRecords) {
-    const GlossyPayoff untried;
     GatherPoint p = point_at(12, 12);
-    EXPECT_TRUE(uses_cache(p, untried));
+    EXPECT_TRUE(uses_cache(p));
     p.point.bsdf = {glm::vec3(0.5f), glm::vec3(0.04f), 0.2f * 0.2f};
-    EXPECT_TRUE(uses_cache(p, untried));
+    EXPECT_TRUE(uses_cache(p));
     p.point.bsdf.alpha = 0.19f * 0.19f;
-    EXPECT_FALSE(uses_cache(p, untried));
+    EXPECT_FALSE(uses_cache(p));
     p.point.bsdf.alpha = 1.0f;
     p.way = renderer::longer_way(p.way, true);
-    EXPECT_FALSE(uses_cache(p, untried));
-}
-
-TEST_F(Wall, LobesOfAMaterialThatIsNotServedTakeNoRecords) {
-    GlossyPayoff trials;
-    for (int frame = 0; frame < 2; ++frame) {
-        trials.note(3, 100, 5);
-        trials.judge();
-    }
-    GatherPoint p = point_at(12, 12);
-    p.point.material = 3;
-    EXPECT_TRUE(uses_cache(p, trials)) << "without a lobe";
-    p.point.bsdf.f0 = glm::vec3(0.04f);
-    EXPECT_FALSE(uses_cache(p, trials));
-    p.point.material = 4;
-    EXPECT_TRUE(uses_cache(p, trials));
+    EXPECT_FALSE(uses_cache(p));
 }
 
 }  // namespace

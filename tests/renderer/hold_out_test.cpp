@@ -57,8 +57,8 @@ class HoldOutFrames : public ::testing::Test {
         scene::Snapshot world = stage_.world();
         world.frame = frame;
         FrameState state({light_trees_, stage_.tracer(), seen_, world.camera.position(), tolerance_}, world, {}, model,
-                         trials_, records_, nullptr);
-        start(state, tolerance_, history_, false);
+                         records_, nullptr);
+        start(state, tolerance_, history_);
         light_points(state, validation_);
         FrameLight light = finish(state, history_);
         counts_ = state.counts;
@@ -80,7 +80,6 @@ class HoldOutFrames : public ::testing::Test {
     Seen seen_;
     core::ToleranceMap tolerance_;
     RecordStore records_;
-    GlossyPayoff trials_;
     CacheValidation validation_;
     FrameHistory history_;
     float risen_ = 1;  ///< the error scale of cuts over that of the last frame

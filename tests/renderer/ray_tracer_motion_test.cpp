@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "core/sampling.h"
@@ -88,6 +89,26 @@ TEST(MovedSurfaces, AreHitWhereTheSnapshotHasThem) {
             EXPECT_GT(glm::dot(glm::normalize(hit.geometric_normal), glm::normalize(wound)), 0.9999f);
         }
         for (const std::size_t object : {0u, 1u, 3u, 8u}) EXPECT_GT(seen[object], 5) << object << " at " << second;
+    }
+}
+
+TEST(MovedSurfaces, MayBeMetOnlyNearWhereTheyAre) {
+    SceneBuilder b;
+    b.add_box({0, 0, 0}, {4, 3, 5}, b.add_material(), true);
+    const int ball = b.add_sphere({0, 0, 0}, 0.4f, b.add_material(), 12);
+    b.move_object(ball, {{1, 1, 1}, {3, 1, 2}});
+    Stage stage(b);
+    for (const int second : {0, 1}) {
+        stage.pose(second);
+        const glm::vec3 middle = second == 0 ? glm::vec3(1) : glm::vec3(3, 1, 2);
+        for (const float beside : {-0.46f, -0.34f, 0.0f, 0.34f, 0.46f}) {
+            const glm::vec3 above = middle + glm::vec3(beside, 1, 0), way(0, -1, 0);
+            EXPECT_EQ(stage.tracer().may_meet_dynamic(above, way, 2), std::abs(beside) < 0.4f) << beside;
+            EXPECT_FALSE(stage.tracer().may_meet_dynamic(above, way, 0.5f)) << beside;
+            EXPECT_FALSE(stage.tracer().may_meet_dynamic(above, -way, 2)) << beside;
+        }
+        EXPECT_TRUE(stage.tracer().meets_dynamic(middle + glm::vec3(0, 1, 0), {0, -1, 0}, 2));
+        EXPECT_FALSE(stage.tracer().meets_dynamic(middle + glm::vec3(0, 1, 0), {0, -1, 0}, 0.5f));
     }
 }
 

@@ -67,9 +67,6 @@ TEST(StillInstances, AreMetAsOtherWallsAreAndAreNoMovers) {
             EXPECT_FALSE(b.is_instanced(i));
         }
         EXPECT_TRUE(a.has_dynamic_objects());
-        ASSERT_EQ(a.dynamic_objects().size(), 1u);
-        ASSERT_EQ(b.dynamic_objects().size(), 1u);
-        EXPECT_EQ(a.dynamic_objects()[0].middle, b.dynamic_objects()[0].middle);
         int walls = 0, moving = 0, blocked = 0;
         for (std::uint64_t i = 0; i < 4000; ++i) {
             const RayQuery ray = some_ray(i);
@@ -87,11 +84,6 @@ TEST(StillInstances, AreMetAsOtherWallsAreAndAreNoMovers) {
             const std::uint32_t occluded = a.occluded(packet, nullptr);
             ASSERT_EQ(occluded, b.occluded(packet, nullptr)) << i;
             ASSERT_EQ((occluded & 1u) != 0, still || moves) << i;
-            const std::uint32_t by_movers = a.occluded_by_dynamic(packet);
-            ASSERT_EQ(by_movers, b.occluded_by_dynamic(packet)) << i;
-            ASSERT_EQ((by_movers & 1u) != 0, moves) << i;
-            ASSERT_EQ(a.occluded_by_static(packet, nullptr) | by_movers, occluded) << i;
-            ASSERT_EQ((a.occluded_by_static(packet, nullptr) & 1u) != 0, still) << i;
             blocked += static_cast<int>(__builtin_popcount(occluded));
         }
         EXPECT_GT(walls, 200);
@@ -115,7 +107,6 @@ TEST(StillInstances, AloneMakeNoFilmMove) {
     const LitStage stage(b);
     EXPECT_TRUE(stage.posed_scene().tracer().is_instanced(first_wall));
     EXPECT_FALSE(stage.posed_scene().tracer().has_dynamic_objects());
-    EXPECT_TRUE(stage.posed_scene().tracer().dynamic_objects().empty());
     const glm::vec3 before(2.5f, 1, 0.5f), way(1, 0, 0);
     EXPECT_TRUE(stage.posed_scene().tracer().meets_static(before, way, 1.0f));
     EXPECT_FALSE(stage.posed_scene().tracer().meets_dynamic(before, way, 1.0f));

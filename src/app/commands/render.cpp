@@ -43,8 +43,7 @@ std::string plan_text(RenderJob& film, const RenderOptions& options, const std::
     const double within = within_from(options.within);
     const auto estimate = within > 0 ? estimate_film(film, options.output, within, options.quiet) : std::nullopt;
     return film_text(film) + "\n" + (estimate ? text_of(*estimate) : "") + "\n" +
-           plan_table(film, statistics, estimate ? std::optional(estimate->kept_records) : std::nullopt,
-                      estimate ? &estimate->sample : nullptr);
+           plan_table(film, statistics, estimate ? &estimate->sample : nullptr);
 }
 
 std::string dry_run_text(RenderJob& film, const RenderOptions& options) {

@@ -9,7 +9,7 @@ constexpr std::int64_t least_pixels = 160 * 160;
 
 }  // namespace
 
-CacheChoice choose_cache(const std::string& asked, const scene::Traits& traits, bool rays, bool parts, bool reference,
+CacheChoice choose_cache(const std::string& asked, const scene::Traits& traits, bool rays, bool reference,
                          std::int64_t frames, std::int64_t pixels) {
     using enum renderer::CacheUse;
     if (asked == "off") return {off, "not wanted: --cache off"};
@@ -21,9 +21,6 @@ CacheChoice choose_cache(const std::string& asked, const scene::Traits& traits, 
     if (pixels < least_pixels) return {off, "would not pay: the picture is small"};
     // A change of light forgets what is kept: only the frame's own pixels would gain.
     if (traits.lights_change) return {off, "would not pay: lights change"};
-    if (parts)
-        return {static_light,
-                "few things move: light past them stays, unless they hold over a twentieth of its points"};
     if (traits.changes_light()) return {off, "would not pay: what moves changes light"};
     return {static_light, traits.camera_moves ? "only the camera moves: light stays for later frames"
                                               : "nothing moves: light stays for later frames"};

@@ -17,15 +17,14 @@ struct CacheChoice {
 };
 
 /// `asked`: on, off, or auto, which keeps light where that pays in pictures of so many `pixels`. `reference`: every
-/// light point lights every pixel, which leaves nothing to keep. `rays`: renderer::Indirect::rays. `parts`: light may be worth parting
-/// (renderer::LightSplit::may_suit).
-CacheChoice choose_cache(const std::string& asked, const scene::Traits& traits, bool rays, bool parts, bool reference,
+/// light point lights every pixel, which leaves nothing to keep. `rays`: renderer::Indirect::rays.
+CacheChoice choose_cache(const std::string& asked, const scene::Traits& traits, bool rays, bool reference,
                          std::int64_t frames, std::int64_t pixels);
 
-/// For reports: off, on, or static, which is on where light, or a static part of it, stays.
+/// For reports: off, on, or static, which is on where light stays, or rays gather it.
 std::string cache_word(const renderer::Settings& rendering);
 
-/// Whether a run that counted so much kept light: whether it can be parted is known once its light points are.
+/// Whether a run that counted so much kept light.
 inline bool kept_records(const renderer::Settings& rendering, const renderer::Statistics& found) {
     return rendering.cache == renderer::CacheUse::on || found.cache.created > 0;
 }

@@ -117,7 +117,6 @@ std::optional<FilmEstimate> estimate_film(RenderJob& film, const std::filesystem
     FilmEstimate estimate;
     estimate.frames = found->frames();
     estimate.size = {job.format.width, job.format.height};
-    estimate.kept_records = found->kept_records;
     estimate.sample = found->statistics;
     estimate.first = whole.first;
     estimate.later = whole.later;

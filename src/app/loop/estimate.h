@@ -20,7 +20,6 @@ struct FilmEstimate {
     double spread = 0;            ///< the film's time and size are likely within this share of them
     double first = 0, later = 0;  ///< CPU seconds of a chunk's first frame, with what begins a chunk, and of others
     std::uint64_t memory = 0;     ///< bytes
-    bool kept_records = false;    ///< light was kept on surfaces
     RunStatistics sample;         ///< CPU by stage and by row of the plan, of the frames that were lit
 };
 

@@ -195,7 +195,6 @@ std::optional<FilmSample> light_sample(const RenderJob& job, const std::vector<C
         if (window.seconds.empty()) continue;
         window.seconds.front() = std::max(window.seconds.front(), all - behind);
         found.windows.push_back(std::move(window));
-        found.kept_records = found.kept_records || kept_records(job.rendering, renderer.statistics());
         if (clock_seconds() >= limit) break;
     }
     found.clock = clock_seconds() - began;

@@ -35,7 +35,6 @@ struct FilmSample {
     std::vector<SampleWindow> windows;
     double cpu = 0, clock = 0;  ///< seconds of all of it, but for what is built once
     double built = 0;           ///< CPU to build what never changes
-    bool kept_records = false;  ///< light was kept on surfaces
     RunStatistics statistics;   ///< CPU by stage and by row of the plan
 
     int frames() const;

@@ -12,7 +12,6 @@
 #include "core/error.h"
 #include "image/image.h"
 #include "renderer/lights/anchors.h"
-#include "renderer/lights/kept_photons.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -21,7 +20,6 @@ namespace {
 constexpr std::uint64_t per_triangle = 135;
 constexpr std::uint64_t per_lamp = 1300;
 constexpr std::uint64_t per_candidate = 400;  ///< of the places that anchors are chosen from
-constexpr std::uint64_t per_kept_photon = 350;
 constexpr std::uint64_t per_pixel = 250, per_sample = 60;
 constexpr std::uint64_t per_pixel_looked_at_closer = 500;
 constexpr std::uint64_t per_exposed_sample = 40;
@@ -70,11 +68,6 @@ MemoryNeed memory_need(const RenderJob& film) {
     }
     need.lights = per_lamp * (static_cast<std::uint64_t>(film.rendering.direct_points) + scene.lights.size()) +
                   per_candidate * renderer::candidates_for(static_cast<std::uint64_t>(film.rendering.vpls));
-    const bool keeps_photons = film.rendering.vpls > 0 &&
-                               std::any_of(scene.objects.begin(), scene.objects.end(), [](const scene::Object& object) {
-                                   return object.mobility != scene::Mobility::still;
-                               });
-    if (keeps_photons) need.lights += per_kept_photon * renderer::KeptPhotons::most;
     const std::uint64_t closer = film.rendering.most_samples > 0 ? per_pixel_looked_at_closer : 0;
     need.frames = always + (per_pixel + closer + per_sample * static_cast<std::uint64_t>(film.rendering.samples) +
                             per_exposed_sample * most_exposure_samples(film)) *

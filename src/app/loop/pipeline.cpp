@@ -42,7 +42,7 @@ class ChunkLoop {
                                        Motion& motion);
     /// Rough light for the visibility model, where there is no picture before.
     void imagine(const scene::Snapshot& world, renderer::Seen& seen, const PlannedPicture& plan);
-    core::Radiance shade(const scene::Snapshot& world, const core::ToleranceMap& tolerance, renderer::Seen& seen);
+    core::Radiance shade(const scene::Snapshot& world, const core::ToleranceMap& tolerance, const renderer::Seen& seen);
     core::Radiance draft(const scene::Snapshot& world, const renderer::Seen& seen, const core::ToleranceMap& tolerance,
                          RenderedMotion& motion);
     core::Picture develop(const core::Radiance& radiance, std::int64_t n);
@@ -182,12 +182,10 @@ void ChunkLoop::imagine(const scene::Snapshot& world, renderer::Seen& seen, cons
 }
 
 core::Radiance ChunkLoop::shade(const scene::Snapshot& world, const core::ToleranceMap& tolerance,
-                                renderer::Seen& seen) {
+                                const renderer::Seen& seen) {
     const StageTimer timer(statistics_, Stage::shade);
     if (job_.tolerance.truth) return renderer_.trace(world, seen, {*job_.tolerance.truth, most_true_paths});
-    core::Radiance radiance = renderer_.shade(world, seen, tolerance);
-    renderer_.light_closer(world, tolerance, seen, radiance);
-    return radiance;
+    return renderer_.shade(world, seen, tolerance);
 }
 
 core::Radiance ChunkLoop::draft(const scene::Snapshot& world, const renderer::Seen& seen,

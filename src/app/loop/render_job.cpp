@@ -20,7 +20,6 @@
 #include "encoder/encoder.h"
 #include "parallel/loops.h"
 #include "perceptual/exposure.h"
-#include "renderer/cache/light_split.h"
 #include "scene/load.h"
 #include "scene/preparation/framing.h"
 #include "scene/preparation/traits.h"
@@ -183,8 +182,7 @@ void decide_passes(RenderJob& film, const RenderOptions& options) {
     wanted.caustics = options.caustics == "on";
     const scene::Traits traits = scene::traits_of(*film.animation);
     film.plan = renderer::make_plan(traits, wanted);
-    film.cache = choose_cache(options.cache, traits, options.indirect == "rays",
-                              renderer::LightSplit::may_suit(*film.animation, film.plan), film.tolerance.reference,
+    film.cache = choose_cache(options.cache, traits, options.indirect == "rays", film.tolerance.reference,
                               film.frame_count(), std::int64_t{film.format.width} * film.format.height);
     film.rendering.cache = film.cache.use;
     tell_samples(film);

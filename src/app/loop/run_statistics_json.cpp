@@ -80,7 +80,6 @@ void each_count(Counts& s, Visit&& visit) {
     visit("records_created", s.cache.created);
     visit("records_served", s.cache.served);
     visit("records_at_record", s.cache.at_record);
-    visit("records_interpolated", s.cache.interpolated);
     visit("records_held_out", s.cache.held_out);
     visit("records_missed", s.cache.missed);
     visit("records_most", s.cache.most);

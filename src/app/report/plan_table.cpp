@@ -67,22 +67,13 @@ Row first_pass_row(const RenderJob& film) {
     return {"first pass", false, asked ? "not wanted: --passes 1" : "no cause: no bit rate is asked for"};
 }
 
-/// Whether light is kept on surfaces: with static light only the light points tell in the end.
-Row records_row(const RenderJob& film, std::optional<bool> kept) {
-    if (film.cache.keeps() && kept == false)
-        return {"records", false, "would not pay: what moves holds too much of the light; sample frames kept none"};
+/// Whether light is kept on surfaces.
+Row records_row(const RenderJob& film) {
     return {"records", film.cache.keeps(), film.cache.reason};
 }
 
-/// What the statistics of a render say of it.
-std::optional<bool> kept_in(const json& statistics) {
-    if (!statistics.is_object() || !statistics.contains("records")) return {};
-    const json& records = statistics.at("records");
-    return records.is_object() && records.value("created", 0.0) > 0;
-}
-
 /// The passes in the order of their work: the film's own, and the renderer's.
-std::vector<Row> rows_of(const RenderJob& film, std::optional<bool> kept_records) {
+std::vector<Row> rows_of(const RenderJob& film) {
     const bool coupled = film.tolerance.coupled && film.kind == OutputKind::film;
     const bool measured = film.measures_exposure;
     std::vector<Row> rows{{"load", true, measured ? "scene, textures, exposure" : "scene, textures"},
@@ -92,7 +83,7 @@ std::vector<Row> rows_of(const RenderJob& film, std::optional<bool> kept_records
                           first_pass_row(film)};
     for (const renderer::PlanRow& row : film.plan.rows()) {
         if (row.pass == renderer::Pass::shade) {
-            rows.push_back(records_row(film, kept_records));
+            rows.push_back(records_row(film));
             rows.push_back({"preview", coupled,
                             coupled ? "first frames of chunks and shots follow no picture that tells tolerances"
                                     : "no cause: the tolerance is not coupled to coding"});
@@ -113,7 +104,7 @@ std::vector<Row> rows_of(const RenderJob& film, std::optional<bool> kept_records
 
 json plan_of(const RenderJob& film, const json& statistics) {
     json plan = json::array();
-    for (const Row& row : rows_of(film, kept_in(statistics))) {
+    for (const Row& row : rows_of(film)) {
         const double seconds = seconds_of(statistics, row.name);
         plan.push_back({{"pass", row.name},
                         {"runs", row.runs},
@@ -123,14 +114,13 @@ json plan_of(const RenderJob& film, const json& statistics) {
     return plan;
 }
 
-std::string plan_table(const RenderJob& film, const std::filesystem::path& file, std::optional<bool> kept_records,
-                       const RunStatistics* sample) {
+std::string plan_table(const RenderJob& film, const std::filesystem::path& file, const RunStatistics* sample) {
     const json statistics = !file.empty()       ? read_statistics(file)
                             : sample != nullptr ? sample_statistics(film, *sample)
                                                 : json();
     const double total = statistics.is_object() ? statistics.at("seconds").at("cpu").get<double>() : 0.0;
     std::string text;
-    for (const Row& row : rows_of(film, file.empty() ? kept_records : kept_in(statistics))) {
+    for (const Row& row : rows_of(film)) {
         text += fmt::format("{:<3} {:<21}", row.runs ? "yes" : "no", row.name);
         const double seconds = seconds_of(statistics, row.name);
         if (seconds > 0)

@@ -11,10 +11,9 @@
 namespace render2mpeg::app {
 
 /// The plan as a table: each pass, whether it runs, why, and, if `statistics` names the file of a render, what it cost.
-/// `sample`: what sample frames cost instead; null: none were lit. `kept_records`: whether sample frames, or the
-/// render, kept light on surfaces; none: not known. Throws core::Error where that file is none.
+/// `sample`: what sample frames cost instead; null: none were lit. Throws core::Error where that file is none.
 std::string plan_table(const RenderJob& film, const std::filesystem::path& statistics,
-                       std::optional<bool> kept_records = {}, const RunStatistics* sample = nullptr);
+                       const RunStatistics* sample = nullptr);
 
 /// The plan's rows as plan_table() shows them: `pass`, `runs`, `reason`, and `seconds` (CPU) or null, as the statistics
 /// of a render tell. Statistics may be null: not known.

@@ -85,9 +85,7 @@ json records_of(const RenderJob& film, const renderer::Statistics& r) {
             {"missed", r.cache.missed},
             {"served", core::divide_or(static_cast<double>(r.cache.served), static_cast<double>(r.gather_points), 0.0)},
             {"at_record",
-             core::divide_or(static_cast<double>(r.cache.at_record), static_cast<double>(r.gather_points), 0.0)},
-            {"interpolated",
-             core::divide_or(static_cast<double>(r.cache.interpolated), static_cast<double>(r.gather_points), 0.0)}};
+             core::divide_or(static_cast<double>(r.cache.at_record), static_cast<double>(r.gather_points), 0.0)}};
 }
 
 /// Null where no error scale was learnt.

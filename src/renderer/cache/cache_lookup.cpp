@@ -3,7 +3,6 @@
 
 #include "core/numeric.h"
 #include "parallel/loops.h"
-#include "renderer/cache/find_cells.h"
 #include "renderer/cache/gather_requests.h"
 #include "renderer/cache/hold_out.h"
 
@@ -24,20 +23,11 @@ MovedPoint moved_to(const IrradianceRecord& r, std::size_t index, const CacheQue
 /// Lights one point by the cache, if that can.
 bool look_up(FrameState& frame, std::size_t t, std::size_t i) {
     TileState& tile = frame.tiles[t];
-    const GatherPoint& p = frame.seen.tiles[t][i];
     if (tile.state[i] != PointState::open) return false;
     const auto query = frame.query_of(t, i);
     if (!query) return false;
 
-    // Interpolate in a cell of four points that are lit.
-    const InterpolationCell* cell =
-        p.point.bsdf.has_glossy() ? nullptr : tile.cells.at(p.pixel % tile_size, p.pixel / tile_size);
-    if (cell != nullptr && cell->interpolate(*query, frame.errors, tile.light[i])) {
-        tile.state[i] = PointState::interpolated;
-        return true;
-    }
-
-    // Else interpolate among the records around.
+    // Interpolate among the records around.
     const CacheEstimate found = query_cache(*query, frame.grid, frame.records, frame.errors, frame.snapshot.frame);
     tile.state[i] = !found.valid ? PointState::failed : found.moved_to ? PointState::at_record : PointState::done;
     if (found.moved_to) tile.moved.push_back(moved_to(frame.records[*found.moved_to], i, *query));
@@ -52,7 +42,7 @@ std::vector<PointRef> look_up_tile(FrameState& frame, std::size_t t, int lattice
     for (std::size_t i = 0; i < tile.state.size(); ++i) {
         const GatherPoint& p = frame.seen.tiles[t][i];
         if (tile.state[i] >= PointState::done || !frame.on_lattice(t, p, lattice)) continue;
-        if (frame.uses_cache(p)) {
+        if (uses_cache(p)) {
             if (look_up(frame, t, i)) {
                 ++tile.served;
                 continue;
@@ -104,7 +94,6 @@ void light_points(FrameState& frame, CacheValidation& validation) {
             reopen_doubtful(frame);
         }
         light_lattice(frame, lattice);
-        if (lattice > 1) find_cells(frame, lattice);
     }
     const float scale = frame.errors.cache_error_scale;
     hold_out(frame, validation, HoldOut::late);

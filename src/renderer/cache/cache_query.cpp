@@ -34,6 +34,15 @@ constexpr float mean_factor = 3.0f, mean_distance = 0.75f, most_reach = 4.0f;
 /// counts as chance. chosen: 0.12 of 0 to 4: to discount all of it hides real steps.
 constexpr float errors_told = 1.3f, chance_factor = 0.12f;
 
+/// The factor q of a residual. What neighbours disagree by counts for more where the tolerance is fine, since light has
+/// many small edges and few large ones. chosen: about 2 at 2 % of 1.6 and 2; it falls by half at 10 % of 6 to 15 %
+/// (docs/fits/records.md).
+float residual_factor(const PointTolerance& t, float light, float tolerance) {
+    constexpr float coarse = 0.62f, fine = 2.1f, turn2 = 0.1f * 0.1f;
+    const float relative = core::divide_or(tolerance, t.base + std::max(light, 0.0f), 1.0f);
+    return coarse + (fine - coarse) * turn2 / (turn2 + relative * relative);
+}
+
 /// A record that takes part.
 struct Neighbour {
     const IrradianceRecord* record;
@@ -230,14 +239,6 @@ PointLight blend(const Neighbours& n, const GatherPoint& p, std::int64_t frame) 
 }
 
 }  // namespace
-
-/// What neighbours disagree by counts for more where the tolerance is fine, since light has many small edges and few
-/// large ones. chosen: about 2 at 2 % of 1.6 and 2; it falls by half at 10 % of 6 to 15 % (docs/fits/records.md).
-float residual_factor(const PointTolerance& t, float light, float tolerance) {
-    constexpr float coarse = 0.62f, fine = 2.1f, turn2 = 0.1f * 0.1f;
-    const float relative = core::divide_or(tolerance, t.base + std::max(light, 0.0f), 1.0f);
-    return coarse + (fine - coarse) * turn2 / (turn2 + relative * relative);
-}
 
 CacheEstimate query_cache(const CacheQuery& q, const RecordGrid& grid, RecordStore& records,
                           const CacheErrorModel& model, std::int64_t frame) {

@@ -15,7 +15,6 @@ struct CacheQuery {
     float extent = 0;                             ///< of a pixel at the point, across the line of sight; world
     float receives = 0;                           ///< luminance of the pixel by unit of light from all around
     std::optional<glm::vec3> eye = std::nullopt;  ///< world; none: far away, all look along the point's direction
-    bool may_move = true;                         ///< light may be that of another place in its pixel
 };
 
 /// Where it lies, as records do.
@@ -33,10 +32,6 @@ struct CacheErrorModel {
     bool independent = false;     ///< records err each for itself, since rays found their light
     float cache_error_scale = 1;  ///< of the first two: learnt by hold-out validation (cache_validation.h)
 };
-
-/// The factor q of a residual (docs/model/irradiance-cache.md): larger where the tolerance is a small share of the
-/// luminance that is sent into the pixel.
-float residual_factor(const PointTolerance& t, float light, float tolerance);
 
 /// The cache's answer.
 struct CacheEstimate {

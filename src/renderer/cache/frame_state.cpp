@@ -11,11 +11,8 @@ float TileState::allowed(const GatherPoint& p, std::size_t i) const {
 }
 
 FrameState::FrameState(const LightingContext& context, const scene::Snapshot& instant, const CutLimits& cut_limits,
-                       const CacheErrorModel& error_model, const GlossyPayoff& glossy_payoff, RecordStore& store,
-                       const LightSplit* parts, FinalGather* final_gather)
+                       const CacheErrorModel& error_model, RecordStore& store, FinalGather* final_gather)
     : light_trees(context.light_trees),
-      split(parts),
-      cached(parts != nullptr ? parts->static_light : context.light_trees),
       rays(final_gather),
       tracer(context.tracer),
       seen(context.seen),
@@ -23,7 +20,6 @@ FrameState::FrameState(const LightingContext& context, const scene::Snapshot& in
       camera(instant.camera),
       limits(cut_limits),
       errors(error_model),
-      payoff(glossy_payoff),
       records(store),
       grid(seen.visible.width(), seen.visible.height()),
       tiles(seen.tiles.size()) {
@@ -33,18 +29,13 @@ FrameState::FrameState(const LightingContext& context, const scene::Snapshot& in
     errors.noise *= limits.error_scale;
 }
 
-bool FrameState::moves(const GatherPoint& p) const {
-    return split != nullptr && snapshot.animation->objects[p.point.address.object].mobility != scene::Mobility::still;
-}
-
 std::optional<CacheQuery> FrameState::query_of(std::size_t t, std::size_t i) const {
     const GatherPoint& p = seen.tiles[t][i];
     const auto on_picture = camera.project(p.point.position);
     if (!on_picture) return std::nullopt;
     const float extent = camera.pixel_size() * (camera.perspective() ? on_picture->depth : 1.0f);
     const auto eye = camera.perspective() ? std::optional(camera.position()) : std::nullopt;
-    // Where light is split, moving objects change it at the point, not where it were moved to.
-    return CacheQuery{p, tiles[t].tolerance[i], on_picture->position, extent, receives(p), eye, split == nullptr};
+    return CacheQuery{p, tiles[t].tolerance[i], on_picture->position, extent, receives(p), eye};
 }
 
 glm::ivec2 FrameState::pixel_of(std::size_t tile, const GatherPoint& p) const {

@@ -7,8 +7,6 @@
 
 #include "renderer/cache/cache_counts.h"
 #include "renderer/cache/cache_query.h"
-#include "renderer/cache/interpolation_cell.h"
-#include "renderer/cache/light_split.h"
 #include "renderer/cache/receiver.h"
 #include "renderer/cache/request_groups.h"
 #include "renderer/cut/lighting_context.h"
@@ -23,37 +21,11 @@ inline constexpr int lattices[] = {4, 2, 1};
 /// How far a gather point has come.
 enum class PointState : std::uint8_t {
     open,
-    failed,        ///< queried the cache in vain, and no record came near since
-    done,          ///< its light is known
-    at_record,     ///< likewise: at the place of a record in the same pixel
-    interpolated,  ///< likewise: in an interpolation cell
-    reused,        ///< likewise: from the frame before
-    held_out       ///< likewise: the cache served it, and it was gathered as well
-};
-
-/// Where its dynamic light comes from (dynamic_light.h).
-enum class DynamicState : std::uint8_t { open, gathered, interpolated, reused };
-
-/// Interpolation cells of one tile, no two of which overlap.
-class TileCells {
-  public:
-    TileCells() { cell_.fill(-1); }
-    /// The cell that a pixel of the tile lies in; none: null.
-    const InterpolationCell* at(int x, int y) const {
-        const int i = cell_[index(x, y)];
-        return i < 0 ? nullptr : &cells_[static_cast<std::size_t>(i)];
-    }
-    void add(int x, int y, int side, const InterpolationCell& cell) {
-        for (int v = y; v < y + side; v += least)
-            for (int u = x; u < x + side; u += least) cell_[index(u, v)] = static_cast<std::int8_t>(cells_.size());
-        cells_.push_back(cell);
-    }
-
-  private:
-    static constexpr int least = 2, across = tile_size / least;  ///< side of the smallest; so many in a row
-    static std::size_t index(int x, int y) { return static_cast<std::size_t>(y / least * across + x / least); }
-    std::array<std::int8_t, static_cast<std::size_t>(across* across)> cell_;
-    std::vector<InterpolationCell> cells_;
+    failed,     ///< queried the cache in vain, and no record came near since
+    done,       ///< its light is known
+    at_record,  ///< likewise: at the place of a record in the same pixel
+    reused,     ///< likewise: from the frame before
+    held_out    ///< likewise: the cache served it, and it was gathered as well
 };
 
 /// What is known of a tile's gather points; lists have one entry for each, in the tile's order.
@@ -62,17 +34,11 @@ struct TileState {
     std::vector<PointState> state;
     std::vector<PointLight> light;  ///< of trees
     std::vector<PointLight> exact;  ///< of lights that are gathered one by one
-    std::vector<DynamicState> dynamic_state;
-    std::vector<PointLight> dynamic;    ///< what moving objects change; signed
-    std::vector<std::uint32_t> firsts;  ///< the first point of each pixel, and the end
-    std::vector<MovedPoint> moved;      ///< in any order
-    TileCells cells;
+    std::vector<MovedPoint> moved;  ///< in any order
     std::uint64_t served = 0;
 
     /// Whether records of this frame's cache light the point at its own place.
-    bool is_served(std::size_t i) const {
-        return state[i] == PointState::interpolated || (state[i] == PointState::done && light[i].served);
-    }
+    bool is_served(std::size_t i) const { return state[i] == PointState::done && light[i].served; }
     /// Forgets the light of a point that was served or reused.
     void reopen(std::size_t i) {
         state[i] = PointState::open;
@@ -85,23 +51,18 @@ struct TileState {
 
 /// All that a frame's stages read and write. A stage is a free function; the order of stages is IrradianceCache::light.
 struct FrameState {
-    /// `split` of the light trees' light, of which records hold the static part; none where they hold all of it.
     FrameState(const LightingContext& context, const scene::Snapshot& snapshot, const CutLimits& limits,
-               const CacheErrorModel& errors, const GlossyPayoff& payoff, RecordStore& records, const LightSplit* split,
-               FinalGather* rays);
+               const CacheErrorModel& errors, RecordStore& records, FinalGather* rays);
 
-    const LightTrees& light_trees;  ///< all light
-    const LightSplit* split;
-    const LightTrees& cached;  ///< what records hold
-    FinalGather* rays;         ///< gathers the sky and indirect light; null: light trees hold them
-    float finer = 1;           ///< rays err by so much less than tolerances allow
+    const LightTrees& light_trees;
+    FinalGather* rays;  ///< gathers the sky and indirect light; null: light trees hold them
+    float finer = 1;    ///< rays err by so much less than tolerances allow
     const RayTracer& tracer;
     const Seen& seen;
     const scene::Snapshot& snapshot;
     const scene::Camera& camera;
     CutLimits limits;
     CacheErrorModel errors;
-    const GlossyPayoff& payoff;
     RecordStore& records;
     RecordGrid grid;
     std::vector<TileState> tiles;
@@ -109,9 +70,6 @@ struct FrameState {
     CacheCounts counts;
 
     const GatherPoint& point(const PointRef& r) const { return seen.tiles[r.tile][r.index]; }
-    /// Moving surfaces have no records where light is split.
-    bool moves(const GatherPoint& p) const;
-    bool uses_cache(const GatherPoint& p) const { return renderer::uses_cache(p, payoff) && !moves(p); }
     /// None for points that no picture shows, which does not happen but by rounding.
     std::optional<CacheQuery> query_of(std::size_t tile, std::size_t point) const;
     glm::ivec2 pixel_of(std::size_t tile, const GatherPoint& p) const;

@@ -22,7 +22,7 @@ void gather_requests_of(const FrameState& frame, const RequestGroup& group, std:
         tolerance.set(static_cast<int>(i), frame.tiles[ref.tile].tolerance[ref.index]);
         if (i >= group.points.size()) continue;
         pointers[i] = &frame.point(ref);
-        if (!uses_cache(*pointers[i], frame.payoff)) continue;
+        if (!uses_cache(*pointers[i])) continue;
         receivers[i] = plain_receiver(*pointers[i]);
         pointers[i] = &receivers[i];
     }
@@ -53,9 +53,8 @@ void gather_requests_of(const FrameState& frame, const RequestGroup& group, std:
 }
 
 /// Gathers the requests of one area, which share cuts.
-void gather_area(const FrameState& frame, const LightTrees& light_trees, const std::vector<PointRef>& requests,
-                 GatheredRequests& out) {
-    Gatherer gatherer(light_trees, frame.tracer);
+void gather_area(const FrameState& frame, const std::vector<PointRef>& requests, GatheredRequests& out) {
+    Gatherer gatherer(frame.light_trees, frame.tracer);
     for (const RequestGroup& group : group_requests(frame.seen, requests, frame.camera.position()))
         gather_requests_of(frame, group, out.pools.empty() ? 0 : out.pools.back() + 1, gatherer, out);
 }
@@ -72,7 +71,7 @@ void gather_rays(FrameState& frame, std::vector<GatheredRequests>& found) {
         for (std::size_t i = 0; i < g.points.size(); ++i) {
             const PointRef& ref = g.points[i];
             const GatherPoint& p = frame.point(ref);
-            receivers.push_back(uses_cache(p, frame.payoff) ? plain_receiver(p) : p);
+            receivers.push_back(uses_cache(p) ? plain_receiver(p) : p);
             requests.push_back(request_of(receivers.back(), frame.tiles[ref.tile].tolerance[ref.index],
                                           frame.pixel_of(ref.tile, p), frame.camera));
             requests.back().pool = first_pool + g.pools[i];
@@ -108,15 +107,7 @@ std::vector<GatheredRequests> gather(FrameState& frame, const std::vector<std::v
     for (auto& list : of_area)
         if (list.size() < least) list.clear();
     std::vector<GatheredRequests> found(of_area.size());
-    parallel::for_each(of_area.size(), [&](std::size_t a) {
-        std::vector<PointRef>& list = of_area[a];
-        const auto first_moving = std::stable_partition(
-            list.begin(), list.end(), [&](const PointRef& r) { return !frame.moves(frame.point(r)); });
-        const std::vector<PointRef> moving(first_moving, list.end());
-        list.erase(first_moving, list.end());
-        gather_area(frame, frame.cached, list, found[a]);
-        gather_area(frame, frame.light_trees, moving, found[a]);
-    });
+    parallel::for_each(of_area.size(), [&](std::size_t a) { gather_area(frame, of_area[a], found[a]); });
     if (frame.rays != nullptr) gather_rays(frame, found);
     for (const GatheredRequests& g : found) frame.shade_counts.add(g.counts);
     return found;
@@ -127,7 +118,7 @@ void keep(FrameState& frame, const GatheredRequests& g, std::size_t i) {
     const GatherPoint& p = frame.point(ref);
     frame.tiles[ref.tile].light[ref.index] = g.light[i];
     frame.tiles[ref.tile].state[ref.index] = PointState::done;
-    if (!frame.uses_cache(p)) return;
+    if (!uses_cache(p)) return;
     auto record = record_of(p, g.light[i], g.lobes[i], frame.limits.error_scale, frame.snapshot.frame);
     if (!record) return;
     record->set = g.sets[i];

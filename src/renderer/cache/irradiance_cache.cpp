@@ -3,31 +3,12 @@
 #include "core/error.h"
 #include "core/numeric.h"
 #include "renderer/cache/cache_lookup.h"
-#include "renderer/cache/dynamic_light.h"
 
 namespace render2mpeg::renderer {
-namespace {
-
-/// Tells materials with glossy lobes how many of their points records served.
-void note_glossy(const FrameState& frame, GlossyPayoff& payoff) {
-    for (std::size_t t = 0; t < frame.tiles.size(); ++t) {
-        const TileState& tile = frame.tiles[t];
-        for (std::size_t i = 0; i < tile.light.size(); ++i) {
-            const GatherPoint& p = frame.seen.tiles[t][i];
-            if (tile.state[i] == PointState::reused || !p.point.bsdf.has_glossy() || !frame.uses_cache(p)) continue;
-            payoff.note(p.point.material, 1, tile.light[i].served || tile.light[i].held_out ? 1 : 0);
-        }
-    }
-}
-
-}  // namespace
-
 void IrradianceCache::forget() {
     records_.forget();
-    payoff_.forget();
     validation_.forget();
     history_ = {};
-    moved_ = false;
 }
 
 void IrradianceCache::invalidate() {
@@ -35,15 +16,9 @@ void IrradianceCache::invalidate() {
     history_.tiles.clear();
 }
 
-void IrradianceCache::move(bool static_changed) {
-    moved_ = true;
-    if (static_changed) invalidate();
-}
-
 void IrradianceCache::cut_to(const Seen& seen, const scene::Snapshot& snapshot) {
     // The last frame's errors are of another error scale.
     history_.tiles.clear();
-    payoff_.forget();
     validation_.forget();
     RecordGrid grid(seen.visible.width(), seen.visible.height());
     grid.build(records_.all(), snapshot.camera);
@@ -51,8 +26,8 @@ void IrradianceCache::cut_to(const Seen& seen, const scene::Snapshot& snapshot) 
 }
 
 FrameLight IrradianceCache::light(const LightingContext& context, const scene::Snapshot& snapshot,
-                                  const CutLimits& limits, const LightSplit* split, FinalGather* rays,
-                                  ShadeCounts& shade_counts, CacheCounts& counts) {
+                                  const CutLimits& limits, FinalGather* rays, ShadeCounts& shade_counts,
+                                  CacheCounts& counts) {
     EXPECTS(!context.tolerance.is_reference());
     if (snapshot.cut_before) cut_to(context.seen, snapshot);
     errors_.cache_error_scale = validation_.cache_error_scale();
@@ -60,17 +35,12 @@ FrameLight IrradianceCache::light(const LightingContext& context, const scene::S
     last_error_scale_ = limits.error_scale;
 
     // Reuse the last frame's light,
-    FrameState frame(context, snapshot, limits, errors_, payoff_, records_, split, rays);
-    start(frame, context.tolerance, history_, moved_);
-    moved_ = false;
+    FrameState frame(context, snapshot, limits, errors_, records_, rays);
+    start(frame, context.tolerance, history_);
     // ask the cache for the rest, or gather it,
     light_points(frame, validation_);
-    // add what moving objects change,
-    if (split != nullptr) add_dynamic_light(frame);
     // and remember.
     records_.thin(snapshot.frame, frame.grid);
-    note_glossy(frame, payoff_);
-    payoff_.judge();
     FrameLight light = finish(frame, history_);
     frame.counts.live = frame.counts.most = records_.size();
     counts.add(frame.counts);

@@ -3,8 +3,6 @@
 #include "renderer/cache/cache_counts.h"
 #include "renderer/cache/cache_validation.h"
 #include "renderer/cache/frame_state.h"
-#include "renderer/cache/glossy_payoff.h"
-#include "renderer/cache/light_split.h"
 #include "renderer/cache/temporal_reuse.h"
 #include "renderer/cut/lighting_context.h"
 #include "renderer/cut/shade.h"
@@ -22,14 +20,9 @@ class IrradianceCache {
     /// Light is another than at the frame before: nothing that is known holds.
     void invalidate();
 
-    /// Objects lie elsewhere than in the frame before, where light is split (light_split.h): whether its static part,
-    /// which records hold, is another now, too.
-    void move(bool static_changed);
-
-    /// Light of all points of a frame within their tolerances (not for the reference), gathered or from records; these
-    /// hold the static part of it where it is `split`, in all frames of a chunk or in none.
+    /// Light of all points of a frame within their tolerances (not for the reference), gathered or from records.
     FrameLight light(const LightingContext& context, const scene::Snapshot& snapshot, const CutLimits& limits,
-                     const LightSplit* split, FinalGather* rays, ShadeCounts& shade_counts, CacheCounts& counts);
+                     FinalGather* rays, ShadeCounts& shade_counts, CacheCounts& counts);
 
     /// Which points were lit elsewhere in their pixels: none but in the last frame, nor by the reference, which asks no
     /// records.
@@ -39,7 +32,7 @@ class IrradianceCache {
     core::Plane<float> density(const scene::Camera& camera, const scene::PictureFormat& format) const;
 
     /// Bytes held between frames.
-    std::size_t bytes() const { return records_.bytes() + payoff_.bytes() + validation_.bytes() + history_.bytes(); }
+    std::size_t bytes() const { return records_.bytes() + validation_.bytes() + history_.bytes(); }
 
   private:
     /// Another shot: forgets the last frame, and records of surfaces that are so far now that they crowd its pixels.
@@ -48,9 +41,7 @@ class IrradianceCache {
     RecordStore records_;
     FrameHistory history_;
     float last_error_scale_ = 1;  ///< that the last frame was lit with
-    bool moved_ = false;          ///< objects lie elsewhere than in the last frame; light is split
     CacheErrorModel errors_;
-    GlossyPayoff payoff_;
     CacheValidation validation_;
 };
 

@@ -117,7 +117,7 @@ void reuse_nearest(const CacheQuery& q, const RecordGrid& grid, RecordStore& rec
                     disagreement = model.residual * here_factor * changed;
         if (!((r.capped ? turned : gathered) <= tolerance)) continue;
         const bool here = near.distance(i) <= here_distance && model.cache_error_scale * disagreement <= tolerance;
-        if (!here && !(q.may_move && changed <= most_moved_change * tolerance)) continue;
+        if (!here && !(changed <= most_moved_change * tolerance)) continue;
         own = i;
         is_here = here;
         nearest = near.distance(i);

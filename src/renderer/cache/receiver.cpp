@@ -18,10 +18,9 @@ constexpr float least_alpha = 0.04f;
 
 }  // namespace
 
-bool uses_cache(const GatherPoint& p, const GlossyPayoff& payoff) {
+bool uses_cache(const GatherPoint& p) {
     const Bsdf& bsdf = p.point.bsdf;
-    return !p.reached_by_specular() && (!bsdf.has_glossy() || (bsdf.alpha >= least_alpha && !bsdf.is_stretched() &&
-                                                               payoff.uses_cache(p.point.material)));
+    return !p.reached_by_specular() && (!bsdf.has_glossy() || (bsdf.alpha >= least_alpha && !bsdf.is_stretched()));
 }
 
 float receives(const GatherPoint& p) {

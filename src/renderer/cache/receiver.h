@@ -2,15 +2,13 @@
 // Which points use the cache, and as what receiver they are gathered for it.
 #include <optional>
 
-#include "renderer/cache/glossy_payoff.h"
 #include "renderer/cache/irradiance_record.h"
 #include "renderer/cut/point_light.h"
 
 namespace render2mpeg::renderer {
 
-/// Whether a point's light may come from records: seen directly, without a lobe or with one that is not too narrow and
-/// whose material's are served often enough.
-bool uses_cache(const GatherPoint& p, const GlossyPayoff& payoff);
+/// Whether a point's light may come from records: seen directly, without a lobe or with one that is not too narrow.
+bool uses_cache(const GatherPoint& p);
 
 /// Luminance that a point's pixel gets of light 1 from all around; for records, which serve other textures as well, as
 /// if it were not quite black.

@@ -12,7 +12,7 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// Luminance that is known of a point's pixel before its cut; below 0 where moving objects hide more than that.
+/// Luminance that is known of a point's pixel before its cut.
 float known_luminance(const PointLight& light, const GatherPoint& p) {
     const float known = core::luminance(light.scattered(p));
     return std::isfinite(known) ? known : 0.0f;
@@ -23,18 +23,14 @@ TileState empty_tile(const GatherTile& points) {
     TileState tile;
     tile.light.assign(points.size(), {});
     tile.exact.assign(points.size(), {});
-    tile.dynamic.assign(points.size(), {});
     tile.state.assign(points.size(), PointState::open);
-    tile.firsts.assign(tile_size * tile_size + 1, 0);
-    for (const GatherPoint& p : points) ++tile.firsts[p.pixel + 1u];
-    for (std::size_t k = 1; k < tile.firsts.size(); ++k) tile.firsts[k] += tile.firsts[k - 1];
     return tile;
 }
 
 /// Gathers the lights that are not clustered for all points of a tile.
 void gather_exact(const FrameState& frame, std::size_t t, std::vector<PointLight>& exact, ShadeCounts& counts) {
     const GatherTile& points = frame.seen.tiles[t];
-    Gatherer gatherer(frame.split != nullptr ? frame.split->moving : frame.cached, frame.tracer);
+    Gatherer gatherer(frame.light_trees, frame.tracer);
     GatherLanes lanes;
     GroupTolerance tolerance;
     GatheredLight gathered;
@@ -69,21 +65,20 @@ bool are_suns_good_enough(const LitPoint& before, const PointTolerance& now, con
 }
 
 /// Reuses the light of a tile's points that are the very same as in the last frame. Whether all exact light is known by
-/// that, and what moving objects change.
-bool reuse(FrameState& frame, std::size_t t, const FrameHistory& history, bool moved) {
+/// that.
+bool reuse(FrameState& frame, std::size_t t, const FrameHistory& history) {
     const GatherTile& points = frame.seen.tiles[t];
     if (history.tiles.size() != frame.tiles.size() || history.tiles[t].size() != points.size()) return false;
     TileState& tile = frame.tiles[t];
     const std::vector<WholeLamp>& lamps = frame.light_trees.lamps;
     const bool has_suns = std::any_of(lamps.begin(), lamps.end(), [](const WholeLamp& lamp) { return lamp.sharp; });
-    bool all = !moved;
+    bool all = true;
     auto moved_point = history.moved_points[t].begin();
     const auto moved_end = history.moved_points[t].end();
     for (std::size_t i = 0; i < points.size(); ++i) {
         const GatherPoint& p = points[i];
         const LitPoint& before = history.tiles[t][i];
-        if (before.address != p.point.address || before.outgoing != p.point.outgoing || before.weight != p.weight ||
-            (moved && frame.moves(p))) {
+        if (before.address != p.point.address || before.outgoing != p.point.outgoing || before.weight != p.weight) {
             all = false;
             continue;
         }
@@ -123,12 +118,6 @@ void add_up(FrameState& frame, std::size_t t, std::size_t i) {
     light.clamped += known.clamped;
     // Two gatherings err each for itself.
     if (known.error > 0.0f) light.error = std::hypot(light.error, known.error);
-    if (frame.split == nullptr) return;
-    light.capped = light.capped || known.capped;
-    light.split = tile.dynamic[i].scattered(frame.seen.tiles[t][i]) != glm::vec3(0);
-    light.direct = glm::max(light.direct, glm::vec3(0));
-    light.indirect = glm::max(light.indirect, glm::vec3(0));
-    light.glossy = glm::max(light.glossy, glm::vec3(0));
 }
 
 }  // namespace
@@ -140,7 +129,7 @@ std::size_t FrameHistory::bytes() const {
     return sum;
 }
 
-void start(FrameState& frame, const core::ToleranceMap& tolerance, const FrameHistory& history, bool moved) {
+void start(FrameState& frame, const core::ToleranceMap& tolerance, const FrameHistory& history) {
     frame.grid.build(frame.records.all(), frame.camera);
     std::vector<ShadeCounts> of_tile(frame.tiles.size());
     parallel::for_each(frame.tiles.size(), [&](std::size_t t) {
@@ -148,10 +137,8 @@ void start(FrameState& frame, const core::ToleranceMap& tolerance, const FrameHi
         TileState& tile = frame.tiles[t];
         tile = empty_tile(points);
         tile.tolerance = point_tolerances(frame.seen, t, tolerance);
-        const bool knows = reuse(frame, t, history, moved);
-        if (!knows && frame.split != nullptr) tile.exact.assign(points.size(), {});
+        const bool knows = reuse(frame, t, history);
         if (!knows && frame.light_trees.has_exact()) gather_exact(frame, t, tile.exact, of_tile[t]);
-        tile.dynamic_state.assign(points.size(), knows ? DynamicState::reused : DynamicState::open);
         for (std::size_t i = 0; i < points.size(); ++i)
             tile.tolerance[i].base += known_luminance(tile.exact[i], points[i]);
     });
@@ -173,7 +160,6 @@ FrameLight finish(FrameState& frame, FrameHistory& history) {
         frame.shade_counts.gather_points += tile.served;
         for (std::size_t i = 0; i < tile.light.size(); ++i) {
             const GatherPoint& p = frame.seen.tiles[t][i];
-            frame.counts.interpolated += tile.state[i] == PointState::interpolated ? 1 : 0;
             history.tiles[t].push_back(
                 {p.point.address, p.point.outgoing, p.weight, tile.tolerance[i], tile.exact[i], tile.light[i]});
             add_up(frame, t, i);

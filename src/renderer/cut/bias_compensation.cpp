@@ -141,8 +141,8 @@ bool find_deficit(const GatherLanes& lanes, const TreeLight& light, GeometryClam
 }
 
 /// What passes from the light to each lane that lacks something of it; traces a ray for each of those.
-void see(const GatherLanes& lanes, const TreeLight& light, const RayTracer& tracer, Shadows shadows, Lanes& deficit,
-         glm::vec3* passes, GatheredLight& out) {
+void see(const GatherLanes& lanes, const TreeLight& light, const RayTracer& tracer, Lanes& deficit, glm::vec3* passes,
+         GatheredLight& out) {
     ShadowPacket packet;
     aim(lanes, LightType::oriented, light, packet);
     for (int i = 0; i < lane_count; ++i) {
@@ -151,16 +151,7 @@ void see(const GatherLanes& lanes, const TreeLight& light, const RayTracer& trac
     }
     if (packet.active == 0) return;
     out.shadow_rays += static_cast<std::uint64_t>(__builtin_popcount(packet.active));
-    std::uint32_t blocked = 0;
-    if (shadows == Shadows::of_everything) {
-        blocked = tracer.occluded(packet, passes);
-    } else if (shadows == Shadows::of_static) {
-        blocked = tracer.occluded_by_static(packet, nullptr);
-    } else {
-        packet.active = tracer.occluded_by_dynamic(packet);
-        out.shadow_rays += static_cast<std::uint64_t>(__builtin_popcount(packet.active));
-        blocked = ~packet.active | (packet.active != 0 ? tracer.occluded_by_static(packet, nullptr) : 0);
-    }
+    const std::uint32_t blocked = tracer.occluded(packet, passes);
     for (int i = 0; i < lane_count; ++i)
         if ((blocked >> i & 1u) != 0) deficit[i] = 0.0f;
 }
@@ -169,8 +160,8 @@ void see(const GatherLanes& lanes, const TreeLight& light, const RayTracer& trac
 /// and the place of its plane that is nearest to the lane. Cells of anchors on slender things reach over their edges,
 /// those of anchors in a gap between a thing and the wall behind it along the wall. What lies as near to the lane's own
 /// surface is that, and does not count.
-void keep_to_surfaces(const GatherLanes& lanes, const TreeLight& light, const RayTracer& tracer, Shadows shadows,
-                      Lanes& deficit, GatheredLight& out) {
+void keep_to_surfaces(const GatherLanes& lanes, const TreeLight& light, const RayTracer& tracer, Lanes& deficit,
+                      GatheredLight& out) {
     const float radius = std::sqrt(light.disc2), widest = overlap * radius;
     const glm::vec3 facing = light.normal();
     ShadowPacket packet;
@@ -193,16 +184,9 @@ void keep_to_surfaces(const GatherLanes& lanes, const TreeLight& light, const Ra
     }
     if (packet.active == 0) return;
     out.shadow_rays += static_cast<std::uint64_t>(__builtin_popcount(packet.active));
-    const std::uint32_t met = shadows == Shadows::of_everything ? tracer.occluded(packet, nullptr)
-                                                                : tracer.occluded_by_static(packet, nullptr);
+    const std::uint32_t met = tracer.occluded(packet, nullptr);
     for (int i = 0; i < lane_count; ++i)
         if ((met >> i & 1u) == 0) deficit[i] = 0.0f;
-}
-
-/// Whether anything that moves is so near to the points.
-bool has_dynamic_object(const Box& points, const RayTracer& tracer, float distance2) {
-    const auto near = [&](const MiddleBox& m) { return points.distance2(m.middle, m.half) < distance2; };
-    return std::any_of(tracer.dynamic_objects().begin(), tracer.dynamic_objects().end(), near);
 }
 
 void compensate(const TreeLight& light, const LightTrees& light_trees, const GatherLanes& lanes,
@@ -210,8 +194,8 @@ void compensate(const TreeLight& light, const LightTrees& light_trees, const Gat
     Lanes deficit;
     if (!find_deficit(lanes, light, light_trees.indirect_clamp, deficit)) return;
     glm::vec3 passes[lane_count];
-    see(lanes, light, tracer, light_trees.shadows, deficit, passes, out);
-    keep_to_surfaces(lanes, light, tracer, light_trees.shadows, deficit, out);
+    see(lanes, light, tracer, deficit, passes, out);
+    keep_to_surfaces(lanes, light, tracer, deficit, out);
     for (int i = 0; i < lanes.count; ++i) {
         if (deficit[i] == 0.0f) continue;
         const glm::vec3 light_there = deficit[i] * light.intensity * passes[i];
@@ -252,9 +236,7 @@ void compensate_clamping_bias(const LightTrees& light_trees, const RayTracer& tr
             if (ref.is_leaf()) {
                 const TreeLight& light = tree.lights[ref.index()];
                 if (light.disc2 > 0.0f && core::luminance(light.intensity) > 0.0f &&
-                    box.distance2(light.position, glm::vec3(0)) < far_radii * far_radii * light.disc2 &&
-                    (light_trees.shadows != Shadows::hidden_by_dynamic ||
-                     has_dynamic_object(box, tracer, far_radii * far_radii * light.disc2)))
+                    box.distance2(light.position, glm::vec3(0)) < far_radii * far_radii * light.disc2)
                     compensate(light, light_trees, plain, tracer, out);
                 continue;
             }

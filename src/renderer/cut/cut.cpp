@@ -35,14 +35,12 @@ void Cut::start(const GatherLanes& lanes, const GroupTolerance& tolerance, const
     limiting_ = no_cluster;
     clusters_.start(lanes, light_trees_);
     queue_.clear();
-    // Of light that dynamic objects would have to hide none counts before a ray says so.
-    const std::uint16_t unknown = light_trees_.shadows == Shadows::hidden_by_dynamic ? 0 : all_lanes;
     for (int t = 0; t < LightTrees::tree_count; ++t) {
         const LightTree& tree = light_trees_.trees[t];
         if (tree.empty()) continue;
         const std::uint32_t index = clusters_.add(t, tree.root);
         clusters_[index].representative = tree.representative(tree.root, lanes.set);
-        LightContribution contribution = LightContribution::unknown_in(unknown);
+        LightContribution contribution = LightContribution::unknown_in(all_lanes);
         trace(index, contribution);
     }
     sum_luminance();
@@ -86,11 +84,6 @@ void Cut::bound_and_queue(std::uint32_t index) {
     std::fill(std::begin(cluster.bound), std::end(cluster.bound), 0.0f);
     if (cluster.ref.is_leaf() || cluster.is_occluded) return;
     const LightTree& tree = light_trees_.trees[cluster.tree];
-    if (light_trees_.shadows == Shadows::hidden_by_dynamic &&
-        !shadows_->may_be_hidden(tree.type, tree.box(cluster.ref.index()))) {
-        cluster.lit = cluster.unknown = 0;
-        return;
-    }
     bound_node(*lanes_, tree, cluster.ref.index(), light_trees_.clamp(cluster.tree), cluster.bound);
     const float priority = rule_.priority(cluster.bound);
     if (!(priority > 0.0f)) return;

@@ -68,8 +68,6 @@ void Gatherer::add_lamps(const GatherLanes& lanes, Shadow shadow, LampAccuracy a
     accuracy.luminance = &luminance;
     for (const WholeLamp& lamp : light_trees_.lamps) {
         if (lamp.sharp != (shadow == Shadow::sharp)) continue;
-        if (light_trees_.shadows == Shadows::hidden_by_dynamic && !shadows_.may_be_hidden(type_of(lamp), lamp.box))
-            continue;
         LampLight light;
         gather_lamp(lamp, lanes, light_trees_.translucent, accuracy, shadows_, light);
         const UnitLight unit = light.visible(lanes, light_trees_.translucent);

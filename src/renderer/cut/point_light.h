@@ -20,7 +20,6 @@ struct PointLight {
     float cache_error = 0;  ///< from records: estimated error over the tolerance, at a cache error scale of 1
     bool served = false;    ///< by records, or by an earlier frame: it may err otherwise than a cut of today
     bool held_out = false;  ///< gathered with another error scale than the frame's, to validate what records said
-    bool split = false;     ///< a sum of several cuts, some of them perhaps of places around
     bool capped = false;    ///< the largest cut came before the tolerance was kept
 
     /// What the point sends into its pixel.

@@ -40,7 +40,6 @@ void ShadowTester::start(const GatherLanes& lanes) {
 
 void ShadowTester::choose_occluders() {
     occluders_.choose(*lanes_, tracer_.occluders());
-    if (light_trees_.shadows == Shadows::hidden_by_dynamic) dynamic_objects_.choose(*lanes_, tracer_.dynamic_objects());
 }
 
 RENDER2MPEG_CLONES
@@ -208,21 +207,9 @@ std::uint32_t ShadowTester::reach(const ShadowPacket& packet, glm::vec3* passes)
 }
 
 std::uint32_t ShadowTester::blocked(const ShadowPacket& packet, glm::vec3* passes) {
-    if (light_trees_.shadows != Shadows::hidden_by_dynamic) {
-        count(packet.active);
-        if (light_trees_.air != nullptr && passes != nullptr) dim(*light_trees_.air, packet, passes);
-        return light_trees_.shadows == Shadows::of_everything ? tracer_.occluded(packet, passes)
-                                                              : tracer_.occluded_by_static(packet, nullptr);
-    }
-    // A dynamic object hides the light, and nothing static does.
-    ShadowPacket rays = packet;
-    rays.active &= dynamic_objects_.met(packet);
-    if (rays.active == 0) return packet.active;
-    count(rays.active);
-    rays.active &= tracer_.occluded_by_dynamic(rays);
-    if (rays.active == 0) return packet.active;
-    count(rays.active);
-    return packet.active & ~(rays.active & ~tracer_.occluded_by_static(rays, nullptr));
+    count(packet.active);
+    if (light_trees_.air != nullptr && passes != nullptr) dim(*light_trees_.air, packet, passes);
+    return tracer_.occluded(packet, passes);
 }
 
 }  // namespace render2mpeg::renderer

@@ -2,7 +2,6 @@
 // Shadow rays and occluders: what light reaches a group of points.
 #include <cstdint>
 
-#include "renderer/cut/dynamic_objects.h"
 #include "renderer/cut/group_occluders.h"
 #include "renderer/geometry/ray_tracer.h"
 #include "renderer/tree/light_trees.h"
@@ -40,7 +39,7 @@ class ShadowTester {
     /// For these lanes, which outlive it; no rays were traced.
     void start(const GatherLanes& lanes);
 
-    /// Looks for the occluders and dynamic objects that the following questions are held against.
+    /// Looks for the occluders that the following questions are held against.
     void choose_occluders();
 
     /// Evaluates a light with the visibility of one shadow ray from each lane that it could reach. `on_mover`: it lies
@@ -57,11 +56,6 @@ class ShadowTester {
     /// occluders out of `viable` that do not touch it.
     bool is_occluded(LightType type, const MiddleBox& box, std::uint16_t& viable) const {
         return occluders_.hide(*lanes_, type, box.middle, box.half, viable);
-    }
-
-    /// Of Shadows::hidden_by_dynamic: false where no dynamic object hides a light of this box from a lane.
-    bool may_be_hidden(LightType type, const MiddleBox& box) const {
-        return dynamic_objects_.can_hide(type, box.middle, box.half);
     }
 
     std::uint64_t rays() const { return rays_; }
@@ -84,7 +78,6 @@ class ShadowTester {
     const RayTracer& tracer_;
     const GatherLanes* lanes_ = nullptr;
     GroupOccluders occluders_;
-    GroupDynamicObjects dynamic_objects_;
     std::uint64_t rays_ = 0;
 };
 

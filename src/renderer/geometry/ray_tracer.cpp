@@ -236,10 +236,6 @@ void RayTracer::pose(const scene::Snapshot& snapshot) {
     impl_->dynamic_objects = impl_->scene.dynamic_object_boxes();
 }
 
-std::span<const MiddleBox> RayTracer::dynamic_objects() const {
-    return impl_->dynamic_objects;
-}
-
 const OccluderList& RayTracer::occluders() const {
     return impl_->occluders;
 }
@@ -291,23 +287,6 @@ bool RayTracer::has_dynamic_objects() const {
 
 std::uint32_t RayTracer::occluded(const ShadowPacket& packet, glm::vec3* light) const {
     return impl_->occluded(packet, impl_->scene.has_instances() ? EmbreeScene::instance_mask : 0, light);
-}
-
-std::uint32_t RayTracer::occluded_by_static(const ShadowPacket& packet, glm::vec3* light) const {
-    return impl_->occluded(packet, impl_->scene.has_static_instances() ? EmbreeScene::copied_mask : 0, light);
-}
-
-std::uint32_t RayTracer::occluded_by_dynamic(const ShadowPacket& packet) const {
-    if (!has_dynamic_objects()) return 0;
-    const FlushDenormals flushed;
-    alignas(64) int valid[16];
-    RTCRay16 rays;
-    if (!load(packet, rays, valid)) return 0;
-    std::fill(std::begin(rays.mask), std::end(rays.mask), EmbreeScene::dynamic_mask);
-    Impl::ShadowContext context;
-    impl_->begin(context, false, packet.bodies, packet.direction_x, packet.direction_y, packet.direction_z);
-    embree::occluded(valid, impl_->scene.root(), context.embree, rays);
-    return take_blocked(rays, valid);
 }
 
 glm::vec3 RayTracer::passes(glm::vec3 origin, glm::vec3 direction, float far, Bodies bodies) const {

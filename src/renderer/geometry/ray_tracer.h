@@ -15,7 +15,6 @@
 namespace render2mpeg::renderer {
 
 class OccluderList;
-struct MiddleBox;
 
 /// A ray and how far it goes, in units of the direction's length.
 struct RayQuery {
@@ -97,20 +96,11 @@ class RayTracer {
     /// blocked).
     std::uint32_t occluded(const ShadowPacket& packet, glm::vec3* light) const;
 
-    /// The same of what never moves alone.
-    std::uint32_t occluded_by_static(const ShadowPacket& packet, glm::vec3* light) const;
-
-    /// Bit i: ray i of the packet is blocked by something opaque that moves.
-    std::uint32_t occluded_by_dynamic(const ShadowPacket& packet) const;
-
     /// The same for one ray: what passes of light, 0 where blocked.
     glm::vec3 passes(glm::vec3 origin, glm::vec3 direction, float far, Bodies bodies = Bodies::pass) const;
 
     /// The largest pieces of what never moves and is opaque, as posed.
     const OccluderList& occluders() const;
-
-    /// Boxes about what moves and is there, as posed.
-    std::span<const MiddleBox> dynamic_objects() const;
 
     /// Whether rays meet this object through a transform of its own, which costs some digits.
     bool is_instanced(std::uint32_t object) const;

@@ -16,7 +16,6 @@
 #include "renderer/lights/anchor_importance.h"
 #include "renderer/lights/anchor_paths.h"
 #include "renderer/lights/anchor_places.h"
-#include "renderer/lights/emission_guide.h"
 #include "renderer/lights/even_points.h"
 #include "renderer/lights/photon_splat.h"
 #include "renderer/lights/rest_pose.h"
@@ -43,10 +42,6 @@ constexpr std::uint64_t least_candidates = 4096;
 /// uneven matter less where anchors lie that densely, and each place takes some 150 bytes while they are chosen.
 constexpr std::uint64_t many_candidates = 1u << 18;
 constexpr std::uint64_t least_per_anchor = 4;
-
-/// Importance that counts at most for where photons start: a place beside one that is seen lights no more than its
-/// surroundings. chosen: 4, of 4 and none: photons' noise is 0.5 to 0.8 of what it is without a guide (cornell: alike).
-constexpr float most_importance = 4.0f;
 
 /// Paths, or places, that are traced at once: bounds the memory that they take.
 constexpr std::uint64_t batch = 1u << 15;
@@ -94,19 +89,15 @@ struct Anchors::Impl {
                               const core::SurfaceAddress& address) const;
     void look(PosedScene& posed_scene, LightPoints& lights);
     void look_at(const PosedScene& posed_scene, const std::vector<LightPoint>& lights, std::uint64_t wanted);
-    void learn(const PhotonResult& photons, std::uint64_t paths, std::span<const float> importance);
     void add_even(const PosedScene& posed_scene, std::uint64_t count);
     void add_unlit();
     void average_light(const RayTracer& tracer);
     LightPoint moving_light(const PosedScene& posed_scene, std::uint32_t place) const;
     PhotonHit hit_of(const PosedScene& posed_scene, const PhotonResult& photons, std::size_t i, float part) const;
-    bool may_keep(const RayTracer& scene) const;
     std::vector<PhotonHit> hits_of(const PosedScene& posed_scene, const PhotonResult& photons,
                                    std::uint64_t count) const;
     void follow_all(const PosedScene& posed_scene, std::span<const LightPoint> lights, Lit& lit,
                     std::span<glm::dvec3> light, std::span<glm::dvec3> flux) const;
-    void follow_changed(const PosedScene& posed_scene, std::span<const LightPoint> lights, KeptPhotons& kept, Lit& lit,
-                        std::span<glm::dvec3> light, std::span<glm::dvec3> flux) const;
 
     const scene::Animation& film;
     AnchorSettings settings;
@@ -114,8 +105,6 @@ struct Anchors::Impl {
     std::vector<AnchorCandidate> candidates;
     std::vector<glm::vec3> candidate_light;  ///< radiant intensity of each, as a VPL
     Landings seen;                           ///< of the candidates' paths
-    std::vector<GuidedPath> useful;          ///< of these those that left something
-    EmissionGuide guide;
     EyeImportance eye;
 
     std::uint64_t paths = 0, rays = 0;
@@ -158,16 +147,14 @@ void Anchors::Impl::look(PosedScene& posed_scene, LightPoints& lights) {
         look_at(posed_scene, lights.at(posed_scene),
                 std::max<std::uint64_t>(wanted / static_cast<std::uint64_t>(count), 1));
     }
-    guide = EmissionGuide(std::move(useful), seen.paths);
     // What is still lies the same at any instant.
     posed_scene.pose(first);
     add_even(posed_scene, wanted / even_part);
     add_unlit();
-    anchors = PhotonSplatter(choose_places(candidates, settings.count), posed_scene.tracer(), settings.sharers);
+    anchors = PhotonSplatter(choose_places(candidates, settings.count), posed_scene.tracer());
     rays += anchors.rays();
     average_light(posed_scene.tracer());
-    if (anchors.size() > 0)
-        paths = settings.times * paths_of_anchors(settings.count, settings.photons, settings.bounces, seen);
+    if (anchors.size() > 0) paths = paths_of_anchors(settings.count, settings.photons, settings.bounces, seen);
 }
 
 void Anchors::Impl::look_at(const PosedScene& posed_scene, const std::vector<LightPoint>& lights,
@@ -186,20 +173,6 @@ void Anchors::Impl::look_at(const PosedScene& posed_scene, const std::vector<Lig
         // as it.
         candidates.back().importance = std::sqrt(importance[i]);
         candidate_light.push_back(photons.vpls[i].intensity);
-    }
-    learn(photons, needed, importance);
-}
-
-/// Notes what paths left, by what of it is seen.
-void Anchors::Impl::learn(const PhotonResult& photons, std::uint64_t paths, std::span<const float> importance) {
-    for (std::size_t i = 0; i < photons.paths.size();) {
-        const std::uint64_t path = photons.paths[i];
-        float value = 0;
-        for (; i < photons.paths.size() && photons.paths[i] == path; ++i)
-            value += core::luminance(photons.vpls[i].intensity) *
-                     std::clamp(importance[i] - EyeImportance::least, 0.0f, most_importance);
-        value *= static_cast<float>(paths);
-        if (value > 0.0f && std::isfinite(value)) useful.push_back({start_numbers(path), value});
     }
 }
 
@@ -320,23 +293,12 @@ std::uint64_t Anchors::paths() const {
     return impl_->paths;
 }
 
-const EmissionGuide& Anchors::guide() const {
-    return impl_->guide;
-}
-
 std::uint64_t Anchors::rays() const {
     return impl_->rays;
 }
 
 std::size_t Anchors::bytes() const {
     return impl_->average.capacity() * sizeof(float) + impl_->anchors.bytes();
-}
-
-/// Whether photons may be kept: something moves, and they are not too many.
-bool Anchors::Impl::may_keep(const RayTracer& scene) const {
-    const double landings = static_cast<double>(paths) *
-                            core::divide_or(static_cast<double>(seen.landed), static_cast<double>(seen.paths), 0.0);
-    return scene.has_dynamic_objects() && landings <= static_cast<double>(KeptPhotons::most);
 }
 
 /// The hits of photons, as parts of those of all batches.
@@ -355,7 +317,7 @@ void Anchors::Impl::follow_all(const PosedScene& posed_scene, std::span<const Li
     std::vector<PhotonHit> hits;
     for (std::uint64_t done = 0; done < paths; done += batch) {
         const std::uint64_t count = std::min(batch, paths - done);
-        const PhotonResult photons = trace_photons(posed_scene, lights, {1 + done, count, settings.bounces, &guide});
+        const PhotonResult photons = trace_photons(posed_scene, lights, {1 + done, count, settings.bounces});
         lit.rays += photons.rays;
         lit.landed += photons.landed / static_cast<double>(paths);
         lit.lost += photons.lost / static_cast<double>(paths);
@@ -367,39 +329,14 @@ void Anchors::Impl::follow_all(const PosedScene& posed_scene, std::span<const Li
     }
 }
 
-/// The same; only those photons are followed that something has changed for.
-void Anchors::Impl::follow_changed(const PosedScene& posed_scene, std::span<const LightPoint> lights, KeptPhotons& kept,
-                                   Lit& lit, std::span<glm::dvec3> light, std::span<glm::dvec3> flux) const {
-    kept.start(lights, world_box(posed_scene.posed()), paths);
-    for (std::uint64_t done = 0; done < paths; done += batch) {
-        const std::uint64_t count = std::min(batch, paths - done);
-        const std::vector<std::uint64_t> changed = kept.changed(done, done + count, posed_scene.tracer());
-        const PhotonResult photons =
-            trace_photons(posed_scene, lights, {1 + done, count, settings.bounces, &guide, changed, true});
-        lit.rays += photons.rays;
-        if (photons.each.size() < changed.size()) return kept.forget();  // nothing shines now
-        kept.take(count, changed, photons, hits_of(posed_scene, photons, count));
-    }
-    kept.finish();
-    for (const PhotonPath& path : kept.paths()) {
-        lit.landed += path.landed / static_cast<double>(paths);
-        lit.lost += path.lost / static_cast<double>(paths);
-    }
-    lit.rays += anchors.splat(kept.hits(), posed_scene.tracer(), &lit.occluded, light, flux, kept.shares());
-}
-
-Anchors::Lit Anchors::at(const PosedScene& posed_scene, std::span<const LightPoint> lights, bool irradiance,
-                         KeptPhotons* kept) const {
+Anchors::Lit Anchors::at(const PosedScene& posed_scene, std::span<const LightPoint> lights, bool irradiance) const {
     const Impl& a = *impl_;
     std::vector<glm::dvec3> light(a.anchors.size(), glm::dvec3(0));
     std::vector<glm::dvec3> flux(irradiance ? a.anchors.size() : 0, glm::dvec3(0));
     Lit lit;
     lit.occluded = a.anchors.occluded_neighbours(posed_scene.tracer());
     lit.rays += lit.occluded.rays;
-    if (kept != nullptr && a.may_keep(posed_scene.tracer()))
-        a.follow_changed(posed_scene, lights, *kept, lit, light, flux);
-    else
-        a.follow_all(posed_scene, lights, lit, light, flux);
+    a.follow_all(posed_scene, lights, lit, light, flux);
     const std::uint32_t still = a.anchors.still_count();
     lit.still.reserve(still);
     lit.moving.reserve(a.anchors.size() - still);

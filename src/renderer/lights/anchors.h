@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "renderer/base/light_point.h"
-#include "renderer/lights/kept_photons.h"
 #include "renderer/lights/light_points.h"
 #include "renderer/lights/photon_splat.h"
 #include "renderer/lights/photons.h"
@@ -19,8 +18,6 @@ struct AnchorSettings {
     int bounces = 0;   ///< see PhotonSettings
     std::uint64_t photons =
         0;  ///< VPLs that are splatted onto the anchors in a frame, about; 0: as many as `count` asks for
-    std::uint64_t times = 1;     ///< as many times as many
-    int sharers = shared_among;  ///< anchors that one photon is shared among at most, 1 to shared_among
 };
 
 /// Places that are looked at to choose so many anchors: most of the memory that anchors ever take is theirs.
@@ -45,9 +42,6 @@ class Anchors {
     /// more than 64 for each anchor, however few of them meet anything.
     std::uint64_t paths() const;
 
-    /// Where photons start, at all instants.
-    const EmissionGuide& guide() const;
-
     /// Rays that the choice took.
     std::uint64_t rays() const;
 
@@ -62,10 +56,8 @@ class Anchors {
         std::vector<glm::vec3> irradiance;  ///< of each anchor, still ones first, over pi; empty unless asked for
     };
     /// The anchors as `lights` let them shine at the posed instant. All light that photons leave on surfaces is in
-    /// them. Does not depend on the number of threads, nor on `kept`: photons of the instant before that are not
-    /// followed again where nothing has changed for them, and then those of this one.
-    Lit at(const PosedScene& posed_scene, std::span<const LightPoint> lights, bool irradiance = false,
-           KeptPhotons* kept = nullptr) const;
+    /// them. Does not depend on the number of threads.
+    Lit at(const PosedScene& posed_scene, std::span<const LightPoint> lights, bool irradiance = false) const;
 
     /// Irradiance over pi at a place on a surface, all light of `lit` included that photons brought to the anchors
     /// about it: those that a photon there would be shared among, by their shares. The scene is posed as it was for

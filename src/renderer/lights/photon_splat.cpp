@@ -6,7 +6,6 @@
 #include <numeric>
 #include <optional>
 
-#include "core/error.h"
 #include "core/numeric.h"
 #include "parallel/loops.h"
 
@@ -71,20 +70,16 @@ struct Way {
     bool is_free(const RayTracer& scene) const {
         return !(length > 0.0f) || !scene.meets_dynamic(from, direction, length);
     }
-    /// Likewise, and no ray need be traced to see it.
-    bool is_clear(const RayTracer& scene) const {
-        return !(length > 0.0f) || !scene.may_meet_dynamic(from, direction, length);
-    }
 };
 
 /// Parts 1 among the nearest by a kernel times the area that each stands for.
-SplatWeights shares_of(const Nearest& near, std::span<const float> disc2, int sharers) {
+SplatWeights shares_of(const Nearest& near, std::span<const float> disc2) {
     SplatWeights shares;
     if (near.count() == 0) return shares;
     // The one beyond those that share says how far the kernel reaches, so that none comes or goes at once.
-    const int count = std::min(near.count(), sharers + 1);
-    const float reach2 = near[count - 1].distance2 * (count <= sharers ? 1.5f : 1.0f);
-    shares.count = std::min(count, sharers);
+    const int count = std::min(near.count(), shared_among + 1);
+    const float reach2 = near[count - 1].distance2 * (count <= shared_among ? 1.5f : 1.0f);
+    shares.count = std::min(count, shared_among);
     float sum = 0;
     for (int k = 0; k < shares.count; ++k) {
         const auto i = static_cast<std::size_t>(k);
@@ -102,10 +97,7 @@ SplatWeights shares_of(const Nearest& near, std::span<const float> disc2, int sh
 
 }  // namespace
 
-PhotonSplatter::PhotonSplatter(std::span<const AnchorPlace> places, const RayTracer& scene, int sharers,
-                               std::size_t listed)
-    : sharers_(sharers) {
-    EXPECTS(sharers >= 1 && sharers <= shared_among);
+PhotonSplatter::PhotonSplatter(std::span<const AnchorPlace> places, const RayTracer& scene, std::size_t listed) {
     disc2_.reserve(places.size());
     for (std::size_t first = 0; first < places.size();) {
         std::vector<OrientedPoint> points;
@@ -205,8 +197,8 @@ std::size_t PhotonSplatter::bytes() const {
 
 /// The nearest still anchor that sees the place, past what moves where that counts, and facing alike if there is one;
 /// where none of many does, one that nothing still hides, or the nearest of all.
-PhotonSplatter::InSight PhotonSplatter::nearest_in_sight(const OrientedPoint& at, const RayTracer& scene,
-                                                         bool past_dynamic, int& rays) const {
+std::uint32_t PhotonSplatter::nearest_in_sight(const OrientedPoint& at, const RayTracer& scene, bool past_dynamic,
+                                               int& rays) const {
     const PointTree& tree = groups_.front().tree;
     std::array<Neighbour, asked.back()> found;
     std::optional<std::uint32_t> hidden;
@@ -220,7 +212,7 @@ PhotonSplatter::InSight PhotonSplatter::nearest_in_sight(const OrientedPoint& at
             const Way way(at, tree[anchor], lift_radii * std::sqrt(disc2_[anchor]));
             ++rays;
             if (!way.is_open(scene)) continue;
-            if (!past_dynamic || way.is_free(scene)) return {anchor, !hidden};
+            if (!past_dynamic || way.is_free(scene)) return anchor;
             if (!hidden) hidden = anchor;
         }
         if (count < most) break;
@@ -232,15 +224,9 @@ PhotonSplatter::InSight PhotonSplatter::nearest_in_sight(const OrientedPoint& at
     for (const Neighbour& other : std::span(found.data(), static_cast<std::size_t>(count))) {
         const Way way(at, tree[other.point], lift_radii * std::sqrt(disc2_[other.point]));
         ++rays;
-        if (way.is_open(scene) && way.is_free(scene)) return {other.point, false};
+        if (way.is_open(scene) && way.is_free(scene)) return other.point;
     }
-    return {hidden.value_or(nearest), false};
-}
-
-/// Whether what moves leaves the way to it free.
-bool PhotonSplatter::is_still_nearest(const KeptShares& kept, const OrientedPoint& at, const RayTracer& scene) const {
-    return kept.is_kept &&
-           Way(at, groups_.front().tree[kept.nearest], lift_radii * std::sqrt(disc2_[kept.nearest])).is_clear(scene);
+    return hidden.value_or(nearest);
 }
 
 /// Of the nearest anchor's neighbours those nearest to the photon itself, but for those that are hidden from that
@@ -255,7 +241,7 @@ SplatWeights PhotonSplatter::share_among(const Neighbours& neighbours, std::uint
         const glm::vec3 d = still.position(anchor) - at.position;
         near.add({glm::dot(d, d), anchor});
     }
-    return shares_of(near, disc2_, sharers_);
+    return shares_of(near, disc2_);
 }
 
 /// Whether two places that face alike can be parts of one surface: neither lies far behind the other, as the inside of
@@ -287,7 +273,7 @@ SplatWeights PhotonSplatter::share_among_alike(std::uint32_t id, const OrientedP
     };
     int count = group.tree.nearest(at, least_shared_facing, some);
     take(count);
-    if (near.count() == Nearest::size) return shares_of(near, disc2_, sharers_);
+    if (near.count() == Nearest::size) return shares_of(near, disc2_);
     if (count == static_cast<int>(some.size())) count = group.tree.nearest(at, least_shared_facing, found);
     if (count == 0) {
         // None faces that way: its light goes where the nearest of all does.
@@ -298,14 +284,13 @@ SplatWeights PhotonSplatter::share_among_alike(std::uint32_t id, const OrientedP
     take(count);
     // No light is lost: where none fits, the nearest takes it.
     if (near.count() == 0) near.add({found[0].distance2, group.first + found[0].point});
-    return shares_of(near, disc2_, sharers_);
+    return shares_of(near, disc2_);
 }
 
 /// Finds the shares of photons in the order of their nearest anchors: those with the same one share its neighbours,
 /// which are looked up once.
 void PhotonSplatter::share(std::span<const Placed> placed, std::span<const PhotonHit> photons,
-                           const OccludedNeighbours* occluded, std::span<KeptShares> kept,
-                           std::span<SplatWeights> shares) const {
+                           const OccludedNeighbours* occluded, std::span<SplatWeights> shares) const {
     parallel::for_ranges(placed.size(), 256, [&](std::size_t first, std::size_t last) {
         Neighbours list;
         std::uint32_t hidden = 0;
@@ -319,14 +304,7 @@ void PhotonSplatter::share(std::span<const Placed> placed, std::span<const Photo
                 list = neighbours(placed[i].nearest);
                 hidden = occluded != nullptr ? occluded->hidden[placed[i].nearest] : 0;
             }
-            KeptShares* before = kept.empty() ? nullptr : &kept[placed[i].photon];
-            const bool holds = before != nullptr && before->has_shares && before->hidden == hidden;
-            shares[i] = holds ? before->shares : share_among(list, hidden, photon.at);
-            if (before != nullptr && !holds) {
-                before->has_shares = true;
-                before->hidden = hidden;
-                before->shares = shares[i];
-            }
+            shares[i] = share_among(list, hidden, photon.at);
         }
     });
 }
@@ -335,14 +313,13 @@ SplatWeights PhotonSplatter::shares_at(std::uint32_t group, const OrientedPoint&
                                        const OccludedNeighbours* occluded, int& rays) const {
     if (occluded != nullptr && occluded->hidden.empty()) occluded = nullptr;
     if (group != 0 || still_count_ == 0) return share_among_alike(group, at);
-    const std::uint32_t nearest = nearest_in_sight(at, scene, occluded != nullptr, rays).anchor;
+    const std::uint32_t nearest = nearest_in_sight(at, scene, occluded != nullptr, rays);
     return share_among(neighbours(nearest), occluded != nullptr ? occluded->hidden[nearest] : 0, at);
 }
 
 std::uint64_t PhotonSplatter::splat(std::span<const PhotonHit> photons, const RayTracer& scene,
                                     const OccludedNeighbours* occluded, std::span<glm::dvec3> light,
-                                    std::span<glm::dvec3> flux, std::span<KeptShares> kept) const {
-    EXPECTS(kept.empty() || kept.size() == photons.size());
+                                    std::span<glm::dvec3> flux) const {
     if (occluded != nullptr && occluded->hidden.empty()) occluded = nullptr;
     std::vector<Placed> placed(photons.size());
     std::vector<std::uint8_t> rays(photons.size(), 0);
@@ -350,15 +327,8 @@ std::uint64_t PhotonSplatter::splat(std::span<const PhotonHit> photons, const Ra
         for (std::size_t i = first; i < last; ++i) {
             int traced = 0;
             placed[i] = {no_anchor, static_cast<std::uint32_t>(i)};
-            if (photons[i].group == 0 && still_count_ > 0) {
-                if (!kept.empty() && is_still_nearest(kept[i], photons[i].at, scene)) {
-                    placed[i].nearest = kept[i].nearest;
-                } else {
-                    const InSight found = nearest_in_sight(photons[i].at, scene, occluded != nullptr, traced);
-                    placed[i].nearest = found.anchor;
-                    if (!kept.empty()) kept[i] = {found.anchor, found.is_nearest, false, 0, {}};
-                }
-            }
+            if (photons[i].group == 0 && still_count_ > 0)
+                placed[i].nearest = nearest_in_sight(photons[i].at, scene, occluded != nullptr, traced);
             rays[i] = static_cast<std::uint8_t>(traced);
         }
     });
@@ -369,7 +339,7 @@ std::uint64_t PhotonSplatter::splat(std::span<const PhotonHit> photons, const Ra
     std::vector<SplatWeights> shares(std::min(some, placed.size()));
     for (std::size_t done = 0; done < placed.size(); done += some) {
         const std::span<const Placed> next = std::span(placed).subspan(done, std::min(some, placed.size() - done));
-        share(next, photons, occluded, kept, shares);
+        share(next, photons, occluded, shares);
         for (std::size_t i = 0; i < next.size(); ++i)
             for (std::size_t k = 0; k < static_cast<std::size_t>(shares[i].count); ++k) {
                 const auto share = static_cast<double>(shares[i].weight[k]);

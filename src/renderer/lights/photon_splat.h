@@ -43,15 +43,6 @@ struct OccludedNeighbours {
     std::uint64_t rays = 0;  ///< that were traced to find them
 };
 
-/// What was found for a photon on what is still, kept from the instant before.
-struct KeptShares {
-    std::uint32_t nearest = 0;  ///< anchor
-    bool is_kept = false;       ///< and nothing that moves hid one nearer to it
-    bool has_shares = false;    ///< `shares` are by `nearest` while it had these `hidden` neighbours
-    std::uint32_t hidden = 0;   ///< see OccludedNeighbours
-    SplatWeights shares;
-};
-
 /// Up to so many still anchors keep the lists of their neighbours, 132 bytes each, so that no frame looks for them
 /// anew. chosen: 32,768, 4 MB.
 inline constexpr std::size_t most_listed = 1u << 15;
@@ -63,10 +54,8 @@ class PhotonSplatter {
 
     /// `places` lie by group, what is still (group 0) first; so do the anchors, in an order of their own. Of what is
     /// still only such anchors are neighbours as see each other over what is still of `scene`: light stays on its side
-    /// of a wall. A photon is shared among `sharers`, 1 to shared_among. If no more than `listed` are still, each keeps
-    /// the list of its neighbours, which changes no result.
-    PhotonSplatter(std::span<const AnchorPlace> places, const RayTracer& scene, int sharers = shared_among,
-                   std::size_t listed = most_listed);
+    /// of a wall. If no more than `listed` are still, each keeps the list of its neighbours, which changes no result.
+    PhotonSplatter(std::span<const AnchorPlace> places, const RayTracer& scene, std::size_t listed = most_listed);
 
     std::uint32_t size() const { return static_cast<std::uint32_t>(disc2_.size()); }
     /// Those of group 0, which come first.
@@ -84,11 +73,9 @@ class PhotonSplatter {
     /// Adds the light of photons that landed while `scene` is posed as it was for `occluded` to their anchors, of which
     /// `light` has one each. Without occluded what moves does not count. Returns the rays that it took. Does not depend
     /// on the number of threads; the more photons at once, the less time each takes.
-    /// Where `flux` is given it gets their flux alike. `kept`, one for each photon or none: what was found for
-    /// them an instant ago, to be used where it still holds, and now.
+    /// Where `flux` is given it gets their flux alike.
     std::uint64_t splat(std::span<const PhotonHit> photons, const RayTracer& scene, const OccludedNeighbours* occluded,
-                        std::span<glm::dvec3> light, std::span<glm::dvec3> flux = {},
-                        std::span<KeptShares> kept = {}) const;
+                        std::span<glm::dvec3> light, std::span<glm::dvec3> flux = {}) const;
 
     /// The anchors that a photon which lands at a place of a group is shared among; `rays` counts those it takes.
     SplatWeights shares_at(std::uint32_t group, const OrientedPoint& at, const RayTracer& scene,
@@ -118,13 +105,7 @@ class PhotonSplatter {
     void look_about(const RayTracer& scene, std::size_t listed);
     float lift_between(std::uint32_t a, std::uint32_t b) const;
     Neighbours neighbours(std::uint32_t anchor) const;
-    /// Which anchor that is, and whether nothing that moves hides one nearer.
-    struct InSight {
-        std::uint32_t anchor = 0;
-        bool is_nearest = false;
-    };
-    InSight nearest_in_sight(const OrientedPoint& at, const RayTracer& scene, bool past_dynamic, int& rays) const;
-    bool is_still_nearest(const KeptShares& kept, const OrientedPoint& at, const RayTracer& scene) const;
+    std::uint32_t nearest_in_sight(const OrientedPoint& at, const RayTracer& scene, bool past_dynamic, int& rays) const;
     SplatWeights share_among_alike(std::uint32_t group, const OrientedPoint& at) const;
     SplatWeights share_among(const Neighbours& neighbours, std::uint32_t hidden, const OrientedPoint& at) const;
     /// The place of a photon in `photons`, and the nearest anchor that sees it where it is one of what is still.
@@ -133,13 +114,12 @@ class PhotonSplatter {
         auto operator<=>(const Placed&) const = default;
     };
     void share(std::span<const Placed> placed, std::span<const PhotonHit> photons, const OccludedNeighbours* occluded,
-               std::span<KeptShares> kept, std::span<SplatWeights> shares) const;
+               std::span<SplatWeights> shares) const;
 
     std::vector<float> disc2_;
     std::vector<AnchorMount> mounts_;  ///< of those that move
     std::vector<Group> groups_;        ///< by id
     std::uint32_t still_count_ = 0;
-    int sharers_ = shared_among;
     /// Of each still anchor, which of its nearest neighbours it sees: bit k is the k-th.
     std::vector<std::uint64_t> visible_;
     /// Of each still anchor; empty where these are many: then they are looked for whenever they are asked for.

@@ -93,50 +93,11 @@ Onward scatter(const SurfacePoint& p, glm::vec3 flux, float choice, glm::vec2 u)
     return {{}, {}, false, false, lost};
 }
 
-/// Notes the way of a path.
-class PathNotes {
-  public:
-    PathNotes(const scene::Animation& film, glm::vec3 origin, PhotonResult& out)
-        : film_(film), out_(out), origin_(origin), vpls_(out.vpls.size()), landed_(out.landed), lost_(out.lost) {}
-
-    void meet(const SurfacePoint& p) {
-        add(p.position);
-        path_.met_dynamic = path_.met_dynamic || film_.objects[p.address.object].mobility != scene::Mobility::still;
-    }
-    void escape(glm::vec3 direction) {
-        add(direction);
-        path_.escapes = true;
-    }
-    void end() {
-        path_.vpls = static_cast<std::uint32_t>(out_.vpls.size() - vpls_);
-        path_.landed = out_.landed - landed_;
-        path_.lost = out_.lost - lost_;
-        out_.each.push_back(path_);
-    }
-
-  private:
-    void add(glm::vec3 place) {
-        if (path_.places++ == 0) {
-            out_.places.push_back(origin_);
-            ++path_.places;
-        }
-        out_.places.push_back(place);
-    }
-
-    const scene::Animation& film_;
-    PhotonResult& out_;
-    glm::vec3 origin_;
-    std::size_t vpls_;
-    double landed_, lost_;
-    PhotonPath path_;
-};
-
 /// Leaves a VPL where a photon landed; `landed`: of its flux.
-void leave(const SurfacePoint& p, glm::vec3 flux, glm::vec3 landed, std::uint64_t path, PhotonResult& out) {
+void leave(const SurfacePoint& p, glm::vec3 flux, glm::vec3 landed, PhotonResult& out) {
     out.vpls.push_back(vpl_at(p, flux));
     out.addresses.push_back(p.address);
     out.fluxes.push_back(landed);
-    out.paths.push_back(path);
     out.landed += static_cast<double>(core::luminance(landed));
 }
 
@@ -148,11 +109,7 @@ int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint6
         return dimension < core::halton_dimensions ? core::halton(dimension, path)
                                                    : core::uniform(path, static_cast<std::uint64_t>(dimension));
     };
-    EmissionGuide::Start start{start_numbers(path), 1.0f};
-    if (settings.guide != nullptr) start = settings.guide->start(start.numbers);
-    Photon photon = source.emit(start.numbers);
-    photon.flux /= start.density;
-    PathNotes notes(posed_scene.animation(), photon.origin, out);
+    Photon photon = source.emit({number(0), number(1), number(2)});
     MediaPath media;
     int rays = 0;
     int left = settings.bounces;
@@ -161,15 +118,11 @@ int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint6
         ++rays;
         const Hit hit =
             posed_scene.tracer().nearest(photon.origin, photon.direction, std::numeric_limits<float>::infinity());
-        if (!hit.found()) {
-            if (settings.keeps) notes.escape(photon.direction);
-            break;
-        }
+        if (!hit.found()) break;
         if (posed_scene.air() != nullptr && media.media.empty())
             photon.flux *= left_by_air(*posed_scene.air(), photon, hit.distance);
         photon.flux *= media.way_to(posed_scene, hit, photon.direction);
         const SurfacePoint p = media.surface_at(posed_scene, hit, photon.direction);
-        if (settings.keeps) notes.meet(p);
         const int dimension = first_event_dimension + 3 * event;
         float choice = number(dimension);
         // Pass a translucent layer with the share that it does not cover.
@@ -182,10 +135,10 @@ int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint6
         if (p.unlit) break;
         choice = core::divide_or(choice - (1.0f - p.alpha), p.alpha, 0.0f);
         if (p.bsdf.has_diffuse() || p.bsdf.has_glossy()) {
-            leave(p, photon.flux, photon.flux, path, out);
+            leave(p, photon.flux, photon.flux, out);
             --left;
         }
-        if (p.bsdf.has_diffuse_transmission()) leave(posed_scene.other_side(p), photon.flux, glm::vec3(0), path, out);
+        if (p.bsdf.has_diffuse_transmission()) leave(posed_scene.other_side(p), photon.flux, glm::vec3(0), out);
         Onward onward = scatter(p, photon.flux, choice, {number(dimension + 1), number(dimension + 2)});
         out.lost += static_cast<double>(onward.lost);
         // A bounce below the horizon of the true surface would leak through it.
@@ -195,18 +148,16 @@ int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint6
         if (onward.direction == glm::vec3{0.0f}) break;
         photon = {offset_origin(p, onward.direction), onward.direction, false, onward.flux};
     }
-    if (settings.keeps) notes.end();
     return rays;
 }
 
 PhotonResult follow_all(const PosedScene& posed_scene, const PhotonSource& source, const PhotonSettings& settings) {
     constexpr std::size_t grain = 64;
     PhotonResult result;
-    const std::size_t paths = settings.only ? settings.only->size() : settings.paths;
-    std::vector<PhotonResult> part((paths + grain - 1) / grain);
-    parallel::for_ranges(paths, grain, [&](std::size_t first, std::size_t last) {
+    std::vector<PhotonResult> part((settings.paths + grain - 1) / grain);
+    parallel::for_ranges(settings.paths, grain, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
-            const std::uint64_t path = settings.first_path + (settings.only ? (*settings.only)[i] : i);
+            const std::uint64_t path = settings.first_path + i;
             part[first / grain].rays +=
                 static_cast<std::uint64_t>(follow(posed_scene, source, path, settings, part[first / grain]));
         }
@@ -215,9 +166,6 @@ PhotonResult follow_all(const PosedScene& posed_scene, const PhotonSource& sourc
         result.vpls.insert(result.vpls.end(), p.vpls.begin(), p.vpls.end());
         result.addresses.insert(result.addresses.end(), p.addresses.begin(), p.addresses.end());
         result.fluxes.insert(result.fluxes.end(), p.fluxes.begin(), p.fluxes.end());
-        result.paths.insert(result.paths.end(), p.paths.begin(), p.paths.end());
-        result.each.insert(result.each.end(), p.each.begin(), p.each.end());
-        result.places.insert(result.places.end(), p.places.begin(), p.places.end());
         result.rays += p.rays;
         result.landed += p.landed;
         result.lost += p.lost;
@@ -246,10 +194,6 @@ WorldBox world_box(const scene::Snapshot& snapshot) {
             hold(glm::vec3(state.to_world * glm::vec4(p, 1)));
     }
     return box;
-}
-
-glm::vec3 start_numbers(std::uint64_t path) {
-    return {core::halton(0, path), core::halton(1, path), core::halton(2, path)};
 }
 
 PhotonResult trace_photons(const PosedScene& posed_scene, std::span<const LightPoint> lights,

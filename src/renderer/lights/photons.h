@@ -1,12 +1,10 @@
 #pragma once
 // Traces photons from the lights through the posed scene.
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "renderer/base/light_point.h"
-#include "renderer/lights/emission_guide.h"
 #include "renderer/lights/photon_source.h"
 #include "renderer/surface/posed_scene.h"
 
@@ -15,29 +13,13 @@ namespace render2mpeg::renderer {
 struct PhotonSettings {
     std::uint64_t first_path = 1;  ///< index into the Halton sequence; the same in every frame
     std::uint64_t paths = 0;
-    int bounces = 0;                       ///< places where one path may leave a VPL; 0: any number
-    const EmissionGuide* guide = nullptr;  ///< none: paths start evenly
-    /// Of the paths only these are followed: how many come after `first_path`, in rising order. Each brings the same
-    /// as if all were.
-    std::optional<std::span<const std::uint64_t>> only{};
-    bool keeps = false;  ///< PhotonResult::each and places
-};
-
-/// The way of one photon, to be held against what moves later.
-struct PhotonPath {
-    std::uint32_t vpls = 0, places = 0;  ///< how many of PhotonResult's are its own
-    bool escapes = false;                ///< the last of its places is no place, but the direction in which it left
-    bool met_dynamic = false;            ///< some surface that moves scattered or ended it, or let it pass
-    double landed = 0, lost = 0;         ///< see PhotonResult
+    int bounces = 0;  ///< places where one path may leave a VPL; 0: any number
 };
 
 struct PhotonResult {
     std::vector<LightPoint> vpls;                 ///< in the order of paths and bounces
     std::vector<core::SurfaceAddress> addresses;  ///< where each lies
     std::vector<glm::vec3> fluxes;                ///< that came there
-    std::vector<std::uint64_t> paths;             ///< that left each
-    std::vector<PhotonPath> each;                 ///< of the paths, in their order; only where they are to be kept
-    std::vector<glm::vec3> places;                ///< where each path starts and meets surfaces; likewise
     std::uint64_t rays = 0;
     double landed = 0;  ///< flux that met scattering surfaces, luminance, summed over bounces
     double lost = 0;    ///< of it, what largest_albedo kept from going on
@@ -52,9 +34,6 @@ PhotonResult trace_photons(const PosedScene& posed_scene, std::span<const LightP
 
 /// The world as its objects lie now: the film's box at its start, and whatever moves.
 WorldBox world_box(const scene::Snapshot& snapshot);
-
-/// The even numbers that choose how a path starts.
-glm::vec3 start_numbers(std::uint64_t path);
 
 /// How many paths leave about `vpls` VPLs in the posed scene; 0 where no light reaches any surface.
 std::uint64_t paths_for(const PosedScene& posed_scene, std::span<const LightPoint> lights, int vpls, int bounces);

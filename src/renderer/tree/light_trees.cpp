@@ -135,16 +135,6 @@ LightTrees PersistentLightTrees::at(const LitPoints& now, bool may_rebuild) {
     return light_trees;
 }
 
-LightTree PersistentLightTrees::static_tree(std::span<const LightPoint> anchors) const {
-    constexpr int t = LightTrees::static_tree;
-    LightTree tree = build_from_topology(topologies_[t], anchors, seed_of(t, seed_));
-    if (!tree.empty() && !(core::luminance(tree.intensity(tree.root)) > 0.0f)) {
-        tree = {};
-        tree.type = topologies_[t].type;
-    }
-    return tree;
-}
-
 std::size_t PersistentLightTrees::bytes() const {
     std::size_t sum = exact_.capacity() * sizeof(std::uint32_t);
     for (const TreeTopology& topology : topologies_) sum += topology.bytes();

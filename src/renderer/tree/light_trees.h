@@ -20,14 +20,6 @@ struct ExactLight {
     Spot spot;  ///< see LightTree::spot
 };
 
-/// Whose shadows the light trees' light falls past. Two of them make the third: light past what is still, less what
-/// things that move hide of it, is light past everything.
-enum class Shadows : std::uint8_t {
-    of_everything,
-    of_static,
-    hidden_by_dynamic  ///< light that would arrive, did not something that moves stand in its way
-};
-
 /// All light of one instant, ready to be gathered: the direct light tree, which is one tree per type since their
 /// bounds differ, the indirect trees of still and of moving surfaces, and the few lights that are not clustered.
 struct LightTrees {
@@ -43,7 +35,6 @@ struct LightTrees {
     const Air* air = nullptr;      ///< dims light on its way; null: nothing does. With it `translucent` is set
     bool translucent = false;      ///< shadow rays may meet surfaces that let light through
     Bodies bodies = Bodies::pass;  ///< to shadow rays of direct light
-    Shadows shadows = Shadows::of_everything;  ///< else nothing is translucent
 
     /// Whether some light is gathered for every point by itself, not interpolated.
     bool has_exact() const {
@@ -87,9 +78,6 @@ class PersistentLightTrees {
     /// says so, a tree whose topology fits these lights badly is rebuilt by them first, for this instant and all later
     /// ones: to be said at instants that only the chunk decides, among them its first.
     LightTrees at(const LitPoints& now, bool may_rebuild = false);
-
-    /// A tree over the anchors of still surfaces as `at` grows it, of other intensities.
-    LightTree static_tree(std::span<const LightPoint> anchors) const;
 
     /// Bytes held between instants.
     std::size_t bytes() const;
