@@ -208,6 +208,10 @@ struct Renderer::Impl {
     void share_time(double seconds, const ShadeCounts& counts) {
         const double direct = static_cast<double>(counts.direct_clusters),
                      indirect = static_cast<double>(counts.indirect_clusters);
+        const double by_gathering = final_gather.counts().seconds - shared_seconds;
+        shared_seconds = final_gather.counts().seconds;
+        seconds -= by_gathering;
+        row(Pass::indirect_tree) += by_gathering;
         const double all = direct + indirect;
         const Pass tree = plan.runs(Pass::direct_tree) ? Pass::direct_tree : Pass::punctual_lights;
         row(tree) += all > 0 ? seconds * direct / all : seconds;
@@ -328,6 +332,7 @@ struct Renderer::Impl {
                                  std::to_string(counts.first_non_finite / visible.width()) + ")";
         s.non_finite += counts.non_finite;
         s.shadow_rays += counts.shadow_rays;
+        s.gather_rays = final_gather.counts().rays + final_gather.counts().cell_rays;
         s.gather_points += counts.gather_points;
         s.capped_points += counts.capped_points;
         s.bands.add(counts.bands);
@@ -364,7 +369,8 @@ struct Renderer::Impl {
     FrameLight light;  ///< of the points of the frame shaded last
     AmbientAir ambient_air;
     FinalGather final_gather;
-    core::Radiance sharp;  ///< of the last frame that was exposed: its middle, whose points and pixels are audited
+    double shared_seconds = 0;  ///< of gathering by rays, that rows have already
+    core::Radiance sharp;       ///< of the last frame that was exposed: its middle, whose points and pixels are audited
     Statistics statistics;
     double gathered = 0, clamped = 0;
     std::array<double, static_cast<std::size_t>(Pass::count)> rows{};

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/foreign.h"
+#include "pipeline/fixture.h"
 
 /// .blend files, exported by Blender where it is installed (tests/blender/make_blends.py makes them).
 namespace render2mpeg {

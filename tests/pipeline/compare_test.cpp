@@ -12,7 +12,7 @@
 #include "app/experiments/foreign_film.h"
 #include "app/experiments/reference_cache.h"
 #include "image/image.h"
-#include "pipeline/foreign.h"
+#include "pipeline/fixture.h"
 
 /// `render2mpeg compare`: coupled light and our encoder against rendering first and ffmpeg.
 namespace render2mpeg {

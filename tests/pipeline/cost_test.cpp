@@ -13,7 +13,7 @@
 #include "app/experiments/trial.h"
 #include "app/experiments/trial_command.h"
 #include "app/options/option_text.h"
-#include "pipeline/foreign.h"
+#include "pipeline/fixture.h"
 
 /// `render2mpeg cost`: what accuracy costs, and what it buys.
 namespace render2mpeg {

@@ -3,7 +3,7 @@
 #include <regex>
 #include <string>
 
-#include "pipeline/foreign.h"
+#include "pipeline/fixture.h"
 
 /// The pages about the files that we write name every key of them.
 namespace render2mpeg {

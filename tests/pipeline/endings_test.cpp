@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "app/files/container_share.h"
-#include "pipeline/foreign.h"
+#include "pipeline/fixture.h"
 
 /// Endings say what a file holds, whatever their case; what a film is, its contents say.
 namespace render2mpeg {

@@ -20,7 +20,7 @@
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"
 #include "core/error.h"
-#include "pipeline/foreign.h"
+#include "pipeline/fixture.h"
 
 /// What a careless or hostile surrounding does to a run: closed descriptors, links of others, names full of codes.
 namespace render2mpeg {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/foreign.h"
+#include "pipeline/fixture.h"
 
 /// `render2mpeg info`: what is told of a film is what others say of it, and what we know of our own.
 namespace render2mpeg {

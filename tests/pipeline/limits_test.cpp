@@ -6,7 +6,7 @@
 #include "app/loop/memory_need.h"
 #include "app/system/memory_limit.h"
 #include "core/error.h"
-#include "pipeline/foreign.h"
+#include "pipeline/fixture.h"
 
 /// What a run may take, and whom it must not disturb.
 namespace render2mpeg {

@@ -3,7 +3,7 @@
 #include <fstream>
 #include <string>
 
-#include "pipeline/foreign.h"
+#include "pipeline/fixture.h"
 
 /// Where a film is made, and what else lies there.
 namespace render2mpeg {

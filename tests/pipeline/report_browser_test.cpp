@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/foreign.h"
+#include "pipeline/fixture.h"
 
 /// Reports as a browser shows them, at a phone's and a desktop's width.
 namespace render2mpeg {

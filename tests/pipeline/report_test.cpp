@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "app/report/frame_plot.h"
-#include "pipeline/foreign.h"
+#include "pipeline/fixture.h"
 
 /// --report: a page that stands alone, and its figures beside it.
 namespace render2mpeg {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/sampling.h"
-#include "pipeline/foreign.h"
+#include "pipeline/fixture.h"
 
 /// A film that is killed again and again comes out as if nothing had happened.
 namespace render2mpeg {

@@ -13,7 +13,7 @@
 #include "app/files/work_folder.h"
 #include "app/loop/film_identity.h"
 #include "core/error.h"
-#include "pipeline/foreign.h"
+#include "pipeline/fixture.h"
 
 /// Nothing of a user's is replaced or removed unseen, and no output that fails costs another.
 namespace render2mpeg {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/foreign.h"
+#include "pipeline/fixture.h"
 
 /// Sound in films, as foreign players hear it.
 namespace render2mpeg {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "perceptual/metrics.h"
-#include "pipeline/foreign.h"
+#include "pipeline/fixture.h"
 #include "tests/support/written_page.h"
 
 /// Frames do not depend on the suite that the program was built on, but for roundings of the libraries there.

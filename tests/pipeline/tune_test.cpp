@@ -15,7 +15,7 @@
 #include "app/options/command_words.h"
 #include "app/options/option_text.h"
 #include "perceptual/metrics.h"
-#include "pipeline/foreign.h"
+#include "pipeline/fixture.h"
 
 /// `render2mpeg tune`: from a quality, a rate, a size or a time to a setting, and to the film.
 namespace render2mpeg {

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "pipeline/foreign.h"
+#include "pipeline/fixture.h"
 
 /// Films and stills with Blender's views, through the program.
 namespace render2mpeg {

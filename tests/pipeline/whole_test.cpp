@@ -5,7 +5,7 @@
 #include <string>
 
 #include "app/files/completion_marker.h"
-#include "pipeline/foreign.h"
+#include "pipeline/fixture.h"
 
 /// What becomes of a film between its last frame and its last file, and of a film that is whole already.
 namespace render2mpeg {

@@ -24,17 +24,18 @@ double clock_seconds() {
 renderer::Statistics sum_of(const renderer::Statistics& earlier, const renderer::Statistics& later) {
     renderer::Statistics sum = later;
     for (std::uint64_t renderer::Statistics::*count :
-         {&renderer::Statistics::primary_rays,      &renderer::Statistics::shadow_rays,
-          &renderer::Statistics::photon_rays,       &renderer::Statistics::caustic_rays,
-          &renderer::Statistics::caustic_photons,   &renderer::Statistics::caustic_landings,
-          &renderer::Statistics::caustic_pairs,     &renderer::Statistics::caustic_doubts,
-          &renderer::Statistics::specular_rays,     &renderer::Statistics::air_rays,
-          &renderer::Statistics::exposure_rays,     &renderer::Statistics::exposed_pixels,
-          &renderer::Statistics::gather_points,     &renderer::Statistics::capped_points,
-          &renderer::Statistics::true_paths,        &renderer::Statistics::true_pixels,
-          &renderer::Statistics::capped_pixels,     &renderer::Statistics::direct_clusters,
-          &renderer::Statistics::indirect_clusters, &renderer::Statistics::non_finite,
-          &renderer::Statistics::calibrated_pixels, &renderer::Statistics::frames_calibrated})
+         {&renderer::Statistics::gather_rays,      &renderer::Statistics::primary_rays,
+          &renderer::Statistics::shadow_rays,      &renderer::Statistics::photon_rays,
+          &renderer::Statistics::caustic_rays,     &renderer::Statistics::caustic_photons,
+          &renderer::Statistics::caustic_landings, &renderer::Statistics::caustic_pairs,
+          &renderer::Statistics::caustic_doubts,   &renderer::Statistics::specular_rays,
+          &renderer::Statistics::air_rays,         &renderer::Statistics::exposure_rays,
+          &renderer::Statistics::exposed_pixels,   &renderer::Statistics::gather_points,
+          &renderer::Statistics::capped_points,    &renderer::Statistics::true_paths,
+          &renderer::Statistics::true_pixels,      &renderer::Statistics::capped_pixels,
+          &renderer::Statistics::direct_clusters,  &renderer::Statistics::indirect_clusters,
+          &renderer::Statistics::non_finite,       &renderer::Statistics::calibrated_pixels,
+          &renderer::Statistics::frames_calibrated})
         sum.*count += earlier.*count;
     sum.cache = earlier.cache;
     sum.cache.add(later.cache);

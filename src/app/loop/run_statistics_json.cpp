@@ -42,6 +42,7 @@ template <class Counts, class Visit>
 void each_count(Counts& s, Visit&& visit) {
     visit("primary_rays", s.primary_rays);
     visit("shadow_rays", s.shadow_rays);
+    visit("gather_rays", s.gather_rays);
     visit("photon_rays", s.photon_rays);
     visit("specular_rays", s.specular_rays);
     visit("air_rays", s.air_rays);

@@ -266,6 +266,7 @@ json statistics_of(const RenderJob& film, const RunStatistics& statistics, const
           {"specular", r.specular_rays},
           {"exposure", r.exposure_rays},
           {"shadow", r.shadow_rays},
+          {"gather", r.gather_rays},
           {"photon", r.photon_rays},
           {"caustic", r.caustic_rays},
           {"air", r.air_rays}}},

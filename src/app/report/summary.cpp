@@ -145,9 +145,10 @@ std::string light_lines(const RunStatistics& statistics) {
             ? truth_lines(r)
             : fmt::format(
                   "  light      {} direct and {} indirect light points; mean cut {:.1f} and {:.1f}\n"
-                  "             {} points to light, {} shadow rays\n",
+                  "             {} points to light, {} shadow rays, {} gather rays\n",
                   r.direct_points, r.indirect_points, statistics.mean_direct_cut(), statistics.mean_indirect_cut(),
-                  count_text(static_cast<double>(r.gather_points)), count_text(static_cast<double>(r.shadow_rays)));
+                  count_text(static_cast<double>(r.gather_points)), count_text(static_cast<double>(r.shadow_rays)),
+                  count_text(static_cast<double>(r.gather_rays)));
     if (r.capped_points > 0)
         text += fmt::format("             {} of the points stopped at the largest cut, their tolerance not certified\n",
                             percent_text(core::divide_or(static_cast<double>(r.capped_points),

@@ -12,6 +12,7 @@
 #include "parallel/loops.h"
 #include "renderer/base/flush_denormals.h"
 #include "renderer/base/lobe.h"
+#include "renderer/base/stopwatch.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -268,6 +269,7 @@ void add(const RayLight& rays, const GatherPoint& point, PointLight& light) {
 }
 
 std::vector<RayLight> FinalGather::gather(std::span<const GatherRequest> requests, float finer) {
+    const Stopwatch timer(counts_.seconds);
     std::vector<Sums> sums(requests.size());
     std::vector<std::uint32_t> wanted(requests.size(), first_rays);
     // A first look tells how many rays are wanted, a second one whether these are enough.
@@ -299,8 +301,6 @@ std::vector<RayLight> FinalGather::gather(std::span<const GatherRequest> request
     }
     counts_.points += requests.size();
     counts_.cell_rays = cache_.rays();
-    counts_.evaluations = cache_.evaluations();
-    counts_.cells = cache_.size();
     return light;
 }
 

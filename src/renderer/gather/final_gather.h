@@ -40,7 +40,10 @@ void add(const RayLight& rays, const GatherPoint& point, PointLight& light);
 
 /// What gathering did, summed since construction.
 struct FinalGatherCounts {
-    std::uint64_t points = 0, rays = 0, cell_rays = 0, evaluations = 0, cells = 0;
+    std::uint64_t points = 0;
+    std::uint64_t rays = 0;       ///< over hemispheres
+    std::uint64_t cell_rays = 0;  ///< to light cells, shadow rays among them
+    double seconds = 0;           ///< CPU
 };
 
 /// Final gathering [Ward1988, Christensen1999]: the mean of what cosine-distributed rays see, their hits looked up in a

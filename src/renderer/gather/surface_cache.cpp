@@ -252,10 +252,7 @@ void SurfaceCache::evaluate_lessons(std::span<Lesson> lessons, const std::vector
     for (std::size_t task = 0; task < tasks; ++task) {
         const auto base = static_cast<std::uint32_t>(links.size());
         const std::size_t first = task * lessons_at_once, last = std::min(first + lessons_at_once, lessons.size());
-        for (std::size_t l = first; l < last; ++l) {
-            lessons[l].first_link += base, lessons[l].last_link += base;
-            evaluations_ += lessons[l].places;
-        }
+        for (std::size_t l = first; l < last; ++l) lessons[l].first_link += base, lessons[l].last_link += base;
         for (const RayTerm& t : found[task].terms) {
             links.push_back({t.place.key, t.weight, index_of(t.place.key)});
             if (links.back().cell == CellTable::none) wanted.push_back(t.place);

@@ -58,12 +58,10 @@ class SurfaceCache {
     /// Radiance of a cell.
     glm::vec3 radiance(std::uint32_t index) const { return cell(index).radiance; }
 
-    std::size_t size() const { return cells_.size(); }
     std::size_t bytes() const {
         return (cells_.capacity() + own_cells_.capacity()) * sizeof(Cell) + table_.bytes() + own_table_.bytes();
     }
     std::uint64_t rays() const { return rays_; }
-    std::uint64_t evaluations() const { return evaluations_; }
 
   private:
     struct Cell {
@@ -108,7 +106,7 @@ class SurfaceCache {
     std::optional<LightSources> sources_;  ///< of the posed instant
     CellTable table_, own_table_;
     std::vector<Cell> cells_, own_cells_;
-    std::uint64_t rays_ = 0, evaluations_ = 0;
+    std::uint64_t rays_ = 0;
 };
 
 }  // namespace render2mpeg::renderer
