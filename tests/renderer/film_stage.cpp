@@ -14,6 +14,7 @@ renderer::Settings small_frame(int width, int height) {
     s.format = {width, height, 1.0f};
     s.samples = 1;
     s.direct_points = 128;
+    s.indirect = renderer::Indirect::lightcuts;
     s.vpls = 500;
     s.isa = core::detect_isa();
     return s;

@@ -8,7 +8,7 @@
 
 namespace render2mpeg::test {
 
-/// Settings for frames that take milliseconds.
+/// Settings for frames that take milliseconds, of light points: their references have all light.
 renderer::Settings small_frame(int width = 24, int height = 24);
 
 /// A built film with a renderer, for small frames.

@@ -95,23 +95,26 @@ TEST(IrradianceCache, IsTheSameForAnyNumberOfThreads) {
     s.samples = 2;
     s.direct_points = 32;
     s.vpls = 50;
-    FilmStage one(walk(), s), two(walk(), s);
-    for (int second = 0; second < 2; ++second) {
-        core::Radiance a, b;
-        {
-            const parallel::ThreadLimit limit(1);
-            a = one.cut(0.05f, second);
+    for (const Indirect indirect : {Indirect::lightcuts, Indirect::rays}) {
+        s.indirect = indirect;
+        FilmStage one(walk(), s), two(walk(), s);
+        for (int second = 0; second < 2; ++second) {
+            core::Radiance a, b;
+            {
+                const parallel::ThreadLimit limit(1);
+                a = one.cut(0.05f, second);
+            }
+            {
+                const parallel::ThreadLimit limit(2);
+                b = two.cut(0.05f, second);
+            }
+            EXPECT_TRUE(test::same_bytes(a, b)) << second;
         }
-        {
-            const parallel::ThreadLimit limit(2);
-            b = two.cut(0.05f, second);
-        }
-        EXPECT_TRUE(test::same_bytes(a, b)) << second;
+        EXPECT_EQ(one.statistics().cache.created, two.statistics().cache.created);
+        EXPECT_EQ(one.statistics().cache.at_record, two.statistics().cache.at_record);
+        EXPECT_EQ(one.statistics().cache.served, two.statistics().cache.served);
+        EXPECT_GT(one.statistics().cache.served, 0u);
     }
-    EXPECT_EQ(one.statistics().cache.created, two.statistics().cache.created);
-    EXPECT_EQ(one.statistics().cache.at_record, two.statistics().cache.at_record);
-    EXPECT_EQ(one.statistics().cache.served, two.statistics().cache.served);
-    EXPECT_GT(one.statistics().cache.served, 0u);
 }
 
 TEST(IrradianceCache, StartsAnewWithAChunk) {

@@ -14,7 +14,6 @@ constexpr int moving_size = 48;
 Settings moving_settings(bool cache) {
     Settings s = test::small_frame(moving_size, moving_size);
     s.cache = cache ? CacheUse::on : CacheUse::off;
-    s.indirect = Indirect::lightcuts;
     s.vpls = 800;
     return s;
 }

@@ -173,18 +173,22 @@ TEST(Shade, IsBrighterByExactlyWhatTheLightIs) {
 }
 
 TEST(Shade, IsTheSameForAnyNumberOfThreads) {
-    core::Radiance one, two;
-    {
-        const parallel::ThreadLimit limit(1);
-        FilmStage stage(furnished_room(), test::small_frame(40, 36));
-        one = stage.cut(0.02f);
+    Settings settings = test::small_frame(40, 36);
+    for (const Indirect indirect : {Indirect::lightcuts, Indirect::rays}) {
+        settings.indirect = indirect;
+        core::Radiance one, two;
+        {
+            const parallel::ThreadLimit limit(1);
+            FilmStage stage(furnished_room(), settings);
+            one = stage.cut(0.02f);
+        }
+        {
+            const parallel::ThreadLimit limit(2);
+            FilmStage stage(furnished_room(), settings);
+            two = stage.cut(0.02f);
+        }
+        EXPECT_TRUE(same_bytes(one, two));
     }
-    {
-        const parallel::ThreadLimit limit(2);
-        FilmStage stage(furnished_room(), test::small_frame(40, 36));
-        two = stage.cut(0.02f);
-    }
-    EXPECT_TRUE(same_bytes(one, two));
 }
 
 TEST(Shade, OfAStillFilmIsStill) {

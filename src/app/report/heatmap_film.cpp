@@ -94,7 +94,7 @@ const core::Plane<float>* of_records(HeatSubject subject, const core::Radiance& 
 core::Plane<float> values_of(HeatSubject subject, const LitFrame& frame) {
     const core::Plane<glm::vec3>& light = frame.radiance.combined;
     if (const core::Plane<float>* plane = of_records(subject, frame.radiance)) {
-        // None were kept where light turned out not to be parted.
+        // None were kept where no light was.
         return plane->size() == light.size() ? *plane : core::Plane<float>(light.width(), light.height(), 0.0f);
     }
     core::Plane<float> values(light.width(), light.height(), 0.0f);
