@@ -9,6 +9,8 @@
 #include <ostream>
 
 #include "core/color.h"
+#include "core/sampling.h"
+#include "parallel/loops.h"
 #include "tests/reference/posed_case.h"
 #include "tests/renderer/film_stage.h"
 
@@ -144,7 +146,27 @@ void judge(const NamedCase& named) {
     if (wanted_paths() > 0) print_row(named, c, found, paths * side * side);
 }
 
-/// The picture by paths alone, of pixels and not of their centres.
+/// The path tracer's picture of pixels, not of their centres: by rays through 4 x 4 places of each.
+std::vector<Estimate> whole_pixels(const Posed& posed, const TruthCase& c, std::uint64_t seed) {
+    constexpr int across = 4, places = across * across;
+    const PathTracer tracer(posed.posed_scene);
+    std::vector<Estimate> pixels(std::size_t{side} * side);
+    parallel::for_each(pixels.size(), [&](std::size_t i) {
+        const int x = static_cast<int>(i) % side, y = static_cast<int>(i) / side;
+        std::vector<Estimate> found;
+        for (int k = 0; k < places; ++k) {
+            const glm::vec2 place(static_cast<float>(x) + (static_cast<float>(k % across) + 0.5f) / across,
+                                  static_cast<float>(y) + (static_cast<float>(k / across) + 0.5f) / across);
+            const scene::Ray ray = posed.world.camera.ray_through(place);
+            found.push_back(tracer.radiance(ray.origin, ray.direction, paths_of(c, true), c.paths / places,
+                                            core::mix(seed) + i * places + static_cast<std::uint64_t>(k)));
+        }
+        pixels[i] = mean_of(found);
+    });
+    return pixels;
+}
+
+/// The picture by paths alone.
 void judge_paths(const NamedCase& named) {
     const TruthCase c = named.make();
     const Posed posed(c);
@@ -153,12 +175,10 @@ void judge_paths(const NamedCase& named) {
     renderer::Seen seen = stage.renderer().see(world);
     const core::ToleranceMap none = core::ToleranceMap::reference();
     stage.renderer().add_caustics(world, &none, seen);
-    const core::Radiance ours = stage.renderer().trace(world, seen, {0.01f, 1u << 15});
+    const core::Radiance ours = stage.renderer().trace(world, seen, {0.02f, 1u << 14});
     Found found;
     const Allowed allowed{std::max(c.allowed.whole, 0.01), std::max(c.allowed.patch, 0.03)};
-    compare_patches(ours,
-                    PathTracer(posed.posed_scene).picture(side, side, paths_of(c, true), c.paths, seed_of(named.name)),
-                    allowed, found);
+    compare_patches(ours, whole_pixels(posed, c, seed_of(named.name)), allowed, found);
 }
 
 std::string name_of(const testing::TestParamInfo<NamedCase>& info) {
