@@ -3,11 +3,32 @@
 #include <algorithm>
 
 #include "core/color.h"
+#include "core/numeric.h"
 #include "renderer/air/airlight.h"
 #include "renderer/calibration/audit.h"
 #include "renderer/caustics/caustics.h"
+#include "renderer/gather/frame_rays.h"
 
 namespace render2mpeg::renderer {
+
+std::vector<glm::vec3> exact_pixels(const LitFrame& frame, const std::vector<LitPixel>& pixels,
+                                    const MovedPoints& moved) {
+    std::vector<glm::vec3> light =
+        gather_exactly(frame.light_trees, frame.posed_scene.tracer(), frame.seen, pixels, moved);
+    if (frame.rays == nullptr) return light;
+    std::vector<GatherPoint> points;
+    std::vector<std::size_t> of_pixel;
+    for (std::size_t k = 0; k < pixels.size(); ++k)
+        for (std::uint32_t i = pixels[k].first; i < pixels[k].last; ++i) {
+            points.push_back(lit_at(frame.seen.tiles[pixels[k].tile][i], moved_point(moved, pixels[k].tile, i)));
+            of_pixel.push_back(k);
+        }
+    const std::vector<glm::vec3> more =
+        exact_rays(*frame.rays, frame.posed_scene.posed().camera, points, of_pixel, pixels.size());
+    for (std::size_t k = 0; k < light.size(); ++k)
+        if (core::is_finite(more[k])) light[k] += more[k];
+    return light;
+}
 
 std::vector<JudgedPixel> judge_pixels(const LitFrame& frame, const SeeSettings& see, const Plan& plan,
                                       std::span<const AuditedPixel> audited, const TruthSettings& finely) {
@@ -19,8 +40,7 @@ std::vector<JudgedPixel> judge_pixels(const LitFrame& frame, const SeeSettings& 
         JudgedPixel& p = judged.emplace_back();
         p.shown = frame.radiance.combined.at(a.x, a.y), p.where_lit = p.at_points = a.radiance;
         if (!frame.tolerance.is_reference()) p.least = frame.tolerance.pixels.at(a.x, a.y).absolute;
-        if (any_moved(frame.moved, pixel))
-            p.at_points = gather_exactly(frame.light_trees, frame.posed_scene.tracer(), seen, {pixel}).front();
+        if (any_moved(frame.moved, pixel)) p.at_points = exact_pixels(frame, {pixel}).front();
         const std::span<const GatherPoint> points(seen.tiles[pixel.tile]);
         requests.push_back({{a.x, a.y},
                             points.subspan(pixel.first, pixel.last - pixel.first),

@@ -5,7 +5,9 @@
 
 #include "core/radiance.h"
 #include "core/tolerance_map.h"
+#include "renderer/calibration/audit.h"
 #include "renderer/calibration/audited_pixel.h"
+#include "renderer/gather/final_gather.h"
 #include "renderer/surface/posed_scene.h"
 #include "renderer/tree/light_trees.h"
 #include "renderer/truth/error_split.h"
@@ -18,11 +20,17 @@ namespace render2mpeg::renderer {
 struct LitFrame {
     const PosedScene& posed_scene;
     const LightTrees& light_trees;
+    FinalGather* rays;  ///< gathers the sky and indirect light; null: light trees hold them
     const Seen& seen;
     const core::ToleranceMap& tolerance;
     const core::Radiance& radiance;
     const MovedPoints& moved;  ///< points that were lit elsewhere; empty: none
 };
+
+/// What the pixels send when their light is gathered from every light point by itself, and by as many rays as there can
+/// be, where it was when the frame was lit: some points were `moved` (empty: none). Radiance, >= 0 and finite.
+std::vector<glm::vec3> exact_pixels(const LitFrame& frame, const std::vector<LitPixel>& pixels,
+                                    const MovedPoints& moved = {});
 
 /// Audited pixels of the frame beside their truth, by paths (pixel_truth.h). The same for any number of threads.
 std::vector<JudgedPixel> judge_pixels(const LitFrame& frame, const SeeSettings& see, const Plan& plan,

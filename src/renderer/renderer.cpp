@@ -1,14 +1,10 @@
 #include "renderer/renderer.h"
 
 #include <algorithm>
-#include <limits>
-#include <numbers>
 #include <optional>
 #include <utility>
 
-#include "core/color.h"
 #include "core/error.h"
-#include "core/numeric.h"
 #include "renderer/air/airlight.h"
 #include "renderer/base/stopwatch.h"
 #include "renderer/cache/irradiance_cache.h"
@@ -16,10 +12,11 @@
 #include "renderer/calibration/calibration.h"
 #include "renderer/caustics/caustics.h"
 #include "renderer/cut/blurred_light.h"
-#include "renderer/cut/gather_groups.h"
 #include "renderer/cut/shade.h"
 #include "renderer/draft/draft_light.h"
+#include "renderer/frame_statistics.h"
 #include "renderer/gather/final_gather.h"
+#include "renderer/gather/frame_rays.h"
 #include "renderer/judge.h"
 #include "renderer/lights/anchors.h"
 #include "renderer/lights/light_points.h"
@@ -75,8 +72,10 @@ struct Renderer::Impl {
             statistics.photon_rays += light_points.look_at_sky(posed_scene);
         }
         pose(first);
-        if (!anchors && plan.runs(Pass::photons) && settings.vpls > 0 &&
-            (!by_rays() || plan.runs(Pass::lobe_rays) || plan.runs(Pass::air))) {
+        // Lobe rays and air look at anchors in any case.
+        const bool looked_at = plan.runs(Pass::lobe_rays) || plan.runs(Pass::air);
+        if (!anchors && plan.runs(by_rays() ? Pass::indirect_tree : Pass::photons) && settings.vpls > 0 &&
+            (!by_rays() || looked_at)) {
             const Stopwatch timer(row(Pass::photons));
             anchors.emplace(posed_scene, light_points,
                             AnchorSettings{settings.vpls, settings.bounces, settings.photons});
@@ -128,34 +127,15 @@ struct Renderer::Impl {
         statistics.photon_energy_lost += lit_anchors.lost;
     }
 
-    void count(const SeeCounts& counts) {
-        statistics.primary_rays += counts.primary_rays;
-        statistics.specular_rays += counts.specular_rays;
-        statistics.sky_seconds += counts.sky_seconds;
-    }
-
     bool by_rays() const { return settings.indirect == Indirect::rays && settings.vpls > 0; }
 
-    /// Luminance that gather rays see of the sky at most; light points have what is brighter. chosen: 8 times its mean,
-    /// so that rays differ by no more than that; infinite for a sky of one colour.
-    float sky_brightest() const {
-        const image::SkyMap* sky = posed_scene.sky();
-        return sky == nullptr || sky->uniform() ? std::numeric_limits<float>::infinity()
-                                                : 8.0f * core::luminance(sky->mean());
-    }
+    float sky_brightest() const { return brightest_of_rays(posed_scene.sky()); }
 
     /// Light points that trees hold: all but lamps that are lit by as a whole, and but for what gather rays see of the
     /// sky.
     std::vector<LightPoint> clustered(std::vector<LightPoint> points) const {
         points = lamps.without(std::move(points));
-        if (!by_rays()) return points;
-        std::erase_if(points, [&](LightPoint& p) {
-            if (p.id < first_sky_id || p.id >= first_punctual_id) return false;
-            const float radiance = core::luminance(p.intensity) / (std::numbers::pi_v<float> * p.disc2);
-            p.intensity *= radiance > 0.0f ? std::max(1.0f - sky_brightest() / radiance, 0.0f) : 0.0f;
-            return !(core::luminance(p.intensity) > 0.0f);
-        });
-        return points;
+        return by_rays() ? beyond_rays(std::move(points), sky_brightest()) : points;
     }
 
     /// What `see` needs; lights the anchors that lobe rays meet.
@@ -227,41 +207,19 @@ struct Renderer::Impl {
         return cpu_seconds();
     }
 
+    /// Gathers by rays for measurements, which teach the frames' own gathering nothing.
+    std::optional<FinalGather> audit_rays() const {
+        std::optional<FinalGather> rays;
+        if (by_rays()) rays.emplace(posed_scene, plan).forget(sky_brightest());
+        return rays;
+    }
+
     /// Poses and lights the snapshot for measurements, which count nowhere.
     void light_unseen(const scene::Snapshot& snapshot) {
         pose(snapshot);
         const Statistics before = statistics;
         update_light(snapshot);
         statistics = before;
-    }
-
-    /// Adds the sky and indirect light to light of a frame's points, by rays.
-    void add_rays(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance,
-                  FrameLight& light) {
-        std::vector<GatherRequest> requests;
-        std::vector<PointLight*> of_request;
-        std::uint32_t pool = 0;
-        for (std::size_t t = 0; t < seen.tiles.size(); ++t) {
-            const std::vector<PointTolerance> tolerances = point_tolerances(seen, t, tolerance);
-            const int across = seen.tiles_across(), index = static_cast<int>(t);
-            const glm::ivec2 corner = tile_size * glm::ivec2(index % across, index / across);
-            for (const GatherGroup& group : group_points(seen.tiles[t], snapshot.camera.position(), 1)) {
-                for (const std::uint32_t k : group.points) {
-                    const GatherPoint& p = seen.tiles[t][k];
-                    const bool glossy = p.point.bsdf.has_glossy() && !p.has_lobe_rays;
-                    if (!p.point.bsdf.has_diffuse() && !glossy) continue;
-                    PointTolerance allowed = tolerances[k];
-                    allowed.base += core::luminance(light[t][k].scattered(p));
-                    requests.push_back(request_of(
-                        p, allowed, corner + glm::ivec2(p.pixel % tile_size, p.pixel / tile_size), snapshot.camera));
-                    requests.back().pool = pool;
-                    of_request.push_back(&light[t][k]);
-                }
-                ++pool;
-            }
-        }
-        const std::vector<RayLight> rays = final_gather.gather(requests);
-        for (std::size_t k = 0; k < requests.size(); ++k) add(rays[k], *requests[k].point, *of_request[k]);
     }
 
     /// Light of all points of a frame, by light trees and rays.
@@ -271,8 +229,8 @@ struct Renderer::Impl {
         FrameLight& found = out != nullptr ? *out : own;
         core::Radiance radiance = renderer::shade(light_trees, posed_scene.tracer(), seen, snapshot.camera.position(),
                                                   tolerance, s, counts, nullptr, &found);
-        if (!by_rays() || tolerance.is_reference()) return radiance;
-        add_rays(snapshot, seen, tolerance, found);
+        if (!by_rays()) return radiance;
+        add_rays(final_gather, snapshot.camera, seen, tolerance, found);
         const FrameLight known = found;
         ShadeCounts again;
         radiance = renderer::shade(light_trees, posed_scene.tracer(), seen, snapshot.camera.position(), tolerance, s,
@@ -309,12 +267,7 @@ struct Renderer::Impl {
             statistics.calibrated_pixels += renderer::recalibrate(calibration, light_trees, posed_scene.tracer(), seen,
                                                                   tolerance, s, radiance, counts.shadow_rays, known);
         last_seen = std::move(sight);
-        const double value = s.limits.error_scale;
-        std::uint64_t& frames = statistics.frames_calibrated;
-        statistics.least_error_scale = frames == 0 ? value : std::min(statistics.least_error_scale, value);
-        statistics.largest_error_scale = std::max(statistics.largest_error_scale, value);
-        ++frames;
-        statistics.mean_error_scale += (value - statistics.mean_error_scale) / static_cast<double>(frames);
+        add_error_scale(s.limits.error_scale, statistics);
     }
 
     /// What the middle of a frame shows, whose pixels are the sum of their own points: another picture than `shown`
@@ -325,23 +278,8 @@ struct Renderer::Impl {
 
     /// Adds a frame to the statistics.
     void count(const ShadeCounts& counts, const core::Visible& visible) {
-        Statistics& s = statistics;
-        if (s.non_finite == 0 && counts.non_finite > 0)
-            s.first_non_finite = "frame " + std::to_string(visible.frame) + ", pixel (" +
-                                 std::to_string(counts.first_non_finite % visible.width()) + ", " +
-                                 std::to_string(counts.first_non_finite / visible.width()) + ")";
-        s.non_finite += counts.non_finite;
-        s.shadow_rays += counts.shadow_rays;
-        s.gather_rays = final_gather.counts().rays + final_gather.counts().cell_rays;
-        s.gather_points += counts.gather_points;
-        s.capped_points += counts.capped_points;
-        s.bands.add(counts.bands);
-        s.direct_clusters += counts.direct_clusters;
-        s.indirect_clusters += counts.indirect_clusters;
-        gathered += counts.gathered;
-        clamped += counts.clamped;
-        s.luminance = gathered + clamped;
-        s.clamped_energy = s.luminance > 0 ? clamped / s.luminance : 0.0;
+        add(counts, visible, statistics);
+        statistics.gather_rays = final_gather.counts().rays + final_gather.counts().cell_rays;
     }
 
     Settings settings;
@@ -372,7 +310,6 @@ struct Renderer::Impl {
     double shared_seconds = 0;  ///< of gathering by rays, that rows have already
     core::Radiance sharp;       ///< of the last frame that was exposed: its middle, whose points and pixels are audited
     Statistics statistics;
-    double gathered = 0, clamped = 0;
     std::array<double, static_cast<std::size_t>(Pass::count)> rows{};
 };
 
@@ -390,7 +327,7 @@ Seen Renderer::see(const scene::Snapshot& snapshot) {
     const Stopwatch timer(impl_->row(Pass::see));
     SeeCounts counts;
     Seen seen = renderer::see(impl_->posed_scene, settings, impl_->plan, counts);
-    impl_->count(counts);
+    add(counts, impl_->statistics);
     return seen;
 }
 
@@ -402,7 +339,7 @@ void Renderer::look_closer(const scene::Snapshot& snapshot, const core::Toleranc
     SeeCounts counts;
     renderer::look_closer(impl_->posed_scene, settings, impl_->plan, tolerance, impl_->settings.most_samples, seen,
                           counts);
-    impl_->count(counts);
+    add(counts, impl_->statistics);
 }
 
 void Renderer::expose(const scene::Snapshot& snapshot, const ExposureSamples& samples, Seen& seen) {
@@ -426,11 +363,7 @@ void Renderer::add_caustics(const scene::Snapshot& snapshot, const core::Toleran
     CausticCounts counts;
     i.thrown.add(i.posed_scene, i.light_points.at(i.posed_scene), tolerance, seen, counts);
     if (tolerance == nullptr) return;
-    i.statistics.caustic_rays += counts.followed.rays + counts.splats.doubtful;
-    i.statistics.caustic_photons += counts.followed.photons;
-    i.statistics.caustic_landings += counts.landings;
-    i.statistics.caustic_pairs += counts.splats.pairs;
-    i.statistics.caustic_doubts += counts.splats.doubtful;
+    add(counts, i.statistics);
 }
 
 void Renderer::add_air(const scene::Snapshot& snapshot, const core::ToleranceMap* tolerance, Seen& seen) {
@@ -538,8 +471,9 @@ std::vector<AuditedPixel> Renderer::audit(const scene::Snapshot& snapshot, const
     i.light_unseen(snapshot);
     const std::vector<LitPixel> pixels = drawn(lit_pixels(seen), static_cast<std::size_t>(count), seen.visible.frame);
     const MovedPoints moved = i.cache.moved_points(snapshot.frame, tolerance);
-    const auto truth = gather_exactly(i.light_trees, i.posed_scene.tracer(), seen, pixels, moved);
-    return compare(seen, pixels, truth, tolerance, radiance);
+    std::optional<FinalGather> rays = i.audit_rays();
+    const LitFrame frame{i.posed_scene, i.light_trees, rays ? &*rays : nullptr, seen, tolerance, radiance, moved};
+    return compare(seen, pixels, exact_pixels(frame, pixels, moved), tolerance, radiance);
 }
 
 std::vector<JudgedPixel> Renderer::judge(const scene::Snapshot& snapshot, const Seen& seen,
@@ -552,7 +486,9 @@ std::vector<JudgedPixel> Renderer::judge(const scene::Snapshot& snapshot, const 
     i.light_unseen(snapshot);
     const MovedPoints moved = i.cache.moved_points(snapshot.frame, tolerance);
     const SeeSettings see{i.settings.format, i.settings.samples, i.settings.edge_samples, i.settings.specular_depth};
-    return judge_pixels({i.posed_scene, i.light_trees, seen, tolerance, radiance, moved}, see, i.plan, audited, finely);
+    std::optional<FinalGather> rays = i.audit_rays();
+    const LitFrame frame{i.posed_scene, i.light_trees, rays ? &*rays : nullptr, seen, tolerance, radiance, moved};
+    return judge_pixels(frame, see, i.plan, audited, finely);
 }
 
 const RayTracer& Renderer::tracer() const {

@@ -206,7 +206,7 @@ TEST(PlanCommand, GivesAReasonForEveryPassAndItsCostAfterARender) {
     EXPECT_NE(run(program() + " plan --within 0 " + film("still_room") + " -o f.%d.png").output.find("no  encode"),
               std::string::npos);
     const auto passes = nlohmann::json::parse(contents(stats)).at("passes");
-    for (const char* pass : {"pose", "see", "direct light tree", "photons", "indirect light tree", "develop", "encode"})
+    for (const char* pass : {"pose", "see", "direct light tree", "indirect light", "develop", "encode"})
         EXPECT_GT(passes.value(pass, 0.0), 0.0) << pass;
 }
 
@@ -225,7 +225,7 @@ TEST(Statistics, HaveEveryDocumentedKey) {
         EXPECT_TRUE(statistics.contains(key)) << key;
     for (const char* key : {"load", "see", "shade", "develop", "encode", "wall", "cpu"})
         EXPECT_TRUE(statistics.at("seconds").contains(key)) << key;
-    for (const char* key : {"primary", "shadow", "photon"})
+    for (const char* key : {"primary", "shadow", "gather"})
         EXPECT_GT(statistics.at("rays").at(key).get<double>(), 0) << key;
     EXPECT_EQ(statistics.at("per_frame").size(), 2u);
     EXPECT_EQ(statistics.at("bytes"), std::filesystem::file_size(folder / "x.mpg"));

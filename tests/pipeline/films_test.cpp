@@ -108,8 +108,7 @@ TEST_P(EveryFilm, DecodesWholeAndAlikeEverywhereAndHasOnlyFiniteLight) {
 constexpr auto name_of = [](const auto& parameter) { return std::string(parameter.param); };
 INSTANTIATE_TEST_SUITE_P(Animations, EveryFilm,
                          testing::Values("cornell", "mirror_and_glass", "character", "flash_cut"), name_of);
-INSTANTIATE_TEST_SUITE_P(AnimationsSlow, EveryFilm, testing::Values("colonnade", "many_lamps", "still_room"),
-                         name_of);
+INSTANTIATE_TEST_SUITE_P(AnimationsSlow, EveryFilm, testing::Values("colonnade", "many_lamps", "still_room"), name_of);
 
 TEST(OutputKind, EveryFilmEndingGivesItsContainerWithAllPicturesSlow) {
     const Folder folder;

@@ -179,6 +179,7 @@ void decide_passes(RenderJob& film, const RenderOptions& options) {
     for (const auto& heatmap : options.heatmaps)
         wanted.layers = wanted.layers || (heatmap.first != "tolerance" && heatmap.first != "quantiser");
     wanted.indirect = options.vpls > 0;
+    wanted.by_rays = options.indirect == "rays" && !film.preview;
     wanted.caustics = options.caustics == "on";
     const scene::Traits traits = scene::traits_of(*film.animation);
     film.plan = renderer::make_plan(traits, wanted);
@@ -323,6 +324,8 @@ RenderJob draft_of(const RenderJob& film) {
     draft.rendering.most_samples = 0;
     draft.rendering.vpls = usual.vpls;
     draft.rendering.indirect = renderer::Indirect::lightcuts;
+    draft.wanted.by_rays = false;
+    draft.plan = renderer::make_plan(scene::traits_of(*draft.animation), draft.wanted);
     draft.rendering.cache = renderer::CacheUse::off;
     draft.cache = {};
     draft.coding.effort = encoder::Effort::fast;

@@ -41,6 +41,9 @@ constexpr bool throws_light_onto_others(const Traits& t) {
 constexpr bool without_indirect(const Wanted& w) {
     return !w.indirect;
 }
+constexpr bool without_light_points(const Wanted& w) {
+    return !w.indirect || w.by_rays;
+}
 
 constexpr bool without_caustics(const Wanted& w) {
     return !w.caustics;
@@ -125,11 +128,10 @@ constexpr Rule rules[] = {
     {photons, "photons", "light bounces off surfaces", "no light bounces off anything",
      [](const Traits& t) { return has_light(t) && (t.has_diffuse_surfaces || t.has_glossy_surfaces); },
      set_of({indirect_tree}), never, "light points, geometry (n), places (film)", "intensities of anchor lights (n)",
-     "", without_indirect},
-    {indirect_tree, "indirect light tree", "light bounces off diffuse surfaces",
-     "no light bounces off diffuse surfaces", [](const Traits& t) { return has_light(t) && t.has_diffuse_surfaces; },
-     set_of({shade}), never, "anchor lights (n), topology (film)", "indirect light tree (n)", "bounced light",
-     without_indirect},
+     "", without_light_points},
+    {indirect_tree, "indirect light", "light bounces off diffuse surfaces", "no light bounces off diffuse surfaces",
+     [](const Traits& t) { return has_light(t) && t.has_diffuse_surfaces; }, set_of({shade}), never,
+     "geometry (n), or anchor lights (n)", "bounced light (n)", "bounced light", without_indirect},
     {glossy, "glossy lobes", "surfaces have glossy lobes", "nothing is glossy",
      [](const Traits& t) { return t.has_glossy_surfaces; }, set_of({shade}), never, "materials (n)", "lobes (n)",
      "gloss"},

@@ -48,6 +48,7 @@ struct Wanted {
     bool film = true;             ///< coded pictures: develop, motion, encode
     bool layers = false;          ///< --aov
     bool indirect = true;         ///< --vpls above 0
+    bool by_rays = false;         ///< --indirect rays: light points carry no bounced light
     bool caustics = true;         ///< --caustics
     bool developed = false;       ///< pictures for a display that are not coded (.y4m, .png): develop alone
     std::optional<Pass> without;  ///< an effect that is left out although the scene calls for it

@@ -20,14 +20,15 @@ constexpr std::uint64_t drawing_seed = 0xa0d17, spreading_seed = 0x5b3ead;
 /// By how much sums over all lights differ in another order, as a share. chosen: 1e-5; 1e-6 is usual.
 constexpr float rounding = 1e-5f;
 
-const MovedPoint* find(const MovedPoints& moved, std::uint32_t tile, std::uint32_t index) {
+}  // namespace
+
+const MovedPoint* moved_point(const MovedPoints& moved, std::uint32_t tile, std::uint32_t index) {
     if (moved.empty()) return nullptr;
     const auto found = std::lower_bound(moved[tile].begin(), moved[tile].end(), index,
                                         [](const MovedPoint& m, std::uint32_t i) { return m.index < i; });
     return found != moved[tile].end() && found->index == index ? &*found : nullptr;
 }
 
-/// Where the trees' light of a point was gathered.
 GatherPoint lit_at(GatherPoint p, const MovedPoint* moved) {
     if (moved == nullptr) return p;
     p.point.position = moved->position;
@@ -38,8 +39,6 @@ GatherPoint lit_at(GatherPoint p, const MovedPoint* moved) {
     p.more_places = nullptr;
     return p;
 }
-
-}  // namespace
 
 glm::ivec2 place_of(const Seen& seen, const LitPixel& p) {
     const int pixel = seen.tiles[p.tile][p.first].pixel, across = seen.tiles_across();
@@ -62,7 +61,7 @@ LitPixel pixel_at(const Seen& seen, glm::ivec2 place) {
 
 bool any_moved(const MovedPoints& moved, const LitPixel& pixel) {
     for (std::uint32_t i = pixel.first; i < pixel.last; ++i)
-        if (find(moved, pixel.tile, i) != nullptr) return true;
+        if (moved_point(moved, pixel.tile, i) != nullptr) return true;
     return false;
 }
 
@@ -113,7 +112,7 @@ std::vector<glm::vec3> gather_exactly(const LightTrees& light_trees, const RayTr
     std::vector<Place> places;
     for (const LitPixel& p : pixels)
         for (std::uint32_t i = p.first; i < p.last; ++i)
-            places.push_back({&seen.tiles[p.tile][i], find(moved, p.tile, i)});
+            places.push_back({&seen.tiles[p.tile][i], moved_point(moved, p.tile, i)});
     std::vector<glm::vec3> light(places.size());
     parallel::for_each(places.size(), [&](std::size_t i) {
         GatheredLight gathered;

@@ -25,6 +25,11 @@ glm::ivec2 place_of(const Seen& seen, const LitPixel& pixel);
 /// What is gathered for the pixel there; no points: nothing.
 LitPixel pixel_at(const Seen& seen, glm::ivec2 place);
 
+/// Where a point of a tile was moved to; null: nowhere.
+const MovedPoint* moved_point(const MovedPoints& moved, std::uint32_t tile, std::uint32_t index);
+/// The point there.
+GatherPoint lit_at(GatherPoint p, const MovedPoint* moved);
+
 /// Whether some of its points were lit at another place of the pixel.
 bool any_moved(const MovedPoints& moved, const LitPixel& pixel);
 

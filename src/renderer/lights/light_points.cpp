@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <utility>
 
 #include "core/color.h"
@@ -154,6 +156,21 @@ std::vector<LightPoint> LightPoints::at(const PosedScene& posed_scene) const {
         if (shines(p)) points.push_back(p);
     }
     points.insert(points.end(), sky_.begin(), sky_.end());
+    return points;
+}
+
+float brightest_of_rays(const image::SkyMap* sky) {
+    return sky == nullptr || sky->uniform() ? std::numeric_limits<float>::infinity()
+                                            : 8.0f * core::luminance(sky->mean());
+}
+
+std::vector<LightPoint> beyond_rays(std::vector<LightPoint> points, float brightest) {
+    std::erase_if(points, [&](LightPoint& p) {
+        if (p.id < first_sky_id || p.id >= first_punctual_id) return false;
+        const float radiance = core::luminance(p.intensity) / (std::numbers::pi_v<float> * p.disc2);
+        p.intensity *= radiance > 0.0f ? std::max(1.0f - brightest / radiance, 0.0f) : 0.0f;
+        return !(core::luminance(p.intensity) > 0.0f);
+    });
     return points;
 }
 

@@ -1,0 +1,69 @@
+#include "renderer/gather/frame_rays.h"
+
+#include "core/color.h"
+#include "core/sampling.h"
+#include "renderer/cut/gather_groups.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Keeps the rays of audits apart from those of frames.
+constexpr std::uint64_t audit_seed = 0xa0d17;
+
+bool wants_rays(const GatherPoint& p) {
+    return p.point.bsdf.has_diffuse() || (p.point.bsdf.has_glossy() && !p.has_lobe_rays);
+}
+
+}  // namespace
+
+void add_rays(FinalGather& gather, const scene::Camera& camera, const Seen& seen, const core::ToleranceMap& tolerance,
+              FrameLight& light) {
+    std::vector<GatherRequest> requests;
+    std::vector<PointLight*> of_request;
+    std::uint32_t pool = 0;
+    for (std::size_t t = 0; t < seen.tiles.size(); ++t) {
+        const GatherTile& tile = seen.tiles[t];
+        const std::vector<PointTolerance> tolerances =
+            tolerance.is_reference() ? std::vector<PointTolerance>(tile.size()) : point_tolerances(seen, t, tolerance);
+        const int across = seen.tiles_across(), index = static_cast<int>(t);
+        const glm::ivec2 corner = tile_size * glm::ivec2(index % across, index / across);
+        for (const GatherGroup& group : group_points(tile, camera.position(), 1)) {
+            for (const std::uint32_t k : group.points) {
+                const GatherPoint& p = tile[k];
+                if (!wants_rays(p)) continue;
+                PointTolerance allowed = tolerances[k];
+                allowed.base += core::luminance(light[t][k].scattered(p));
+                const glm::ivec2 pixel = corner + glm::ivec2(p.pixel % tile_size, p.pixel / tile_size);
+                requests.push_back(request_of(p, allowed, pixel, camera));
+                requests.back().pool = pool;
+                of_request.push_back(&light[t][k]);
+            }
+            ++pool;
+        }
+    }
+    const std::vector<RayLight> rays = gather.gather(requests);
+    for (std::size_t k = 0; k < requests.size(); ++k) add(rays[k], *requests[k].point, *of_request[k]);
+}
+
+std::vector<glm::vec3> exact_rays(FinalGather& gather, const scene::Camera& camera, std::span<const GatherPoint> points,
+                                  std::span<const std::size_t> of_pixel, std::size_t pixels) {
+    std::vector<GatherRequest> requests;
+    std::vector<std::size_t> asked;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if (!wants_rays(points[i])) continue;
+        requests.push_back(request_of(points[i], {}, {0, 0}, camera));
+        requests.back().seed = core::mix(audit_seed + i);
+        requests.back().pool = static_cast<std::uint32_t>(i);
+        asked.push_back(i);
+    }
+    const std::vector<RayLight> rays = gather.gather(requests);
+    std::vector<glm::vec3> sums(pixels, glm::vec3(0));
+    for (std::size_t k = 0; k < asked.size(); ++k) {
+        PointLight light;
+        add(rays[k], points[asked[k]], light);
+        sums[of_pixel[asked[k]]] += light.scattered(points[asked[k]]);
+    }
+    return sums;
+}
+
+}  // namespace render2mpeg::renderer
