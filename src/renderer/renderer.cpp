@@ -128,9 +128,7 @@ struct Renderer::Impl {
     }
 
     bool by_rays() const { return settings.indirect == Indirect::rays && settings.vpls > 0; }
-
     float sky_brightest() const { return brightest_of_rays(posed_scene.sky()); }
-
     /// Light points that trees hold: all but lamps that are lit by as a whole, and but for what gather rays see of the
     /// sky.
     std::vector<LightPoint> clustered(std::vector<LightPoint> points) const {
@@ -224,18 +222,14 @@ struct Renderer::Impl {
 
     /// Light of all points of a frame, by light trees and rays.
     core::Radiance gather(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance,
-                          const ShadeSettings& s, ShadeCounts& counts, FrameLight* out) {
-        FrameLight own;
-        FrameLight& found = out != nullptr ? *out : own;
-        core::Radiance radiance = renderer::shade(light_trees, posed_scene.tracer(), seen, snapshot.camera.position(),
-                                                  tolerance, s, counts, nullptr, &found);
+                          const ShadeSettings& s, ShadeCounts& counts, FrameLight& light) {
+        const glm::vec3 eye = snapshot.camera.position();
+        const RayTracer& tracer = posed_scene.tracer();
+        core::Radiance radiance = shade(light_trees, tracer, seen, eye, tolerance, s, counts, nullptr, &light);
         if (!by_rays()) return radiance;
-        add_rays(final_gather, snapshot.camera, seen, tolerance, found);
-        const FrameLight known = found;
+        add_rays(final_gather, snapshot.camera, seen, tolerance, light);
         ShadeCounts again;
-        radiance = renderer::shade(light_trees, posed_scene.tracer(), seen, snapshot.camera.position(), tolerance, s,
-                                   again, &known, &found);
-        return radiance;
+        return shade(light_trees, tracer, seen, eye, tolerance, s, again, &light);
     }
 
     ShadeSettings shade_settings() const {
@@ -398,7 +392,7 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
     core::Radiance radiance =
         known != nullptr ? renderer::shade(i.light_trees, i.posed_scene.tracer(), seen, snapshot.camera.position(),
                                            tolerance, settings, counts, known, &i.light)
-                         : i.gather(snapshot, seen, tolerance, settings, counts, &i.light);
+                         : i.gather(snapshot, seen, tolerance, settings, counts, i.light);
     if (cached && settings.layers) radiance.record_density = i.cache.density(snapshot.camera, i.settings.format);
     // and learn from the frame.
     i.count(counts, seen.visible);
@@ -438,7 +432,7 @@ core::Radiance Renderer::sketch(const scene::Snapshot& snapshot, const Seen& see
     ShadeCounts counts;
     FrameLight light;
     core::Radiance radiance =
-        impl_->gather(snapshot, seen, tolerance_of_points(seen, tolerance), impl_->shade_settings(), counts, &light);
+        impl_->gather(snapshot, seen, tolerance_of_points(seen, tolerance), impl_->shade_settings(), counts, light);
     if (seen.exposure) spread_light(seen, light, impl_->plan.runs(Pass::layers), radiance, counts);
     impl_->share_time(cpu_seconds() - start, counts);
     return radiance;

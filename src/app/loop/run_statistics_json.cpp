@@ -35,6 +35,9 @@ void each_member(Entry& e, Visit&& visit) {
     visit("shadow_rays", e.shadow_rays);
     visit("direct_cut", e.direct_cut);
     visit("indirect_cut", e.indirect_cut);
+    visit("records_created", e.records.created);
+    visit("records_live", e.records.live);
+    visit("records_served", e.records.served);
     visit("seconds", e.seconds);
 }
 
