@@ -224,7 +224,7 @@ void refuse_unknown_command(const CLI::App& program, const std::vector<std::stri
 
 std::string mistake_text(const CLI::App& command, const CLI::Error& error) {
     static const std::regex named(R"((-[^ :]+): (.*))"), member(R"((.*) not in \{.*\})"),
-        range(R"(Value (.*) not in range \S+ to \S+)"), convert(R"(Could not convert: (-\S+) = (.*))"),
+        range(R"(Value (.*) not in range (\S+ to \S+|\[.*\]))"), convert(R"(Could not convert: (-\S+) = (.*))"),
         required(R"((\S+) is required)"), few(R"((\d+) required .*missing)"), many(R"(At Most (\d+) required.*)"),
         needs(R"((\S+) requires (\S+))"), excludes(R"((\S+) excludes (\S+))");
     std::string text = error.what();
