@@ -38,6 +38,7 @@ renderer::Settings settings_of(const TruthCase& c) {
     s.format = {side, side, 1.0f};
     s.samples = 1;
     s.direct_points = c.direct_points;
+    s.indirect = renderer::Indirect::lightcuts;
     s.vpls = c.vpls;
     s.specular_depth = c.specular_depth;
     s.isa = core::detect_isa();
