@@ -225,11 +225,12 @@ struct Renderer::Impl {
                           const ShadeSettings& s, ShadeCounts& counts, FrameLight& light) {
         const glm::vec3 eye = snapshot.camera.position();
         const RayTracer& tracer = posed_scene.tracer();
-        core::Radiance radiance = shade(light_trees, tracer, seen, eye, tolerance, s, counts, nullptr, &light);
+        core::Radiance radiance =
+            renderer::shade(light_trees, tracer, seen, eye, tolerance, s, counts, nullptr, &light);
         if (!by_rays()) return radiance;
         add_rays(final_gather, snapshot.camera, seen, tolerance, light);
         ShadeCounts again;
-        return shade(light_trees, tracer, seen, eye, tolerance, s, again, &light);
+        return renderer::shade(light_trees, tracer, seen, eye, tolerance, s, again, &light);
     }
 
     ShadeSettings shade_settings() const {
@@ -275,7 +276,6 @@ struct Renderer::Impl {
         add(counts, visible, statistics);
         statistics.gather_rays = final_gather.counts().rays + final_gather.counts().cell_rays;
     }
-
     Settings settings;
     Plan plan;
     PosedScene posed_scene;
