@@ -28,7 +28,7 @@ using support::run;
 using test::path;
 
 /// Small enough for a test; the room's last second is dear to nobody.
-const std::string brief = " --size 32x32 --vpls 16 --samples 1 --exposure 0 --sample 1x2";
+const std::string brief = " --size 32x32 --indirect lightcuts --vpls 16 --samples 1 --exposure 0 --sample 1x2";
 
 json cost_of(const std::string& scene, const std::string& options) {
     const Folder folder;
@@ -278,6 +278,7 @@ app::RenderJob tiny_film(const std::string& input = plain_film()) {
     options.input = input;
     options.size = "32x32";
     options.vpls = 16;
+    options.indirect = "lightcuts";
     options.samples = 1;
     options.exposure = "0";
     return app::prepare(options);

@@ -49,6 +49,7 @@ RenderOptions options_of(const std::string& film, const std::string& frames, con
     options.size = size;
     options.samples = 1;
     options.vpls = 128;
+    options.indirect = "lightcuts";
     options.exposure = "0";
     options.coding.quantiser = 8;
     return options;

@@ -24,9 +24,9 @@ struct Made {
 
 Made make(const Folder& folder, const std::string& name, const std::string& options) {
     const auto output = folder / "film.m2v", stats = folder / "s.json";
-    const auto outcome =
-        run(support::program() + " render -y --hold " + name + " -o " + output.string() + one_sample + " --stats " +
-            stats.string() + (options.find("--vpls") == std::string::npos ? " --vpls 128" : "") + options);
+    const auto outcome = run(support::program() + " render -y --hold " + name + " -o " + output.string() + one_sample +
+                             " --stats " + stats.string() + " --indirect lightcuts" +
+                             (options.find("--vpls") == std::string::npos ? " --vpls 128" : "") + options);
     EXPECT_EQ(outcome.status, 0) << outcome.output;
     return {nlohmann::json::parse(contents(stats)), contents(output)};
 }

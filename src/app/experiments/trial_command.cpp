@@ -88,7 +88,7 @@ bool light_references(Trials& trials, bool quiet) {
             begun = true;
             progress.reset();
             if (!quiet && standing.seconds_left() > 1)
-                print_line(fmt::format("lighting {} by every light point takes about {}; interrupt to leave it",
+                print_line(fmt::format("lighting {} takes about {}; interrupt to leave it",
                                        standing.parts == 1 ? "the reference" : "the references",
                                        clock_text(standing.seconds + standing.seconds_left())));
             progress = std::make_unique<Progress>(standing.parts, quiet, "reference", Counted::parts_of_step,
