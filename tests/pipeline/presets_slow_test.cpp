@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "pipeline/foreign.h"
+#include "pipeline/fixture.h"
 
 /// Films of every preset, as foreign tools see them.
 namespace render2mpeg::test {

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <tuple>
 
-#include "pipeline/foreign.h"
+#include "pipeline/fixture.h"
 
 /// Presets, keyframes and shapes, as a user asks for them.
 namespace render2mpeg::test {

@@ -161,7 +161,7 @@ TEST(LightSplit, ShowNoShadowOfWhatIsGoneAndShowItAgainOnceItIsBackSlow) {
     EXPECT_LE(share_over(stage.cut(0.05f, 3), back, 0.05f), 0.02);
 }
 
-TEST(LightSplit, FollowWhatAppears) {
+TEST(LightSplit, FollowWhatAppearsSlow) {
     test::SceneBuilder b = test::furnished_room();
     b.add_point_light({0.6f, 2.4f, 3.0f}, 1.5f);
     const int box = b.add_box(low, high, b.add_material({0.5f, 0.5f, 0.5f}));
@@ -222,7 +222,7 @@ TEST(LightSplit, MeetACameraCutAndAnotherChunkSlow) {
     EXPECT_EQ(stage.statistics().cache.at_record, 0u);
 }
 
-TEST(LightSplit, AreTheSameForAnyNumberOfThreads) {
+TEST(LightSplit, AreTheSameForAnyNumberOfThreadsSlow) {
     Settings s = parts_settings(true);
     s.format = {136, 80, 1.0f};
     s.direct_points = 32;
