@@ -67,7 +67,7 @@ std::string all_of(const FarmFilm& film, const std::string& name) {
            film.path(name + "_q.mpg");
 }
 
-TEST(Farm, MakesAllThatOneRunMakes) {
+TEST(Farm, MakesAllThatOneRunMakesSlow) {
     const FarmFilm film("--audit 1", 180);
     ASSERT_EQ(film.render(all_of(film, "one")).status, 0);
     const auto planned = film.farm(all_of(film, "film"), "--to parallel --parts 3");
@@ -92,7 +92,7 @@ TEST(Farm, MakesAllThatOneRunMakes) {
     EXPECT_FALSE(std::filesystem::exists(film / "film.mpg.farm/part_00001"));
 }
 
-TEST(Farm, MakesFilmsOfEveryKindAsOneRunDoes) {
+TEST(Farm, MakesFilmsOfEveryKindAsOneRunDoesSlow) {
     const std::pair<const char*, const char*> kinds[] = {
         {"f.mkv", "--bitrate 300k --passes 2"}, {"f.mp4", ""}, {"f.ts", "--bitrate 400k --cbr"}, {"f.y4m", ""}};
     for (const auto& [name, options] : kinds) {
@@ -181,7 +181,7 @@ TEST(Farm, PacksItsInputs) {
     EXPECT_TRUE(film.same("one.mpg", "elsewhere/f.mpg"));
 }
 
-TEST(Farm, MakesEachPartOnceHoweverFramesAreSpread) {
+TEST(Farm, MakesEachPartOnceHoweverFramesAreSpreadSlow) {
     const FarmFilm film("", 240);
     ASSERT_EQ(film.render("-o " + film.path("one.mpg")).status, 0);
     ASSERT_EQ(film.farm("-o " + film.path("f.mpg"), "--to openjd").status, 0);
@@ -197,7 +197,7 @@ TEST(Farm, MakesEachPartOnceHoweverFramesAreSpread) {
     EXPECT_TRUE(film.same("one.mpg", "f.mpg"));
 }
 
-TEST(Farm, SurvivesKillsAndAFullDisk) {
+TEST(Farm, SurvivesKillsAndAFullDiskSlow) {
     const FarmFilm plain("", 240);
     ASSERT_EQ(plain.render("-o " + plain.path("one.mpg")).status, 0);
     ASSERT_EQ(plain.farm("-o " + plain.path("f.mpg"), "--to parallel --parts 2").status, 0);

@@ -111,14 +111,14 @@ TEST_F(JobFiles, AreAJobOfFlamenco) {
     EXPECT_NE(contents(file("flamenco", "render2mpeg-film.js")).find("function compileJob(job)"), std::string::npos);
 }
 
-TEST_F(JobFiles, AreRunBySnakemake) {
+TEST_F(JobFiles, AreRunBySnakemakeSlow) {
     if (run("command -v snakemake").status != 0) GTEST_SKIP() << "there is no snakemake";
     const auto run_dry = run("bash " + file("snakemake", "submit.sh").string() + " --dry-run");
     EXPECT_EQ(run_dry.status, 0) << run_dry.output;
     EXPECT_NE(run_dry.output.find("\npart         4"), std::string::npos) << run_dry.output;
 }
 
-TEST_F(JobFiles, AreRunByGnuParallel) {
+TEST_F(JobFiles, AreRunByGnuParallelSlow) {
     if (run("command -v parallel").status != 0) GTEST_SKIP() << "there is no GNU parallel";
     ASSERT_EQ(film_->render("-o " + film_->path("one.mpg")).status, 0);
     const auto made = run("bash " + file("parallel", "submit.sh").string());

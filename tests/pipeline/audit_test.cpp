@@ -58,7 +58,7 @@ TEST(Audit, SaysHowWellTolerancesWereKeptSlow) {
     for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(plain.at("tolerance_bands")[i].at("points"), 0.0);
 }
 
-TEST(Audit, SplitsTheErrorByCause) {
+TEST(Audit, SplitsTheErrorByCauseSlow) {
     const nlohmann::json audit = statistics_of("--tolerance fixed=4% --audit 20").at("audit"),
                          truth = audit.at("truth");
     EXPECT_EQ(audit.at("pixels"), 40);

@@ -11,16 +11,10 @@
 #include "pipeline/fixture.h"
 
 /// .blend files, exported by Blender where it is installed (tests/blender/make_blends.py makes them).
-namespace render2mpeg {
+namespace render2mpeg::test {
 namespace {
 
-using nlohmann::json;
-using support::contents;
-using support::Folder;
 using support::Outcome;
-using support::program;
-using support::run;
-using test::path;
 
 namespace fs = std::filesystem;
 
@@ -322,4 +316,4 @@ INSTANTIATE_TEST_SUITE_P(Films, BlendBesideCyclesSlow,
                          [](const auto& film) { return film.param.name; });
 
 }  // namespace
-}  // namespace render2mpeg
+}  // namespace render2mpeg::test

@@ -4,21 +4,13 @@
 #include <algorithm>
 #include <csignal>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <thread>
 
-#include "support/program.h"
+#include "pipeline/fixture.h"
 
 /// What a user meets at the door: help, refusals, interruptions.
-namespace render2mpeg {
+namespace render2mpeg::test {
 namespace {
-
-using support::contents;
-using support::film;
-using support::Folder;
-using support::plain_film;
-using support::program;
-using support::run;
 
 std::filesystem::path write(const std::filesystem::path& file, const std::string& text) {
     std::ofstream(file, std::ios::binary) << text;
@@ -181,7 +173,7 @@ TEST(DryRun, ChecksAllAndWritesNothing) {
     EXPECT_EQ(folder.entries(), 0u);
 }
 
-TEST(PlanCommand, GivesAReasonForEveryPassAndItsCostAfterARender) {
+TEST(PlanCommand, GivesAReasonForEveryPassAndItsCostAfterARenderSlow) {
     const auto still = run(program() + " plan --within 0 " + film("still_room"));
     EXPECT_EQ(still.status, 0);
     EXPECT_NE(still.output.find("no cause"), std::string::npos) << still.output;
@@ -280,4 +272,4 @@ TEST(Interruption, LeavesAPlayablePartialFilmAndNoFinalOneSlow) {
 }
 
 }  // namespace
-}  // namespace render2mpeg
+}  // namespace render2mpeg::test

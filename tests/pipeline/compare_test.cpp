@@ -15,16 +15,8 @@
 #include "pipeline/fixture.h"
 
 /// `render2mpeg compare`: coupled light and our encoder against rendering first and ffmpeg.
-namespace render2mpeg {
+namespace render2mpeg::test {
 namespace {
-
-using nlohmann::json;
-using support::contents;
-using support::Folder;
-using support::plain_film;
-using support::program;
-using support::run;
-using test::path;
 
 const std::string few_samples = " --size 48x32 --vpls 16 --samples 1 --exposure 0 --sample 1x4 --references 2 --runs 1";
 
@@ -242,4 +234,4 @@ TEST(Differences, AreThoseOfBitsAndOfAllTime) {
 }
 
 }  // namespace
-}  // namespace render2mpeg
+}  // namespace render2mpeg::test

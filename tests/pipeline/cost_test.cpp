@@ -16,16 +16,8 @@
 #include "pipeline/fixture.h"
 
 /// `render2mpeg cost`: what accuracy costs, and what it buys.
-namespace render2mpeg {
+namespace render2mpeg::test {
 namespace {
-
-using nlohmann::json;
-using support::contents;
-using support::Folder;
-using support::plain_film;
-using support::program;
-using support::run;
-using test::path;
 
 /// Small enough for a test; the room's last second is dear to nobody.
 const std::string brief = " --size 32x32 --indirect lightcuts --vpls 16 --samples 1 --exposure 0 --sample 1x2";
@@ -171,7 +163,7 @@ TEST(CostOptions, AreReadAndRefused) {
     refused(" --report " + path(folder, "r.html") + " --json " + path(folder, "r.report.json"), "two outputs");
 }
 
-TEST(Cost, RisesAndErrorsFallAsTolerancesTighten) {
+TEST(Cost, RisesAndErrorsFallAsTolerancesTightenSlow) {
     const json found =
         cost_of(support::panel_film(), brief + " --tolerances 0.001,2,40 --quantisers 4,31 --quantiser 4");
     EXPECT_TRUE(found.at("complete").get<bool>());
@@ -243,7 +235,7 @@ TEST(Cost, OfASceneWithoutAnythingToLightIsTold) {
     EXPECT_TRUE(found.at("coupled")[0].at("time_ratio").is_null());
 }
 
-TEST(Cost, PrintsRowsThatFitATerminalAndAPageThatStandsAlone) {
+TEST(Cost, PrintsRowsThatFitATerminalAndAPageThatStandsAloneSlow) {
     const Folder folder;
     const std::string command = program() + " cost " + plain_film() + brief +
                                 " --tolerances 32,16,4,1 --quantisers 8 --report " + path(folder, "c.html");
@@ -344,4 +336,4 @@ TEST(Trials, EndWhenTheyAreToldTo) {
 }
 
 }  // namespace
-}  // namespace render2mpeg
+}  // namespace render2mpeg::test

@@ -1,19 +1,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
-#include "support/program.h"
+#include "pipeline/fixture.h"
 
 /// The loop closed: what was coded steers what is lit next.
-namespace render2mpeg {
+namespace render2mpeg::test {
 namespace {
-
-using support::contents;
-using support::film;
-using support::Folder;
-using support::plain_film;
-using support::run;
 
 const std::string one_sample = " --size 48x32 --samples 1 --exposure 0 --quiet";
 
@@ -50,7 +43,7 @@ TEST(Coupled, CoarserQuantisersMakeSmallerCutsSlow) {
     }
 }
 
-TEST(Coupled, ACutThatTheRateCannotAffordIsAPredictedPicture) {
+TEST(Coupled, ACutThatTheRateCannotAffordIsAPredictedPictureSlow) {
     // The view changes at frame 36, and an I picture there would break the buffer.
     const Folder folder;
     const auto stats = folder / "s.json";
@@ -86,7 +79,7 @@ TEST(Coupled, NoChunkDependsOnTheOneBeforeSlow) {
                   second.statistics.at("per_frame").at(static_cast<std::size_t>(i)).at("cut"));
 }
 
-TEST(Coupled, CutsOfAStillFilmStayTheSame) {
+TEST(Coupled, CutsOfAStillFilmStayTheSameSlow) {
     const Folder folder;
     // Intra pictures, since quantisers of predicted ones depend on how much of their group is left.
     const Made made = make(folder, film("still_room"), " --frames 0:14 --gop 1 --tolerance coupled=0.5");
@@ -109,4 +102,4 @@ TEST(Coupled, OnlyFilmsHaveACodingToCoupleTo) {
 }
 
 }  // namespace
-}  // namespace render2mpeg
+}  // namespace render2mpeg::test

@@ -6,15 +6,8 @@
 #include "pipeline/fixture.h"
 
 /// The pages about the files that we write name every key of them.
-namespace render2mpeg {
+namespace render2mpeg::test {
 namespace {
-
-using nlohmann::json;
-using support::contents;
-using support::Folder;
-using support::program;
-using support::run;
-using test::path;
 
 /// Expects every key of an object, and of the objects in it, to stand as a word in the text. Keys of `names` are names
 /// of passes or types, not ours to list.
@@ -31,7 +24,7 @@ std::string page(const char* name) {
     return contents(support::source_folder() / "docs" / name);
 }
 
-TEST(Documents, NameEveryKeyOfStatisticsReportsAndInformation) {
+TEST(Documents, NameEveryKeyOfStatisticsReportsAndInformationSlow) {
     const Folder folder;
     const std::string tiny = " --size 32x32 --samples 1 --vpls 16 --exposure 0 --frames 0:3 --quiet ";
     ASSERT_EQ(run(program() + " render -y --hold " + support::plain_film() + tiny + "--audit 2 --bitrate 300k -o " +
@@ -61,4 +54,4 @@ TEST(Documents, NameEveryKeyOfStatisticsReportsAndInformation) {
 }
 
 }  // namespace
-}  // namespace render2mpeg
+}  // namespace render2mpeg::test

@@ -3,19 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "image/image.h"
-#include "support/program.h"
+#include "pipeline/fixture.h"
 
 /// The encoder stage by itself, as a user starts it.
-namespace render2mpeg {
+namespace render2mpeg::test {
 namespace {
-
-using support::contents;
-using support::Folder;
-using support::program;
-using support::run;
 
 std::string inside(const Folder& folder, const std::string& name) {
     return (folder / name).string();
@@ -210,4 +204,4 @@ TEST(Encode, HelpShowsEveryOptionWithItsDefault) {
 }
 
 }  // namespace
-}  // namespace render2mpeg
+}  // namespace render2mpeg::test

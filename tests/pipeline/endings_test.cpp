@@ -7,15 +7,8 @@
 #include "pipeline/fixture.h"
 
 /// Endings say what a file holds, whatever their case; what a film is, its contents say.
-namespace render2mpeg {
+namespace render2mpeg::test {
 namespace {
-
-using nlohmann::json;
-using support::Folder;
-using support::plain_film;
-using support::program;
-using support::run;
-using test::path;
 
 support::Outcome render_kind(const Folder& folder, const std::string& output, const std::string& frames,
                              const std::string& more = "") {
@@ -68,4 +61,4 @@ TEST(TransportStreams, OfAPictureOrTwoAreKnownByTheirContents) {
 }
 
 }  // namespace
-}  // namespace render2mpeg
+}  // namespace render2mpeg::test

@@ -1,24 +1,19 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "app/experiments/film_costs.h"
 #include "app/options/option_text.h"
 #include "app/report/answer.h"
-#include "support/program.h"
+#include "pipeline/fixture.h"
 
 /// What a film costs before it is made, and what is told of it; and what is asked before one is replaced.
-namespace render2mpeg {
+namespace render2mpeg::test {
 namespace {
 
 using app::FilmCost;
-using support::Folder;
-using support::plain_film;
-using support::program;
-using support::run;
 
 FilmCost row(const char* name, double clock, std::optional<double> added, double loss) {
     return {name, clock, 1e5, added, loss, false};
@@ -131,4 +126,4 @@ TEST(Answer, FoldsAndMarks) {
 }
 
 }  // namespace
-}  // namespace render2mpeg
+}  // namespace render2mpeg::test

@@ -155,7 +155,7 @@ TEST(Effects, AreTheRowsOfThePlanThatRun) {
     }
 }
 
-TEST(Effects, ChangeThePicturesThatTheyAreLeftOutOf) {
+TEST(Effects, ChangeThePicturesThatTheyAreLeftOutOfSlow) {
     RenderJob film = small_film(support::film("cornell"));
     const app::EffectCosts costs =
         app::effect_costs(film, {1, 2}, std::numeric_limits<double>::infinity(), true, [](const app::EffectCost&) {});

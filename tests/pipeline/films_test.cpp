@@ -2,22 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
 
-#include "support/program.h"
+#include "pipeline/fixture.h"
 
 /// Whole renders, as a user starts them, judged by foreign decoders.
-namespace render2mpeg {
+namespace render2mpeg::test {
 namespace {
-
-using support::contents;
-using support::film;
-using support::Folder;
-using support::plain_film;
-using support::run;
 
 const std::string direct_light = " --size 64x48 --samples 1 --vpls 0 --tolerance fixed=20% --exposure 0 --quiet";
 const std::string few_lights = " --size 64x48 --samples 1 --vpls 64 --exposure 0 --quiet";
@@ -106,9 +99,10 @@ TEST_P(EveryFilm, DecodesWholeAndAlikeEverywhereAndHasOnlyFiniteLight) {
 }
 
 constexpr auto name_of = [](const auto& parameter) { return std::string(parameter.param); };
-INSTANTIATE_TEST_SUITE_P(Animations, EveryFilm,
-                         testing::Values("cornell", "mirror_and_glass", "character", "flash_cut"), name_of);
-INSTANTIATE_TEST_SUITE_P(AnimationsSlow, EveryFilm, testing::Values("colonnade", "many_lamps", "still_room"), name_of);
+INSTANTIATE_TEST_SUITE_P(Animations, EveryFilm, testing::Values("cornell", "flash_cut"), name_of);
+INSTANTIATE_TEST_SUITE_P(AnimationsSlow, EveryFilm,
+                         testing::Values("colonnade", "many_lamps", "mirror_and_glass", "character", "still_room"),
+                         name_of);
 
 TEST(OutputKind, EveryFilmEndingGivesItsContainerWithAllPicturesSlow) {
     const Folder folder;
@@ -209,4 +203,4 @@ TEST(Quality, StatisticsAgreeWithTheFiltersOfFfmpegToFourDigitsSlow) {
 }
 
 }  // namespace
-}  // namespace render2mpeg
+}  // namespace render2mpeg::test

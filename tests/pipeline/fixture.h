@@ -9,7 +9,8 @@
 
 #include "support/program.h"
 
-/// Frames of other renderers, and what foreign tools say of films.
+/// What the tests of whole runs share: the program, folders, frames of other renderers, what foreign tools say of
+/// films.
 namespace render2mpeg::test {
 
 using nlohmann::json;

@@ -1,19 +1,13 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <string>
 
-#include "support/program.h"
+#include "pipeline/fixture.h"
 
 /// Films in fog, through the program.
-namespace render2mpeg {
+namespace render2mpeg::test {
 namespace {
-
-using support::contents;
-using support::Folder;
-using support::program;
-using support::run;
 
 /// A lamp and a post before a wall, four frames of 64x48.
 std::string post_in(const Folder& folder, const std::string& keys, const std::string& lamp = "[0.5, 0.2, 0]") {
@@ -55,7 +49,7 @@ TEST(FogInFilms, CostsNothingWhereThereIsNoneAndComesFromFileOrCommandLine) {
     EXPECT_EQ(fog_film(folder, post_in(folder, R"("fog": 12,)"), "--fog off", "off.m2v"), plain);
 }
 
-TEST(FogInFilms, HasTheSameBytesForAnyThreadsAndChunks) {
+TEST(FogInFilms, HasTheSameBytesForAnyThreadsAndChunksSlow) {
     const Folder folder;
     const std::string film = post_in(folder, R"("fog": { "visibility": 12, "falloff": 2, "anisotropy": 0.4 },)");
     const std::string one = fog_film(folder, film, "--gop 1 --threads 1", "one.m2v");
@@ -66,7 +60,7 @@ TEST(FogInFilms, HasTheSameBytesForAnyThreadsAndChunks) {
     EXPECT_FALSE(contents(folder / "all.0003.png").empty());
 }
 
-TEST(FogInFilms, IsFiniteHoweverDenseWhereverLampsAre) {
+TEST(FogInFilms, IsFiniteHoweverDenseWhereverLampsAreSlow) {
     const Folder folder;
     for (const std::string fog : {"0.0001", "1", "1e9", R"({ "visibility": 5, "color": 0 })",
                                   R"({ "visibility": 5, "falloff": 0.01, "height": 100 })",
@@ -85,4 +79,4 @@ TEST(FogInFilms, ShowsBlackWhereItIsBlackAndDense) {
 }
 
 }  // namespace
-}  // namespace render2mpeg
+}  // namespace render2mpeg::test

@@ -1,19 +1,13 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <string>
 
-#include "support/program.h"
+#include "pipeline/fixture.h"
 
 /// Films with glare, through the program.
-namespace render2mpeg {
+namespace render2mpeg::test {
 namespace {
-
-using support::contents;
-using support::Folder;
-using support::program;
-using support::run;
 
 /// A small lamp before a wall, four frames of 64x48.
 std::string lamp_in(const Folder& folder, const std::string& glare) {
@@ -48,7 +42,7 @@ TEST(GlareInFilms, CostsNothingWhereNobodyAsksForItAndComesFromFileOrCommandLine
     EXPECT_EQ(made(folder, lamp_in(folder, R"("glare": "temporal",)"), "--glare off", "off.m2v"), plain);
 }
 
-TEST(GlareInFilms, IsShownWhereItIsAskedForAndSaysThatTheFileWouldHaveNone) {
+TEST(GlareInFilms, IsShownWhereItIsAskedForAndSaysThatTheFileWouldHaveNoneSlow) {
     const Folder folder;
     const std::string asked = made(folder, lamp_in(folder, ""), "--glare static", "asked.m2v");
     const std::string none = lamp_in(folder, R"("glare": { "kind": "static", "strength": 0 },)");
@@ -60,7 +54,7 @@ TEST(GlareInFilms, IsShownWhereItIsAskedForAndSaysThatTheFileWouldHaveNone) {
     EXPECT_EQ(run(program() + " plan " + none).output.find("strength 0"), std::string::npos);
 }
 
-TEST(GlareInFilms, TakesFewerRaysUnderTheVeil) {
+TEST(GlareInFilms, TakesFewerRaysUnderTheVeilSlow) {
     const Folder folder;
     std::ofstream(folder / "film.json") << R"({ "size": [64, 48], "frames": 3, "exposure": 3,
         "camera": { "position": [0, 1.7, 9], "look_at": [0, 1.4, 0] }, "objects": [{ "shape": "plane", "size": [40, 40] },
@@ -80,7 +74,7 @@ TEST(GlareInFilms, TakesFewerRaysUnderTheVeil) {
     EXPECT_LT(shadow_rays("static:0.3"), 0.9 * shadow_rays("off"));
 }
 
-TEST(GlareInFilms, HasTheSameBytesForAnyThreadsAndChunks) {
+TEST(GlareInFilms, HasTheSameBytesForAnyThreadsAndChunksSlow) {
     const Folder folder;
     const std::string film = lamp_in(folder, R"("glare": "temporal",)");
     const std::string one = made(folder, film, "--gop 1 --threads 1", "one.m2v");
@@ -101,4 +95,4 @@ TEST(GlareInFilms, IsNotInLayersAndOpenExr) {
 }
 
 }  // namespace
-}  // namespace render2mpeg
+}  // namespace render2mpeg::test

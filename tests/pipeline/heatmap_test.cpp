@@ -1,15 +1,10 @@
 #include <gtest/gtest.h>
 
-#include "support/program.h"
+#include "pipeline/fixture.h"
 
 /// --heatmap: films in false colours beside the film.
-namespace render2mpeg {
+namespace render2mpeg::test {
 namespace {
-
-using support::contents;
-using support::Folder;
-using support::plain_film;
-using support::run;
 
 const std::string seven_frames = " --size 64x48 --samples 1 --vpls 64 --exposure 0 --quiet --frames 0:6 --gop 4";
 
@@ -86,4 +81,4 @@ TEST(Heatmap, HasSquarePixelsWhateverTheFilmHas) {
 }
 
 }  // namespace
-}  // namespace render2mpeg
+}  // namespace render2mpeg::test

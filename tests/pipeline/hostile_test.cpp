@@ -23,16 +23,8 @@
 #include "pipeline/fixture.h"
 
 /// What a careless or hostile surrounding does to a run: closed descriptors, links of others, names full of codes.
-namespace render2mpeg {
+namespace render2mpeg::test {
 namespace {
-
-using nlohmann::json;
-using support::contents;
-using support::Folder;
-using support::plain_film;
-using support::program;
-using support::run;
-using test::path;
 
 const std::string few_rays = " --size 32x32 --samples 1 --vpls 16 --exposure 0 --tolerance fixed=10% --frames 0:1 ";
 
@@ -289,4 +281,4 @@ TEST(Kills, LeaveNoHeatmapThatTheFilmDoesNotKnow) {
 }
 
 }  // namespace
-}  // namespace render2mpeg
+}  // namespace render2mpeg::test

@@ -9,16 +9,8 @@
 #include "pipeline/fixture.h"
 
 /// `render2mpeg info`: what is told of a film is what others say of it, and what we know of our own.
-namespace render2mpeg {
+namespace render2mpeg::test {
 namespace {
-
-using nlohmann::json;
-using support::contents;
-using support::Folder;
-using support::plain_film;
-using support::program;
-using support::run;
-using test::path;
 
 json info(const std::string& file, int status = 0) {
     const auto outcome = run(program() + " info --json " + file + " 2>/dev/null");
@@ -179,4 +171,4 @@ TEST(Information, NeverCrashesWhereAFilmEndsEarlyOrIsNone) {
 }
 
 }  // namespace
-}  // namespace render2mpeg
+}  // namespace render2mpeg::test

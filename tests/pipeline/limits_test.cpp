@@ -9,16 +9,10 @@
 #include "pipeline/fixture.h"
 
 /// What a run may take, and whom it must not disturb.
-namespace render2mpeg {
+namespace render2mpeg::test {
 namespace {
 
-using support::film;
-using support::Folder;
-using support::plain_film;
-using support::program;
 using support::program_at_terminal;
-using support::run;
-using test::path;
 
 bool has(const support::Outcome& outcome, const std::string& words) {
     return outcome.output.find(words) != std::string::npos;
@@ -128,4 +122,4 @@ TEST(Heatmap, OfTwoRunsIsTheFirstOnes) {
 }
 
 }  // namespace
-}  // namespace render2mpeg
+}  // namespace render2mpeg::test

@@ -6,15 +6,8 @@
 #include "pipeline/fixture.h"
 
 /// Where a film is made, and what else lies there.
-namespace render2mpeg {
+namespace render2mpeg::test {
 namespace {
-
-using support::contents;
-using support::Folder;
-using support::plain_film;
-using support::program;
-using support::run;
-using test::path;
 
 const std::string tiny = " --size 32x32 --samples 1 --vpls 16 --exposure 0 --frames 0:1 ";
 /// Never done before it is interrupted.
@@ -117,4 +110,4 @@ TEST(Encode, LeavesAFilmAloneThatIsNoLeftoverOfItsOwn) {
 }
 
 }  // namespace
-}  // namespace render2mpeg
+}  // namespace render2mpeg::test

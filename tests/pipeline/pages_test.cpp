@@ -4,18 +4,14 @@
 #include <string>
 #include <vector>
 
-#include "support/program.h"
+#include "pipeline/fixture.h"
 #include "support/written_page.h"
 
 /// Pages that are made by running the program: the options of every command, and the examples' figures.
-namespace render2mpeg {
+namespace render2mpeg::test {
 namespace {
 
-using support::contents;
 using support::expect_page;
-using support::Folder;
-using support::program;
-using support::run;
 
 /// The commands that the program's own help lists, in its order.
 std::vector<std::string> commands_of(const std::string& help) {
@@ -125,4 +121,4 @@ TEST(Timeless, IsWhatNoClockDecides) {
 }
 
 }  // namespace
-}  // namespace render2mpeg
+}  // namespace render2mpeg::test

@@ -46,7 +46,7 @@ std::vector<std::filesystem::path> images_in(const support::Folder& folder) {
 }
 
 #ifndef RENDER2MPEG_SANITIZED
-TEST(ImageProbes, RefuseImagesThatTakeAllMemory) {
+TEST(ImageProbes, RefuseImagesThatTakeAllMemorySlow) {
     const support::Folder folder;
     for (const std::filesystem::path& file : images_in(folder)) {
         const scene::Animation film = scene_of({file});
@@ -62,7 +62,7 @@ TEST(ImageProbes, RefuseImagesThatTakeAllMemory) {
 }
 #endif
 
-TEST(ImageProbes, GiveAnImageThatNeedsMoreThanItsShareAllOfIt) {
+TEST(ImageProbes, GiveAnImageThatNeedsMoreThanItsShareAllOfItSlow) {
     const support::Folder folder;
     EXPECT_TRUE(probe_images(scene_of(images_in(folder)), little_each));
 }

@@ -3,21 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <nlohmann/json.hpp>
 #include <string>
 
-#include "support/program.h"
+#include "pipeline/fixture.h"
 
 /// Rates and quality as users ask for them.
-namespace render2mpeg {
+namespace render2mpeg::test {
 namespace {
-
-using support::contents;
-using support::film;
-using support::Folder;
-using support::plain_film;
-using support::program;
-using support::run;
 
 /// Renders the room with moving boxes small, 65 frames in two chunks, and gives its statistics. So few and small
 /// pictures do not come as near to a rate as films do (bench_encoder_rates).
@@ -66,7 +58,7 @@ TEST(RatesSlow, AConstantRateIsConstantWhateverThePicturesNeed) {
     EXPECT_EQ(bytes, 240'000);
 }
 
-TEST(Rates, QualityIsCoarserWhereMotionHidesIt) {
+TEST(Rates, QualityIsCoarserWhereMotionHidesItSlow) {
     const Folder folder;
     const auto outcome = run(program() + " render -y --hold " + film("colonnade") +
                              " --size 64x48 --samples 1 --vpls 0 --exposure 0.5 --frames 0:5 --quiet --stats " +
@@ -100,4 +92,4 @@ TEST(Rates, ContradictionsAreRefusedByOneLine) {
 }
 
 }  // namespace
-}  // namespace render2mpeg
+}  // namespace render2mpeg::test

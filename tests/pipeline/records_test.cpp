@@ -2,20 +2,14 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "app/loop/cache_choice.h"
-#include "support/program.h"
+#include "pipeline/fixture.h"
 
 /// --cache on, and what it shows of itself.
-namespace render2mpeg {
+namespace render2mpeg::test {
 namespace {
-
-using support::contents;
-using support::Folder;
-using support::plain_film;
-using support::run;
 
 const std::string render_room = support::program() + " render -y --hold " + plain_film() +
                                 " --size 64x48 --samples 1 --vpls 64 --exposure 0 --frames 3:5 -o ";
@@ -130,4 +124,4 @@ TEST(Records, ThePlanSaysWhyTheyAreKept) {
 }
 
 }  // namespace
-}  // namespace render2mpeg
+}  // namespace render2mpeg::test

@@ -7,16 +7,8 @@
 #include "pipeline/fixture.h"
 
 /// Reports as a browser shows them, at a phone's and a desktop's width.
-namespace render2mpeg {
+namespace render2mpeg::test {
 namespace {
-
-using nlohmann::json;
-using support::contents;
-using support::Folder;
-using support::plain_film;
-using support::program;
-using support::run;
-using test::path;
 
 constexpr int phone = 390, desktop = 1280;
 
@@ -145,4 +137,4 @@ TEST_F(ReportInABrowserSlow, OfTuneFitsAPhoneAndADesktop) {
 }
 
 }  // namespace
-}  // namespace render2mpeg
+}  // namespace render2mpeg::test

@@ -9,19 +9,12 @@
 #include "pipeline/fixture.h"
 
 /// --report: a page that stands alone, and its figures beside it.
-namespace render2mpeg {
+namespace render2mpeg::test {
 namespace {
 
 using app::FramePlot;
 using app::round_up;
 using app::svg_of;
-using nlohmann::json;
-using support::contents;
-using support::Folder;
-using support::plain_film;
-using support::program;
-using support::run;
-using test::path;
 
 std::size_t count(const std::string& text, const std::string& word) {
     std::size_t found = 0;
@@ -49,7 +42,7 @@ std::vector<std::string> unbalanced(const std::string& html) {
     return open;
 }
 
-TEST(Report, IsOnePageThatStandsAloneAndItsFiguresAreTheStatistics) {
+TEST(Report, IsOnePageThatStandsAloneAndItsFiguresAreTheStatisticsSlow) {
     const Folder folder;
     const std::string output = "'" + path(folder, "a&b<i>.mpg") + "'";
     const auto outcome = run(program() + " render -y --hold " + plain_film() +
@@ -197,4 +190,4 @@ TEST(RoundNumbers, AreTheNextOneTwoOrFive) {
 }
 
 }  // namespace
-}  // namespace render2mpeg
+}  // namespace render2mpeg::test

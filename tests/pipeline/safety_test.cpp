@@ -16,17 +16,8 @@
 #include "pipeline/fixture.h"
 
 /// Nothing of a user's is replaced or removed unseen, and no output that fails costs another.
-namespace render2mpeg {
+namespace render2mpeg::test {
 namespace {
-
-using nlohmann::json;
-using support::contents;
-using support::film;
-using support::Folder;
-using support::plain_film;
-using support::program;
-using support::run;
-using test::path;
 
 const std::string plain = " --samples 1 --vpls 16 --exposure 0 --tolerance fixed=10% ";
 const std::string smallest = plain + "--size 32x32 --frames 0:1 ";
@@ -100,7 +91,7 @@ TEST(Outputs, OfOneNameAreRefusedFrameByFrame) {
     EXPECT_EQ(run(render_to(folder, "x.%d.png", layers + " --stats " + path(folder, "x.1.png"))).status, 1);
 }
 
-TEST(Report, ReplacesNothingButAnEarlierReport) {
+TEST(Report, ReplacesNothingButAnEarlierReportSlow) {
     const Folder folder;
     const std::string render = render_to(folder, "f.mpg", "--quiet --report " + path(folder, "r.html"));
     for (const char* name : {"r.html", "r.report.json"}) {
@@ -351,4 +342,4 @@ TEST(StandardOutput, ThatIsFullIsAnError) {
 }
 
 }  // namespace
-}  // namespace render2mpeg
+}  // namespace render2mpeg::test

@@ -8,16 +8,11 @@
 #include <sstream>
 #include <string>
 
-#include "support/program.h"
+#include "pipeline/fixture.h"
 
 /// Films that go through pipes instead of files.
-namespace render2mpeg {
+namespace render2mpeg::test {
 namespace {
-
-using support::contents;
-using support::Folder;
-using support::program;
-using support::run;
 
 std::string small_render() {
     return program() + " render " + support::plain_film() +
@@ -28,7 +23,7 @@ std::string named(const Folder& folder, const std::string& name) {
     return (folder / name).string();
 }
 
-TEST(Stream, HasTheBytesOfTheFile) {
+TEST(Stream, HasTheBytesOfTheFileSlow) {
     const Folder folder;
     ASSERT_EQ(run(small_render() + "--frames 0:6 -y -o " + named(folder, "file.m2v")).status, 0);
     const auto piped = run(small_render() + "--frames 0:6 -o - --as m2v > " + named(folder, "pipe.m2v"));
@@ -135,7 +130,7 @@ std::string encode_pipe(const Folder& folder, const std::string& options) {
     return program() + " encode - -y --quiet -q 6 " + options + " < " + named(folder, "pan.y4m");
 }
 
-TEST(EncodePipe, GivesTheFilmOfTheFile) {
+TEST(EncodePipe, GivesTheFilmOfTheFileSlow) {
     const Folder folder;
     for (const int frames : {1, 7, 60, 61}) {  // within a chunk, at its end, and one frame behind it
         write(folder, "pan.y4m", pan_y4m(frames));
@@ -224,4 +219,4 @@ TEST(EncodePipe, RefusesGarbageWithItsPlace) {
 }
 
 }  // namespace
-}  // namespace render2mpeg
+}  // namespace render2mpeg::test

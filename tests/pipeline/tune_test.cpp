@@ -18,18 +18,11 @@
 #include "pipeline/fixture.h"
 
 /// `render2mpeg tune`: from a quality, a rate, a size or a time to a setting, and to the film.
-namespace render2mpeg {
+namespace render2mpeg::test {
 namespace {
 
 using app::QualitySearch;
 using app::Target;
-using nlohmann::json;
-using support::contents;
-using support::Folder;
-using support::plain_film;
-using support::program;
-using support::run;
-using test::path;
 
 const std::string small_search = " --size 32x32 --vpls 16 --samples 1 --exposure 0";
 
@@ -292,4 +285,4 @@ TEST(Tune, LoosensLightUntilItIsInTime) {
 }
 
 }  // namespace
-}  // namespace render2mpeg
+}  // namespace render2mpeg::test

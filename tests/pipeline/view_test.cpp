@@ -7,14 +7,8 @@
 #include "pipeline/fixture.h"
 
 /// Films and stills with Blender's views, through the program.
-namespace render2mpeg {
+namespace render2mpeg::test {
 namespace {
-
-using support::contents;
-using support::Folder;
-using support::program;
-using support::run;
-using test::path;
 
 const std::string tiny_view =
     " --size 64x48 --samples 1 --vpls 16 --exposure 0 --tolerance fixed=10% --quiet --frames 0:1 ";
@@ -30,7 +24,7 @@ double mean_difference(const std::string& one, const std::string& two) {
     return sum / static_cast<double>(a.size());
 }
 
-TEST(View, FilmsShowBlendersCodeValuesAndSayWhichViewTheyHave) {
+TEST(View, FilmsShowBlendersCodeValuesAndSayWhichViewTheyHaveSlow) {
     const Folder folder;
     const std::string render = program() + " render " + support::plain_film() + tiny_view;
     ASSERT_EQ(
@@ -60,7 +54,7 @@ TEST(View, FilmsShowBlendersCodeValuesAndSayWhichViewTheyHave) {
     EXPECT_NE(refused.output.find("view"), std::string::npos) << refused.output;
 }
 
-TEST(View, OfAnAnimationFileIsKeptUnlessTheCommandLineSaysAnother) {
+TEST(View, OfAnAnimationFileIsKeptUnlessTheCommandLineSaysAnotherSlow) {
     const Folder folder;
     std::ofstream(folder / "film.json") << R"({ "view": { "name": "agx", "gamma": 1.5 }, "exposure": 0, "frames": 1,
         "camera": { "position": [0, 0, 3] }, "sky": 1, "objects": [{ "shape": "box" }] })";
@@ -74,4 +68,4 @@ TEST(View, OfAnAnimationFileIsKeptUnlessTheCommandLineSaysAnother) {
 }
 
 }  // namespace
-}  // namespace render2mpeg
+}  // namespace render2mpeg::test

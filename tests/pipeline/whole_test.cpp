@@ -8,17 +8,10 @@
 #include "pipeline/fixture.h"
 
 /// What becomes of a film between its last frame and its last file, and of a film that is whole already.
-namespace render2mpeg {
+namespace render2mpeg::test {
 namespace {
 
 using app::Products;
-using nlohmann::json;
-using support::contents;
-using support::Folder;
-using support::plain_film;
-using support::program;
-using support::run;
-using test::path;
 
 const std::string quick = " --size 32x32 --samples 1 --vpls 0 --tolerance fixed=90% --exposure 0 --threads 1 --gop 15 ";
 
@@ -33,7 +26,7 @@ bool has_attributes(const Folder& folder) {
     return kept;
 }
 
-TEST(WholeFilm, IsNotRenderedAnewByResume) {
+TEST(WholeFilm, IsNotRenderedAnewByResumeSlow) {
     const Folder folder;
     if (!has_attributes(folder)) GTEST_SKIP() << "this file system keeps no attributes";
     for (const std::string output : {"f.mpg", "f.y4m", "f.%03d.exr"}) {
@@ -196,4 +189,4 @@ TEST(Heatmap, ThatIsGivenUpLeavesNothingSlow) {
 }
 
 }  // namespace
-}  // namespace render2mpeg
+}  // namespace render2mpeg::test

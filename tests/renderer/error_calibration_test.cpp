@@ -208,7 +208,7 @@ TEST(CalibrationSlow, KeepsThePromiseOfARoomWithFarFewerRays) {
     EXPECT_LT(s.calibrated_pixels, 5 * ErrorCalibration::least_pixels);
 }
 
-TEST(Calibration, IsTheSameForAnyNumberOfThreads) {
+TEST(Calibration, IsTheSameForAnyNumberOfThreadsSlow) {
     core::Radiance frames[2][2];
     double error_scales[2];
     for (int threads : {1, 2}) {
@@ -238,7 +238,7 @@ TEST(Calibration, StillFilmsStayAsTheyAreToTheLastBit) {
     EXPECT_GT(stage.statistics().calibrated_pixels, after_one.calibrated_pixels);
 }
 
-TEST(Calibration, LearnsOfCoarserTolerancesAsWell) {
+TEST(Calibration, LearnsOfCoarserTolerancesAsWellSlow) {
     Settings settings = room_settings(true);
     settings.vpls = 200;
     FilmStage stage(test::furnished_room(), settings);

@@ -230,7 +230,7 @@ TEST(Expose, LampsOutOfFocusAreSampledAgain) {
     EXPECT_LT(again_error, 0.4 * few_error);
 }
 
-TEST(Expose, MovingCameraShowsTheMeanOfItsPictures) {
+TEST(Expose, MovingCameraShowsTheMeanOfItsPicturesSlow) {
     // It moves by 1.2 to the side from frame to frame; half of that is exposed.
     constexpr int steps = 48;
     constexpr float speed = 1.2f;
@@ -284,7 +284,7 @@ TEST(Expose, TurningBoxShowsTheMeanOfItsPictures) {
     EXPECT_GT(world.sweep->segments(), 2);
 }
 
-TEST(Expose, LensShowsTheMeanOfPicturesThroughItsParts) {
+TEST(Expose, LensShowsTheMeanOfPicturesThroughItsPartsSlow) {
     constexpr int steps = 61;
     constexpr float focus = 3;
     const auto film = [&](float f_stop, glm::vec2 place) {

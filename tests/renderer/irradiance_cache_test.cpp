@@ -29,7 +29,7 @@ test::SceneBuilder walk(bool moves = true) {
     return b;
 }
 
-TEST(IrradianceCache, LightsAWalkWithinItsToleranceForAFractionOfTheRays) {
+TEST(IrradianceCache, LightsAWalkWithinItsToleranceForAFractionOfTheRaysSlow) {
     FilmStage plain(walk(), cache_settings(false)), cached(walk(), cache_settings(true));
     double over = 0;
     std::uint64_t rays = 0, all = 0;
@@ -61,7 +61,7 @@ TEST(IrradianceCache, AStillFilmShootsNoSecondShadowRayAndStaysStill) {
     EXPECT_GT(more, 0u);
 }
 
-TEST(IrradianceCache, LightsMovedPointsRightWhereItMovedThemAndRemembersWhere) {
+TEST(IrradianceCache, LightsMovedPointsRightWhereItMovedThemAndRemembersWhereSlow) {
     // The camera walks, and rests.
     test::SceneBuilder b = walk(false);
     b.add_track(scene::TrackTarget::translation, b.film().cameras[0].node, 3, {0, 2, 9},
@@ -263,7 +263,7 @@ TEST(IrradianceCache, TakesNoPartInReferenceFrames) {
     EXPECT_EQ(cached.statistics().cache.created, 0u);
 }
 
-TEST(IrradianceCache, LightsVarnishedWallsWithinTheirTolerance) {
+TEST(IrradianceCache, LightsVarnishedWallsWithinTheirToleranceSlow) {
     test::SceneBuilder b = walk();
     const int matt = b.add_material({0.4f, 0.4f, 0.5f});
     b.material(matt).roughness = 0.8f;

@@ -215,7 +215,7 @@ SceneBuilder full_room(float roughness, bool metal) {
     return b;
 }
 
-TEST(LightPaths, AgreeWithAPlainPathTracer) {
+TEST(LightPaths, AgreeWithAPlainPathTracerSlow) {
     for (const float roughness : {0.15f, 0.4f, 0.8f}) {
         const Stage stage(full_room(roughness, roughness < 0.5f));
         for (const std::uint32_t object : {0u, 2u, 3u}) {
@@ -233,7 +233,7 @@ TEST(LightPaths, AgreeWithAPlainPathTracer) {
     }
 }
 
-TEST(LightPaths, AgreeWithAPlainPathTracerBesideMirrorsAndGlass) {
+TEST(LightPaths, AgreeWithAPlainPathTracerBesideMirrorsAndGlassSlow) {
     SceneBuilder b = full_room(0.6f, false);
     b.film().lights.clear();  // paths that chance leads do not meet points in mirrors
     const int mirror = b.add_material({0.9f, 0.8f, 0.7f}), glass = b.add_material({0.8f, 0.9f, 1.0f});

@@ -51,7 +51,7 @@ TEST(Photons, CarryAllReflectedPowerOfAClosedRoom) {
     }
 }
 
-TEST(Photons, CarryTheWholeGeometricSeries) {
+TEST(Photons, CarryTheWholeGeometricSeriesSlow) {
     // However many bounces: F (r + r^2 + ...) = F r / (1 - r).
     for (const float albedo : {0.7f, 0.9f, 0.95f, 0.99f}) {
         LitStage stage(photon_room(albedo));

@@ -137,7 +137,7 @@ struct JudgedRoom {
     core::Radiance radiance;
 };
 
-TEST(Judge, IsTheSameForAnyNumberOfThreadsAndCountsNowhere) {
+TEST(Judge, IsTheSameForAnyNumberOfThreadsAndCountsNowhereSlow) {
     JudgedRoom room(0.1f);
     const Statistics before = room.stage.statistics();
     std::vector<JudgedPixel> one, two;
@@ -161,7 +161,7 @@ TEST(Judge, IsTheSameForAnyNumberOfThreadsAndCountsNowhere) {
     EXPECT_TRUE(room.judge(0).empty());
 }
 
-TEST(Judge, FindsGatheringWithoutErrorInAReferenceFrame) {
+TEST(Judge, FindsGatheringWithoutErrorInAReferenceFrameSlow) {
     JudgedRoom room(0.0f);
     ErrorSplit split;
     split.add(room.judge(24), luma);
@@ -174,7 +174,7 @@ TEST(Judge, FindsGatheringWithoutErrorInAReferenceFrame) {
     EXPECT_LT(split.bias(ErrorCause::total).error, 0.03);
 }
 
-TEST(Judge, FindsWhatAFrameLacks) {
+TEST(Judge, FindsWhatAFrameLacksSlow) {
     // A fifth of the light is taken away after gathering.
     JudgedRoom room(0.0f);
     const auto before = room.judge(12);

@@ -66,7 +66,7 @@ TEST(StoppingRule, KeepsItsToleranceInNinetyNineOfAHundredPixelsSlow) {
     EXPECT_EQ(stage.statistics().capped_points, 0u);
 }
 
-TEST(StoppingRule, KeepsEveryPixelsOwnTolerance) {
+TEST(StoppingRule, KeepsEveryPixelsOwnToleranceSlow) {
     // Fine and coarse pixels alternate, so that every group holds both.
     const core::Radiance& truth = shared_truth();
     core::ToleranceMap map = core::ToleranceMap::uniform(48, 48, {0.0f, 0.3f});
