@@ -148,7 +148,7 @@ std::vector<HardCase> material_cases() {
          [](const Lit& film) { EXPECT_GT(film.mean(), 0.0); },
          1.0f,
          {},
-         {16, 16},
+         {8, 8},
          1},
         {"sheets cut out at the threshold", "alpha equal to the cutoff flickers", "alpha at the cutoff is there",
          [] {

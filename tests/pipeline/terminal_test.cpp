@@ -107,7 +107,7 @@ TEST(Completion, OffersTheValuesOfOptionsThatHaveFew) {
     using Words = std::set<std::string>;
     EXPECT_EQ(completions("render --clamp \"\""), (Words{"bounded", "none"}));
     EXPECT_EQ(completions("render --masking \"\""), (Words{"warped", "quantised"}));
-    EXPECT_EQ(completions("render --tolerance \"\""), (Words{"coupled", "fixed=", "reference"}));
+    EXPECT_EQ(completions("render --tolerance \"\""), (Words{"coupled", "fixed=", "reference", "truth"}));
     EXPECT_EQ(completions("render --for d"), (Words{"dvd-ntsc", "dvd-pal"}));
     EXPECT_EQ(completions("render --tune \"\""), (Words{"psnr", "perceptual"}));
     EXPECT_EQ(completions("render --heatmap \"\""),

@@ -159,7 +159,8 @@ std::vector<Estimate> whole_pixels(const Posed& posed, const TruthCase& c, std::
             const glm::vec2 place(static_cast<float>(x) + (static_cast<float>(k % across) + 0.5f) / across,
                                   static_cast<float>(y) + (static_cast<float>(k / across) + 0.5f) / across);
             const scene::Ray ray = posed.world.camera.ray_through(place);
-            found.push_back(tracer.radiance(ray.origin, ray.direction, paths_of(c, true), c.paths / places,
+            found.push_back(tracer.radiance(ray.origin, ray.direction, paths_of(c, true),
+                                            std::max<std::uint64_t>(c.paths / places, 1),
                                             core::mix(seed) + i * places + static_cast<std::uint64_t>(k)));
         }
         pixels[i] = mean_of(found);

@@ -14,11 +14,11 @@ namespace render2mpeg::app {
 
 /// What --tolerance asks for.
 struct ToleranceRequest {
-    bool reference = false;         ///< every light point, no clustering; with `truth` by paths instead
-    float relative = 0.02f;         ///< else: share of each pixel's luminance
-    bool coupled = false;           ///< instead: what coding and the eye hide
-    std::optional<float> fraction;  ///< of it, > 0; none: what the quantiser allows
-    std::optional<float> truth;     ///< standard error of a pixel over its luminance
+    bool reference = false;                     ///< every light point, no clustering; with `truth` by paths instead
+    float relative = 0.02f;                     ///< else: share of each pixel's luminance
+    bool coupled = false;                       ///< instead: what coding and the eye hide
+    std::optional<float> fraction;              ///< of it, > 0; none: what the quantiser allows
+    std::optional<float> truth = std::nullopt;  ///< standard error of a pixel over its luminance
 };
 
 /// What --shutter asks for, as scene::Shutter has it.

@@ -55,7 +55,8 @@ std::vector<Effect> effects_of(const RenderJob& film, const RunStatistics& stati
     // Layers are met by shadow rays to all lights alike.
     const bool photons = plan.runs(Pass::photons);
     const double direct = pass(Pass::punctual_lights) + pass(Pass::emissive_lights) + pass(Pass::direct_tree);
-    const double bounced = photons ? pass(Pass::indirect_tree) : 0.0;
+    const bool bounces = plan.runs(Pass::indirect_tree);
+    const double bounced = bounces ? pass(Pass::indirect_tree) : 0.0;
     const double layers = std::min(r.layer_seconds, direct + bounced);
     const double rest = core::divide_or(direct + bounced - layers, direct + bounced, 1.0);
     if (const std::string sources = list_of(plan, {{Pass::punctual_lights, "lamps"},
@@ -63,10 +64,12 @@ std::vector<Effect> effects_of(const RenderJob& film, const RunStatistics& stati
                                                    {Pass::sky_light, "the sky"}});
         !sources.empty())
         effects.push_back({"direct light", rest * direct, {}, r.direct_clusters, sources});
-    if (photons) {
+    if (photons)
         effects.push_back({"photons", pass(Pass::photons), r.photon_rays, {}, "that carry light to where it bounces"});
+    if (bounces && film.rendering.indirect == renderer::Indirect::rays)
+        effects.push_back({"bounced light", rest * bounced, r.gather_rays, {}, ""});
+    else if (bounces)
         effects.push_back({"bounced light", rest * bounced, {}, r.indirect_clusters, ""});
-    }
     if (plan.runs(Pass::alpha) || plan.runs(Pass::glass))
         effects.push_back({"transparent shadows", layers, {}, {}, "about: what layers let through of light"});
     if (film.tolerance.coupled && film.kind == OutputKind::film)

@@ -27,10 +27,6 @@ constexpr std::uint32_t bundle_rays = 256;
 /// Rays of a bundle from which sixteen neighbours lie within an eighth of the hemisphere.
 constexpr std::uint32_t coherent_rays = 128;
 
-/// Size of cells over the length of gather rays. chosen: 0.2 of 0.06 to 0.3, where smooth errors begin to grow in a
-/// box.
-constexpr float cell_spread = 0.2f;
-
 /// Standard errors that a tolerance holds. chosen: 1.3 of 0.7 to 2.6, half of what one point in a hundred exceeds: the
 /// error of rays is white, which coding hides twice to four times as well as what is smooth.
 constexpr float errors_allowed = 1.3f;
@@ -113,7 +109,7 @@ struct FinalGather::Traced {
 
 FinalGather::FinalGather(const PosedScene& posed_scene, const Plan& plan)
     : posed_scene_(posed_scene),
-      gather_rays_(posed_scene, plan.runs(Pass::sky_light)),
+      gather_rays_(posed_scene, plan),
       cache_(posed_scene, plan),
       bodies_block_(plan.runs(Pass::caustics)) {}
 
@@ -132,7 +128,6 @@ void FinalGather::trace(const GatherRequest& request, const Bundle& bundle, Trac
     const std::uint32_t places = point.others + 1u;
     RayRules rules;
     rules.near = request.extent;
-    rules.spread = cell_spread;
     rules.brightest = sky_brightest_;
     rules.bodies_block = bodies_block_;
     const float solid_angle =
@@ -239,8 +234,10 @@ std::vector<std::uint32_t> FinalGather::wanted_rays(std::span<const GatherReques
             const double variance = others > 0 ? (all - s.batch_variance()) / others : s.batch_variance();
             const double mean = s.batches * batch_rays / s.rays;
             const double error = requests[i].tolerance.allows(static_cast<float>(mean)) / (errors_allowed * finer);
-            const double n =
-                error > 0.0 ? batch_rays * std::pow(variance / (error * error), 1.0 / variance_power) : most_rays;
+            // Of points that may not err those that show most get most.
+            const double shown = std::min(static_cast<double>(core::luminance(requests[i].point->weight)), 1.0);
+            const double n = error > 0.0 ? batch_rays * std::pow(variance / (error * error), 1.0 / variance_power)
+                                         : most_rays * shown;
             const auto rays = static_cast<std::uint32_t>(std::clamp(n, 1.0 * first_rays, 1.0 * most_rays));
             wanted[i] = (rays + batch_rays - 1) / batch_rays * batch_rays;
         }

@@ -4,7 +4,10 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "core/numeric.h"
+#include "renderer/base/plan.h"
 #include "renderer/geometry/ray_tracer.h"
+#include "renderer/paths/light_sources.h"
 #include "renderer/surface/posed_scene.h"
 
 namespace render2mpeg::renderer {
@@ -30,13 +33,22 @@ struct RayTerm {
     Sighting place;
 };
 
+/// Lights that a ray's owner asked for by next events as well: those that the ray meets count by the balance heuristic
+/// [Veach1995].
+struct AskedLights {
+    const LightSources& lights;
+    LightQuery query;   ///< from where they were asked
+    float density = 0;  ///< of the ray's direction, per steradian
+
+    float share(float other) const { return core::divide_or(density, density + other, 0.0f); }
+};
+
 /// How a ray is looked along.
 struct RayRules {
-    float near = 0;             ///< hits nearer than this get a cell of their own, world
-    float spread = 0;           ///< size of cells over the ray's length
-    bool sees_sky = true;       ///< what escapes shows the sky
-    float brightest = 0;        ///< luminance that the sky shows at most
-    bool sees_lamps = false;    ///< lamps behind mirrors are seen; mirrors are black otherwise
+    float near = 0;       ///< hits nearer than this get a cell of their own, world
+    float brightest = 0;  ///< luminance that the sky shows at most
+    const AskedLights* asked =
+        nullptr;                ///< what shines is seen, in mirrors too; else surfaces shine not, mirrors are black
     bool bodies_block = false;  ///< solid bodies of glass let nothing through: caustics have it
     std::uint8_t depth = 0;     ///< of the place that it leaves, if that has a cell of its own
 };
@@ -44,11 +56,11 @@ struct RayRules {
 /// Follows rays through the posed scene.
 class GatherRays {
   public:
-    explicit GatherRays(const PosedScene& posed_scene, bool sky_light);
+    GatherRays(const PosedScene& posed_scene, const Plan& plan);
 
-    /// Radiance along the ray as far as it is known: of the sky, of lamps behind mirrors. Appends to `terms` those
-    /// surfaces whose light is to be asked. `hit`: what the ray meets first. `number` makes keys of own cells. `rays`
-    /// counts those that it takes more.
+    /// Radiance along the ray as far as it is known: of the sky, of lamps that were asked. Appends to `terms` a surface
+    /// whose light is to be asked, if it meets any. `hit`: what the ray meets first. `number` makes keys of own cells.
+    /// `rays` counts those that it takes more.
     glm::vec3 follow(RayQuery ray, Hit hit, const RayRules& rules, float solid_angle, std::uint64_t number,
                      std::uint32_t index, std::vector<RayTerm>& terms, std::uint64_t& rays) const;
 
@@ -59,9 +71,11 @@ class GatherRays {
                       std::uint64_t number) const;
 
     const PosedScene& posed_scene_;
-    bool sky_light_;
-    float extent_;             ///< of the scene, world: places are sorted by its parts
-    std::vector<bool> plain_;  ///< by material: opaque, neither mirror nor glass
+    bool sky_light_, bounces_;  ///< passes of the plan
+    float extent_;              ///< of the scene, world: places are sorted by its parts
+    int extent_level_;          ///< power of two in it: scaled scenes have the same cells
+    std::vector<bool> plain_;   ///< by material: opaque, neither mirror nor glass
+    std::vector<bool> shines_;
 };
 
 }  // namespace render2mpeg::renderer

@@ -14,12 +14,9 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// Places that a cell is evaluated at, at most. chosen: 8 of 4 to 64, which err alike.
-constexpr std::uint32_t most_places = 8;
-
-/// Size of the cells that a cell's own rays ask, over the length of these rays. chosen: 0.4, twice that of gather rays:
-/// their errors are averaged over the places of all cells that a point sees.
-constexpr float bounce_spread = 0.4f;
+/// Places that a cell is evaluated at, at most, if a point asks it; half as many for each bounce that lies between.
+/// chosen: 16 of 4 to 64, which err alike in Sponza.
+constexpr std::uint32_t most_places = 16;
 
 /// Lobes seen by a cell are at least so wide: what a mirror-like floor throws is a matter of caustics, and would be
 /// noise here. chosen: 0.25 of alpha, a roughness of 0.5; not tuned.
@@ -33,7 +30,7 @@ constexpr int most_sweeps = 64;
 /// Places that one task evaluates.
 constexpr std::size_t lessons_at_once = 64;
 
-enum Number : std::uint64_t { lamp, surface, sky, bounce, side };
+enum Number : std::uint64_t { lamp, surface, sky, bounce, side, end };
 
 float uniform(std::uint64_t number, Number use, std::uint64_t which) {
     return core::uniform(number, use, which);
@@ -74,6 +71,8 @@ void CellTable::insert(std::uint64_t key, std::uint32_t index) {
 /// A ray on which a cell's light goes on.
 struct SurfaceCache::Bounce {
     RayQuery ray;
+    LightQuery query;   ///< that lights were asked by
+    float density = 0;  ///< of the direction
     glm::vec3 weight{1};
     std::uint64_t number = 0;
     float near = 0;            ///< RayRules
@@ -89,7 +88,7 @@ struct SurfaceCache::Evaluated {
 };
 
 SurfaceCache::SurfaceCache(const PosedScene& posed_scene, const Plan& plan)
-    : posed_scene_(posed_scene), gather_rays_(posed_scene, plan.runs(Pass::sky_light)), plan_(plan) {}
+    : posed_scene_(posed_scene), gather_rays_(posed_scene, plan), plan_(plan) {}
 
 void SurfaceCache::forget() {
     table_.clear();
@@ -114,18 +113,19 @@ std::uint32_t SurfaceCache::index_of(std::uint64_t key) const {
 
 std::uint32_t SurfaceCache::find(std::uint64_t key) const {
     const std::uint32_t index = table_.find(key);
-    return index != CellTable::none && cells_[index].places >= most_places ? index : CellTable::none;
+    return index != none && cells_[index].places >= most_places ? index : none;
 }
 
 /// Light of lamps, shining surfaces and the image of a sky, by next events.
-glm::vec3 SurfaceCache::lamps(const SurfacePoint& p, std::uint64_t number, std::uint64_t& rays) const {
-    const LightQuery query{p.position, shadow_origin(p), p.geometric_normal + p.smooth.tilt};
+glm::vec3 SurfaceCache::lamps(const SurfacePoint& p, const LightQuery& query, std::uint64_t number,
+                              std::uint64_t& rays) const {
     glm::vec3 sum(0);
     const auto add = [&](const LightSample& s) {
         const float cosine = glm::dot(p.shading_normal, s.direction);
         if (!(core::luminance(s.light) > 0.0f) || !(cosine > 0.0f) || !(glm::dot(s.direction, query.normal) > 0.0f))
             return;
         glm::vec3 light = evaluate(p.bsdf, p.shading_normal, p.outgoing, s.direction) * cosine * s.light;
+        if (s.density > 0.0f) light *= s.density / (s.density + cosine * lobe::inverse_pi);
         if (!(core::luminance(light) > 0.0f)) return;
         if (const Air* air = posed_scene_.air(); air != nullptr) {
             const glm::vec3 direction = core::normalize_or(s.ray, s.direction);
@@ -168,16 +168,19 @@ void SurfaceCache::light_place(const Sighting& place, std::uint64_t number, std:
     p.bsdf.alpha = std::max(p.bsdf.alpha, least_alpha);
     p.bsdf.alpha_along = std::max(p.bsdf.alpha_along, least_alpha);
 
-    const glm::vec3 direct = weight * lamps(p, number, out.rays);
+    const LightQuery query{p.position, shadow_origin(p), p.geometric_normal + p.smooth.tilt};
+    const glm::vec3 direct = weight * lamps(p, query, number, out.rays);
     if (core::is_finite(direct)) known_light += direct;
 
     const glm::vec3 direction =
         core::sample_cosine_hemisphere(p.shading_normal, {uniform(number, bounce, 0), uniform(number, bounce, 1)});
-    if (!(glm::dot(direction, p.geometric_normal + p.smooth.tilt) > 0.0f)) return;
+    if (!(glm::dot(direction, query.normal) > 0.0f)) return;
     weight *= evaluate(p.bsdf, p.shading_normal, p.outgoing, direction) / lobe::inverse_pi;
     if (!(core::luminance(weight) > 0.0f) || !core::is_finite(weight)) return;
     out.rays += 1;
-    out.bounces.push_back({{shadow_origin(p), direction, std::numeric_limits<float>::infinity()},
+    out.bounces.push_back({{query.origin, direction, std::numeric_limits<float>::infinity()},
+                           query,
+                           std::max(glm::dot(p.shading_normal, direction), 0.0f) * lobe::inverse_pi,
                            weight,
                            number,
                            place.depth > 0 ? 0.5f * place.size : 0.0f,
@@ -186,18 +189,17 @@ void SurfaceCache::light_place(const Sighting& place, std::uint64_t number, std:
 }
 
 /// Follows the rays of all places of a task.
-void SurfaceCache::follow_bounces(std::span<Lesson> lessons, Evaluated& out) const {
+void SurfaceCache::follow_bounces(std::span<Lesson> lessons, bool may_end, Evaluated& out) const {
     std::vector<RayQuery> queries;
     for (const Bounce& b : out.bounces) queries.push_back(b.ray);
     std::vector<Hit> hits(queries.size());
     posed_scene_.tracer().any_nearest(queries, hits, false);
     RayRules rules;
-    rules.spread = bounce_spread;
-    rules.sees_sky = !sources_->has_sky();
     rules.brightest = std::numeric_limits<float>::infinity();
-    rules.sees_lamps = true;
     for (std::size_t i = 0; i < queries.size(); ++i) {
         const Bounce& b = out.bounces[i];
+        const AskedLights asked{*sources_, b.query, b.density};
+        rules.asked = &asked;
         rules.near = b.near;
         rules.depth = b.depth;
         Lesson& lesson = lessons[b.lesson];
@@ -205,33 +207,47 @@ void SurfaceCache::follow_bounces(std::span<Lesson> lessons, Evaluated& out) con
         const glm::vec3 known = b.weight * gather_rays_.follow(b.ray, hits[i], rules, lobe::inverse_pi,
                                                                core::mix(b.number), 0, out.terms, out.rays);
         if (core::is_finite(known)) lesson.known += known;
-        for (std::size_t k = first; k < out.terms.size(); ++k) out.terms[k].weight *= b.weight;
+        if (out.terms.size() > first) {
+            RayTerm& term = out.terms.back();
+            term.weight *= b.weight;
+            const float likely = may_end ? std::min(core::luminance(term.weight), 1.0f) : 1.0f;
+            term.weight /= likely;
+            if (uniform(b.number, end, 0) >= likely) out.terms.pop_back();
+        }
         if (lesson.first_link == lesson.last_link) lesson.first_link = first;
         lesson.last_link = static_cast<std::uint32_t>(out.terms.size());
     }
 }
 
 /// Chooses the places that cells are evaluated at among those where rays met them, evenly.
-void SurfaceCache::plan_lessons(std::vector<Sighting>& wanted, std::vector<Sighting>& places,
+void SurfaceCache::plan_lessons(std::vector<Sighting>& wanted, std::uint32_t most, std::vector<Sighting>& places,
                                 std::vector<Lesson>& lessons) {
     std::stable_sort(wanted.begin(), wanted.end());
     for (std::size_t first = 0, last = 0; first < wanted.size(); first = last) {
         const std::uint64_t key = wanted[first].key;
         while (last < wanted.size() && wanted[last].key == key) ++last;
         std::uint32_t index = index_of(key);
-        if (index == CellTable::none) index = make_cell(key);
-        const std::size_t asked = last - first, room = most_places - cell(index).places;
+        if (index == none) index = make_cell(key);
+        Cell& taught = cell(index);
+        const std::size_t asked = last - first, room = most - std::min(taught.places, most);
         const std::size_t take = std::min(asked, room);
         if (take == 0) continue;
-        lessons.push_back(
-            {index, static_cast<std::uint32_t>(places.size()), static_cast<std::uint32_t>(take), 0, 0, {}});
+        Lesson lesson;
+        lesson.cell = index;
+        lesson.first = static_cast<std::uint32_t>(places.size());
+        lesson.places = static_cast<std::uint32_t>(take);
+        lesson.number = taught.places;
+        lesson.earlier = taught.lesson;
+        taught.lesson = static_cast<std::uint32_t>(lessons.size());
+        taught.places += lesson.places;
+        lessons.push_back(lesson);
         for (std::size_t i = 0; i < take; ++i) places.push_back(wanted[first + i * asked / take]);
     }
     wanted.clear();
 }
 
 void SurfaceCache::evaluate_lessons(std::span<Lesson> lessons, const std::vector<Sighting>& places,
-                                    std::vector<Link>& links, std::vector<Sighting>& wanted) {
+                                    std::vector<Link>& links, std::uint32_t most, std::vector<Sighting>& wanted) {
     const std::size_t tasks = (lessons.size() + lessons_at_once - 1) / lessons_at_once;
     std::vector<Evaluated> found(tasks);
     parallel::for_each(tasks, [&](std::size_t task) {
@@ -242,11 +258,11 @@ void SurfaceCache::evaluate_lessons(std::span<Lesson> lessons, const std::vector
             Lesson& lesson = lessons[l];
             for (std::uint32_t k = 0; k < lesson.places; ++k) {
                 const Sighting& place = places[lesson.first + k];
-                light_place(place, core::mix(place.key) + cell(lesson.cell).places + k,
-                            static_cast<std::uint32_t>(l - first), lesson.known, out);
+                light_place(place, core::mix(place.key) + lesson.number + k, static_cast<std::uint32_t>(l - first),
+                            lesson.known, out);
             }
         }
-        follow_bounces(lessons.subspan(first, last - first), out);
+        follow_bounces(lessons.subspan(first, last - first), most == 1, out);
         out.bounces = {};
     });
     for (std::size_t task = 0; task < tasks; ++task) {
@@ -255,7 +271,7 @@ void SurfaceCache::evaluate_lessons(std::span<Lesson> lessons, const std::vector
         for (std::size_t l = first; l < last; ++l) lessons[l].first_link += base, lessons[l].last_link += base;
         for (const RayTerm& t : found[task].terms) {
             links.push_back({t.place.key, t.weight, index_of(t.place.key)});
-            if (links.back().cell == CellTable::none) wanted.push_back(t.place);
+            if (links.back().cell == none || cell(links.back().cell).places < most) wanted.push_back(t.place);
         }
         rays_ += found[task].rays;
     }
@@ -264,27 +280,30 @@ void SurfaceCache::evaluate_lessons(std::span<Lesson> lessons, const std::vector
 /// Gauss-Seidel, the cells learnt last first: they are what the others ask.
 void SurfaceCache::solve(std::span<Lesson> lessons, std::vector<Link>& links) {
     for (Link& link : links)
-        if (link.cell == CellTable::none) link.cell = index_of(link.key);
-    struct Sum {
-        glm::vec3 before{0};  ///< of places evaluated earlier
-        float count = 1;
-    };
-    std::vector<Sum> sums(lessons.size());
-    for (std::size_t l = 0; l < lessons.size(); ++l) {
+        if (link.cell == none) link.cell = index_of(link.key);
+    // The last lesson of a cell has the sum of all that is known of it.
+    for (Lesson& lesson : lessons) {
+        const Cell& taught = cell(lesson.cell);
+        lesson.known += lesson.earlier == none ? static_cast<float>(lesson.number) * taught.radiance
+                                               : lessons[lesson.earlier].known;
+    }
+    std::vector<std::uint32_t> last_ones;
+    for (auto l = static_cast<std::uint32_t>(lessons.size()); l-- > 0;) {
         Cell& taught = cell(lessons[l].cell);
-        sums[l].before = static_cast<float>(taught.places) * taught.radiance + lessons[l].known;
-        taught.places += lessons[l].places;
-        sums[l].count = static_cast<float>(taught.places);
-        taught.radiance = sums[l].before / sums[l].count;
+        if (taught.lesson != l) continue;
+        last_ones.push_back(l);
+        taught.lesson = none;
+        taught.radiance = lessons[l].known / static_cast<float>(taught.places);
     }
     for (int sweep = 0; sweep < most_sweeps; ++sweep) {
         double change = 0, all = 0;
-        for (std::size_t l = lessons.size(); l-- > 0;) {
-            glm::vec3 sum = sums[l].before;
-            for (std::uint32_t k = lessons[l].first_link; k < lessons[l].last_link; ++k)
-                sum += links[k].weight * cell(links[k].cell).radiance;
-            Cell& taught = cell(lessons[l].cell);
-            sum /= sums[l].count;
+        for (const std::uint32_t last : last_ones) {
+            glm::vec3 sum = lessons[last].known;
+            for (std::uint32_t l = last; l != none; l = lessons[l].earlier)
+                for (std::uint32_t k = lessons[l].first_link; k < lessons[l].last_link; ++k)
+                    sum += links[k].weight * cell(links[k].cell).radiance;
+            Cell& taught = cell(lessons[last].cell);
+            sum /= static_cast<float>(taught.places);
             change += static_cast<double>(std::abs(core::luminance(sum - taught.radiance)));
             all += static_cast<double>(core::luminance(sum));
             taught.radiance = sum;
@@ -299,11 +318,12 @@ void SurfaceCache::learn(std::vector<Sighting>& wanted) {
     std::vector<Lesson> lessons;
     std::vector<Link> links;
     std::vector<Sighting> places;
-    while (!wanted.empty()) {
+    for (std::uint32_t most = most_places; !wanted.empty();) {
         const std::size_t first = lessons.size();
         places.clear();
-        plan_lessons(wanted, places, lessons);
-        evaluate_lessons(std::span(lessons).subspan(first), places, links, wanted);
+        plan_lessons(wanted, most, places, lessons);
+        most = std::max(most / 2, 1u);
+        evaluate_lessons(std::span(lessons).subspan(first), places, links, most, wanted);
     }
     solve(lessons, links);
 }

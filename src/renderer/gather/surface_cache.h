@@ -37,9 +37,10 @@ class CellTable {
 };
 
 /// Cells of the posed instant. A cell's radiance is the mean over some of the places where rays met it: of the light of
-/// lamps, by one shadow ray for each kind, and of one ray that asks the next cell. These cells are learnt as well,
-/// until every ray has an answer; then the sums are solved as the linear equations that they are, so that no bounce is
-/// cut off. Which places a cell has is decided by the order of the questions alone, for any number of threads.
+/// lamps, by one shadow ray for each kind and by what the next ray meets, and of the next cell that this ray asks.
+/// These cells are learnt as well, until every ray has an answer; then the sums are solved as the linear equations that
+/// they are, so that no bounce is cut off. Which places a cell has is decided by the order of the questions alone, for
+/// any number of threads.
 class SurfaceCache {
   public:
     SurfaceCache(const PosedScene& posed_scene, const Plan& plan);
@@ -64,9 +65,11 @@ class SurfaceCache {
     std::uint64_t rays() const { return rays_; }
 
   private:
+    static constexpr std::uint32_t none = CellTable::none;
     struct Cell {
         glm::vec3 radiance{0};
-        std::uint32_t places = 0;  ///< that it is the mean of
+        std::uint32_t places = 0;     ///< that it is the mean of, those that are being evaluated among them
+        std::uint32_t lesson = none;  ///< that teaches it, the last one
     };
     /// Light that one cell takes over from another: weight times its radiance.
     struct Link {
@@ -78,6 +81,8 @@ class SurfaceCache {
     struct Lesson {
         std::uint32_t cell = 0;
         std::uint32_t first = 0, places = 0;          ///< of the places that are evaluated
+        std::uint32_t number = 0;                     ///< of the first, among all that the cell ever had
+        std::uint32_t earlier = none;                 ///< lesson of the same cell
         std::uint32_t first_link = 0, last_link = 0;  ///< once they are
         glm::vec3 known{0};                           ///< sum over places
     };
@@ -91,14 +96,15 @@ class SurfaceCache {
     }
     Cell& cell(std::uint32_t index) { return const_cast<Cell&>(std::as_const(*this).cell(index)); }
     std::uint32_t make_cell(std::uint64_t key);
-    void plan_lessons(std::vector<Sighting>& wanted, std::vector<Sighting>& places, std::vector<Lesson>& lessons);
+    void plan_lessons(std::vector<Sighting>& wanted, std::uint32_t most, std::vector<Sighting>& places,
+                      std::vector<Lesson>& lessons);
     void light_place(const Sighting& place, std::uint64_t number, std::uint32_t lesson, glm::vec3& known_light,
                      Evaluated& out) const;
-    void follow_bounces(std::span<Lesson> lessons, Evaluated& out) const;
+    void follow_bounces(std::span<Lesson> lessons, bool may_end, Evaluated& out) const;
     void evaluate_lessons(std::span<Lesson> lessons, const std::vector<Sighting>& places, std::vector<Link>& links,
-                          std::vector<Sighting>& wanted);
+                          std::uint32_t most, std::vector<Sighting>& wanted);
     void solve(std::span<Lesson> lessons, std::vector<Link>& links);
-    glm::vec3 lamps(const SurfacePoint& p, std::uint64_t number, std::uint64_t& rays) const;
+    glm::vec3 lamps(const SurfacePoint& p, const LightQuery& query, std::uint64_t number, std::uint64_t& rays) const;
 
     const PosedScene& posed_scene_;
     GatherRays gather_rays_;
