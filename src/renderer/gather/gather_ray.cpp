@@ -31,6 +31,32 @@ std::uint64_t spread_bits(std::uint64_t v) {
     return bits;
 }
 
+/// One of the surfaces that a ray passes stands for all, as likely as it weighs, so that their number does not multiply
+/// from bounce to bounce.
+class ChosenTerm {
+  public:
+    ChosenTerm(std::uint32_t ray, float number) : term_{ray, glm::vec3(0), {}}, number_(number) {}
+
+    void offer(glm::vec3 weight, const Sighting& place) {
+        const float own = core::luminance(weight);
+        if (!(own > 0.0f)) return;
+        sum_ += own;
+        const float likely = own / sum_;
+        const bool taken = number_ < likely;
+        number_ = taken ? number_ / likely : (number_ - likely) / (1.0f - likely);
+        if (taken) term_ = {term_.ray, weight / own, place};
+    }
+    void put(std::vector<RayTerm>& terms) {
+        term_.weight *= sum_;
+        term_.place.carried = core::luminance(term_.weight);
+        if (sum_ > 0.0f) terms.push_back(term_);
+    }
+
+  private:
+    RayTerm term_;
+    float number_, sum_ = 0;
+};
+
 }  // namespace
 
 GatherRays::GatherRays(const PosedScene& posed_scene, const Plan& plan)
@@ -85,27 +111,25 @@ Sighting GatherRays::sighting(const RayQuery& ray, const Hit& hit, float distanc
     return s;
 }
 
+/// Radiance of the sky, and of suns that were asked.
+glm::vec3 GatherRays::escaped(glm::vec3 direction, const RayRules& rules, bool mirrored, float solid_angle) const {
+    glm::vec3 sky(0);
+    if (sky_light_) sky = posed_scene_.sky()->radiance(direction, solid_angle);
+    sky *= std::min(core::divide_or(rules.brightest, core::luminance(sky), 1.0f), 1.0f);
+    const AskedLights* asked = rules.asked;
+    if (asked == nullptr || mirrored) return sky;
+    sky *= asked->share(asked->lights.sky_density(direction));
+    return sky + asked->lights.suns(asked->query, direction, [&](float other) { return asked->share(other); });
+}
+
 glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, float solid_angle, std::uint64_t number,
                              std::uint32_t index, std::vector<RayTerm>& terms, std::uint64_t& rays) const {
     const Air* air = posed_scene_.air();
     const AskedLights* asked = rules.asked;
     glm::vec3 passing(1), known(0);
-    // One of the surfaces that the ray passes stands for all, as likely as it weighs, so that their number does not
-    // multiply from bounce to bounce.
-    RayTerm chosen{index, glm::vec3(0), {}};
-    float sum = 0, choice = core::uniform(number, 0, 0);
-    const auto offer = [&](glm::vec3 weight, const Sighting& place) {
-        const float own = core::luminance(weight);
-        if (!(own > 0.0f)) return;
-        sum += own;
-        const float likely = own / sum;
-        const bool taken = choice < likely;
-        choice = taken ? choice / likely : (choice - likely) / (1.0f - likely);
-        if (taken) chosen = {index, weight / own, place};
-    };
+    ChosenTerm chosen(index, core::uniform(number, 0, 0));
     const auto finished = [&] {
-        chosen.weight *= sum;
-        if (sum > 0.0f && bounces_) terms.push_back(chosen);
+        if (bounces_) chosen.put(terms);
         return known;
     };
     float distance = 0;
@@ -119,22 +143,14 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, float
             passing *= std::exp(-(hit.found() ? air->optical_depth(ray.origin, ray.direction, hit.distance)
                                               : air->depth_to_sky(ray.origin, ray.direction)));
         if (!hit.found()) {
-            glm::vec3 sky(0);
-            if (sky_light_) sky = posed_scene_.sky()->radiance(ray.direction, solid_angle);
-            sky *= std::min(core::divide_or(rules.brightest, core::luminance(sky), 1.0f), 1.0f);
-            if (asked != nullptr && !mirrored) {
-                sky *= asked->share(asked->lights.sky_density(ray.direction));
-                sky +=
-                    asked->lights.suns(asked->query, ray.direction, [&](float other) { return asked->share(other); });
-            }
-            known += passing * sky;
+            known += passing * escaped(ray.direction, rules, mirrored, solid_angle);
             return finished();
         }
         distance += hit.distance;
         const auto material = static_cast<std::size_t>(posed_scene_.animation().objects[hit.address.object].material);
         const Sighting place = sighting(ray, hit, distance, rules, number + static_cast<std::uint64_t>(step));
         if (plain_[material] && !mirrored && (asked == nullptr || !shines_[material])) {
-            offer(passing, place);
+            chosen.offer(passing, place);
             return finished();
         }
 
@@ -144,7 +160,8 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, float
             known += passing * p.alpha * p.emission *
                      (mirrored ? 1.0f : asked->share(asked->lights.surface_density(asked->query, hit.address)));
         const glm::vec3 shown = passing * p.alpha;
-        if (p.bsdf.has_diffuse() || p.bsdf.has_glossy() || p.bsdf.has_diffuse_transmission()) offer(shown, place);
+        if (p.bsdf.has_diffuse() || p.bsdf.has_glossy() || p.bsdf.has_diffuse_transmission())
+            chosen.offer(shown, place);
         const bool blocks = rules.bodies_block && p.bounds_body &&
                             posed_scene_.animation().objects[hit.address.object].body == scene::Body::solid;
         passing *= blocks ? glm::vec3(0) : posed_scene_.transmittance_at(hit.address, ray.direction);

@@ -18,6 +18,7 @@ struct Sighting {
     core::SurfaceAddress address;
     glm::vec3 outgoing{0};   ///< unit, to where it is seen from
     float size = 0;          ///< of the cell, world; textures are filtered over it
+    float carried = 1;       ///< share of a gather ray's light that comes from here, bounces that lie between counted
     std::uint8_t depth = 0;  ///< of a cell of its own: how many such cells lie between it and the point; else 0
 
     bool operator<(const Sighting& other) const { return key < other.key; }
@@ -67,6 +68,7 @@ class GatherRays {
     const PosedScene& posed_scene() const { return posed_scene_; }
 
   private:
+    glm::vec3 escaped(glm::vec3 direction, const RayRules& rules, bool mirrored, float solid_angle) const;
     Sighting sighting(const RayQuery& ray, const Hit& hit, float distance, const RayRules& rules,
                       std::uint64_t number) const;
 

@@ -9,7 +9,7 @@
 #include "core/sampling.h"
 #include "parallel/loops.h"
 #include "renderer/base/flush_denormals.h"
-#include "renderer/base/lobe.h"
+#include "renderer/paths/path_directions.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -17,6 +17,10 @@ namespace {
 /// Places that a cell is evaluated at, at most, if a point asks it; half as many for each bounce that lies between.
 /// chosen: 16 of 4 to 64, which err alike in Sponza.
 constexpr std::uint32_t most_places = 16;
+
+/// Share of a gather ray's light from which on light that nobody asked for yet counts as none. chosen: 0.001, after ten
+/// bounces off a surface of 0.5; what is asked from elsewhere as well goes on.
+constexpr float least_carried = 0.001f;
 
 /// Lobes seen by a cell are at least so wide: what a mirror-like floor throws is a matter of caustics, and would be
 /// noise here. chosen: 0.25 of alpha, a roughness of 0.5; not tuned.
@@ -30,13 +34,14 @@ constexpr int most_sweeps = 64;
 /// Places that one task evaluates.
 constexpr std::size_t lessons_at_once = 64;
 
-enum Number : std::uint64_t { lamp, surface, sky, bounce, side, end };
+enum Number : std::uint64_t { lamp, surface, sky, bounce, side, part };
 
 float uniform(std::uint64_t number, Number use, std::uint64_t which) {
     return core::uniform(number, use, which);
 }
 
-/// What the equations may carry on: no surface counts as brighter than paths have it.
+/// What a cell takes of another at most, in any channel, so that the equations have a solution: no surface counts as
+/// brighter than paths have it.
 constexpr float largest_albedo = 0.98f;
 
 }  // namespace
@@ -76,6 +81,7 @@ struct SurfaceCache::Bounce {
     glm::vec3 weight{1};
     std::uint64_t number = 0;
     float near = 0;            ///< RayRules
+    float carried = 1;         ///< Sighting
     std::uint32_t lesson = 0;  ///< of its task
     std::uint8_t depth = 0;
 };
@@ -125,7 +131,7 @@ glm::vec3 SurfaceCache::lamps(const SurfacePoint& p, const LightQuery& query, st
         if (!(core::luminance(s.light) > 0.0f) || !(cosine > 0.0f) || !(glm::dot(s.direction, query.normal) > 0.0f))
             return;
         glm::vec3 light = evaluate(p.bsdf, p.shading_normal, p.outgoing, s.direction) * cosine * s.light;
-        if (s.density > 0.0f) light *= s.density / (s.density + cosine * lobe::inverse_pi);
+        if (s.density > 0.0f) light *= s.density / (s.density + direction_density(p, lobe_chance(p), s.direction));
         if (!(core::luminance(light) > 0.0f)) return;
         if (const Air* air = posed_scene_.air(); air != nullptr) {
             const glm::vec3 direction = core::normalize_or(s.ray, s.direction);
@@ -172,24 +178,28 @@ void SurfaceCache::light_place(const Sighting& place, std::uint64_t number, std:
     const glm::vec3 direct = weight * lamps(p, query, number, out.rays);
     if (core::is_finite(direct)) known_light += direct;
 
-    const glm::vec3 direction =
-        core::sample_cosine_hemisphere(p.shading_normal, {uniform(number, bounce, 0), uniform(number, bounce, 1)});
-    if (!(glm::dot(direction, query.normal) > 0.0f)) return;
-    weight *= evaluate(p.bsdf, p.shading_normal, p.outgoing, direction) / lobe::inverse_pi;
+    const float chance = lobe_chance(p);
+    const glm::vec3 direction = chosen_direction(p, uniform(number, part, 0) < chance,
+                                                 {uniform(number, bounce, 0), uniform(number, bounce, 1)});
+    const float density = direction_density(p, chance, direction);
+    if (!(glm::dot(direction, query.normal) > 0.0f) || !(density > 0.0f)) return;
+    weight *=
+        evaluate(p.bsdf, p.shading_normal, p.outgoing, direction) * (glm::dot(p.shading_normal, direction) / density);
     if (!(core::luminance(weight) > 0.0f) || !core::is_finite(weight)) return;
     out.rays += 1;
     out.bounces.push_back({{query.origin, direction, std::numeric_limits<float>::infinity()},
                            query,
-                           std::max(glm::dot(p.shading_normal, direction), 0.0f) * lobe::inverse_pi,
+                           density,
                            weight,
                            number,
                            place.depth > 0 ? 0.5f * place.size : 0.0f,
+                           place.carried,
                            lesson,
                            place.depth});
 }
 
 /// Follows the rays of all places of a task.
-void SurfaceCache::follow_bounces(std::span<Lesson> lessons, bool may_end, Evaluated& out) const {
+void SurfaceCache::follow_bounces(std::span<Lesson> lessons, Evaluated& out) const {
     std::vector<RayQuery> queries;
     for (const Bounce& b : out.bounces) queries.push_back(b.ray);
     std::vector<Hit> hits(queries.size());
@@ -210,16 +220,16 @@ void SurfaceCache::follow_bounces(std::span<Lesson> lessons, bool may_end, Evalu
         if (out.terms.size() > first) {
             RayTerm& term = out.terms.back();
             term.weight *= b.weight;
-            const float likely = may_end ? std::min(core::luminance(term.weight), 1.0f) : 1.0f;
-            term.weight /= likely;
-            if (uniform(b.number, end, 0) >= likely) out.terms.pop_back();
+            term.weight = glm::min(term.weight, largest_albedo);
+            term.place.carried = b.carried * core::luminance(term.weight);
         }
         if (lesson.first_link == lesson.last_link) lesson.first_link = first;
         lesson.last_link = static_cast<std::uint32_t>(out.terms.size());
     }
 }
 
-/// Chooses the places that cells are evaluated at among those where rays met them, evenly.
+/// Chooses the places that cells are evaluated at among those where rays met them, evenly. A cell has as many as ever
+/// asked at once, so that asking again teaches nothing: frames that are alike stay alike.
 void SurfaceCache::plan_lessons(std::vector<Sighting>& wanted, std::uint32_t most, std::vector<Sighting>& places,
                                 std::vector<Lesson>& lessons) {
     std::stable_sort(wanted.begin(), wanted.end());
@@ -229,13 +239,13 @@ void SurfaceCache::plan_lessons(std::vector<Sighting>& wanted, std::uint32_t mos
         std::uint32_t index = index_of(key);
         if (index == none) index = make_cell(key);
         Cell& taught = cell(index);
-        const std::size_t asked = last - first, room = most - std::min(taught.places, most);
-        const std::size_t take = std::min(asked, room);
-        if (take == 0) continue;
+        const auto asked = static_cast<std::uint32_t>(last - first), wanted_places = std::min(asked, most);
+        if (wanted_places <= taught.places) continue;
+        const std::uint32_t take = wanted_places - taught.places;
         Lesson lesson;
         lesson.cell = index;
         lesson.first = static_cast<std::uint32_t>(places.size());
-        lesson.places = static_cast<std::uint32_t>(take);
+        lesson.places = take;
         lesson.number = taught.places;
         lesson.earlier = taught.lesson;
         taught.lesson = static_cast<std::uint32_t>(lessons.size());
@@ -262,7 +272,7 @@ void SurfaceCache::evaluate_lessons(std::span<Lesson> lessons, const std::vector
                             lesson.known, out);
             }
         }
-        follow_bounces(lessons.subspan(first, last - first), most == 1, out);
+        follow_bounces(lessons.subspan(first, last - first), out);
         out.bounces = {};
     });
     for (std::size_t task = 0; task < tasks; ++task) {
@@ -271,7 +281,8 @@ void SurfaceCache::evaluate_lessons(std::span<Lesson> lessons, const std::vector
         for (std::size_t l = first; l < last; ++l) lessons[l].first_link += base, lessons[l].last_link += base;
         for (const RayTerm& t : found[task].terms) {
             links.push_back({t.place.key, t.weight, index_of(t.place.key)});
-            if (links.back().cell == none || cell(links.back().cell).places < most) wanted.push_back(t.place);
+            const bool known = links.back().cell != none && cell(links.back().cell).places >= most;
+            if (!known && t.place.carried > least_carried) wanted.push_back(t.place);
         }
         rays_ += found[task].rays;
     }
@@ -301,7 +312,7 @@ void SurfaceCache::solve(std::span<Lesson> lessons, std::vector<Link>& links) {
             glm::vec3 sum = lessons[last].known;
             for (std::uint32_t l = last; l != none; l = lessons[l].earlier)
                 for (std::uint32_t k = lessons[l].first_link; k < lessons[l].last_link; ++k)
-                    sum += links[k].weight * cell(links[k].cell).radiance;
+                    if (links[k].cell != none) sum += links[k].weight * cell(links[k].cell).radiance;
             Cell& taught = cell(lessons[last].cell);
             sum /= static_cast<float>(taught.places);
             change += static_cast<double>(std::abs(core::luminance(sum - taught.radiance)));

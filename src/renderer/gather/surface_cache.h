@@ -100,7 +100,7 @@ class SurfaceCache {
                       std::vector<Lesson>& lessons);
     void light_place(const Sighting& place, std::uint64_t number, std::uint32_t lesson, glm::vec3& known_light,
                      Evaluated& out) const;
-    void follow_bounces(std::span<Lesson> lessons, bool may_end, Evaluated& out) const;
+    void follow_bounces(std::span<Lesson> lessons, Evaluated& out) const;
     void evaluate_lessons(std::span<Lesson> lessons, const std::vector<Sighting>& places, std::vector<Link>& links,
                           std::uint32_t most, std::vector<Sighting>& wanted);
     void solve(std::span<Lesson> lessons, std::vector<Link>& links);
