@@ -30,7 +30,7 @@ class FarmFilm {
     std::filesystem::path operator/(const std::string& name) const { return folder_ / name; }
     std::string options() const {
         return " " + path("scene.json") + " --hold --frames 0:" + std::to_string(frames_ - 1) +
-               " --size 32x48 --samples 1 --vpls 8 --gop 30 --overwrite --quiet " + more_ + " ";
+               " --size 32x48 --samples 1 --indirect lightcuts --vpls 8 --gop 30 --overwrite --quiet " + more_ + " ";
     }
     /// `names`: of outputs, as options.
     support::Outcome render(const std::string& names) const {

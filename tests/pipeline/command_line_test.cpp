@@ -180,8 +180,8 @@ TEST(PlanCommand, GivesAReasonForEveryPassAndItsCostAfterARenderSlow) {
     const Folder folder;
     const std::string stats = (folder / "s.json").string();
     ASSERT_EQ(run(program() + " render " + film("still_room") +
-                  " --size 32x32 --samples 1 --vpls 16 --frames 0:1 --quiet -o " + (folder / "x.mpg").string() +
-                  " --stats " + stats)
+                  " --size 32x32 --samples 1 --indirect lightcuts --vpls 16 --frames 0:1 --quiet -o " +
+                  (folder / "x.mpg").string() + " --stats " + stats)
                   .status,
               0);
     const auto priced = run(program() + " plan --within 0 " + film("still_room") + " --stats " + stats);
@@ -205,11 +205,11 @@ TEST(PlanCommand, GivesAReasonForEveryPassAndItsCostAfterARenderSlow) {
 TEST(Statistics, HaveEveryDocumentedKey) {
     const Folder folder;
     const auto file = folder / "s.json";
-    ASSERT_EQ(
-        run(program() + " render " + plain_film() + " --size 32x32 --samples 1 --vpls 16 --frames 0:1 --quiet -o " +
-            (folder / "x.mpg").string() + " --stats " + file.string())
-            .status,
-        0);
+    ASSERT_EQ(run(program() + " render " + plain_film() +
+                  " --size 32x32 --samples 1 --indirect lightcuts --vpls 16 --frames 0:1 --quiet -o " +
+                  (folder / "x.mpg").string() + " --stats " + file.string())
+                  .status,
+              0);
     const auto statistics = nlohmann::json::parse(contents(file));
     for (const char* key :
          {"version", "command", "input", "output", "width", "height", "fps", "frames", "bytes", "seconds", "rays",
@@ -232,7 +232,8 @@ TEST(Statistics, TellTheRealQuantisersWhereNoneWasAskedFor) {
     const Folder folder;
     const auto file = folder / "s.json";
     ASSERT_EQ(run(program() + " render " + plain_film() +
-                  " --size 32x32 --samples 1 --vpls 16 --frames 0:5 --exposure 0 --quiet --quality 40 --tolerance "
+                  " --size 32x32 --samples 1 --indirect lightcuts --vpls 16 --frames 0:5 --exposure 0 --quiet "
+                  "--quality 40 --tolerance "
                   "fixed=5% -o " +
                   (folder / "x.mpg").string() + " --stats " + file.string())
                   .status,

@@ -18,7 +18,8 @@
 namespace render2mpeg::test {
 namespace {
 
-const std::string few_samples = " --size 48x32 --vpls 16 --samples 1 --exposure 0 --sample 1x4 --references 2 --runs 1";
+const std::string few_samples =
+    " --size 48x32 --indirect lightcuts --vpls 16 --samples 1 --exposure 0 --sample 1x4 --references 2 --runs 1";
 
 TEST(Compare, HoldsSixWaysAgainstOneReference) {
     const Folder folder;
@@ -63,10 +64,11 @@ TEST(Compare, HoldsSixWaysAgainstOneReference) {
 
 TEST(Compare, TakesMediansOfRunsAndKeepsItsReferencesSlow) {
     const Folder folder;
-    const std::string once = program() + " compare " + plain_film() +
-                             " --size 32x32 --vpls 16 --samples 1 --exposure 0 --sample 1x2 --references 1" +
-                             " --quantisers 8,31 --keep-references " + path(folder, "kept") + " --json " +
-                             path(folder, "c.json") + " --runs ";
+    const std::string once =
+        program() + " compare " + plain_film() +
+        " --size 32x32 --indirect lightcuts --vpls 16 --samples 1 --exposure 0 --sample 1x2 --references 1" +
+        " --quantisers 8,31 --keep-references " + path(folder, "kept") + " --json " + path(folder, "c.json") +
+        " --runs ";
     const auto outcome = run(once + "2");
     ASSERT_EQ(outcome.status, 0) << outcome.output;
     EXPECT_NE(outcome.output.find("medians of 2 runs"), std::string::npos) << outcome.output;
@@ -127,9 +129,9 @@ TEST(KeptReferences, AreWholeOrNotThere) {
 
 TEST(ForeignFilm, IsHeldAgainstItsOwnFrames) {
     const Folder folder;
-    const std::string render =
-        program() + " render -y --hold " + plain_film() +
-        " --size 32x32 --vpls 16 --samples 1 --exposure 0 --frames 8:12 --tolerance fixed=20% --quiet -o ";
+    const std::string render = program() + " render -y --hold " + plain_film() +
+                               " --size 32x32 --indirect lightcuts --vpls 16 --samples 1 --exposure 0 --frames 8:12 "
+                               "--tolerance fixed=20% --quiet -o ";
     ASSERT_EQ(run(render + path(folder, "f.mpg") + " --stats " + path(folder, "s.json")).status, 0);
     std::filesystem::create_directory(folder / "frames");
     ASSERT_EQ(run(render + path(folder, "frames/f.%04d.png")).status, 0);

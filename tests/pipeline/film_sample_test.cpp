@@ -22,12 +22,14 @@ using app::Chunk;
 using app::FilmSample;
 using app::RenderJob;
 
-RenderJob small_film(const std::string& scene, const std::string& size = "32x32") {
+RenderJob small_film(const std::string& scene, const std::string& size = "32x32",
+                     const std::string& indirect = "lightcuts") {
     app::RenderOptions options;
     options.input = scene;
     options.output = "film.mpg";
     options.size = size;
     options.vpls = 16;
+    options.indirect = indirect;
     options.given = {"--vpls"};
     RenderJob film = app::prepare(options);
     film.exposure = 0;
@@ -156,7 +158,7 @@ TEST(Effects, AreTheRowsOfThePlanThatRun) {
 }
 
 TEST(Effects, ChangeThePicturesThatTheyAreLeftOutOfSlow) {
-    RenderJob film = small_film(support::film("cornell"));
+    RenderJob film = small_film(support::film("cornell"), "32x32", "rays");
     const app::EffectCosts costs =
         app::effect_costs(film, {1, 2}, std::numeric_limits<double>::infinity(), true, [](const app::EffectCost&) {});
     EXPECT_EQ(costs.left, 0);

@@ -6,7 +6,8 @@
 namespace render2mpeg::test {
 namespace {
 
-const std::string seven_frames = " --size 64x48 --samples 1 --vpls 64 --exposure 0 --quiet --frames 0:6 --gop 4";
+const std::string seven_frames =
+    " --size 64x48 --samples 1 --indirect lightcuts --vpls 64 --exposure 0 --quiet --frames 0:6 --gop 4";
 
 TEST(Heatmap, OfEverySubjectIsAFilmAsLongAsTheRender) {
     const Folder folder;
@@ -70,10 +71,10 @@ TEST(Heatmap, TakesItsTwoWordsAndNoMore) {
 TEST(Heatmap, HasSquarePixelsWhateverTheFilmHas) {
     const Folder folder;
     const std::string heat = (folder / "h.mpg").string();
-    const auto outcome = run(
-        support::program() + " render " + plain_film() + " -o " + (folder / "film.mpg").string() +
-        " --size 72x64 --display-aspect 16:9 --samples 1 --vpls 16 --exposure 0 --quiet --frames 0:0 --heatmap cut " +
-        heat);
+    const auto outcome = run(support::program() + " render " + plain_film() + " -o " + (folder / "film.mpg").string() +
+                             " --size 72x64 --display-aspect 16:9 --samples 1 --indirect lightcuts --vpls 16 "
+                             "--exposure 0 --quiet --frames 0:0 --heatmap cut " +
+                             heat);
     ASSERT_EQ(outcome.status, 0) << outcome.output;
     const auto shown = run(
         "ffprobe -v error -select_streams v -show_entries stream=width,height,sample_aspect_ratio -of csv=p=0 " + heat);

@@ -100,7 +100,7 @@ class ReportInABrowserSlow : public testing::Test {
     const Folder folder_;
 };
 
-const std::string for_browser = " --vpls 16 --samples 1 --exposure 0 --quiet";
+const std::string for_browser = " --indirect lightcuts --vpls 16 --samples 1 --exposure 0 --quiet";
 
 TEST_F(ReportInABrowserSlow, OfARenderFitsAPhoneAndADesktop) {
     ASSERT_EQ(run(program() + " render -y --hold " + plain_film() + for_browser + " --size 640x96 --frames 0:4 --aov " +

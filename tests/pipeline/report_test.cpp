@@ -45,9 +45,10 @@ std::vector<std::string> unbalanced(const std::string& html) {
 TEST(Report, IsOnePageThatStandsAloneAndItsFiguresAreTheStatisticsSlow) {
     const Folder folder;
     const std::string output = "'" + path(folder, "a&b<i>.mpg") + "'";
-    const auto outcome = run(program() + " render -y --hold " + plain_film() +
-                             " --size 48x32 --samples 1 --vpls 16 --frames 3:13 --quiet --audit 5 -o " + output +
-                             " --report " + path(folder, "r.html") + " --stats " + path(folder, "s.json"));
+    const auto outcome =
+        run(program() + " render -y --hold " + plain_film() +
+            " --size 48x32 --samples 1 --indirect lightcuts --vpls 16 --frames 3:13 --quiet --audit 5 -o " + output +
+            " --report " + path(folder, "r.html") + " --stats " + path(folder, "s.json"));
     ASSERT_EQ(outcome.status, 0) << outcome.output;
     const std::string html = contents(folder / "r.html");
 
@@ -84,7 +85,7 @@ TEST(Report, IsOnePageThatStandsAloneAndItsFiguresAreTheStatisticsSlow) {
         effects += row.at("effect").get<std::string>() + ", ";
         if (row.at("seconds").is_number()) seconds += row.at("seconds").get<double>();
     }
-    EXPECT_EQ(effects, "seeing, direct light, bounced light, what the eye misses, motion, coding, ")
+    EXPECT_EQ(effects, "seeing, direct light, photons, bounced light, what the eye misses, motion, coding, ")
         << "the box has neither mirrors nor glass";
     const double audit = statistics.at("audit").at("seconds").get<double>();
     EXPECT_GT(seconds, 0.2 * (statistics.at("seconds").at("cpu").get<double>() - audit));
@@ -102,7 +103,7 @@ TEST(Report, IsOnePageThatStandsAloneAndItsFiguresAreTheStatisticsSlow) {
 TEST(Report, OfFramesThatAreNotCodedSpeaksOfLightAlone) {
     const Folder folder;
     ASSERT_EQ(run(program() + " render -y --hold " + plain_film() +
-                  " --size 32x32 --samples 1 --vpls 16 --exposure 0 --frames 0:1 --quiet -o " +
+                  " --size 32x32 --samples 1 --indirect lightcuts --vpls 16 --exposure 0 --frames 0:1 --quiet -o " +
                   path(folder, "f.%d.exr") + " --report " + path(folder, "r.html"))
                   .status,
               0);

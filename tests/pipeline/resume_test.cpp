@@ -22,7 +22,8 @@ constexpr const char* scene_text = R"({ "frames": 164, "camera": { "position": [
              { "kind": "point", "position": [-2, 2, 1], "intensity": 3, "keys": [{ "at": 0, "power": 1 }, { "at": 6, "power": 6 }] }],
   "objects": [{ "name": "floor", "shape": "plane", "size": [6, 6] },
               { "name": "box", "shape": "box", "keys": [{ "at": 0, "position": [-1, 0, 0] }, { "at": 6, "position": [1, 0, 0], "rotate": 200 }] }] })";
-const std::string direct = " --size 32x32 --samples 1 --gop 41 --threads 1 --quiet ", light = direct + "--vpls 16 ";
+const std::string direct = " --size 32x32 --samples 1 --gop 41 --threads 1 --quiet ",
+                  light = direct + "--indirect lightcuts --vpls 16 ";
 
 std::string scene_in(const Folder& folder) {
     std::ofstream(folder / "scene.json") << scene_text;
@@ -194,7 +195,8 @@ TEST(Resume, IsTheWayOnAfterCtrlC) {
 TEST(Resume, BeginsAFilmOfWhichNothingIsLeft) {
     const Folder folder;
     const auto outcome = run(program() + " render -y --hold " + plain_film() +
-                             " --size 32x32 --samples 1 --vpls 16 --frames 0:1 --resume -o " + path(folder, "f.mpg"));
+                             " --size 32x32 --samples 1 --indirect lightcuts --vpls 16 --frames 0:1 --resume -o " +
+                             path(folder, "f.mpg"));
     EXPECT_EQ(outcome.status, 0);
     EXPECT_NE(outcome.output.find("--resume: no chunk was left of "), std::string::npos) << outcome.output;
     EXPECT_EQ(folder.entries(), 1u);
@@ -269,9 +271,9 @@ TEST(ResumeSlow, EveryKindOfOutputComesOutAsIfNothingHadHappened) {
 TEST(ResumeSlow, ScenesThatMoveAndDeformComeOutAsIfNothingHadHappened) {
     for (const char* name : {"character", "flash_cut"}) {
         const Folder folder;
-        const std::string start =
-            program() + " render -y --hold " + film(name) +
-            " --size 32x32 --samples 1 --vpls 64 --gop 41 --hold --frames 0:122 --threads 2 --quiet -o ";
+        const std::string start = program() + " render -y --hold " + film(name) +
+                                  " --size 32x32 --samples 1 --indirect lightcuts --vpls 64 --gop 41 --hold --frames "
+                                  "0:122 --threads 2 --quiet -o ";
         ASSERT_EQ(run(start + path(folder, "whole.mpg")).status, 0);
         render_killed(start + path(folder, "film.mpg"), "KILL", 3, 5, 4);
         EXPECT_TRUE(contents(folder / "film.mpg") == contents(folder / "whole.mpg")) << name;

@@ -19,7 +19,7 @@
 namespace render2mpeg::test {
 namespace {
 
-const std::string plain = " --samples 1 --vpls 16 --exposure 0 --tolerance fixed=10% ";
+const std::string plain = " --samples 1 --indirect lightcuts --vpls 16 --exposure 0 --tolerance fixed=10% ";
 const std::string smallest = plain + "--size 32x32 --frames 0:1 ";
 
 std::string render_to(const Folder& folder, const std::string& output, const std::string& options) {

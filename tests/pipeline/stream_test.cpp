@@ -16,7 +16,8 @@ namespace {
 
 std::string small_render() {
     return program() + " render " + support::plain_film() +
-           " --hold --size 96x80 --samples 1 --vpls 16 --exposure 0.5 --tolerance fixed=10% --quiet ";
+           " --hold --size 96x80 --samples 1 --indirect lightcuts --vpls 16 --exposure 0.5 --tolerance fixed=10% "
+           "--quiet ";
 }
 
 std::string named(const Folder& folder, const std::string& name) {

@@ -24,7 +24,7 @@ namespace {
 using app::QualitySearch;
 using app::Target;
 
-const std::string small_search = " --size 32x32 --vpls 16 --samples 1 --exposure 0";
+const std::string small_search = " --size 32x32 --indirect lightcuts --vpls 16 --samples 1 --exposure 0";
 
 /// Probes until nothing is left to be tried or the figure is within `near` of the target; counts them.
 int probes_until(QualitySearch& search, double target, double near, double first,
@@ -263,10 +263,11 @@ TEST(Tune, HoldsAFileToASizeThatItsSampleDoesNotFill) {
 
 TEST(Tune, SaysWhereNothingIsLostWhateverTheQuality) {
     const Folder folder;
-    const auto outcome = run(program() + " tune " + plain_film() +
-                             " --size 32x32 --vpls 16 --samples 1 --exposure -60 --sample 1x2 --target-psnr 40 "
-                             "--dry-run --json " +
-                             path(folder, "t.json"));
+    const auto outcome =
+        run(program() + " tune " + plain_film() +
+            " --size 32x32 --indirect lightcuts --vpls 16 --samples 1 --exposure -60 --sample 1x2 --target-psnr 40 "
+            "--dry-run --json " +
+            path(folder, "t.json"));
     EXPECT_EQ(outcome.status, 0) << outcome.output;
     EXPECT_NE(outcome.output.find("Nothing is lost on the sample whatever the quality"), std::string::npos)
         << outcome.output;
