@@ -228,6 +228,7 @@ struct Renderer::Impl {
         core::Radiance radiance =
             renderer::shade(light_trees, tracer, seen, eye, tolerance, s, counts, nullptr, &light);
         if (!by_rays()) return radiance;
+        if (!caches) final_gather.forget(sky_brightest());
         add_rays(final_gather, snapshot.camera, seen, tolerance, light);
         ShadeCounts again;
         return renderer::shade(light_trees, tracer, seen, eye, tolerance, s, again, &light);

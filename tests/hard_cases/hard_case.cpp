@@ -46,6 +46,9 @@ app::RenderJob render_job(const HardCase& hard_case, scene::Animation film, Way 
     p.rendering.format = p.format;
     p.rendering.samples = 1;
     p.rendering.direct_points = 64;
+    // Light points where the way is theirs: all of them, or records of them; else rays.
+    p.rendering.indirect =
+        way == Way::reference || way == Way::records ? renderer::Indirect::lightcuts : renderer::Indirect::rays;
     p.rendering.vpls = 100;
     p.rendering.isa = core::detect_isa();
     p.rendering.cache = way == Way::records ? renderer::CacheUse::on : renderer::CacheUse::off;

@@ -206,7 +206,7 @@ TEST(Statistics, HaveEveryDocumentedKey) {
     const Folder folder;
     const auto file = folder / "s.json";
     ASSERT_EQ(run(program() + " render " + plain_film() +
-                  " --size 32x32 --samples 1 --indirect lightcuts --vpls 16 --frames 0:1 --quiet -o " +
+                  " --size 32x32 --samples 1 --frames 0:1 --quiet -o " +
                   (folder / "x.mpg").string() + " --stats " + file.string())
                   .status,
               0);

@@ -135,8 +135,8 @@ TEST(Outputs, AreWrittenWholeOrNotAtAll) {
     write_text(folder / "s.json", "{\"before\": 1}");
     // Blocks of 512 bytes: the film fits, its statistics do not.
     const auto outcome =
-        run("trap '' XFSZ; ulimit -f 40; " +
-            render_to(folder, "f.m2v", "--quiet --frames 0:24 --quantiser 31 --stats " + path(folder, "s.json")));
+        run("trap '' XFSZ; ulimit -f 24; " +
+            render_to(folder, "f.m2v", "--quiet --frames 0:24 --gop 5 --quantiser 31 --stats " + path(folder, "s.json")));
     EXPECT_EQ(outcome.status, 1);
     EXPECT_TRUE(tells(outcome, "s.json: File too large")) << outcome.output;
     EXPECT_TRUE(std::filesystem::exists(folder / "f.m2v"));

@@ -187,6 +187,17 @@ TruthCase sphere() {
     return c;
 }
 
+/// Alpha hides what is seen of it, not what it shines.
+TruthCase unseen_sphere() {
+    TruthCase c = sphere();
+    for (scene::Material& m : c.scene.film().materials) {
+        if (!m.emits()) continue;
+        m.base_color.a = 0;
+        m.alpha_mode = scene::AlphaMode::blend;
+    }
+    return c;
+}
+
 /// Touches the floor.
 TruthCase sphere_on_floor() {
     TruthCase c = floor_case();
@@ -256,6 +267,8 @@ std::vector<NamedCase> lamp_cases() {
             {"Sphere", sphere},
             {"SphereBlocked", blocked<sphere>},
             {"SphereOnFloor", sphere_on_floor},
+            {"UnseenSphere", unseen_sphere},
+            {"UnseenSphereBlocked", blocked<unseen_sphere>},
             {"Cube", cube},
             {"CubeBlocked", blocked<cube>},
             {"EvenSky", even_sky},

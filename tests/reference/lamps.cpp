@@ -182,7 +182,7 @@ void Lamps::connect_surface(glm::dvec3 place, Random& random, std::vector<Connec
     if (!(distance > 0) || !(share > 0)) return;
     const Surface s = surfaces_.at(address, -d / distance);
     const double cosine = glm::dot(s.front, s.outgoing);
-    const glm::dvec3 light = s.look.emission * s.look.coverage * (cosine * e.area / (distance * distance * share));
+    const glm::dvec3 light = s.look.emission * (cosine * e.area / (distance * distance * share));
     connections.push_back({d / distance, distance, light});
 }
 

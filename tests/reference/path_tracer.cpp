@@ -120,6 +120,8 @@ class PathTracer::Path {
 
     /// What a surface sends, and where the path goes on; false: nowhere.
     bool meet(const Surface& s) {
+        // Alpha hides what is seen of a lamp, not what it shines.
+        if (scatterings_ > 0 && !s.look.unlit && counts()) light_ += throughput_ * s.look.emission;
         if (s.look.coverage < 1 && !(random_.one() < s.look.coverage)) {
             origin_ = s.origin(direction_);
             return true;
@@ -128,7 +130,7 @@ class PathTracer::Path {
             if (scatterings_ == 0) light_ += throughput_ * s.look.emission;
             return false;
         }
-        if (counts()) light_ += throughput_ * s.look.emission;
+        if (scatterings_ == 0 && counts()) light_ += throughput_ * s.look.emission;
         if (s.look.solid) return bend(s);
 
         // Choose what light did here: mirrored, passed or scattered.

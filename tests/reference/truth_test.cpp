@@ -147,23 +147,32 @@ void judge(const NamedCase& named) {
     if (wanted_paths() > 0) print_row(named, c, found, paths * side * side);
 }
 
-/// The path tracer's picture of pixels, not of their centres: by rays through 4 x 4 places of each.
+/// The path tracer's picture of pixels, not of their centres: four times by rays through a place in each of 4 x 4 parts
+/// of a pixel. What they differ by tells the error, that of an edge as well.
 std::vector<Estimate> whole_pixels(const Posed& posed, const TruthCase& c, std::uint64_t seed) {
-    constexpr int across = 4, places = across * across;
+    constexpr int across = 4, parts = across * across, pictures = 4;
+    const std::uint64_t paths = std::max<std::uint64_t>(c.paths / (parts * pictures), 4);
     const PathTracer tracer(posed.posed_scene);
     std::vector<Estimate> pixels(std::size_t{side} * side);
     parallel::for_each(pixels.size(), [&](std::size_t i) {
         const int x = static_cast<int>(i) % side, y = static_cast<int>(i) / side;
-        std::vector<Estimate> found;
-        for (int k = 0; k < places; ++k) {
-            const glm::vec2 place(static_cast<float>(x) + (static_cast<float>(k % across) + 0.5f) / across,
-                                  static_cast<float>(y) + (static_cast<float>(k / across) + 0.5f) / across);
-            const scene::Ray ray = posed.world.camera.ray_through(place);
-            found.push_back(tracer.radiance(ray.origin, ray.direction, paths_of(c, true),
-                                            std::max<std::uint64_t>(c.paths / places, 1),
-                                            core::mix(seed) + i * places + static_cast<std::uint64_t>(k)));
+        glm::dvec3 sum(0), squares(0);
+        for (std::uint64_t picture = 0; picture < pictures; ++picture) {
+            glm::dvec3 mean(0);
+            for (int k = 0; k < parts; ++k) {
+                const std::uint64_t number = core::mix(seed) + (i * pictures + picture) * parts + std::uint64_t(k);
+                const glm::vec2 place(
+                    static_cast<float>(x) + (static_cast<float>(k % across) + core::uniform(number, 0, 0)) / across,
+                    static_cast<float>(y) + (static_cast<float>(k / across) + core::uniform(number, 0, 1)) / across);
+                const scene::Ray ray = posed.world.camera.ray_through(place);
+                mean += tracer.radiance(ray.origin, ray.direction, paths_of(c, true), paths, number).mean / (1.0 * parts);
+            }
+            sum += mean;
+            squares += mean * mean;
         }
-        pixels[i] = mean_of(found);
+        const glm::dvec3 mean = sum / (1.0 * pictures);
+        const glm::dvec3 variance = glm::max(squares / (1.0 * pictures) - mean * mean, 0.0) / (pictures - 1.0);
+        pixels[i] = {mean, glm::sqrt(variance)};
     });
     return pixels;
 }

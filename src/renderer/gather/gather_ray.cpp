@@ -157,7 +157,7 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, float
         // Look at what passes or mirrors.
         const SurfacePoint p = posed_scene_.surface_at(hit.address, -ray.direction);
         if (asked != nullptr && shines_[material])
-            known += passing * p.alpha * p.emission *
+            known += passing * p.emission *
                      (mirrored ? 1.0f : asked->share(asked->lights.surface_density(asked->query, hit.address)));
         const glm::vec3 shown = passing * p.alpha;
         if (p.bsdf.has_diffuse() || p.bsdf.has_glossy() || p.bsdf.has_diffuse_transmission())

@@ -176,12 +176,12 @@ glm::vec3 LightPaths::escaped(const Way& way) const {
 
 /// Radiance that a surface on the ray sends back along it.
 glm::vec3 LightPaths::emitted(const Way& way, const SurfacePoint& met) const {
-    const glm::vec3 emission = met.alpha * met.emission;
-    if (!(mean(emission) > 0.0f)) return glm::vec3(0);
+    if (!(mean(met.emission) > 0.0f)) return glm::vec3(0);
     // Unlit surfaces are a picture's, no lamps: only lobes that rays look along show them.
-    if (met.unlit) return way.first ? way.seen_in_lobe * emission : glm::vec3(0);
+    if (met.unlit) return way.first ? met.alpha * way.seen_in_lobe * met.emission : glm::vec3(0);
     if (way.first && way.mirrored) return glm::vec3(0);
-    return emission * way.weight(lights_.surface_density(way.query, met.address));
+    // Alpha hides what is seen of a lamp, not what it shines.
+    return met.emission * way.weight(lights_.surface_density(way.query, met.address));
 }
 
 /// What becomes of the path at a surface. Roulette by what each event would carry on, as photons have it.

@@ -223,7 +223,7 @@ LightSample LightSources::to_surface(const LightQuery& query, float choice, glm:
         !(glm::dot(sample.direction, query.normal) > 0.0f))
         return {};
     const SurfacePoint point = posed_scene_.surface_at(address, -sample.direction);
-    sample.light = point.unlit ? glm::vec3(0) : point.alpha * point.emission / sample.density;
+    sample.light = point.unlit ? glm::vec3(0) : point.emission / sample.density;
     const glm::vec3 way = offset_origin(point, -sample.direction) - query.origin;
     sample.far = before_surface * glm::length(way);
     sample.ray = core::normalize_or(way, sample.direction);
