@@ -205,8 +205,7 @@ TEST(PlanCommand, GivesAReasonForEveryPassAndItsCostAfterARenderSlow) {
 TEST(Statistics, HaveEveryDocumentedKey) {
     const Folder folder;
     const auto file = folder / "s.json";
-    ASSERT_EQ(run(program() + " render " + plain_film() +
-                  " --size 32x32 --samples 1 --frames 0:1 --quiet -o " +
+    ASSERT_EQ(run(program() + " render " + plain_film() + " --size 32x32 --samples 1 --frames 0:1 --quiet -o " +
                   (folder / "x.mpg").string() + " --stats " + file.string())
                   .status,
               0);

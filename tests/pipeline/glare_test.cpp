@@ -64,9 +64,9 @@ TEST(GlareInFilms, TakesFewerRaysUnderTheVeilSlow) {
             { "kind": "point", "intensity": 14, "position": [0, 2.2, -3],
               "repeat": { "count": [4, 1, 4], "step": [3.1, 0, 4.3], "centered": true } }] })";
     const auto shadow_rays = [&](const std::string& glare) {
-        const auto result = run(program() + " render " + (folder / "film.json").string() +
-                                " -y --quiet --glare " + glare + " -o " +
-                                (folder / "film.m2v").string() + " --stats " + (folder / "s.json").string());
+        const auto result =
+            run(program() + " render " + (folder / "film.json").string() + " -y --quiet --glare " + glare + " -o " +
+                (folder / "film.m2v").string() + " --stats " + (folder / "s.json").string());
         EXPECT_EQ(result.status, 0) << result.output;
         return nlohmann::json::parse(contents(folder / "s.json")).at("rays").at("shadow").get<double>();
     };

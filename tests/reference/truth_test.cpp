@@ -165,7 +165,8 @@ std::vector<Estimate> whole_pixels(const Posed& posed, const TruthCase& c, std::
                     static_cast<float>(x) + (static_cast<float>(k % across) + core::uniform(number, 0, 0)) / across,
                     static_cast<float>(y) + (static_cast<float>(k / across) + core::uniform(number, 0, 1)) / across);
                 const scene::Ray ray = posed.world.camera.ray_through(place);
-                mean += tracer.radiance(ray.origin, ray.direction, paths_of(c, true), paths, number).mean / (1.0 * parts);
+                mean +=
+                    tracer.radiance(ray.origin, ray.direction, paths_of(c, true), paths, number).mean / (1.0 * parts);
             }
             sum += mean;
             squares += mean * mean;

@@ -71,15 +71,16 @@ std::string sentence_of(const Comparison& found) {
 std::string compare_heading(const RenderJob& film, const Comparison& found) {
     std::int64_t frames = 0;
     for (const Chunk& window : found.windows) frames += window.frames();
-    return fmt::format("{}: {} frames of {}x{} in {} window{}; {} by {} light points\n", film.animation->source, frames,
+    return fmt::format("{}: {} frames of {}x{} in {} window{}; {} by {}\n", film.animation->source, frames,
                        film.format.width, film.format.height, found.windows.size(),
-                       found.windows.size() == 1 ? "" : "s", found.references, found.light_points) +
+                       found.windows.size() == 1 ? "" : "s", found.references,
+                       reference_light(film, found.light_points)) +
            fmt::format("as reference, {} s of CPU each for light\n", short_figure(found.reference_seconds));
 }
 
 std::string way_heading() {
     return fmt::format(
-        "\nCPU seconds and size per frame; decoded against every light point before coding.\n"
+        "\nCPU seconds and size per frame; decoded against reference light before coding.\n"
         "{:<23}{:>2} {:>6} {:>6} {:>8} {:>6} {:>7} {:>6} {:>7}\n",
         "", "q", "light", "code", "size", "PSNR-Y", "SSIM", "HVS-M", "flicker");
 }

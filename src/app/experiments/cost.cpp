@@ -159,7 +159,7 @@ std::optional<CostSample> first_answer(const CostOptions& options, RenderJob& fi
     if (!estimate) return {};
     if (!options.render.quiet) print(film_text(film) + "\n" + text_of(*estimate) + "\n");
     // Each setting lights all frames of the sample, and every light point one of each window.
-    // chosen: light by every light point takes some ten times a frame's.
+    // chosen: reference light takes some ten times a frame's.
     const double frame = estimate->later * core::divide_or(estimate->clock, estimate->cpu, 1.0);
     const double settings = static_cast<double>(percents_from(options.tolerances).size()) + 1;
     const double pace = core::divide_or(estimate->clock, estimate->cpu, 1.0);

@@ -168,7 +168,7 @@ std::string tables(const Sweep& sweep, int quantiser) {
            "<p class=\"soft\">CPU: seconds of all threads for light, per frame. Rays: shadow rays per gather point; "
            "cut: "
            "clusters of lights per point. Median and 95th percentile of the error of a pixel's luminance against light "
-           "by every light point. Over: share of the pixels that err by more than their tolerance; twice: by more than "
+           "by reference light. Over: share of the pixels that err by more than their tolerance; twice: by more than "
            "twice of it. PSNR-Y, SSIM and PSNR-HVS-M (HVS-M): decoded pictures against pictures lit by every light "
            "point and not coded. Bytes per frame.</p>\n";
 }

@@ -48,16 +48,16 @@ std::string cost_heading(const RenderJob& film, const Sweep& sweep) {
         else if (&window - sweep.windows.data() == 4)
             frames += ", ...";
     }
-    return fmt::format("{}: {} frame{} of {}x{} ({}); {} by {} light points as reference\n", film.animation->source,
-                       count, count == 1 ? "" : "s", film.format.width, film.format.height, frames, sweep.references,
-                       sweep.direct_points + sweep.indirect_points) +
-           fmt::format("every light point: {} s of CPU per frame for light\n", short_figure(sweep.reference_seconds));
+    return fmt::format("{}: {} frame{} of {}x{} ({}); {} by {} as reference\n", film.animation->source, count,
+                       count == 1 ? "" : "s", film.format.width, film.format.height, frames, sweep.references,
+                       reference_light(film, sweep.direct_points + sweep.indirect_points)) +
+           fmt::format("reference light: {} s of CPU per frame\n", short_figure(sweep.reference_seconds));
 }
 
 std::string fixed_heading(int quantiser) {
     return fmt::format("\nFixed tolerances, coded with quantiser {}. Light: CPU seconds per frame, rays per\n",
                        quantiser) +
-           "point; PSNR-Y and SSIM: decoded, against every light point before coding.\n" + columns("fixed", "s");
+           "point; PSNR-Y and SSIM: decoded, against reference light before coding.\n" + columns("fixed", "s");
 }
 
 std::string fixed_row(const Trial& trial) {

@@ -13,9 +13,8 @@ std::string sample_frame_figures(const std::string& name, const Trial& trial, pe
     // One scale for both: they are to be compared.
     perceptual::HeatScale error = scale_of(HeatSubject::tolerance);
     error.title = "TRUE ERROR / LUMINANCE";
-    return slider_figure(
-               fmt::format("Frame {}: {} decoded, beside light by every light point, not coded", own.frame, name),
-               {name, own.decoded}, {"every light point", own.truth}, matrix) +
+    return slider_figure(fmt::format("Frame {}: {} decoded, beside reference light, not coded", own.frame, name),
+                         {name, own.decoded}, {"reference light", own.truth}, matrix) +
            heat_figure("What each pixel's light may be off by", own.tolerance, scale_of(HeatSubject::tolerance)) +
            heat_figure("What it is off by", own.error, error);
 }

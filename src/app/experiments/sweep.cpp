@@ -70,9 +70,8 @@ std::string steps_sentence(const Sweep& sweep, int quantiser) {
     const auto first = sweep.fixed.begin() + static_cast<std::ptrdiff_t>(i - std::min<std::size_t>(i, 1));
     const auto end = sweep.fixed.begin() + static_cast<std::ptrdiff_t>(std::min(i + 2, sweep.fixed.size()));
     if (!std::all_of(first, end, differs))
-        return fmt::format(
-            "Decoded, some of these tolerances cannot be told from light by every light point at quantiser {}. ",
-            quantiser);
+        return fmt::format("Decoded, some of these tolerances cannot be told from reference light at quantiser {}. ",
+                           quantiser);
     if (!std::all_of(first, end, [](const Trial& t) { return t.seconds > 0; }))
         return "Some of these tolerances take too little time to be measured. ";
     if (sweep.fixed.size() < 2) return {};

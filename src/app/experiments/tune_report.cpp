@@ -172,7 +172,7 @@ std::string table(const Tuning& tuning, double hertz) {
     }
     return text + "</table></div>\n<p class=\"soft\">CPU seconds per frame. " +
            (tuning.against_references() ? "PSNR-Y and SSIM: decoded, against the frames as lit, with what light adds "
-                                          "on those lit by every light point."
+                                          "on those lit as the reference."
                                         : "PSNR-Y and SSIM: decoded, against the frames as they were lit.") +
            "</p>\n";
 }
@@ -234,8 +234,8 @@ std::string tune_heading(const RenderJob& film, const Tuning& tuning) {
                                    tuning.windows.size() == 1 ? "" : "s");
     text +=
         tuning.against_references()
-            ? fmt::format("quality by {} frame{} lit by every light point, {} s of CPU each for light\n",
-                          tuning.references, tuning.references == 1 ? "" : "s", short_figure(tuning.reference_seconds))
+            ? fmt::format("quality by {} frame{} lit as the reference, {} s of CPU each for light\n", tuning.references,
+                          tuning.references == 1 ? "" : "s", short_figure(tuning.reference_seconds))
             : "quality against these frames as they were lit\n";
     text += "CPU seconds per frame for light" + std::string(tuning.target.kind == Kind::time ? "" : " and for coding");
     return text +
@@ -278,7 +278,7 @@ std::string film_sentence(const Tuning& tuning, double pictures_per_second) {
         decibels(sample.shown.psnr_y()), sample.shown.ssim_y());
     if (film.references > 0)
         text += fmt::format(
-            "; against light by every light point, as far as {} tell{}, {} and {:.4f}, the sample {} "
+            "; against reference light, as far as {} tell{}, {} and {:.4f}, the sample {} "
             "and {:.4f}",
             film.references == 1 ? "one frame" : fmt::format("{} frames", film.references),
             film.references == 1 ? "s" : "", decibels(film.reference.psnr_y), film.reference.ssim_y,

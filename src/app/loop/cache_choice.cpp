@@ -13,7 +13,7 @@ CacheChoice choose_cache(const std::string& asked, const scene::Traits& traits, 
                          std::int64_t frames, std::int64_t pixels) {
     using enum renderer::CacheUse;
     if (asked == "off") return {off, "not wanted: --cache off"};
-    if (reference) return {off, "no cause: every light point lights every pixel"};
+    if (reference) return {off, "no cause: every pixel is lit by itself"};
     if (asked == "on") return {on, "--cache on asks for it"};
     if (!traits.has_diffuse_surfaces) return {off, "would not pay: no surface shows one light from all sides"};
     if (rays) return {static_light, "pixels and frames share what gather rays found"};

@@ -16,7 +16,7 @@ void add_sweep_options(CLI::App& command, CostOptions& options) {
     command
         .add_option("--sample", options.sample,
                     "Windows spread over the film, by consecutive frames of each; the last frame of each window is "
-                    "also lit by every light point, as the reference (default: as --within allows, at most 2x3)")
+                    "also lit as the reference (default: as --within allows, at most 2x3)")
         ->type_name("WINDOWSxFRAMES")
         ->check(checked(sample_from, ""))
         ->group(sweep);
@@ -74,7 +74,7 @@ void add_trial_run_options(CLI::App& command, Options& options) {
         ->group(run);
     command
         .add_option("--keep-references", options.kept_references,
-                    "Keep frames lit by every light point in this folder, and take them from there where nothing has "
+                    "Keep frames lit as the reference in this folder, and take them from there where nothing has "
                     "changed")
         ->type_name("DIR")
         ->group(run);
@@ -112,7 +112,7 @@ CLI::App* add_compare_command(CLI::App& app, CompareOptions& options) {
     CLI::App* command = app.add_subcommand("compare", "Compare with rendering first and encoding with ffmpeg then");
     command->footer(
         "Lights a sample of the film coupled to its coding and by a fixed 2 %, codes the latter by this program, by "
-        "ffmpeg as people use it and by its strongest command, and holds all against light by every light point "
+        "ffmpeg as people use it and by its strongest command, and holds all against reference light "
         "(docs/compare.md). Needs the program ffmpeg. The references are dear: they come first, with an estimate.\n"
         "Example: render2mpeg compare scene.glb --size 640x360 --report compare.html");
     add_scene_options(*command, options.render);
@@ -126,7 +126,7 @@ CLI::App* add_compare_command(CLI::App& app, CompareOptions& options) {
         ->group(tried);
     command
         ->add_option("--references", options.references,
-                     "Frames of each window that are also lit by every light point, in adjacent pairs where there are "
+                     "Frames of each window that are also lit as the reference, in adjacent pairs where there are "
                      "several: they tell what light adds to the errors of all frames, and their pairs flicker")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str()

@@ -42,7 +42,7 @@ void add_product_options(CLI::App& command, RenderOptions& options) {
     command
         .add_option(
             "--audit", options.audit,
-            "Gather so many pixels of every frame again, from every light point, and find their true light by paths: "
+            "Gather so many pixels of every frame again, by reference light, and find their true light by paths: "
             "say how well tolerances were kept, and how far the picture is off by which cause")
         ->type_name("N")
         ->check(CLI::Range(0, 1 << 20))

@@ -76,7 +76,8 @@ void add_tolerance_option(CLI::App& command, RenderOptions& options, const std::
             "--tolerance", options.tolerance,
             "Error allowed in a pixel's light. `coupled`: what the film's coding and the eye hide; coupled=K: K times "
             "what they hide at most (default: 0.5), less in pictures that others are predicted from; fixed=P% of its "
-            "luminance; `reference`: every light point, slow; `truth`: paths of light instead of light points, as many "
+            "luminance; `reference`: every light point and 4096 rays a point, slow; `truth`: paths of light instead of "
+            "light points, as many "
             "as bring each pixel's standard error to 1% of its luminance, or truth=P%, very slow (default: coupled "
             "for films, fixed=2% for frames)")
         ->type_name("coupled|fixed=P%|reference|truth")

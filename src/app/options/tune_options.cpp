@@ -56,7 +56,7 @@ void add_tried(CLI::App& command, TuneOptions& options) {
     command
         .add_option(
             "--references", options.references,
-            "Frames of each window that are also lit by every light point, which is dear: they tell what light adds "
+            "Frames of each window that are also lit as the reference, which is dear: they tell what light adds "
             "to the errors of all frames. 0: quality is told against the pictures as they were lit (default: 1; "
             "with --target-bitrate and --max-size 0)")
         ->type_name("N")

@@ -38,7 +38,7 @@ double number(const json& s, const char* object, const char* key) {
 /// What audited pixels say; statistics of earlier versions know no truth.
 std::string audit_text(const json& audit) {
     std::string text =
-        fmt::format(" Of {} pixels gathered again from every light point, {:.2f} % are beyond their tolerance.",
+        fmt::format(" Of {} pixels gathered again by reference light, {:.2f} % are beyond their tolerance.",
                     audit.at("pixels").get<std::int64_t>(), 100 * audit.at("over_tolerance").get<double>());
     if (!audit.contains("truth")) return text;
     const auto luma = [&](const char* cause) { return audit.at("truth").at(cause).at("code_value_rms").get<double>(); };

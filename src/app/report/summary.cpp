@@ -218,7 +218,7 @@ std::string effect_lines(const RenderJob& film, const RunStatistics& statistics)
 std::string error_scale_lines(const renderer::Statistics& r) {
     return fmt::format(
         "  error_scale    {:.2f} ({:.2f} to {:.2f}) of what the worst films need; {} pixels,\n"
-        "             lit again by every light point, said so in {:.2f} s\n",
+        "             lit again by reference light, said so in {:.2f} s\n",
         r.mean_error_scale, r.least_error_scale, r.largest_error_scale, r.calibrated_pixels, r.calibration_seconds);
 }
 
@@ -226,7 +226,7 @@ std::string audit_lines(const Audit& audit) {
     using renderer::ErrorCause;
     using renderer::ErrorMeasure;
     std::string text = fmt::format(
-        "  audit      {:.2f} % of {} pixels, gathered again from every light point, are\n"
+        "  audit      {:.2f} % of {} pixels, gathered again by reference light, are\n"
         "             beyond their tolerance; errors {:.2f} % (median), {:.2f} % (95 %), {:.2f} % (99 %)\n",
         100 * audit.share_over(), audit.errors.count(), 100 * audit.errors.quantile(0.5),
         100 * audit.errors.quantile(0.95), 100 * audit.errors.quantile(0.99));

@@ -17,8 +17,8 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// Rays of a point's first look, in two halves; of one batch whose spread is looked at; and at most.
-constexpr std::uint32_t first_rays = 16, batch_rays = 8, most_rays = 4096;
+/// Rays of a point's first look, in two halves; and of one batch whose spread is looked at.
+constexpr std::uint32_t first_rays = 16, batch_rays = 8;
 
 /// Rays that are traced in one go before what they ask is learnt, and of one task. chosen: memory of some 60 MB.
 constexpr std::size_t rays_at_once = std::size_t{1} << 19;
@@ -237,8 +237,8 @@ std::vector<std::uint32_t> FinalGather::wanted_rays(std::span<const GatherReques
             // Of points that may not err those that show most get most.
             const double shown = std::min(static_cast<double>(core::luminance(requests[i].point->weight)), 1.0);
             const double n = error > 0.0 ? batch_rays * std::pow(variance / (error * error), 1.0 / variance_power)
-                                         : most_rays * shown;
-            const auto rays = static_cast<std::uint32_t>(std::clamp(n, 1.0 * first_rays, 1.0 * most_rays));
+                                         : most_gather_rays * shown;
+            const auto rays = static_cast<std::uint32_t>(std::clamp(n, 1.0 * first_rays, 1.0 * most_gather_rays));
             wanted[i] = (rays + batch_rays - 1) / batch_rays * batch_rays;
         }
     }

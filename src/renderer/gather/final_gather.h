@@ -14,6 +14,9 @@
 
 namespace render2mpeg::renderer {
 
+/// Rays of a point without a tolerance, and at most.
+inline constexpr std::uint32_t most_gather_rays = 4096;
+
 /// A point whose indirect light and sky are wanted.
 struct GatherRequest {
     const GatherPoint* point = nullptr;
