@@ -202,8 +202,11 @@ struct Renderer::Impl {
         if (!started) start_chunk(snapshot);
         pose(snapshot);
         update_light(snapshot);
+        counted_rays = gathered_rays();
         return cpu_seconds();
     }
+
+    std::uint64_t gathered_rays() const { return final_gather.counts().rays + final_gather.counts().cell_rays; }
 
     /// Gathers by rays for measurements, which teach the frames' own gathering nothing.
     std::optional<FinalGather> audit_rays() const {
@@ -275,7 +278,8 @@ struct Renderer::Impl {
     /// Adds a frame to the statistics.
     void count(const ShadeCounts& counts, const core::Visible& visible) {
         add(counts, visible, statistics);
-        statistics.gather_rays = final_gather.counts().rays + final_gather.counts().cell_rays;
+        statistics.gather_rays += gathered_rays() - counted_rays;
+        counted_rays = gathered_rays();
     }
     Settings settings;
     Plan plan;
@@ -302,8 +306,9 @@ struct Renderer::Impl {
     FrameLight light;  ///< of the points of the frame shaded last
     AmbientAir ambient_air;
     FinalGather final_gather;
-    double shared_seconds = 0;  ///< of gathering by rays, that rows have already
-    core::Radiance sharp;       ///< of the last frame that was exposed: its middle, whose points and pixels are audited
+    double shared_seconds = 0;       ///< of gathering by rays, that rows have already
+    std::uint64_t counted_rays = 0;  ///< of all, that statistics have, or that count nowhere
+    core::Radiance sharp;  ///< of the last frame that was exposed: its middle, whose points and pixels are audited
     Statistics statistics;
     std::array<double, static_cast<std::size_t>(Pass::count)> rows{};
 };

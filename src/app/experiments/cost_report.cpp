@@ -165,7 +165,7 @@ std::string tables(const Sweep& sweep, int quantiser) {
         text += "</table></div>\n";
     }
     return text +
-           "<p class=\"soft\">CPU: seconds of all threads for light, per frame. Rays: shadow rays per gather point; "
+           "<p class=\"soft\">CPU: seconds of all threads for light, per frame. Rays: shadow rays and gather rays per gather point; "
            "cut: "
            "clusters of lights per point. Median and 95th percentile of the error of a pixel's luminance against light "
            "by reference light. Over: share of the pixels that err by more than their tolerance; twice: by more than "

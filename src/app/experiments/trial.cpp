@@ -53,7 +53,7 @@ void set_counts(Trial& trial, const renderer::Statistics& before, const renderer
     const auto per_point = [&](std::uint64_t count) {
         return core::divide_or(static_cast<double>(count), points, 0.0);
     };
-    trial.rays = per_point(after.shadow_rays - before.shadow_rays);
+    trial.rays = per_point(after.shadow_rays + after.gather_rays - before.shadow_rays - before.gather_rays);
     trial.cut =
         per_point(after.direct_clusters + after.indirect_clusters - before.direct_clusters - before.indirect_clusters);
     trial.capped = per_point(after.capped_points - before.capped_points);

@@ -67,7 +67,7 @@ struct Trial {
     /// still).
     double seconds = 0;
     double window_seconds = 0;  ///< the same as it was measured in the windows
-    double rays = 0;            ///< shadow rays per gather point
+    double rays = 0;            ///< shadow rays and gather rays per gather point
     double cut = 0;             ///< clusters per gather point
     double capped = 0;          ///< share of the gather points that the largest cut stopped
     std::uint64_t points = 0;   ///< gathered for; 0: nothing is lit

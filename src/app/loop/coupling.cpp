@@ -45,7 +45,7 @@ void Coupling::keep(const core::Picture& picture, const core::Radiance& radiance
         model_.observe(picture, radiance, std::make_shared<const core::Visible>(visible), std::exchange(warped_, {})));
 }
 
-void Coupling::judge(JudgedPicture picture) {
+void Coupling::judge(const JudgedPicture& picture) {
     const auto kept = kept_.find(picture.facts.number);
     if (kept == kept_.end()) return;
     state_ = model_.judge(std::move(kept->second), picture.facts);

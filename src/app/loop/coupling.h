@@ -67,7 +67,7 @@ class Coupling {
     void keep(const core::Picture& picture, const core::Radiance& radiance, const core::Visible& visible,
               const PlannedPicture& plan);
     /// Learns how a picture was coded.
-    void judge(JudgedPicture picture);
+    void judge(const JudgedPicture& picture);
 
   private:
     float fraction_for(const PlannedPicture& plan) const;

@@ -214,7 +214,7 @@ void ChunkLoop::take(const std::vector<encoder::CodedPicture>& pictures) {
     for (const encoder::CodedPicture& coded : pictures) {
         if (coupling_) {
             const StageTimer timer(statistics_, Stage::tolerate);
-            if (std::optional<JudgedPicture> judged = terms_.coded(coded)) coupling_->judge(std::move(*judged));
+            if (const std::optional<JudgedPicture> judged = terms_.coded(coded)) coupling_->judge(*judged);
         }
         observers_.coded(coded);
     }

@@ -19,7 +19,7 @@ constexpr core::Rational wide{16, 9}, narrow{4, 3};
 /// pictures than these fit too, but nobody renders a film for them.
 /// chosen: 9 Mb/s of the 9.8 that video may take, since sound shares the 10.08 Mb/s of the disc (448 kb/s of AC-3 and
 /// headers of 2 %).
-Preset dvd(const char* name, int lines, std::vector<const char*> rates, int gop_fields) {
+Preset dvd(const char* name, int lines, const std::vector<const char*>& rates, int gop_fields) {
     Preset preset;
     preset.name = name;
     for (const int width : {720, 704}) preset.pictures.push_back({{width, lines}, {wide, narrow}, rates});

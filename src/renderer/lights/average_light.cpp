@@ -8,7 +8,7 @@ namespace {
 /// Instants that a mean is taken of. chosen: 64; a flash between two of them counts through its keys.
 constexpr int average_instants = 64;
 /// Of the largest strength, what the average is at least. chosen: a tenth; not tuned.
-constexpr float least_share = 0.1f;
+constexpr float least_of_largest = 0.1f;
 
 /// A factor's average over the film.
 float average_factor(const scene::Track& track, double duration) {
@@ -23,7 +23,7 @@ float average_factor(const scene::Track& track, double duration) {
     };
     for (int i = 0; i < average_instants; ++i) sum += look(duration * (i + 0.5) / average_instants);
     for (const float key : track.times) look(key);
-    return std::max(static_cast<float>(sum / average_instants), least_share * largest);
+    return std::max(static_cast<float>(sum / average_instants), least_of_largest * largest);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ namespace {
 
 /// Instants of the film that are looked at, and rays from each point that is seen there. chosen: 16 and 16; with 86,000
 /// rays a window of a hundredth of the sky still gets hundreds.
-constexpr int instants = 16, rays_of_each = 16;
+constexpr int sky_instants = 16, rays_of_each = 16;
 
 /// Of the rays from what is seen so many leave the scene at once under an open sky. chosen: a quarter; a room's windows
 /// take a few of a hundred.
@@ -26,7 +26,7 @@ constexpr double open_share = 0.25;
 
 /// Of all light the share that is divided evenly: what is not seen lights what is, over more bounces. chosen: a fifth,
 /// as photons' (EmissionGuide).
-constexpr float even_share = 0.2f;
+constexpr float even_sky_share = 0.2f;
 
 /// Light by one bounce counts so much as direct light. chosen: a half, the albedo of most things.
 constexpr float of_bounce = 0.5f;
@@ -49,7 +49,7 @@ class Directions {
                 for (int j = -1; j <= 1; ++j)
                     for (int i = -1; i <= 1; ++i)
                         near += sums_.at((x + i + columns) % columns, std::clamp(y + j, 0, rows - 1));
-                smooth.at(x, y) = even_share + (1.0f - even_share) * near / (9.0f * mean);
+                smooth.at(x, y) = even_sky_share + (1.0f - even_sky_share) * near / (9.0f * mean);
             }
         sums_ = std::move(smooth);
         return true;
@@ -97,7 +97,7 @@ Escape escape(const PosedScene& posed_scene, const SeenPoint& from, std::uint64_
 image::SkyImportance sky_importance(PosedScene& posed_scene, std::uint64_t& rays) {
     const auto directions = std::make_shared<Directions>();
     const scene::Animation& film = posed_scene.animation();
-    const int count = film.duration > 0.0 ? instants : 1;
+    const int count = film.duration > 0.0 ? sky_instants : 1;
     double left = 0, asked = 0;
     for (int i = 0; i < count; ++i) {
         const scene::Snapshot instant = importance_instant(film, i, count);
