@@ -11,6 +11,14 @@
 
 namespace render2mpeg::renderer {
 
+core::Plane<glm::vec3> light_of_bodies_and_air(const Seen& seen) {
+    core::Plane<glm::vec3> light(seen.visible.width(), seen.visible.height(), glm::vec3(0));
+    for (int y = 0; y < light.height(); ++y)
+        for (int x = 0; x < light.width(); ++x)
+            light.at(x, y) = caustic_light_at(seen, {x, y}) + airlight_at(seen, {x, y});
+    return light;
+}
+
 std::vector<glm::vec3> exact_pixels(const LitFrame& frame, const std::vector<LitPixel>& pixels,
                                     const MovedPoints& moved) {
     std::vector<glm::vec3> light =

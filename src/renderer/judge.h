@@ -32,6 +32,9 @@ struct LitFrame {
 std::vector<glm::vec3> exact_pixels(const LitFrame& frame, const std::vector<LitPixel>& pixels,
                                     const MovedPoints& moved = {});
 
+/// Radiance of pixels that light trees and rays do not gather.
+core::Plane<glm::vec3> light_of_bodies_and_air(const Seen& seen);
+
 /// Audited pixels of the frame beside their truth, by paths (pixel_truth.h). The same for any number of threads.
 std::vector<JudgedPixel> judge_pixels(const LitFrame& frame, const SeeSettings& see, const Plan& plan,
                                       std::span<const AuditedPixel> audited, const TruthSettings& finely);

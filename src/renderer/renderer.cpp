@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/numeric.h"
 #include "renderer/air/airlight.h"
 #include "renderer/base/stopwatch.h"
 #include "renderer/cache/irradiance_cache.h"
@@ -35,8 +36,7 @@ namespace {
 /// Up to which share of what its surroundings would give, if they filled the receiver's view, one light point may give.
 /// chosen: 25 % of 2 to 100 % (2 radii of a point's disc) for anchors and points of emissive surfaces, which lie in
 /// even strata; [Render2MPEG, 6.5]'s 2 % is for VPLs at random places (docs/model/clamping.md).
-constexpr GeometryClamp anchor_clamp{0.25f};
-constexpr GeometryClamp emitter_clamp{0.25f};
+constexpr GeometryClamp point_clamp{0.25f};
 
 /// Light trees may be planned anew at every so manieth frame of a chunk. chosen: 15, half a second: what fits badly
 /// does not do so for long, and representatives never change from frame to frame.
@@ -87,13 +87,12 @@ struct Renderer::Impl {
         }
         {
             const Stopwatch timer(row(Pass::direct_tree));
-            const std::vector<LightPoint> none;
-            const std::vector<LightPoint> still = anchors ? anchors->average_still() : none,
-                                          moving = anchors ? anchors->average_moving() : none;
-            // Light trees takes two seeds, one for direct light and the next for indirect light.
+            const auto still = anchors ? anchors->average_still() : std::vector<LightPoint>();
+            const auto moving = anchors ? anchors->average_moving() : std::vector<LightPoint>();
+            // Light trees take two seeds, one for direct light and the next for indirect light.
             if (plan.runs(Pass::whole_lamps)) lamps = WholeLamps(posed_scene, light_points.average());
-            const std::vector<LightPoint> direct = clustered(light_points.average());
-            lasting = PersistentLightTrees({direct, still, moving}, settings.seed + 2 * settings.draw);
+            lasting = PersistentLightTrees({clustered(light_points.average()), still, moving},
+                                           settings.seed + 2 * settings.draw);
             caches = (by_rays() && settings.cache != CacheUse::off) || settings.cache == CacheUse::on ||
                      (settings.cache == CacheUse::static_light &&
                       !scene::traits_of(posed_scene.animation()).changes_light());
@@ -136,9 +135,13 @@ struct Renderer::Impl {
         return by_rays() ? beyond_rays(std::move(points), sky_brightest()) : points;
     }
 
+    /// All but the light that lobe rays meet.
+    SeeSettings unlit_see_settings() const {
+        return {settings.format, settings.samples, settings.edge_samples, settings.specular_depth};
+    }
     /// What `see` needs; lights the anchors that lobe rays meet.
     SeeSettings see_settings(const scene::Snapshot& snapshot) {
-        SeeSettings s{settings.format, settings.samples, settings.edge_samples, settings.specular_depth};
+        SeeSettings s = unlit_see_settings();
         if (!plan.runs(Pass::lobe_rays)) return s;
         if (!started) start_chunk(snapshot);
         shine(snapshot);
@@ -165,9 +168,8 @@ struct Renderer::Impl {
                                      (snapshot.frame - first_frame) % rebuild_interval == 0);
             light_trees.lamps = lamps.at(posed_scene);
         }
-        const bool bounded = settings.clamp == Clamp::bounded;
-        light_trees.direct_clamp = bounded ? emitter_clamp : GeometryClamp::none();
-        light_trees.indirect_clamp = bounded ? anchor_clamp : GeometryClamp::none();
+        light_trees.direct_clamp = light_trees.indirect_clamp =
+            settings.clamp == Clamp::bounded ? point_clamp : GeometryClamp::none();
         light_trees.lobe_rays = plan.runs(Pass::lobe_rays);
         light_trees.bodies = plan.runs(Pass::caustics) ? Bodies::block : Bodies::pass;
         light_trees.air = posed_scene.air();
@@ -184,16 +186,12 @@ struct Renderer::Impl {
 
     /// Parts the time of gathering among the rows of the plan that it serves, by clusters.
     void share_time(double seconds, const ShadeCounts& counts) {
-        const double direct = static_cast<double>(counts.direct_clusters),
-                     indirect = static_cast<double>(counts.indirect_clusters);
-        const double by_gathering = final_gather.counts().seconds - shared_seconds;
-        shared_seconds = final_gather.counts().seconds;
-        seconds -= by_gathering;
-        row(Pass::indirect_tree) += by_gathering;
-        const double all = direct + indirect;
-        const Pass tree = plan.runs(Pass::direct_tree) ? Pass::direct_tree : Pass::punctual_lights;
-        row(tree) += all > 0 ? seconds * direct / all : seconds;
-        row(Pass::indirect_tree) += all > 0 ? seconds * indirect / all : 0.0;
+        const double all = final_gather.counts().seconds, gathering = all - std::exchange(shared_seconds, all);
+        const auto direct = static_cast<double>(counts.direct_clusters);
+        const double clusters = direct + static_cast<double>(counts.indirect_clusters);
+        const double direct_seconds = core::divide_or(direct, clusters, 1.0) * (seconds - gathering);
+        row(plan.runs(Pass::direct_tree) ? Pass::direct_tree : Pass::punctual_lights) += direct_seconds;
+        row(Pass::indirect_tree) += seconds - direct_seconds;
     }
 
     /// Poses and lights the snapshot; returns when gathering starts.
@@ -209,9 +207,9 @@ struct Renderer::Impl {
     std::uint64_t gathered_rays() const { return final_gather.counts().rays + final_gather.counts().cell_rays; }
 
     /// Gathers by rays for measurements, which teach the frames' own gathering nothing.
-    std::optional<FinalGather> audit_rays() const {
-        std::optional<FinalGather> rays;
-        if (by_rays()) rays.emplace(posed_scene, plan).forget(sky_brightest());
+    std::unique_ptr<FinalGather> audit_rays() const {
+        auto rays = by_rays() ? std::make_unique<FinalGather>(posed_scene, plan) : nullptr;
+        if (rays) rays->forget(sky_brightest());
         return rays;
     }
 
@@ -281,6 +279,7 @@ struct Renderer::Impl {
         statistics.gather_rays += gathered_rays() - counted_rays;
         counted_rays = gathered_rays();
     }
+
     Settings settings;
     Plan plan;
     PosedScene posed_scene;
@@ -419,14 +418,9 @@ core::Radiance Renderer::trace(const scene::Snapshot& snapshot, const Seen& seen
     if (!i.started) i.start_chunk(snapshot);
     i.pose(snapshot);
     const double start = cpu_seconds();
-    core::Plane<glm::vec3> known(seen.visible.width(), seen.visible.height(), glm::vec3(0));
-    for (int y = 0; y < known.height(); ++y)
-        for (int x = 0; x < known.width(); ++x)
-            known.at(x, y) = caustic_light_at(seen, {x, y}) + airlight_at(seen, {x, y});
-    const SeeSettings see{i.settings.format, i.settings.samples, i.settings.edge_samples, i.settings.specular_depth};
-    TrueFrame truth = true_frame(i.posed_scene, see, i.plan, known, finely);
+    TrueFrame truth = true_frame(i.posed_scene, i.unlit_see_settings(), i.plan, light_of_bodies_and_air(seen), finely);
     i.statistics.true_paths += truth.paths;
-    i.statistics.true_pixels += known.size();
+    i.statistics.true_pixels += truth.radiance.combined.size();
     i.statistics.capped_pixels += truth.capped;
     i.share_time(cpu_seconds() - start, {});
     return std::move(truth.radiance);
@@ -434,13 +428,14 @@ core::Radiance Renderer::trace(const scene::Snapshot& snapshot, const Seen& seen
 
 core::Radiance Renderer::sketch(const scene::Snapshot& snapshot, const Seen& seen,
                                 const core::ToleranceMap& tolerance) {
-    const double start = impl_->prepare(snapshot, seen);
+    Impl& i = *impl_;
+    const double start = i.prepare(snapshot, seen);
     ShadeCounts counts;
     FrameLight light;
-    core::Radiance radiance =
-        impl_->gather(snapshot, seen, tolerance_of_points(seen, tolerance), impl_->shade_settings(), counts, light);
-    if (seen.exposure) spread_light(seen, light, impl_->plan.runs(Pass::layers), radiance, counts);
-    impl_->share_time(cpu_seconds() - start, counts);
+    const ShadeSettings settings = i.shade_settings();
+    core::Radiance radiance = i.gather(snapshot, seen, tolerance_of_points(seen, tolerance), settings, counts, light);
+    if (seen.exposure) spread_light(seen, light, settings.layers, radiance, counts);
+    i.share_time(cpu_seconds() - start, counts);
     return radiance;
 }
 
@@ -471,8 +466,8 @@ std::vector<AuditedPixel> Renderer::audit(const scene::Snapshot& snapshot, const
     i.light_unseen(snapshot);
     const std::vector<LitPixel> pixels = drawn(lit_pixels(seen), static_cast<std::size_t>(count), seen.visible.frame);
     const MovedPoints moved = i.cache.moved_points(snapshot.frame, tolerance);
-    std::optional<FinalGather> rays = i.audit_rays();
-    const LitFrame frame{i.posed_scene, i.light_trees, rays ? &*rays : nullptr, seen, tolerance, radiance, moved};
+    const auto rays = i.audit_rays();
+    const LitFrame frame{i.posed_scene, i.light_trees, rays.get(), seen, tolerance, radiance, moved};
     return compare(seen, pixels, exact_pixels(frame, pixels, moved), tolerance, radiance);
 }
 
@@ -485,10 +480,9 @@ std::vector<JudgedPixel> Renderer::judge(const scene::Snapshot& snapshot, const 
     const core::Radiance& radiance = i.middle_of(seen, shown);
     i.light_unseen(snapshot);
     const MovedPoints moved = i.cache.moved_points(snapshot.frame, tolerance);
-    const SeeSettings see{i.settings.format, i.settings.samples, i.settings.edge_samples, i.settings.specular_depth};
-    std::optional<FinalGather> rays = i.audit_rays();
-    const LitFrame frame{i.posed_scene, i.light_trees, rays ? &*rays : nullptr, seen, tolerance, radiance, moved};
-    return judge_pixels(frame, see, i.plan, audited, finely);
+    const auto rays = i.audit_rays();
+    const LitFrame frame{i.posed_scene, i.light_trees, rays.get(), seen, tolerance, radiance, moved};
+    return judge_pixels(frame, i.unlit_see_settings(), i.plan, audited, finely);
 }
 
 const RayTracer& Renderer::tracer() const {
@@ -500,7 +494,7 @@ const Statistics& Renderer::statistics() const {
 }
 
 double Renderer::seconds(Pass pass) const {
-    return impl_->rows[static_cast<std::size_t>(pass)];
+    return impl_->row(pass);
 }
 
 }  // namespace render2mpeg::renderer

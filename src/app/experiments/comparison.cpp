@@ -8,6 +8,7 @@
 
 #include "app/experiments/bd_rate.h"
 #include "app/experiments/quality.h"
+#include "app/experiments/reference_cache.h"
 #include "app/experiments/sweep.h"
 #include "app/report/figures.h"
 #include "core/numeric.h"

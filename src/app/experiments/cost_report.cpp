@@ -165,12 +165,11 @@ std::string tables(const Sweep& sweep, int quantiser) {
         text += "</table></div>\n";
     }
     return text +
-           "<p class=\"soft\">CPU: seconds of all threads for light, per frame. Rays: shadow rays and gather rays per gather point; "
-           "cut: "
-           "clusters of lights per point. Median and 95th percentile of the error of a pixel's luminance against light "
-           "by reference light. Over: share of the pixels that err by more than their tolerance; twice: by more than "
-           "twice of it. PSNR-Y, SSIM and PSNR-HVS-M (HVS-M): decoded pictures against pictures lit by every light "
-           "point and not coded. Bytes per frame.</p>\n";
+           "<p class=\"soft\">CPU: seconds of all threads for light, per frame. Rays: shadow rays and gather rays per "
+           "gather point; cut: clusters of lights per point. Median and 95th percentile of the error of a pixel's "
+           "luminance against reference light. Over: share of the pixels that err by more than their tolerance; twice: "
+           "by more than twice of it. PSNR-Y, SSIM and PSNR-HVS-M (HVS-M): decoded pictures against pictures in "
+           "reference light that are not coded. Bytes per frame.</p>\n";
 }
 
 /// The frame that is looked at: as the film's own quantiser has it, or the nearest that was tried, and by the loosest

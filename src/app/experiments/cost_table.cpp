@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "app/experiments/reference_cache.h"
 #include "app/report/figures.h"
 
 namespace render2mpeg::app {

@@ -12,6 +12,7 @@
 
 #include "app/files/checksum.h"
 #include "core/error.h"
+#include "renderer/gather/final_gather.h"
 #include "renderer/surface/gather_point.h"
 
 namespace render2mpeg::app {
@@ -152,6 +153,12 @@ void ReferenceCache::keep(std::uint64_t key, const KeptReference& reference) con
         }
     }
     std::filesystem::remove(unfinished, ignored);
+}
+
+std::string reference_light(const RenderJob& film, std::size_t light_points) {
+    const std::string points = fmt::format("{} light point{}", light_points, light_points == 1 ? "" : "s");
+    if (film.rendering.indirect != renderer::Indirect::rays || film.rendering.vpls == 0) return points;
+    return points + fmt::format(" and {} rays a point", renderer::most_gather_rays);
 }
 
 }  // namespace render2mpeg::app

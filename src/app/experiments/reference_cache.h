@@ -40,4 +40,7 @@ class ReferenceCache {
     std::filesystem::path folder_;
 };
 
+/// What lights the film's references: "64 light points and 4096 rays a point".
+std::string reference_light(const RenderJob& film, std::size_t light_points);
+
 }  // namespace render2mpeg::app

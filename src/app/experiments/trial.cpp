@@ -1,7 +1,5 @@
 #include "app/experiments/trial.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -25,7 +23,6 @@
 #include "perceptual/flicker.h"
 #include "perceptual/hvs.h"
 #include "renderer/calibration/audit.h"
-#include "renderer/gather/final_gather.h"
 #include "scene/pose/motion.h"
 
 namespace render2mpeg::app {
@@ -498,12 +495,6 @@ bool Trials::light_parts(const scene::Snapshot& world, renderer::Seen& seen, int
         if (!part_done(standing)) return false;
     }
     return true;
-}
-
-std::string reference_light(const RenderJob& film, std::size_t light_points) {
-    const std::string points = fmt::format("{} light point{}", light_points, light_points == 1 ? "" : "s");
-    if (film.rendering.indirect != renderer::Indirect::rays || film.rendering.vpls == 0) return points;
-    return points + fmt::format(" and {} rays a point", renderer::most_gather_rays);
 }
 
 }  // namespace render2mpeg::app

@@ -199,7 +199,4 @@ class Trials {
     std::unique_ptr<ShownLight> shown_;  ///< of references; made with the first
 };
 
-/// What lights the film's references: "64 light points and 4096 rays a point".
-std::string reference_light(const RenderJob& film, std::size_t light_points);
-
 }  // namespace render2mpeg::app
