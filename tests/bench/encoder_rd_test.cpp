@@ -14,9 +14,9 @@ namespace {
 namespace fs = std::filesystem;
 
 /// A tiny film of a turning box, in a folder that goes away with it.
-class EncoderBenchmark : public ::testing::Test {
+class EncoderBenchmarkSlow : public ::testing::Test {
   protected:
-    EncoderBenchmark() : folder_(fs::temp_directory_path() / ("encoder_rd_test." + std::to_string(getpid()))) {
+    EncoderBenchmarkSlow() : folder_(fs::temp_directory_path() / ("encoder_rd_test." + std::to_string(getpid()))) {
         fs::create_directories(folder_);
         std::ofstream(folder_ / "turning.json") << R"({
             "size": [64, 48], "frame_rate": 30, "frames": 5, "exposure": 0,
@@ -27,14 +27,14 @@ class EncoderBenchmark : public ::testing::Test {
                 { "shape": "box", "size": 1, "material": { "texture": { "checker": ["#803020", "#e0e0e0"], "squares": 4 } },
                   "keys": [{ "at": 0, "rotate": 0 }, { "at": 1, "rotate": 200 }] }]})";
     }
-    ~EncoderBenchmark() override { fs::remove_all(folder_); }
+    ~EncoderBenchmarkSlow() override { fs::remove_all(folder_); }
 
     Clip clip() const { return make_clip({(folder_ / "turning.json").string(), folder_ / "cache", {}, 60}); }
 
     fs::path folder_;
 };
 
-TEST_F(EncoderBenchmark, RendersAFilmOnceAndThenKeepsItWithItsMotion) {
+TEST_F(EncoderBenchmarkSlow, RendersAFilmOnceAndThenKeepsItWithItsMotion) {
     const Clip first = clip();
     ASSERT_EQ(first.pictures.size(), 5u);
     const core::MotionField motion = first.motion(3, 1);
@@ -51,7 +51,7 @@ TEST_F(EncoderBenchmark, RendersAFilmOnceAndThenKeepsItWithItsMotion) {
     EXPECT_GT(std::ranges::count_if(kept.vector.values(), moved), 20);
 }
 
-TEST_F(EncoderBenchmark, MeasuresEachWayToCodeAtEachQuantiser) {
+TEST_F(EncoderBenchmarkSlow, MeasuresEachWayToCodeAtEachQuantiser) {
     const Clip film = clip();
     const auto results = code_with_ours(film, own_codecs(), {2, 12});
     ASSERT_EQ(results.size(), own_codecs().size());

@@ -16,7 +16,7 @@ const std::string render_room = support::program() + " render -y --hold " + plai
 
 const std::string kept = " --cache on";
 
-TEST(Records, ToLookOnAtThemChangesNothing) {
+TEST(RecordsSlow, ToLookOnAtThemChangesNothing) {
     const Folder folder;
     const auto place = [&](const std::string& name) { return (folder / name).string(); };
     std::string heatmaps;
@@ -37,7 +37,7 @@ TEST(Records, ToLookOnAtThemChangesNothing) {
         EXPECT_NE(header.output.find(channel), std::string::npos) << channel << "\n" << header.output;
 }
 
-TEST(Records, OfFramesAddUpToThoseOfTheFilm) {
+TEST(RecordsSlow, OfFramesAddUpToThoseOfTheFilm) {
     const Folder folder;
     const std::string stats = (folder / "s.json").string();
     ASSERT_EQ(run(render_room + (folder / "f.y4m").string() + kept + " --quiet --stats " + stats).status, 0);
@@ -55,7 +55,7 @@ TEST(Records, OfFramesAddUpToThoseOfTheFilm) {
     EXPECT_EQ(most, all.at("most").get<std::uint64_t>());
 }
 
-TEST(Records, ThatAreNotThereAreNotShown) {
+TEST(RecordsSlow, ThatAreNotThereAreNotShown) {
     const Folder folder;
     const std::string heat = " --heatmap age " + (folder / "h.m2v").string();
     for (const char* option : {" --indirect lightcuts", " --cache on --tolerance reference"}) {
@@ -68,7 +68,7 @@ TEST(Records, ThatAreNotThereAreNotShown) {
 
 constexpr std::int64_t large = 320 * 240;  ///< pixels
 
-TEST(Records, AreKeptByThemselvesWhereLightStaysOrRaysFindIt) {
+TEST(RecordsSlow, AreKeptByThemselvesWhereLightStaysOrRaysFindIt) {
     scene::Traits walk;
     walk.has_diffuse_surfaces = walk.camera_moves = true;
     const auto keeps = [](const scene::Traits& traits, std::int64_t frames = 24, bool reference = false,
@@ -99,7 +99,7 @@ TEST(Records, AreKeptByThemselvesWhereLightStaysOrRaysFindIt) {
     EXPECT_FALSE(app::choose_cache("off", walk, true, false, 24, large).keeps());
 }
 
-TEST(Records, ThePlanSaysWhyTheyAreKept) {
+TEST(RecordsSlow, ThePlanSaysWhyTheyAreKept) {
     const auto row = [](const std::string& arguments) {
         const std::string table = run(support::program() + " plan --within 0 " + arguments).output;
         const std::size_t at = table.find(" records ");
