@@ -98,7 +98,7 @@ void gather(std::vector<Place>& places, const renderer::PosedScene& posed_scene,
     renderer::LightTrees light_trees = renderer::build_light_trees({}, lit.still, 1);
     light_trees.trees[renderer::LightTrees::dynamic_tree] =
         renderer::build_light_tree(renderer::LightType::oriented, lit.moving, 1);
-    light_trees.indirect_clamp = clamp > 0 ? renderer::GeometryClamp{clamp} : renderer::GeometryClamp::none();
+    light_trees.point_clamp = clamp > 0 ? renderer::GeometryClamp{clamp} : renderer::GeometryClamp::none();
     light_trees.translucent = true;
     parallel::for_each(places.size(), [&](std::size_t i) {
         renderer::Gatherer gatherer(light_trees, posed_scene.tracer());

@@ -32,7 +32,7 @@ Stage stage_of(const std::string& scene, const bench::Wishes& wishes) {
     lights.place(stage.posed_scene, world);
     const std::vector<renderer::LightPoint> direct = lights.at(stage.posed_scene);
     stage.light_trees = renderer::build_light_trees(direct, anchors.at(stage.posed_scene, direct).still, 1);
-    stage.light_trees.direct_clamp = stage.light_trees.indirect_clamp = renderer::GeometryClamp{0.25f};
+    stage.light_trees.point_clamp = renderer::GeometryClamp{0.25f};
     renderer::SeeCounts counts;
     stage.seen = renderer::see(stage.posed_scene, {{size, size, 1.0f}, 1, 0, settings.specular_depth, {}, {}},
                                film.plan, counts);

@@ -77,7 +77,7 @@ class Lighting {
     }
     void add_all() {
         for (const renderer::ExactLight& e : stage_.light_trees.exact)
-            add(e.type, e.light, &e.spot, stage_.light_trees.direct_clamp, true);
+            add(e.type, e.light, &e.spot, stage_.light_trees.point_clamp, true);
         for (int t = 0; t < renderer::LightTrees::tree_count; ++t) {
             const renderer::LightTree& tree = stage_.light_trees.trees[static_cast<std::size_t>(t)];
             for (std::uint32_t i = 0; i < tree.lights.size(); ++i)

@@ -228,6 +228,7 @@ Tolerated VisibilityModel::tolerate(const core::Visible& visible, const Requanti
     const float darkest = light_.darkest_step();
     // What nobody saw before is as likely to hide errors as the rest: held to 2 % it would stand out as bands.
     const float unseen = std::max(least_relative, fraction * requantised.low_fraction);
+    tolerated.map.typical = unseen;
     for (std::size_t i = 0; i < tolerated.warped.size(); ++i) {
         const glm::vec2 masked = tolerated.warped.values()[i];
         core::Tolerance& t = tolerated.map.pixels.values()[i];

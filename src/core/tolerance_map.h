@@ -27,6 +27,7 @@ struct Tolerance {
 /// A tolerance for every pixel of a frame. An empty map means: gather every light point without clustering.
 struct ToleranceMap {
     Plane<Tolerance> pixels;
+    float typical = 0;  ///< share of luminance that most pixels may be off by; 0: tolerances are bounds, no prices
 
     bool is_reference() const { return pixels.empty(); }
     static ToleranceMap reference() { return {}; }

@@ -168,8 +168,7 @@ struct Renderer::Impl {
                                      (snapshot.frame - first_frame) % rebuild_interval == 0);
             light_trees.lamps = lamps.at(posed_scene);
         }
-        light_trees.direct_clamp = light_trees.indirect_clamp =
-            settings.clamp == Clamp::bounded ? point_clamp : GeometryClamp::none();
+        light_trees.point_clamp = settings.clamp == Clamp::bounded ? point_clamp : GeometryClamp::none();
         light_trees.lobe_rays = plan.runs(Pass::lobe_rays);
         light_trees.bodies = plan.runs(Pass::caustics) ? Bodies::block : Bodies::pass;
         light_trees.air = posed_scene.air();

@@ -23,7 +23,7 @@ SurfacePoint surface(const PosedScene& posed_scene, glm::vec3 place) {
 double by_anchors(const PosedScene& posed_scene, const Anchors::Lit& lit, const SurfacePoint& point) {
     LightTrees light_trees = build_light_trees({}, lit.still, 1);
     light_trees.trees[LightTrees::dynamic_tree] = build_light_tree(LightType::oriented, lit.moving, 1);
-    light_trees.indirect_clamp = {0.25f};
+    light_trees.point_clamp = {0.25f};
     GatherPoint gathering;
     gathering.point = point;
     const GatherPoint* const points[] = {&gathering};

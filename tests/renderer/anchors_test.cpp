@@ -146,7 +146,7 @@ std::vector<std::vector<double>> light_behind_ball(const AnchorSettings& setting
         const Anchors::Lit lit = stage->light();
         LightTrees light_trees = build_light_trees({}, lit.still, 1);
         light_trees.trees[LightTrees::dynamic_tree] = build_light_tree(LightType::oriented, lit.moving, 1);
-        light_trees.indirect_clamp = {0.25f};
+        light_trees.point_clamp = {0.25f};
         GatherPoint places[12];
         const GatherPoint* points[12];
         for (std::uint32_t i = 0; i < 12; ++i) {

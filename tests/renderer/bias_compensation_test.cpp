@@ -108,7 +108,7 @@ class FurnaceEdges : public testing::Test {
     /// Mean and scatter of indirect irradiance along a line of the floor at a distance from a wall, without clamp or
     /// with.
     std::pair<double, double> along(float from_wall, GeometryClamp clamp) {
-        light_trees_.indirect_clamp = clamp;
+        light_trees_.point_clamp = clamp;
         Gatherer gatherer(light_trees_, stage_.posed_scene().tracer());
         double sum = 0, squares = 0;
         for (int i = 0; i < places; ++i) {

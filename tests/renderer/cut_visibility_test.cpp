@@ -49,7 +49,7 @@ TEST_P(ShadowRays, MeetNothingBetweenPointsOfAConvexRoom) {
         for (int i = 0; i < lane_count; ++i) lit += light.indirect.r[i];
         for (const TreeLight& l : tree.lights) {
             LightLanes unit;
-            evaluate_light(lanes, tree.type, l, nullptr, light_trees.indirect_clamp, unit);
+            evaluate_light(lanes, tree.type, l, nullptr, light_trees.point_clamp, unit);
             for (int i = 0; i < lane_count; ++i) expected += static_cast<double>(unit.diffuse[i]) * l.intensity.x;
         }
     }

@@ -36,7 +36,7 @@ std::vector<RayLight> light_of(const Stage& stage, const std::vector<GatherPoint
     std::vector<GatherRequest> requests;
     for (std::size_t i = 0; i < points.size(); ++i)
         requests.push_back({&points[i], {{tolerance, 0.0f, 0.0f}, 0.0f}, core::mix(i + 1), 1e-3f, 0});
-    return gather.gather(requests);
+    return gather.gather(requests, {});
 }
 
 /// Sixteen points about a place of a face.

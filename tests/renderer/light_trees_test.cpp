@@ -142,7 +142,7 @@ TEST(LightTreeUpdate, ChangesRepresentativesAsRarelyAsSharesAllow) {
 
 /// Clusters that light trees takes to light places on the floor and a wall, all told.
 int clusters(const AnchorStage& stage, LightTrees& light_trees) {
-    light_trees.direct_clamp = light_trees.indirect_clamp = {0.25f};
+    light_trees.point_clamp = {0.25f};
     Gatherer gatherer(light_trees, stage.posed_scene().tracer());
     int sum = 0;
     for (std::uint32_t triangle = 0; triangle < 12; ++triangle) {

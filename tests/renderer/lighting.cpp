@@ -31,7 +31,7 @@ renderer::LightTrees LitStage::light(const LightingSettings& settings) {
     const std::vector<float> areas = renderer::cell_areas(places, 1.0f);
     for (std::size_t i = 0; i < areas.size(); ++i) photons.vpls[i].disc2 = areas[i] / 3.14159265f;
     renderer::LightTrees light_trees = renderer::build_light_trees(direct, photons.vpls, settings.set);
-    light_trees.direct_clamp = light_trees.indirect_clamp = settings.clamp;
+    light_trees.point_clamp = settings.clamp;
     light_trees.translucent = plan_.runs(renderer::Pass::alpha) || plan_.runs(renderer::Pass::glass);
     return light_trees;
 }

@@ -35,7 +35,7 @@ FrameLuminances MovingLightFilm::lit(const FilmLight& light, int first, int coun
         if (!light.still) lit.still.clear();
         if (!light.moving) lit.moving.clear();
         renderer::LightTrees light_trees = lasting.at({direct, lit.still, lit.moving}, n == first);
-        light_trees.direct_clamp = light_trees.indirect_clamp = {0.25f};
+        light_trees.point_clamp = {0.25f};
         frames.push_back(shade(world, light_trees, light.tolerance, cost != nullptr ? *cost : own));
     }
     return frames;

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <glm/glm.hpp>
 #include <optional>
+#include <string>
 
 #include "app/loop/render_job.h"
 #include "core/plane.h"
@@ -40,7 +41,7 @@ class ReferenceCache {
     std::filesystem::path folder_;
 };
 
-/// What lights the film's references: "64 light points and 4096 rays a point".
+/// The light of the film's references in words: "64 light points and 4096 rays a point".
 std::string reference_light(const RenderJob& film, std::size_t light_points);
 
 }  // namespace render2mpeg::app

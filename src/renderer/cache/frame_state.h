@@ -56,7 +56,7 @@ struct FrameState {
 
     const LightTrees& light_trees;
     FinalGather* rays;  ///< gathers the sky and indirect light; null: light trees hold them
-    float finer = 1;    ///< rays err by so much less than tolerances allow
+    GatherAim aim;      ///< of them
     const RayTracer& tracer;
     const Seen& seen;
     const scene::Snapshot& snapshot;

@@ -78,7 +78,7 @@ void gather_rays(FrameState& frame, std::vector<GatheredRequests>& found) {
         }
         if (!g.pools.empty()) first_pool += g.pools.back() + 1;
     }
-    const std::vector<RayLight> rays = frame.rays->gather(requests, frame.finer);
+    const std::vector<RayLight> rays = frame.rays->gather(requests, frame.aim);
     std::size_t k = 0;
     for (GatheredRequests& g : found)
         for (std::size_t i = 0; i < g.points.size(); ++i, ++k) {

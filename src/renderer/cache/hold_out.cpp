@@ -59,7 +59,7 @@ void hold_out(FrameState& frame, CacheValidation& validation, HoldOut when) {
     const Choice choice = choose(frame, when, validation.is_full());
     const float error_scale = frame.limits.error_scale;
     frame.limits.error_scale *= finer;
-    frame.finer = finer;
+    frame.aim.finer = finer;
     std::vector<HeldOutPoint> points;
     for (const GatheredRequests& g : gather(frame, choice.points, 0)) {
         for (std::size_t k = 0; k < g.points.size(); ++k) {
@@ -81,7 +81,7 @@ void hold_out(FrameState& frame, CacheValidation& validation, HoldOut when) {
         }
     }
     frame.limits.error_scale = error_scale;
-    frame.finer = 1;
+    frame.aim.finer = 1;
     validation.learn(points);
     frame.errors.cache_error_scale = validation.cache_error_scale();
 }

@@ -130,6 +130,7 @@ std::size_t FrameHistory::bytes() const {
 }
 
 void start(FrameState& frame, const core::ToleranceMap& tolerance, const FrameHistory& history) {
+    frame.aim.typical = tolerance.typical;
     frame.grid.build(frame.records.all(), frame.camera);
     std::vector<ShadeCounts> of_tile(frame.tiles.size());
     parallel::for_each(frame.tiles.size(), [&](std::size_t t) {

@@ -192,7 +192,7 @@ void keep_to_surfaces(const GatherLanes& lanes, const TreeLight& light, const Ra
 void compensate(const TreeLight& light, const LightTrees& light_trees, const GatherLanes& lanes,
                 const RayTracer& tracer, GatheredLight& out) {
     Lanes deficit;
-    if (!find_deficit(lanes, light, light_trees.indirect_clamp, deficit)) return;
+    if (!find_deficit(lanes, light, light_trees.point_clamp, deficit)) return;
     glm::vec3 passes[lane_count];
     see(lanes, light, tracer, deficit, passes, out);
     keep_to_surfaces(lanes, light, tracer, deficit, out);
@@ -220,7 +220,7 @@ std::array<DiscLight, lane_count> disc_light(const GatherLanes& lanes, std::uint
 
 void compensate_clamping_bias(const LightTrees& light_trees, const RayTracer& tracer, const GatherLanes& lanes,
                               GatheredLight& out) {
-    if (!(light_trees.indirect_clamp.scale < GeometryClamp::none().scale)) return;
+    if (!(light_trees.point_clamp.scale < GeometryClamp::none().scale)) return;
     const Box box(lanes);
     // Discs are Lambert surfaces seen by Lambert surfaces: what a lobe takes of so little light is left out.
     GatherLanes plain = lanes;

@@ -54,7 +54,7 @@ void Gatherer::gather(const GatherLanes& lanes, const GroupTolerance& tolerance,
 void Gatherer::add_exact(const GatherLanes& lanes, CutSums& sums, Lanes& luminance, GatheredLight& out) {
     for (const ExactLight& exact : light_trees_.exact) {
         LightContribution contribution = LightContribution::unknown_in(0);
-        shadows_.trace_from_places(exact.type, exact.light, &exact.spot, light_trees_.direct_clamp, contribution);
+        shadows_.trace_from_places(exact.type, exact.light, &exact.spot, light_trees_.point_clamp, contribution);
         const UnitLight unit = contribution.visible(lanes, light_trees_.translucent);
         add_luminance(lanes, unit, exact.light.intensity, luminance);
         sums.add(unit, exact.light.intensity, true);

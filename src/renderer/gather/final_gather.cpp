@@ -35,6 +35,10 @@ constexpr float errors_allowed = 1.3f;
 /// and a box; independent rays have 1, a smooth integrand more than 2.
 constexpr float variance_power = 1.2f;
 
+/// Rays after which one more buys its price where N rays meet the tolerance: N0 of docs/model/gathering.md, times the
+/// typical tolerance. chosen: 10, of 4 to 20 on cornell, colonnade and character, for most squared error a ray.
+constexpr float worth_rays = 10.0f;
+
 /// Owen's scrambling of bits below each bit by those above, by a hash [Laine2011].
 std::uint32_t scrambled(std::uint32_t bits, std::uint32_t seed) {
     bits = (bits & 0x55555555u) << 1 | (bits >> 1 & 0x55555555u);
@@ -222,7 +226,10 @@ void FinalGather::trace_all(std::span<const GatherRequest> requests, std::span<c
 
 /// How many rays each request needs in all.
 std::vector<std::uint32_t> FinalGather::wanted_rays(std::span<const GatherRequest> requests,
-                                                    const std::vector<Sums>& sums, float finer) const {
+                                                    const std::vector<Sums>& sums, GatherAim aim) const {
+    const double gain = aim.typical > 0.0f ? variance_power / (1.0 + variance_power) : 1.0;
+    const double worth = gain < 1.0 ? std::pow(worth_rays / aim.typical, 1.0 - gain) : 1.0;
+    const double more = std::pow(aim.finer, 2.0 / variance_power);
     std::vector<std::uint32_t> wanted(requests.size());
     for (std::size_t first = 0, last = 0; first < requests.size(); first = last) {
         double all = 0;
@@ -233,11 +240,11 @@ std::vector<std::uint32_t> FinalGather::wanted_rays(std::span<const GatherReques
             const Sums& s = sums[i];
             const double variance = others > 0 ? (all - s.batch_variance()) / others : s.batch_variance();
             const double mean = s.batches * batch_rays / s.rays;
-            const double error = requests[i].tolerance.allows(static_cast<float>(mean)) / (errors_allowed * finer);
+            const double error = requests[i].tolerance.allows(static_cast<float>(mean)) / errors_allowed;
             // Of points that may not err those that show most get most.
             const double shown = std::min(static_cast<double>(core::luminance(requests[i].point->weight)), 1.0);
-            const double n = error > 0.0 ? batch_rays * std::pow(variance / (error * error), 1.0 / variance_power)
-                                         : most_gather_rays * shown;
+            const double bound = batch_rays * std::pow(variance / (error * error), 1.0 / variance_power);
+            const double n = error > 0.0 ? more * worth * std::pow(bound, gain) : most_gather_rays * shown;
             const auto rays = static_cast<std::uint32_t>(std::clamp(n, 1.0 * first_rays, 1.0 * most_gather_rays));
             wanted[i] = (rays + batch_rays - 1) / batch_rays * batch_rays;
         }
@@ -265,7 +272,7 @@ void add(const RayLight& rays, const GatherPoint& point, PointLight& light) {
     light.error = std::hypot(light.error, rays.error);
 }
 
-std::vector<RayLight> FinalGather::gather(std::span<const GatherRequest> requests, float finer) {
+std::vector<RayLight> FinalGather::gather(std::span<const GatherRequest> requests, GatherAim aim) {
     const Stopwatch timer(counts_.seconds);
     std::vector<Sums> sums(requests.size());
     std::vector<std::uint32_t> wanted(requests.size(), first_rays);
@@ -285,7 +292,7 @@ std::vector<RayLight> FinalGather::gather(std::span<const GatherRequest> request
             if (rays >= rays_at_once) flush();
         }
         flush();
-        wanted = wanted_rays(requests, sums, finer);
+        wanted = wanted_rays(requests, sums, aim);
     }
     std::vector<RayLight> light(requests.size());
     for (std::size_t i = 0; i < requests.size(); ++i) {

@@ -26,6 +26,12 @@ struct GatherRequest {
     std::uint32_t pool = 0;    ///< requests of one pool lie next to each other, on about one surface
 };
 
+/// What tolerances mean for numbers of rays.
+struct GatherAim {
+    float typical = 0;  ///< ToleranceMap::typical
+    float finer = 1;    ///< errors are to be so much less than without it
+};
+
 /// What rays found for one point.
 struct RayLight {
     glm::vec3 irradiance{0};      ///< over pi; under a lobe what passes it
@@ -51,8 +57,8 @@ struct FinalGatherCounts {
 
 /// Final gathering [Ward1988, Christensen1999]: the mean of what cosine-distributed rays see, their hits looked up in a
 /// surface cache. The first rays of all points of a pool, less the point's own, tell how much rays differ there, and so
-/// how many a point needs to keep its tolerance: no point's number depends on what its own rays found, which would bias
-/// it. A function of the posed instant and of the requests since `forget`, for any number of threads.
+/// how many a point is worth (docs/model/gathering.md): no point's number depends on what its own rays found, which
+/// would bias it. A function of the posed instant and of the requests since `forget`, for any number of threads.
 class FinalGather {
   public:
     FinalGather(const PosedScene& posed_scene, const Plan& plan);
@@ -62,8 +68,7 @@ class FinalGather {
     void forget(float sky_brightest);
 
     /// Light of all requests, in their order.
-    /// `finer`: by how much less than their tolerances allow they may err.
-    std::vector<RayLight> gather(std::span<const GatherRequest> requests, float finer = 1);
+    std::vector<RayLight> gather(std::span<const GatherRequest> requests, GatherAim aim);
 
     const FinalGatherCounts& counts() const { return counts_; }
     std::size_t bytes() const { return cache_.bytes(); }
@@ -76,7 +81,7 @@ class FinalGather {
     void trace(const GatherRequest& request, const Bundle& bundle, Traced& out) const;
     void trace_all(std::span<const GatherRequest> requests, std::span<const Bundle> bundles, std::vector<Sums>& sums);
     std::vector<std::uint32_t> wanted_rays(std::span<const GatherRequest> requests, const std::vector<Sums>& sums,
-                                           float finer) const;
+                                           GatherAim aim) const;
 
     const PosedScene& posed_scene_;
     GatherRays gather_rays_;

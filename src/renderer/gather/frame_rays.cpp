@@ -41,7 +41,7 @@ void add_rays(FinalGather& gather, const scene::Camera& camera, const Seen& seen
             ++pool;
         }
     }
-    const std::vector<RayLight> rays = gather.gather(requests);
+    const std::vector<RayLight> rays = gather.gather(requests, {tolerance.typical});
     for (std::size_t k = 0; k < requests.size(); ++k) add(rays[k], *requests[k].point, *of_request[k]);
 }
 
@@ -56,7 +56,7 @@ std::vector<glm::vec3> exact_rays(FinalGather& gather, const scene::Camera& came
         requests.back().pool = static_cast<std::uint32_t>(i);
         asked.push_back(i);
     }
-    const std::vector<RayLight> rays = gather.gather(requests);
+    const std::vector<RayLight> rays = gather.gather(requests, {});
     std::vector<glm::vec3> sums(pixels, glm::vec3(0));
     for (std::size_t k = 0; k < asked.size(); ++k) {
         PointLight light;

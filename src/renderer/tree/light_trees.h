@@ -30,7 +30,7 @@ struct LightTrees {
     std::array<LightTree, tree_count> trees;
     std::vector<ExactLight> exact;
     std::vector<WholeLamp> lamps;  ///< not in the trees either
-    GeometryClamp direct_clamp, indirect_clamp;
+    GeometryClamp point_clamp;     ///< of any light point
     bool lobe_rays = false;        ///< the sky and indirect light are seen by the rays of lobes that have them
     const Air* air = nullptr;      ///< dims light on its way; null: nothing does. With it `translucent` is set
     bool translucent = false;      ///< shadow rays may meet surfaces that let light through
@@ -46,7 +46,7 @@ struct LightTrees {
     Bodies bodies_before(int tree) const { return is_direct(tree) ? bodies : Bodies::pass; }
     /// Directions whose lights have a size are the sky's: suns with one are whole lamps.
     GeometryClamp clamp(int tree) const {
-        GeometryClamp clamp = is_direct(tree) ? direct_clamp : indirect_clamp;
+        GeometryClamp clamp = point_clamp;
         const bool is_sky = trees[static_cast<std::size_t>(tree)].type == LightType::directional;
         clamp.by_rays = lobe_rays && (is_sky || !is_direct(tree));
         return clamp;
