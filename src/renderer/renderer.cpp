@@ -263,7 +263,6 @@ struct Renderer::Impl {
             statistics.calibrated_pixels += renderer::recalibrate(calibration, light_trees, posed_scene.tracer(), seen,
                                                                   tolerance, s, radiance, counts.shadow_rays, known);
         last_seen = std::move(sight);
-        add_error_scale(s.limits.error_scale, statistics);
     }
 
     /// What the middle of a frame shows, whose pixels are the sum of their own points: another picture than `shown`
@@ -398,9 +397,10 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
                                            tolerance, settings, counts, known, &i.light)
                          : i.gather(snapshot, seen, tolerance, settings, counts, i.light);
     if (cached && settings.layers) radiance.record_density = i.cache.density(snapshot.camera, i.settings.format);
-    // and learn from the frame.
+    // and learn from the frame, if it has light of trees alone.
     i.count(counts, seen.visible);
-    if (learns) i.learn(snapshot, seen, tolerance, settings, radiance, counts, known);
+    if (learns) add_error_scale(settings.limits.error_scale, i.statistics);
+    if (learns && !i.by_rays()) i.learn(snapshot, seen, tolerance, settings, radiance, counts, known);
     if (seen.exposure) {
         ShadeCounts blurred;
         i.sharp = radiance;

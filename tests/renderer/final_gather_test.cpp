@@ -30,12 +30,17 @@ GatherPoint point_of(const Stage& stage, std::uint32_t object, glm::vec3 eye, gl
 }
 
 /// Light of some points that may each be off by this luminance.
-std::vector<RayLight> light_of(const Stage& stage, const std::vector<GatherPoint>& points, float tolerance) {
+std::vector<RayLight> light_of(const Stage& stage, const std::vector<GatherPoint>& points, float tolerance,
+                               bool alone = false) {
     FinalGather gather(stage.posed_scene(), stage.plan());
     gather.forget(std::numeric_limits<float>::infinity());
     std::vector<GatherRequest> requests;
     for (std::size_t i = 0; i < points.size(); ++i)
-        requests.push_back({&points[i], {{tolerance, 0.0f, 0.0f}, 0.0f}, core::mix(i + 1), 1e-3f, 0});
+        requests.push_back({&points[i],
+                            {{tolerance, 0.0f, 0.0f}, 0.0f},
+                            core::mix(i + 1),
+                            1e-3f,
+                            alone ? static_cast<std::uint32_t>(i) : 0});
     return gather.gather(requests, {});
 }
 
@@ -116,7 +121,7 @@ TEST(FinalGather, AgreesWithPaths) {
                     3.14159265f)) /
                 16;
         const double found = static_cast<double>(
-            core::luminance(points[0].point.bsdf.diffuse * mean_of(light_of(stage, points, 0.002f))));
+            core::luminance(points[0].point.bsdf.diffuse * mean_of(light_of(stage, points, 0.0005f))));
         EXPECT_NEAR(found, truth - direct, 0.02 * (truth - direct)) << "object " << object;
         EXPECT_GT(found, 0.0);
     }
@@ -145,9 +150,32 @@ TEST(FinalGather, TakesRaysByThePowerOfItsTolerance) {
         for (const RayLight& l : light_of(stage, points, tolerance)) sum += l.rays;
         return sum;
     };
-    const double coarse = rays(0.04f), fine = rays(0.01f);
+    const double coarse = rays(0.01f), fine = rays(0.0025f);
     EXPECT_GT(fine, 4 * coarse);
     EXPECT_LT(fine, 20 * coarse);
+}
+
+TEST(FinalGather, NeighboursShareWhatTheyFind) {
+    // A floor whose light changes from place to place about as a plane does: points that know of each other take a
+    // fraction of the rays of points alone, and err no more.
+    const Stage stage(sunny_room());
+    const std::vector<GatherPoint> points = points_about(stage, 1, {0, 1.7f, 0.9f});
+    const std::vector<RayLight> truth = light_of(stage, points, 0.0005f);
+    const auto error_and_rays = [&](bool alone) {
+        double squares = 0, rays = 0;
+        const std::vector<RayLight> light = light_of(stage, points, 0.005f, alone);
+        for (std::size_t i = 0; i < light.size(); ++i) {
+            const double off = static_cast<double>(
+                core::luminance(points[i].point.bsdf.diffuse * (truth[i].irradiance - light[i].irradiance)));
+            squares += off * off / 16;
+            rays += light[i].rays;
+        }
+        return std::pair(std::sqrt(squares), rays);
+    };
+    const auto [alone, rays_alone] = error_and_rays(true);
+    const auto [shared, rays_shared] = error_and_rays(false);
+    EXPECT_LT(rays_shared, 0.6 * rays_alone);
+    EXPECT_LT(shared, 1.3 * alone);
 }
 
 TEST(FinalGather, KeepsItsTolerance) {

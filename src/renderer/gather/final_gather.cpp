@@ -80,11 +80,24 @@ std::uint32_t interleaved(glm::vec2 u) {
     return bits;
 }
 
+/// Luminance that the pixel shows of light found by rays: irradiance over pi and the lobe's two parts.
+double shown_luminance(const GatherPoint& point, const std::array<glm::vec3, 3>& light) {
+    const Bsdf& bsdf = point.point.bsdf;
+    return core::luminance(point.weight * (bsdf.diffuse * light[0] + bsdf.f0 * light[1] + bsdf.f90 * light[2]));
+}
+
+/// Where the pool of a request ends.
+std::size_t pool_end(std::span<const GatherRequest> requests, std::size_t first) {
+    std::size_t last = first;
+    while (last < requests.size() && requests[last].pool == requests[first].pool) ++last;
+    return last;
+}
+
 }  // namespace
 
 /// What a point's rays have found so far.
 struct FinalGather::Sums {
-    glm::vec3 irradiance{0}, f0{0}, schlick{0};
+    std::array<glm::dvec3, 3> light{};      ///< irradiance over pi, and the lobe's two parts: RayLight
     double batches = 0, batch_squares = 0;  ///< of luminances of the pixel, means of batches
     std::uint32_t rays = 0;
 
@@ -93,6 +106,8 @@ struct FinalGather::Sums {
         const double n = rays / batch_rays;
         return n < 2 ? 0.0 : std::max(batch_squares - batches * batches / n, 0.0) / (n - 1);
     }
+    /// Variance of the mean of all rays.
+    double variance() const { return batch_variance() * std::pow(1.0 * batch_rays / rays, variance_power); }
 };
 
 /// Some rays of one request.
@@ -204,16 +219,14 @@ void FinalGather::trace_all(std::span<const GatherRequest> requests, std::span<c
     });
     for (std::size_t b = 0; b < bundles.size(); ++b) {
         const GatherPoint& point = *requests[bundles[b].request].point;
-        const Bsdf& bsdf = point.point.bsdf;
         Sums& s = sums[bundles[b].request];
         double batch = 0;
         for (std::size_t i = 0; i < found[b].rays.size(); ++i) {
             const Traced::Ray& ray = found[b].rays[i];
-            s.irradiance += ray.diffuse * ray.light;
-            s.f0 += ray.f0 * ray.light;
-            s.schlick += ray.schlick * ray.light;
-            batch += core::luminance(
-                point.weight * (bsdf.diffuse * ray.diffuse + bsdf.f0 * ray.f0 + bsdf.f90 * ray.schlick) * ray.light);
+            const std::array<glm::vec3, 3> light = {ray.diffuse * ray.light, ray.f0 * ray.light,
+                                                    ray.schlick * ray.light};
+            for (std::size_t k = 0; k < light.size(); ++k) s.light[k] += light[k];
+            batch += shown_luminance(point, light);
             if ((i + 1) % batch_rays != 0) continue;
             batch /= batch_rays;
             s.batches += batch;
@@ -224,21 +237,96 @@ void FinalGather::trace_all(std::span<const GatherRequest> requests, std::span<c
     }
 }
 
-/// How many rays each request needs in all.
-std::vector<std::uint32_t> FinalGather::wanted_rays(std::span<const GatherRequest> requests,
-                                                    const std::vector<Sums>& sums, GatherAim aim) const {
+/// A plane of least squares through the light of a pool, by place on the surface and weighted by rays. What a point
+/// itself found is drawn towards it by as much as noise explains what points are off it by: the empirical Bayes
+/// estimator [Efron1973]. It keeps the pool's mean.
+struct FinalGather::PoolFit {
+    static constexpr std::size_t quantities = 3, least_points = 6;
+    using Light = std::array<glm::dvec3, quantities>;
+
+    std::vector<Light> plane;  ///< at the points; empty: of too few
+    double own = 1;            ///< weight of what a point itself found
+    double plane_share = 1;    ///< variance of the plane at a point, over a point's
+
+    /// Variance that is left, over a point's.
+    double variance_share() const { return plane_share + (1.0 - plane_share) * own; }
+    /// The same as far as nothing but noise is off the plane.
+    static double least_share(std::span<const GatherRequest> requests) {
+        const bool is_exact = !(requests.front().tolerance.allows(1.0f) > 0.0f);
+        return is_exact || requests.size() < least_points ? 1.0 : 3.0 / static_cast<double>(requests.size());
+    }
+
+    PoolFit(std::span<const GatherRequest> requests, std::span<const Sums> sums) {
+        const std::size_t n = requests.size();
+        plane_share = least_share(requests);
+        if (plane_share == 1.0) return;
+        const SurfacePoint& first = requests.front().point->point;
+        glm::vec3 t, b;
+        core::make_frame(first.shading_normal, t, b);
+        std::vector<glm::dvec2> place(n);
+        double rays = 0;
+        glm::dvec2 middle(0);
+        for (std::size_t i = 0; i < n; ++i) {
+            const glm::vec3 d = requests[i].point->point.position - first.position;
+            place[i] = {glm::dot(t, d), glm::dot(b, d)};
+            middle += 1.0 * sums[i].rays * place[i];
+            rays += sums[i].rays;
+        }
+        middle /= rays;
+        Light mean{}, x{}, y{};
+        double xx = 0, xy = 0, yy = 0;
+        for (std::size_t i = 0; i < n; ++i) {
+            place[i] -= middle;
+            xx += sums[i].rays * place[i].x * place[i].x;
+            xy += sums[i].rays * place[i].x * place[i].y;
+            yy += sums[i].rays * place[i].y * place[i].y;
+            for (std::size_t k = 0; k < quantities; ++k) {
+                const glm::dvec3& sum = sums[i].light[k];
+                mean[k] += sum / rays;
+                x[k] += place[i].x * sum;
+                y[k] += place[i].y * sum;
+            }
+        }
+        // Points in a row say nothing about the other direction.
+        const double ridge = 1e-3 * (xx + yy);
+        xx += ridge, yy += ridge;
+        const double over = core::divide_or(1.0, xx * yy - xy * xy, 0.0);
+        plane.resize(n);
+        double off = 0, noise = 0;
+        for (std::size_t i = 0; i < n; ++i) {
+            std::array<glm::vec3, quantities> difference;
+            for (std::size_t k = 0; k < quantities; ++k) {
+                plane[i][k] =
+                    mean[k] + over * ((yy * x[k] - xy * y[k]) * place[i].x + (xx * y[k] - xy * x[k]) * place[i].y);
+                difference[k] = sums[i].light[k] / (1.0 * sums[i].rays) - plane[i][k];
+            }
+            const double d = shown_luminance(*requests[i].point, difference);
+            off += d * d;
+            noise += sums[i].variance();
+        }
+        off /= static_cast<double>(n) - 3.0;
+        noise /= static_cast<double>(n);
+        own = off > noise ? 1.0 - noise / off : 0.0;
+    }
+};
+
+/// How many rays each request needs in all. `pilot`: from the first look, which cannot tell detail from noise.
+std::vector<std::uint32_t> FinalGather::wanted_rays(std::span<const GatherRequest> requests, std::span<const Sums> sums,
+                                                    bool pilot, GatherAim aim) const {
     const double gain = aim.typical > 0.0f ? variance_power / (1.0 + variance_power) : 1.0;
     const double worth = gain < 1.0 ? std::pow(worth_rays / aim.typical, 1.0 - gain) : 1.0;
     const double more = std::pow(aim.finer, 2.0 / variance_power);
     std::vector<std::uint32_t> wanted(requests.size());
-    for (std::size_t first = 0, last = 0; first < requests.size(); first = last) {
+    for (std::size_t first = 0, last = 0, k = 0; first < requests.size(); first = last) {
         double all = 0;
-        while (last < requests.size() && requests[last].pool == requests[first].pool)
-            all += sums[last++].batch_variance();
+        for (last = pool_end(requests, first); k < last;) all += sums[k++].batch_variance();
+        const double share =
+            pilot ? PoolFit::least_share(requests.subspan(first, last - first))
+                  : PoolFit(requests.subspan(first, last - first), sums.subspan(first, last - first)).variance_share();
         const auto others = static_cast<double>(last - first) - 1.0;
         for (std::size_t i = first; i < last; ++i) {
             const Sums& s = sums[i];
-            const double variance = others > 0 ? (all - s.batch_variance()) / others : s.batch_variance();
+            const double variance = share * (others > 0 ? (all - s.batch_variance()) / others : s.batch_variance());
             const double mean = s.batches * batch_rays / s.rays;
             const double error = requests[i].tolerance.allows(static_cast<float>(mean)) / errors_allowed;
             // Of points that may not err those that show most get most.
@@ -292,16 +380,24 @@ std::vector<RayLight> FinalGather::gather(std::span<const GatherRequest> request
             if (rays >= rays_at_once) flush();
         }
         flush();
-        wanted = wanted_rays(requests, sums, aim);
+        wanted = wanted_rays(requests, sums, round == 0, aim);
     }
     std::vector<RayLight> light(requests.size());
-    for (std::size_t i = 0; i < requests.size(); ++i) {
-        const Sums& s = sums[i];
-        const float share = 1.0f / static_cast<float>(s.rays);
-        light[i] = {share * s.irradiance, share * s.f0, share * s.schlick, 0.0f, s.rays};
-        light[i].error =
-            errors_allowed *
-            static_cast<float>(std::sqrt(s.batch_variance() * std::pow(1.0 * batch_rays / s.rays, variance_power)));
+    for (std::size_t first = 0, last = 0; first < requests.size(); first = last) {
+        last = pool_end(requests, first);
+        const PoolFit fit(requests.subspan(first, last - first), std::span(sums).subspan(first, last - first));
+        for (std::size_t i = first; i < last; ++i) {
+            const Sums& s = sums[i];
+            std::array<glm::vec3, 3> found;
+            for (std::size_t k = 0; k < found.size(); ++k) {
+                glm::dvec3 mean = s.light[k] / (1.0 * s.rays);
+                if (!fit.plane.empty())
+                    mean = glm::max(glm::mix(fit.plane[i - first][k], mean, fit.own), glm::dvec3(0));
+                found[k] = mean;
+            }
+            light[i] = {found[0], found[1], found[2], 0.0f, s.rays};
+            light[i].error = errors_allowed * static_cast<float>(std::sqrt(fit.variance_share() * s.variance()));
+        }
     }
     counts_.points += requests.size();
     counts_.cell_rays = cache_.rays();

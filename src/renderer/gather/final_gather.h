@@ -75,13 +75,14 @@ class FinalGather {
 
   private:
     struct Sums;
+    struct PoolFit;
     struct Bundle;
     struct Traced;
 
     void trace(const GatherRequest& request, const Bundle& bundle, Traced& out) const;
     void trace_all(std::span<const GatherRequest> requests, std::span<const Bundle> bundles, std::vector<Sums>& sums);
-    std::vector<std::uint32_t> wanted_rays(std::span<const GatherRequest> requests, const std::vector<Sums>& sums,
-                                           GatherAim aim) const;
+    std::vector<std::uint32_t> wanted_rays(std::span<const GatherRequest> requests, std::span<const Sums> sums,
+                                           bool pilot, GatherAim aim) const;
 
     const PosedScene& posed_scene_;
     GatherRays gather_rays_;
