@@ -7,7 +7,6 @@
 #include "renderer/air/airlight.h"
 #include "renderer/calibration/audit.h"
 #include "renderer/caustics/caustics.h"
-#include "renderer/gather/frame_rays.h"
 
 namespace render2mpeg::renderer {
 
@@ -31,10 +30,12 @@ std::vector<glm::vec3> exact_pixels(const LitFrame& frame, const std::vector<Lit
             points.push_back(lit_at(frame.seen.tiles[pixels[k].tile][i], moved_point(moved, pixels[k].tile, i)));
             of_pixel.push_back(k);
         }
-    const std::vector<glm::vec3> more =
-        exact_rays(*frame.rays, frame.posed_scene.posed().camera, points, of_pixel, pixels.size());
-    for (std::size_t k = 0; k < light.size(); ++k)
-        if (core::is_finite(more[k])) light[k] += more[k];
+    for (const RaysOf which : frame.rays_of) {
+        const std::vector<glm::vec3> more =
+            exact_rays(*frame.rays, frame.posed_scene.posed().camera, points, of_pixel, pixels.size(), which);
+        for (std::size_t k = 0; k < light.size(); ++k)
+            if (core::is_finite(more[k])) light[k] += more[k];
+    }
     return light;
 }
 

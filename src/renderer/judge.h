@@ -8,6 +8,7 @@
 #include "renderer/calibration/audit.h"
 #include "renderer/calibration/audited_pixel.h"
 #include "renderer/gather/final_gather.h"
+#include "renderer/gather/frame_rays.h"
 #include "renderer/surface/posed_scene.h"
 #include "renderer/tree/light_trees.h"
 #include "renderer/truth/error_split.h"
@@ -20,7 +21,8 @@ namespace render2mpeg::renderer {
 struct LitFrame {
     const PosedScene& posed_scene;
     const LightTrees& light_trees;
-    FinalGather* rays;  ///< gathers the sky and indirect light; null: light trees hold them
+    FinalGather* rays;                ///< of `rays_of`; null: of none
+    std::span<const RaysOf> rays_of;  ///< that see the sky and indirect light, which light trees hold else
     const Seen& seen;
     const core::ToleranceMap& tolerance;
     const core::Radiance& radiance;

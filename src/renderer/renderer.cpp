@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/numeric.h"
 #include "renderer/air/airlight.h"
+#include "renderer/base/lobe.h"
 #include "renderer/base/stopwatch.h"
 #include "renderer/cache/irradiance_cache.h"
 #include "renderer/calibration/audit.h"
@@ -72,10 +73,9 @@ struct Renderer::Impl {
             statistics.photon_rays += light_points.look_at_sky(posed_scene);
         }
         pose(first);
-        // Lobe rays and air look at anchors in any case.
-        const bool looked_at = plan.runs(Pass::lobe_rays) || plan.runs(Pass::air);
+        // Air looks at anchors in any case.
         if (!anchors && plan.runs(by_rays() ? Pass::indirect_tree : Pass::photons) && settings.vpls > 0 &&
-            (!by_rays() || looked_at)) {
+            (!by_rays() || plan.runs(Pass::air))) {
             const Stopwatch timer(row(Pass::photons));
             anchors.emplace(posed_scene, light_points,
                             AnchorSettings{settings.vpls, settings.bounces, settings.photons});
@@ -120,7 +120,7 @@ struct Renderer::Impl {
         has_trees = false;
         if (!anchors) return;
         const Stopwatch timer(row(Pass::photons));
-        lit_anchors = anchors->at(posed_scene, shining, plan.runs(Pass::lobe_rays));
+        lit_anchors = anchors->at(posed_scene, shining);
         statistics.photon_rays += lit_anchors.rays;
         statistics.photon_energy += lit_anchors.landed;
         statistics.photon_energy_lost += lit_anchors.lost;
@@ -135,23 +135,20 @@ struct Renderer::Impl {
         return by_rays() ? beyond_rays(std::move(points), sky_brightest()) : points;
     }
 
-    /// All but the light that lobe rays meet.
-    SeeSettings unlit_see_settings() const {
-        return {settings.format, settings.samples, settings.edge_samples, settings.specular_depth};
+    SkyOfRays sky_of_rays() const {
+        return {sky_brightest(), light_points.sky_part() * lobe::inverse_pi / lobe::lobe_rays_disc2,
+                light_points.sky_importance()};
     }
-    /// What `see` needs; lights the anchors that lobe rays meet.
-    SeeSettings see_settings(const scene::Snapshot& snapshot) {
-        SeeSettings s = unlit_see_settings();
-        if (!plan.runs(Pass::lobe_rays)) return s;
-        if (!started) start_chunk(snapshot);
-        shine(snapshot);
-        s.sky_part = light_points.sky_part();
-        s.sky_importance = light_points.sky_importance();
-        if (anchors)
-            s.irradiance = [this](const SurfacePoint& p, int& rays) {
-                return anchors->irradiance_at(posed_scene, lit_anchors, p, rays);
-            };
-        return s;
+    /// Rays that see what light trees do not hold.
+    std::vector<RaysOf> rays_of() const {
+        std::vector<RaysOf> all;
+        if (by_rays()) all.push_back(RaysOf::hemispheres);
+        if (plan.runs(Pass::lobe_rays)) all.push_back(RaysOf::lobes);
+        return all;
+    }
+
+    SeeSettings see_settings() const {
+        return {settings.format, settings.samples, settings.edge_samples, settings.specular_depth};
     }
 
     /// Light trees of the posed snapshot.
@@ -177,8 +174,8 @@ struct Renderer::Impl {
             air_trees = plan.runs(Pass::air) ? light_trees : LightTrees();
             for (const int t : {LightTrees::static_tree, LightTrees::dynamic_tree})
                 light_trees.trees[static_cast<std::size_t>(t)] = {};
-            final_gather.forget(sky_brightest());
         }
+        if (!rays_of().empty()) final_gather.forget(sky_of_rays());
         lit_frame = snapshot.frame;
         has_trees = true;
     }
@@ -207,8 +204,8 @@ struct Renderer::Impl {
 
     /// Gathers by rays for measurements, which teach the frames' own gathering nothing.
     std::unique_ptr<FinalGather> audit_rays() const {
-        auto rays = by_rays() ? std::make_unique<FinalGather>(posed_scene, plan) : nullptr;
-        if (rays) rays->forget(sky_brightest());
+        auto rays = !rays_of().empty() ? std::make_unique<FinalGather>(posed_scene, plan) : nullptr;
+        if (rays) rays->forget(sky_of_rays());
         return rays;
     }
 
@@ -227,9 +224,9 @@ struct Renderer::Impl {
         const RayTracer& tracer = posed_scene.tracer();
         core::Radiance radiance =
             renderer::shade(light_trees, tracer, seen, eye, tolerance, s, counts, nullptr, &light);
-        if (!by_rays()) return radiance;
-        if (!caches) final_gather.forget(sky_brightest());
-        add_rays(final_gather, snapshot.camera, seen, tolerance, light);
+        if (rays_of().empty()) return radiance;
+        if (!caches) final_gather.forget(sky_of_rays());
+        for (const RaysOf which : rays_of()) add_rays(final_gather, snapshot.camera, seen, tolerance, which, light);
         ShadeCounts again;
         return renderer::shade(light_trees, tracer, seen, eye, tolerance, s, again, &light);
     }
@@ -320,7 +317,7 @@ void Renderer::start_chunk(const scene::Snapshot& first) {
 
 Seen Renderer::see(const scene::Snapshot& snapshot) {
     impl_->pose(snapshot);
-    const SeeSettings settings = impl_->see_settings(snapshot);
+    const SeeSettings settings = impl_->see_settings();
     const Stopwatch timer(impl_->row(Pass::see));
     SeeCounts counts;
     Seen seen = renderer::see(impl_->posed_scene, settings, impl_->plan, counts);
@@ -331,7 +328,7 @@ Seen Renderer::see(const scene::Snapshot& snapshot) {
 void Renderer::look_closer(const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance, Seen& seen) {
     if (impl_->settings.most_samples == 0) return;
     impl_->pose(snapshot);
-    const SeeSettings settings = impl_->see_settings(snapshot);
+    const SeeSettings settings = impl_->see_settings();
     const Stopwatch timer(impl_->row(Pass::see));
     SeeCounts counts;
     renderer::look_closer(impl_->posed_scene, settings, impl_->plan, tolerance, impl_->settings.most_samples, seen,
@@ -343,7 +340,7 @@ void Renderer::expose(const scene::Snapshot& snapshot, const ExposureSamples& sa
     const Plan& plan = impl_->plan;
     if (!plan.runs(Pass::shutter) && !plan.runs(Pass::lens)) return;
     impl_->pose(snapshot);
-    const SeeSettings settings = impl_->see_settings(snapshot);
+    const SeeSettings settings = impl_->see_settings();
     const Stopwatch timer(impl_->row(plan.runs(Pass::lens) ? Pass::lens : Pass::shutter));
     ExposureCounts counts;
     renderer::expose(impl_->posed_scene, settings, plan, samples, seen, counts);
@@ -390,6 +387,8 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
         cached = i.cache.light({i.light_trees, i.posed_scene.tracer(), seen, snapshot.camera.position(), tolerance},
                                snapshot, settings.limits, i.by_rays() ? &i.final_gather : nullptr, counts,
                                i.statistics.cache);
+    if (cached && i.plan.runs(Pass::lobe_rays))
+        add_rays(i.final_gather, snapshot.camera, seen, tolerance, RaysOf::lobes, *cached);
     const FrameLight* known = cached ? &*cached : nullptr;
     // else gather all; sum up in pixels,
     core::Radiance radiance =
@@ -417,7 +416,7 @@ core::Radiance Renderer::trace(const scene::Snapshot& snapshot, const Seen& seen
     if (!i.started) i.start_chunk(snapshot);
     i.pose(snapshot);
     const double start = cpu_seconds();
-    TrueFrame truth = true_frame(i.posed_scene, i.unlit_see_settings(), i.plan, light_of_bodies_and_air(seen), finely);
+    TrueFrame truth = true_frame(i.posed_scene, i.see_settings(), i.plan, light_of_bodies_and_air(seen), finely);
     i.statistics.true_paths += truth.paths;
     i.statistics.true_pixels += truth.radiance.combined.size();
     i.statistics.capped_pixels += truth.capped;
@@ -446,8 +445,9 @@ core::Radiance Renderer::draft(const scene::Snapshot& snapshot, const Seen& seen
     ShadeCounts counts;
     const glm::vec3 eye = snapshot.camera.position();
     const ShadeSettings settings = i.shade_settings();
-    const FrameLight light = i.draft_light.light({i.light_trees, i.posed_scene.tracer(), seen, eye, tolerance, motion},
-                                                 settings.limits, counts);
+    FrameLight light = i.draft_light.light({i.light_trees, i.posed_scene.tracer(), seen, eye, tolerance, motion},
+                                           settings.limits, counts);
+    if (i.plan.runs(Pass::lobe_rays)) add_rays(i.final_gather, snapshot.camera, seen, tolerance, RaysOf::lobes, light);
     core::Radiance radiance =
         renderer::shade(i.light_trees, i.posed_scene.tracer(), seen, eye, tolerance, settings, counts, &light);
     i.count(counts, seen.visible);
@@ -466,7 +466,8 @@ std::vector<AuditedPixel> Renderer::audit(const scene::Snapshot& snapshot, const
     const std::vector<LitPixel> pixels = drawn(lit_pixels(seen), static_cast<std::size_t>(count), seen.visible.frame);
     const MovedPoints moved = i.cache.moved_points(snapshot.frame, tolerance);
     const auto rays = i.audit_rays();
-    const LitFrame frame{i.posed_scene, i.light_trees, rays.get(), seen, tolerance, radiance, moved};
+    const std::vector<RaysOf> rays_of = i.rays_of();
+    const LitFrame frame{i.posed_scene, i.light_trees, rays.get(), rays_of, seen, tolerance, radiance, moved};
     return compare(seen, pixels, exact_pixels(frame, pixels, moved), tolerance, radiance);
 }
 
@@ -480,8 +481,9 @@ std::vector<JudgedPixel> Renderer::judge(const scene::Snapshot& snapshot, const 
     i.light_unseen(snapshot);
     const MovedPoints moved = i.cache.moved_points(snapshot.frame, tolerance);
     const auto rays = i.audit_rays();
-    const LitFrame frame{i.posed_scene, i.light_trees, rays.get(), seen, tolerance, radiance, moved};
-    return judge_pixels(frame, i.unlit_see_settings(), i.plan, audited, finely);
+    const std::vector<RaysOf> rays_of = i.rays_of();
+    const LitFrame frame{i.posed_scene, i.light_trees, rays.get(), rays_of, seen, tolerance, radiance, moved};
+    return judge_pixels(frame, i.see_settings(), i.plan, audited, finely);
 }
 
 const RayTracer& Renderer::tracer() const {

@@ -33,14 +33,15 @@ GatherPoint point_of(const Stage& stage, std::uint32_t object, glm::vec3 eye, gl
 std::vector<RayLight> light_of(const Stage& stage, const std::vector<GatherPoint>& points, float tolerance,
                                bool alone = false) {
     FinalGather gather(stage.posed_scene(), stage.plan());
-    gather.forget(std::numeric_limits<float>::infinity());
+    gather.forget({std::numeric_limits<float>::infinity(), 0.0f, {}});
     std::vector<GatherRequest> requests;
     for (std::size_t i = 0; i < points.size(); ++i)
         requests.push_back({&points[i],
                             {{tolerance, 0.0f, 0.0f}, 0.0f},
                             core::mix(i + 1),
                             1e-3f,
-                            alone ? static_cast<std::uint32_t>(i) : 0});
+                            false,
+                            alone ? static_cast<std::uint32_t>(i) : 0u});
     return gather.gather(requests, {});
 }
 

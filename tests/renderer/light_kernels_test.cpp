@@ -32,7 +32,6 @@ std::vector<GatherPoint> points_at_random(std::uint64_t seed, bool glossy) {
             p.bsdf.f0 = {0.04f + 0.9f * kernel_dice(seed, i, 10), 0.04f, 0.04f + 0.5f * kernel_dice(seed, i, 11)};
             p.bsdf.alpha = std::pow(10.0f, -2.0f * kernel_dice(seed, i, 12));
             if (i % 4 == 0) p.bsdf.f90 = glm::vec3(1) + p.bsdf.f0;
-            points[i].has_lobe_rays = i % 8 >= 4;
         }
         points[i].weight = {1, kernel_dice(seed, i, 13), 0.5f};
     }

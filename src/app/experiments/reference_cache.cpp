@@ -90,7 +90,6 @@ std::uint64_t ReferenceCache::key_of(const RenderJob& film, renderer::Renderer& 
     }
     add_plane(sum, seen.emitted);
     add_plane(sum, seen.emitted_specular);
-    add_plane(sum, seen.emitted_glossy);
     if (seen.exposure) {
         add_plane(sum, seen.exposure->exposed);
         add_plane(sum, seen.exposure->emitted);

@@ -463,7 +463,7 @@ bool Trials::light_reference(std::int64_t frame, int left, ReferenceStanding& st
 bool Trials::light_parts(const scene::Snapshot& world, renderer::Seen& seen, int left, ReferenceStanding& standing,
                          const std::function<bool(const ReferenceStanding&)>& part_done, KeptReference& reference) {
     // Without anything to gather first: what it takes to have light at all is no measure of the rest.
-    renderer::Seen part{seen.visible, {}, seen.emitted, seen.emitted_specular, seen.emitted_glossy};
+    renderer::Seen part{seen.visible, {}, seen.emitted, seen.emitted_specular};
     part.tiles.resize(seen.tiles.size());
     if (seen.exposure) {
         // Its points light pixels of other tiles.

@@ -47,8 +47,7 @@ void gather_requests_of(const FrameState& frame, const RequestGroup& group, std:
         out.lobes.emplace_back();
         const SurfacePoint& p = pointers[i]->point;
         if (p.bsdf.has_glossy())
-            out.lobes.back() = {p.bsdf.alpha, p.outgoing, gathered.f0.at(lane), gathered.schlick.at(lane),
-                                pointers[i]->has_lobe_rays};
+            out.lobes.back() = {p.bsdf.alpha, p.outgoing, gathered.f0.at(lane), gathered.schlick.at(lane)};
     }
 }
 

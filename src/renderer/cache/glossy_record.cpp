@@ -24,8 +24,7 @@ std::optional<SeenLobe> lobe_at(const CacheQuery& q, const IrradianceRecord& r) 
     if (!p.bsdf.has_glossy())
         return r.lobe.alpha == 0.0f ? std::optional(SeenLobe{glm::vec3(0), glm::vec3(0)}) : std::nullopt;
     const float alpha = p.bsdf.alpha;
-    if (!(std::abs(r.lobe.alpha - alpha) <= alike_alpha * alpha) || r.lobe.has_rays != q.point.has_lobe_rays)
-        return std::nullopt;
+    if (!(std::abs(r.lobe.alpha - alpha) <= alike_alpha * alpha)) return std::nullopt;
     // The eye turned about the record; and about the point it looks otherwise than about the record.
     const glm::vec3 eye = q.eye ? core::normalize_or(*q.eye - r.position, p.outgoing) : p.outgoing;
     const glm::vec3 turn = 0.5f * (r.lobe.outgoing - eye);

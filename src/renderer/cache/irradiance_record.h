@@ -18,7 +18,6 @@ struct GlossyRecord {
     float alpha = 0;        ///< its width; 0: no lobe
     glm::vec3 outgoing{0};  ///< unit, world
     glm::vec3 f0{0}, schlick{0};
-    bool has_rays = false;  ///< GatherPoint::has_lobe_rays: what they see is no part of it
 };
 
 /// What one place on a surface receives, whatever its texture (docs/model/irradiance-cache.md): kept where it was

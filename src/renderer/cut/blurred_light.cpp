@@ -32,9 +32,8 @@ void for_each_exposed(const Seen& seen, std::size_t tile, Visit visit) {
 /// One pixel's light.
 class PixelSum {
   public:
-    void add(const Contribution& c, const GatherPoint& p, const PointLight& l, glm::vec3 lobe,
-             const ThrownLight& thrown) {
-        const glm::vec3 shine = c.weight * (l.glossy + lobe + thrown.glossy), fallen = l.direct + thrown.irradiance,
+    void add(const Contribution& c, const GatherPoint& p, const PointLight& l, const ThrownLight& thrown) {
+        const glm::vec3 shine = c.weight * (l.glossy + thrown.glossy), fallen = l.direct + thrown.irradiance,
                         scattered = c.diffuse * (fallen + l.indirect) + shine;
         combined += scattered;
         ++count;
@@ -140,7 +139,6 @@ void spread_light(const Seen& seen, const FrameLight& light, bool layers, core::
                 const std::size_t tile = tile_of(exposure, c.point);
                 const std::size_t index = c.point - exposure.first_point[tile];
                 sum.add(c, seen.tiles[tile][index], light[tile][index],
-                        exposure.lobe_light.empty() ? glm::vec3(0) : exposure.lobe_light[c.point],
                         seen.thrown.empty() ? ThrownLight() : seen.thrown[c.point]);
             }
             const glm::vec3 air = seen.air_of_exposed.empty() ? glm::vec3(0) : seen.air_of_exposed.at(x, y);

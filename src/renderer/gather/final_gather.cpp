@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "core/color.h"
 #include "core/numeric.h"
@@ -13,6 +14,7 @@
 #include "renderer/base/flush_denormals.h"
 #include "renderer/base/lobe.h"
 #include "renderer/base/stopwatch.h"
+#include "renderer/surface/lobe_albedo.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -23,6 +25,9 @@ constexpr std::uint32_t first_rays = 16, batch_rays = 8;
 /// Rays that are traced in one go before what they ask is learnt, and of one task. chosen: memory of some 60 MB.
 constexpr std::size_t rays_at_once = std::size_t{1} << 19;
 constexpr std::uint32_t bundle_rays = 256;
+
+/// Rays of a lobe whose cones fill it, for the sky's sake. chosen: 64.
+constexpr float lobe_rays = 64.0f;
 
 /// Rays of a bundle from which sixteen neighbours lie within an eighth of the hemisphere.
 constexpr std::uint32_t coherent_rays = 128;
@@ -95,12 +100,28 @@ std::size_t pool_end(std::span<const GatherRequest> requests, std::size_t first)
 
 }  // namespace
 
-/// What a point's rays have found so far.
-struct FinalGather::Sums {
-    std::array<glm::dvec3, 3> light{};      ///< irradiance over pi, and the lobe's two parts: RayLight
-    double batches = 0, batch_squares = 0;  ///< of luminances of the pixel, means of batches
+/// Sums over some rays of a point.
+struct FinalGather::RaySums {
+    std::array<glm::dvec3, 3> light{};  ///< irradiance over pi, and the lobe's two parts: RayLight
+    std::array<double, 3> weight{};
     std::uint32_t rays = 0;
 
+    /// Light by all of them. Weights of rays along a lobe come to its albedo in the end [Karis2013].
+    std::array<glm::vec3, 3> mean(const std::optional<LobeAlbedo>& albedo) const {
+        if (albedo)
+            return {glm::vec3(0), glm::vec3(light[1] * core::divide_or(1.0 * albedo->f0, weight[1], 0.0)),
+                    glm::vec3(light[2] * core::divide_or(1.0 * albedo->f90, weight[2], 0.0))};
+        const double share = 1.0 / rays;
+        return {glm::vec3(share * light[0]), glm::vec3(share * light[1]), glm::vec3(share * light[2])};
+    }
+};
+
+/// What a point's rays have found so far.
+struct FinalGather::Sums : RaySums {
+    std::optional<LobeAlbedo> albedo{};     ///< of a request along a lobe
+    double batches = 0, batch_squares = 0;  ///< of luminances of the pixel, means of batches
+
+    std::array<glm::vec3, 3> mean() const { return RaySums::mean(albedo); }
     /// Variance of the mean of a batch.
     double batch_variance() const {
         const double n = rays / batch_rays;
@@ -118,8 +139,8 @@ struct FinalGather::Bundle {
 /// What they found: by ray.
 struct FinalGather::Traced {
     struct Ray {
-        glm::vec3 light{0};                      ///< radiance
-        float diffuse = 0, f0 = 0, schlick = 0;  ///< what the sums take of it
+        glm::vec3 light{0};             ///< radiance
+        std::array<float, 3> weight{};  ///< of it in the sums
     };
     std::vector<Ray> rays;
     std::vector<RayTerm> terms;
@@ -132,68 +153,123 @@ FinalGather::FinalGather(const PosedScene& posed_scene, const Plan& plan)
       cache_(posed_scene, plan),
       bodies_block_(plan.runs(Pass::caustics)) {}
 
-void FinalGather::forget(float sky_brightest) {
+void FinalGather::forget(const SkyOfRays& sky) {
     cache_.forget();
-    sky_brightest_ = sky_brightest;
+    sky_ = sky;
+}
+
+/// Directions of a bundle's rays, and what the sums take of each.
+struct FinalGather::Directions {
+    struct Ray {
+        glm::vec3 direction{0};
+        std::array<float, 3> weight{};  ///< of irradiance, f0, f90; all 0: it is not traced
+        float solid_angle = 0;
+    };
+    std::array<Ray, bundle_rays> rays;
+    std::array<std::uint32_t, bundle_rays> order;  ///< neighbours lie next to each other
+};
+
+/// Cosine-distributed; wide lobes take them as well.
+FinalGather::Directions FinalGather::hemisphere(const GatherRequest& request, const Bundle& bundle) const {
+    const SurfacePoint& p = request.point->point;
+    const bool coated = p.bsdf.has_glossy(), glossy = coated && !p.bsdf.has_narrow_lobe();
+    Bsdf white = p.bsdf;
+    white.diffuse = glm::vec3(0);
+    white.f0 = white.f90 = glm::vec3(1);
+    Directions out;
+    std::array<std::pair<std::uint32_t, std::uint32_t>, bundle_rays> order;
+    for (std::uint32_t i = 0; i < bundle.count; ++i) {
+        const glm::vec2 u = net_point(bundle.first + i, request.seed);
+        order[i] = {interleaved(u), i};
+        Directions::Ray& ray = out.rays[i];
+        ray.direction = core::sample_cosine_hemisphere(p.shading_normal, u);
+        ray.solid_angle = std::numbers::pi_v<float> / static_cast<float>(std::max(bundle.first + bundle.count, 64u));
+        ray.weight[0] = 1.0f;
+        if (!coated) continue;
+        const glm::vec3 half = core::normalize_or(ray.direction + p.outgoing, p.shading_normal);
+        const float s = lobe::schlick(glm::dot(half, p.outgoing));
+        ray.weight[0] = 1.0f - s;
+        if (!glossy) continue;
+        const float both = std::numbers::pi_v<float> * evaluate(white, p.shading_normal, p.outgoing, ray.direction).x;
+        ray.weight[1] = both * (1.0f - s);
+        ray.weight[2] = both * s;
+    }
+    if (bundle.count >= coherent_rays) std::sort(order.begin(), order.begin() + bundle.count);
+    for (std::uint32_t i = 0; i < bundle.count; ++i) out.order[i] = order[i].second;
+    return out;
+}
+
+/// Mirrored by the lobe's visible normals [Heitz2018].
+FinalGather::Directions FinalGather::lobe(const GatherRequest& request, const Bundle& bundle) const {
+    const SurfacePoint& p = request.point->point;
+    StretchedLobe lobe(p.bsdf, p.shading_normal);
+    if (!p.bsdf.is_stretched()) lobe.alpha = glm::vec2(p.bsdf.alpha);
+    glm::vec3 eye = lobe.local(p.outgoing);
+    eye.z = std::max(eye.z, 1e-3f);
+    eye = glm::normalize(eye);
+    Directions out;
+    for (std::uint32_t i = 0; i < bundle.count; ++i) {
+        out.order[i] = i;
+        const glm::vec3 half = visible_normal(eye, lobe.alpha, net_point(bundle.first + i, request.seed));
+        const float eye_half = std::max(glm::dot(eye, half), 0.0f);
+        const glm::vec3 light = 2.0f * eye_half * half - eye;
+        if (!(light.z > 0.0f)) continue;
+        Directions::Ray& ray = out.rays[i];
+        ray.direction = core::normalize_or(lobe.world(light), p.shading_normal);
+        const float density = lobe.density(half, eye);
+        // G2 / G1
+        const float weight =
+            core::divide_or(lobe.distribution(half) * lobe.masking(light, eye) * light.z, density, 0.0f);
+        const float s = lobe::schlick(eye_half);
+        ray.weight = {0.0f, weight * (1.0f - s), weight * s};
+        ray.solid_angle = core::divide_or(1.0f, lobe_rays * density, 0.0f);
+    }
+    return out;
 }
 
 void FinalGather::trace(const GatherRequest& request, const Bundle& bundle, Traced& out) const {
     const GatherPoint& point = *request.point;
     const SurfacePoint& p = point.point;
-    const glm::vec3 n = p.shading_normal, smooth = p.geometric_normal + p.smooth.tilt;
-    const bool glossy = p.bsdf.has_glossy() && !point.has_lobe_rays, coated = p.bsdf.has_glossy();
-    Bsdf white = p.bsdf;
-    white.diffuse = glm::vec3(0);
+    const glm::vec3 smooth = p.geometric_normal + p.smooth.tilt;
     const std::uint32_t places = point.others + 1u;
+    const Directions directions = request.lobe ? lobe(request, bundle) : hemisphere(request, bundle);
     RayRules rules;
     rules.near = request.extent;
-    rules.brightest = sky_brightest_;
+    rules.is_lobe = request.lobe;
+    if (request.lobe) rules.spread = std::min(rules.spread, 0.5f * p.bsdf.alpha);
     rules.bodies_block = bodies_block_;
-    const float solid_angle =
-        std::numbers::pi_v<float> / static_cast<float>(std::max(bundle.first + bundle.count, 64u));
 
     std::array<RayQuery, bundle_rays> queries;
     std::array<Hit, bundle_rays> hits;
     std::array<std::uint32_t, bundle_rays> index;
     std::uint32_t asked = 0;
     out.rays.assign(bundle.count, {});
-    // Neighbours among the directions lie next to each other.
-    std::array<std::pair<std::uint32_t, std::uint32_t>, bundle_rays> order;
-    std::array<glm::vec2, bundle_rays> numbers;
-    for (std::uint32_t i = 0; i < bundle.count; ++i) {
-        numbers[i] = net_point(bundle.first + i, request.seed);
-        order[i] = {interleaved(numbers[i]), i};
-    }
-    if (bundle.count >= coherent_rays) std::sort(order.begin(), order.begin() + bundle.count);
     for (std::uint32_t k = 0; k < bundle.count; ++k) {
-        const std::uint32_t i = order[k].second, number = bundle.first + i;
-        const glm::vec3 direction = core::sample_cosine_hemisphere(n, numbers[i]);
-        if (!(glm::dot(smooth, direction) > 0.0f)) continue;
+        const std::uint32_t i = directions.order[k], number = bundle.first + i;
+        const Directions::Ray& ray = directions.rays[i];
+        const bool counts = ray.weight[0] + ray.weight[1] + ray.weight[2] > 0.0f;
+        // A lobe is known in all, whatever of it the surface hides; so is a diffuse surface.
+        out.rays[i].weight = ray.weight;
+        if (!counts || !(glm::dot(smooth, ray.direction) > 0.0f)) continue;
         const auto place = static_cast<std::uint32_t>(core::mix(request.seed ^ number) % places);
-        queries[asked] = {place == 0 ? shadow_origin(p) : point.elsewhere[place - 1], direction,
+        queries[asked] = {place == 0 ? shadow_origin(p) : point.elsewhere[place - 1], ray.direction,
                           std::numeric_limits<float>::infinity()};
-        Traced::Ray& ray = out.rays[i];
-        ray.diffuse = 1.0f;
-        if (coated) {
-            const glm::vec3 half = core::normalize_or(direction + p.outgoing, n);
-            const float s = lobe::schlick(glm::dot(half, p.outgoing));
-            ray.diffuse = 1.0f - s;
-            if (glossy) {
-                white.f0 = glm::vec3(1), white.f90 = glm::vec3(1);
-                const float both = std::numbers::pi_v<float> * evaluate(white, n, p.outgoing, direction).x;
-                ray.f0 = both * (1.0f - s);
-                ray.schlick = both * s;
-            }
-        }
         index[asked++] = i;
     }
     posed_scene_.tracer().any_nearest(std::span<const RayQuery>(queries.data(), asked),
-                                      std::span<Hit>(hits.data(), asked), bundle.count >= coherent_rays);
+                                      std::span<Hit>(hits.data(), asked),
+                                      bundle.count >= coherent_rays && !request.lobe);
     out.traced += asked;
-    for (std::uint32_t k = 0; k < asked; ++k)
-        out.rays[index[k]].light = gather_rays_.follow(queries[k], hits[k], rules, solid_angle,
+    for (std::uint32_t k = 0; k < asked; ++k) {
+        const Directions::Ray& ray = directions.rays[index[k]];
+        rules.brightest = !request.lobe ? sky_.brightest
+                          : !sky_.importance
+                              ? sky_.lobe_brightest
+                              : core::divide_or(sky_.lobe_brightest, sky_.importance(ray.direction), 0.0f);
+        out.rays[index[k]].light = gather_rays_.follow(queries[k], hits[k], rules, ray.solid_angle,
                                                        core::mix(request.seed + 8u * (bundle.first + index[k])),
                                                        index[k], out.terms, out.traced);
+    }
 }
 
 void FinalGather::trace_all(std::span<const GatherRequest> requests, std::span<const Bundle> bundles,
@@ -220,18 +296,20 @@ void FinalGather::trace_all(std::span<const GatherRequest> requests, std::span<c
     for (std::size_t b = 0; b < bundles.size(); ++b) {
         const GatherPoint& point = *requests[bundles[b].request].point;
         Sums& s = sums[bundles[b].request];
-        double batch = 0;
-        for (std::size_t i = 0; i < found[b].rays.size(); ++i) {
-            const Traced::Ray& ray = found[b].rays[i];
-            const std::array<glm::vec3, 3> light = {ray.diffuse * ray.light, ray.f0 * ray.light,
-                                                    ray.schlick * ray.light};
-            for (std::size_t k = 0; k < light.size(); ++k) s.light[k] += light[k];
-            batch += shown_luminance(point, light);
-            if ((i + 1) % batch_rays != 0) continue;
-            batch /= batch_rays;
-            s.batches += batch;
-            s.batch_squares += batch * batch;
-            batch = 0;
+        RaySums batch;
+        for (const Traced::Ray& ray : found[b].rays) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                const glm::dvec3 light = ray.weight[k] * ray.light;
+                s.light[k] += light;
+                s.weight[k] += ray.weight[k];
+                batch.light[k] += light;
+                batch.weight[k] += ray.weight[k];
+            }
+            if (++batch.rays < batch_rays) continue;
+            const double shown = shown_luminance(point, batch.mean(s.albedo));
+            s.batches += shown;
+            s.batch_squares += shown * shown;
+            batch = {};
         }
         s.rays += bundles[b].count;
     }
@@ -280,8 +358,9 @@ struct FinalGather::PoolFit {
             xx += sums[i].rays * place[i].x * place[i].x;
             xy += sums[i].rays * place[i].x * place[i].y;
             yy += sums[i].rays * place[i].y * place[i].y;
+            const std::array<glm::vec3, quantities> found = sums[i].mean();
             for (std::size_t k = 0; k < quantities; ++k) {
-                const glm::dvec3& sum = sums[i].light[k];
+                const glm::dvec3 sum = 1.0 * sums[i].rays * glm::dvec3(found[k]);
                 mean[k] += sum / rays;
                 x[k] += place[i].x * sum;
                 y[k] += place[i].y * sum;
@@ -294,11 +373,11 @@ struct FinalGather::PoolFit {
         plane.resize(n);
         double off = 0, noise = 0;
         for (std::size_t i = 0; i < n; ++i) {
-            std::array<glm::vec3, quantities> difference;
+            std::array<glm::vec3, quantities> difference = sums[i].mean();
             for (std::size_t k = 0; k < quantities; ++k) {
                 plane[i][k] =
                     mean[k] + over * ((yy * x[k] - xy * y[k]) * place[i].x + (xx * y[k] - xy * x[k]) * place[i].y);
-                difference[k] = sums[i].light[k] / (1.0 * sums[i].rays) - plane[i][k];
+                difference[k] -= glm::vec3(plane[i][k]);
             }
             const double d = shown_luminance(*requests[i].point, difference);
             off += d * d;
@@ -363,6 +442,10 @@ void add(const RayLight& rays, const GatherPoint& point, PointLight& light) {
 std::vector<RayLight> FinalGather::gather(std::span<const GatherRequest> requests, GatherAim aim) {
     const Stopwatch timer(counts_.seconds);
     std::vector<Sums> sums(requests.size());
+    for (std::size_t i = 0; i < requests.size(); ++i) {
+        const SurfacePoint& p = requests[i].point->point;
+        if (requests[i].lobe) sums[i].albedo = lobe_albedo(glm::dot(p.shading_normal, p.outgoing), p.bsdf.mean_alpha());
+    }
     std::vector<std::uint32_t> wanted(requests.size(), first_rays);
     // A first look tells how many rays are wanted, a second one whether these are enough.
     for (int round = 0; round < 3; ++round) {
@@ -388,13 +471,12 @@ std::vector<RayLight> FinalGather::gather(std::span<const GatherRequest> request
         const PoolFit fit(requests.subspan(first, last - first), std::span(sums).subspan(first, last - first));
         for (std::size_t i = first; i < last; ++i) {
             const Sums& s = sums[i];
-            std::array<glm::vec3, 3> found;
-            for (std::size_t k = 0; k < found.size(); ++k) {
-                glm::dvec3 mean = s.light[k] / (1.0 * s.rays);
-                if (!fit.plane.empty())
-                    mean = glm::max(glm::mix(fit.plane[i - first][k], mean, fit.own), glm::dvec3(0));
-                found[k] = mean;
-            }
+            std::array<glm::vec3, 3> found = s.mean();
+            if (!fit.plane.empty())
+                for (std::size_t k = 0; k < found.size(); ++k)
+                    found[k] =
+                        glm::max(glm::mix(glm::vec3(fit.plane[i - first][k]), found[k], static_cast<float>(fit.own)),
+                                 glm::vec3(0));
             light[i] = {found[0], found[1], found[2], 0.0f, s.rays};
             light[i].error = errors_allowed * static_cast<float>(std::sqrt(fit.variance_share() * s.variance()));
         }

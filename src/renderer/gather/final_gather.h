@@ -23,6 +23,7 @@ struct GatherRequest {
     PointTolerance tolerance;  ///< `base` holds the luminance that its pixel has already
     std::uint64_t seed = 0;    ///< of its rays: the same place of the picture, the same rays
     float extent = 0;          ///< of a pixel there, world: rays shorter than this are followed as paths
+    bool lobe = false;         ///< along the point's narrow lobe (Bsdf::has_narrow_lobe); else over the hemisphere
     std::uint32_t pool = 0;    ///< requests of one pool lie next to each other, on about one surface
 };
 
@@ -47,6 +48,13 @@ GatherRequest request_of(const GatherPoint& point, const PointTolerance& toleran
 /// Adds what rays found to a point's light.
 void add(const RayLight& rays, const GatherPoint& point, PointLight& light);
 
+/// What rays see of the sky; the light trees have the rest.
+struct SkyOfRays {
+    float brightest = 0;                ///< luminance over hemispheres, at most
+    float lobe_brightest = 0;           ///< along lobes: luminance times `importance`, at most
+    image::SkyImportance importance{};  ///< LightPoints::sky_importance
+};
+
 /// What gathering did, summed since construction.
 struct FinalGatherCounts {
     std::uint64_t points = 0;
@@ -63,9 +71,8 @@ class FinalGather {
   public:
     FinalGather(const PosedScene& posed_scene, const Plan& plan);
 
-    /// Forgets all: light or things are others now. `sky_brightest`: luminance that rays see of the sky at most; the
-    /// light trees have what is beyond.
-    void forget(float sky_brightest);
+    /// Forgets all: light or things are others now.
+    void forget(const SkyOfRays& sky);
 
     /// Light of all requests, in their order.
     std::vector<RayLight> gather(std::span<const GatherRequest> requests, GatherAim aim);
@@ -74,11 +81,15 @@ class FinalGather {
     std::size_t bytes() const { return cache_.bytes(); }
 
   private:
+    struct RaySums;
     struct Sums;
     struct PoolFit;
     struct Bundle;
     struct Traced;
 
+    struct Directions;
+    Directions hemisphere(const GatherRequest& request, const Bundle& bundle) const;
+    Directions lobe(const GatherRequest& request, const Bundle& bundle) const;
     void trace(const GatherRequest& request, const Bundle& bundle, Traced& out) const;
     void trace_all(std::span<const GatherRequest> requests, std::span<const Bundle> bundles, std::vector<Sums>& sums);
     std::vector<std::uint32_t> wanted_rays(std::span<const GatherRequest> requests, std::span<const Sums> sums,
@@ -88,7 +99,7 @@ class FinalGather {
     GatherRays gather_rays_;
     SurfaceCache cache_;
     bool bodies_block_;
-    float sky_brightest_ = 0;
+    SkyOfRays sky_;
     FinalGatherCounts counts_;
 };
 

@@ -7,17 +7,26 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// Keeps the rays of audits apart from those of frames.
-constexpr std::uint64_t audit_seed = 0xa0d17;
+/// Keep the rays of audits apart from those of frames, and those of lobes from those of hemispheres.
+constexpr std::uint64_t audit_seed = 0xa0d17, lobe_seed = 0x10be;
 
-bool wants_rays(const GatherPoint& p) {
-    return p.point.bsdf.has_diffuse() || (p.point.bsdf.has_glossy() && !p.has_lobe_rays);
+bool wants_rays(const Bsdf& bsdf, RaysOf which) {
+    return which == RaysOf::lobes ? bsdf.has_narrow_lobe()
+                                  : bsdf.has_diffuse() || (bsdf.has_glossy() && !bsdf.has_narrow_lobe());
+}
+
+GatherRequest ray_request(const GatherPoint& p, const PointTolerance& allowed, glm::ivec2 pixel,
+                          const scene::Camera& camera, RaysOf which) {
+    GatherRequest r = request_of(p, allowed, pixel, camera);
+    r.lobe = which == RaysOf::lobes;
+    if (r.lobe) r.seed = core::mix(lobe_seed + r.seed);
+    return r;
 }
 
 }  // namespace
 
 void add_rays(FinalGather& gather, const scene::Camera& camera, const Seen& seen, const core::ToleranceMap& tolerance,
-              FrameLight& light) {
+              RaysOf which, FrameLight& light) {
     std::vector<GatherRequest> requests;
     std::vector<PointLight*> of_request;
     std::uint32_t pool = 0;
@@ -30,11 +39,11 @@ void add_rays(FinalGather& gather, const scene::Camera& camera, const Seen& seen
         for (const GatherGroup& group : group_points(tile, camera.position(), 1)) {
             for (const std::uint32_t k : group.points) {
                 const GatherPoint& p = tile[k];
-                if (!wants_rays(p)) continue;
+                if (!wants_rays(p.point.bsdf, which)) continue;
                 PointTolerance allowed = tolerances[k];
                 allowed.base += core::luminance(light[t][k].scattered(p));
                 const glm::ivec2 pixel = corner + glm::ivec2(p.pixel % tile_size, p.pixel / tile_size);
-                requests.push_back(request_of(p, allowed, pixel, camera));
+                requests.push_back(ray_request(p, allowed, pixel, camera, which));
                 requests.back().pool = pool;
                 of_request.push_back(&light[t][k]);
             }
@@ -46,13 +55,13 @@ void add_rays(FinalGather& gather, const scene::Camera& camera, const Seen& seen
 }
 
 std::vector<glm::vec3> exact_rays(FinalGather& gather, const scene::Camera& camera, std::span<const GatherPoint> points,
-                                  std::span<const std::size_t> of_pixel, std::size_t pixels) {
+                                  std::span<const std::size_t> of_pixel, std::size_t pixels, RaysOf which) {
     std::vector<GatherRequest> requests;
     std::vector<std::size_t> asked;
     for (std::size_t i = 0; i < points.size(); ++i) {
-        if (!wants_rays(points[i])) continue;
-        requests.push_back(request_of(points[i], {}, {0, 0}, camera));
-        requests.back().seed = core::mix(audit_seed + i);
+        if (!wants_rays(points[i].point.bsdf, which)) continue;
+        requests.push_back(ray_request(points[i], {}, {0, 0}, camera, which));
+        requests.back().seed = core::mix(audit_seed + 2 * i + (which == RaysOf::lobes ? 1 : 0));
         requests.back().pool = static_cast<std::uint32_t>(i);
         asked.push_back(i);
     }

@@ -11,16 +11,19 @@
 
 namespace render2mpeg::renderer {
 
-/// Adds the sky and indirect light to what light trees sent to the points of a frame. Points of one group share what
-/// they know of their rays (GatherRequest::pool). With the reference's tolerance each takes as many rays as there can
-/// be.
-void add_rays(FinalGather& gather, const scene::Camera& camera, const Seen& seen, const core::ToleranceMap& tolerance,
-              FrameLight& light);
+/// Which rays leave points.
+enum class RaysOf { hemispheres, lobes };
 
-/// What the sky and indirect light add to some pixels: sums over points that lie in one pixel each. As many rays as
+/// Adds the sky and indirect light, over hemispheres or along narrow lobes, to what light trees sent to the points of a
+/// frame. Points of one group share what they know of their rays (GatherRequest::pool). With the reference's tolerance
+/// each takes as many rays as there can be.
+void add_rays(FinalGather& gather, const scene::Camera& camera, const Seen& seen, const core::ToleranceMap& tolerance,
+              RaysOf which, FrameLight& light);
+
+/// What such rays add to some pixels: sums over points that lie in one pixel each. As many rays as
 /// there can be, other ones than those of frames. `points`: copies, where they were lit; `of_pixel`: to which of
 /// `pixels` each belongs.
 std::vector<glm::vec3> exact_rays(FinalGather& gather, const scene::Camera& camera, std::span<const GatherPoint> points,
-                                  std::span<const std::size_t> of_pixel, std::size_t pixels);
+                                  std::span<const std::size_t> of_pixel, std::size_t pixels, RaysOf which);
 
 }  // namespace render2mpeg::renderer

@@ -12,13 +12,9 @@ namespace render2mpeg::renderer {
 namespace {
 
 /// Layers and mirrors that a ray passes one after another, and the share of it below which it ends. chosen: 8, 0.02, as
-/// rays of lobes have 6 (lobe_rays.h); what is lost is a fiftieth of what is behind eight panes.
+/// rays of the eye have; what is lost is a fiftieth of what is behind eight panes.
 constexpr int most_surfaces = 8;
 constexpr float least_passing = 0.02f;
-
-/// Size of cells over the length of the ray that meets them. chosen: 0.12 of 0.03 to 0.3; half of it takes half more
-/// time in Sponza, and errs by 0.5 % in the mean instead of 0.8.
-constexpr float cell_spread = 0.12f;
 
 /// Own cells beyond this many in a row share the cells of others. chosen: 3, so that rays between two walls that nearly
 /// touch end.
@@ -67,7 +63,7 @@ GatherRays::GatherRays(const PosedScene& posed_scene, const Plan& plan)
     extent_ = glm::length(film.bounds_max - film.bounds_min);
     extent_level_ = extent_ > 0.0f ? std::ilogb(extent_) : 0;
     for (const scene::Material& m : film.materials) {
-        plain_.push_back(m.alpha_mode == scene::AlphaMode::opaque && m.transmission == 0.0f);
+        plain_.push_back(m.alpha_mode == scene::AlphaMode::opaque && m.transmission == 0.0f && !m.unlit);
         shines_.push_back(m.emits() && !m.unlit);
     }
 }
@@ -82,14 +78,14 @@ Sighting GatherRays::sighting(const RayQuery& ray, const Hit& hit, float distanc
     s.outgoing = -ray.direction;
     if (distance < rules.near && rules.depth < most_own_cells) {
         s.key = core::mix(number) | own_cell;
-        s.size = cell_spread * distance;
+        s.size = rules.spread * distance;
         s.depth = static_cast<std::uint8_t>(rules.depth + 1);
         return s;
     }
     const std::uint64_t dither = core::mix(number);
     const auto part = [&](unsigned shift) { return static_cast<float>(dither >> shift & 0xffffu) * 0x1p-16f - 0.5f; };
     const int level =
-        std::ilogb(std::max(std::exp2(part(0)) * cell_spread * distance, std::numeric_limits<float>::min()));
+        std::ilogb(std::max(std::exp2(part(0)) * rules.spread * distance, std::numeric_limits<float>::min()));
     s.size = std::ldexp(1.0f, level);
     glm::vec3 at = ray.origin + hit.distance * ray.direction;
     at += s.size * glm::vec3(part(16), part(32), part(48));
@@ -160,6 +156,7 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, float
             known += passing * p.emission *
                      (mirrored ? 1.0f : asked->share(asked->lights.surface_density(asked->query, hit.address)));
         const glm::vec3 shown = passing * p.alpha;
+        if (rules.is_lobe && p.unlit) known += shown * p.emission;
         if (p.bsdf.has_diffuse() || p.bsdf.has_glossy() || p.bsdf.has_diffuse_transmission())
             chosen.offer(shown, place);
         const bool blocks = rules.bodies_block && p.bounds_body &&
@@ -167,7 +164,7 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, float
         passing *= blocks ? glm::vec3(0) : posed_scene_.transmittance_at(hit.address, ray.direction);
         if (!(core::luminance(passing) > least_passing)) {
             passing = shown * p.bsdf.mirror;
-            if (asked == nullptr || !(core::luminance(passing) > least_passing)) break;
+            if ((asked == nullptr && !rules.is_lobe) || !(core::luminance(passing) > least_passing)) break;
             ray.direction = core::normalize_or(
                 2.0f * glm::dot(p.shading_normal, p.outgoing) * p.shading_normal - p.outgoing, p.geometric_normal);
             mirrored = true;

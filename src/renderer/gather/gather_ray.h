@@ -44,14 +44,20 @@ struct AskedLights {
     float share(float other) const { return core::divide_or(density, density + other, 0.0f); }
 };
 
+/// Size of cells over the length of the ray that meets them. chosen: 0.12 of 0.03 to 0.3; half of it takes half more
+/// time in Sponza, and errs by 0.5 % in the mean instead of 0.8.
+inline constexpr float cell_spread = 0.12f;
+
 /// How a ray is looked along.
 struct RayRules {
     float near = 0;       ///< hits nearer than this get a cell of their own, world
     float brightest = 0;  ///< luminance that the sky shows at most
     const AskedLights* asked =
-        nullptr;                ///< what shines is seen, in mirrors too; else surfaces shine not, mirrors are black
-    bool bodies_block = false;  ///< solid bodies of glass let nothing through: caustics have it
-    std::uint8_t depth = 0;     ///< of the place that it leaves, if that has a cell of its own
+        nullptr;                 ///< what shines is seen, in mirrors too; else surfaces shine not, mirrors are black
+    bool is_lobe = false;        ///< of a narrow lobe: it is mirrored on and sees unlit surfaces
+    float spread = cell_spread;  ///< size of cells over the ray's length
+    bool bodies_block = false;   ///< solid bodies of glass let nothing through: caustics have it
+    std::uint8_t depth = 0;      ///< of the place that it leaves, if that has a cell of its own
 };
 
 /// Follows rays through the posed scene.

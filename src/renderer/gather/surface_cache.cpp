@@ -42,7 +42,7 @@ float uniform(std::uint64_t number, Number use, std::uint64_t which) {
 
 /// What a cell takes of another at most, in any channel, so that the equations have a solution: no surface counts as
 /// brighter than paths have it.
-constexpr float largest_albedo = 0.98f;
+constexpr float most_reflected = 0.98f;
 
 }  // namespace
 
@@ -170,7 +170,7 @@ void SurfaceCache::light_place(const Sighting& place, std::uint64_t number, std:
     const glm::vec3 albedo = diffuse_albedo(p.bsdf, cosine) + glossy_albedo(p.bsdf, cosine);
     const float brightest = std::max({albedo.x, albedo.y, albedo.z});
     if (!(brightest > 0.0f)) return;
-    if (brightest > largest_albedo) p.bsdf.scale(largest_albedo / brightest);
+    if (brightest > most_reflected) p.bsdf.scale(most_reflected / brightest);
     p.bsdf.alpha = std::max(p.bsdf.alpha, least_alpha);
     p.bsdf.alpha_along = std::max(p.bsdf.alpha_along, least_alpha);
 
@@ -220,7 +220,7 @@ void SurfaceCache::follow_bounces(std::span<Lesson> lessons, Evaluated& out) con
         if (out.terms.size() > first) {
             RayTerm& term = out.terms.back();
             term.weight *= b.weight;
-            term.weight = glm::min(term.weight, largest_albedo);
+            term.weight = glm::min(term.weight, most_reflected);
             term.place.carried = b.carried * core::luminance(term.weight);
         }
         if (lesson.first_link == lesson.last_link) lesson.first_link = first;

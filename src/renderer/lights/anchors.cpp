@@ -97,7 +97,7 @@ struct Anchors::Impl {
     std::vector<PhotonHit> hits_of(const PosedScene& posed_scene, const PhotonResult& photons,
                                    std::uint64_t count) const;
     void follow_all(const PosedScene& posed_scene, std::span<const LightPoint> lights, Lit& lit,
-                    std::span<glm::dvec3> light, std::span<glm::dvec3> flux) const;
+                    std::span<glm::dvec3> light) const;
 
     const scene::Animation& film;
     AnchorSettings settings;
@@ -225,7 +225,7 @@ PhotonHit Anchors::Impl::hit_of(const PosedScene& posed_scene, const PhotonResul
     const LightPoint& vpl = photons.vpls[i];
     const core::SurfaceAddress& address = photons.addresses[i];
     const bool at_front = glm::dot(posed_scene.front_normal(address.object, address.primitive), vpl.normal) >= 0.0f;
-    return {group_of(address.object), rest_of(vpl, address, at_front), part * vpl.intensity, part * photons.fluxes[i]};
+    return {group_of(address.object), rest_of(vpl, address, at_front), part * vpl.intensity};
 }
 
 /// Time-averaged light of each anchor: splats the candidates' own.
@@ -233,8 +233,7 @@ void Anchors::Impl::average_light(const RayTracer& tracer) {
     std::vector<glm::dvec3> light(anchors.size(), glm::dvec3(0));
     std::vector<PhotonHit> hits;
     for (std::size_t i = 0; i < candidates.size(); ++i) {
-        if (candidates[i].flux > 0.0f)
-            hits.push_back({candidates[i].group, candidates[i].rest, candidate_light[i], {}});
+        if (candidates[i].flux > 0.0f) hits.push_back({candidates[i].group, candidates[i].rest, candidate_light[i]});
         if (hits.size() < most_hits && i + 1 < candidates.size()) continue;
         rays += anchors.splat(hits, tracer, nullptr, light);
         hits.clear();
@@ -313,7 +312,7 @@ std::vector<PhotonHit> Anchors::Impl::hits_of(const PosedScene& posed_scene, con
 }
 
 void Anchors::Impl::follow_all(const PosedScene& posed_scene, std::span<const LightPoint> lights, Lit& lit,
-                               std::span<glm::dvec3> light, std::span<glm::dvec3> flux) const {
+                               std::span<glm::dvec3> light) const {
     std::vector<PhotonHit> hits;
     for (std::uint64_t done = 0; done < paths; done += batch) {
         const std::uint64_t count = std::min(batch, paths - done);
@@ -324,49 +323,29 @@ void Anchors::Impl::follow_all(const PosedScene& posed_scene, std::span<const Li
         const std::vector<PhotonHit> more = hits_of(posed_scene, photons, count);
         hits.insert(hits.end(), more.begin(), more.end());
         if (hits.size() < most_hits && done + count < paths) continue;
-        lit.rays += anchors.splat(hits, posed_scene.tracer(), &lit.occluded, light, flux);
+        lit.rays += anchors.splat(hits, posed_scene.tracer(), &lit.occluded, light);
         hits.clear();
     }
 }
 
-Anchors::Lit Anchors::at(const PosedScene& posed_scene, std::span<const LightPoint> lights, bool irradiance) const {
+Anchors::Lit Anchors::at(const PosedScene& posed_scene, std::span<const LightPoint> lights) const {
     const Impl& a = *impl_;
     std::vector<glm::dvec3> light(a.anchors.size(), glm::dvec3(0));
-    std::vector<glm::dvec3> flux(irradiance ? a.anchors.size() : 0, glm::dvec3(0));
     Lit lit;
     lit.occluded = a.anchors.occluded_neighbours(posed_scene.tracer());
     lit.rays += lit.occluded.rays;
-    a.follow_all(posed_scene, lights, lit, light, flux);
+    a.follow_all(posed_scene, lights, lit, light);
     const std::uint32_t still = a.anchors.still_count();
     lit.still.reserve(still);
     lit.moving.reserve(a.anchors.size() - still);
     for (std::uint32_t i = 0; i < a.anchors.size(); ++i) {
         const bool moving = i >= still;
-        if (irradiance) lit.irradiance.emplace_back(0);
         if (moving && !posed_scene.posed().objects[a.anchors.mount(i).address.object].present) continue;
         LightPoint p = moving ? a.moving_light(posed_scene, i) : still_light(a.anchors, i);
         p.intensity = glm::vec3(light[i]);
-        if (irradiance)
-            lit.irradiance.back() =
-                glm::vec3(flux[i]) * core::divide_or(area_excess * lobe::inverse_pi * lobe::inverse_pi, p.disc2, 0.0f);
         (moving ? lit.moving : lit.still).push_back(p);
     }
     return lit;
-}
-
-glm::vec3 Anchors::irradiance_at(const PosedScene& posed_scene, const Lit& lit, const SurfacePoint& p,
-                                 int& rays) const {
-    const Impl& a = *impl_;
-    LightPoint place;
-    place.position = offset_origin(p, p.geometric_normal);
-    place.normal = p.geometric_normal;
-    const SplatWeights shares =
-        a.anchors.shares_at(a.group_of(p.address.object), a.rest_of(place, p.address, !p.back_side),
-                            posed_scene.tracer(), &lit.occluded, rays);
-    glm::vec3 sum(0);
-    for (std::size_t k = 0; k < static_cast<std::size_t>(shares.count); ++k)
-        sum += shares.weight[k] * lit.irradiance[shares.anchor[k]];
-    return sum;
 }
 
 }  // namespace render2mpeg::renderer

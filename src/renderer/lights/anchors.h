@@ -53,16 +53,10 @@ class Anchors {
         std::uint64_t rays = 0;
         double landed = 0, lost = 0;  ///< see PhotonResult, of all photons
         OccludedNeighbours occluded;
-        std::vector<glm::vec3> irradiance;  ///< of each anchor, still ones first, over pi; empty unless asked for
     };
     /// The anchors as `lights` let them shine at the posed instant. All light that photons leave on surfaces is in
     /// them. Does not depend on the number of threads.
-    Lit at(const PosedScene& posed_scene, std::span<const LightPoint> lights, bool irradiance = false) const;
-
-    /// Irradiance over pi at a place on a surface, all light of `lit` included that photons brought to the anchors
-    /// about it: those that a photon there would be shared among, by their shares. The scene is posed as it was for
-    /// `lit`. `rays` counts those it takes.
-    glm::vec3 irradiance_at(const PosedScene& posed_scene, const Lit& lit, const SurfacePoint& p, int& rays) const;
+    Lit at(const PosedScene& posed_scene, std::span<const LightPoint> lights) const;
 
   private:
     struct Impl;

@@ -309,17 +309,8 @@ void PhotonSplatter::share(std::span<const Placed> placed, std::span<const Photo
     });
 }
 
-SplatWeights PhotonSplatter::shares_at(std::uint32_t group, const OrientedPoint& at, const RayTracer& scene,
-                                       const OccludedNeighbours* occluded, int& rays) const {
-    if (occluded != nullptr && occluded->hidden.empty()) occluded = nullptr;
-    if (group != 0 || still_count_ == 0) return share_among_alike(group, at);
-    const std::uint32_t nearest = nearest_in_sight(at, scene, occluded != nullptr, rays);
-    return share_among(neighbours(nearest), occluded != nullptr ? occluded->hidden[nearest] : 0, at);
-}
-
 std::uint64_t PhotonSplatter::splat(std::span<const PhotonHit> photons, const RayTracer& scene,
-                                    const OccludedNeighbours* occluded, std::span<glm::dvec3> light,
-                                    std::span<glm::dvec3> flux) const {
+                                    const OccludedNeighbours* occluded, std::span<glm::dvec3> light) const {
     if (occluded != nullptr && occluded->hidden.empty()) occluded = nullptr;
     std::vector<Placed> placed(photons.size());
     std::vector<std::uint8_t> rays(photons.size(), 0);
@@ -344,7 +335,6 @@ std::uint64_t PhotonSplatter::splat(std::span<const PhotonHit> photons, const Ra
             for (std::size_t k = 0; k < static_cast<std::size_t>(shares[i].count); ++k) {
                 const auto share = static_cast<double>(shares[i].weight[k]);
                 light[shares[i].anchor[k]] += share * glm::dvec3(photons[next[i].photon].light);
-                if (!flux.empty()) flux[shares[i].anchor[k]] += share * glm::dvec3(photons[next[i].photon].flux);
             }
     }
     return std::accumulate(rays.begin(), rays.end(), std::uint64_t{0});

@@ -23,7 +23,6 @@ struct PhotonHit {
     std::uint32_t group = 0;
     OrientedPoint at;    ///< in the space of its group
     glm::vec3 light{0};  ///< radiant intensity that it leaves
-    glm::vec3 flux{0};   ///< that it brings
 };
 
 /// Anchors that one photon is shared among at most [Render2MPEG, 7.3.1].
@@ -73,13 +72,8 @@ class PhotonSplatter {
     /// Adds the light of photons that landed while `scene` is posed as it was for `occluded` to their anchors, of which
     /// `light` has one each. Without occluded what moves does not count. Returns the rays that it took. Does not depend
     /// on the number of threads; the more photons at once, the less time each takes.
-    /// Where `flux` is given it gets their flux alike.
     std::uint64_t splat(std::span<const PhotonHit> photons, const RayTracer& scene, const OccludedNeighbours* occluded,
-                        std::span<glm::dvec3> light, std::span<glm::dvec3> flux = {}) const;
-
-    /// The anchors that a photon which lands at a place of a group is shared among; `rays` counts those it takes.
-    SplatWeights shares_at(std::uint32_t group, const OrientedPoint& at, const RayTracer& scene,
-                           const OccludedNeighbours* occluded, int& rays) const;
+                        std::span<glm::dvec3> light) const;
 
     /// Rays traced for neighbours.
     std::uint64_t rays() const { return rays_; }

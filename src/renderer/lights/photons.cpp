@@ -97,7 +97,6 @@ Onward scatter(const SurfacePoint& p, glm::vec3 flux, float choice, glm::vec2 u)
 void leave(const SurfacePoint& p, glm::vec3 flux, glm::vec3 landed, PhotonResult& out) {
     out.vpls.push_back(vpl_at(p, flux));
     out.addresses.push_back(p.address);
-    out.fluxes.push_back(landed);
     out.landed += static_cast<double>(core::luminance(landed));
 }
 
@@ -165,7 +164,6 @@ PhotonResult follow_all(const PosedScene& posed_scene, const PhotonSource& sourc
     for (const PhotonResult& p : part) {
         result.vpls.insert(result.vpls.end(), p.vpls.begin(), p.vpls.end());
         result.addresses.insert(result.addresses.end(), p.addresses.begin(), p.addresses.end());
-        result.fluxes.insert(result.fluxes.end(), p.fluxes.begin(), p.fluxes.end());
         result.rays += p.rays;
         result.landed += p.landed;
         result.lost += p.lost;
@@ -203,7 +201,6 @@ PhotonResult trace_photons(const PosedScene& posed_scene, std::span<const LightP
     PhotonResult result = follow_all(posed_scene, source, settings);
     const float share = static_cast<float>(1.0 / static_cast<double>(settings.paths));
     for (LightPoint& vpl : result.vpls) vpl.intensity *= share;
-    for (glm::vec3& flux : result.fluxes) flux *= share;
     return result;
 }
 

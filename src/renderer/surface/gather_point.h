@@ -35,7 +35,6 @@ struct GatherPoint {
     SurfacePoint point;
     std::uint16_t pixel = 0;  ///< within its tile: y * tile_size + x
     std::uint8_t way = straight_way;
-    bool has_lobe_rays = false;  ///< what rays found along its lobe is in Seen::emitted, and no part of light trees
     glm::vec3 weight{1};         ///< share of the pixel x what mirrors, glass and translucent layers let through
     /// Where shadow rays leave the same surface elsewhere in the pixel, world; the first `others` of them: shadows have
     /// edges within pixels.
@@ -113,7 +112,6 @@ struct Exposure {
     core::Plane<glm::vec3> emitted, emitted_specular;  ///< as Seen's, of exposed pixels
     std::vector<std::uint32_t> first_point;            ///< by tile: points of all tiles before it; one more: of all
     std::vector<SeenAir> air{};                        ///< as Seen's, of exposed pixels
-    std::vector<glm::vec3> lobe_light;  ///< by point of the frame: radiance that lobe rays found; empty without them
 
     bool is_exposed(std::size_t tile) const { return !starts[tile].empty(); }
     /// Of a pixel of a tile that has any: GatherPoint::pixel.
@@ -136,7 +134,6 @@ struct Seen {
     std::vector<GatherTile> tiles;            ///< row by row, (width + 15) / 16 per row
     core::Plane<glm::vec3> emitted;           ///< radiance that needs no gathering: emission, sky, unlit surfaces
     core::Plane<glm::vec3> emitted_specular;  ///< the part of `emitted` seen by mirrors or glass; empty without them
-    core::Plane<glm::vec3> emitted_glossy{};  ///< the rest that lobe rays brought; empty without them
     /// Parts of `emitted` that caustics brought (caustics.h): to what is seen straight, and (a part of
     /// `emitted_specular`) by mirrors or glass. Empty without them.
     core::Plane<glm::vec3> caustics{}, caustics_specular{};

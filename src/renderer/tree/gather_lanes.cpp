@@ -93,7 +93,7 @@ void fill(GatherLanes& lanes, std::span<const GatherPoint* const> points) {
         if (!lanes.glossy) continue;
         fill_lobe(lanes, i, p, share);
         if (lanes.stretched) fill_stretch(lanes, i, p);
-        lanes.rays_see[i] = point.has_lobe_rays ? 1.0f / lobe::lobe_rays_disc2 : 0.0f;
+        lanes.rays_see[i] = p.bsdf.has_narrow_lobe() ? 1.0f / lobe::lobe_rays_disc2 : 0.0f;
     }
 }
 

@@ -14,7 +14,7 @@ namespace render2mpeg::renderer {
 /// points.
 struct GeometryClamp {
     float scale = 0.02f;
-    bool by_rays = false;  ///< lobes that have rays see these lights by them (GatherPoint::has_lobe_rays)
+    bool by_rays = false;  ///< lobes that have rays see these lights by them (Bsdf::has_narrow_lobe)
     /// No clamp at all: beyond any G that occurs, yet finite, so that 0 times it is 0.
     static GeometryClamp none() { return {1e30f, false}; }
 };

@@ -18,7 +18,6 @@
 #include "renderer/view/exposed_points.h"
 #include "renderer/view/exposure_need.h"
 #include "renderer/view/exposure_pattern.h"
-#include "renderer/view/lobe_rays.h"
 #include "renderer/view/tile_look.h"
 
 namespace render2mpeg::renderer {
@@ -388,24 +387,6 @@ std::vector<std::vector<std::uint32_t>> starts_of(const Seen& seen) {
     return starts;
 }
 
-/// Looks along the lobes of points that are narrow.
-void light_lobes(const LobeRays& lobes, Seen& seen, Exposure& exposure, std::vector<std::uint64_t>& rays) {
-    if (!lobes.trace_rays()) return;
-    exposure.lobe_light.assign(exposure.first_point.back(), glm::vec3(0));
-    std::vector<std::uint8_t> used(exposure.first_point.back(), 0);
-    for (const auto& tile : exposure.contributions)
-        for (const Contribution& c : tile) used[c.point] = 1;
-    parallel::for_each(seen.tiles.size(), [&](std::size_t t) {
-        for (std::size_t i = 0; i < seen.tiles[t].size(); ++i) {
-            GatherPoint& p = seen.tiles[t][i];
-            const std::size_t index = exposure.first_point[t] + i;
-            if (used[index] == 0 || !p.point.bsdf.has_narrow_lobe()) continue;
-            p.has_lobe_rays = true;
-            exposure.lobe_light[index] = lobes.radiance(p, rays[t]);
-        }
-    });
-}
-
 /// Samples all tiles that may be blurred.
 std::vector<TileExposure> sample_tiles(Exposing& all, ExposureCounts& counts) {
     const scene::Snapshot& snapshot = all.scene.posed();
@@ -485,9 +466,6 @@ void expose(const PosedScene& posed_scene, const SeeSettings& settings, const Pl
             exposure->contributions[t].push_back({exposure->first_point[tile] + point, part.weight, part.diffuse});
         }
     });
-    std::vector<std::uint64_t> rays(tiles, 0);
-    light_lobes(LobeRays(posed_scene, settings, plan), seen, *exposure, rays);
-    for (const std::uint64_t r : rays) counts.rays += r;
     seen.exposure = std::move(exposure);
 }
 

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "parallel/loops.h"
-#include "renderer/view/lobe_rays.h"
 #include "renderer/view/tile_look.h"
 
 namespace render2mpeg::renderer {
@@ -58,7 +57,6 @@ void look_closer(const PosedScene& posed_scene, const SeeSettings& settings, con
         seen.samples = core::Plane<std::uint16_t>(settings.format.width, settings.format.height,
                                                   static_cast<std::uint16_t>(settings.samples));
     const EyePaths paths(posed_scene, settings, plan);
-    const LobeRays lobes(posed_scene, settings, plan);
     std::vector<SeeCounts> tile_counts(seen.tiles.size());
     for (const int samples : rounds) {
         if (samples <= before || samples > most_samples) continue;
@@ -76,9 +74,6 @@ void look_closer(const PosedScene& posed_scene, const SeeSettings& settings, con
         });
         before = samples;
     }
-    if (lobes.trace_rays())
-        parallel::for_each(seen.tiles.size(),
-                           [&](std::size_t t) { tile_counts[t].specular_rays += lobes.light(t, seen); });
     for (const SeeCounts& c : tile_counts) counts.add(c);
     counts.sky_seconds += paths.sky_seconds();
 }

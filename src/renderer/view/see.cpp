@@ -8,7 +8,6 @@
 #include "core/numeric.h"
 #include "parallel/loops.h"
 #include "renderer/view/eye_path.h"
-#include "renderer/view/lobe_rays.h"
 #include "renderer/view/tile_look.h"
 
 namespace render2mpeg::renderer {
@@ -101,7 +100,6 @@ Seen see(const PosedScene& posed_scene, const SeeSettings& settings, const Plan&
     if (plan.runs(Pass::mirrors) || plan.runs(Pass::glass))
         seen.emitted_specular = core::Plane<glm::vec3>(width, height, glm::vec3{0.0f});
     if (plan.runs(Pass::mirrors)) seen.imaged = core::Plane<core::SurfaceAddress>(width, height);
-    if (plan.runs(Pass::lobe_rays)) seen.emitted_glossy = core::Plane<glm::vec3>(width, height, glm::vec3{0.0f});
     const int across = seen.tiles_across(), down = (height + tile_size - 1) / tile_size;
     if (posed_scene.air() != nullptr)
         seen.air.resize(static_cast<std::size_t>(across) * static_cast<std::size_t>(down));
@@ -109,7 +107,6 @@ Seen see(const PosedScene& posed_scene, const SeeSettings& settings, const Plan&
 
     // Look tile by tile, then again at edges; counts are summed in the tiles' order.
     const EyePaths paths(posed_scene, settings, plan);
-    const LobeRays lobes(posed_scene, settings, plan);
     const auto looking = [&](const std::vector<glm::vec2>& pattern) {
         return Looking{posed_scene.tracer(), paths, snapshot.camera, pattern,
                        1.0f / std::sqrt(static_cast<float>(pattern.size()))};
@@ -128,9 +125,6 @@ Seen see(const PosedScene& posed_scene, const SeeSettings& settings, const Plan&
         parallel::for_each(seen.tiles.size(),
                            [&](std::size_t t) { look_again(looking(finer), t, edges[t], seen, tile_counts[t]); });
     }
-    if (lobes.trace_rays())
-        parallel::for_each(seen.tiles.size(),
-                           [&](std::size_t t) { tile_counts[t].specular_rays += lobes.light(t, seen); });
     for (const SeeCounts& c : tile_counts) counts.add(c);
     counts.sky_seconds += paths.sky_seconds();
     return seen;

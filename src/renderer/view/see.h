@@ -1,9 +1,7 @@
 #pragma once
 // Primary visibility: what every pixel sees.
 #include <cstdint>
-#include <functional>
 #include <glm/glm.hpp>
-#include <limits>
 #include <vector>
 
 #include "renderer/surface/gather_point.h"
@@ -14,19 +12,15 @@ namespace render2mpeg::renderer {
 /// What `see` needs of the settings.
 struct SeeSettings {
     scene::PictureFormat format;
-    int samples = 4;                                          ///< eye samples per pixel, >= 1
-    int edge_samples = 0;                                     ///< of pixels with edges; 0 or `samples`: no more
-    int specular_depth = 6;                                   ///< mirrors after one another; 0: none
-    float sky_part = std::numeric_limits<float>::infinity();  ///< LightPoints::sky_part
-    image::SkyImportance sky_importance{};                    ///< LightPoints::sky_importance
-    /// Irradiance over pi of a surface that lobe rays meet; adds the rays it takes. Any thread. Empty: all are dark.
-    std::function<glm::vec3(const SurfacePoint&, int& rays)> irradiance{};
+    int samples = 4;         ///< eye samples per pixel, >= 1
+    int edge_samples = 0;    ///< of pixels with edges; 0 or `samples`: no more
+    int specular_depth = 6;  ///< mirrors after one another; 0: none
 };
 
 /// Rays that `see` shot, for the statistics.
 struct SeeCounts {
     std::uint64_t primary_rays = 0;   ///< from the eye, and on through layers
-    std::uint64_t specular_rays = 0;  ///< from mirrors, and along lobes
+    std::uint64_t specular_rays = 0;  ///< from mirrors
     double sky_seconds = 0;           ///< CPU, about: looking at the sky
 
     void add(const SeeCounts& more) {

@@ -168,7 +168,7 @@ class TileLook {
                 }
                 differ = differ || s > 0;
                 const auto pixel = static_cast<std::uint16_t>((y % tile_size) * tile_size + x % tile_size);
-                tile.push_back({fragment.point, pixel, fragment.way, false, weight});
+                tile.push_back({fragment.point, pixel, fragment.way, weight});
             }
         }
         for (auto& [point, places] : more_places_)
@@ -286,7 +286,6 @@ void look_again(const Looking& looking, std::size_t t, const PixelMarks& marks, 
             if (marks[static_cast<std::size_t>(y % tile_size)][static_cast<std::size_t>(x % tile_size)]) {
                 look.take(x, x + 1, y, tile, nullptr);
                 seen.samples.at(x, y) = static_cast<std::uint16_t>(looking.pattern.size());
-                if (!seen.emitted_glossy.empty()) seen.emitted_glossy.at(x, y) = glm::vec3(0);
             } else {
                 if (!seen.air.empty()) copy_pixel(seen.air[t], pixel, air);
                 tile.insert(tile.end(), std::make_move_iterator(before.begin() + static_cast<std::ptrdiff_t>(first)),
