@@ -95,7 +95,7 @@ TEST(Information, OfOurFilmsIsWhatTheEncoderCounted) {
     EXPECT_GT(moving, 0.2) << "boxes move";
 }
 
-TEST(Information, OfForeignFilmsAgreesWithFfprobe) {
+TEST(Information, OfForeignFilmsAgreesWithFfprobeSlow) {
     const Folder folder;
     const std::string file = path(folder, "f.mpg");
     for (const char* options : {"-g 12 -bf 2 -q:v 5", "-g 9 -bf 2 -q:v 3 -flags +ilme+ildct -top 1", "-g 1 -q:v 20",

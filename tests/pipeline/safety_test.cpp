@@ -40,7 +40,7 @@ bool tells(const support::Outcome& outcome, const std::string& words) {
 
 TEST(Inputs, AreNoOutputsByWhateverName) {
     const Folder folder;
-    std::filesystem::copy(film("cornell"), folder / "scene", std::filesystem::copy_options::recursive);
+    std::filesystem::copy(plain_film(), folder / "scene", std::filesystem::copy_options::recursive);
     const std::string scene = contents(folder / "scene" / "film.json");
     ASSERT_FALSE(scene.empty());
     write_text(folder / "keys.txt", "0\n");

@@ -90,7 +90,7 @@ TEST(Anchors, AreOfAConstantNumberAtFixedPlaces) {
     }
 }
 
-TEST(Anchors, DependOnTheInstantAlone) {
+TEST(Anchors, DependOnTheInstantAloneSlow) {
     AnchorStage stage(lamp_room(true, true));
     stage.pose(0.5);
     const Anchors::Lit one = stage.light();

@@ -134,7 +134,7 @@ TEST_P(WhiteBall, CannotBeToldFromItsSky) {
     b.add_sphere({0, 0, 0}, 1.0f, m, 64);
     b.film().sky.color = glm::vec3(1);
     b.add_camera({0, 0, 6}, {0, 0, 0}, 0.4f);
-    Settings settings = test::small_frame(48, 48);
+    Settings settings = test::small_frame(32, 32);
     settings.direct_points = 2000;
     settings.vpls = 0;
     test::FilmStage stage(b, settings);
