@@ -72,7 +72,7 @@ std::vector<Proof> file_proofs() {
         {"a full disk",
          "one line; nothing broken under a final name, and no output costs another",
          {},
-         {"Outputs.AreWrittenWholeOrNotAtAll", "Outputs.ThatFailCostNoOthers", "Heatmap.ThatFailsCostsNoFilmSlow"}},
+         {"Outputs.AreWrittenWholeOrNotAtAll", "Outputs.ThatFailCostNoOthersSlow", "Heatmap.ThatFailsCostsNoFilmSlow"}},
         {"two runs on one output, or one heatmap",
          "the second is refused",
          {},

@@ -142,7 +142,7 @@ TEST(Information, TellsDamageAndGoesOn) {
     EXPECT_EQ(std::count(line.output.begin(), line.output.end(), '\n'), 1) << line.output;
 }
 
-TEST(Information, NeverCrashesWhereAFilmEndsEarlyOrIsNone) {
+TEST(Information, NeverCrashesWhereAFilmEndsEarlyOrIsNoneSlow) {
     const Folder folder;
     make_foreign(path(folder, "f.mpg"), "-g 5 -bf 2 -q:v 5");
     const std::string bytes = contents(folder / "f.mpg");

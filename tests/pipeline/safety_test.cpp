@@ -114,7 +114,7 @@ TEST(Report, ReplacesNothingButAnEarlierReportSlow) {
     EXPECT_EQ(folder.entries(), 3u);
 }
 
-TEST(Outputs, ThatFailCostNoOthers) {
+TEST(Outputs, ThatFailCostNoOthersSlow) {
     const Folder folder;
     const auto outcome = run(render_to(folder, "f.mpg", "--stats /dev/full --report " + path(folder, "r.html")));
     EXPECT_EQ(outcome.status, 1);

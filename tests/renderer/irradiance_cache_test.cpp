@@ -142,7 +142,7 @@ TEST(IrradianceCache, ForgetsWhatItKnewWhenALampIsDimmedOrAPanelDoubledSlow) {
     }
 }
 
-TEST(IrradianceCache, ShowsNoShadowOfWhatIsGone) {
+TEST(IrradianceCache, ShowsNoShadowOfWhatIsGoneSlow) {
     test::SceneBuilder b = walk(false);
     const int box = b.add_box({0.3f, 0.0f, 2.2f}, {0.9f, 0.5f, 2.8f}, b.add_material({0.5f, 0.5f, 0.5f}));
     b.move_object(box, {{0, 0, 0}, {0, 0, 0}, {0, -9, 0}});
