@@ -71,14 +71,14 @@ TEST(Decoding, BlackAndWhiteNoiseNeverSaturatesACoefficient) {
 }
 
 TEST(Decoding, MovingTexturesAreDecodedAsReconstructed) {
-    const Difference d = expect_decoders_agree(sliding_with_exact_motion(settings(720, 576, 3, 15), 16, {3.5, -2.25}),
+    const Difference d = expect_decoders_agree(sliding_with_exact_motion(settings(352, 288, 3, 15), 16, {3.5, -2.25}),
                                                after_many_pictures);
     EXPECT_LE(d.largest, 6);
 }
 
 TEST(Decoding, BPicturesOfMovingTexturesAreDecodedAsReconstructed) {
     const Difference d = expect_decoders_agree(
-        sliding_with_exact_motion(settings(720, 576, 3, 15, 3, 2), 16, {3.5, -2.25}), after_many_pictures);
+        sliding_with_exact_motion(settings(352, 288, 3, 15, 3, 2), 16, {3.5, -2.25}), after_many_pictures);
     EXPECT_LE(d.largest, 6);
 }
 

@@ -92,7 +92,7 @@ core::Picture sliding_clouds(const Settings& s, std::int64_t n, glm::dvec2 step)
     });
 }
 
-TEST(Encoder, MotionWithinReachIsFoundWithoutHints) {
+TEST(Encoder, MotionWithinReachIsFoundWithoutHintsSlow) {
     for (const Effort effort : {Effort::quality, Effort::fast}) {
         Settings s = settings(320, 240, 4, 10);
         s.effort = effort;

@@ -224,7 +224,7 @@ TEST(Encoder, ACrossFadeIsPredictedFromBothReferences) {
     EXPECT_LT(coded.bytes.size(), 340u);
 }
 
-TEST(Encoder, TheDearerEffortCostsFewerBitsForTheSameError) {
+TEST(Encoder, TheDearerEffortCostsFewerBitsForTheSameErrorSlow) {
     Settings s = settings(320, 240, 5, 13, 3, 2);
     const auto picture = [&](std::int64_t n) {
         return paint(s.width, s.height, n, [n](int plane, double x, double y) {

@@ -164,7 +164,7 @@ TEST(Farm, KeepsWhatIsMadeWhereItIsGivenAgain) {
     EXPECT_EQ(left(), "1-2\n") << "another film";
 }
 
-TEST(Farm, PacksItsInputs) {
+TEST(Farm, PacksItsInputsSlow) {
     const FarmFilm film("", 120);
     ASSERT_EQ(film.render("-o " + film.path("one.mpg")).status, 0);
     ASSERT_EQ(film.farm("-o " + film.path("f.mpg"), "--to kubernetes --pack").status, 0);

@@ -7,14 +7,14 @@ namespace render2mpeg::fuzz {
 std::span<const NamedTarget> targets() {
     static constexpr std::array<NamedTarget, 10> all{{{"gltf", gltf, 400},
                                                       {"animation", animation, 300},
-                                                      {"model", model, 40},
+                                                      {"model", model, 25},
                                                       {"tracks", tracks, 20000},
-                                                      {"image", image, 600},
+                                                      {"image", image, 400},
                                                       {"sky", sky, 300},
                                                       {"layers", layers, 100},
                                                       {"y4m", y4m, 300},
-                                                      {"motion", motion, 5000},
-                                                      {"hints", hints, 1000}}};
+                                                      {"motion", motion, 2000},
+                                                      {"hints", hints, 600}}};
     return all;
 }
 

@@ -98,15 +98,17 @@ std::vector<HardCase> exposure_cases() {
              return exposed_block({{-600, 0, 0}, {0, 0, 0}, {600, 0, 0}});
          },
          [](const Lit& film) { EXPECT_NEAR(film.mean(1) / film.mean(0), 1.0, 0.1); }},
-        {"a block that turns three times in a frame", "its corners' chords miss its arcs", "a round blur",
-         [] { return turning_block(6 * std::numbers::pi_v<float>); }},
-        {"a block of size 0 when the shutter opens", "no inverse at one instant, and one at the next", "finite",
-         [] {
-             SceneBuilder b = exposed_block({{0, 0, 0}, {0.2f, 0, 0}, {0.4f, 0, 0}});
-             b.add_track(scene::TrackTarget::scale, b.film().objects.back().node, 3, {0.75f, 1, 2},
-                         {0, 0, 0, 1, 1, 1, 1, 1, 1});
-             return b;
-         }},
+        of_side({"a block that turns three times in a frame", "its corners' chords miss its arcs", "a round blur",
+                 [] { return turning_block(6 * std::numbers::pi_v<float>); }},
+                16),
+        of_side({"a block of size 0 when the shutter opens", "no inverse at one instant, and one at the next", "finite",
+                 [] {
+                     SceneBuilder b = exposed_block({{0, 0, 0}, {0.2f, 0, 0}, {0.4f, 0, 0}});
+                     b.add_track(scene::TrackTarget::scale, b.film().objects.back().node, 3, {0.75f, 1, 2},
+                                 {0, 0, 0, 1, 1, 1, 1, 1, 1});
+                     return b;
+                 }},
+                16),
         {"an aperture wider than the room",
          "rays begin inside of walls",
          "finite",
@@ -114,10 +116,11 @@ std::vector<HardCase> exposure_cases() {
          nullptr,
          std::numeric_limits<float>::infinity(),
          {},
-         {32, 32},
+         {16, 16},
          1},
-        {"a focus at 1e30", "the far plane less the lens' own place rounds to nothing", "finite",
-         [] { return through_lens(1.4f, 1e30f); }},
+        of_side({"a focus at 1e30", "the far plane less the lens' own place rounds to nothing", "finite",
+                 [] { return through_lens(1.4f, 1e30f); }},
+                16),
         {"a focus a millionth before the eye",
          "its inverse makes discs of 1e6 pixels",
          "finite",
@@ -125,7 +128,7 @@ std::vector<HardCase> exposure_cases() {
          nullptr,
          std::numeric_limits<float>::infinity(),
          {},
-         {32, 32},
+         {16, 16},
          1},
         refused_lens("a focus on the eye", "division by its distance", 2.8f, 0),
         refused_lens("an f-stop below 0", "an aperture turned inside out", -1, 2),

@@ -53,6 +53,12 @@ struct HardCase {
     bool default_light = false;  ///< a scene without light is given one, as when it is loaded
 };
 
+/// For cases of which no single pixel is asked.
+inline HardCase of_side(HardCase hard_case, int side) {
+    hard_case.size = glm::ivec2(side);
+    return hard_case;
+}
+
 std::vector<HardCase> light_cases();
 std::vector<HardCase> surface_cases();
 std::vector<HardCase> material_cases();

@@ -327,7 +327,7 @@ std::size_t peak_memory() {
     return 1024 * kilobytes;
 }
 
-TEST(Texture, OfBytesTakesLittleMemoryBesideItsImage) {
+TEST(Texture, OfBytesTakesLittleMemoryBesideItsImageSlow) {
     const int size = 2048;
     const Image image = noise(size, size);
     peak_memory();

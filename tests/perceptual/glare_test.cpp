@@ -48,7 +48,7 @@ TEST(GlareOfEyes, KeepsAllLightWhereverTheLampIs) {
     }
 }
 
-TEST(GlareOfEyes, ReachesAsFarAsItsSizeAndDoesNotComeRound) {
+TEST(GlareOfEyes, ReachesAsFarAsItsSizeAndDoesNotComeRoundSlow) {
     Glare glare(glare_of(0.5f, core::GlareKind::still, 0.25f), 120, 80, 1, 0);
     const Light shown = glare.over(lamp(120, 80, {2, 40}, 1000), 0);
     for (int y = 0; y < 80; ++y)
@@ -62,13 +62,13 @@ TEST(GlareOfEyes, ReachesAsFarAsItsSizeAndDoesNotComeRound) {
         }
 }
 
-TEST(GlareOfEyes, KeepsAllLightInCellsThatTheBorderCuts) {
+TEST(GlareOfEyes, KeepsAllLightInCellsThatTheBorderCutsSlow) {
     Glare glare(glare_of(0.3f), 97, 1025, 1, 0);  // cells of three
     for (const glm::ivec2 at : {glm::ivec2(50, 500), glm::ivec2(96, 500), glm::ivec2(50, 1024), glm::ivec2(96, 1024)})
         EXPECT_NEAR(sum_of(glare.over(lamp(97, 1025, at, 1000), 0)).y, 1000, 12) << at.x << " " << at.y;
 }
 
-TEST(GlareOfEyes, IsRoundAsPicturesAreShown) {
+TEST(GlareOfEyes, IsRoundAsPicturesAreShownSlow) {
     Glare glare(glare_of(0.5f, core::GlareKind::still, 0.25f), 120, 80, 2, 0);
     const Light shown = glare.over(lamp(120, 80, {60, 40}, 1000), 0);
     // Pixels are twice as wide as high: the spread, in heights of a pixel, is alike in both directions.
@@ -82,7 +82,7 @@ TEST(GlareOfEyes, IsRoundAsPicturesAreShown) {
     EXPECT_LT(shown.at(60 + 12, 40).y, 1e-4f);
 }
 
-TEST(GlareOfEyes, FallsWithDistanceAndIsDarkWhereAllIsBlack) {
+TEST(GlareOfEyes, FallsWithDistanceAndIsDarkWhereAllIsBlackSlow) {
     Glare glare(glare_of(0.1f), 160, 160, 1, 0);
     const Light shown = glare.over(lamp(160, 160, {80, 80}, 1000), 0);
     const auto ring = [&](float radius) {
@@ -111,7 +111,7 @@ TEST(GlareOfEyes, IsFiniteBesideASunAndNeverNegative) {
         }
 }
 
-TEST(GlareOfEyes, ChangesWithTimeOnlyWhereThatIsAskedFor) {
+TEST(GlareOfEyes, ChangesWithTimeOnlyWhereThatIsAskedForSlow) {
     const Light light = lamp(64, 48, {30, 20}, 100);
     Glare still(glare_of(0.2f), 64, 48, 1, 0), temporal(glare_of(0.2f, core::GlareKind::temporal), 64, 48, 1, 0);
     EXPECT_EQ(still.over(light, 0), still.over(light, 0.8));

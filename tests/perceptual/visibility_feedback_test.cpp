@@ -139,7 +139,7 @@ TEST_P(Feedback, ReturnsFromAPerturbation) {
     }
 }
 
-TEST_P(Feedback, DoesNotDriftInTwoHundredFrames) {
+TEST_P(Feedback, DoesNotDriftInTwoHundredFramesSlow) {
     Film film{model, GetParam()};
     for (int frame = 1; frame <= 200; ++frame) film.step(frame);
     // Against what the reference frames themselves would say, over a round of places on the blocks.

@@ -205,7 +205,8 @@ TEST(PlanCommand, GivesAReasonForEveryPassAndItsCostAfterARenderSlow) {
 TEST(Statistics, HaveEveryDocumentedKey) {
     const Folder folder;
     const auto file = folder / "s.json";
-    ASSERT_EQ(run(program() + " render " + plain_film() + " --size 32x32 --samples 1 --frames 0:1 --quiet -o " +
+    ASSERT_EQ(run(program() + " render " + plain_film() +
+                  " --size 16x16 --samples 1 --tolerance coupled=8 --frames 0:1 --quiet -o " +
                   (folder / "x.mpg").string() + " --stats " + file.string())
                   .status,
               0);

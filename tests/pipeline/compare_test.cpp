@@ -21,7 +21,7 @@ namespace {
 const std::string few_samples =
     " --size 48x32 --indirect lightcuts --vpls 16 --samples 1 --exposure 0 --sample 1x4 --references 2 --runs 1";
 
-TEST(Compare, HoldsSixWaysAgainstOneReference) {
+TEST(Compare, HoldsSixWaysAgainstOneReferenceSlow) {
     const Folder folder;
     const auto outcome = run(program() + " compare " + plain_film() + few_samples + " --quantisers 4,16 --report " +
                              path(folder, "c.html") + " --json " + path(folder, "c.json"));
@@ -127,7 +127,7 @@ TEST(KeptReferences, AreWholeOrNotThere) {
     EXPECT_THROW(app::ReferenceCache{file}, core::Error) << "no folder";
 }
 
-TEST(ForeignFilm, IsHeldAgainstItsOwnFrames) {
+TEST(ForeignFilm, IsHeldAgainstItsOwnFramesSlow) {
     const Folder folder;
     const std::string render = program() + " render -y --hold " + plain_film() +
                                " --size 32x32 --indirect lightcuts --vpls 16 --samples 1 --exposure 0 --frames 8:12 "

@@ -204,7 +204,7 @@ TEST(Cost, RisesAndErrorsFallAsTolerancesTightenSlow) {
     EXPECT_NEAR(pairs[1].at("psnr_y_loss").get<double>(), 0.0, 0.3);
 }
 
-TEST(Cost, DependsOnThreadsInItsTimesAlone) {
+TEST(Cost, DependsOnThreadsInItsTimesAloneSlow) {
     const std::string options = brief + " --tolerances 10 --quantisers 8 --b-pictures 0";
     EXPECT_EQ(timeless(cost_of(plain_film(), options + " --threads 1")),
               timeless(cost_of(plain_film(), options + " --threads 3")));
@@ -212,7 +212,7 @@ TEST(Cost, DependsOnThreadsInItsTimesAlone) {
 
 TEST(Cost, OfWhatIsBlackIsTold) {
     const json found = cost_of(plain_film(),
-                               " --size 32x32 --vpls 16 --samples 1 --exposure -40 --sample 1x1"
+                               " --size 16x16 --indirect lightcuts --vpls 16 --samples 1 --exposure -40 --sample 1x1"
                                " --tolerances 16,8,4 --quantisers 4");
     EXPECT_TRUE(found.at("fixed")[0].at("decoded").at("psnr_y").is_null()) << "the same to the last bit";
     EXPECT_TRUE(found.at("knee").is_null());
@@ -220,7 +220,7 @@ TEST(Cost, OfWhatIsBlackIsTold) {
     EXPECT_NE(found.at("summary").get<std::string>().find("cannot be told from"), std::string::npos);
 }
 
-TEST(Cost, OfASceneWithoutAnythingToLightIsTold) {
+TEST(Cost, OfASceneWithoutAnythingToLightIsToldSlow) {
     const Folder folder;
     std::ofstream(folder / "film.json") << R"({"camera": {"position": [0, 0, 5], "look_at": [0, 0, 0]},
         "objects": [{"name": "away", "shape": "box", "position": [0, 0, 50], "material": "grey"}],

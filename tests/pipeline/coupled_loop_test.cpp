@@ -106,7 +106,7 @@ TEST(CoupledLoop, CutsShrinkWhileTheDecodedFilmStaysAsNearToTheTruthSlow) {
     EXPECT_GT(light, fixed_light);
 }
 
-TEST(CoupledLoop, HardlyAnyPixelExceedsItsTolerance) {
+TEST(CoupledLoop, HardlyAnyPixelExceedsItsToleranceSlow) {
     const RenderOptions options = options_of(support::panel_film(), "0:2", "48x48");
     const Record truth = made(options, "reference"), coupled = made(options, "coupled=1");
     double over = 0, pixels = 0, used = 0;
@@ -124,7 +124,7 @@ TEST(CoupledLoop, HardlyAnyPixelExceedsItsTolerance) {
     EXPECT_GT(used / pixels, 0.02);  // what is allowed is made use of
 }
 
-TEST(CoupledLoop, AnotherShotIsLitAsIfTheFilmBeganThere) {
+TEST(CoupledLoop, AnotherShotIsLitAsIfTheFilmBeganThereSlow) {
     // The view changes at frame 36: nothing of frame 35 says what frame 36 may err by.
     const Record both = made(options_of(support::film("flash_cut"), "34:37"), "coupled=0.5"),
                  second = made(options_of(support::film("flash_cut"), "36:37"), "coupled=0.5");
@@ -140,7 +140,7 @@ TEST(CoupledLoop, AnotherShotIsLitAsIfTheFilmBeganThere) {
     EXPECT_GT(std::abs(std::log(mean_absolute(both.tolerances.at(35)) / cut)), 0.1);
 }
 
-TEST(CoupledLoop, WhatABrightPictureHidesShowsOnceTheLampIsOut) {
+TEST(CoupledLoop, WhatABrightPictureHidesShowsOnceTheLampIsOutSlow) {
     // The lamp goes out at frame 12. What its pixels may be off by is no more than in a film that begins there, but for
     // its first look's roughness, though the picture before hid far more; and not next to nothing either.
     RenderOptions options = options_of(support::film("flash_cut"), "11:13");
@@ -166,7 +166,7 @@ TEST(CoupledLoop, WhatABrightPictureHidesShowsOnceTheLampIsOut) {
     }
 }
 
-TEST(CoupledLoop, FramesThatAreLitAlikeAreLitOnce) {
+TEST(CoupledLoop, FramesThatAreLitAlikeAreLitOnceSlow) {
     const RenderOptions options = options_of(support::film("colonnade"), "10:13");
     EXPECT_EQ(made(options, "coupled").rendering.gather_points, made(options, "fixed=20%").rendering.gather_points);
 }

@@ -26,9 +26,10 @@ std::string page(const char* name) {
 
 TEST(Documents, NameEveryKeyOfStatisticsReportsAndInformationSlow) {
     const Folder folder;
-    const std::string tiny = " --size 32x32 --samples 1 --vpls 16 --exposure 0 --frames 0:3 --quiet ";
-    ASSERT_EQ(run(program() + " render -y --hold " + support::plain_film() + tiny + "--audit 2 --bitrate 300k -o " +
-                  path(folder, "f.mpg") + " --report " + path(folder, "r.html"))
+    const std::string tiny = " --size 16x16 --samples 1 --vpls 16 --exposure 0 --frames 0:2 --quiet ";
+    ASSERT_EQ(run(program() + " render -y --hold " + support::plain_film() + tiny +
+                  "--tolerance coupled=4 --audit 2 --bitrate 300k -o " + path(folder, "f.mpg") + " --report " +
+                  path(folder, "r.html"))
                   .status,
               0);
     const json report = json::parse(contents(folder / "r.report.json"));
@@ -45,10 +46,10 @@ TEST(Documents, NameEveryKeyOfStatisticsReportsAndInformationSlow) {
     ASSERT_EQ(told.status, 0) << told.output;
     expect_keys(json::parse(told.output), page("info.md"), "types");
 
-    const auto tried =
-        run(program() + " cost " + support::plain_film() +
-            " --size 32x32 --samples 1 --vpls 16 --exposure 0 --sample 1x1 --tolerances 20 --quantisers 31" +
-            " --quiet --json " + path(folder, "c.json"));
+    const auto tried = run(program() + " cost " + support::plain_film() +
+                           " --size 16x16 --samples 1 --indirect lightcuts --vpls 16 --exposure 0 --sample 1x1 "
+                           "--tolerances 20 --quantisers 31" +
+                           " --quiet --json " + path(folder, "c.json"));
     ASSERT_EQ(tried.status, 0) << tried.output;
     expect_keys(json::parse(contents(folder / "c.json")), page("cost.md"), "");
 }

@@ -134,7 +134,7 @@ TEST(Encode, BytesDependNeitherOnThreadsNorOnWhichFramesAreLeftOut) {
     EXPECT_EQ(frames_by_ffmpeg(folder / "part.m2v"), 4);
 }
 
-TEST(Encode, PixelShapesReachTheFilm) {
+TEST(Encode, PixelShapesReachTheFilmSlow) {
     const Folder folder;
     for (const auto& [shape, ratio] : {std::pair{"1/1", "1:1"}, {"16/15", "16:15"}, {"64/45", "64:45"}}) {
         ASSERT_EQ(run("ffmpeg -v error -y -f lavfi -i testsrc2=size=720x576:rate=25:duration=0.08 -pix_fmt yuv420p "

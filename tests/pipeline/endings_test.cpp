@@ -13,11 +13,11 @@ namespace {
 support::Outcome render_kind(const Folder& folder, const std::string& output, const std::string& frames,
                              const std::string& more = "") {
     return run(program() + " render -y --hold " + plain_film() +
-               " --size 32x32 --samples 1 --vpls 0 --exposure 0 --tolerance fixed=10% --quiet --frames " + frames +
+               " --size 16x16 --samples 1 --vpls 0 --exposure 0 --tolerance fixed=10% --quiet --frames " + frames +
                " -o " + path(folder, output) + more);
 }
 
-TEST(Endings, OfOutputsMayBeInCapitals) {
+TEST(Endings, OfOutputsMayBeInCapitalsSlow) {
     const Folder folder;
     for (const char* name : {"f.TS", "f.M2V", "f.Mkv", "f.Y4M", "f.%d.EXR", "f.%d.PNG"}) {
         const auto outcome = render_kind(folder, name, "0:1");
@@ -29,7 +29,7 @@ TEST(Endings, OfOutputsMayBeInCapitals) {
     EXPECT_TRUE(std::filesystem::exists(folder / "g.HTML"));
 }
 
-TEST(Endings, OfFramesMayBeInCapitals) {
+TEST(Endings, OfFramesMayBeInCapitalsSlow) {
     const Folder folder;
     for (const char* name : {"f.%d.EXR", "f.%d.PNG", "f.Y4M"}) {
         ASSERT_EQ(render_kind(folder, name, "0:1").status, 0) << name;

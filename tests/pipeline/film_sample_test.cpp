@@ -158,12 +158,12 @@ TEST(Effects, AreTheRowsOfThePlanThatRun) {
 }
 
 TEST(Effects, ChangeThePicturesThatTheyAreLeftOutOfSlow) {
-    RenderJob film = small_film(support::film("cornell"), "32x32", "rays");
+    RenderJob film = small_film(support::film("cornell"), "16x16", "rays");
     const app::EffectCosts costs =
         app::effect_costs(film, {1, 2}, std::numeric_limits<double>::infinity(), true, [](const app::EffectCost&) {});
     EXPECT_EQ(costs.left, 0);
     EXPECT_EQ(costs.frames, 2);
-    EXPECT_EQ(costs.size.width, 32);
+    EXPECT_EQ(costs.size.width, 16);
     const auto named = [&](const std::string& name) {
         const auto found = std::find_if(costs.rows.begin(), costs.rows.end(),
                                         [&](const app::EffectCost& cost) { return cost.name == name; });

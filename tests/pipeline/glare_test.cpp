@@ -9,9 +9,9 @@
 namespace render2mpeg::test {
 namespace {
 
-/// A small lamp before a wall, four frames of 64x48.
+/// A small lamp before a wall, four frames of 48x32.
 std::string lamp_in(const Folder& folder, const std::string& glare) {
-    std::ofstream(folder / "film.json") << R"({ "exposure": 0, "frames": 4, "size": [64, 48], )" + glare + R"(
+    std::ofstream(folder / "film.json") << R"({ "exposure": 0, "frames": 4, "size": [48, 32], )" + glare + R"(
         "camera": { "position": [0, 0, 4] }, "objects": [{ "shape": "quad", "size": [8, 5], "position": [0, 0, -2] }],
         "lights": [{ "kind": "sphere", "radius": 0.05, "intensity": 900, "position": [0.5, 0.2, 0] }] })";
     return (folder / "film.json").string();
@@ -28,7 +28,7 @@ double seconds_of_glare(const Folder& folder) {
     return nlohmann::json::parse(contents(folder / "s.json")).at("passes").value("glare", 0.0);
 }
 
-TEST(GlareInFilms, CostsNothingWhereNobodyAsksForItAndComesFromFileOrCommandLine) {
+TEST(GlareInFilms, CostsNothingWhereNobodyAsksForItAndComesFromFileOrCommandLineSlow) {
     const Folder folder;
     const std::string plain = made(folder, lamp_in(folder, ""), "", "plain.m2v");
     EXPECT_EQ(seconds_of_glare(folder), 0);

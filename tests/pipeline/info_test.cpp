@@ -95,7 +95,7 @@ TEST(Information, OfOurFilmsIsWhatTheEncoderCounted) {
     EXPECT_GT(moving, 0.2) << "boxes move";
 }
 
-TEST(Information, OfForeignFilmsAgreesWithFfprobe) {
+TEST(Information, OfForeignFilmsAgreesWithFfprobeSlow) {
     const Folder folder;
     const std::string file = path(folder, "f.mpg");
     for (const char* options : {"-g 12 -bf 2 -q:v 5", "-g 9 -bf 2 -q:v 3 -flags +ilme+ildct -top 1", "-g 1 -q:v 20",
@@ -142,7 +142,7 @@ TEST(Information, TellsDamageAndGoesOn) {
     EXPECT_EQ(std::count(line.output.begin(), line.output.end(), '\n'), 1) << line.output;
 }
 
-TEST(Information, NeverCrashesWhereAFilmEndsEarlyOrIsNone) {
+TEST(Information, NeverCrashesWhereAFilmEndsEarlyOrIsNoneSlow) {
     const Folder folder;
     make_foreign(path(folder, "f.mpg"), "-g 5 -bf 2 -q:v 5");
     const std::string bytes = contents(folder / "f.mpg");

@@ -72,7 +72,7 @@ TEST(PresetSlow, DvdStreamsPassAModelOfTheDiscsBufferAndAuthoring) {
         if (std::string(c.preset) == "atsc") continue;
         SCOPED_TRACE(std::string(c.preset) + " " + c.name_of_rate);
         const Folder folder;
-        write_frames(path(folder, "in.y4m"), c.width, c.height, c.rate, "", 40);
+        write_frames(path(folder, "in.y4m"), c.width, c.height, c.rate, "", 28);
         const auto encode = [&](int quantiser, const std::string& name) {
             return run(program() + " encode -y " + path(folder, "in.y4m") + " --for " + c.preset +
                        " --quiet --quantiser " + std::to_string(quantiser) + " --display-aspect " + c.shape + " -o " +

@@ -40,7 +40,7 @@ bool tells(const support::Outcome& outcome, const std::string& words) {
 
 TEST(Inputs, AreNoOutputsByWhateverName) {
     const Folder folder;
-    std::filesystem::copy(film("cornell"), folder / "scene", std::filesystem::copy_options::recursive);
+    std::filesystem::copy(plain_film(), folder / "scene", std::filesystem::copy_options::recursive);
     const std::string scene = contents(folder / "scene" / "film.json");
     ASSERT_FALSE(scene.empty());
     write_text(folder / "keys.txt", "0\n");
@@ -114,7 +114,7 @@ TEST(Report, ReplacesNothingButAnEarlierReportSlow) {
     EXPECT_EQ(folder.entries(), 3u);
 }
 
-TEST(Outputs, ThatFailCostNoOthers) {
+TEST(Outputs, ThatFailCostNoOthersSlow) {
     const Folder folder;
     const auto outcome = run(render_to(folder, "f.mpg", "--stats /dev/full --report " + path(folder, "r.html")));
     EXPECT_EQ(outcome.status, 1);

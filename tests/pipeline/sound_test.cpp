@@ -34,8 +34,7 @@ void write_clicks(const std::filesystem::path& file, const std::vector<double>& 
 
 std::string render_words(const std::string& more) {
     return program() + " render -y --hold " + plain_film() +
-           " --size 64x48 --samples 1 --indirect lightcuts --vpls 16 --exposure 0 --tolerance fixed=10% --quiet " +
-           more;
+           " --size 32x32 --samples 1 --vpls 0 --exposure 0 --tolerance fixed=10% --quiet " + more;
 }
 
 double first_time(const std::string& film, const char* stream) {

@@ -24,6 +24,7 @@ StudioLuma luma_in_studio(const std::string& objects) {
     options.input = folder / "film.json";
     options.size = "64x48";
     options.vpls = 64;
+    options.indirect = "lightcuts";
     options.samples = 1;
     options.given = {"--vpls"};
     app::RenderJob film = app::prepare(options);

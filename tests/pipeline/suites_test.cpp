@@ -31,7 +31,7 @@ double psnr_of(const std::string& one, const std::string& two) {
     return perceptual::psnr(sum / static_cast<double>(a.size()));
 }
 
-TEST(Suites, ShowTheSameFrameTo50Decibels) {
+TEST(Suites, ShowTheSameFrameTo50DecibelsSlow) {
     const Folder folder;
     const auto made = folder / "frame.0012.png";
     const auto committed = support::source_folder() / "tests/pipeline/colonnade.png";

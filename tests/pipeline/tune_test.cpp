@@ -215,7 +215,7 @@ TEST(Tune, SaysWhatIsOutOfReach) {
     EXPECT_EQ(late.at("probes").size(), 2u) << "as asked for, and the least";
 }
 
-TEST(Tune, MakesAFilmOfItsRateAndLooksAtIt) {
+TEST(Tune, MakesAFilmOfItsRateAndLooksAtItSlow) {
     const Folder folder;
     const json found =
         tuned(" --sample 1x6 --frames 0:29 --tolerance fixed=10% --target-bitrate 25k -o " + path(folder, "f.mpg"));

@@ -80,7 +80,7 @@ TEST(WholeFilm, LeavesAloneWhatIsAnothersBesideIt) {
     EXPECT_FALSE(std::filesystem::exists(beside));
 }
 
-TEST(WholeFilm, IsMadeOfWhatStaysUntilStatisticsAreWritten) {
+TEST(WholeFilm, IsMadeOfWhatStaysUntilStatisticsAreWrittenSlow) {
     for (const auto& [option, name] : {std::pair("--stats ", "told.json"), std::pair("--report ", "told.html")}) {
         const Folder folder;
         const std::string start = render_whole(folder, "f.mpg", "--frames 0:1 " + (option + path(folder, name)));

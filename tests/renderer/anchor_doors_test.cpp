@@ -36,7 +36,7 @@ TEST(AnchorDoors, LetNoLightThroughWhileTheyAreShut) {
     }
 }
 
-TEST(AnchorDoors, LetThroughWhatPhotonsCarryWhileTheyOpen) {
+TEST(AnchorDoors, LetThroughWhatPhotonsCarryWhileTheyOpenSlow) {
     AnchorStage stage(test::rooms_with_a_door(), {1500, 4});
     for (const double seconds : {1.2, 1.5, 2.0}) {
         stage.pose(seconds);

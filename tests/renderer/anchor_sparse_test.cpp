@@ -96,7 +96,7 @@ TEST(SparseAnchors, FollowALampOnAPathOf500MetresSlow) {
     }
 }
 
-TEST(SparseAnchors, KeepLightThatComesForAMomentNearWhereItLands) {
+TEST(SparseAnchors, KeepLightThatComesForAMomentNearWhereItLandsSlow) {
     // A lamp behind a door that stands open for 0.1 of 100 s, in a room that is dark but for that.
     SceneBuilder b;
     const int grey = b.add_material(glm::vec3(0.6f));
@@ -225,7 +225,7 @@ double bytes_each(int count) {
     return static_cast<double>(stage.anchors().bytes()) / static_cast<double>(lit.still.size() + lit.moving.size());
 }
 
-TEST(SparseAnchors, KeepListsOfNeighboursWhereTheyAreFew) {
+TEST(SparseAnchors, KeepListsOfNeighboursWhereTheyAreFewSlow) {
     const double each = bytes_each(4096);
     EXPECT_LE(each, 132 + 35.75);
     EXPECT_GE(each, 132 + 32.0);

@@ -90,7 +90,7 @@ TEST(Anchors, AreOfAConstantNumberAtFixedPlaces) {
     }
 }
 
-TEST(Anchors, DependOnTheInstantAlone) {
+TEST(Anchors, DependOnTheInstantAloneSlow) {
     AnchorStage stage(lamp_room(true, true));
     stage.pose(0.5);
     const Anchors::Lit one = stage.light();
@@ -221,7 +221,7 @@ TEST(Anchors, OfADarkFilmAreNoneSlow) {
     EXPECT_TRUE(lit.moving.empty());
 }
 
-TEST(Anchors, StandForTheSurfaceTheyLieOn) {
+TEST(Anchors, StandForTheSurfaceTheyLieOnSlow) {
     SceneBuilder b;
     b.add_box({0, 0, 0}, {4, 4, 4}, b.add_material(glm::vec3(0.5f)), true);
     b.add_point_light({2, 2, 2}, 10.0f);

@@ -178,7 +178,7 @@ TEST(Caustics, OfAHalfCylinderAreItsClosedFormOnTheAxis) {
     EXPECT_GE(found, 6);
 }
 
-TEST(Caustics, OfAHalfCylinderErrLittle) {
+TEST(Caustics, OfAHalfCylinderErrLittleSlow) {
     Stage stage(cup(), 96, 96);
     const CupTruth truth(96);
     const double few = error_of(throw_light(stage, 10000), truth), many = error_of(throw_light(stage, 40000), truth),
@@ -192,7 +192,7 @@ TEST(Caustics, OfAHalfCylinderErrLittle) {
     EXPECT_LT(many, few);
 }
 
-TEST(Caustics, OfAHalfCylinderErrAsLittleUnderALowSun) {
+TEST(Caustics, OfAHalfCylinderErrAsLittleUnderALowSunSlow) {
     // Constants were not fitted here: long narrow kernels, a sun at 27 degrees.
     Stage stage(cup(0.5f), 96, 96);
     const double error = error_of(throw_light(stage, 40000), CupTruth(96), 1 / std::sqrt(5.0));
@@ -288,7 +288,7 @@ TEST(Caustics, OfAMirrorThatMovesAreBlurred) {
     EXPECT_LT(std::sqrt(squares / inside), 0.03 * std::sqrt(2.0));
 }
 
-TEST(Caustics, AreDimmedByAir) {
+TEST(Caustics, AreDimmedByAirSlow) {
     // A lamp, a mirror that it meets after a way of 5, and a floor 5 further on; a sun that comes through all air.
     for (const bool sun : {false, true}) {
         const auto irradiance = [&](float visibility) {
@@ -442,7 +442,7 @@ SceneBuilder ball_over_floor() {
     return b;
 }
 
-TEST(Caustics, AreThinnedOutWhereTheyAreDim) {
+TEST(Caustics, AreThinnedOutWhereTheyAreDimSlow) {
     Stage stage(ball_over_floor(), 96, 96);
     // Half a percent of the sun's light on the floor.
     const auto tolerance = core::ToleranceMap::uniform(96, 96, {0.0015f, 0.0f});

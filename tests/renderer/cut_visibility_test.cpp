@@ -35,7 +35,7 @@ TEST_P(ShadowRays, MeetNothingBetweenPointsOfAConvexRoom) {
     const GatherPoint* pointers[lane_count];
     Gatherer gatherer(light_trees, stage.posed_scene().tracer());
     double lit = 0, expected = 0;
-    for (std::uint64_t g = 0; g < 40; ++g) {
+    for (std::uint64_t g = 0; g < 20; ++g) {
         for (std::uint64_t i = 0; i < lane_count; ++i) {
             const auto triangle = static_cast<std::uint32_t>(core::uniform(3, g, i) * static_cast<float>(triangles));
             const glm::vec2 uv = core::sample_triangle({core::uniform(4, g, i), core::uniform(5, g, i)});

@@ -164,7 +164,7 @@ SceneBuilder crossing() {
     return b;
 }
 
-TEST(Draft, LeavesNoGhostOfWhatHasMovedOn) {
+TEST(Draft, LeavesNoGhostOfWhatHasMovedOnSlow) {
     FilmStage film(crossing(), draft_settings());
     const double alone = psnr_of(drafts(film, {1}).back(), film.reference(1));
     const double after = psnr_of(drafts(film, {0, 0, 0, 0, 0, 0, 1}).back(), film.reference(1));

@@ -224,7 +224,7 @@ TEST(Calibration, IsTheSameForAnyNumberOfThreadsSlow) {
     EXPECT_NE(error_scales[0], 1.0);
 }
 
-TEST(Calibration, StillFilmsStayAsTheyAreToTheLastBit) {
+TEST(Calibration, StillFilmsStayAsTheyAreToTheLastBitSlow) {
     Settings settings = room_settings(true);
     settings.vpls = 200;
     FilmStage stage(test::furnished_room(), settings);
@@ -281,7 +281,7 @@ TEST(Calibration, LeavesSmallFramesAlone) {
     EXPECT_EQ(small.statistics().mean_error_scale, 1.0);
 }
 
-TEST(Calibration, BeginsAnewWithEachChunkAndTeachesNothingByRoughLooks) {
+TEST(Calibration, BeginsAnewWithEachChunkAndTeachesNothingByRoughLooksSlow) {
     Settings settings = room_settings(true);
     settings.vpls = 200;
     FilmStage stage(test::furnished_room(), settings);

@@ -199,7 +199,7 @@ scene::CameraLens plain_lens() {
     return lens;
 }
 
-TEST(Expose, LampsOutOfFocusAreSampledAgain) {
+TEST(Expose, LampsOutOfFocusAreSampledAgainSlow) {
     // A small lamp, 24 times as bright as white, behind the plane in focus: a disc of eleven pixels.
     SceneBuilder b;
     const int bright = add_unlit(b, glm::vec3(24));
@@ -253,7 +253,7 @@ TEST(Expose, MovingCameraShowsTheMeanOfItsPicturesSlow) {
     EXPECT_LT(rms_difference(frame, mean), 0.07 * rms_difference(sharp, mean));
 }
 
-TEST(Expose, TurningBoxShowsTheMeanOfItsPictures) {
+TEST(Expose, TurningBoxShowsTheMeanOfItsPicturesSlow) {
     // A quarter turn from frame to frame, before a black ground without other light than its own.
     constexpr int steps = 48;
     const auto film = [&](float angle, float at) {
@@ -337,7 +337,7 @@ TEST(Expose, ChangesNothingThatNeitherMovesNorIsOutOfFocus) {
     EXPECT_EQ(focused.statistics().exposed_pixels, 0u);
 }
 
-TEST(Expose, ShowsWhatMirrorsThrow) {
+TEST(Expose, ShowsWhatMirrorsThrowSlow) {
     const auto mean = [](bool caustics, float angle) {
         SceneBuilder b;
         b.add_quad({-4, -1, 0}, {8, 0, 0}, {0, 0, -8}, b.add_material(glm::vec3(0.5f)));

@@ -98,7 +98,7 @@ SceneBuilder sunny_room() {
     return b;
 }
 
-TEST(FinalGather, AgreesWithPaths) {
+TEST(FinalGather, AgreesWithPathsSlow) {
     const Stage stage(sunny_room());
     const LightPaths paths(stage.posed_scene(), stage.plan());
     for (const std::uint32_t object : {1u, 2u, 4u}) {

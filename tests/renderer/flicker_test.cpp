@@ -12,7 +12,7 @@ using test::FilmLight;
 using test::MovingLightFilm;
 using test::SceneBuilder;
 
-constexpr int flicker_size = 32, first = 3, frames = 4;
+constexpr int flicker_size = 24, first = 3, frames = 4;
 
 /// A white ball that crosses a room under a lamp, 12 cm a frame, or shines itself.
 SceneBuilder flicker_room(bool glows) {
@@ -31,9 +31,9 @@ class FlickerSlow : public testing::TestWithParam<bool> {};
 
 TEST_P(FlickerSlow, AlongMotionIsThatOfLightWithoutNoise) {
     MovingLightFilm film(flicker_room(GetParam()), flicker_size);
-    // The reference: eight times the photons, and every light point gathered.
+    // The reference: four times the photons, and every light point gathered.
     FilmLight usual, fine;
-    fine.anchors.photons = 1u << 20;
+    fine.anchors.photons = 1u << 19;
     const double reference = film.flicker(film.lit(fine, first, frames), first);
     const double anchors = film.flicker(film.lit(usual, first, frames), first);
     usual.tolerance = core::ToleranceMap::uniform(flicker_size, flicker_size, {0.0f, 0.02f});

@@ -88,7 +88,7 @@ TEST(IrradianceCache, LightsMovedPointsRightWhereItMovedThemAndRemembersWhereSlo
     EXPECT_LE(stage.share_beyond(rest, 0.02f, 4), 0.02);
 }
 
-TEST(IrradianceCache, IsTheSameForAnyNumberOfThreads) {
+TEST(IrradianceCache, IsTheSameForAnyNumberOfThreadsSlow) {
     // Six areas whose records meet, two samples a pixel.
     Settings s = cache_settings(true);
     s.format = {136, 80, 1.0f};
@@ -117,7 +117,7 @@ TEST(IrradianceCache, IsTheSameForAnyNumberOfThreads) {
     }
 }
 
-TEST(IrradianceCache, StartsAnewWithAChunk) {
+TEST(IrradianceCache, StartsAnewWithAChunkSlow) {
     FilmStage long_run(walk(), cache_settings(true)), fresh(walk(), cache_settings(true));
     long_run.cut(0.05f, 0);
     long_run.cut(0.05f, 1);
@@ -126,7 +126,7 @@ TEST(IrradianceCache, StartsAnewWithAChunk) {
     EXPECT_TRUE(test::same_bytes(long_run.cut(0.05f, 2), fresh.cut(0.05f, 2)));
 }
 
-TEST(IrradianceCache, ForgetsWhatItKnewWhenALampIsDimmedOrAPanelDoubled) {
+TEST(IrradianceCache, ForgetsWhatItKnewWhenALampIsDimmedOrAPanelDoubledSlow) {
     test::SceneBuilder b = walk(false);
     const int panel = 1;  // of furnished_room's materials
     b.add_track(scene::TrackTarget::light_intensity, 0, 1, {0, 1, 2, 3}, {6.0f, 6.0f, 0.6f, 0.6f});
@@ -142,7 +142,7 @@ TEST(IrradianceCache, ForgetsWhatItKnewWhenALampIsDimmedOrAPanelDoubled) {
     }
 }
 
-TEST(IrradianceCache, ShowsNoShadowOfWhatIsGone) {
+TEST(IrradianceCache, ShowsNoShadowOfWhatIsGoneSlow) {
     test::SceneBuilder b = walk(false);
     const int box = b.add_box({0.3f, 0.0f, 2.2f}, {0.9f, 0.5f, 2.8f}, b.add_material({0.5f, 0.5f, 0.5f}));
     b.move_object(box, {{0, 0, 0}, {0, 0, 0}, {0, -9, 0}});
@@ -228,7 +228,7 @@ TEST(IrradianceCache, CountsWhatIsCappedForServedPointsToo) {
     EXPECT_EQ(stage.statistics().capped_points, 2 * once);
 }
 
-TEST(IrradianceCache, TellsTheShareOfClampedLightAsCutsDo) {
+TEST(IrradianceCache, TellsTheShareOfClampedLightAsCutsDoSlow) {
     FilmStage plain(walk(), cache_settings(false)), cached(walk(), cache_settings(true));
     for (int second = 0; second < 3; ++second) {
         plain.cut(0.08f, second);
@@ -257,7 +257,7 @@ TEST(IrradianceCache, ACutKeepsRecordsButNoPointsLight) {
     EXPECT_LE(share_over(after, stage.reference(1), 0.05f), 0.02);
 }
 
-TEST(IrradianceCache, TakesNoPartInReferenceFrames) {
+TEST(IrradianceCache, TakesNoPartInReferenceFramesSlow) {
     FilmStage plain(walk(), cache_settings(false)), cached(walk(), cache_settings(true));
     EXPECT_TRUE(test::same_bytes(plain.reference(0), cached.reference(0)));
     EXPECT_EQ(cached.statistics().cache.created, 0u);

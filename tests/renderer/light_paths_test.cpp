@@ -114,7 +114,7 @@ TEST(LightPaths, OfAnEvenSkyAreAsBrightAsIt) {
     expect_mean(scattered_at(Stage(b), {1, 1, 0}, 2000), albedo, 0.001);
 }
 
-TEST(LightPaths, OfASkyImageAreItsLightByDirectionsAndByPlaces) {
+TEST(LightPaths, OfASkyImageAreItsLightByDirectionsAndByPlacesSlow) {
     // Dark, but for eight pixels about the middle of the upper half: 45 degrees up, along -z.
     const support::Folder folder;
     constexpr int width = 64, height = 32;

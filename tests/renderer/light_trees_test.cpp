@@ -163,7 +163,7 @@ int clusters(const AnchorStage& stage, LightTrees& light_trees) {
     return sum;
 }
 
-TEST(PersistentLightTrees, NeedsHardlyMoreClustersAfterALampHasCrossedTheHallThanAFreshOne) {
+TEST(PersistentLightTrees, NeedsHardlyMoreClustersAfterALampHasCrossedTheHallThanAFreshOneSlow) {
     AnchorStage stage(hall(), {2000, 4});
     PersistentLightTrees lasting(
         {stage.points().average(), stage.anchors().average_still(), stage.anchors().average_moving()}, 1);

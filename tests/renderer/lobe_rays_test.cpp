@@ -49,7 +49,7 @@ TEST_P(LobeFurnace, OfAMetalBallUnderAnEvenSkyHasOneColour) {
 }
 INSTANTIATE_TEST_SUITE_P(Roughness, LobeFurnace, testing::Values(0.1f, 0.15f, 0.2f, 0.3f, 0.34f));
 
-TEST(LobeRays, ShareTheSkyWithLightTreesWithoutLoss) {
+TEST(LobeRays, ShareTheSkyWithLightTreesWithoutLossSlow) {
     // So many points that each is narrower than what rays see alone.
     SceneBuilder b;
     b.add_quad({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}, add_metal(b, 0.3f));
@@ -64,7 +64,7 @@ TEST(LobeRays, ShareTheSkyWithLightTreesWithoutLoss) {
     }
 }
 
-TEST(LobeRays, ShareASkyThatIsDividedUnevenly) {
+TEST(LobeRays, ShareASkyThatIsDividedUnevenlySlow) {
     // A satin floor in a black well, whose sky has most of its points at the zenith.
     SceneBuilder b;
     b.add_quad({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}, add_metal(b, 0.3f));

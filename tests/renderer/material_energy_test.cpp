@@ -85,7 +85,7 @@ double even_light(const SurfacePoint& p) {
     return p.bsdf.diffuse.x * passes + p.bsdf.f0.x * lobe.f0 + p.bsdf.f90.x * lobe.f90;
 }
 
-TEST(Materials, OfWhiteReflectAllOfAnEvenLight) {
+TEST(Materials, OfWhiteReflectAllOfAnEvenLightSlow) {
     for (const float metallic : {0.0f, 0.5f, 1.0f}) {
         for (const float roughness : {0.2f, 0.35f, 0.5f, 0.7f, 0.85f, 1.0f}) {
             const LitStage stage(floor_of(1, metallic, roughness));
@@ -134,7 +134,7 @@ TEST_P(WhiteBall, CannotBeToldFromItsSky) {
     b.add_sphere({0, 0, 0}, 1.0f, m, 64);
     b.film().sky.color = glm::vec3(1);
     b.add_camera({0, 0, 6}, {0, 0, 0}, 0.4f);
-    Settings settings = test::small_frame(48, 48);
+    Settings settings = test::small_frame(32, 32);
     settings.direct_points = 2000;
     settings.vpls = 0;
     test::FilmStage stage(b, settings);

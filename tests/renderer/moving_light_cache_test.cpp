@@ -43,7 +43,7 @@ TEST(CacheOfMovingLight, ShowsNoShadowOfWhatIsGoneAndShowsItAgainOnceItIsBackSlo
     EXPECT_LE(share_over(stage.cut(0.05f, 3), back, 0.05f), 0.02);
 }
 
-TEST(CacheOfMovingLight, FollowsWhatAppears) {
+TEST(CacheOfMovingLight, FollowsWhatAppearsSlow) {
     test::SceneBuilder b = test::furnished_room();
     b.add_point_light({0.6f, 2.4f, 3.0f}, 1.5f);
     const int box = b.add_box(low, high, b.add_material({0.5f, 0.5f, 0.5f}));
@@ -78,7 +78,7 @@ TEST(CacheOfMovingLight, FollowsWhatDeformsSlow) {
     EXPECT_GE(share_over(truth[0], truth[1], 0.05f), 0.015);
 }
 
-TEST(CacheOfMovingLight, IsOfLampsWhereThereAreNoAnchors) {
+TEST(CacheOfMovingLight, IsOfLampsWhereThereAreNoAnchorsSlow) {
     Settings s = moving_settings(true);
     s.vpls = 0;
     FilmStage stage(moving_room({here, beside, here}, true), s);
@@ -102,7 +102,7 @@ TEST(CacheOfMovingLight, MeetsACameraCutAndAnotherChunkSlow) {
     EXPECT_GT(stage.statistics().cache.served, 0u);
 }
 
-TEST(CacheOfMovingLight, IsTheSameForAnyNumberOfThreads) {
+TEST(CacheOfMovingLight, IsTheSameForAnyNumberOfThreadsSlow) {
     Settings s = moving_settings(true);
     s.format = {136, 80, 1.0f};
     s.direct_points = 32;

@@ -79,7 +79,7 @@ TEST(PixelTruth, OfAFurnaceIsAGeometricSum) {
     }
 }
 
-TEST(PixelTruth, KnowsItsOwnError) {
+TEST(PixelTruth, KnowsItsOwnErrorSlow) {
     const SceneBuilder room = test::furnished_room();
     Stage stage(room, 8, 8);
     const Seen seen = stage.see(4);

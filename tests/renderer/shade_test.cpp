@@ -144,7 +144,7 @@ TEST(Shade, WithToleranceZeroEqualsTheSumOverAllLights) {
     EXPECT_EQ(stage.statistics().capped_points, 0u);
 }
 
-TEST(Shade, GrowsNearerToTheReferenceAsTheToleranceShrinks) {
+TEST(Shade, GrowsNearerToTheReferenceAsTheToleranceShrinksSlow) {
     FilmStage stage(furnished_room(), test::small_frame(48, 48));
     const core::Radiance truth = stage.reference();
     double last_median = 1;
@@ -172,7 +172,7 @@ TEST(Shade, IsBrighterByExactlyWhatTheLightIs) {
     }
 }
 
-TEST(Shade, IsTheSameForAnyNumberOfThreads) {
+TEST(Shade, IsTheSameForAnyNumberOfThreadsSlow) {
     Settings settings = test::small_frame(40, 36);
     for (const Indirect indirect : {Indirect::lightcuts, Indirect::rays}) {
         settings.indirect = indirect;
@@ -208,7 +208,7 @@ SceneBuilder room_with_moving_lamp() {
     return b;
 }
 
-TEST(Shade, OfAMovedLightIsThatOfAFreshChunkAtTheSameStart) {
+TEST(Shade, OfAMovedLightIsThatOfAFreshChunkAtTheSameStartSlow) {
     FilmStage walked(room_with_moving_lamp()), jumped(room_with_moving_lamp());
     walked.renderer().start_chunk(walked.at(0));
     jumped.renderer().start_chunk(jumped.at(0));
