@@ -21,8 +21,8 @@ namespace render2mpeg::renderer {
 struct LitFrame {
     const PosedScene& posed_scene;
     const LightTrees& light_trees;
-    FinalGather* rays;                ///< of `rays_of`; null: of none
-    std::span<const RaysOf> rays_of;  ///< that see the sky and indirect light, which light trees hold else
+    FinalGather* rays;            ///< of `rays_of`; null: of none
+    std::vector<RaysOf> rays_of;  ///< that see the sky and indirect light, which light trees hold else
     const Seen& seen;
     const core::ToleranceMap& tolerance;
     const core::Radiance& radiance;

@@ -466,8 +466,7 @@ std::vector<AuditedPixel> Renderer::audit(const scene::Snapshot& snapshot, const
     const std::vector<LitPixel> pixels = drawn(lit_pixels(seen), static_cast<std::size_t>(count), seen.visible.frame);
     const MovedPoints moved = i.cache.moved_points(snapshot.frame, tolerance);
     const auto rays = i.audit_rays();
-    const std::vector<RaysOf> rays_of = i.rays_of();
-    const LitFrame frame{i.posed_scene, i.light_trees, rays.get(), rays_of, seen, tolerance, radiance, moved};
+    const LitFrame frame{i.posed_scene, i.light_trees, rays.get(), i.rays_of(), seen, tolerance, radiance, moved};
     return compare(seen, pixels, exact_pixels(frame, pixels, moved), tolerance, radiance);
 }
 
@@ -481,8 +480,7 @@ std::vector<JudgedPixel> Renderer::judge(const scene::Snapshot& snapshot, const 
     i.light_unseen(snapshot);
     const MovedPoints moved = i.cache.moved_points(snapshot.frame, tolerance);
     const auto rays = i.audit_rays();
-    const std::vector<RaysOf> rays_of = i.rays_of();
-    const LitFrame frame{i.posed_scene, i.light_trees, rays.get(), rays_of, seen, tolerance, radiance, moved};
+    const LitFrame frame{i.posed_scene, i.light_trees, rays.get(), i.rays_of(), seen, tolerance, radiance, moved};
     return judge_pixels(frame, i.see_settings(), i.plan, audited, finely);
 }
 

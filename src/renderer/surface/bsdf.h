@@ -39,7 +39,7 @@ struct Bsdf {
     bool is_stretched() const { return along != glm::vec3(0); }
     /// Width of the round lobe that covers as much.
     float mean_alpha() const { return is_stretched() ? std::sqrt(alpha * alpha_along) : alpha; }
-    /// Whether rays look along the lobe (lobe_rays.h).
+    /// Whether rays look along the lobe (final_gather.h).
     bool has_narrow_lobe() const { return has_glossy() && alpha < narrow_alpha; }
     bool has_diffuse_transmission() const {
         return diffuse_transmission.x > 0 || diffuse_transmission.y > 0 || diffuse_transmission.z > 0;

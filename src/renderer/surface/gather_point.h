@@ -35,7 +35,7 @@ struct GatherPoint {
     SurfacePoint point;
     std::uint16_t pixel = 0;  ///< within its tile: y * tile_size + x
     std::uint8_t way = straight_way;
-    glm::vec3 weight{1};         ///< share of the pixel x what mirrors, glass and translucent layers let through
+    glm::vec3 weight{1};  ///< share of the pixel x what mirrors, glass and translucent layers let through
     /// Where shadow rays leave the same surface elsewhere in the pixel, world; the first `others` of them: shadows have
     /// edges within pixels.
     std::array<glm::vec3, most_other_places> elsewhere{};

@@ -47,7 +47,7 @@ Traits traits_of(const Animation& animation);
 inline constexpr float mirror_roughness = 0.1f;
 
 /// Below this perceptual roughness a lobe counts as narrow: light points stand too far apart in it, and rays look along
-/// it (lobe_rays.h). chosen: 0.35, where half the lobe spans some 14 degrees; not tuned.
+/// it (final_gather.h). chosen: 0.35, where half the lobe spans some 14 degrees; not tuned.
 inline constexpr float narrow_roughness = 0.35f;
 
 }  // namespace render2mpeg::scene
