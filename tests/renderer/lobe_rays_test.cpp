@@ -35,19 +35,19 @@ TEST_P(LobeFurnace, OfAMetalBallUnderAnEvenSkyHasOneColour) {
     b.add_sphere({0, 0, 0}, 1, add_metal(b, GetParam()));
     b.film().sky.color = {1, 1, 1};
     b.add_camera({0, 0, 5}, {0, 0, 0}, 0.5f);
-    FilmStage stage(b, without_bounces(64, 64));
+    FilmStage stage(b, without_bounces(24, 24));
     const Seen seen = stage.renderer().see(stage.at(0));
     int compared = 0;
     for (const core::Radiance& frame : {stage.reference(), stage.cut(0.02f)}) {
         for (std::size_t i = 0; i < frame.combined.size(); ++i) {
             if (seen.visible.kind.values()[i] != core::PixelClass::surface) continue;
             ++compared;
-            ASSERT_NEAR(frame.combined.values()[i].y, 1.0f, 0.015f) << i % 64 << ", " << i / 64;
+            ASSERT_NEAR(frame.combined.values()[i].y, 1.0f, 0.015f) << i % 24 << ", " << i / 24;
         }
     }
-    EXPECT_GT(compared, 2000);
+    EXPECT_GT(compared, 300);
 }
-INSTANTIATE_TEST_SUITE_P(Roughness, LobeFurnace, testing::Values(0.1f, 0.15f, 0.2f, 0.3f, 0.34f));
+INSTANTIATE_TEST_SUITE_P(Roughness, LobeFurnace, testing::Values(0.1f, 0.2f, 0.34f));
 
 TEST(LobeRays, ShareTheSkyWithLightTreesWithoutLossSlow) {
     // So many points that each is narrower than what rays see alone.
