@@ -386,6 +386,8 @@ struct FinalGather::PoolFit {
         off /= static_cast<double>(n) - 3.0;
         noise /= static_cast<double>(n);
         own = off > noise ? 1.0 - noise / off : 0.0;
+        // What is infinite stays at its point.
+        if (!(off + noise < std::numeric_limits<double>::infinity())) plane.clear(), own = plane_share = 1;
     }
 };
 
