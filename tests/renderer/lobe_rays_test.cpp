@@ -224,6 +224,26 @@ TEST(LobeRays, AreAsManyAsTheToleranceAsksFor) {
     EXPECT_GT(fine.statistics().gather_rays, 2 * coarse.statistics().gather_rays);
 }
 
+TEST(LobeRays, AreMissedByNoEdgeOfALobeThatIsJustNotNarrow) {
+    // Its pixels' mean alpha rounds to below that of narrow lobes.
+    SceneBuilder b;
+    b.add_sphere({0, 0, 0}, 1, add_metal(b, scene::narrow_roughness));
+    b.film().sky.color = {1, 1, 1};
+    b.add_camera({0, 0, 5}, {0, 0, 0}, 0.5f);
+    Settings settings = test::small_frame(32, 32);
+    settings.indirect = Indirect::rays;
+    settings.vpls = 1000;
+    settings.samples = 4;
+    settings.edge_samples = 16;
+    FilmStage stage(b, settings);
+    const Seen seen = stage.renderer().see(stage.at(0));
+    const core::Radiance frame = stage.cut(0.02f);
+    for (std::size_t i = 0; i < frame.combined.size(); ++i) {
+        if (seen.visible.kind.values()[i] != core::PixelClass::surface) continue;
+        EXPECT_GT(frame.combined.values()[i].y, 0.8f) << i % 32 << ", " << i / 32;
+    }
+}
+
 TEST(LobeRays, AreInTheLayerOfLobes) {
     FilmStage stage(floor_by_a_wall(), without_bounces(24, 16));
     stage.restart(true);

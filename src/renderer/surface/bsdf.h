@@ -8,7 +8,9 @@
 namespace render2mpeg::renderer {
 
 /// GGX width below which a lobe counts as narrow.
-inline constexpr float narrow_alpha = scene::narrow_roughness * scene::narrow_roughness;
+/// A little below that of narrow_roughness: means over a pixel round, and a scene without narrow lobes has no point
+/// with one.
+inline constexpr float narrow_alpha = 0.999f * scene::narrow_roughness * scene::narrow_roughness;
 
 /// How a point scatters light: a Lambert part below one GGX lobe, in glTF 2.0's mixing [glTF2, appendix B], plus what
 /// only a traced ray can follow. Reflectances are per channel. With s Schlick's fifth power of the angle between light
