@@ -412,8 +412,11 @@ std::vector<std::uint32_t> FinalGather::wanted_rays(std::span<const GatherReques
             const double error = requests[i].tolerance.allows(static_cast<float>(mean)) / errors_allowed;
             // Of points that may not err those that show most get most.
             const double shown = std::min(static_cast<double>(core::luminance(requests[i].point->weight)), 1.0);
-            const double bound = batch_rays * std::pow(variance / (error * error), 1.0 / variance_power);
-            const double n = error > 0.0 ? more * worth * std::pow(bound, gain) : most_gather_rays * shown;
+            const double n =
+                error > 0.0
+                    ? more * worth *
+                          std::pow(batch_rays * std::pow(variance / (error * error), 1.0 / variance_power), gain)
+                    : most_gather_rays * shown;
             const auto rays = static_cast<std::uint32_t>(std::clamp(n, 1.0 * first_rays, 1.0 * most_gather_rays));
             wanted[i] = (rays + batch_rays - 1) / batch_rays * batch_rays;
         }
