@@ -73,9 +73,7 @@ struct Renderer::Impl {
             statistics.photon_rays += light_points.look_at_sky(posed_scene);
         }
         pose(first);
-        // Air looks at anchors in any case.
-        if (!anchors && plan.runs(by_rays() ? Pass::indirect_tree : Pass::photons) && settings.vpls > 0 &&
-            (!by_rays() || plan.runs(Pass::air))) {
+        if (!anchors && plan.runs(Pass::photons) && settings.vpls > 0 && !by_rays()) {
             const Stopwatch timer(row(Pass::photons));
             anchors.emplace(posed_scene, light_points,
                             AnchorSettings{settings.vpls, settings.bounces, settings.photons});
@@ -170,11 +168,6 @@ struct Renderer::Impl {
         light_trees.bodies = plan.runs(Pass::caustics) ? Bodies::block : Bodies::pass;
         light_trees.air = posed_scene.air();
         light_trees.translucent = plan.runs(Pass::alpha) || plan.runs(Pass::glass) || light_trees.air != nullptr;
-        if (by_rays()) {
-            air_trees = plan.runs(Pass::air) ? light_trees : LightTrees();
-            for (const int t : {LightTrees::static_tree, LightTrees::dynamic_tree})
-                light_trees.trees[static_cast<std::size_t>(t)] = {};
-        }
         if (!rays_of().empty()) final_gather.forget(sky_of_rays());
         lit_frame = snapshot.frame;
         has_trees = true;
@@ -197,6 +190,7 @@ struct Renderer::Impl {
         pose(snapshot);
         update_light(snapshot);
         counted_rays = gathered_rays();
+        shared_seconds = final_gather.counts().seconds;
         return cpu_seconds();
     }
 
@@ -282,7 +276,7 @@ struct Renderer::Impl {
     std::optional<Anchors> anchors;  ///< of the film
     WholeLamps lamps;                ///< of the film
     PersistentLightTrees lasting;    ///< of the chunk
-    LightTrees light_trees, air_trees;
+    LightTrees light_trees;
     bool caches = false;                      ///< light is cached
     std::optional<scene::Snapshot> shone_at;  ///< the instant that the following are of
     std::vector<LightPoint> shining;          ///< direct light points, until trees take them
@@ -365,9 +359,9 @@ void Renderer::add_air(const scene::Snapshot& snapshot, const core::ToleranceMap
     if (!i.plan.runs(Pass::air)) return;
     i.prepare(snapshot, seen);
     const Stopwatch timer(i.row(Pass::air));
-    i.statistics.air_rays += add_airlight(
-        {i.posed_scene, i.light_points.at(i.posed_scene), i.by_rays() ? i.air_trees : i.light_trees, *i.lit_frame},
-        i.ambient_air, tolerance, seen);
+    i.statistics.air_rays += add_airlight({i.posed_scene, i.light_points.at(i.posed_scene), i.light_trees,
+                                           i.by_rays() ? &i.final_gather : nullptr, *i.lit_frame},
+                                          i.ambient_air, tolerance, seen);
 }
 
 core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& wanted) {

@@ -11,6 +11,7 @@
 #include "core/numeric.h"
 #include "parallel/loops.h"
 #include "renderer/air/ambient_columns.h"
+#include "renderer/lights/light_points.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -382,8 +383,10 @@ std::uint64_t add_airlight(const AirInstant& instant, AmbientAir& ambient, const
     if (seen.air.empty()) return 0;
     const PosedScene& posed_scene = instant.posed_scene;
     const scene::Animation& film = posed_scene.animation();
-    const std::vector<AirLamp> lamps = air_lamps(instant.points, instant.light_trees);
-    ambient.start(instant.lit_frame, instant.light_trees, instant.points,
+    const std::vector<LightPoint> points =
+        instant.gather != nullptr ? beyond_rays(instant.points, brightest_of_rays(posed_scene.sky())) : instant.points;
+    const std::vector<AirLamp> lamps = air_lamps(points, instant.light_trees);
+    ambient.start(instant.lit_frame, instant.light_trees, points, instant.gather,
                   glm::length(film.bounds_max - film.bounds_min));
     std::optional<AmbientColumns> columns;
     if (ambient.shines()) columns.emplace(posed_scene, seen, ambient);

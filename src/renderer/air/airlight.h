@@ -17,7 +17,8 @@ struct AirInstant {
     const PosedScene& posed_scene;  ///< it has air
     const std::vector<LightPoint>& points;
     const LightTrees& light_trees;
-    std::int64_t lit_frame = 0;  ///< stands for its light
+    FinalGather* gather = nullptr;  ///< sees bounced light and the sky; null: light trees hold them
+    std::int64_t lit_frame = 0;     ///< stands for its light
 };
 
 /// Adds the light of the air that each pixel shows to what needs no gathering. It is found along a lattice of rays,

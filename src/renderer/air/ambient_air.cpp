@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/numeric.h"
+#include "core/sampling.h"
 #include "parallel/loops.h"
 #include "renderer/cut/gatherer.h"
 
@@ -37,17 +38,29 @@ std::vector<glm::vec3> sides() {
     return all;
 }
 
-glm::vec3 gather_at(glm::vec3 place, const std::vector<glm::vec3>& normals, Gatherer& gatherer, std::uint64_t& rays) {
+/// White sides of a body at a place.
+std::vector<GatherPoint> body_at(glm::vec3 place, const std::vector<glm::vec3>& normals) {
     std::vector<GatherPoint> points(normals.size());
-    std::vector<const GatherPoint*> all;
-    GroupTolerance tolerance;
     for (std::size_t i = 0; i < points.size(); ++i) {
         SurfacePoint& p = points[i].point;
         p.position = place;
         p.geometric_normal = p.shading_normal = p.outgoing = normals[i];
         p.bsdf.diffuse = glm::vec3(1);
-        all.push_back(&points[i]);
     }
+    return points;
+}
+
+/// Light from all directions over 4 pi, by the sum of irradiances over pi.
+glm::vec3 fluence_of(glm::vec3 sum) {
+    sum *= 1.0f / (3.0f * 4.0f * std::numbers::pi_v<float>);
+    return core::is_finite(sum) ? glm::max(sum, glm::vec3(0)) : glm::vec3(0);
+}
+
+glm::vec3 gather_at(glm::vec3 place, const std::vector<glm::vec3>& normals, Gatherer& gatherer, std::uint64_t& rays) {
+    const std::vector<GatherPoint> points = body_at(place, normals);
+    std::vector<const GatherPoint*> all;
+    GroupTolerance tolerance;
+    for (const GatherPoint& p : points) all.push_back(&p);
     for (int i = 0; i < lane_count; ++i) tolerance.set(i, {{0.0f, relative_tolerance}, 0.0f});
     GatherLanes lanes;
     fill(lanes, all);
@@ -58,8 +71,7 @@ glm::vec3 gather_at(glm::vec3 place, const std::vector<glm::vec3>& normals, Gath
     rays += light.shadow_rays;
     glm::vec3 sum(0);
     for (int i = 0; i < static_cast<int>(points.size()); ++i) sum += light.direct.at(i) + light.indirect.at(i);
-    sum *= 1.0f / (3.0f * 4.0f * std::numbers::pi_v<float>);
-    return core::is_finite(sum) ? glm::max(sum, glm::vec3(0)) : glm::vec3(0);
+    return fluence_of(sum);
 }
 
 std::uint64_t corner_key(int level, glm::ivec3 cell) {
@@ -68,15 +80,16 @@ std::uint64_t corner_key(int level, glm::ivec3 cell) {
     return static_cast<std::uint64_t>(level + 64) << 57 | part(cell.x) << 38 | part(cell.y) << 19 | part(cell.z);
 }
 
-struct Corner {
+}  // namespace
+
+struct AmbientAir::Corner {
     std::uint64_t key;
     glm::vec3 place;
 };
 
-}  // namespace
-
 void AmbientAir::start(std::int64_t lit_frame, const LightTrees& light_trees, std::span<const LightPoint> points,
-                       float extent) {
+                       FinalGather* gather, float extent) {
+    gather_ = gather;
     least_distance_ = std::max(extent, 1e-6f) * finest_cell / cell_of_distance;
     if (lit_frame == lit_frame_) return;
     lit_frame_ = lit_frame;
@@ -98,8 +111,9 @@ void AmbientAir::start(std::int64_t lit_frame, const LightTrees& light_trees, st
         light_trees_.trees[static_cast<std::size_t>(LightType::directional)] =
             build_light_tree(LightType::directional, sky, 1);
     std::erase_if(light_trees_.lamps, [](const WholeLamp& lamp) { return lamp.kind != WholeLamp::Kind::polygon; });
-    shines_ = !light_trees_.lamps.empty() || std::any_of(light_trees_.trees.begin(), light_trees_.trees.end(),
-                                                         [](const LightTree& tree) { return !tree.empty(); });
+    shines_ = gather != nullptr || !light_trees_.lamps.empty() ||
+              std::any_of(light_trees_.trees.begin(), light_trees_.trees.end(),
+                          [](const LightTree& tree) { return !tree.empty(); });
 }
 
 /// Calls visit(key, corner, weight) for the corners about a place in the two lattices that its distance lies between.
@@ -140,7 +154,35 @@ std::uint64_t AmbientAir::learn(const RayTracer& tracer, std::span<const glm::ve
     });
     std::uint64_t sum = 0;
     for (const std::uint64_t r : rays) sum += r;
-    return sum;
+    return sum + gather(wanted, first);
+}
+
+/// Adds what rays see from these corners, the first of which is light `first`.
+std::uint64_t AmbientAir::gather(std::span<const Corner> corners, std::size_t first) {
+    if (gather_ == nullptr) return 0;
+    const std::vector<glm::vec3> normals = sides();
+    const std::uint64_t before = gather_->counts().rays;
+    std::vector<std::vector<GatherPoint>> bodies;
+    std::vector<GatherRequest> requests;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        bodies.push_back(body_at(corners[i].place, normals));
+        for (const GatherPoint& side : bodies.back()) {
+            GatherRequest r;
+            r.point = &side;
+            r.tolerance = {{0.0f, relative_tolerance}, 0.0f};
+            r.seed = core::mix(core::mix(corners[i].key) + requests.size() % normals.size());
+            r.pool = static_cast<std::uint32_t>(i);
+            requests.push_back(r);
+        }
+    }
+    const std::vector<RayLight> found = gather_->gather(requests, {});
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        glm::vec3 sum(0);
+        for (std::size_t k = 0; k < normals.size(); ++k)
+            sum += std::numbers::pi_v<float> * found[i * normals.size() + k].irradiance;
+        light_[first + i] += fluence_of(sum);
+    }
+    return gather_->counts().rays - before;
 }
 
 glm::vec3 AmbientAir::fluence(glm::vec3 place, float distance) const {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "renderer/base/air.h"
+#include "renderer/gather/final_gather.h"
 #include "renderer/geometry/ray_tracer.h"
 #include "renderer/tree/light_trees.h"
 
@@ -17,7 +18,9 @@ namespace render2mpeg::renderer {
 class AmbientAir {
   public:
     /// Forgets what is known of another instant's light. `lit_frame` stands for it; `points`: its direct light points.
-    void start(std::int64_t lit_frame, const LightTrees& light_trees, std::span<const LightPoint> points, float extent);
+    /// `gather`: sees what `light_trees` and `points` lack; null: they have all.
+    void start(std::int64_t lit_frame, const LightTrees& light_trees, std::span<const LightPoint> points,
+               FinalGather* gather, float extent);
 
     /// Whether there is any such light.
     bool shines() const { return shines_; }
@@ -32,6 +35,9 @@ class AmbientAir {
     float least_distance() const { return least_distance_; }
 
   private:
+    struct Corner;
+
+    std::uint64_t gather(std::span<const Corner> corners, std::size_t first);
     template <class Visit>
     void for_each_corner(glm::vec3 place, float distance, Visit visit) const;
 
@@ -39,6 +45,7 @@ class AmbientAir {
     bool shines_ = false;
     float least_distance_ = 1;
     LightTrees light_trees_;
+    FinalGather* gather_ = nullptr;
     std::unordered_map<std::uint64_t, std::uint32_t> known_;  ///< by corner
     std::vector<glm::vec3> light_;
 };

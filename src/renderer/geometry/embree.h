@@ -70,9 +70,10 @@ inline void occluded(RTCScene scene, Context& context, RTCRay& ray) {
     rtcOccluded1(scene, &ray, &arguments);
 }
 
-inline void occluded(const int* valid, RTCScene scene, Context& context, RTCRay16& rays) {
+/// Takes room for hits: without AVX-512, Embree 4.3 reads and writes it for occluded packets as well.
+inline void occluded(const int* valid, RTCScene scene, Context& context, RTCRayHit16& rays) {
     RTCOccludedArguments arguments = for_any(context);
-    rtcOccluded16(valid, scene, &rays, &arguments);
+    rtcOccluded16(valid, scene, &rays.ray, &arguments);
 }
 #else
 inline RTCIntersectContext* prepared(Context& context) {
@@ -95,8 +96,8 @@ inline void occluded(RTCScene scene, Context& context, RTCRay& ray) {
     rtcOccluded1(scene, prepared(context), &ray);
 }
 
-inline void occluded(const int* valid, RTCScene scene, Context& context, RTCRay16& rays) {
-    rtcOccluded16(valid, scene, prepared(context), &rays);
+inline void occluded(const int* valid, RTCScene scene, Context& context, RTCRayHit16& rays) {
+    rtcOccluded16(valid, scene, prepared(context), &rays.ray);
 }
 #endif
 

@@ -197,19 +197,20 @@ void RayTracer::Impl::filter_shadow(const RTCFilterFunctionNArguments* arguments
 std::uint32_t RayTracer::Impl::occluded(const ShadowPacket& packet, unsigned instances, glm::vec3* light) const {
     const FlushDenormals flushed;
     alignas(64) int valid[16];
-    RTCRay16 rays;
+    RTCRayHit16 packet_hits;
+    RTCRay16& rays = packet_hits.ray;
     if (!load(packet, rays, valid)) return 0;
 
     ShadowContext context;
     begin(context, true, packet.bodies, packet.direction_x, packet.direction_y, packet.direction_z);
-    embree::occluded(valid, scene.baked(), context.embree, rays);
+    embree::occluded(valid, scene.baked(), context.embree, packet_hits);
     std::uint32_t blocked = take_blocked(rays, valid);
     const bool all_blocked = std::all_of(valid, valid + 16, [](int v) { return v == 0; });
     if (!all_blocked && instances != 0) {
         // Rays that nothing baked blocks may meet instances.
         std::fill(std::begin(rays.mask), std::end(rays.mask), instances);
         context.embree.coherent = false;
-        embree::occluded(valid, scene.root(), context.embree, rays);
+        embree::occluded(valid, scene.root(), context.embree, packet_hits);
         blocked |= take_blocked(rays, valid);
     }
     if (light != nullptr && context.met != 0) {
