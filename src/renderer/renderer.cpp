@@ -19,6 +19,7 @@
 #include "renderer/frame_statistics.h"
 #include "renderer/gather/final_gather.h"
 #include "renderer/gather/frame_rays.h"
+#include "renderer/gather/near_light.h"
 #include "renderer/judge.h"
 #include "renderer/lights/anchors.h"
 #include "renderer/lights/light_points.h"
@@ -95,6 +96,12 @@ struct Renderer::Impl {
                      (settings.cache == CacheUse::static_light &&
                       !scene::traits_of(posed_scene.animation()).changes_light());
         }
+        if (by_rays()) {
+            const Stopwatch timer(row(Pass::indirect_tree));
+            pose(first);
+            near_from =
+                near_irradiance(posed_scene, plan, first.camera, {settings.format.width, settings.format.height});
+        }
         shone_at.reset();
         thrown.forget();
         lit_frame.reset();
@@ -133,10 +140,6 @@ struct Renderer::Impl {
         return by_rays() ? beyond_rays(std::move(points), sky_brightest()) : points;
     }
 
-    SkyOfRays sky_of_rays() const {
-        return {sky_brightest(), light_points.sky_part() * lobe::inverse_pi / lobe::lobe_rays_disc2,
-                light_points.sky_importance()};
-    }
     /// Rays that see what light trees do not hold.
     std::vector<RaysOf> rays_of() const {
         std::vector<RaysOf> all;
@@ -155,20 +158,27 @@ struct Renderer::Impl {
         if (has_trees) return;
         if (lit_frame) cache.invalidate();
         statistics.direct_points = shining.size();
-        statistics.indirect_points = lit_anchors.still.size() + lit_anchors.moving.size();
+        rays_see = {sky_brightest(), light_points.sky_part() * lobe::inverse_pi / lobe::lobe_rays_disc2,
+                    light_points.sky_importance(), NearField(shining, near_from)};
+        const std::vector<LightPoint> near =
+            near_light(posed_scene, shining, rays_see.near_field, statistics.photon_rays);
+        statistics.indirect_points = near.size() + lit_anchors.still.size() + lit_anchors.moving.size();
         {
             const Stopwatch timer(row(Pass::direct_tree));
             light_trees = {};  // before the next one grows: many light points take as much memory
             light_trees = lasting.at({clustered(std::exchange(shining, {})), lit_anchors.still, lit_anchors.moving},
                                      (snapshot.frame - first_frame) % rebuild_interval == 0);
             light_trees.lamps = lamps.at(posed_scene);
+            if (by_rays())
+                light_trees.trees[LightTrees::static_tree] =
+                    build_light_tree(LightType::oriented, near, settings.seed + 2 * settings.draw + 1);
         }
         light_trees.point_clamp = settings.clamp == Clamp::bounded ? point_clamp : GeometryClamp::none();
         light_trees.lobe_rays = plan.runs(Pass::lobe_rays);
         light_trees.bodies = plan.runs(Pass::caustics) ? Bodies::block : Bodies::pass;
         light_trees.air = posed_scene.air();
         light_trees.translucent = plan.runs(Pass::alpha) || plan.runs(Pass::glass) || light_trees.air != nullptr;
-        if (!rays_of().empty()) final_gather.forget(sky_of_rays());
+        if (!rays_of().empty()) final_gather.forget(rays_see);
         lit_frame = snapshot.frame;
         has_trees = true;
     }
@@ -199,7 +209,7 @@ struct Renderer::Impl {
     /// Gathers by rays for measurements, which teach the frames' own gathering nothing.
     std::unique_ptr<FinalGather> audit_rays() const {
         auto rays = !rays_of().empty() ? std::make_unique<FinalGather>(posed_scene, plan) : nullptr;
-        if (rays) rays->forget(sky_of_rays());
+        if (rays) rays->forget(rays_see);
         return rays;
     }
 
@@ -219,7 +229,7 @@ struct Renderer::Impl {
         core::Radiance radiance =
             renderer::shade(light_trees, tracer, seen, eye, tolerance, s, counts, nullptr, &light);
         if (rays_of().empty()) return radiance;
-        if (!caches) final_gather.forget(sky_of_rays());
+        if (!caches) final_gather.forget(rays_see);
         for (const RaysOf which : rays_of()) add_rays(final_gather, snapshot.camera, seen, tolerance, which, light);
         ShadeCounts again;
         return renderer::shade(light_trees, tracer, seen, eye, tolerance, s, again, &light);
@@ -277,7 +287,9 @@ struct Renderer::Impl {
     WholeLamps lamps;                ///< of the film
     PersistentLightTrees lasting;    ///< of the chunk
     LightTrees light_trees;
-    bool caches = false;                      ///< light is cached
+    bool caches = false;  ///< light is cached
+    float near_from = 0;  ///< near_irradiance of the chunk
+    SkyOfRays rays_see;
     std::optional<scene::Snapshot> shone_at;  ///< the instant that the following are of
     std::vector<LightPoint> shining;          ///< direct light points, until trees take them
     Anchors::Lit lit_anchors;

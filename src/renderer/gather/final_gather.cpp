@@ -154,7 +154,7 @@ FinalGather::FinalGather(const PosedScene& posed_scene, const Plan& plan)
       bodies_block_(plan.runs(Pass::caustics)) {}
 
 void FinalGather::forget(const SkyOfRays& sky) {
-    cache_.forget();
+    cache_.forget(sky.near_field);
     sky_ = sky;
 }
 
@@ -290,8 +290,13 @@ void FinalGather::trace_all(std::span<const GatherRequest> requests, std::span<c
     // and sum up, in the order of rays.
     parallel::for_ranges(bundles.size(), 16, [&](std::size_t first, std::size_t last) {
         for (std::size_t b = first; b < last; ++b)
-            for (const RayTerm& term : found[b].terms)
-                found[b].rays[term.ray].light += term.weight * cache_.radiance(cache_.index_of(term.place.key));
+            for (const RayTerm& term : found[b].terms) {
+                const std::uint32_t cell = cache_.index_of(term.place.key);
+                glm::vec3 radiance = cache_.radiance(cell);
+                if (!requests[bundles[b].request].lobe)
+                    radiance = glm::max(radiance - cache_.near_part(cell), glm::vec3(0));
+                found[b].rays[term.ray].light += term.weight * radiance;
+            }
     });
     for (std::size_t b = 0; b < bundles.size(); ++b) {
         const GatherPoint& point = *requests[bundles[b].request].point;

@@ -8,6 +8,7 @@
 #include "renderer/base/plan.h"
 #include "renderer/cut/point_light.h"
 #include "renderer/gather/gather_ray.h"
+#include "renderer/gather/near_light.h"
 #include "renderer/gather/surface_cache.h"
 #include "renderer/surface/gather_point.h"
 #include "scene/model/camera.h"
@@ -48,11 +49,12 @@ GatherRequest request_of(const GatherPoint& point, const PointTolerance& toleran
 /// Adds what rays found to a point's light.
 void add(const RayLight& rays, const GatherPoint& point, PointLight& light);
 
-/// What rays see of the sky; the light trees have the rest.
+/// What rays see of the sky and of places near lamps; the light trees have the rest.
 struct SkyOfRays {
     float brightest = 0;                ///< luminance over hemispheres, at most
     float lobe_brightest = 0;           ///< along lobes: luminance times `importance`, at most
     image::SkyImportance importance{};  ///< LightPoints::sky_importance
+    NearField near_field{};             ///< of whose light rays over hemispheres miss a part
 };
 
 /// What gathering did, summed since construction.

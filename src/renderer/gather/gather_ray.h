@@ -32,6 +32,7 @@ struct RayTerm {
     std::uint32_t ray = 0;  ///< index that its owner gives it
     glm::vec3 weight{1};
     Sighting place;
+    float near = 0;  ///< NearField::share of where the ray comes from
 };
 
 /// Lights that a ray's owner asked for by next events as well: those that the ray meets count by the balance heuristic

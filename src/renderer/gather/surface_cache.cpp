@@ -79,6 +79,7 @@ struct SurfaceCache::Bounce {
     LightQuery query;   ///< that lights were asked by
     float density = 0;  ///< of the direction
     glm::vec3 weight{1};
+    float share = 0;  ///< NearField::share
     std::uint64_t number = 0;
     float near = 0;            ///< RayRules
     float carried = 1;         ///< Sighting
@@ -96,7 +97,8 @@ struct SurfaceCache::Evaluated {
 SurfaceCache::SurfaceCache(const PosedScene& posed_scene, const Plan& plan)
     : posed_scene_(posed_scene), gather_rays_(posed_scene, plan), plan_(plan) {}
 
-void SurfaceCache::forget() {
+void SurfaceCache::forget(NearField near_field) {
+    near_field_ = std::move(near_field);
     table_.clear();
     own_table_.clear();
     cells_.clear();
@@ -150,8 +152,8 @@ glm::vec3 SurfaceCache::lamps(const SurfacePoint& p, const LightQuery& query, st
 }
 
 /// Evaluates a place: what lamps send, and one ray whose end sends the rest.
-void SurfaceCache::light_place(const Sighting& place, std::uint64_t number, std::uint32_t lesson,
-                               glm::vec3& known_light, Evaluated& out) const {
+void SurfaceCache::light_place(const Sighting& place, std::uint64_t number, std::uint32_t index, Lesson& lesson,
+                               Evaluated& out) const {
     glm::vec3 along, across;
     core::make_frame(place.outgoing, along, across);
     SurfacePoint p = posed_scene_.surface_at(place.address, place.outgoing, {place.size * along, place.size * across});
@@ -176,7 +178,11 @@ void SurfaceCache::light_place(const Sighting& place, std::uint64_t number, std:
 
     const LightQuery query{p.position, shadow_origin(p), p.geometric_normal + p.smooth.tilt};
     const glm::vec3 direct = weight * lamps(p, query, number, out.rays);
-    if (core::is_finite(direct)) known_light += direct;
+    const float share = near_field_.share(p.position);
+    if (core::is_finite(direct)) {
+        lesson.known += direct;
+        lesson.near += share * direct;
+    }
 
     const float chance = lobe_chance(p);
     const glm::vec3 direction = chosen_direction(p, uniform(number, part, 0) < chance,
@@ -191,10 +197,11 @@ void SurfaceCache::light_place(const Sighting& place, std::uint64_t number, std:
                            query,
                            density,
                            weight,
+                           share,
                            number,
                            place.depth > 0 ? 0.5f * place.size : 0.0f,
                            place.carried,
-                           lesson,
+                           index,
                            place.depth});
 }
 
@@ -216,11 +223,15 @@ void SurfaceCache::follow_bounces(std::span<Lesson> lessons, Evaluated& out) con
         const auto first = static_cast<std::uint32_t>(out.terms.size());
         const glm::vec3 known = b.weight * gather_rays_.follow(b.ray, hits[i], rules, lobe::inverse_pi,
                                                                core::mix(b.number), 0, out.terms, out.rays);
-        if (core::is_finite(known)) lesson.known += known;
+        if (core::is_finite(known)) {
+            lesson.known += known;
+            lesson.near += b.share * known;
+        }
         if (out.terms.size() > first) {
             RayTerm& term = out.terms.back();
             term.weight *= b.weight;
             term.weight = glm::min(term.weight, most_reflected);
+            term.near = b.share;
             term.place.carried = b.carried * core::luminance(term.weight);
         }
         if (lesson.first_link == lesson.last_link) lesson.first_link = first;
@@ -269,7 +280,7 @@ void SurfaceCache::evaluate_lessons(std::span<Lesson> lessons, const std::vector
             for (std::uint32_t k = 0; k < lesson.places; ++k) {
                 const Sighting& place = places[lesson.first + k];
                 light_place(place, core::mix(place.key) + lesson.number + k, static_cast<std::uint32_t>(l - first),
-                            lesson.known, out);
+                            lesson, out);
             }
         }
         follow_bounces(lessons.subspan(first, last - first), out);
@@ -280,7 +291,7 @@ void SurfaceCache::evaluate_lessons(std::span<Lesson> lessons, const std::vector
         const std::size_t first = task * lessons_at_once, last = std::min(first + lessons_at_once, lessons.size());
         for (std::size_t l = first; l < last; ++l) lessons[l].first_link += base, lessons[l].last_link += base;
         for (const RayTerm& t : found[task].terms) {
-            links.push_back({t.place.key, t.weight, index_of(t.place.key)});
+            links.push_back({t.place.key, t.weight, t.near, index_of(t.place.key)});
             const bool known = links.back().cell != none && cell(links.back().cell).places >= most;
             if (!known && t.place.carried > least_carried) wanted.push_back(t.place);
         }
@@ -295,8 +306,10 @@ void SurfaceCache::solve(std::span<Lesson> lessons, std::vector<Link>& links) {
     // The last lesson of a cell has the sum of all that is known of it.
     for (Lesson& lesson : lessons) {
         const Cell& taught = cell(lesson.cell);
-        lesson.known += lesson.earlier == none ? static_cast<float>(lesson.number) * taught.radiance
-                                               : lessons[lesson.earlier].known;
+        const auto number = static_cast<float>(lesson.number);
+        const bool is_first = lesson.earlier == none;
+        lesson.known += is_first ? number * taught.radiance : lessons[lesson.earlier].known;
+        lesson.near += is_first ? number * taught.near : lessons[lesson.earlier].near;
     }
     std::vector<std::uint32_t> last_ones;
     for (auto l = static_cast<std::uint32_t>(lessons.size()); l-- > 0;) {
@@ -320,6 +333,14 @@ void SurfaceCache::solve(std::span<Lesson> lessons, std::vector<Link>& links) {
             taught.radiance = sum;
         }
         if (!(change > solved * all)) break;
+    }
+    for (const std::uint32_t last : last_ones) {
+        glm::vec3 sum = lessons[last].near;
+        for (std::uint32_t l = last; l != none; l = lessons[l].earlier)
+            for (std::uint32_t k = lessons[l].first_link; k < lessons[l].last_link; ++k)
+                if (links[k].cell != none) sum += links[k].near * links[k].weight * cell(links[k].cell).radiance;
+        Cell& taught = cell(lessons[last].cell);
+        taught.near = sum / static_cast<float>(taught.places);
     }
 }
 

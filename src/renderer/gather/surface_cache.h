@@ -10,6 +10,7 @@
 
 #include "renderer/base/plan.h"
 #include "renderer/gather/gather_ray.h"
+#include "renderer/gather/near_light.h"
 #include "renderer/paths/light_sources.h"
 
 namespace render2mpeg::renderer {
@@ -46,7 +47,7 @@ class SurfaceCache {
     SurfaceCache(const PosedScene& posed_scene, const Plan& plan);
 
     /// Forgets all: light or things are others now, as posed.
-    void forget();
+    void forget(NearField near_field);
 
     /// Index of a cell that needs to learn no more; CellTable::none: ask `learn`.
     std::uint32_t find(std::uint64_t key) const;
@@ -58,6 +59,8 @@ class SurfaceCache {
 
     /// Radiance of a cell.
     glm::vec3 radiance(std::uint32_t index) const { return cell(index).radiance; }
+    /// Part of it that near_light has.
+    glm::vec3 near_part(std::uint32_t index) const { return cell(index).near; }
 
     std::size_t bytes() const {
         return (cells_.capacity() + own_cells_.capacity()) * sizeof(Cell) + table_.bytes() + own_table_.bytes();
@@ -67,7 +70,7 @@ class SurfaceCache {
   private:
     static constexpr std::uint32_t none = CellTable::none;
     struct Cell {
-        glm::vec3 radiance{0};
+        glm::vec3 radiance{0}, near{0};
         std::uint32_t places = 0;     ///< that it is the mean of, those that are being evaluated among them
         std::uint32_t lesson = none;  ///< that teaches it, the last one
     };
@@ -75,6 +78,7 @@ class SurfaceCache {
     struct Link {
         std::uint64_t key = 0;
         glm::vec3 weight{0};
+        float near = 0;  ///< share of it that near_light has
         std::uint32_t cell = CellTable::none;
     };
     /// A cell that is being learnt.
@@ -84,7 +88,7 @@ class SurfaceCache {
         std::uint32_t number = 0;                     ///< of the first, among all that the cell ever had
         std::uint32_t earlier = none;                 ///< lesson of the same cell
         std::uint32_t first_link = 0, last_link = 0;  ///< once they are
-        glm::vec3 known{0};                           ///< sum over places
+        glm::vec3 known{0}, near{0};                  ///< sums over places
     };
     struct Bounce;
     struct Evaluated;
@@ -98,7 +102,7 @@ class SurfaceCache {
     std::uint32_t make_cell(std::uint64_t key);
     void plan_lessons(std::vector<Sighting>& wanted, std::uint32_t most, std::vector<Sighting>& places,
                       std::vector<Lesson>& lessons);
-    void light_place(const Sighting& place, std::uint64_t number, std::uint32_t lesson, glm::vec3& known_light,
+    void light_place(const Sighting& place, std::uint64_t number, std::uint32_t index, Lesson& lesson,
                      Evaluated& out) const;
     void follow_bounces(std::span<Lesson> lessons, Evaluated& out) const;
     void evaluate_lessons(std::span<Lesson> lessons, const std::vector<Sighting>& places, std::vector<Link>& links,
@@ -112,6 +116,7 @@ class SurfaceCache {
     std::optional<LightSources> sources_;  ///< of the posed instant
     CellTable table_, own_table_;
     std::vector<Cell> cells_, own_cells_;
+    NearField near_field_;
     std::uint64_t rays_ = 0;
 };
 
