@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "app/loop/counters.h"
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
-#include "app/loop/run_statistics_json.h"
 #include "core/color.h"
 #include "perceptual/display.h"
 #include "support/program.h"

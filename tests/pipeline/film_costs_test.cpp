@@ -98,24 +98,6 @@ TEST(Options, AreTakenAsPeopleWriteThem) {
     EXPECT_EQ(run(program() + " help render").output, run(program() + " render --help").output);
 }
 
-TEST(Consent, IsAskedForOnATerminal) {
-    if (run("script --version").status != 0) GTEST_SKIP() << "there is no program that makes terminals";
-    const Folder folder;
-    std::ofstream(folder / "f.mpg") << "a film";
-    const std::string render = program() + " render " + plain_film() +
-                               " --size 32x32 --samples 1 --vpls 0 --exposure 0 --frames 0:0 --quiet -o " +
-                               (folder / "f.mpg").string();
-    const auto answered = [&](const char* answer) {
-        return run("printf '" + std::string(answer) + "\\n' | script -qec '" + render + "' /dev/null");
-    };
-    const auto no = answered("n");
-    EXPECT_NE(no.output.find("Replace it? [y/N]"), std::string::npos) << no.output;
-    EXPECT_EQ(support::contents(folder / "f.mpg"), "a film");
-    const auto yes = answered("y");
-    EXPECT_EQ(yes.status, 0) << yes.output;
-    EXPECT_NE(support::contents(folder / "f.mpg"), "a film");
-}
-
 TEST(Answer, FoldsAndMarks) {
     const std::string table = app::answer_table(
         {"a", "b", "c", "d"}, {{"<x>", 0.5, "1:00", "none", app::Grade::good, "", "1 kB", true}}, "n");

@@ -19,7 +19,6 @@ using app::Pace;
 struct Record {
     const char* film;
     std::vector<double> seconds;
-    std::vector<double> made = {};  ///< records of light; empty: nobody counted
 };
 const std::vector<Record> records{
     {"character", {2.25, 1.19, 1.27, 1.17, 1.25, 1.15, 1.27, 1.18, 1.29, 1.17, 1.26, 1.14, 1.23, 1.19, 1.25,
@@ -40,39 +39,21 @@ const std::vector<Record> records{
       1.83, 1.95, 2,    1.67, 1.49, 1.67, 4.08, 1.98, 1.43, 1.56, 1.18, 1.18, 1.33, 1.2,  1.26, 1.16, 1.28, 1.24}},
 };
 
-/// A film whose light is kept, at 192x192: the third frame makes four times as many records as the second.
-const Record keeping{
-    "still_room",
-    {16.76, 1.3,  2.42, 1.2,  0.88, 0.82, 1.52, 1.18, 0.98, 0.99, 1.41, 1.13,
-     0.92,  0.99, 1.32, 1.02, 0.93, 0.72, 0.69, 1.05, 1.08, 0.76, 0.69, 1.09},
-    {31654, 1022, 4249, 254, 0, 0, 605, 149, 0, 0, 307, 111, 0, 0, 271, 560, 273, 0, 0, 330, 109, 0, 0, 264}};
-
 double truth(const std::vector<double>& seconds, std::size_t done) {
     return std::accumulate(seconds.begin() + static_cast<std::ptrdiff_t>(done), seconds.end(), 0.0);
 }
 
 TEST(Pace, TellsTheTimeToGoAfterATenthOfAFilm) {
-    for (const auto& [film, seconds, made] : records) {
+    for (const auto& [film, seconds] : records) {
         Pace pace(60);
         // Where light is kept, it is being kept for the first frames: five of them are more than a tenth here.
         const std::size_t known = std::string(film) == "still" ? 5 : std::max<std::size_t>(3, seconds.size() / 10);
-        for (std::size_t i = 0; i < known; ++i) pace.add(seconds[i], made.empty() ? 0 : made[i]);
+        for (std::size_t i = 0; i < known; ++i) pace.add(seconds[i]);
         const auto left = pace.left(static_cast<std::int64_t>(seconds.size()));
         ASSERT_TRUE(left.has_value()) << film;
         const double right = truth(seconds, known);
         EXPECT_NEAR(*left, right, 0.2 * right) << film;
     }
-}
-
-TEST(Pace, ExpectsThatLightIsKeptOnce) {
-    Pace pace(60);
-    for (std::size_t i = 0; i < 3; ++i) pace.add(keeping.seconds[i], keeping.made[i]);
-    const double right = truth(keeping.seconds, 3);
-    EXPECT_NEAR(*pace.left(24), right, 0.2 * right);
-    // One frame is known behind the first: a record takes no more than there.
-    Pace early(60);
-    for (std::size_t i = 0; i < 2; ++i) early.add(keeping.seconds[i], keeping.made[i]);
-    EXPECT_NEAR(*early.left(24), truth(keeping.seconds, 2), 0.4 * truth(keeping.seconds, 2));
 }
 
 TEST(Pace, CountsTheFirstFramesOfChunksApart) {

@@ -5,16 +5,15 @@
 #include <string>
 #include <vector>
 
-#include "app/report/frame_plot.h"
+#include "app/report/curve_axis.h"
+#include "app/report/figures.h"
 #include "pipeline/fixture.h"
 
 /// --report: a page that stands alone, and its figures beside it.
 namespace render2mpeg::test {
 namespace {
 
-using app::FramePlot;
 using app::round_up;
-using app::svg_of;
 
 std::size_t count(const std::string& text, const std::string& word) {
     std::size_t found = 0;
@@ -64,13 +63,13 @@ TEST(Report, IsOnePageThatStandsAloneAndItsFiguresAreTheStatisticsSlow) {
     EXPECT_EQ(unbalanced(html), std::vector<std::string>{});
     test::expect_alone(html);
 
-    // A bar for every frame in each of the plots, that of the first picture an I picture's.
-    EXPECT_EQ(count(html, "<svg "), 5u);
-    EXPECT_EQ(count(html, "<title>frame 3, "), 5u);
-    EXPECT_EQ(count(html, "<title>frame "), 5u * 11u);
+    // A mark for every frame in each of the plots, for a desktop and for a phone; the first picture is an I picture.
+    EXPECT_EQ(count(html, "<svg "), 2u * 5u);
+    EXPECT_EQ(count(html, ": frame 3, "), 2u * 6u) << "two of the cut";
+    EXPECT_EQ(count(html, ": frame "), 2u * 6u * 11u);
     const json statistics = json::parse(contents(folder / "s.json"));
     const auto size = statistics.at("per_frame")[0].at("bytes").get<int>();
-    EXPECT_NE(html.find("<title>frame 3, I " + std::to_string(size) + " bytes</title>"), std::string::npos);
+    EXPECT_NE(html.find("<title>I: frame 3, bytes " + std::to_string(size) + "</title>"), std::string::npos);
 
     for (const auto& [key, value] : statistics.items()) {
         ASSERT_TRUE(report.contains(key)) << key;
@@ -109,7 +108,7 @@ TEST(Report, OfFramesThatAreNotCodedSpeaksOfLightAlone) {
               0);
     const std::string html = contents(folder / "r.html");
     EXPECT_EQ(unbalanced(html), std::vector<std::string>{});
-    EXPECT_EQ(count(html, "<svg "), 2u);
+    EXPECT_EQ(count(html, "<svg "), 2u * 2u);
     EXPECT_EQ(html.find("PSNR"), std::string::npos);
 }
 
@@ -124,59 +123,6 @@ TEST(Report, IsRefusedUnderNamesThatWouldNotDo) {
     };
     refused(" --report " + path(folder, "r.pdf"), ".html");
     refused(" --report " + path(folder, "r.html") + " --stats " + path(folder, "r.report.json"), "two outputs");
-}
-
-TEST(FramePlot, HasABarForEveryFrameUntilTheyGetTooThin) {
-    for (const int frames : {1, 2, 719, 720, 721, 100000}) {
-        FramePlot plot{"t", "s", 7, {{"x", "one", std::vector<double>(static_cast<std::size_t>(frames), 3.0)}}};
-        const std::string svg = svg_of(plot);
-        const std::size_t bars = count(svg, "<rect ");
-        EXPECT_LE(bars, 720u);
-        EXPECT_GE(bars, std::min<std::size_t>(static_cast<std::size_t>(frames), 360u));
-        EXPECT_EQ(unbalanced(svg), std::vector<std::string>{});
-        EXPECT_EQ(count(svg, ", x 3 s"), bars) << "means of what is alike";
-        EXPECT_GE(count(svg, "mean, x 3 s"), frames > 720 ? bars - 1 : 0u) << "the last bar may have one frame";
-    }
-    EXPECT_EQ(svg_of({"t", "s", 0, {}, false}), "");
-    EXPECT_EQ(svg_of({"t", "s", 0, {{"x", "one", {}}}, false}), "");
-    EXPECT_NE(svg_of({"t", "s", 0, {{"x", "one", {0, 0}}}, false}), "") << "nothing is a value, too";
-}
-
-TEST(FramePlot, OfManyFramesTellsEachTypesMeanOverItsOwnPictures) {
-    // Two frames to a bar, I P B B over and over.
-    FramePlot plot{"t", "s", 0, {{"I", "i", {}}, {"P", "p", {}}, {"B", "b", {}}}};
-    for (int n = 0; n < 1440; ++n)
-        for (std::size_t i = 0; i < 3; ++i)
-            plot.layers[i].values.push_back(std::min(n % 4, 2) == static_cast<int>(i) ? 1000.0 - 300.0 * i
-                                                                                      : app::no_value);
-    for (const bool marks : {false, true}) {
-        plot.marks = marks;
-        const std::string svg = svg_of(plot);
-        EXPECT_EQ(count(svg, "mean, I 1000 s, P 700 s</title>"), 360u) << marks;
-        EXPECT_EQ(count(svg, "mean, B 400 s</title>"), 360u) << marks;
-        EXPECT_EQ(count(svg, "<rect "), marks ? 720u : 1080u);
-    }
-    // A mark is at the mean of the frames that have a value: all alike, all marks in one line.
-    for (app::PlotLayer& layer : plot.layers)
-        for (double& value : layer.values)
-            if (value > 0) value = 40;
-    plot.layers[2].values.assign(1440, app::no_value);
-    const std::string svg = svg_of(plot);
-    const std::size_t first = svg.find("<rect "), y = svg.find(" y=", first);
-    EXPECT_EQ(count(svg, svg.substr(y, svg.find(" width", y) - y)), 360u);
-    EXPECT_EQ(count(svg, "<rect "), 360u) << "frames without a value have no mark";
-}
-
-TEST(FramePlot, KeepsAllInsideItsFrame) {
-    for (const bool marks : {false, true})
-        for (const double most : {1e-7, 0.3, 1.0, 7.0, 999.0, 3e9}) {
-            const std::string svg = svg_of({"t", "s", 0, {{"x", "one", {most, 0.9 * most, 0.31 * most}}}, marks});
-            for (std::size_t at = svg.find(" y=\""); at != std::string::npos; at = svg.find(" y=\"", at + 1)) {
-                const double y = std::stod(svg.substr(at + 4));
-                EXPECT_GE(y, 8.0) << most;
-                EXPECT_LE(y, 192.0) << most;
-            }
-        }
 }
 
 TEST(RoundNumbers, AreTheNextOneTwoOrFive) {

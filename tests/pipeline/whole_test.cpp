@@ -4,14 +4,11 @@
 #include <fstream>
 #include <string>
 
-#include "app/files/completion_marker.h"
 #include "pipeline/fixture.h"
 
 /// What becomes of a film between its last frame and its last file, and of a film that is whole already.
 namespace render2mpeg::test {
 namespace {
-
-using app::Products;
 
 const std::string quick = " --size 32x32 --samples 1 --vpls 0 --tolerance fixed=90% --exposure 0 --threads 1 --gop 15 ";
 
@@ -100,30 +97,6 @@ TEST(WholeFilm, IsMadeOfWhatStaysUntilStatisticsAreWrittenSlow) {
         EXPECT_FALSE(contents(folder / name).empty());
         EXPECT_FALSE(std::filesystem::exists(folder / "f.mpg.partial"));
     }
-}
-
-TEST(WholeMark, KnowsItsFilmAndWhatWasMadeBesideIt) {
-    const Folder folder;
-    if (!has_attributes(folder)) GTEST_SKIP() << "this file system keeps no attributes";
-    // Names are bytes, and need not be text.
-    const std::filesystem::path film = folder / "film", heat = folder / "heat\xff.mpg", other = folder / "heat\xfe.mpg";
-    for (const std::filesystem::path& file : {film, heat, other}) std::ofstream(file) << "pictures";
-    json identity{{"version", "1"}, {"inputs", json::array()}};
-    for (int i = 0; i < 200; ++i) identity["inputs"].push_back({{"file", i}, {"checksum", "0123456789"}});
-    EXPECT_FALSE(app::is_whole({{film}, {}}, identity));
-    app::mark_as_whole({{film}, {heat}}, identity);
-    EXPECT_TRUE(app::is_whole({{film}, {heat}}, identity));
-    EXPECT_TRUE(app::is_whole({{film}, {}}, identity)) << "less is asked for";
-    EXPECT_FALSE(app::is_whole({{film}, {other}}, identity));
-    identity["inputs"].back()["checksum"] = "another";
-    EXPECT_FALSE(app::is_whole({{film}, {heat}}, identity));
-    identity["inputs"].back()["checksum"] = "0123456789";
-    std::filesystem::remove(heat);
-    EXPECT_FALSE(app::is_whole({{film}, {heat}}, identity));
-    std::filesystem::copy_file(film, folder / "copy");
-    EXPECT_FALSE(app::is_whole({{folder / "copy"}, {}}, identity));
-    std::ofstream(film, std::ios::app) << "x";
-    EXPECT_FALSE(app::is_whole({{film}, {}}, identity)) << "it was changed since";
 }
 
 /// Calls `meets(frames)`, which starts a film and meets it at work, with longer and longer films until it returns

@@ -272,45 +272,15 @@ std::vector<encoder::BitAllocation> first_pass(Job& job, bool quiet) {
     }
 }
 
-/// Where coded pictures go.
-class PictureSink {
-  public:
-    virtual ~PictureSink() = default;
-    virtual void begin(const Chunk&) {}
-    virtual void coded(const encoder::CodedPicture& picture) = 0;
-    /// After a chunk, which is whole or not.
-    virtual void end(bool) {}
-};
-
-class FileSink : public PictureSink {
-  public:
-    explicit FileSink(WorkFolder& work) : work_(work) {}
-    void begin(const Chunk& chunk) override { files_.push_back(work_.open(chunk)); }
-    void coded(const encoder::CodedPicture& picture) override { files_.back().append(picture); }
-    void end(bool whole) override {
-        if (whole)
-            files_.back().finish({});
-        else
-            files_.back().abandon();
-    }
-    const std::vector<ChunkFile>& files() const { return files_; }
-
-  private:
-    WorkFolder& work_;
-    std::vector<ChunkFile> files_;
-};
-
-class StreamSink : public PictureSink {
-  public:
-    explicit StreamSink(FilmStream& stream) : stream_(stream) {}
-    void coded(const encoder::CodedPicture& picture) override { stream_.write(picture); }
-
-  private:
-    FilmStream& stream_;
+/// Receiver of coded pictures; empty members are skipped.
+struct PictureSink {
+    std::function<void(const encoder::CodedPicture&)> coded;
+    std::function<void(const Chunk&)> begin = {};
+    std::function<void(bool whole)> end = {};  ///< after a chunk
 };
 
 /// Codes the film, whose last frame is known afterwards. Returns whether it is whole.
-bool encode_chunks(Job& job, const EncodeOptions& options, PictureSink& sink, RunStatistics& statistics) {
+bool encode_chunks(Job& job, const EncodeOptions& options, const PictureSink& sink, RunStatistics& statistics) {
     const bool open_ended = job.frames->is_open_ended();
     std::optional<Chunk> chunk = chunk_after(job.film, {});
     // Whoever makes the frames knows how many will come.
@@ -322,7 +292,7 @@ bool encode_chunks(Job& job, const EncodeOptions& options, PictureSink& sink, Ru
         std::int64_t frames = 0;
         whole = encode_chunk(job, job.film, *chunk, statistics,
                              {[&](const core::Picture& picture, const core::MotionField* motion) {
-                                  if (frames++ == 0) sink.begin(*chunk);
+                                  if (frames++ == 0 && sink.begin) sink.begin(*chunk);
                                   recorder.read(picture, motion);
                               },
                               [&](const encoder::CodedPicture& coded) {
@@ -330,7 +300,7 @@ bool encode_chunks(Job& job, const EncodeOptions& options, PictureSink& sink, Ru
                                   sink.coded(coded);
                               },
                               [&] { progress.advance(); }});
-        if (frames > 0) sink.end(whole);
+        if (frames > 0 && sink.end) sink.end(whole);
         if (open_ended && whole && frames < chunk->frames()) break;
         whole = whole && (chunk->last == job.film.frames.last || !InterruptGuard::requested());
     }
@@ -376,12 +346,15 @@ RunFacts encode_to_file(Job& job, const EncodeOptions& options, const std::strin
     if (two_passes(options.coding) && !job.frames->is_open_ended())
         job.allocations = timed(statistics, Stage::first_pass, [&] { return first_pass(job, options.quiet); });
     if (InterruptGuard::requested()) return {};
-    FileSink sink(work);
+    std::vector<ChunkFile> files;
+    const PictureSink sink{[&](const encoder::CodedPicture& picture) { files.back().append(picture); },
+                           [&](const Chunk& chunk) { files.push_back(work.open(chunk)); },
+                           [&](bool whole) { whole ? files.back().finish({}) : files.back().abandon(); }};
     const bool complete = encode_chunks(job, options, sink, statistics);
-    if (sink.files().empty()) throw core::Error("reading", input_name(options), "it holds no pictures");
+    if (files.empty()) throw core::Error("reading", input_name(options), "it holds no pictures");
 
     // Publish what is whole, leave what is not beside the target.
-    const Published published = publish(sink.files(), job.film, work, options.output, complete);
+    const Published published = publish(files, job.film, work, options.output, complete);
     if (complete) work.clear_away();
     return {command, input_name(options), published.name.string(), published.bytes, complete};
 }
@@ -395,7 +368,7 @@ RunFacts encode_to_stream(Job& job, const EncodeOptions& options, const std::str
         job.allocations = timed(statistics, Stage::first_pass, [&] { return first_pass(job, options.quiet); });
     if (InterruptGuard::requested()) return {};
     FilmStream stream(out, options.output, job.film);
-    StreamSink sink(stream);
+    const PictureSink sink{[&](const encoder::CodedPicture& picture) { stream.write(picture); }};
     const bool complete = encode_chunks(job, options, sink, statistics);
     if (statistics.frames.empty()) throw core::Error("reading", input_name(options), "it holds no pictures");
     stream.finish();
@@ -416,7 +389,7 @@ int encode(const EncodeOptions& options, const std::string& command) {
     if (!options.quiet) print_notes(job, options);
     std::vector<Files> films;
     if (!options.as) films.emplace_back(options.output);
-    ask_consent({films, {options.stats.value_or("")}}, options.overwrite);
+    require_consent({films, {options.stats.value_or("")}}, options.overwrite);
     if (!options.as) check_writable(options.output);
     if (options.stats) check_writable(*options.stats);
 

@@ -94,10 +94,10 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
     if (options.dry_run) {
         if (!options.quiet) print((left.empty() ? "" : core::printable(left) + "\n") + dry_run_text(film, options));
         if (!options.quiet && !is_agreed(film, options, identity))
-            for (const std::string& line : questions_about(written_by(film, options))) print_line(line);
+            for (const std::string& line : doubts_about(written_by(film, options))) print_line(line);
         return 0;
     }
-    ask_consent(written_by(film, options), is_agreed(film, options, identity));
+    require_consent(written_by(film, options), is_agreed(film, options, identity));
     if (!options.memory)
         timed(statistics, Stage::load, [&] { return probe_images(*film.animation, image_probes(false)); });
     if (InterruptGuard::requested()) return interrupted_before_frames(options);

@@ -6,6 +6,7 @@
 #include <chrono>
 
 #include "app/files/film_stream.h"
+#include "app/loop/counters.h"
 #include "app/loop/pipeline.h"
 #include "app/loop/resume.h"
 #include "app/options/output_kind.h"
@@ -124,7 +125,7 @@ int render_stream(const RenderOptions& options, const std::string& command) {
     {
         Progress progress(film.frame_count(), options.quiet);
         complete = render_through(film, observers, statistics, [&] {
-            progress.advance(statistics.frames.back().records.created);
+            progress.advance();
             out.check();
             return !InterruptGuard::requested();
         });

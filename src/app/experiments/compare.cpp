@@ -168,12 +168,12 @@ int compare(const CompareOptions& options, const std::vector<std::string>& words
         if (!quiet) print_line("interrupted before the first row: nothing was found out");
         return InterruptGuard::status();
     };
-    ask_trial_consent(options.render, options.json, options.report);
+    require_trial_consent(options);
     RenderOptions render = options.render;
     if (!render.coding.gop) render.coding.gop = short_gop;
     const RenderJob film = prepare_trials(render);
     if (InterruptGuard::requested()) return interrupted();
-    check_trial_outputs(film, options.render, options.json, options.report);
+    check_trial_outputs(film, options);
 
     Comparing comparing(options, film, ffmpeg);
     comparing.settle(render_command(words, options.render.input, ""));

@@ -7,12 +7,12 @@
 #include <nlohmann/json.hpp>
 
 #include "app/experiments/quality.h"
-#include "app/experiments/sample_frame_view.h"
 #include "app/experiments/sweep.h"
+#include "app/experiments/trial_page.h"
 #include "app/files/text_file.h"
 #include "app/report/answer.h"
 #include "app/report/curve_plot.h"
-#include "app/report/frame_plot.h"
+#include "app/report/figures.h"
 #include "app/report/frame_view.h"
 #include "app/report/report.h"
 #include "app/system/progress.h"
@@ -79,15 +79,13 @@ json foreign_json(const Comparison& found) {
 /// What the last reference shows at the coarsest quantiser, and what becomes of it.
 std::string views(const RenderJob& film, const Comparison& found) {
     const std::vector<Trial>& rows = found.ways[coupled_way].rows;
-    const perceptual::ColorMatrix matrix = perceptual::matrix_for(film.format.height);
     const std::size_t row = rows.size() - 1;
-    std::string text =
-        sample_frame_figures(fmt::format("coupled, quantiser {}", rows[row].quantiser), rows[row], matrix);
+    std::string text = sample_frame_figures(fmt::format("coupled, quantiser {}", rows[row].quantiser), rows[row], film);
     const Way& other = found.ways[strongest_way];
     if (row < other.rows.size())
         text += decoded_pair(fmt::format("The same frame by {}, whose film has {:.2f} times the bytes", other.name,
                                          core::divide_or(other.rows[row].bytes, rows[row].bytes, 0.0)),
-                             "coupled", rows[row], other.name, other.rows[row], matrix);
+                             "coupled", rows[row], other.name, other.rows[row], film);
     return text.empty() ? "" : "<h2>Side by side</h2>\n" + text;
 }
 
@@ -106,41 +104,32 @@ std::string plot(const Comparison& found, const std::string& title, const std::s
 }
 
 std::string tables(const Comparison& found) {
-    std::string text = "<h2>All figures</h2>\n<div class=\"wide\"><table>\n<tr><th>Way</th>";
-    for (const char* head : {"Quantiser", "Light, s", "Coding, s", "Bytes", "PSNR-Y", "SSIM", "HVS-M", "Flicker"})
-        text += fmt::format("<th class=\"n\">{}</th>", head);
-    text += "</tr>\n";
-    const auto decibels = [](double v) { return std::isfinite(v) ? fmt::format("{:.2f}", v) : std::string("same"); };
     const auto seconds = [](double middle, const std::vector<double>& runs) {
         const std::string figure = short_figure(middle);
-        return runs.size() < 2 ? figure : fmt::format("{} &#177; {:.0f} %", figure, 50 * spread(runs));
+        return runs.size() < 2 ? figure : fmt::format("{} \u00b1 {:.0f} %", figure, 50 * spread(runs));
     };
+    std::vector<TableRow> rows, differences;
     for (const Way& way : found.ways)
         for (std::size_t i = 0; i < way.rows.size(); ++i) {
             const Trial& t = way.rows[i];
             const Quality q = quality_of(t, true);
-            text += "<tr><td>" + escaped(way.name) + "</td>";
-            for (const std::string& cell :
-                 {fmt::format("{}", t.quantiser), seconds(t.seconds, way.times[i].light),
-                  seconds(t.code_seconds, way.times[i].code), fmt::format("{:.0f}", t.bytes), decibels(q.psnr_y),
-                  fmt::format("{:.4f}", q.ssim_y), decibels(q.psnr_hvs_m), fmt::format("{:.3f}", t.flicker)})
-                text += "<td class=\"n\">" + cell + "</td>";
-            text += "</tr>\n";
+            rows.push_back(
+                {{way.name, std::to_string(t.quantiser), seconds(t.seconds, way.times[i].light),
+                  seconds(t.code_seconds, way.times[i].code), fmt::format("{:.0f}", t.bytes), psnr_text(q.psnr_y),
+                  fmt::format("{:.4f}", q.ssim_y), psnr_text(q.psnr_hvs_m), fmt::format("{:.3f}", t.flicker)}});
         }
-    text += "</table></div>\n";
+    const std::string text =
+        html_table("All figures", "tnnnnnnnn",
+                   {"Way", "Quantiser", "Light, s", "Coding, s", "Bytes", "PSNR-Y", "SSIM", "HVS-M", "Flicker"}, rows);
     if (!found.complete) return text;
-    text += "<h2>At equal quality</h2>\n<div class=\"wide\"><table>\n<tr><th>Way</th><th>against</th>";
-    for (const char* head : {"Bits, PSNR-Y", "Bits, SSIM", "Bits, HVS-M", "Time, PSNR-Y"})
-        text += fmt::format("<th class=\"n\">{}</th>", head);
-    text += "</tr>\n";
     for (const auto& [way, from] : held_against) {
         const Difference d = difference_of(found.ways[way], found.ways[from]);
-        text += "<tr><td>" + escaped(found.ways[way].name) + "</td><td>" + escaped(found.ways[from].name) + "</td>";
-        for (const double value : {d.psnr_y, d.ssim_y, d.psnr_hvs_m, d.seconds})
-            text += "<td class=\"n\">" + change_text(value) + "</td>";
-        text += "</tr>\n";
+        differences.push_back({{found.ways[way].name, found.ways[from].name, change_text(d.psnr_y),
+                                change_text(d.ssim_y), change_text(d.psnr_hvs_m), change_text(d.seconds)}});
     }
-    return text + "</table></div>\n";
+    return text + html_table("At equal quality", "ttnnnn",
+                             {"Way", "against", "Bits, PSNR-Y", "Bits, SSIM", "Bits, HVS-M", "Time, PSNR-Y"},
+                             differences);
 }
 
 /// Seconds on the clock of the whole film by a way, at its quantiser in that row.
@@ -219,51 +208,37 @@ std::string foreign_paragraph(const Comparison& found) {
 }
 
 std::string commands(const Comparison& found) {
-    std::string text = "<h2>The ways</h2>\n<div class=\"wide\"><table>\n";
-    for (const Way& way : found.ways)
-        text += "<tr><td>" + escaped(way.name) + "</td><td>" + escaped(way.how) + "</td></tr>\n";
-    return text + "<tr><td>version</td><td>" + escaped(found.ffmpeg) + "</td></tr>\n</table></div>\n";
+    std::vector<TableRow> rows;
+    for (const Way& way : found.ways) rows.push_back({{way.name, way.how}});
+    rows.push_back({{"version", found.ffmpeg}});
+    return html_table("The ways", "tt", {}, rows);
 }
 
 }  // namespace
 
 json compare_json(const RenderJob& film, const Comparison& found, const std::string& command) {
-    json windows = json::array(), ways = json::array();
-    for (const Chunk& window : found.windows) windows.push_back({window.first, window.last});
+    json ways = json::array();
     for (const Way& way : found.ways) {
         json rows = json::array();
         for (std::size_t i = 0; i < way.rows.size(); ++i) rows.push_back(row_json(way.rows[i], way.times[i]));
         ways.push_back({{"name", way.name}, {"how", way.how}, {"rows", rows}});
     }
-    return {{"command", command},
-            {"version", RENDER2MPEG_VERSION},
-            {"isa", core::name_of(film.rendering.isa)},
-            {"ffmpeg", found.ffmpeg},
-            {"input", film.animation->source},
-            {"width", film.format.width},
-            {"height", film.format.height},
-            {"fps", film.rate.hertz.value()},
-            {"gop", film.coding.gop},
-            {"samples", film.rendering.samples},
-            {"edge_samples", film.rendering.edge_samples},
-            {"vpls", film.rendering.vpls},
-            {"masking", film.coupling.strategy == perceptual::Strategy::quantised ? "quantised" : "warped"},
-            {"cache", cache_word(film.rendering)},
-            {"light_points", found.light_points},
-            {"windows", windows},
-            {"reference", {{"frames", found.references}, {"seconds", found.reference_seconds}}},
-            {"runs", found.runs},
-            {"ways", ways},
-            {"foreign", foreign_json(found)},
-            {"differences", differences_json(found)},
-            {"summary", sentence_of(found)},
-            {"complete", found.complete}};
+    json all = trial_json(film, command, found.windows, found.references, found.reference_seconds);
+    all.update(light_json(film));
+    all.update({{"ffmpeg", found.ffmpeg},
+                {"gop", film.coding.gop},
+                {"light_points", found.light_points},
+                {"runs", found.runs},
+                {"ways", ways},
+                {"foreign", foreign_json(found)},
+                {"differences", differences_json(found)},
+                {"summary", sentence_of(found)},
+                {"complete", found.complete}});
+    return all;
 }
 
 void write_compare_report(const std::filesystem::path& html, const RenderJob& film, const Comparison& found,
                           const std::string& command) {
-    const std::filesystem::path source = film.animation->source;
-    const std::string name = (source.has_filename() ? source : source.parent_path()).filename().string();
     std::string curves = plot(found, "Quality over size", "bytes per frame", [](const Trial& t) { return t.bytes; });
     curves += plot(found, "Quality over time for light, motion and coding", "CPU seconds per frame",
                    [](const Trial& t) { return t.seconds + t.code_seconds; });
@@ -279,13 +254,11 @@ void write_compare_report(const std::filesystem::path& html, const RenderJob& fi
                                                 "along motion more than they should. At equal quality: mean "
                                                 "differences over the qualities that both reach "
                                                 "(Bjontegaard).</p>\n" +
-                                                commands(found)) +
-            "<h2>To find it out again</h2>\n<pre>" + escaped(command) +
-            "</pre>\n<p class=\"soft\">Every figure is in the JSON file beside this page (docs/compare.md).</p>\n";
+                                                commands(found));
     const std::string lead =
         found.complete ? sentence_of(found) + time_sentence(film, found) : "Interrupted: this is a part of it.";
-    write_whole(html, report_page(name + ": coupled, or rendered first", lead, body));
-    write_json(report_json_of(html), compare_json(film, found, command));
+    write_trial_page(html, film, "coupled, or rendered first", lead, body, command, "docs/compare.md",
+                     compare_json(film, found, command));
 }
 
 }  // namespace render2mpeg::app

@@ -184,11 +184,11 @@ int cost(const CostOptions& options, const std::vector<std::string>& words) {
         if (!quiet) print_line("interrupted before the first row: nothing was found out");
         return InterruptGuard::status();
     };
-    ask_trial_consent(options.render, options.json, options.report);
+    require_trial_consent(options);
     const double began = clock_seconds();
     RenderJob film = prepare_trials(options.render);
     if (InterruptGuard::requested()) return interrupted();
-    check_trial_outputs(film, options.render, options.json, options.report);
+    check_trial_outputs(film, options);
     const double once = clock_seconds() - began;
     const std::optional<CostSample> sample = first_answer(options, film, once);
     if (!sample) return interrupted();

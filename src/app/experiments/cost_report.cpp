@@ -8,12 +8,11 @@
 #include <string>
 
 #include "app/experiments/effect_table.h"
-#include "app/experiments/sample_frame_view.h"
+#include "app/experiments/trial_page.h"
 #include "app/files/text_file.h"
 #include "app/report/answer.h"
 #include "app/report/curve_plot.h"
 #include "app/report/figures.h"
-#include "app/report/frame_plot.h"
 #include "app/report/frame_view.h"
 #include "app/report/report.h"
 #include "parallel/loops.h"
@@ -23,17 +22,13 @@ namespace {
 
 using nlohmann::json;
 
-json quality_json(const perceptual::FilmQuality& quality) {
-    return {{"psnr_y", finite_or_null(quality.psnr_y())}, {"ssim_y", quality.ssim_y()}};
-}
-
 /// A share as it was given: a float has digits that nobody wrote.
 double plain(float share) {
     return std::stod(fmt::format("{:.6g}", share));
 }
 
-json trial_json(const Trial& t) {
-    json decoded = quality_json(t.decoded);
+json row_json(const Trial& t) {
+    json decoded = quality_json(t.decoded.psnr_y(), t.decoded.ssim_y());
     decoded["psnr_hvs_m"] = finite_or_null(t.psnr_hvs_m());
     return {{"tolerance", t.tolerance.coupled ? json("coupled") : json(plain(t.tolerance.relative))},
             {"quantiser", t.quantiser},
@@ -51,15 +46,15 @@ json trial_json(const Trial& t) {
               {"over_tolerance", t.share_over()},
               {"over_twice", t.share_over_twice()},
               {"pixels", t.errors.count()}}},
-            {"lit", quality_json(t.lit)},
+            {"lit", quality_json(t.lit.psnr_y(), t.lit.ssim_y())},
             {"decoded", decoded},
             {"bytes", t.bytes}};
 }
 
 json pair_json(const CoupledPair& pair) {
     const auto or_null = [](const std::optional<double>& value) { return value ? json(*value) : json(nullptr); };
-    return {{"coupled", trial_json(pair.coupled)},
-            {"fixed", trial_json(pair.fixed)},
+    return {{"coupled", row_json(pair.coupled)},
+            {"fixed", row_json(pair.fixed)},
             {"time_ratio", or_null(pair.time_ratio())},
             {"psnr_y_loss", or_null(pair.psnr_loss())},
             {"ssim_y_loss", pair.ssim_loss()}};
@@ -124,47 +119,34 @@ std::string plots(const Sweep& sweep, int quantiser) {
     return text.empty() ? "" : "<h2>Curves</h2>\n" + text;
 }
 
-constexpr const char* heads[] = {"CPU, s",   "Rays",   "Cut",  "Median, %", "95th, %", "Over, %",
-                                 "Twice, %", "PSNR-Y", "SSIM", "HVS-M",     "Bytes"};
-
-std::string head_row(const std::string& first) {
-    std::string text = "<div class=\"wide\"><table>\n<tr><th>" + first + "</th>";
-    for (const char* head : heads) text += fmt::format("<th class=\"n\">{}</th>", head);
-    return text + "</tr>\n";
+TableRow table_row(const std::string& name, const Trial& t, bool marked = false) {
+    return {
+        {marked ? name + ", knee" : name, short_figure(t.seconds), count_text(t.rays), count_text(t.cut),
+         short_figure(100 * t.errors.quantile(0.5)), short_figure(100 * t.errors.quantile(0.95)),
+         short_figure(100 * t.share_over()), short_figure(100 * t.share_over_twice()), psnr_text(t.decoded.psnr_y()),
+         fmt::format("{:.4f}", t.decoded.ssim_y()), psnr_text(t.psnr_hvs_m()), fmt::format("{:.0f}", t.bytes)},
+        marked};
 }
 
-std::string decibel_cell(double value) {
-    return std::isfinite(value) ? fmt::format("{:.2f}", value) : "same";
-}
-
-std::string table_row(const std::string& name, const Trial& t, bool marked) {
-    std::string text = fmt::format("<tr><td>{}</td>", marked ? "<b>" + name + ", knee</b>" : name);
-    for (const std::string& cell :
-         {short_figure(t.seconds), count_text(t.rays), count_text(t.cut), short_figure(100 * t.errors.quantile(0.5)),
-          short_figure(100 * t.errors.quantile(0.95)), short_figure(100 * t.share_over()),
-          short_figure(100 * t.share_over_twice()), decibel_cell(t.decoded.psnr_y()),
-          fmt::format("{:.4f}", t.decoded.ssim_y()), decibel_cell(t.psnr_hvs_m()), fmt::format("{:.0f}", t.bytes)})
-        text += "<td class=\"n\">" + cell + "</td>";
-    return text + "</tr>\n";
+std::string table_of(const std::string& title, const std::string& first, const std::vector<TableRow>& rows) {
+    if (rows.empty()) return {};
+    return html_table(title, "tnnnnnnnnnnn",
+                      {first, "CPU, s", "Rays", "Cut", "Median, %", "95th, %", "Over, %", "Twice, %", "PSNR-Y", "SSIM",
+                       "HVS-M", "Bytes"},
+                      rows);
 }
 
 std::string tables(const Sweep& sweep, int quantiser) {
-    std::string text;
-    if (!sweep.fixed.empty()) {
-        text += fmt::format("<h2>Fixed tolerances, coded with quantiser {}</h2>\n", quantiser) + head_row("Tolerance");
-        const std::optional<std::size_t> knee = knee_of(sweep);
-        for (std::size_t i = 0; i < sweep.fixed.size(); ++i)
-            text += table_row(tolerance_text(sweep.fixed[i].tolerance.relative), sweep.fixed[i], knee == i);
-        text += "</table></div>\n";
+    std::vector<TableRow> fixed, pairs;
+    const std::optional<std::size_t> knee = knee_of(sweep);
+    for (std::size_t i = 0; i < sweep.fixed.size(); ++i)
+        fixed.push_back(table_row(tolerance_text(sweep.fixed[i].tolerance.relative), sweep.fixed[i], knee == i));
+    for (const CoupledPair& pair : sweep.pairs) {
+        pairs.push_back(table_row(fmt::format("{}, coupled", pair.coupled.quantiser), pair.coupled));
+        pairs.push_back(table_row(fmt::format("{}, 2 %", pair.fixed.quantiser), pair.fixed));
     }
-    if (!sweep.pairs.empty()) {
-        text += "<h2>Coupled to the quantiser, and a fixed 2 % coded with it</h2>\n" + head_row("Quantiser");
-        for (const CoupledPair& pair : sweep.pairs)
-            text += table_row(fmt::format("{}, coupled", pair.coupled.quantiser), pair.coupled, false) +
-                    table_row(fmt::format("{}, 2 %", pair.fixed.quantiser), pair.fixed, false);
-        text += "</table></div>\n";
-    }
-    return text +
+    return table_of(fmt::format("Fixed tolerances, coded with quantiser {}", quantiser), "Tolerance", fixed) +
+           table_of("Coupled to the quantiser, and a fixed 2 % coded with it", "Quantiser", pairs) +
            "<p class=\"soft\">CPU: seconds of all threads for light, per frame. Rays: shadow rays and gather rays per "
            "gather point; cut: clusters of lights per point. Median and 95th percentile of the error of a pixel's "
            "luminance against reference light. Over: share of the pixels that err by more than their tolerance; twice: "
@@ -175,7 +157,6 @@ std::string tables(const Sweep& sweep, int quantiser) {
 /// The frame that is looked at: as the film's own quantiser has it, or the nearest that was tried, and by the loosest
 /// fixed tolerance.
 std::string views(const RenderJob& film, const Sweep& sweep) {
-    const perceptual::ColorMatrix matrix = perceptual::matrix_for(film.format.height);
     const auto nearest =
         std::min_element(sweep.pairs.begin(), sweep.pairs.end(), [&](const CoupledPair& a, const CoupledPair& b) {
             return std::abs(a.coupled.quantiser - film.coding.quantiser) <
@@ -184,24 +165,21 @@ std::string views(const RenderJob& film, const Sweep& sweep) {
     std::string text;
     if (nearest != sweep.pairs.end())
         text += sample_frame_figures(fmt::format("coupled, quantiser {}", nearest->coupled.quantiser), nearest->coupled,
-                                     matrix);
+                                     film);
     if (!sweep.fixed.empty())
         text += sample_frame_figures("fixed " + tolerance_text(sweep.fixed.front().tolerance.relative),
-                                     sweep.fixed.front(), matrix);
+                                     sweep.fixed.front(), film);
     return text.empty() ? "" : "<h2>Side by side</h2>\n" + text;
 }
 
 std::string cards(const RenderJob& film, const Sweep& sweep) {
-    const auto card = [](const std::string& name, const std::string& value) {
-        return "<div><dt>" + name + "</dt><dd>" + escaped(value) + "</dd></div>\n";
-    };
     std::int64_t frames = 0;
     for (const Chunk& window : sweep.windows) frames += window.frames();
-    return "<dl class=\"cards\">\n" + card("Size", fmt::format("{} x {}", film.format.width, film.format.height)) +
-           card("Frames tried", fmt::format("{} in {} windows", frames, sweep.windows.size())) +
-           card("Light points", fmt::format("{} + {}", sweep.direct_points, sweep.indirect_points)) +
-           card("References", fmt::format("{}", sweep.references)) +
-           card("CPU time of one", short_figure(sweep.reference_seconds) + " s") + "</dl>\n";
+    return cards_of({{"Size", fmt::format("{} x {}", film.format.width, film.format.height)},
+                     {"Frames tried", fmt::format("{} in {} windows", frames, sweep.windows.size())},
+                     {"Light points", fmt::format("{} + {}", sweep.direct_points, sweep.indirect_points)},
+                     {"References", fmt::format("{}", sweep.references)},
+                     {"CPU time of one", short_figure(sweep.reference_seconds) + " s"}});
 }
 
 json draft_json(const std::optional<FilmCost>& draft) {
@@ -263,58 +241,42 @@ std::string first_screen(const RenderJob& film, const Sweep& sweep, const std::v
 
 json cost_json(const RenderJob& film, const Sweep& sweep, const std::vector<FilmCost>& rows,
                const std::string& command) {
-    json windows = json::array(), fixed = json::array(), coupled = json::array();
-    for (const Chunk& window : sweep.windows) windows.push_back({window.first, window.last});
-    for (const Trial& trial : sweep.fixed) fixed.push_back(trial_json(trial));
+    json fixed = json::array(), coupled = json::array();
+    for (const Trial& trial : sweep.fixed) fixed.push_back(row_json(trial));
     for (const CoupledPair& pair : sweep.pairs) coupled.push_back(pair_json(pair));
     const std::optional<std::size_t> knee = knee_of(sweep);
-    return {{"command", command},
-            {"version", RENDER2MPEG_VERSION},
-            {"isa", core::name_of(film.rendering.isa)},
-            {"input", film.animation->source},
-            {"width", film.format.width},
-            {"height", film.format.height},
-            {"fps", film.rate.hertz.value()},
-            {"exposure", film.exposure.value_or(0)},
-            {"view", core::text_of(film.view)},
-            {"samples", film.rendering.samples},
-            {"edge_samples", film.rendering.edge_samples},
-            {"vpls", film.rendering.vpls},
-            {"masking", film.coupling.strategy == perceptual::Strategy::quantised ? "quantised" : "warped"},
-            {"cache", cache_word(film.rendering)},
-            {"light_points", {{"direct", sweep.direct_points}, {"indirect", sweep.indirect_points}}},
-            {"quantiser", film.coding.quantiser},
-            {"windows", windows},
-            {"reference", {{"frames", sweep.references}, {"seconds", sweep.reference_seconds}}},
-            {"fixed", fixed},
-            {"coupled", coupled},
-            {"draft", draft_json(draft_cost(sweep, film))},
-            {"film", film_json(rows)},
-            {"render", sweep.render.empty() ? json(nullptr) : json(sweep.render)},
-            {"effects", effects_json(sweep.effects)},
-            {"answer", answer_of(rows, film)},
-            {"knee", knee ? json(plain(sweep.fixed[*knee].tolerance.relative)) : json(nullptr)},
-            {"summary", sentence_of(sweep, film.coding.quantiser)},
-            {"complete", sweep.complete}};
+    json all = trial_json(film, command, sweep.windows, sweep.references, sweep.reference_seconds);
+    all.update(light_json(film));
+    all.update({{"exposure", film.exposure.value_or(0)},
+                {"view", core::text_of(film.view)},
+                {"light_points", {{"direct", sweep.direct_points}, {"indirect", sweep.indirect_points}}},
+                {"quantiser", film.coding.quantiser},
+                {"fixed", fixed},
+                {"coupled", coupled},
+                {"draft", draft_json(draft_cost(sweep, film))},
+                {"film", film_json(rows)},
+                {"render", sweep.render.empty() ? json(nullptr) : json(sweep.render)},
+                {"effects", effects_json(sweep.effects)},
+                {"answer", answer_of(rows, film)},
+                {"knee", knee ? json(plain(sweep.fixed[*knee].tolerance.relative)) : json(nullptr)},
+                {"summary", sentence_of(sweep, film.coding.quantiser)},
+                {"complete", sweep.complete}});
+    return all;
 }
 
 void write_cost_report(const std::filesystem::path& html, const RenderJob& film, const Sweep& sweep,
                        const std::vector<FilmCost>& rows, const std::string& command) {
     const int quantiser = film.coding.quantiser;
-    const std::filesystem::path source = film.animation->source;
-    const std::string name = (source.has_filename() ? source : source.parent_path()).filename().string();
     std::string body = first_screen(film, sweep, rows);
     body += effects_section(sweep.effects, perceptual::matrix_for(film.format.height));
     body += folded("All curves and tables: rays, cuts, percentiles, quantisers",
                    "<p>" + escaped(sentence_of(sweep, quantiser)) + "</p>\n" + cards(film, sweep) +
                        plots(sweep, quantiser) + views(film, sweep) + tables(sweep, quantiser));
-    body += "<h2>To find it out again</h2>\n<pre>" + escaped(command) +
-            "</pre>\n<p class=\"soft\">Every figure is in the JSON file beside this page (docs/cost.md).</p>\n";
     const std::string answer = answer_of(rows, film);
     const std::string lead = (sweep.complete ? "" : "Interrupted: this is a part of it. ") +
                              (answer.empty() ? sentence_of(sweep, quantiser) : answer);
-    write_whole(html, report_page(name + ": what accuracy costs", lead, body));
-    write_json(report_json_of(html), cost_json(film, sweep, rows, command));
+    write_trial_page(html, film, "what accuracy costs", lead, body, command, "docs/cost.md",
+                     cost_json(film, sweep, rows, command));
 }
 
 }  // namespace render2mpeg::app

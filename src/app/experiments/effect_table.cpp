@@ -7,7 +7,7 @@
 
 #include "app/experiments/film_costs.h"
 #include "app/report/answer.h"
-#include "app/report/frame_plot.h"
+#include "app/report/figures.h"
 #include "app/report/frame_view.h"
 
 namespace render2mpeg::app {

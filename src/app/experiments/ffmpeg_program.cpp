@@ -1,10 +1,5 @@
 #include "app/experiments/ffmpeg_program.h"
 
-#include <fcntl.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
@@ -12,6 +7,7 @@
 #include <iterator>
 #include <sstream>
 
+#include "app/system/program.h"
 #include "core/error.h"
 #include "encoder/av/av.h"
 #include "encoder/av/inspect.h"
@@ -20,53 +16,9 @@
 namespace render2mpeg::app {
 namespace {
 
-/// What a program printed, and what it cost.
-struct Finished {
-    std::string text;
-    double seconds = 0;  ///< CPU
-    int status = 0;      ///< 127: there is no such program
-};
-
 std::vector<std::string> words_of(const std::string& text) {
     std::istringstream split(text);
     return {std::istream_iterator<std::string>(split), {}};
-}
-
-/// Runs a program without a shell; both its outputs together are the text.
-Finished run(std::vector<std::string> words) {
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
-    int ends[2];
-    if (pipe2(ends, O_CLOEXEC) != 0) throw core::Error("running", words[0], std::strerror(errno));
-    const pid_t child = fork();
-    if (child == 0) {
-        setpgid(0, 0);  // an interruption at the terminal is for us: what runs is finished
-        dup2(ends[1], 1);
-        dup2(ends[1], 2);
-        execvp(arguments[0], arguments.data());
-        _exit(127);
-    }
-    close(ends[1]);
-    Finished finished;
-    char buffer[4096];
-    for (;;) {
-        const ssize_t n = read(ends[0], buffer, sizeof buffer);
-        if (n > 0) finished.text.append(buffer, static_cast<std::size_t>(n));
-        if (n == 0 || (n < 0 && errno != EINTR)) break;
-    }
-    close(ends[0]);
-    if (child < 0) throw core::Error("running", words[0], "no process to be had");
-    int status = 0;
-    rusage usage{};
-    while (wait4(child, &status, 0, &usage) < 0 && errno == EINTR) {
-    }
-    finished.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    const auto seconds = [](const timeval& t) {
-        return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-    };
-    finished.seconds = seconds(usage.ru_utime) + seconds(usage.ru_stime);
-    return finished;
 }
 
 std::string first_line(const std::string& text) {
@@ -74,7 +26,7 @@ std::string first_line(const std::string& text) {
 }
 
 double seconds_of(const std::vector<std::string>& words) {
-    const Finished finished = run(words);
+    const Finished finished = run_program(words, Output::caught);
     if (finished.status != 0)
         throw core::Error("running", "ffmpeg",
                           finished.text.empty() ? "it failed without a word" : first_line(finished.text));
@@ -132,7 +84,7 @@ constexpr const char* strongest =
 }  // namespace
 
 std::string ffmpeg_version() {
-    const Finished finished = run({"ffmpeg", "-version"});
+    const Finished finished = run_program({"ffmpeg", "-version"}, Output::caught);
     if (finished.status != 0)
         throw core::Error("running", "ffmpeg", "there is no such program; its package is called ffmpeg");
     return first_line(finished.text);

@@ -19,11 +19,11 @@
 
 namespace render2mpeg::app {
 
-void ask_trial_consent(const RenderOptions& options, const std::optional<std::filesystem::path>& json,
-                       const std::optional<std::filesystem::path>& report) {
-    Wishes wishes{{}, {json.value_or(""), report.value_or("")}};
-    if (!options.output.empty() && !options.dry_run) wishes.films.emplace_back(options.output);
-    ask_consent(wishes, options.overwrite);
+void require_trial_consent(const TrialOptions& options) {
+    Wishes wishes{{}, {options.json.value_or(""), options.report.value_or("")}};
+    const RenderOptions& render = options.render;
+    if (!render.output.empty() && !render.dry_run) wishes.films.emplace_back(render.output);
+    require_consent(wishes, render.overwrite);
 }
 
 std::string render_command(const std::vector<std::string>& words, const std::filesystem::path& input,
@@ -37,19 +37,17 @@ std::string render_command(const std::vector<std::string>& words, const std::fil
                                    {"--quiet", "-y"}, with));
 }
 
-void check_trial_outputs(const RenderJob& film, const RenderOptions& options,
-                         const std::optional<std::filesystem::path>& json,
-                         const std::optional<std::filesystem::path>& report) {
-    std::vector<Files> outputs{json.value_or("")};
-    if (report) {
-        check_report(*report);
-        outputs.emplace_back(*report);
-        outputs.emplace_back(report_json_of(*report));
+void check_trial_outputs(const RenderJob& film, const TrialOptions& options) {
+    std::vector<Files> outputs{options.json.value_or("")};
+    if (options.report) {
+        check_report(*options.report);
+        outputs.emplace_back(*options.report);
+        outputs.emplace_back(report_json_of(*options.report));
     }
     for (const Files& output : outputs)
         if (!output.name.empty()) check_writable(output.name);
-    if (!options.output.empty()) outputs.emplace_back(options.output);
-    check_apart(inputs_of(film, options), outputs);
+    if (!options.render.output.empty()) outputs.emplace_back(options.render.output);
+    check_apart(inputs_of(film, options.render), outputs);
 }
 
 RenderJob prepare_trials(const RenderOptions& options) {

@@ -13,18 +13,15 @@
 /// What commands that try films have in common.
 namespace render2mpeg::app {
 
-/// Asks before a film is replaced or a folder made (ask_consent).
-void ask_trial_consent(const RenderOptions& options, const std::optional<std::filesystem::path>& json,
-                       const std::optional<std::filesystem::path>& report);
+/// Refuses to replace a film or make a folder without a word (require_consent).
+void require_trial_consent(const TrialOptions& options);
 
 /// The command that renders the film which `words` try, with the tolerance if any.
 std::string render_command(const std::vector<std::string>& words, const std::filesystem::path& input,
                            const std::string& tolerance);
 
 /// Refuses outputs that would take the place of other files, and such as cannot be written.
-void check_trial_outputs(const RenderJob& film, const RenderOptions& options,
-                         const std::optional<std::filesystem::path>& json,
-                         const std::optional<std::filesystem::path>& report);
+void check_trial_outputs(const RenderJob& film, const TrialOptions& options);
 
 /// Reads and settles everything, the exposure included; prints the scene's notes. Not all of it where an interrupt was
 /// requested meanwhile.

@@ -132,11 +132,11 @@ bool TuneCommand::search() {
     const parallel::ThreadLimit threads(options_.render.threads);
     const InterruptGuard guard(quiet());
     const Target& target = tuning_.target;
-    ask_trial_consent(options_.render, options_.json, options_.report);
+    require_trial_consent(options_);
     const RenderJob film = prepare_trials(options_.render);
     if (InterruptGuard::requested()) return false;
     check_rate(target, film);
-    check_trial_outputs(film, options_.render, options_.json, options_.report);
+    check_trial_outputs(film, options_);
     if (!options_.render.dry_run) check_reachable(options_.render.output);
 
     // Try the film: rates need no references.

@@ -6,13 +6,12 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "app/experiments/sample_frame_view.h"
 #include "app/experiments/sweep.h"
+#include "app/experiments/trial_page.h"
 #include "app/files/text_file.h"
 #include "app/report/answer.h"
 #include "app/report/curve_plot.h"
 #include "app/report/figures.h"
-#include "app/report/frame_plot.h"
 #include "app/report/frame_view.h"
 #include "app/report/report.h"
 #include "app/system/progress.h"
@@ -28,10 +27,6 @@ Quality quality_of(const Tuning& tuning, const Trial& trial) {
     return quality_of(trial, tuning.against_references());
 }
 
-std::string decibels(double psnr) {
-    return std::isfinite(psnr) ? fmt::format("{:.2f}", psnr) : "same";
-}
-
 double rate_of(const Trial& trial, double hertz) {
     return 8 * trial.bytes_in_film() * hertz;
 }
@@ -44,7 +39,7 @@ std::string name_of(const Tuning& tuning, const Probe& probe) {
 /// "41.97 dB PSNR-Y and 0.9834 SSIM"
 std::string quality_text(const Tuning& tuning, const Trial& trial) {
     const Quality quality = quality_of(tuning, trial);
-    return fmt::format("{} dB PSNR-Y and {:.4f} SSIM", decibels(quality.psnr_y), quality.ssim_y);
+    return fmt::format("{} dB PSNR-Y and {:.4f} SSIM", psnr_text(quality.psnr_y), quality.ssim_y);
 }
 
 std::string quality_sentence(const Tuning& tuning, double hertz) {
@@ -96,7 +91,7 @@ std::string time_sentence(const Tuning& tuning) {
 }
 
 json quality_json(const Quality& quality) {
-    return {{"psnr_y", finite_or_null(quality.psnr_y)}, {"ssim_y", quality.ssim_y}};
+    return app::quality_json(quality.psnr_y, quality.ssim_y);
 }
 
 json target_json(const Target& target) {
@@ -153,27 +148,23 @@ std::string plot(const Tuning& tuning, double hertz) {
 
 std::string table(const Tuning& tuning, double hertz) {
     const bool time = tuning.target.kind == Kind::time;
-    std::string text = "<h2>What was tried</h2>\n<div class=\"wide\"><table>\n<tr><th>Setting</th>";
-    for (const char* head : {"Light, s", "Coding, s", "kb/s", "PSNR-Y", "SSIM", time ? "Film" : ""})
-        if (*head != '\0') text += fmt::format("<th class=\"n\">{}</th>", head);
-    text += "<th>Light</th></tr>\n";
+    std::vector<TableRow> rows;
     for (std::size_t i = 0; i < tuning.probes.size(); ++i) {
         const Probe& p = tuning.probes[i];
-        const Quality quality = quality_of(p.trial, tuning.against_references());
-        const std::string name = (time ? "" : "quality ") + p.setting;
-        text += "<tr><td>" + (tuning.chosen == i ? "<b>" + escaped(name) + ", taken</b>" : escaped(name)) + "</td>";
-        std::vector<std::string> cells{short_figure(p.trial.seconds), short_figure(p.trial.code_seconds),
-                                       fmt::format("{:.1f}", 8e-3 * p.trial.bytes_in_film() * hertz),
-                                       std::isfinite(quality.psnr_y) ? fmt::format("{:.2f}", quality.psnr_y) : "same",
-                                       fmt::format("{:.4f}", quality.ssim_y)};
-        if (time) cells.push_back(clock_text(p.value));
-        for (const std::string& cell : cells) text += "<td class=\"n\">" + cell + "</td>";
-        text += p.lit ? "<td>its own</td></tr>\n" : "<td>another probe's</td></tr>\n";
+        const Quality quality = quality_of(tuning, p.trial);
+        const bool taken = tuning.chosen == i;
+        rows.push_back({{name_of(tuning, p) + (taken ? ", taken" : ""), short_figure(p.trial.seconds),
+                         short_figure(p.trial.code_seconds), fmt::format("{:.1f}", 1e-3 * rate_of(p.trial, hertz)),
+                         psnr_text(quality.psnr_y), fmt::format("{:.4f}", quality.ssim_y),
+                         time ? clock_text(p.value) : "", p.lit ? "its own" : "another probe's"},
+                        taken});
     }
-    return text + "</table></div>\n<p class=\"soft\">CPU seconds per frame. " +
-           (tuning.against_references() ? "PSNR-Y and SSIM: decoded, against the frames as lit, with what light adds "
-                                          "on those lit as the reference."
-                                        : "PSNR-Y and SSIM: decoded, against the frames as they were lit.") +
+    return html_table("What was tried", "tnnnnnnt",
+                      {"Setting", "Light, s", "Coding, s", "kb/s", "PSNR-Y", "SSIM", time ? "Film" : "", "Light"},
+                      rows) +
+           "<p class=\"soft\">CPU seconds per frame. PSNR-Y and SSIM: decoded, against the frames as " +
+           (tuning.against_references() ? "lit, with what light adds on those lit as the reference."
+                                        : "they were lit.") +
            "</p>\n";
 }
 
@@ -207,7 +198,7 @@ std::string first_screen(const RenderJob& film, const Tuning& tuning) {
         const Quality quality = quality_of(tuning, p.trial);
         const double clock = pace * p.trial.cpu;
         rows.push_back({name_of(tuning, p), core::divide_or(clock, longest, 0.0), clock_text(clock * frames),
-                        decibels(quality.psnr_y) + " dB", tuning.chosen == i ? Grade::good : Grade::none,
+                        psnr_text(quality.psnr_y) + " dB", tuning.chosen == i ? Grade::good : Grade::none,
                         fmt::format("SSIM {:.4f}", quality.ssim_y), size_text(p.trial.bytes_in_film() * frames),
                         tuning.chosen == i});
     }
@@ -253,10 +244,10 @@ std::string probe_row(const Tuning& tuning, const Probe& probe, double pictures_
     const std::string kilobits = fmt::format("{:.{}f}", rate, rate < 100 ? 1 : 0);
     if (tuning.target.kind == Kind::time)
         return fmt::format("{:>8} {:>10} {:>7} {:>7.4f} {:>9}  {}\n", short_figure(t.seconds), kilobits,
-                           decibels(quality.psnr_y), quality.ssim_y, clock_text(probe.value), probe.setting);
+                           psnr_text(quality.psnr_y), quality.ssim_y, clock_text(probe.value), probe.setting);
     return fmt::format("{:>8} {:>8} {:>8} {:>10} {:>7} {:>7.4f}{}\n", probe.setting,
                        probe.lit ? short_figure(t.seconds) : "", short_figure(t.code_seconds), kilobits,
-                       decibels(quality.psnr_y), quality.ssim_y, probe.lit ? "" : "  the same light");
+                       psnr_text(quality.psnr_y), quality.ssim_y, probe.lit ? "" : "  the same light");
 }
 
 std::string sentence_of(const Tuning& tuning, double pictures_per_second) {
@@ -274,15 +265,15 @@ std::string film_sentence(const Tuning& tuning, double pictures_per_second) {
         "the "
         "sample {} and {:.4f}",
         figure_text(Kind::bitrate, film.bit_rate), size_text(film.bytes),
-        figure_text(Kind::bitrate, rate_of(sample, pictures_per_second)), decibels(film.psnr_y), film.ssim_y,
-        decibels(sample.shown.psnr_y()), sample.shown.ssim_y());
+        figure_text(Kind::bitrate, rate_of(sample, pictures_per_second)), psnr_text(film.psnr_y), film.ssim_y,
+        psnr_text(sample.shown.psnr_y()), sample.shown.ssim_y());
     if (film.references > 0)
         text += fmt::format(
             "; against reference light, as far as {} tell{}, {} and {:.4f}, the sample {} "
             "and {:.4f}",
             film.references == 1 ? "one frame" : fmt::format("{} frames", film.references),
-            film.references == 1 ? "s" : "", decibels(film.reference.psnr_y), film.reference.ssim_y,
-            decibels(quality_of(tuning, sample).psnr_y), quality_of(tuning, sample).ssim_y);
+            film.references == 1 ? "s" : "", psnr_text(film.reference.psnr_y), film.reference.ssim_y,
+            psnr_text(quality_of(tuning, sample).psnr_y), quality_of(tuning, sample).ssim_y);
     text += fmt::format("; it took {} on the clock.", clock_text(film.seconds));
     if (!film_is_near(tuning)) text += " It missed the target: " + target_text(tuning.target) + " was asked for.";
     return text;
@@ -301,52 +292,39 @@ bool film_is_near(const Tuning& tuning) {
 
 json tune_json(const RenderJob& film, const Tuning& tuning, const std::string& command) {
     const double hertz = film.rate.hertz.value();
-    json windows = json::array(), probes = json::array(), options = json::object();
-    for (const Chunk& window : tuning.windows) windows.push_back({window.first, window.last});
+    json probes = json::array(), options = json::object();
     for (const Probe& probe : tuning.probes) probes.push_back(probe_json(probe, hertz, tuning.against_references()));
     for (const auto& [name, value] : tuning.options) options[name.substr(2)] = value;
     constexpr const char* outcomes[] = {"near", "between", "beyond", "stopped"};
-    return {{"command", command},
-            {"version", RENDER2MPEG_VERSION},
-            {"isa", core::name_of(film.rendering.isa)},
-            {"input", film.animation->source},
-            {"width", film.format.width},
-            {"height", film.format.height},
-            {"fps", hertz},
-            {"exposure", film.exposure.value_or(0)},
-            {"view", core::text_of(film.view)},
-            {"target", target_json(tuning.target)},
-            {"windows", windows},
-            {"reference", {{"frames", tuning.references}, {"seconds", tuning.reference_seconds}}},
-            {"probes", probes},
-            {"found", outcomes[static_cast<int>(tuning.found)]},
-            {"chosen", tuning.chosen ? json(*tuning.chosen) : json(nullptr)},
-            {"options", options},
-            {"render", tuning.command ? json(*tuning.command) : json(nullptr)},
-            {"film", tuning.film ? film_json(*tuning.film, film_is_near(tuning)) : json(nullptr)},
-            {"summary", sentence_of(tuning, hertz)}};
+    json all = trial_json(film, command, tuning.windows, tuning.references, tuning.reference_seconds);
+    all.update({{"exposure", film.exposure.value_or(0)},
+                {"view", core::text_of(film.view)},
+                {"target", target_json(tuning.target)},
+                {"probes", probes},
+                {"found", outcomes[static_cast<int>(tuning.found)]},
+                {"chosen", tuning.chosen ? json(*tuning.chosen) : json(nullptr)},
+                {"options", options},
+                {"render", tuning.command ? json(*tuning.command) : json(nullptr)},
+                {"film", tuning.film ? film_json(*tuning.film, film_is_near(tuning)) : json(nullptr)},
+                {"summary", sentence_of(tuning, hertz)}});
+    return all;
 }
 
 void write_tune_report(const std::filesystem::path& html, const RenderJob& film, const Tuning& tuning,
                        const std::string& command) {
     const double hertz = film.rate.hertz.value();
-    const std::filesystem::path source = film.animation->source;
-    const std::string name = (source.has_filename() ? source : source.parent_path()).filename().string();
     std::string body;
     if (const std::string text = film_sentence(tuning, hertz); !text.empty()) body += "<p>" + escaped(text) + "</p>\n";
     body += first_screen(film, tuning);
     std::string all = plot(tuning, hertz);
     if (tuning.chosen) {
         const Probe& taken = tuning.probes[*tuning.chosen];
-        all += sample_frame_figures((tuning.target.kind == Kind::time ? "" : "quality ") + taken.setting, taken.trial,
-                                    perceptual::matrix_for(film.format.height));
+        all += sample_frame_figures(name_of(tuning, taken), taken.trial, film);
     }
     body += folded("All curves and tables", all + table(tuning, hertz));
-    body += "<h2>To find it out again</h2>\n<pre>" + escaped(command) +
-            "</pre>\n<p class=\"soft\">Every figure is in the JSON file beside this page (docs/tune.md).</p>\n";
-    write_whole(html, report_page(name + ": tuned to " + target_text(tuning.target),
-                                  sentence_of(tuning, hertz) + time_to_make(film, tuning), body));
-    write_json(report_json_of(html), tune_json(film, tuning, command));
+    write_trial_page(html, film, "tuned to " + target_text(tuning.target),
+                     sentence_of(tuning, hertz) + time_to_make(film, tuning), body, command, "docs/tune.md",
+                     tune_json(film, tuning, command));
 }
 
 }  // namespace render2mpeg::app

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "app/files/build_identity.h"
+#include "app/files/checksum.h"
 #include "app/files/identity_difference.h"
 #include "app/files/text_file.h"
 #include "app/files/work_folder.h"
@@ -17,31 +17,21 @@
 #include "core/isa.h"
 
 namespace render2mpeg::app {
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameRange, first, last)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ChunkRange, first, last)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FilmPart, number, chunks, frames)
+
 namespace {
 
 using nlohmann::json;
 
 /// Of the file's form: another number is not read.
-constexpr int plan_format = 1;
+constexpr int plan_format = 2;
 constexpr const char* plan_name = "plan.json";
 
 std::filesystem::path inputs_folder_of(const FarmPlan& plan) {
     return plan.folder / "inputs";
-}
-
-json json_of(const FilmPart& part) {
-    return {{"part", part.number},
-            {"chunks", {part.chunks.first, part.chunks.last}},
-            {"frames", {part.frames.first, part.frames.last}}};
-}
-
-/// Throws json::exception for what json_of() would not write.
-FilmPart part_from(const json& written) {
-    FilmPart part;
-    written.at("part").get_to(part.number);
-    part.chunks = {written.at("chunks").at(0).get<std::size_t>(), written.at("chunks").at(1).get<std::size_t>()};
-    part.frames = {written.at("frames").at(0).get<std::int64_t>(), written.at("frames").at(1).get<std::int64_t>()};
-    return part;
 }
 
 std::filesystem::path absolute_of(const std::filesystem::path& place) {
@@ -120,7 +110,7 @@ FarmPlan read_plan(const std::filesystem::path& place) {
             plan.packed ? inputs_folder_of(plan) : std::filesystem::path(written.at("start").get<std::string>());
         written.at("scheduler").get_to(plan.scheduler);
         written.at("output").get_to(plan.output_name);
-        for (const json& part : written.at("parts")) plan.parts.push_back(part_from(part));
+        written.at("parts").get_to(plan.parts);
         plan.facts = std::make_shared<json>(json{{"identity", written.at("identity")},
                                                  {"settled", written.at("settled")},
                                                  {"cost", written.at("cost")},
@@ -140,8 +130,7 @@ void write_plan(const FarmPlan& plan) {
     written["start"] = plan.start.string();
     written["scheduler"] = plan.scheduler;
     written["output"] = plan.output_name;
-    written["parts"] = json::array();
-    for (const FilmPart& part : plan.parts) written["parts"].push_back(json_of(part));
+    written["parts"] = plan.parts;
     write_json(plan.folder / plan_name, written);
 }
 

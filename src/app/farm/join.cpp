@@ -14,6 +14,7 @@
 #include "app/files/disk.h"
 #include "app/files/text_file.h"
 #include "app/files/work_folder.h"
+#include "app/loop/counters.h"
 #include "app/loop/film_identity.h"
 #include "app/loop/resume.h"
 #include "app/options/command_words.h"

@@ -8,16 +8,12 @@
 #include <system_error>
 #include <vector>
 
-#include "app/files/tar_file.h"
+#include "app/files/disk.h"
+#include "app/system/program.h"
 #include "core/error.h"
 
 namespace render2mpeg::app {
 namespace {
-
-std::filesystem::path full_of(const std::filesystem::path& file) {
-    std::error_code error;
-    return std::filesystem::weakly_canonical(std::filesystem::absolute(file, error), error);
-}
 
 bool is_file(const std::filesystem::path& file) {
     std::error_code error;
@@ -73,13 +69,13 @@ std::filesystem::path copy_scene(const RenderJob& film, const RenderOptions& opt
     for (const scene::ImageSource& image : film.animation->images) files.push_back(image.path);
     if (is_file(options.input)) files.push_back(options.input);
     std::erase_if(files, [&](const std::filesystem::path& file) {
-        return !is_file(file) || (options.sky && full_of(file) == full_of(*options.sky));
+        return !is_file(file) || (options.sky && canonical_of(file) == canonical_of(*options.sky));
     });
-    const std::filesystem::path input = full_of(options.input);
+    const std::filesystem::path input = canonical_of(options.input);
     std::filesystem::path folder = is_file(input) ? input.parent_path() : input;
-    for (const std::filesystem::path& file : files) folder = common_folder(folder, full_of(file).parent_path());
+    for (const std::filesystem::path& file : files) folder = common_folder(folder, canonical_of(file).parent_path());
     for (const std::filesystem::path& file : files)
-        copy_input(file, inputs / "scene" / full_of(file).lexically_relative(folder));
+        copy_input(file, inputs / "scene" / canonical_of(file).lexically_relative(folder));
     return std::filesystem::path("scene") / input.lexically_relative(folder);
 }
 
@@ -116,16 +112,32 @@ void pack_inputs(FarmPlan& plan, const RenderJob& film, const RenderOptions& opt
 }
 
 void write_pack(const FarmPlan& plan) {
-    std::vector<std::filesystem::path> files;
+    const std::filesystem::path archive = std::filesystem::path(plan.folder) += ".tar",
+                                beside = std::filesystem::path(archive) += ".unfinished";
+    // The same files give the same bytes.
+    std::vector<std::string> words{"tar",       "--create",  "--force-local",   "--sort=name",       "--mtime=@0",
+                                   "--owner=0", "--group=0", "--numeric-owner", "--mode=u=rwX,go=rX"};
+    words.push_back("--file=" + beside.string());
+    words.push_back("--directory=" + plan.folder.parent_path().string());
+    words.emplace_back("--");
     std::error_code error;
-    for (std::filesystem::recursive_directory_iterator entry(plan.folder, error), end; !error && entry != end;
-         entry.increment(error)) {
-        const std::string first = entry->path().lexically_relative(plan.folder).begin()->string();
-        if (!first.starts_with("part_") && first != "log" && is_file(entry->path())) files.push_back(entry->path());
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(plan.folder, error)) {
+        const std::string name = entry.path().filename().string();
+        if (!name.starts_with("part_") && name != "log") names.push_back((plan.folder.filename() / name).string());
     }
-    if (error) throw core::Error("packing", plan.folder.string(), error.message());
-    std::sort(files.begin(), files.end());
-    write_tar(std::filesystem::path(plan.folder) += ".tar", plan.folder.parent_path(), files);
+    std::sort(names.begin(), names.end());
+    words.insert(words.end(), names.begin(), names.end());
+    const Finished packed = run_program(words, Output::caught);
+    if (packed.status == 0) {
+        bring_to_disk(beside);
+        std::filesystem::rename(beside, archive, error);
+    }
+    if (packed.status == 0 && !error) return;
+    std::filesystem::remove(beside, error);
+    throw core::Error("packing", plan.folder.string(),
+                      packed.status == 127 ? "there is no program tar"
+                                           : "it cannot be written: " + packed.text.substr(0, packed.text.find('\n')));
 }
 
 }  // namespace render2mpeg::app

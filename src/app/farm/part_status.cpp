@@ -3,22 +3,22 @@
 #include <unistd.h>
 
 #include <array>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <system_error>
-#include <utility>
 
 #include "app/files/text_file.h"
 
 namespace render2mpeg::app {
+
+NLOHMANN_JSON_SERIALIZE_ENUM(PartState, {{PartState::running, "running"},
+                                         {PartState::done, "done"},
+                                         {PartState::failed, "failed"},
+                                         {PartState::interrupted, "interrupted"}})
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PartNews, state, done, total, seconds, machine, error)
+
 namespace {
 
 using nlohmann::json;
-
-constexpr std::array<std::pair<PartState, const char*>, 4> state_names{{{PartState::running, "running"},
-                                                                        {PartState::done, "done"},
-                                                                        {PartState::failed, "failed"},
-                                                                        {PartState::interrupted, "interrupted"}}};
 
 /// chosen: often enough to tell who is alive, and seldom enough for a thousand parts on one file system.
 constexpr std::chrono::seconds news_pause(30);
@@ -40,18 +40,10 @@ bool PartNews::is_lost() const {
 }
 
 std::optional<PartNews> news_in(const std::filesystem::path& folder) {
-    std::ifstream stream(news_file(folder));
-    const json written = json::parse(stream, nullptr, false);
+    const json written = read_json(news_file(folder));
     PartNews news;
     try {
-        const auto state = written.at("state").get<std::string>();
-        for (const auto& [known, name] : state_names)
-            if (state == name) news.state = known;
-        written.at("done").get_to(news.done);
-        written.at("total").get_to(news.total);
-        written.at("seconds").get_to(news.seconds);
-        written.at("machine").get_to(news.machine);
-        written.at("error").get_to(news.error);
+        written.get_to(news);
     } catch (const json::exception&) {
         return {};
     }
@@ -96,17 +88,10 @@ void PartReporter::end(PartState state, const std::string& error) {
 
 void PartReporter::write() {
     news_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    const char* state = "";
-    for (const auto& [known, name] : state_names)
-        if (news_.state == known) state = name;
+    json written = news_;
+    written["process"] = getpid();
     try {
-        write_json(news_file(folder_), {{"state", state},
-                                        {"done", news_.done},
-                                        {"total", news_.total},
-                                        {"seconds", news_.seconds},
-                                        {"machine", news_.machine},
-                                        {"process", getpid()},
-                                        {"error", news_.error}});
+        write_json(news_file(folder_), written);
     } catch (const std::exception&) {
         // A full disk: what is made says so itself.
     }

@@ -163,7 +163,7 @@ int farm(const FarmOptions& options, const std::vector<std::string>& words) {
     check_writable(farm_folder_of(render.output) / "plan.json");
     FarmPlan plan = begin_plan(options, words, film, render);
     const json earlier = take_over(plan, render.overwrite);
-    if (earlier.is_null() || plan.is_joined()) ask_consent(written_by(film, render), render.overwrite);
+    if (earlier.is_null() || plan.is_joined()) require_consent(written_by(film, render), render.overwrite);
     std::error_code ignored;
     std::filesystem::remove(plan.joined_mark(), ignored);
     if (earlier.is_null()) {
@@ -173,17 +173,17 @@ int farm(const FarmOptions& options, const std::vector<std::string>& words) {
     } else {
         plan.facts->update({{"settled", earlier.at("settled")}, {"cost", earlier.at("cost")}});
     }
-    // Who was asked has agreed for the join, too.
+    // The join needs no second consent.
     if (!render.overwrite) plan.words.emplace_back("--overwrite");
     write_plan(plan);
-    const JobFiles jobs = write_job_files(plan);
+    const std::filesystem::path script = write_job_files(plan);
     std::filesystem::current_path(before);
     if (plan.packed) write_pack(plan);
     if (!render.quiet)
         print(plan_line(plan, options, film.chunks().size()) +
-              (earlier.is_null() ? "" : "what was planned and made before is kept\n") + core::printable(jobs.how) +
-              "\n");
-    return options.submit ? submit(plan, jobs) : 0;
+              (earlier.is_null() ? "" : "what was planned and made before is kept\n") +
+              core::printable(script.string()) + " submits them\n");
+    return options.submit ? submit(plan, script) : 0;
 }
 
 }  // namespace render2mpeg::app

@@ -12,29 +12,12 @@
 #include "core/error.h"
 
 namespace render2mpeg::app {
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PictureRecord, number, coding_order, starts_gop, bytes, checksum)
+
 namespace {
 
 using nlohmann::json;
-
-json record_of(const PictureRecord& picture) {
-    return {{"number", picture.number},
-            {"coding_order", picture.coding_order},
-            {"starts_gop", picture.starts_gop},
-            {"bytes", picture.bytes},
-            {"checksum", text_of(picture.checksum)}};
-}
-
-/// Throws json::exception or std::logic_error for what record_of() would not write.
-PictureRecord picture_from(const json& record) {
-    return {record.at("number").get<std::int64_t>(), record.at("coding_order").get<std::int64_t>(),
-            record.at("starts_gop").get<bool>(), record.at("bytes").get<std::uint64_t>(),
-            std::stoull(record.at("checksum").get<std::string>(), nullptr, 16)};
-}
-
-json read_json(const std::filesystem::path& file) {
-    std::ifstream stream(file);
-    return json::parse(stream, nullptr, false);
-}
 
 /// Why a stream could not be written.
 std::string reason() {
@@ -55,12 +38,9 @@ std::optional<ChunkFile> ChunkFile::reopened(const std::filesystem::path& file, 
     const json record = read_json(record_of(file));
     try {
         if (!record.is_object() || record.at("first") != chunk.first || record.at("last") != chunk.last) return {};
-        std::vector<PictureRecord> pictures;
+        auto pictures = record.at("pictures").get<std::vector<PictureRecord>>();
         std::uint64_t bytes = 0;
-        for (const json& picture : record.at("pictures")) {
-            pictures.push_back(picture_from(picture));
-            bytes += pictures.back().bytes;
-        }
+        for (const PictureRecord& picture : pictures) bytes += picture.bytes;
         const bool sound = std::filesystem::file_size(file) == bytes &&
                            record.at("checksum") == text_of(checksum_of(file)) && record.contains("facts");
         if (!sound) return {};
@@ -87,16 +67,16 @@ void ChunkFile::append(const encoder::CodedPicture& coded) {
 void ChunkFile::finish(const json& facts) {
     abandon();
     bring_to_disk(file_);  // its record must not outlive it
-    json record{{"first", chunk_.first}, {"last", chunk_.last}, {"pictures", json::array()}, {"facts", facts}};
     std::uint64_t bits = 0;
-    for (const PictureRecord& picture : pictures_) {
-        record["pictures"].push_back(app::record_of(picture));
-        bits += 8 * picture.bytes;
-    }
-    record["checksum"] = text_of(checksum_.value());
-    record["bits"] = bits;
-    record["vbv_in"] = vbv_in_;
-    record["vbv_out"] = vbv_out_;
+    for (const PictureRecord& picture : pictures_) bits += 8 * picture.bytes;
+    const json record{{"first", chunk_.first},
+                      {"last", chunk_.last},
+                      {"pictures", pictures_},
+                      {"facts", facts},
+                      {"checksum", text_of(checksum_.value())},
+                      {"bits", bits},
+                      {"vbv_in", vbv_in_},
+                      {"vbv_out", vbv_out_}};
     write_whole(record_of(file_), record.dump() + "\n");
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Asks before a film is replaced or a folder is made.
+// Refuses to replace a film or to make a folder without a word.
 #include <filesystem>
 #include <vector>
 
@@ -13,12 +13,11 @@ struct Wishes {
     std::vector<std::filesystem::path> beside;  ///< figures, pages, folders of frames; an empty name is passed over
 };
 
-/// Asks on a terminal whether films that are there may be replaced, and folders that are missing made; throws
-/// core::Error where there is no terminal, or the answer is no. Nothing is asked with `agreed`. Empty files, pipes and
-/// devices are no films. Writes nothing.
-void ask_consent(const Wishes& wishes, bool agreed);
+/// Throws core::Error where a film is there already or a folder is missing, unless it was `agreed`. Empty files, pipes
+/// and devices are no films. Writes nothing.
+void require_consent(const Wishes& wishes, bool agreed);
 
-/// What it would ask, as one line for each; for runs that write nothing.
-std::vector<std::string> questions_about(const Wishes& wishes);
+/// Lines about all that it would refuse; for runs that write nothing.
+std::vector<std::string> doubts_about(const Wishes& wishes);
 
 }  // namespace render2mpeg::app

@@ -5,6 +5,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <system_error>
 
 #include "core/error.h"
 
@@ -28,6 +29,11 @@ void bring_to_disk(const std::filesystem::path& file) {
 
 void bring_name_to_disk(const std::filesystem::path& file) {
     bring(file.has_parent_path() ? file.parent_path() : std::filesystem::path("."), O_DIRECTORY);
+}
+
+std::filesystem::path canonical_of(const std::filesystem::path& file) {
+    std::error_code error;
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(file, error), error);
 }
 
 }  // namespace render2mpeg::app

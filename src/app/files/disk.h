@@ -11,4 +11,7 @@ void bring_to_disk(const std::filesystem::path& file);
 /// Likewise for the names in the folder that `file` is in.
 void bring_name_to_disk(const std::filesystem::path& file);
 
+/// A file's full name with all links followed, whether it is there or not.
+std::filesystem::path canonical_of(const std::filesystem::path& file);
+
 }  // namespace render2mpeg::app

@@ -36,16 +36,12 @@ int failure_to_write_in(const std::filesystem::path& folder) {
 
 std::filesystem::path folder_of(const std::filesystem::path& file) {
     std::error_code error;
-    return std::filesystem::weakly_canonical(std::filesystem::absolute(file, error).parent_path(), error);
+    return canonical_of(std::filesystem::absolute(file, error).parent_path());
 }
 
 bool same(const std::filesystem::path& a, const std::filesystem::path& b) {
     std::error_code error;
-    if (std::filesystem::equivalent(a, b, error)) return true;
-    const auto canonical = [&](const std::filesystem::path& file) {
-        return std::filesystem::weakly_canonical(std::filesystem::absolute(file, error), error);
-    };
-    return canonical(a) == canonical(b);
+    return std::filesystem::equivalent(a, b, error) || canonical_of(a) == canonical_of(b);
 }
 
 bool holds(const FrameRange& frames, const std::optional<std::int64_t>& number) {
@@ -54,9 +50,7 @@ bool holds(const FrameRange& frames, const std::optional<std::int64_t>& number) 
 
 /// Whether a file is one of a sequence's, by its own name or by where it leads.
 bool is_of(const Files& sequence, const std::filesystem::path& file) {
-    std::error_code error;
-    const auto led = std::filesystem::weakly_canonical(std::filesystem::absolute(file, error), error);
-    const std::filesystem::path folder = folder_of(sequence.name);
+    const std::filesystem::path led = canonical_of(file), folder = folder_of(sequence.name);
     return (folder_of(file) == folder && holds(*sequence.frames, number_in(sequence.name, file))) ||
            (led.parent_path() == folder && holds(*sequence.frames, number_in(sequence.name, led)));
 }

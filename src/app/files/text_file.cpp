@@ -8,6 +8,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <system_error>
 #include <vector>
@@ -96,6 +97,11 @@ void write_whole(const std::filesystem::path& file, const std::string& text) {
 
 std::string json_text(const nlohmann::json& value) {
     return value.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+nlohmann::json read_json(const std::filesystem::path& file) {
+    std::ifstream stream(file);
+    return nlohmann::json::parse(stream, nullptr, false);
 }
 
 void write_json(const std::filesystem::path& file, const nlohmann::json& value) {

@@ -13,6 +13,9 @@ void write_whole(const std::filesystem::path& file, const std::string& text);
 /// JSON as lines of text. Names of files are bytes, which JSON need not hold: what is no UTF-8 is replaced.
 std::string json_text(const nlohmann::json& value);
 
+/// JSON that a file holds; `discarded` (nlohmann) where it cannot be read.
+nlohmann::json read_json(const std::filesystem::path& file);
+
 /// Writes such text whole or not at all. Throws core::Error.
 void write_json(const std::filesystem::path& file, const nlohmann::json& value);
 

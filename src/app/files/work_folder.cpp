@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
@@ -52,8 +51,7 @@ bool holds_nothing(const std::filesystem::path& folder) {
 
 /// The manifest that an earlier run left; an empty object where there is none that can be read.
 json manifest_in(const std::filesystem::path& folder) {
-    std::ifstream stream(folder / manifest_name);
-    json manifest = json::parse(stream, nullptr, false);
+    json manifest = read_json(folder / manifest_name);
     return manifest.is_object() ? manifest : json::object();
 }
 

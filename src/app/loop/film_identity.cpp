@@ -6,8 +6,8 @@
 #include <string_view>
 #include <system_error>
 
-#include "app/files/build_identity.h"
 #include "app/files/checksum.h"
+#include "app/files/disk.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -19,17 +19,12 @@ constexpr std::array<std::string_view, 15> idle{"--output", "--threads",   "--qu
                                                 "--hold",   "--overwrite", "--verbose", "--within", "--progress",
                                                 "--resume", "--dry-run",   "--heatmap", "--memory", "--isa"};
 
-std::string full_name_of(const std::filesystem::path& file) {
-    std::error_code error;
-    return std::filesystem::weakly_canonical(std::filesystem::absolute(file, error), error).string();
-}
-
 json options_of(const RenderOptions& options) {
     json words = json::object();
     for (const auto& [name, value] : options.said)
         if (std::find(idle.begin(), idle.end(), name) == idle.end()) words[name] = value;
     // The frames' layers that are there already are there alone.
-    if (options.layers) words["--aov"] = full_name_of(*options.layers);
+    if (options.layers) words["--aov"] = canonical_of(*options.layers).string();
     return words;
 }
 
@@ -50,7 +45,7 @@ json identity_of(const RenderJob& film, const RenderOptions& options) {
         std::error_code error;
         // An image that is missing is shown as missing; a list of keyframes is no file.
         if (!std::filesystem::is_regular_file(input.name, error)) continue;
-        const std::string file = full_name_of(input.name);
+        const std::string file = canonical_of(input.name).string();
         const auto known = [&](const json& other) { return other["file"] == file; };
         if (std::none_of(inputs.begin(), inputs.end(), known))
             inputs.push_back({{"file", file}, {"checksum", text_of(checksum_of(input.name))}});

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "app/loop/counters.h"
 #include "app/loop/pipeline.h"
 #include "app/system/interrupt.h"
 #include "core/numeric.h"
@@ -181,10 +182,7 @@ std::optional<FilmSample> light_sample(const RenderJob& job, const std::vector<C
         });
         if (InterruptGuard::requested()) return {};
         const double all = cpu_seconds() - before;
-        for (std::size_t i = 0; i < statistics.seconds.size(); ++i)
-            found.statistics.seconds[i] += statistics.seconds[i];
-        for (std::size_t i = 0; i < statistics.pass_seconds.size(); ++i)
-            found.statistics.pass_seconds[i] += statistics.pass_seconds[i];
+        found.statistics = sum_of(found.statistics, statistics);
         found.cpu += all;
         double behind = 0;
         for (const FrameEntry& entry : statistics.frames) {
@@ -198,11 +196,7 @@ std::optional<FilmSample> light_sample(const RenderJob& job, const std::vector<C
         if (clock_seconds() >= limit) break;
     }
     found.clock = clock_seconds() - began;
-    for (std::size_t i = 0; i < found.statistics.pass_seconds.size(); ++i)
-        found.statistics.pass_seconds[i] += renderer.seconds(static_cast<renderer::Pass>(i));
-    for (const auto& [pass, stage] :
-         {std::pair{renderer::Pass::develop, Stage::develop}, {renderer::Pass::encode, Stage::encode}})
-        found.statistics.pass_seconds[static_cast<std::size_t>(pass)] = found.statistics.stage_seconds(stage);
+    found.statistics = totals_of(found.statistics, renderer);
     return found;
 }
 

@@ -1,17 +1,20 @@
 #include "app/loop/resume.h"
 
 #include <fmt/format.h>
+#include <sys/xattr.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <system_error>
 #include <utility>
 
 #include "app/files/checksum.h"
 #include "app/files/disk.h"
 #include "app/files/text_file.h"
+#include "app/loop/counters.h"
 #include "app/loop/first_pass.h"
-#include "app/loop/run_statistics_json.h"
 #include "app/system/interrupt.h"
 #include "app/system/terminal.h"
 #include "core/error.h"
@@ -60,6 +63,39 @@ bool take_in(const RenderJob& film, const RenderOptions& options, const WorkFold
     } catch (const std::exception&) {
         return false;  // a damaged record is none
     }
+}
+
+/// All that the options ask a render to leave, the film or its first image before others.
+std::vector<std::filesystem::path> products_of(const RenderJob& film, const RenderOptions& options) {
+    std::vector<std::filesystem::path> files;
+    const bool images = film.kind == OutputKind::exr || film.kind == OutputKind::png;
+    if (!images) files.push_back(options.output);
+    for (std::int64_t n = film.frames.first; n <= film.frames.last; ++n) {
+        if (images) files.push_back(numbered(options.output, n));
+        if (options.layers) files.push_back(numbered(layers_in(*options.layers), n));
+    }
+    for (const auto& [subject, file] : options.heatmaps) files.emplace_back(file);
+    for (const auto& file : {options.stats, options.report})
+        if (file) files.push_back(*file);
+    return files;
+}
+
+constexpr const char* mark_name = "user.render2mpeg.film";
+
+/// Checksum of a film's identity and of its files as they are: names, sizes and times of writing. Empty where one is
+/// missing.
+std::string mark_of(const std::vector<std::filesystem::path>& files, const json& identity) {
+    std::string text = json_text(identity);
+    for (const std::filesystem::path& file : files) {
+        std::error_code error;
+        const auto bytes = std::filesystem::file_size(file, error);
+        const auto written = std::filesystem::last_write_time(file, error).time_since_epoch().count();
+        if (error) return {};
+        text += fmt::format("{}\n{}\n{}\n", canonical_of(file).string(), bytes, static_cast<std::int64_t>(written));
+    }
+    Checksum sum;
+    sum.add(std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
+    return text_of(sum.value());
 }
 
 json json_of(const encoder::BitAllocation& a) {
@@ -113,22 +149,20 @@ std::filesystem::path frames_of(const RenderJob& film, const RenderOptions& opti
     return film.kind == OutputKind::y4m ? work.place(fmt::format("chunk_{:05}.y4m", chunk.index)) : options.output;
 }
 
-Products products_of(const RenderJob& film, const RenderOptions& options) {
-    Products products;
-    const bool images = film.kind == OutputKind::exr || film.kind == OutputKind::png;
-    if (!images) products.frames.push_back(options.output);
-    for (std::int64_t n = film.frames.first; n <= film.frames.last; ++n) {
-        if (images) products.frames.push_back(numbered(options.output, n));
-        if (options.layers) products.frames.push_back(numbered(layers_in(*options.layers), n));
-    }
-    for (const auto& [subject, file] : options.heatmaps) products.beside.emplace_back(file);
-    if (options.stats) products.beside.emplace_back(*options.stats);
-    if (options.report) products.beside.emplace_back(*options.report);
-    return products;
+void mark_as_whole(const RenderJob& film, const RenderOptions& options, const json& identity) {
+    const std::vector<std::filesystem::path> files = products_of(film, options);
+    const std::string mark = mark_of(files, identity);
+    const int failure = mark.empty() ? 0 : setxattr(files[0].c_str(), mark_name, mark.data(), mark.size(), 0);
+    static_cast<void>(failure);  // then nobody will know it
 }
 
 bool is_done_already(const RenderJob& film, const RenderOptions& options, const json& identity) {
-    if (!options.resume || !is_whole(products_of(film, options), identity)) return false;
+    if (!options.resume) return false;
+    const std::vector<std::filesystem::path> files = products_of(film, options);
+    const std::string mark = mark_of(files, identity);
+    std::string found(mark.size(), '\0');
+    if (mark.empty() || getxattr(files[0].c_str(), mark_name, found.data(), found.size()) < 0 || found != mark)
+        return false;
     const std::string name = options.output.string();
     if (!options.quiet) print_line(name + " is whole already: nothing is left to be done");
     std::error_code error;

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "app/files/chunk_file.h"
-#include "app/files/completion_marker.h"
 #include "app/files/work_folder.h"
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
@@ -27,11 +26,12 @@ std::filesystem::path frames_of(const RenderJob& film, const RenderOptions& opti
 nlohmann::json chunk_record_of(const RenderJob& film, const RenderOptions& options, const WorkFolder& work,
                                const Chunk& chunk, const RunStatistics& so_far);
 
-/// What the options ask a render to leave.
-Products products_of(const RenderJob& film, const RenderOptions& options);
+/// Marks a whole film by an extended attribute of its first file: a checksum of its identity and of all files made with
+/// it. Does nothing on file systems without such attributes.
+void mark_as_whole(const RenderJob& film, const RenderOptions& options, const nlohmann::json& identity);
 
-/// Whether the film of --resume is whole already, with all that is asked for beside it (completion_marker.h). Says so,
-/// and removes what a run that was killed at its very end may have left.
+/// Whether the film of --resume has this mark and all its files are unchanged. Says so, and removes the leftovers of a
+/// run that was killed at its very end.
 bool is_done_already(const RenderJob& film, const RenderOptions& options, const nlohmann::json& identity);
 
 /// The whole chunks of an earlier run, whose statistics are taken in; what else there was is removed, after `kept`

@@ -112,16 +112,6 @@ struct Rendered {
     std::uint64_t bytes = 0;
 };
 
-/// Counts of two runs over parts of one film, the earlier one first.
-renderer::Statistics sum_of(const renderer::Statistics& earlier, const renderer::Statistics& later);
-
-/// What runs over parts of one film spent together, the earlier part first: all of it is in `earlier_cpu` and
-/// `earlier_wall` of the sum.
-RunStatistics sum_of(const RunStatistics& earlier, const RunStatistics& later);
-
-/// The statistics with what the renderer has done since it was made.
-RunStatistics totals_of(const RunStatistics& statistics, const renderer::Renderer& renderer);
-
 /// Adds the CPU time of its scope to a stage, or to a row of the plan.
 class StageTimer {
   public:

@@ -11,50 +11,31 @@ namespace render2mpeg::app {
 
 void add_coding_options(CLI::App& command, CodingOptions& options) {
     const std::string coding = "MPEG-2";
-    command
-        .add_option("--for", options.preset,
-                    "Where the film goes: dvd-ntsc, dvd-pal or atsc. Sets size, rate, shape, GOPs, rates and buffer "
-                    "(docs/presets.md); options that contradict are refused")
-        ->type_name("WORLD")
-        ->check(CLI::IsMember(preset_names()))
-        ->group(coding);
-    command
-        .add_option(
-            "-q,--quantiser", options.quantiser,
-            "quantiser_scale_code of P pictures: 1 is the finest, 31 the coarsest; what many pictures follow from\n"
-            "is a little finer, B pictures are coarser")
-        ->check(CLI::Range(1, 31))
-        ->default_str("4")
-        ->group(coding);
+    add_option(command, coding, "--for", options.preset,
+               "Where the film goes: dvd-ntsc, dvd-pal or atsc. Sets size, rate, shape, GOPs, rates and buffer "
+               "(docs/presets.md); options that contradict are refused",
+               "WORLD", CLI::IsMember(preset_names()));
+    add_option(command, coding, "-q,--quantiser", options.quantiser,
+               "quantiser_scale_code of P pictures: 1 is the finest, 31 the coarsest; what many pictures follow from\n"
+               "is a little finer, B pictures are coarser",
+               CLI::Range(1, 31))
+        ->default_str("4");
     add_rate_options(command, options);
-    command
-        .add_option("--gop", options.gop,
-                    "Pictures per closed group of pictures; with --for, its world's where not given")
-        ->check(CLI::Range(1, 1000))
-        ->default_str(std::to_string(usual_gop))
-        ->group(coding);
-    command
-        .add_option("--b-pictures", options.b_pictures,
-                    "Most B pictures in a row, fewer where motion is uneven; with --for, its world's where not given")
-        ->check(CLI::Range(0, 3))
-        ->default_str("3")
-        ->group(coding);
-    command
-        .add_option("--tune", options.tune,
-                    "What is kept: `psnr`, all detail alike; `perceptual`, more of what the eye sees")
-        ->check(CLI::IsMember({"psnr", "perceptual"}))
-        ->capture_default_str()
-        ->group(coding);
-    command.add_option("--encoder", options.encoder, "How much is tried: `fast`, or `quality` for fewer bits")
-        ->check(CLI::IsMember({"fast", "quality"}))
-        ->capture_default_str()
-        ->group(coding);
-    command
-        .add_option("--keyframes", options.keyframes,
-                    "Frames that begin a group of pictures whatever is seen: 0,48,96, or a file with their numbers")
-        ->type_name("LIST|FILE")
-        ->check(checked(keyframes_from, ""))
-        ->group(coding);
+    add_option(command, coding, "--gop", options.gop,
+               "Pictures per closed group of pictures; with --for, its world's where not given", CLI::Range(1, 1000))
+        ->default_str(std::to_string(usual_gop));
+    add_option(command, coding, "--b-pictures", options.b_pictures,
+               "Most B pictures in a row, fewer where motion is uneven; with --for, its world's where not given",
+               CLI::Range(0, 3))
+        ->default_str("3");
+    add_option(command, coding, "--tune", options.tune,
+               "What is kept: `psnr`, all detail alike; `perceptual`, more of what the eye sees",
+               CLI::IsMember({"psnr", "perceptual"}), shown);
+    add_option(command, coding, "--encoder", options.encoder, "How much is tried: `fast`, or `quality` for fewer bits",
+               CLI::IsMember({"fast", "quality"}), shown);
+    add_option(command, coding, "--keyframes", options.keyframes,
+               "Frames that begin a group of pictures whatever is seen: 0,48,96, or a file with their numbers",
+               "LIST|FILE", keyframes_from);
 }
 
 void add_as_option(CLI::App& command, std::optional<std::string>& as, const std::string& kinds) {
@@ -70,55 +51,36 @@ void add_as_option(CLI::App& command, std::optional<std::string>& as, const std:
 
 void add_sound_options(CLI::App& command, CodingOptions& options) {
     const std::string sound = "Sound";
-    command
-        .add_option(
-            "--audio", options.audio,
-            "Sound of the film: whatever FFmpeg reads, or `none` (default: the scene's). MPEG audio layer II in "
-            ".mpg, .vob and .ts, AC-3 with --for, AAC in .mkv and .mp4; it ends with the film")
-        ->type_name("FILE|none")
-        ->group(sound);
-    command
-        .add_option("--audio-offset", options.audio_offset,
-                    "Seconds after frame 0 at which the sound begins; below 0 its beginning is cut off")
-        ->type_name("SECONDS")
-        ->check(CLI::Range(-1e5, 1e5))
-        ->capture_default_str()
-        ->group(sound);
+    add_option(command, sound, "--audio", options.audio,
+               "Sound of the film: whatever FFmpeg reads, or `none` (default: the scene's). MPEG audio layer II in "
+               ".mpg, .vob and .ts, AC-3 with --for, AAC in .mkv and .mp4; it ends with the film",
+               "FILE|none");
+    add_option(command, sound, "--audio-offset", options.audio_offset,
+               "Seconds after frame 0 at which the sound begins; below 0 its beginning is cut off", "SECONDS",
+               CLI::Range(-1e5, 1e5), shown);
 }
 
 void add_consent_option(CLI::App& command, bool& overwrite) {
-    command
-        .add_flag("-y,--overwrite", overwrite,
-                  "Replace a film that is there, and make folders that are missing, without a question. Without it a "
-                  "terminal is asked, and other runs are refused")
-        ->group("Run");
+    add_flag(command, "Run", "-y,--overwrite", overwrite,
+             "Replace a film that is there, and make folders that are missing; without it both are refused");
 }
 
 void add_within_option(CLI::App& command, std::string& within, const std::string& group) {
-    command
-        .add_option("--within", within,
-                    "Light a few frames for so long, about, to tell what the film will take; 0: light none")
-        ->type_name("TIME")
-        ->check(checked(within_from, ""))
-        ->capture_default_str()
-        ->group(group);
+    add_option(command, group, "--within", within,
+               "Light a few frames for so long, about, to tell what the film will take; 0: light none", "TIME",
+               within_from, shown);
 }
 
 void add_shape_options(CLI::App& command, CodingOptions& options) {
     const std::string picture = "Picture and time";
     CLI::Option* display =
-        command
-            .add_option("--display-aspect", options.display_aspect,
-                        "Shape of the whole picture as shown, e.g. 16:9 (default: as the animation file or the frames "
-                        "say, else of square pixels)")
-            ->type_name("W:H")
-            ->check(checked(core::ratio_from, ""))
-            ->group(picture);
-    command.add_option("--pixel-aspect", options.pixel_aspect, "Shape of a pixel instead, e.g. 16:15")
-        ->type_name("W:H")
-        ->check(checked(core::ratio_from, ""))
-        ->excludes(display)
-        ->group(picture);
+        add_option(command, picture, "--display-aspect", options.display_aspect,
+                   "Shape of the whole picture as shown, e.g. 16:9 (default: as the animation file or the frames "
+                   "say, else of square pixels)",
+                   "W:H", core::ratio_from);
+    add_option(command, picture, "--pixel-aspect", options.pixel_aspect, "Shape of a pixel instead, e.g. 16:15", "W:H",
+               core::ratio_from)
+        ->excludes(display);
 }
 
 }  // namespace render2mpeg::app

@@ -2,6 +2,7 @@
 // The options of MPEG-2 coding.
 #include <CLI/CLI.hpp>
 #include <string>
+#include <type_traits>
 
 #include "app/options/options.h"
 #include "core/error.h"
@@ -21,6 +22,34 @@ CLI::Validator checked(Parser parser, const std::string& type) {
             }
         },
         type);
+}
+
+/// Mark of an option whose default is part of its help.
+struct ShowsDefault {};
+inline constexpr ShowsDefault shown;
+
+/// Adds an option to a group of --help. `parts`: the name of its values, a CLI11 check or a parser of ours, `shown`.
+template <class Value, class... Parts>
+CLI::Option* add_option(CLI::App& command, const std::string& group, const std::string& names, Value& value,
+                        const std::string& text, Parts&&... parts) {
+    CLI::Option* option = command.add_option(names, value, text)->group(group);
+    const auto apply = [&](auto&& part) {
+        using Part = std::decay_t<decltype(part)>;
+        if constexpr (std::is_same_v<Part, ShowsDefault>)
+            option->capture_default_str();
+        else if constexpr (std::is_convertible_v<Part, std::string>)
+            option->type_name(part);
+        else if constexpr (std::is_base_of_v<CLI::Validator, Part>)
+            option->check(part);
+        else
+            option->check(checked(part, ""));
+    };
+    (apply(parts), ...);
+    return option;
+}
+inline CLI::Option* add_flag(CLI::App& command, const std::string& group, const std::string& names, bool& value,
+                             const std::string& text) {
+    return command.add_flag(names, value, text)->group(group);
 }
 
 /// How pictures are coded, and for whom: `render` and `encode` share these.

@@ -10,17 +10,12 @@ namespace render2mpeg::app {
 namespace {
 
 void add_motion_options(CLI::App& command, EncodeOptions& options) {
-    command
-        .add_option(
-            "--motion", options.motion,
-            "Numbered OpenEXR files with the frames' exact motion; or a motion stream, which other programs write "
-            "beside their pictures: fd:N, an open descriptor, or PIPE.motion")
-        ->type_name("PATTERN|fd:N|PIPE.motion")
-        ->group("Motion");
-    command.add_option("--motion-convention", options.motion_convention, "What their channels mean: blender or nuke")
-        ->check(CLI::IsMember({"blender", "nuke"}))
-        ->capture_default_str()
-        ->group("Motion");
+    add_option(command, "Motion", "--motion", options.motion,
+               "Numbered OpenEXR files with the frames' exact motion; or a motion stream, which other programs write "
+               "beside their pictures: fd:N, an open descriptor, or PIPE.motion",
+               "PATTERN|fd:N|PIPE.motion");
+    add_option(command, "Motion", "--motion-convention", options.motion_convention,
+               "What their channels mean: blender or nuke", CLI::IsMember({"blender", "nuke"}), shown);
 }
 
 }  // namespace
@@ -42,41 +37,26 @@ CLI::App* add_encode_command(CLI::App& app, EncodeOptions& options) {
         ->required();
     add_as_option(*command, options.as, "ts|m2v");
     const std::string picture = "Picture and time", run = "Run";
-    command->add_option("-r,--fps", options.rate, "Pictures per second (default: the Y4M file's, or 25)")
-        ->type_name("23.976|24|25|29.97|30|50|59.94|60")
-        ->check(checked(core::frame_rate_from, ""))
-        ->group(picture);
-    command
-        ->add_option("--frames", options.frames,
-                     "First and last frame, both included: numbers of the images, or places in the Y4M file from 0 "
-                     "(default: all)")
-        ->type_name("A:B")
-        ->check(checked(frames_from, ""))
-        ->group(picture);
+    add_option(*command, picture, "-r,--fps", options.rate, "Pictures per second (default: the Y4M file's, or 25)",
+               "23.976|24|25|29.97|30|50|59.94|60", core::frame_rate_from);
+    add_option(*command, picture, "--frames", options.frames,
+               "First and last frame, both included: numbers of the images, or places in the Y4M file from 0 "
+               "(default: all)",
+               "A:B", frames_from);
     add_shape_options(*command, options.coding);
-    command->add_option("--exposure", options.exposure, "EV for scene-linear frames (default: 0)")
-        ->type_name("EV")
-        ->check(CLI::Range(-64.0f, 64.0f))
-        ->group(picture);
-    command
-        ->add_option("--view", options.view,
-                     "As for render; PNG frames of Blender's views keep their code values (default: neutral)")
-        ->type_name("NAME")
-        ->check(checked(core::view_from, ""))
-        ->group(picture);
+    add_option(*command, picture, "--exposure", options.exposure, "EV for scene-linear frames (default: 0)", "EV",
+               CLI::Range(-64.0f, 64.0f));
+    add_option(*command, picture, "--view", options.view,
+               "As for render; PNG frames of Blender's views keep their code values (default: neutral)", "NAME",
+               core::view_from);
     add_motion_options(*command, options);
     add_coding_options(*command, options.coding);
     add_sound_options(*command, options.coding);
-    command
-        ->add_option("-j,--threads", options.threads, "Threads; 0: one per core. The film's bytes do not depend on it")
-        ->check(CLI::Range(0, 1024))
-        ->capture_default_str()
-        ->group(run);
-    command->add_option("--stats", options.stats, "Write statistics as JSON (docs/stats.md)")
-        ->type_name("FILE.json")
-        ->group(run);
+    add_option(*command, run, "-j,--threads", options.threads,
+               "Threads; 0: one per core. The film's bytes do not depend on it", CLI::Range(0, 1024), shown);
+    add_option(*command, run, "--stats", options.stats, "Write statistics as JSON (docs/stats.md)", "FILE.json");
     add_consent_option(*command, options.overwrite);
-    command->add_flag("--quiet", options.quiet, "Print nothing but errors")->group(run);
+    add_flag(*command, run, "--quiet", options.quiet, "Print nothing but errors");
     return command;
 }
 

@@ -13,82 +13,52 @@ constexpr const char* unwanted[] = {"--tolerance", "--quality", "--bitrate", "--
 
 void add_sweep_options(CLI::App& command, CostOptions& options) {
     const std::string sweep = "What is tried";
-    command
-        .add_option("--sample", options.sample,
-                    "Windows spread over the film, by consecutive frames of each; the last frame of each window is "
-                    "also lit as the reference (default: as --within allows, at most 2x3)")
-        ->type_name("WINDOWSxFRAMES")
-        ->check(checked(sample_from, ""))
-        ->group(sweep);
-    command.add_option("--within", options.within, "Choose a sample that takes about so long, where --sample does not")
-        ->type_name("TIME")
-        ->check(checked(time_in_seconds, ""))
-        ->capture_default_str()
-        ->group(sweep);
-    command.add_option("--tolerances", options.tolerances, "Fixed tolerances, per cent of a pixel's luminance")
-        ->type_name("P,P,...")
-        ->check(checked(percents_from, ""))
-        ->capture_default_str()
-        ->group(sweep);
-    command
-        .add_option("--quantisers", options.quantisers,
-                    "Quantisers to couple light to, each beside a fixed 2 % coded with it; or `none` (default: the "
-                    "film's own)")
-        ->type_name("Q,Q,...|none")
-        ->check(checked(quantisers_from, ""))
-        ->group(sweep);
+    add_option(command, sweep, "--sample", options.sample,
+               "Windows spread over the film, by consecutive frames of each; the last frame of each window is "
+               "also lit as the reference (default: as --within allows, at most 2x3)",
+               "WINDOWSxFRAMES", sample_from);
+    add_option(command, sweep, "--within", options.within,
+               "Choose a sample that takes about so long, where --sample does not", "TIME", time_in_seconds, shown);
+    add_option(command, sweep, "--tolerances", options.tolerances, "Fixed tolerances, per cent of a pixel's luminance",
+               "P,P,...", percents_from, shown);
+    add_option(command, sweep, "--quantisers", options.quantisers,
+               "Quantisers to couple light to, each beside a fixed 2 % coded with it; or `none` (default: the "
+               "film's own)",
+               "Q,Q,...|none", quantisers_from);
 }
 
 void add_foreign_film(CLI::App& command, CompareOptions& options) {
     const std::string tried = "What is tried";
-    CLI::Option* film = command
-                            .add_option("--film", options.film,
-                                        "Also tell the size and quality of this film, made by another renderer, "
-                                        "against its own --reference")
-                            ->type_name("FILE")
-                            ->group(tried);
-    command
-        .add_option("--reference", options.reference,
-                    "What --film should look like: a folder of numbered images (EXR as scene light, PNG as shown), or "
-                    "their pattern; their first is the film's first frame")
-        ->type_name("DIR|PATTERN")
-        ->needs(film)
-        ->group(tried);
+    CLI::Option* film = add_option(command, tried, "--film", options.film,
+                                   "Also tell the size and quality of this film, made by another renderer, "
+                                   "against its own --reference",
+                                   "FILE");
+    add_option(command, tried, "--reference", options.reference,
+               "What --film should look like: a folder of numbered images (EXR as scene light, PNG as shown), or "
+               "their pattern; their first is the film's first frame",
+               "DIR|PATTERN")
+        ->needs(film);
     film->needs("--reference");
 }
 
 }  // namespace
 
-template <class Options>
-void add_trial_run_options(CLI::App& command, Options& options) {
+void add_trial_run_options(CLI::App& command, TrialOptions& options) {
     const std::string run = "Run";
-    command
-        .add_option("-j,--threads", options.render.threads,
-                    "Threads; 0: one per core. Nothing but the clock depends on it")
-        ->check(CLI::Range(0, 1024))
-        ->capture_default_str()
-        ->group(run);
-    command.add_option("--isa", options.render.isa, "Instruction set (default: the best there is)")
-        ->type_name("sse2|sse4.2|avx|avx2|avx512")
-        ->check(checked(core::isa_from, ""))
-        ->group(run);
-    command
-        .add_option("--keep-references", options.kept_references,
-                    "Keep frames lit as the reference in this folder, and take them from there where nothing has "
-                    "changed")
-        ->type_name("DIR")
-        ->group(run);
-    command.add_option("--json", options.json, "Write all figures as JSON")->type_name("FILE.json")->group(run);
-    command
-        .add_option("--report", options.report, "Write a page with plots for any browser, and its figures beside it")
-        ->type_name("FILE.html")
-        ->group(run);
+    add_option(command, run, "-j,--threads", options.render.threads,
+               "Threads; 0: one per core. Nothing but the clock depends on it", CLI::Range(0, 1024), shown);
+    add_option(command, run, "--isa", options.render.isa, "Instruction set (default: the best there is)",
+               "sse2|sse4.2|avx|avx2|avx512", core::isa_from);
+    add_option(command, run, "--keep-references", options.kept_references,
+               "Keep frames lit as the reference in this folder, and take them from there where nothing has "
+               "changed",
+               "DIR");
+    add_option(command, run, "--json", options.json, "Write all figures as JSON", "FILE.json");
+    add_option(command, run, "--report", options.report,
+               "Write a page with plots for any browser, and its figures beside it", "FILE.html");
     add_consent_option(command, options.render.overwrite);
-    command.add_flag("--quiet", options.render.quiet, "Print nothing but errors")->group(run);
+    add_flag(command, run, "--quiet", options.render.quiet, "Print nothing but errors");
 }
-template void add_trial_run_options(CLI::App& command, CostOptions& options);
-template void add_trial_run_options(CLI::App& command, TuneOptions& options);
-template void add_trial_run_options(CLI::App& command, CompareOptions& options);
 
 CLI::App* add_cost_command(CLI::App& app, CostOptions& options) {
     CLI::App* command = app.add_subcommand("cost", "Show what accuracy costs in time, and what it buys");
@@ -117,32 +87,19 @@ CLI::App* add_compare_command(CLI::App& app, CompareOptions& options) {
         "Example: render2mpeg compare scene.glb --size 640x360 --report compare.html");
     add_scene_options(*command, options.render);
     const std::string tried = "What is tried";
-    command
-        ->add_option("--sample", options.sample,
-                     "Windows spread over the film, by consecutive frames of each; better whole GOPs")
-        ->type_name("WINDOWSxFRAMES")
-        ->check(checked(sample_from, ""))
-        ->capture_default_str()
-        ->group(tried);
-    command
-        ->add_option("--references", options.references,
-                     "Frames of each window that are also lit as the reference, in adjacent pairs where there are "
-                     "several: they tell what light adds to the errors of all frames, and their pairs flicker")
-        ->check(CLI::Range(1, 1000))
-        ->capture_default_str()
-        ->group(tried);
-    command->add_option("--quantisers", options.quantisers, "Quantisers to code with, two or more")
-        ->type_name("Q,Q,...")
-        ->check(checked(quantisers_from, ""))
-        ->capture_default_str()
-        ->group(tried);
-    command
-        ->add_option("--runs", options.runs,
-                     "Runs of everything that is timed, one way after the other and over again; times are their "
-                     "medians, told with their spread")
-        ->check(CLI::Range(1, 100))
-        ->capture_default_str()
-        ->group(tried);
+    add_option(*command, tried, "--sample", options.sample,
+               "Windows spread over the film, by consecutive frames of each; better whole GOPs", "WINDOWSxFRAMES",
+               sample_from, shown);
+    add_option(*command, tried, "--references", options.references,
+               "Frames of each window that are also lit as the reference, in adjacent pairs where there are "
+               "several: they tell what light adds to the errors of all frames, and their pairs flicker",
+               CLI::Range(1, 1000), shown);
+    add_option(*command, tried, "--quantisers", options.quantisers, "Quantisers to code with, two or more", "Q,Q,...",
+               quantisers_from, shown);
+    add_option(*command, tried, "--runs", options.runs,
+               "Runs of everything that is timed, one way after the other and over again; times are their "
+               "medians, told with their spread",
+               CLI::Range(1, 100), shown);
     add_foreign_film(*command, options);
     add_picture_options(*command, options.render);
     add_light_options(*command, options.render);

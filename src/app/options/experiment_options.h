@@ -7,9 +7,7 @@ namespace render2mpeg::app {
 CLI::App* add_cost_command(CLI::App& app, CostOptions& options);
 CLI::App* add_compare_command(CLI::App& app, CompareOptions& options);
 
-/// Threads, JSON, report, where references are kept, and silence of such a command (CostOptions, TuneOptions,
-/// CompareOptions).
-template <class Options>
-void add_trial_run_options(CLI::App& command, Options& options);
+/// Threads, JSON, report, folder of references, and silence of such a command.
+void add_trial_run_options(CLI::App& command, TrialOptions& options);
 
 }  // namespace render2mpeg::app

@@ -19,42 +19,29 @@ void add_plan_argument(CLI::App& command, std::filesystem::path& plan) {
 }
 
 void add_threads_option(CLI::App& command, int& threads) {
-    command.add_option("-j,--threads", threads, "Threads; 0: one per core. The film's bytes do not depend on it")
-        ->check(CLI::Range(0, 1024))
-        ->capture_default_str()
-        ->group(farm_run_group);
+    add_option(command, farm_run_group, "-j,--threads", threads,
+               "Threads; 0: one per core. The film's bytes do not depend on it", CLI::Range(0, 1024), shown);
 }
 
 }  // namespace
 
 void add_spreading_options(CLI::App& command, FarmOptions& options) {
-    command
-        .add_option("--to", options.scheduler,
-                    "Who spreads the parts: job files for it are written beside the plan (docs/farm.md)")
-        ->check(CLI::IsMember(std::vector<std::string>(scheduler_names.begin(), scheduler_names.end())))
-        ->required()
-        ->group(farm_group);
+    add_option(command, farm_group, "--to", options.scheduler,
+               "Who spreads the parts: job files for it are written beside the plan (docs/farm.md)",
+               CLI::IsMember(std::vector<std::string>(scheduler_names.begin(), scheduler_names.end())))
+        ->required();
     CLI::Option* parts =
-        command
-            .add_option("--parts", options.parts,
-                        "Parts to make, at most (default: one per chunk of some 60 frames, the least that a part has)")
-            ->type_name("N")
-            ->check(CLI::Range(1, 1'000'000))
-            ->group(farm_group);
-    command.add_option("--frames-per-part", options.frames_per_part, "Instead: frames of a part, to the nearest chunk")
-        ->type_name("N")
-        ->check(CLI::Range(1, 1'000'000'000))
-        ->excludes(parts)
-        ->group(farm_group);
-    command
-        .add_flag("--pack", options.pack,
-                  "Copy all inputs into the folder, and the folder into one file, OUT.farm.tar: for machines that do "
-                  "not see this one's files")
-        ->group(farm_group);
-    command
-        .add_flag("--submit", options.submit,
-                  "Hand the parts that are not made yet to the scheduler, and the join behind them")
-        ->group(farm_group);
+        add_option(command, farm_group, "--parts", options.parts,
+                   "Parts to make, at most (default: one per chunk of some 60 frames, the least that a part has)", "N",
+                   CLI::Range(1, 1'000'000));
+    add_option(command, farm_group, "--frames-per-part", options.frames_per_part,
+               "Instead: frames of a part, to the nearest chunk", "N", CLI::Range(1, 1'000'000'000))
+        ->excludes(parts);
+    add_flag(command, farm_group, "--pack", options.pack,
+             "Copy all inputs into the folder, and the folder into one file, OUT.farm.tar: for machines that do "
+             "not see this one's files");
+    add_flag(command, farm_group, "--submit", options.submit,
+             "Hand the parts that are not made yet to the scheduler, and the join behind them");
 }
 
 CLI::App* add_part_command(CLI::App& app, PartOptions& options) {
@@ -67,19 +54,14 @@ CLI::App* add_part_command(CLI::App& app, PartOptions& options) {
     add_plan_argument(*command, options.plan);
     CLI::Option* number =
         command->add_option("I", options.number, "Which part, from 1")->check(CLI::Range(1, 1'000'000));
-    command->add_option("--frames", options.frames, "Instead: all parts that begin with one of these frames")
-        ->type_name("A-B")
-        ->check(checked(contiguous_from, ""))
-        ->excludes(number)
-        ->group(farm_run_group);
+    add_option(*command, farm_run_group, "--frames", options.frames,
+               "Instead: all parts that begin with one of these frames", "A-B", contiguous_from)
+        ->excludes(number);
     add_threads_option(*command, options.threads);
-    command
-        ->add_option("--memory", options.memory,
-                     "Most memory to take, e.g. 8G: refuse what would need more (default: as `farm` was told)")
-        ->type_name("SIZE")
-        ->check(checked(memory_from, ""))
-        ->group(farm_run_group);
-    command->add_flag("--quiet", options.quiet, "Print nothing but errors")->group(farm_run_group);
+    add_option(*command, farm_run_group, "--memory", options.memory,
+               "Most memory to take, e.g. 8G: refuse what would need more (default: as `farm` was told)", "SIZE",
+               memory_from);
+    add_flag(*command, farm_run_group, "--quiet", options.quiet, "Print nothing but errors");
     return command;
 }
 
@@ -90,14 +72,12 @@ CLI::App* add_join_command(CLI::App& app, JoinOptions& options) {
         "what was made, and writes all that one run would have written beside it.\n"
         "Example: render2mpeg join film.mpg.farm");
     add_plan_argument(*command, options.plan);
-    command
-        ->add_option("--into", options.folder,
-                     "Write film, heatmaps, statistics, report and images into this folder (default: where `farm` was "
-                     "told)")
-        ->type_name("DIR")
-        ->group(farm_run_group);
+    add_option(*command, farm_run_group, "--into", options.folder,
+               "Write film, heatmaps, statistics, report and images into this folder (default: where `farm` was "
+               "told)",
+               "DIR");
     add_threads_option(*command, options.threads);
-    command->add_flag("--quiet", options.quiet, "Print nothing but errors")->group(farm_run_group);
+    add_flag(*command, farm_run_group, "--quiet", options.quiet, "Print nothing but errors");
     return command;
 }
 
@@ -105,10 +85,8 @@ CLI::App* add_farm_status_command(CLI::App& app, FarmStatusOptions& options) {
     CLI::App* command = app.add_subcommand("farm-status", "Show how far the parts of a film are");
     command->footer("Example: render2mpeg farm-status film.mpg.farm");
     add_plan_argument(*command, options.plan);
-    command
-        ->add_flag("--left", options.left,
-                   "Print nothing but the numbers of parts that are not whole, as 1,3-5: for scripts")
-        ->group(farm_run_group);
+    add_flag(*command, farm_run_group, "--left", options.left,
+             "Print nothing but the numbers of parts that are not whole, as 1,3-5: for scripts");
     return command;
 }
 

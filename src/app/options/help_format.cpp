@@ -15,13 +15,9 @@ constexpr int name_columns = 30;
 
 /// CLI11's names of values as users read them: "INT:INT in [1 - 31]" is 1..31, "TEXT:{a,b}" a|b, "TEXT" nothing said.
 std::string values_text(const std::string& type) {
-    static const std::regex range(R"(.* in \[(\S+) - (\S+)\])"), choice(R"(.*:\{(.*)\})");
-    std::smatch found;
-    if (std::regex_match(type, found, range)) return found.str(1) + ".." + found.str(2);
-    if (!std::regex_match(type, found, choice)) return type;
-    std::string values = found.str(1);
-    std::replace(values.begin(), values.end(), ',', '|');
-    return values;
+    const OptionValues values(type);
+    if (!values.low.empty()) return values.low + ".." + values.high;
+    return values.choices.empty() ? type : CLI::detail::join(values.choices, "|");
 }
 
 class HelpFormat : public CLI::Formatter {
@@ -73,6 +69,17 @@ class HelpFormat : public CLI::Formatter {
 };
 
 }  // namespace
+
+OptionValues::OptionValues(const std::string& type) {
+    static const std::regex range(R"(.* in \[(\S+) - (\S+)\])"), choice(R"(.*:\{(.*)\})");
+    std::smatch found;
+    if (std::regex_match(type, found, range)) {
+        low = found.str(1);
+        high = found.str(2);
+    } else if (std::regex_match(type, found, choice)) {
+        choices = CLI::detail::split(found.str(1), ',');
+    }
+}
 
 std::string wrapped(const std::string& text, int columns) {
     std::istringstream lines(text);

@@ -2,51 +2,19 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cstdlib>
 #include <filesystem>
 #include <regex>
 #include <string_view>
 #include <system_error>
-#include <utility>
 
+#include "app/options/help_format.h"
 #include "app/options/usage_error.h"
 #include "core/text.h"
 
 namespace render2mpeg::app {
 namespace {
-
-/// What other programs call options of ours.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 27> elsewhere{{
-    {"--resolution", "--size WxH"},
-    {"--width", "--size WxH"},
-    {"--height", "--size WxH"},
-    {"--framerate", "--fps"},
-    {"--frame-rate", "--fps"},
-    {"--rate", "--fps, or --bitrate"},
-    {"--start", "--frames A:B"},
-    {"--end", "--frames A:B"},
-    {"--spp", "--samples"},
-    {"--crf", "--quality 0..100, or --quantiser 1..31"},
-    {"--qscale", "--quantiser"},
-    {"--qp", "--quantiser"},
-    {"--vb", "--bitrate"},
-    {"--force", "--overwrite (-y)"},
-    {"--yes", "--overwrite (-y)"},
-    {"--cores", "--threads"},
-    {"--jobs", "--threads"},
-    {"--out", "--output (-o)"},
-    {"--input", "no option: the scene's name is enough"},
-    {"--scene", "no option: the scene's name is enough"},
-    {"--codec", "no option: films are MPEG-2"},
-    {"--format", "--output (-o): its ending chooses"},
-    {"--preset", "--for, or --encoder"},
-    {"--accuracy", "--tolerance"},
-    {"--error", "--tolerance"},
-    {"--denoise", "no option: light is gathered without noise"},
-    {"--gpu", "no option: everything runs on the CPU"},
-}};
 
 bool is_option_word(const std::string& word) {
     return word.size() > 1 && word[0] == '-' && word != "--" &&
@@ -90,13 +58,6 @@ std::string advice_for(const CLI::App& program, const CLI::App& command, const s
     const std::vector<std::string> names = names_of(command);
     // One hyphen too few: "-size".
     if (name.size() > 2 && name[1] != '-' && has(names, "-" + name)) return here + "; did you mean -" + name + "?";
-    const auto known = std::find_if(elsewhere.begin(), elsewhere.end(), [&](const auto& e) { return e.first == name; });
-    if (known != elsewhere.end()) {
-        const std::string ours(known->second);
-        const bool is_none = ours.starts_with("no option");
-        if (is_none || has(names, ours.substr(0, ours.find_first_of(" ,"))))
-            return here + (is_none ? ours.substr(9) : "; it is " + ours);
-    }
     std::vector<std::string> others;
     for (const CLI::App* other : commands_in(program))
         if (other != &command && has(names_of(*other), name)) others.push_back(other->get_name());
@@ -126,26 +87,14 @@ std::string short_number(const std::string& text) {
 
 /// What the option takes, for messages.
 std::string values_of(const CLI::Option& option) {
-    static const std::regex range(R"(.* in \[(\S+) - (\S+)\])"), choice(R"(.*:\{(.*)\})");
-    const std::string type = option.get_type_name();
-    std::smatch found;
-    if (std::regex_match(type, found, range))
-        return "a number from " + short_number(found.str(1)) + " to " + short_number(found.str(2));
-    if (std::regex_match(type, found, choice)) return std::regex_replace(found.str(1), std::regex(","), ", ");
-    return type.empty() ? "a value" : type;
-}
-
-/// The choices of an option that takes one of some words.
-std::vector<std::string> choices_of(const CLI::Option& option) {
-    static const std::regex choice(R"(.*:\{(.*)\})");
-    std::smatch found;
-    const std::string type = option.get_type_name();
-    if (!std::regex_match(type, found, choice)) return {};
-    return CLI::detail::split(found.str(1), ',');
+    const OptionValues values(option.get_type_name());
+    if (!values.low.empty()) return "a number from " + short_number(values.low) + " to " + short_number(values.high);
+    if (!values.choices.empty()) return CLI::detail::join(values.choices, ", ");
+    return option.get_type_name().empty() ? "a value" : option.get_type_name();
 }
 
 std::string sentence_for(const std::string& name, const CLI::Option& option, const std::string& value) {
-    const std::string meant = nearest_of(value, choices_of(option));
+    const std::string meant = nearest_of(value, OptionValues(option.get_type_name()).choices);
     return name + " " + value + ": expected " + values_of(option) +
            (meant.empty() ? "" : "; did you mean " + meant + "?");
 }

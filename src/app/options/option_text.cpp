@@ -22,11 +22,26 @@ std::optional<std::int64_t> whole_number(std::string_view text) {
     return value;
 }
 
-/// The words between commas.
-std::vector<std::string> parts_of(const std::string& text) {
+/// A number from `low` to `high` that fills `text`; nothing otherwise.
+std::optional<double> number_in(const std::string& text, double low, double high) {
+    char* end = nullptr;
+    const double value = std::strtod(text.c_str(), &end);
+    const bool fills = !text.empty() && *end == '\0';
+    return fills && value >= low && value <= high ? std::optional(value) : std::nullopt;
+}
+
+/// A share of 1 from a number of per cent with its sign.
+std::optional<float> share_in(const std::string& text, double low, double high) {
+    if (!text.ends_with('%')) return {};
+    const auto percent = number_in(text.substr(0, text.size() - 1), low, high);
+    return percent ? std::optional(static_cast<float>(*percent / 100)) : std::nullopt;
+}
+
+/// The words between separators.
+std::vector<std::string> parts_of(const std::string& text, char separator) {
     std::vector<std::string> parts{""};
     for (const char c : text) {
-        if (c == ',')
+        if (c == separator)
             parts.emplace_back();
         else
             parts.back() += c;
@@ -34,18 +49,26 @@ std::vector<std::string> parts_of(const std::string& text) {
     return parts;
 }
 
+/// Two whole numbers from 1 to `most`, parted by one of `between`; nothing otherwise.
+std::optional<std::pair<int, int>> pair_in(std::string_view text, const char* between, int most) {
+    const std::size_t at = text.find_first_of(between);
+    if (at == std::string_view::npos) return {};
+    const auto a = whole_number(text.substr(0, at)), b = whole_number(text.substr(at + 1));
+    if (!a || !b || *a < 1 || *b < 1 || *a > most || *b > most) return {};
+    return std::pair(static_cast<int>(*a), static_cast<int>(*b));
+}
+
 /// Seconds of minutes:seconds or hours:minutes:seconds, above 0 and below 100 hours.
 std::optional<double> clock_time(const std::string& text) {
+    const std::vector<std::string> parts = parts_of(text, ':');
     std::int64_t seconds = 0;
-    int parts = 0;
-    for (std::size_t at = 0; at <= text.size(); ++parts) {
-        const std::size_t colon = std::min(text.find(':', at), text.size());
-        const auto value = whole_number(std::string_view(text).substr(at, colon - at));
-        if (!value || *value > 99 || (parts > 0 && *value > 59) || parts > 2) return {};
+    for (const std::string& part : parts) {
+        const auto value = whole_number(part);
+        if (!value || *value > (&part == &parts.front() ? 99 : 59)) return {};
         seconds = 60 * seconds + *value;
-        at = colon + 1;
     }
-    return parts < 2 || seconds == 0 ? std::nullopt : std::optional(static_cast<double>(seconds));
+    if (parts.size() < 2 || parts.size() > 3 || seconds == 0) return {};
+    return static_cast<double>(seconds);
 }
 
 template <class Value, class Order>
@@ -58,12 +81,9 @@ std::vector<Value> in_order(std::vector<Value> values, Order order) {
 }  // namespace
 
 Size size_from(const std::string& text) {
-    const std::size_t x = text.find_first_of("xX");
-    const auto width = x == std::string::npos ? std::nullopt : whole_number(std::string_view(text).substr(0, x));
-    const auto height = x == std::string::npos ? std::nullopt : whole_number(std::string_view(text).substr(x + 1));
-    if (!width || !height || *width < 1 || *height < 1 || *width > 16383 || *height > 16383)
-        throw UsageError("size " + text + ": expected WIDTHxHEIGHT in pixels, e.g. 720x576");
-    return {static_cast<int>(*width), static_cast<int>(*height)};
+    const auto sides = pair_in(text, "xX", 16383);
+    if (!sides) throw UsageError("size " + text + ": expected WIDTHxHEIGHT in pixels, e.g. 720x576");
+    return {sides->first, sides->second};
 }
 
 FrameRange frames_from(const std::string& text) {
@@ -78,32 +98,20 @@ FrameRange frames_from(const std::string& text) {
 }
 
 ToleranceRequest tolerance_from(const std::string& text) {
+    const std::size_t equals = text.find('=');
+    const std::string kind = text.substr(0, equals), value = equals == std::string::npos ? "" : text.substr(equals + 1);
     if (text == "reference") return {true, 0, false, {}, {}};
     if (text == "coupled") return {false, 0, true, {}, {}};
     if (text == "truth") return {true, 0, false, {}, 0.01f};
-    if (text.starts_with("truth=")) {
-        char* end = nullptr;
-        const double percent = std::strtod(text.c_str() + 6, &end);
-        // chosen: a tenth of the default takes a hundred times as many paths, which nobody waits for.
-        if (std::string_view(end) == "%" && percent >= 0.1 && percent <= 100)
-            return {true, 0, false, {}, static_cast<float>(percent / 100)};
-    }
-    if (text.starts_with("coupled=")) {
-        const char* number = text.c_str() + 8;
-        char* end = nullptr;
-        const double share = std::strtod(number, &end);
-        // chosen: more than 100 times what is hidden is a slip of the pen.
-        if (end != number && *end == '\0' && static_cast<float>(share) > 0 && share <= 100)
-            return {false, 0, true, static_cast<float>(share), {}};
-    }
-    if (text.starts_with("fixed=") || text.ends_with('%')) {
-        const char* number = text.c_str() + (text.starts_with("fixed=") ? 6 : 0);
-        char* end = nullptr;
-        const double percent = std::strtod(number, &end);
-        // Without its sign, 1 could mean all of the light.
-        if (end != number && std::string_view(end) == "%" && percent >= 0 && percent <= 100)
-            return {false, static_cast<float>(percent / 100), false, {}, {}};
-    }
+    // chosen: a tenth of the default takes a hundred times as many paths, which nobody waits for.
+    if (kind == "truth")
+        if (const auto share = share_in(value, 0.1, 100)) return {true, 0, false, {}, share};
+    // chosen: more than 100 times what is hidden is a slip of the pen.
+    if (kind == "coupled")
+        if (const auto share = number_in(value, 0, 100); share && static_cast<float>(*share) > 0)
+            return {false, 0, true, static_cast<float>(*share), {}};
+    // Without its sign, 1 could mean all of the light.
+    if (const auto share = share_in(kind == "fixed" ? value : text, 0, 100)) return {false, *share, false, {}, {}};
     throw UsageError(
         "tolerance " + text +
         ": expected `coupled`, coupled=K with K above 0 and up to 100, fixed=P% with P from 0 to 100, e.g. "
@@ -111,34 +119,23 @@ ToleranceRequest tolerance_from(const std::string& text) {
 }
 
 ShutterRequest shutter_from(const std::string& text) {
-    double numbers[3] = {0, 0, 0};
-    std::size_t begin = 0;
-    for (int k = 0; k < 3; ++k) {
-        const std::size_t end = std::min(text.find(':', begin), text.size());
-        const std::string part = text.substr(begin, end - begin);
-        char* rest = nullptr;
-        numbers[k] = std::strtod(part.c_str(), &rest);
-        if (part.empty() || *rest != '\0') numbers[k] = std::nan("");
-        if (end == text.size()) break;
-        begin = end + 1;
-        if (k == 2) numbers[2] = std::nan("");
-    }
-    if (!(numbers[0] >= 0 && numbers[0] <= 360))
-        throw UsageError("shutter " + text + ": expected degrees from 0 (closed) to 360, e.g. 180");
-    if (!(numbers[1] >= -0.5 && numbers[1] <= 0.5))
-        throw UsageError("shutter " + text + ": expected a phase from -0.5 to 0.5 frames, e.g. 180:0.25");
-    if (!(numbers[2] >= 0 && numbers[2] <= 1))
-        throw UsageError("shutter " + text + ": expected to roll by 0 to 1 frames, e.g. 180:0:0.5");
-    return {static_cast<float>(numbers[0]), static_cast<float>(numbers[1]), static_cast<float>(numbers[2])};
+    const std::vector<std::string> parts = parts_of(text, ':');
+    const auto number = [&](std::size_t k, double low, double high, const char* expected) {
+        const auto value = k < parts.size() ? number_in(parts[k], low, high) : std::optional(0.0);
+        if (!value || (k == 2 && parts.size() > 3)) throw UsageError("shutter " + text + ": expected " + expected);
+        return static_cast<float>(*value);
+    };
+    return {number(0, 0, 360, "degrees from 0 (closed) to 360, e.g. 180"),
+            number(1, -0.5, 0.5, "a phase from -0.5 to 0.5 frames, e.g. 180:0.25"),
+            number(2, 0, 1, "to roll by 0 to 1 frames, e.g. 180:0:0.5")};
 }
 
 float fog_from(const std::string& text) {
     if (text == "off") return 0;
-    char* end = nullptr;
-    const float visibility = std::strtof(text.c_str(), &end);
-    if (text.empty() || *end != '\0' || !(visibility >= core::least_visibility && visibility <= core::most_visibility))
+    const auto visibility = number_in(text, core::least_visibility, core::most_visibility);
+    if (!visibility)
         throw UsageError("fog " + text + ": expected off, or how far one sees in it, scene units above 0, e.g. 40");
-    return visibility;
+    return static_cast<float>(*visibility);
 }
 
 GlareRequest glare_from(const std::string& text) {
@@ -148,42 +145,34 @@ GlareRequest glare_from(const std::string& text) {
         throw UsageError("glare " + text + ": expected off, static or temporal, and a strength, e.g. static:0.2");
     GlareRequest glare{static_cast<core::GlareKind>(name - core::glare_names.begin()), {}};
     if (colon == std::string::npos) return glare;
-    const std::string part = text.substr(colon + 1);
-    char* end = nullptr;
-    glare.strength = std::strtof(part.c_str(), &end);
-    if (part.empty() || *end != '\0' || !(*glare.strength >= 0 && *glare.strength <= core::most_glare))
+    const auto strength = number_in(text.substr(colon + 1), 0, core::most_glare);
+    if (!strength)
         throw UsageError("glare " + text + ": expected a strength from 0 to 0.5, the share of light that is scattered");
+    glare.strength = static_cast<float>(*strength);
     return glare;
 }
 
 float f_stop_from(const std::string& text) {
     if (text == "off") return 0;
-    char* end = nullptr;
-    const double number = std::strtod(text.c_str(), &end);
-    if (text.empty() || *end != '\0' || !(number >= 0.01 && number <= 1000))
-        throw UsageError("f-stop " + text + ": expected a number from 0.01 to 1000, e.g. 2.8, or `off`");
-    return static_cast<float>(number);
+    const auto number = number_in(text, 0.01, 1000);
+    if (!number) throw UsageError("f-stop " + text + ": expected a number from 0.01 to 1000, e.g. 2.8, or `off`");
+    return static_cast<float>(*number);
 }
 
 Sample sample_from(const std::string& text) {
-    const std::size_t x = text.find('x');
-    const auto windows = x == std::string::npos ? std::nullopt : whole_number(std::string_view(text).substr(0, x));
-    const auto frames = x == std::string::npos ? std::nullopt : whole_number(std::string_view(text).substr(x + 1));
     // chosen: more than a thousand windows or frames of each is a film, not a sample of one.
-    if (!windows || !frames || *windows < 1 || *frames < 1 || *windows > 1000 || *frames > 1000)
-        throw UsageError("sample " + text + ": expected WINDOWSxFRAMES from 1x1 to 1000x1000, e.g. 2x3");
-    return {static_cast<int>(*windows), static_cast<int>(*frames)};
+    const auto sample = pair_in(text, "x", 1000);
+    if (!sample) throw UsageError("sample " + text + ": expected WINDOWSxFRAMES from 1x1 to 1000x1000, e.g. 2x3");
+    return {sample->first, sample->second};
 }
 
 std::vector<float> percents_from(const std::string& text) {
     std::vector<float> shares;
-    for (const std::string& part : parts_of(text)) {
-        char* end = nullptr;
-        const double percent = std::strtod(part.c_str(), &end);
+    for (const std::string& part : parts_of(text, ',')) {
         // chosen: less than a hundred thousandth of a pixel's light is not to be told from none in floats (1e-4..1e-2).
-        if (part.empty() || *end != '\0' || !(percent >= 0.001) || percent > 100)
-            throw UsageError("tolerances " + text + ": expected per cent from 0.001 to 100, e.g. 8,4,2,1");
-        shares.push_back(static_cast<float>(percent / 100));
+        const auto percent = number_in(part, 0.001, 100);
+        if (!percent) throw UsageError("tolerances " + text + ": expected per cent from 0.001 to 100, e.g. 8,4,2,1");
+        shares.push_back(static_cast<float>(*percent / 100));
     }
     return in_order(std::move(shares), std::greater<>());
 }
@@ -191,7 +180,7 @@ std::vector<float> percents_from(const std::string& text) {
 std::vector<int> quantisers_from(const std::string& text) {
     if (text == "none") return {};
     std::vector<int> quantisers;
-    for (const std::string& part : parts_of(text)) {
+    for (const std::string& part : parts_of(text, ',')) {
         const auto value = whole_number(part);
         if (!value || *value < 1 || *value > 31)
             throw UsageError("quantisers " + text + ": expected numbers from 1 to 31, e.g. 2,8,31, or `none`");
@@ -206,14 +195,9 @@ double size_in_bytes(const std::string& text) {
     const bool number = end != text.c_str() && std::isdigit(static_cast<unsigned char>(text[0])) != 0;
     std::string unit(end);
     if (unit.ends_with('B')) unit.pop_back();
-    if (unit == "k" || unit == "K")
-        value *= 1e3;
-    else if (unit == "M")
-        value *= 1e6;
-    else if (unit == "G")
-        value *= 1e9;
-    else if (!unit.empty())
-        value = -1;
+    const std::size_t power = std::string_view("kKMG").find(unit);
+    constexpr double powers[] = {1e3, 1e3, 1e6, 1e9};
+    if (!unit.empty()) value = unit.size() == 1 && power < 4 ? value * powers[power] : -1;
     // chosen: no file system holds more than an exabyte in one file.
     if (!number || !(value >= 1) || value > 1e18)
         throw UsageError(text + ": expected bytes as a number, or with k, M or G, e.g. 700M or 4.7G");

@@ -30,28 +30,17 @@ constexpr const char* run_group = "Run";  ///< a group of options
 
 /// What is written beside the film.
 void add_product_options(CLI::App& command, RenderOptions& options) {
-    command.add_option("--stats", options.stats, "Write statistics as JSON (docs/stats.md)")
-        ->type_name("FILE.json")
-        ->group(run_group);
-    command
-        .add_option("--report", options.report,
-                    "Write a page about the render, with plots, for any browser, and its figures as JSON beside it "
-                    "(docs/report.md)")
-        ->type_name("FILE.html")
-        ->group(run_group);
-    command
-        .add_option(
-            "--audit", options.audit,
-            "Gather so many pixels of every frame again, by reference light, and find their true light by paths: "
-            "say how well tolerances were kept, and how far the picture is off by which cause")
-        ->type_name("N")
-        ->check(CLI::Range(0, 1 << 20))
-        ->capture_default_str()
-        ->group(run_group);
-    command
-        .add_option("--aov", options.layers, "Write one multilayer OpenEXR per frame into this folder (docs/layers.md)")
-        ->type_name("DIR")
-        ->group(run_group);
+    add_option(command, run_group, "--stats", options.stats, "Write statistics as JSON (docs/stats.md)", "FILE.json");
+    add_option(command, run_group, "--report", options.report,
+               "Write a page about the render, with plots, for any browser, and its figures as JSON beside it "
+               "(docs/report.md)",
+               "FILE.html");
+    add_option(command, run_group, "--audit", options.audit,
+               "Gather so many pixels of every frame again, by reference light, and find their true light by paths: "
+               "say how well tolerances were kept, and how far the picture is off by which cause",
+               "N", CLI::Range(0, 1 << 20), shown);
+    add_option(command, run_group, "--aov", options.layers,
+               "Write one multilayer OpenEXR per frame into this folder (docs/layers.md)", "DIR");
     command
         .add_option(
             "--heatmap", options.heatmaps,
@@ -66,46 +55,33 @@ void add_product_options(CLI::App& command, RenderOptions& options) {
 }
 
 void add_whole_run_options(CLI::App& command, RenderOptions& options) {
-    command
-        .add_flag("--resume", options.resume,
-                  "Go on where a run of the same film was interrupted or killed, after its last whole chunk: the same "
-                  "bytes as of one run. Begins the film where nothing was left of it (docs/resume.md)")
-        ->group(run_group);
-    command
-        .add_flag("--dry-run", options.dry_run,
-                  "Read and check everything, say what would be done and what it would take, write nothing")
-        ->group(run_group);
+    add_flag(command, run_group, "--resume", options.resume,
+             "Go on where a run of the same film was interrupted or killed, after its last whole chunk: the same "
+             "bytes as of one run. Begins the film where nothing was left of it (docs/resume.md)");
+    add_flag(command, run_group, "--dry-run", options.dry_run,
+             "Read and check everything, say what would be done and what it would take, write nothing");
     add_within_option(command, options.within, run_group);
 }
 
 /// `whole`: of a command that renders by itself.
 void add_run_options(CLI::App& command, RenderOptions& options, bool whole) {
-    command
-        .add_option("-j,--threads", options.threads, "Threads; 0: one per core. The film's bytes do not depend on it")
-        ->check(CLI::Range(0, 1024))
-        ->capture_default_str()
-        ->group(run_group);
-    command
-        .add_option("--isa", options.isa,
-                    "Instruction set (default: the best there is). Films differ in a few "
-                    "roundings between them")
-        ->type_name("sse2|sse4.2|avx|avx2|avx512")
-        ->check(checked(core::isa_from, ""))
-        ->group(run_group);
+    add_option(command, run_group, "-j,--threads", options.threads,
+               "Threads; 0: one per core. The film's bytes do not depend on it", CLI::Range(0, 1024), shown);
+    add_option(command, run_group, "--isa", options.isa,
+               "Instruction set (default: the best there is). Films differ in a few "
+               "roundings between them",
+               "sse2|sse4.2|avx|avx2|avx512", core::isa_from);
     add_product_options(command, options);
-    command
-        .add_option("--memory", options.memory,
-                    "Most memory to take, e.g. 8G: refuse what would need more before it is begun, and never swap "
-                    "(default: no limit)")
-        ->type_name("SIZE")
-        ->check(checked(memory_from, ""))
-        ->group(run_group);
+    add_option(command, run_group, "--memory", options.memory,
+               "Most memory to take, e.g. 8G: refuse what would need more before it is begun, and never swap "
+               "(default: no limit)",
+               "SIZE", memory_from);
     if (whole) add_whole_run_options(command, options);
     add_consent_option(command, options.overwrite);
-    CLI::Option* quiet = command.add_flag("--quiet", options.quiet, "Print nothing but errors")->group(run_group);
-    command.add_flag("-v,--verbose", options.verbose, "Also say what runs and why, and what each chunk came to")
-        ->excludes(quiet)
-        ->group(run_group);
+    CLI::Option* quiet = add_flag(command, run_group, "--quiet", options.quiet, "Print nothing but errors");
+    add_flag(command, run_group, "-v,--verbose", options.verbose,
+             "Also say what runs and why, and what each chunk came to")
+        ->excludes(quiet);
 }
 
 CLI::App* add_render_command(CLI::App& app, RenderOptions& options) {
@@ -120,11 +96,9 @@ CLI::App* add_render_command(CLI::App& app, RenderOptions& options) {
         ->type_name("OUT")
         ->required();
     add_as_option(*command, options.as, "ts|m2v|y4m");
-    command
-        ->add_flag("--preview", options.preview,
-                   "A draft of every frame, in minutes: half the size unless --size is given, rough light, coded fast; "
-                   "timing, framing, light and cuts are the film's (docs/preview.md)")
-        ->group("Picture and time");
+    add_flag(*command, "Picture and time", "--preview", options.preview,
+             "A draft of every frame, in minutes: half the size unless --size is given, rough light, coded fast; "
+             "timing, framing, light and cuts are the film's (docs/preview.md)");
     add_picture_options(*command, options);
     add_light_options(*command, options);
     add_coding_options(*command, options.coding);
@@ -142,17 +116,14 @@ CLI::App* add_watch_command(CLI::App& app, RenderOptions& options) {
     add_scene_options(*command, options);
     command->add_option("-o,--output", options.output, "Write each draft to this file instead of showing it")
         ->type_name("OUT");
-    command->add_option("--player", options.player, "Player to start: ffplay, mpv, or a program that reads bare MPEG-2")
-        ->type_name("PROGRAM")
-        ->group(run_group);
+    add_option(*command, run_group, "--player", options.player,
+               "Player to start: ffplay, mpv, or a program that reads bare MPEG-2", "PROGRAM");
     add_picture_options(*command, options);
     add_light_options(*command, options);
     add_coding_options(*command, options.coding);
-    command->add_option("-j,--threads", options.threads, "Threads; 0: one per core")
-        ->check(CLI::Range(0, 1024))
-        ->capture_default_str()
-        ->group(run_group);
-    command->add_flag("--quiet", options.quiet, "Print nothing but errors")->group(run_group);
+    add_option(*command, run_group, "-j,--threads", options.threads, "Threads; 0: one per core", CLI::Range(0, 1024),
+               shown);
+    add_flag(*command, run_group, "--quiet", options.quiet, "Print nothing but errors");
     options.preview = true;
     options.overwrite = true;
     return command;
@@ -168,26 +139,17 @@ CLI::App* add_plan_command(CLI::App& app, PlanOptions& options) {
     add_picture_options(*command, options.render);
     add_light_options(*command, options.render);
     add_coding_options(*command, options.render.coding);
-    command->add_option("--audit", options.render.audit, "Pixels of every frame that would be gathered again")
-        ->type_name("N")
-        ->check(CLI::Range(0, 1 << 20))
-        ->group(run_group);
-    command->add_option("--aov", options.render.layers, "Folder of multilayer OpenEXR files")
-        ->type_name("DIR")
-        ->group(run_group);
+    add_option(*command, run_group, "--audit", options.render.audit,
+               "Pixels of every frame that would be gathered again", "N", CLI::Range(0, 1 << 20));
+    add_option(*command, run_group, "--aov", options.render.layers, "Folder of multilayer OpenEXR files", "DIR");
     add_within_option(*command, options.render.within, run_group);
-    command->add_flag("--quiet", options.render.quiet, "Show no progress")->group(run_group);
-    command->add_option("-j,--threads", options.render.threads, "Threads; 0: one per core")
-        ->check(CLI::Range(0, 1024))
-        ->capture_default_str()
-        ->group(run_group);
-    command->add_option("--isa", options.render.isa, "Instruction set (default: the best there is)")
-        ->type_name("sse2|sse4.2|avx|avx2|avx512")
-        ->check(checked(core::isa_from, ""))
-        ->group(run_group);
-    command->add_option("--stats", options.statistics, "Statistics of a render of this scene: adds what each pass cost")
-        ->type_name("FILE.json")
-        ->group(run_group);
+    add_flag(*command, run_group, "--quiet", options.render.quiet, "Show no progress");
+    add_option(*command, run_group, "-j,--threads", options.render.threads, "Threads; 0: one per core",
+               CLI::Range(0, 1024), shown);
+    add_option(*command, run_group, "--isa", options.render.isa, "Instruction set (default: the best there is)",
+               "sse2|sse4.2|avx|avx2|avx512", core::isa_from);
+    add_option(*command, run_group, "--stats", options.statistics,
+               "Statistics of a render of this scene: adds what each pass cost", "FILE.json");
     return command;
 }
 
@@ -311,13 +273,10 @@ CommandLine parse(int argc, char** argv) {
 
     const auto shows_progress = [&](const CLI::App* c) { return c != info && c != join && c != status; };
     for (CLI::App* command : app.get_subcommands(shows_progress))
-        command
-            ->add_option("--progress", line.progress,
-                         "How far it is: `line`, for people; `minute`, a line a minute, for logs; `json`, a line for "
-                         "programs at every step; `openjd`, as OpenJD reads it; or `none`")
-            ->check(CLI::IsMember({"line", "minute", "json", "openjd", "none"}))
-            ->capture_default_str()
-            ->group(run_group);
+        add_option(*command, run_group, "--progress", line.progress,
+                   "How far it is: `line`, for people; `minute`, a line a minute, for logs; `json`, a line for "
+                   "programs at every step; `openjd`, as OpenJD reads it; or `none`",
+                   CLI::IsMember({"line", "minute", "json", "openjd", "none"}), shown);
     line.exit_code = read(app, without_help_command(line.words));
     if (line.exit_code) return line;
     // Parts run where nobody looks on.

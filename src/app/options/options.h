@@ -146,35 +146,34 @@ struct Sample {
     int windows = 2, frames = 3;  ///< >= 1
 };
 
-/// Options of `cost`.
-struct CostOptions {
-    RenderOptions render;               ///< only what decides light and coding
-    std::optional<std::string> sample;  ///< none: as much as there is time for
-    std::string within = "1m";          ///< as time_in_seconds reads it
-    std::string tolerances = "16,8,4,2,1";
-    std::optional<std::string> quantisers;  ///< none: the film's own
+/// Options of all commands that try a film.
+struct TrialOptions {
+    RenderOptions render;  ///< decides light and coding
     std::optional<std::filesystem::path> json;
     std::optional<std::filesystem::path> report;           ///< HTML
     std::optional<std::filesystem::path> kept_references;  ///< folder
 };
 
+/// Options of `cost`.
+struct CostOptions : TrialOptions {
+    std::optional<std::string> sample;  ///< none: as much as there is time for
+    std::string within = "1m";          ///< as time_in_seconds reads it
+    std::string tolerances = "16,8,4,2,1";
+    std::optional<std::string> quantisers;  ///< none: the film's own
+};
+
 /// Options of `compare`.
-struct CompareOptions {
-    RenderOptions render;  ///< only what decides light and coding
+struct CompareOptions : TrialOptions {
     std::string sample = "1x15";
     int references = 4;                              ///< of every window
     int runs = 1;                                    ///< of everything that is timed
     std::optional<std::filesystem::path> film;       ///< --film, with the next
     std::optional<std::filesystem::path> reference;  ///< --reference: numbered images, or a folder of them
     std::string quantisers = "2,4,8,16";
-    std::optional<std::filesystem::path> json;
-    std::optional<std::filesystem::path> report;           ///< HTML
-    std::optional<std::filesystem::path> kept_references;  ///< folder
 };
 
 /// Options of `tune`: exactly one of the targets.
-struct TuneOptions {
-    RenderOptions render;                ///< what to make; `output` may be empty in a dry run
+struct TuneOptions : TrialOptions {      ///< `output` may be empty in a dry run
     std::optional<double> psnr;          ///< dB
     std::optional<double> ssim;          ///< 0..1
     std::optional<std::string> bitrate;  ///< as bits_from reads it
@@ -182,9 +181,6 @@ struct TuneOptions {
     std::optional<std::string> time;     ///< as time_in_seconds reads it
     std::optional<std::string> sample;   ///< none: by the target
     std::optional<int> references;       ///< of every window; none: by the target
-    std::optional<std::filesystem::path> json;
-    std::optional<std::filesystem::path> report;           ///< HTML
-    std::optional<std::filesystem::path> kept_references;  ///< folder
 };
 
 /// Options of `farm`: those of `render`, and how its film is spread.

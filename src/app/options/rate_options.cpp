@@ -29,36 +29,23 @@ void add_rate_options(CLI::App& command, CodingOptions& options) {
     const auto bits = [](const char* what) {
         return checked([what](const std::string& text) { bits_from(text, what); }, "");
     };
-    command
-        .add_option("--quality", options.quality,
-                    "Instead: quality from 0 to 100, coarser where motion hides it; 100 is quantiser 1, 20 less "
-                    "doubles it")
-        ->check(CLI::Range(0.0, 100.0))
-        ->group(coding);
-    command
-        .add_option("-b,--bitrate", options.bitrate,
-                    "Instead: bits per second of pictures, on average, e.g. 6M or 900k")
-        ->type_name("RATE")
-        ->check(bits("bitrate"))
-        ->group(coding);
-    command.add_flag("--cbr", options.constant_rate, "With --bitrate: at every time, by stuffing where need be")
-        ->group(coding);
-    command
-        .add_option("--maxrate", options.maxrate,
-                    "Bits per second that pictures reach a decoder with at most (default: the level's)")
-        ->type_name("RATE")
-        ->check(bits("maxrate"))
-        ->group(coding);
-    command.add_option("--vbv", options.vbv, "Bits that a decoder's buffer holds (default: the most the level allows)")
-        ->type_name("BITS")
-        ->check(bits("vbv"))
-        ->group(coding);
-    command
-        .add_option("--passes", options.passes,
-                    "With --bitrate: 2 looks at the whole film first, cheaply, and spends bits where they are needed; "
-                    "1 does not (default: 2)")
-        ->check(CLI::Range(1, 2))
-        ->group(coding);
+    add_option(command, coding, "--quality", options.quality,
+               "Instead: quality from 0 to 100, coarser where motion hides it; 100 is quantiser 1, 20 less "
+               "doubles it",
+               CLI::Range(0.0, 100.0));
+    add_option(command, coding, "-b,--bitrate", options.bitrate,
+               "Instead: bits per second of pictures, on average, e.g. 6M or 900k", "RATE", bits("bitrate"));
+    add_flag(command, coding, "--cbr", options.constant_rate,
+             "With --bitrate: at every time, by stuffing where need be");
+    add_option(command, coding, "--maxrate", options.maxrate,
+               "Bits per second that pictures reach a decoder with at most (default: the level's)", "RATE",
+               bits("maxrate"));
+    add_option(command, coding, "--vbv", options.vbv,
+               "Bits that a decoder's buffer holds (default: the most the level allows)", "BITS", bits("vbv"));
+    add_option(command, coding, "--passes", options.passes,
+               "With --bitrate: 2 looks at the whole film first, cheaply, and spends bits where they are needed; "
+               "1 does not (default: 2)",
+               CLI::Range(1, 2));
 }
 
 encoder::RateControl rate_control(const CodingOptions& options) {

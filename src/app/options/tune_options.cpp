@@ -14,54 +14,33 @@ constexpr const char* decided_by_tune[] = {"--bitrate", "--cbr", "--passes"};
 
 void add_targets(CLI::App& command, TuneOptions& options) {
     const std::string target = "What is to be reached (one of these)";
-    command
-        .add_option("--target-psnr", options.psnr,
-                    "PSNR-Y in dB of the decoded pictures, to 0.1 dB on the sample: finds --quality")
-        ->type_name("DB")
-        ->check(CLI::Range(1.0, 99.0))
-        ->group(target);
-    command.add_option("--target-ssim", options.ssim, "Their SSIM, to 0.002 on the sample: finds --quality")
-        ->type_name("SSIM")
-        ->check(CLI::Range(0.01, 0.9999))
-        ->group(target);
-    command
-        .add_option("--target-bitrate", options.bitrate,
-                    "Bits per second of pictures, to 2 %: --bitrate in two passes, and what quality that is")
-        ->type_name("RATE")
-        ->check(checked([](const std::string& text) { bits_from(text, "target-bitrate"); }, ""))
-        ->group(target);
-    command.add_option("--max-size", options.size, "Bytes of the file at most, e.g. 700M: likewise")
-        ->type_name("SIZE")
-        ->check(checked(size_in_bytes, ""))
-        ->group(target);
-    command
-        .add_option("--max-time", options.time,
-                    "Time on the clock at most, e.g. 2h or 90m: loosens --tolerance, --samples and --vpls as far as "
-                    "needed")
-        ->type_name("TIME")
-        ->check(checked(time_in_seconds, ""))
-        ->group(target);
+    add_option(command, target, "--target-psnr", options.psnr,
+               "PSNR-Y in dB of the decoded pictures, to 0.1 dB on the sample: finds --quality", "DB",
+               CLI::Range(1.0, 99.0));
+    add_option(command, target, "--target-ssim", options.ssim, "Their SSIM, to 0.002 on the sample: finds --quality",
+               "SSIM", CLI::Range(0.01, 0.9999));
+    add_option(command, target, "--target-bitrate", options.bitrate,
+               "Bits per second of pictures, to 2 %: --bitrate in two passes, and what quality that is", "RATE",
+               [](const std::string& text) { bits_from(text, "target-bitrate"); });
+    add_option(command, target, "--max-size", options.size, "Bytes of the file at most, e.g. 700M: likewise", "SIZE",
+               size_in_bytes);
+    add_option(command, target, "--max-time", options.time,
+               "Time on the clock at most, e.g. 2h or 90m: loosens --tolerance, --samples and --vpls as far as "
+               "needed",
+               "TIME", time_in_seconds);
 }
 
 void add_tried(CLI::App& command, TuneOptions& options) {
     const std::string tried = "What is tried";
-    command
-        .add_option(
-            "--sample", options.sample,
-            "Windows spread over the film, by consecutive frames of each (default: an eighth of the film, at most "
-            "2x15; with --max-time 2x3)")
-        ->type_name("WINDOWSxFRAMES")
-        ->check(checked(sample_from, ""))
-        ->group(tried);
-    command
-        .add_option(
-            "--references", options.references,
-            "Frames of each window that are also lit as the reference, which is dear: they tell what light adds "
-            "to the errors of all frames. 0: quality is told against the pictures as they were lit (default: 1; "
-            "with --target-bitrate and --max-size 0)")
-        ->type_name("N")
-        ->check(CLI::Range(0, 1000))
-        ->group(tried);
+    add_option(command, tried, "--sample", options.sample,
+               "Windows spread over the film, by consecutive frames of each (default: an eighth of the film, at most "
+               "2x15; with --max-time 2x3)",
+               "WINDOWSxFRAMES", sample_from);
+    add_option(command, tried, "--references", options.references,
+               "Frames of each window that are also lit as the reference, which is dear: they tell what light adds "
+               "to the errors of all frames. 0: quality is told against the pictures as they were lit (default: 1; "
+               "with --target-bitrate and --max-size 0)",
+               "N", CLI::Range(0, 1000));
 }
 
 }  // namespace
@@ -83,9 +62,8 @@ CLI::App* add_tune_command(CLI::App& app, TuneOptions& options) {
     add_sound_options(*command, options.render.coding);
     for (const char* name : decided_by_tune) command->remove_option(command->get_option(name));
     add_trial_run_options(*command, options);
-    command
-        ->add_flag("--dry-run", options.render.dry_run, "Render nothing in the end: print the command that would do it")
-        ->group("Run");
+    add_flag(*command, "Run", "--dry-run", options.render.dry_run,
+             "Render nothing in the end: print the command that would do it");
     return command;
 }
 

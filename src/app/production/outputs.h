@@ -17,7 +17,7 @@ bool is_one_file(const RenderJob& film);
 /// core::Error.
 void check_outputs(const RenderJob& film, const RenderOptions& options);
 
-/// What is written, for those who are asked.
+/// Outputs of the film, for require_consent().
 Wishes written_by(const RenderJob& film, const RenderOptions& options);
 
 /// Sees that all outputs can be written before hours go into them; from now on no other run has the film.

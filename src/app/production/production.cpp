@@ -8,9 +8,9 @@
 #include <optional>
 #include <system_error>
 
-#include "app/files/completion_marker.h"
 #include "app/files/publish.h"
 #include "app/files/text_file.h"
+#include "app/loop/counters.h"
 #include "app/loop/pipeline.h"
 #include "app/loop/resume.h"
 #include "app/loop/sink.h"
@@ -70,7 +70,7 @@ bool render_whole_chunks(const OpenRender& open) {
         if (!open.heatmaps.empty()) products.add(open.heatmaps);
         if (options.report) products.add(open.sample_frame);
         whole = render_chunk(film, renderer, chunk, products, statistics, [&] {
-            progress.advance(statistics.frames.back().records.created);
+            progress.advance();
             if (open.frames_done) open.frames_done(static_cast<std::int64_t>(statistics.frames.size()));
             return !InterruptGuard::requested();
         });
@@ -154,10 +154,7 @@ bool write_about(const OpenRender& open, const RunFacts& facts, ErrorCollector& 
 
 /// Marks what is whole, and removes what it was made of: to be called when nothing of that is needed any more.
 void clear_away(const OpenRender& open) {
-    Products products = products_of(open.film, open.options);
-    // A heatmap that failed while it was made can only be made anew.
-    for (const std::filesystem::path& lost : open.heatmaps.lost()) std::erase(products.beside, lost);
-    mark_as_whole(products, open.identity);
+    if (!open.heatmaps.has_lost()) mark_as_whole(open.film, open.options, open.identity);
     open.heatmaps.clear_away();
     open.work.clear_away();  // last, since it knows of the others
 }

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "app/report/frame_plot.h"
+#include "app/report/figures.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -37,6 +37,34 @@ std::string answer_screen(const std::string& table, const std::string& figure, c
     std::string text = "<div class=\"screen\"><div>" + table + "</div><div>" + figure + "</div></div>\n";
     if (!command.empty()) text += "<h2>Do it</h2>\n<pre>" + escaped(command) + "</pre>\n";
     return text;
+}
+
+std::string html_table(const std::string& title, std::string_view kinds, const std::vector<std::string>& heads,
+                       const std::vector<TableRow>& rows) {
+    const auto number = [&](std::size_t column) { return kinds[column] == 'n' ? " class=\"n\"" : ""; };
+    std::string text = "<h2>" + escaped(title) + "</h2>\n<div class=\"wide\"><table>\n";
+    if (!heads.empty()) text += "<tr>";
+    for (std::size_t i = 0; i < heads.size(); ++i) text += fmt::format("<th{}>{}</th>", number(i), escaped(heads[i]));
+    if (!heads.empty()) text += "</tr>\n";
+    for (const TableRow& row : rows) {
+        text += row.faint ? "<tr class=\"off\">" : "<tr>";
+        for (std::size_t i = 0; i < row.cells.size(); ++i) {
+            const std::string cell = escaped(row.cells[i]);
+            if (kinds[i] == 'b')
+                text += "<td class=\"bar\"><div class=\"one\" style=\"width:" + cell + "%\"></div></td>";
+            else
+                text += fmt::format("<td{}>{}</td>", number(i), row.bold && i == 0 ? "<b>" + cell + "</b>" : cell);
+        }
+        text += "</tr>\n";
+    }
+    return text + "</table></div>\n";
+}
+
+std::string cards_of(const std::vector<std::pair<std::string, std::string>>& cards) {
+    std::string text = "<dl class=\"cards\">\n";
+    for (const auto& [name, value] : cards)
+        text += "<div><dt>" + escaped(name) + "</dt><dd>" + escaped(value) + "</dd></div>\n";
+    return text + "</dl>\n";
 }
 
 std::string folded(const std::string& title, const std::string& html) {

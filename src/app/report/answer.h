@@ -1,6 +1,8 @@
 #pragma once
 // What pages say first: a table of choices with bars, a large picture, the command to paste; all else behind a fold.
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 namespace render2mpeg::app {
@@ -30,6 +32,21 @@ std::string answer_table(const AnswerHeads& heads, const std::vector<AnswerRow>&
 
 /// Table and figure beside each other where there is room, the command below them.
 std::string answer_screen(const std::string& table, const std::string& figure, const std::string& command);
+
+/// A row of a table: plain text for each column.
+struct TableRow {
+    std::vector<std::string> cells;
+    bool bold = false;   ///< the first of them
+    bool faint = false;  ///< all
+};
+
+/// A table under its title. `kinds` has a letter for each column: `t` text, `n` a number, `b` a bar of so many per
+/// cent. Without heads where they are all empty.
+std::string html_table(const std::string& title, std::string_view kinds, const std::vector<std::string>& heads,
+                       const std::vector<TableRow>& rows);
+
+/// Names and values as small cards beside each other.
+std::string cards_of(const std::vector<std::pair<std::string, std::string>>& cards);
 
 /// HTML behind a fold that opens at a click and on paper. Empty where there is nothing.
 std::string folded(const std::string& title, const std::string& html);

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/report/frame_plot.h"
-
 namespace render2mpeg::app {
 namespace {
 
@@ -12,7 +10,7 @@ std::vector<double> even_values(double low, double high, int wanted) {
     const double step = round_up((high - low) / (wanted + 1));
     std::vector<double> values;
     for (double k = std::ceil(low / step); k * step <= high * (1 + 1e-12) && values.size() < 100; ++k)
-        values.push_back(k * step);
+        values.push_back(k * step + 0.0);  // not "-0"
     return values;
 }
 
@@ -29,6 +27,14 @@ std::vector<double> decade_values(double low, double high, const std::vector<dou
 }
 
 }  // namespace
+
+double round_up(double value) {
+    if (!(value > 0) || !std::isfinite(value)) return 1;
+    const double power = std::pow(10.0, std::floor(std::log10(value)));
+    for (const double step : {1.0, 2.0, 5.0})
+        if (step * power >= value * (1 - 1e-9)) return step * power;
+    return 10 * power;
+}
 
 std::vector<double> round_values(double low, double high, bool logarithmic, int wanted) {
     if (!logarithmic) return even_values(low, high, wanted);

@@ -8,4 +8,7 @@ namespace render2mpeg::app {
 /// or more, and about `wanted`.
 std::vector<double> round_values(double low, double high, bool logarithmic, int wanted);
 
+/// The next round number (1, 2 or 5 times a power of ten) that is at least `value`; 1 for 0 and less.
+double round_up(double value);
+
 }  // namespace render2mpeg::app

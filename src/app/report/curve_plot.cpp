@@ -8,7 +8,6 @@
 
 #include "app/report/curve_axis.h"
 #include "app/report/figures.h"
-#include "app/report/frame_plot.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -24,16 +23,6 @@ constexpr double left = 66, right_margin = 14, top = 14, bottom_margin = 48, fon
 
 struct Place {
     double x = 0, y = 0;
-};
-
-struct Box {
-    double left = 0, top = 0, width = 0, height = 0;
-    bool holds(Place p) const { return p.x >= left && p.x <= left + width && p.y >= top && p.y <= top + height; }
-    double overlap(const Box& o) const {
-        const double w = std::min(left + width, o.left + o.width) - std::max(left, o.left);
-        const double h = std::min(top + height, o.top + o.height) - std::max(top, o.top);
-        return w > 0 && h > 0 ? w * h : 0.0;
-    }
 };
 
 bool shows(const CurvePlot& plot, const CurvePoint& p) {
@@ -114,16 +103,12 @@ class Drawing {
     std::string line(const Curve& curve) const;
     std::string mark(std::size_t kind, Place at, double size) const;
     std::string marks(const Curve& curve, std::size_t kind) const;
-    void obstruct();
-    double cost(const Box& box) const;
-    std::string label(const CurvePoint& point);
+    std::string label(const CurvePoint& point) const;
 
     const CurvePlot& plot_;
     const Paper& paper_;
     Scale x_, y_;
     double right_, bottom_;
-    std::vector<Place> taken_;  ///< points, and places along the lines
-    std::vector<Box> labels_;
 };
 
 std::string Drawing::axes() const {
@@ -156,7 +141,7 @@ std::string Drawing::axes() const {
 std::string Drawing::line(const Curve& curve) const {
     std::string path;
     for (const CurvePoint& p : curve.points) {
-        if (!shows(plot_, p)) continue;
+        if (!curve.joined || !shows(plot_, p)) continue;
         const Place at = place(p);
         path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : "L", at.x, at.y);
     }
@@ -186,7 +171,7 @@ std::string Drawing::marks(const Curve& curve, std::size_t kind) const {
     for (const CurvePoint& p : curve.points) {
         if (!shows(plot_, p)) continue;
         const Place at = place(p);
-        text += "<g>" + mark(kind, at, 4);
+        text += "<g>" + mark(kind, at, curve.points.size() > 100 ? 2 : 4);
         if (p.marked) text += fmt::format(R"(<circle class="ring" cx="{:.1f}" cy="{:.1f}" r="9"/>)", at.x, at.y);
         text += fmt::format("<title>{}{}{}: {} {}, {} {}</title></g>", escaped(curve.name), p.label.empty() ? "" : ", ",
                             escaped(p.label), escaped(plot_.x.name), figure(p.x), escaped(plot_.y.name), figure(p.y));
@@ -194,53 +179,14 @@ std::string Drawing::marks(const Curve& curve, std::size_t kind) const {
     return text;
 }
 
-/// Notes what labels had better not cover.
-void Drawing::obstruct() {
-    for (const Curve& curve : plot_.curves) {
-        const CurvePoint* before = nullptr;
-        for (const CurvePoint& p : curve.points) {
-            if (!shows(plot_, p)) continue;
-            const Place b = place(p);
-            taken_.insert(taken_.end(), 3, b);
-            if (before != nullptr) {
-                const Place a = place(*before);
-                const int steps = static_cast<int>(std::hypot(b.x - a.x, b.y - a.y) / 4);
-                for (int i = 1; i < steps; ++i)
-                    taken_.push_back({a.x + (b.x - a.x) * i / steps, a.y + (b.y - a.y) * i / steps});
-            }
-            before = &p;
-        }
-    }
-}
-
-double Drawing::cost(const Box& box) const {
-    double cost = 0;
-    for (const Place p : taken_) cost += box.holds(p) ? 10 : 0;
-    for (const Box& other : labels_) cost += 4 * box.overlap(other);
-    // Outside of the axes there are figures, or no paper.
-    const Box inside{left, top, right_ - left, bottom_ - top};
-    return cost + 4 * (box.width * box.height - box.overlap(inside));
-}
-
-std::string Drawing::label(const CurvePoint& point) {
+/// Above the point and behind it, or before it where there is no room.
+std::string Drawing::label(const CurvePoint& point) const {
     if (point.label.empty() || !shows(plot_, point)) return {};
     const Place at = place(point);
-    const double width = width_of(point.label), near = point.marked ? 12 : 7;
-    Box best;
-    double least = std::numeric_limits<double>::infinity();
-    for (const double gap : {near, near + font, near + 2 * font})
-        for (const Place way : {Place{-1, -1}, {1, 1}, {0, -1}, {0, 1}, {1, -1}, {-1, 1}, {-1, 0}, {1, 0}}) {
-            const double x = at.x + gap * way.x + width * (way.x - 1) / 2;
-            const double y = at.y + gap * way.y + font * (way.y - 1) / 2;
-            const Box box{x, y, width, font};
-            const double c = cost(box) + (gap - near);  // far from its point a label says less
-            if (c >= least) continue;
-            least = c;
-            best = box;
-        }
-    labels_.push_back(best);
-    return fmt::format(R"(<text x="{:.1f}" y="{:.1f}">{}</text>)", best.left, best.top + 0.85 * font,
-                       escaped(point.label));
+    const double gap = point.marked ? 12 : 7;
+    const bool fits = at.x + gap + width_of(point.label) <= right_;
+    return fmt::format(R"(<text x="{:.1f}" y="{:.1f}"{}>{}</text>)", fits ? at.x + gap : at.x - gap, at.y - gap,
+                       fits ? "" : R"( text-anchor="end")", escaped(point.label));
 }
 
 std::string Drawing::text() {
@@ -250,7 +196,6 @@ std::string Drawing::text() {
     for (std::size_t i = 0; i < plot_.curves.size(); ++i)
         drawn += fmt::format(R"~(<g style="color:var(--{})">)~", plot_.curves[i].color) + line(plot_.curves[i]) +
                  marks(plot_.curves[i], i) + "</g>";
-    obstruct();
     for (const Curve& curve : plot_.curves)
         for (const CurvePoint& p : curve.points) drawn += label(p);
     return drawn + "</svg>";

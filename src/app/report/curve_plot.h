@@ -11,11 +11,12 @@ struct CurvePoint {
     bool marked = false;  ///< with a ring
 };
 
-/// Points of one kind, joined in their order; one point is a mark alone.
+/// Points of one kind.
 struct Curve {
     std::string name;
     std::string color;  ///< CSS variable of report_style without its dashes: "one", "two", "i"
     std::vector<CurvePoint> points;
+    bool joined = true;  ///< in their order; one point is a mark alone
 };
 
 struct CurveAxis {

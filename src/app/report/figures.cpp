@@ -28,4 +28,28 @@ std::string pictures_text(std::int64_t count) {
     return fmt::format("{} picture{}", count, count == 1 ? "" : "s");
 }
 
+std::string escaped(const std::string& text) {
+    std::string result;
+    for (const char c : text) {
+        switch (c) {
+            case '&':
+                result += "&amp;";
+                break;
+            case '<':
+                result += "&lt;";
+                break;
+            case '>':
+                result += "&gt;";
+                break;
+            case '"':
+                result += "&quot;";
+                break;
+            default:
+                // Control characters have no place in HTML; names of files may hold them.
+                result += static_cast<unsigned char>(c) < 0x20 && c != '\n' ? ' ' : c;
+        }
+    }
+    return result;
+}
+
 }  // namespace render2mpeg::app

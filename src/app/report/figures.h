@@ -17,4 +17,7 @@ std::string percent_text(double share);
 /// "1 picture", "2 pictures".
 std::string pictures_text(std::int64_t count);
 
+/// Text that may stand in HTML.
+std::string escaped(const std::string& text);
+
 }  // namespace render2mpeg::app

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "app/report/frame_plot.h"
+#include "app/report/figures.h"
 #include "core/error.h"
 #include "image/image.h"
 #include "perceptual/shown.h"

@@ -1,5 +1,7 @@
 #include "app/report/heatmap_film.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -15,67 +17,43 @@
 #include "core/numeric.h"
 
 namespace render2mpeg::app {
+namespace {
+
+/// A subject's name in --heatmap, its legend's title, and the values on the legend, which spans them.
+struct SubjectScale {
+    const char* name;
+    HeatSubject subject;
+    const char* title;
+    bool logarithmic, per_cent;
+    std::vector<float> values;
+};
+
+const std::vector<SubjectScale>& subjects() {
+    using enum HeatSubject;
+    static const std::vector<SubjectScale> all{
+        {"tolerance", tolerance, "TOLERANCE / LUMINANCE", true, true, {0.01f, 0.02f, 0.05f, 0.1f, 0.2f, 0.5f, 1}},
+        {"cut", cut, "CUT: CLUSTERS PER PIXEL", true, false, {5, 10, 30, 100, 300, 1000, 4000}},
+        {"error", error, "ERROR REACHED / LUMINANCE", true, true, {0.001f, 0.01f, 0.02f, 0.05f, 0.1f, 0.3f, 1}},
+        {"quantiser", quantiser, "QUANTISER SCALE CODE", true, false, {1, 2, 3, 4, 6, 8, 12, 16, 24, 31}},
+        {"records", records, "RECORDS IN THE PIXEL", false, false, {0, 1, 2, 4, 6, 8}},
+        {"age", age, "AGE OF LIGHT: FRAMES", false, false, {0, 10, 20, 30, 40, 50, 60}},
+        {"reuse", reuse, "LIGHT REUSED", false, true, {0, 0.25f, 0.5f, 0.75f, 1}}};
+    return all;
+}
+
+}  // namespace
+
 perceptual::HeatScale scale_of(HeatSubject subject) {
-    switch (subject) {
-        case HeatSubject::tolerance:
-            return {"TOLERANCE / LUMINANCE",
-                    0.01f,
-                    1.0f,
-                    true,
-                    {{0.01f, "1%"},
-                     {0.02f, "2%"},
-                     {0.05f, "5%"},
-                     {0.1f, "10%"},
-                     {0.2f, "20%"},
-                     {0.5f, "50%"},
-                     {1.0f, "100%"}}};
-        case HeatSubject::cut:
-            return {"CUT: CLUSTERS PER PIXEL",
-                    5.0f,
-                    4000.0f,
-                    true,
-                    {{5, "5"}, {10, "10"}, {30, "30"}, {100, "100"}, {300, "300"}, {1000, "1000"}, {4000, "4000"}}};
-        case HeatSubject::error:
-            return {"ERROR REACHED / LUMINANCE",
-                    0.001f,
-                    1.0f,
-                    true,
-                    {{0.001f, "0.1%"},
-                     {0.01f, "1%"},
-                     {0.02f, "2%"},
-                     {0.05f, "5%"},
-                     {0.1f, "10%"},
-                     {0.3f, "30%"},
-                     {1.0f, "100%"}}};
-        case HeatSubject::records:
-            return {"RECORDS IN THE PIXEL", 0, 8, false, {{0, "0"}, {1, "1"}, {2, "2"}, {4, "4"}, {6, "6"}, {8, "8"}}};
-        case HeatSubject::age:
-            return {"AGE OF LIGHT: FRAMES",
-                    0,
-                    60,
-                    false,
-                    {{0, "0"}, {10, "10"}, {20, "20"}, {30, "30"}, {40, "40"}, {50, "50"}, {60, "60"}}};
-        case HeatSubject::reuse:
-            return {
-                "LIGHT REUSED", 0, 1, false, {{0, "0%"}, {0.25f, "25%"}, {0.5f, "50%"}, {0.75f, "75%"}, {1, "100%"}}};
-        case HeatSubject::quantiser:
-            break;
-    }
-    return {
-        "QUANTISER SCALE CODE",
-        1.0f,
-        31.0f,
-        true,
-        {{1, "1"}, {2, "2"}, {3, "3"}, {4, "4"}, {6, "6"}, {8, "8"}, {12, "12"}, {16, "16"}, {24, "24"}, {31, "31"}}};
+    const auto& all = subjects();
+    const SubjectScale& s =
+        *std::find_if(all.begin(), all.end(), [&](const SubjectScale& one) { return one.subject == subject; });
+    perceptual::HeatScale scale{s.title, s.values.front(), s.values.back(), s.logarithmic, {}};
+    for (const float value : s.values)
+        scale.marks.push_back({value, s.per_cent ? fmt::format("{:.3g}%", 100 * value) : fmt::format("{:g}", value)});
+    return scale;
 }
 
 namespace {
-
-constexpr std::pair<const char*, HeatSubject> subjects[] = {
-    {"tolerance", HeatSubject::tolerance}, {"cut", HeatSubject::cut},         {"error", HeatSubject::error},
-    {"quantiser", HeatSubject::quantiser}, {"records", HeatSubject::records}, {"age", HeatSubject::age},
-    {"reuse", HeatSubject::reuse},
-};
 
 /// What records did, a plane as it is; null for other subjects.
 const core::Plane<float>* of_records(HeatSubject subject, const core::Radiance& radiance) {
@@ -154,8 +132,8 @@ nlohmann::json identity_of(HeatSubject subject, nlohmann::json film) {
 }  // namespace
 
 HeatSubject heat_subject_from(const std::string& name) {
-    for (const auto& [known, subject] : subjects)
-        if (name == known) return subject;
+    for (const SubjectScale& known : subjects())
+        if (name == known.name) return known.subject;
     throw UsageError("--heatmap " + name + ": expected tolerance, cut, error, quantiser, records, age or reuse");
 }
 

@@ -59,8 +59,6 @@ class HeatmapFilm : public LoopObserver {
     /// After the film's last picture: gives it its name. What it was made of stays.
     void finish();
     void clear_away() { work_.clear_away(); }
-    /// As the options name it.
-    const std::filesystem::path& file() const { return output_; }
     /// Leaves nothing of it.
     void discard() { work_.remove(); }
 
@@ -123,8 +121,8 @@ class HeatmapFilms : public LoopObserver {
         }
         return named == made;
     }
-    /// The files of those that failed on the way: only a film that begins anew makes them.
-    const std::vector<std::filesystem::path>& lost() const { return lost_; }
+    /// Whether one failed; only a film that begins anew makes it.
+    bool has_lost() const { return lost_; }
     /// Removes what they were made of.
     void clear_away() {
         each([](HeatmapFilm& film) { film.clear_away(); });
@@ -143,7 +141,7 @@ class HeatmapFilms : public LoopObserver {
                     done = true;
                 });
             if (!done && film != nullptr) {
-                lost_.push_back(film->file());
+                lost_ = true;
                 film->discard();
                 film.reset();
             }
@@ -151,7 +149,7 @@ class HeatmapFilms : public LoopObserver {
     }
 
     std::vector<std::unique_ptr<HeatmapFilm>> films_;
-    std::vector<std::filesystem::path> lost_;
+    bool lost_ = false;
     ErrorCollector failures_;
 };
 

@@ -5,14 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
 
 #include "app/files/text_file.h"
 #include "app/report/answer.h"
+#include "app/report/curve_plot.h"
 #include "app/report/figures.h"
-#include "app/report/frame_plot.h"
 #include "app/report/plan_table.h"
 #include "app/report/report_style.h"
 #include "app/system/progress.h"
@@ -94,107 +95,107 @@ std::string cards(const json& s) {
         if (s.at("pumping").is_number())
             all.emplace_back("Pumping", fmt::format("{:.2f}", s.at("pumping").get<double>()));
     }
-    std::string text = "<dl class=\"cards\">\n";
-    for (const auto& [name, value] : all)
-        text += "<div><dt>" + escaped(name) + "</dt><dd>" + escaped(value) + "</dd></div>\n";
-    return text + "</dl>\n";
+    return cards_of(all);
 }
 
-/// A layer of a plot: one value per frame, by `value`.
+/// Values of frames by `value`, which gives NaN where there is none; of long films means over neighbours.
 template <class Value>
-PlotLayer layer(const json& s, const char* name, const char* style, Value&& value) {
-    PlotLayer result{name, style, {}};
-    for (const json& frame : s.at("per_frame")) result.values.push_back(value(frame));
-    return result;
-}
-
-/// One layer for each picture type, so that types are told apart by colour.
-template <class Value>
-std::vector<PlotLayer> by_type(const json& s, Value&& value) {
-    std::vector<PlotLayer> layers;
-    for (const auto& named : {std::pair{"I", "i"}, {"P", "p"}, {"B", "b"}}) {
-        const char* type = named.first;
-        layers.push_back(layer(s, type, named.second,
-                               [&](const json& frame) { return frame.at("type") == type ? value(frame) : no_value; }));
+Curve curve_of(const json& s, const char* name, const char* color, bool joined, Value&& value) {
+    // chosen: marks on a plot 860 wide that can still be told apart.
+    constexpr std::size_t most_marks = 400;
+    const json& frames = s.at("per_frame");
+    const std::size_t each = (frames.size() + most_marks - 1) / most_marks;
+    Curve curve{name, color, {}, joined};
+    for (std::size_t i = 0; i < frames.size(); i += each) {
+        double sum = 0, count = 0;
+        for (std::size_t k = i; k < std::min(frames.size(), i + each); ++k)
+            if (const double one = value(frames[k]); std::isfinite(one)) {
+                sum += one;
+                ++count;
+            }
+        if (count > 0) curve.points.push_back({frames[i].at("frame").get<double>(), sum / count, "", false});
     }
-    return layers;
+    return curve;
+}
+
+/// One curve for each picture type, so that types are told apart by colour.
+template <class Value>
+std::vector<Curve> by_type(const json& s, Value&& value) {
+    std::vector<Curve> curves;
+    for (const auto& [type, color] : {std::pair{"I", "i"}, {"P", "p"}, {"B", "b"}})
+        curves.push_back(curve_of(s, type, color, false, [&, is = type](const json& frame) {
+            return frame.at("type") == is ? value(frame) : std::numeric_limits<double>::quiet_NaN();
+        }));
+    return curves;
 }
 
 std::string plots(const json& s) {
     if (s.at("per_frame").empty()) return {};
-    const std::int64_t first = s.at("per_frame").front().at("frame").get<std::int64_t>();
     const auto field = [](const char* key) { return [key](const json& f) { return f.at(key).get<double>(); }; };
     const auto cut = [](const char* key) { return [key](const json& f) { return f.at("cut").at(key).get<double>(); }; };
+    const auto plot = [](const char* title, const char* unit, std::vector<Curve> curves) {
+        return figure_of({title, {"frame", false}, {unit, false}, std::move(curves)});
+    };
+    const auto psnr = [](const json& f) {
+        const double error = f.at("mse_y").get<double>();
+        return error > 0 ? perceptual::psnr(error) : 100.0;  // chosen: beyond any 8-bit error
+    };
     std::string text = "<h2>Frame by frame</h2>\n";
-    if (s.contains("rate")) {
-        text += svg_of({"Size of the coded pictures", "bytes", first, by_type(s, field("bytes"))});
-        text += svg_of({"Quantiser, mean over macroblocks", "quantiser", first, by_type(s, field("mean_quantiser"))});
-        FramePlot quality{"PSNR-Y of the decoded picture", "dB", first, by_type(s, [](const json& f) {
-                              const double error = f.at("mse_y").get<double>();
-                              return error > 0 ? perceptual::psnr(error) : 100.0;  // chosen: beyond any 8-bit error
-                          })};
-        quality.marks = true;
-        text += svg_of(quality);
-    }
-    text += svg_of({"Cut: clusters of lights per point",
-                    "clusters",
-                    first,
-                    {layer(s, "direct", "one", cut("direct")), layer(s, "indirect", "two", cut("indirect"))}});
-    return text + svg_of({"CPU time", "s", first, {layer(s, "CPU", "one", field("seconds"))}});
+    if (s.contains("rate"))
+        text += plot("Size of the coded pictures", "bytes", by_type(s, field("bytes"))) +
+                plot("Quantiser, mean over macroblocks", "quantiser", by_type(s, field("mean_quantiser"))) +
+                plot("PSNR-Y of the decoded picture", "dB", by_type(s, psnr));
+    return text +
+           plot("Cut: clusters of lights per point", "clusters",
+                {curve_of(s, "direct", "one", true, cut("direct")),
+                 curve_of(s, "indirect", "two", true, cut("indirect"))}) +
+           plot("CPU time", "s", {curve_of(s, "CPU", "one", true, field("seconds"))});
 }
 
 std::string time_table(const json& s) {
     const double cpu = number(s, "seconds", "cpu");
-    std::string text =
-        "<h2>Where the time went</h2>\n<div class=\"wide\"><table>\n<tr><th>Stage</th><th "
-        "class=\"n\">CPU, s</th><th class=\"n\">Share</th><th></th></tr>\n";
+    std::vector<TableRow> rows;
     double rest = cpu;
-    const auto row = [&](const std::string& name, double seconds) {
+    const auto add = [&](const std::string& name, double seconds) {
         const double share = core::divide_or(seconds, cpu, 0.0);
-        text += fmt::format(
-            "<tr><td>{}</td><td class=\"n\">{:.2f}</td><td class=\"n\">{}</td><td class=\"bar\"><div class=\"one\" "
-            "style=\"width:{:.1f}%\"></div></td></tr>\n",
-            escaped(name), seconds, percent_text(share), 100 * share);
+        rows.push_back(
+            {{name, fmt::format("{:.2f}", seconds), percent_text(share), fmt::format("{:.1f}", 100 * share)}});
     };
     for (const char* stage : stage_names) {
         std::string name = stage;
-        if (const std::size_t at = name.find('_'); at != std::string::npos) name[at] = ' ';
+        std::replace(name.begin(), name.end(), '_', ' ');
         const double seconds = s.at("seconds").at(stage).get<double>();
         rest -= seconds;
-        if (seconds > 0) row(name, seconds);
+        if (seconds > 0) add(name, seconds);
     }
-    if (rest > 0) row("all else", rest);
-    return text + "</table></div>\n";
+    if (rest > 0) add("all else", rest);
+    return html_table("Where the time went", "tnnb", {"Stage", "CPU, s", "Share", ""}, rows);
+}
+
+std::string seconds_text(const json& value) {
+    return value.is_number() ? fmt::format("{:.2f}", value.get<double>()) : "";
 }
 
 std::string effect_table(const json& s) {
     if (!s.contains("effects")) return {};
     const auto count = [](const json& value) { return value.is_number() ? count_text(value.get<double>()) : ""; };
-    std::string text =
-        "<h2>What the picture consists of</h2>\n<div class=\"wide\"><table>\n<tr><th>Effect</th><th class=\"n\">CPU, "
-        "s</th><th class=\"n\">Rays</th><th class=\"n\">Clusters</th><th></th></tr>\n";
+    std::vector<TableRow> rows;
     for (const json& row : s.at("effects"))
-        text += fmt::format(
-            "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td></tr>\n",
-            escaped(row.at("effect").get<std::string>()),
-            row.at("seconds").is_number() ? fmt::format("{:.2f}", row.at("seconds").get<double>()) : "",
-            count(row.at("rays")), count(row.at("clusters")), escaped(row.at("note").get<std::string>()));
-    return text + "</table></div>\n";
+        rows.push_back({{row.at("effect").get<std::string>(), seconds_text(row.at("seconds")), count(row.at("rays")),
+                         count(row.at("clusters")), row.at("note").get<std::string>()}});
+    return html_table("What the picture consists of", "tnnnt", {"Effect", "CPU, s", "Rays", "Clusters", ""}, rows);
 }
 
 std::string plan_rows(const json& plan) {
-    std::string text =
-        "<h2>What ran, and why</h2>\n<div class=\"wide\"><table>\n<tr><th>Pass</th><th>Runs</th><th class=\"n\">CPU, "
-        "s</th><th>Reason</th></tr>\n";
+    std::vector<TableRow> rows;
     for (const json& row : plan) {
         const bool runs = row.at("runs").get<bool>();
-        text +=
-            fmt::format("<tr{}><td>{}</td><td>{}</td><td class=\"n\">{}</td><td>{}</td></tr>\n",
-                        runs ? "" : " class=\"off\"", escaped(row.at("pass").get<std::string>()), runs ? "yes" : "no",
-                        row.at("seconds").is_number() ? fmt::format("{:.2f}", row.at("seconds").get<double>()) : "",
-                        escaped(row.at("reason").get<std::string>()));
+        rows.push_back({{row.at("pass").get<std::string>(), runs ? "yes" : "no", seconds_text(row.at("seconds")),
+                         row.at("reason").get<std::string>()},
+                        false,
+                        !runs});
     }
-    return text + "</table></div>\n";
+    return html_table("What ran, and why", "ttnt", {"Pass", "Runs", "CPU, s", "Reason"}, rows);
 }
 
 /// A value of the statistics as people read it: "mode coupled, masking warped".
@@ -211,18 +212,16 @@ std::string plain(const json& value) {
 
 /// All that decides the film besides its scene.
 std::string settings_table(const json& s) {
-    std::string text = "<h2>To make it again</h2>\n<pre>" + escaped(s.at("command").get<std::string>()) +
-                       "</pre>\n<div class=\"wide\"><table>\n";
+    std::vector<TableRow> rows{{{"command", s.at("command").get<std::string>()}}};
     for (const char* key : {"version", "isa", "input", "exposure", "view", "tolerance", "quantiser", "gop", "rate",
                             "light_points", "aspect_ratio_code", "cadence"}) {
         if (!s.contains(key) || s.at(key).is_null()) continue;
         std::string name = key;
         std::replace(name.begin(), name.end(), '_', ' ');
-        text += "<tr><td>" + name + "</td><td>" + escaped(plain(s.at(key))) + "</td></tr>\n";
+        rows.push_back({{name, plain(s.at(key))}});
     }
-    return text +
-           "</table></div>\n<p class=\"soft\">Every figure is in the JSON file beside this page "
-           "(docs/report.md).</p>\n";
+    return html_table("To make it again", "tt", {}, rows) +
+           "<p class=\"soft\">Every figure is in the JSON file beside this page (docs/report.md).</p>\n";
 }
 
 constexpr const char* generator = "<meta name=\"generator\" content=\"render2mpeg";

@@ -28,20 +28,15 @@ h3 small, .soft { color: var(--soft); font-weight: normal; }
 figure { margin: 1.2rem 0; }
 figcaption { display: flex; flex-wrap: wrap; gap: .2rem 1rem; justify-content: space-between; }
 .key { display: inline-block; margin-right: .9rem; font-size: .85rem; color: var(--soft); white-space: nowrap; }
-.swatch { display: inline-block; width: .8em; height: .8em; margin-right: .35em; border-radius: 2px; }
 .wide { overflow-x: auto; }
-svg { display: block; width: 100%; min-width: 620px; height: auto; }
+svg { display: block; width: 100%; height: auto; }
 svg text { font: 12px system-ui, sans-serif; fill: var(--soft); }
 svg .grid { stroke: var(--line); stroke-width: 1; }
-svg g:hover rect { opacity: .6; }
-.curves svg { min-width: 0; }
 .curves .line { fill: none; stroke: currentColor; stroke-width: 1.8; stroke-linejoin: round; }
 .curves svg g { fill: currentColor; } .curves .ring { fill: none; stroke: currentColor; stroke-width: 1.5; }
 .curves .narrow { display: none; }
 @media (max-width: 40rem) { .curves .broad { display: none; } .curves .narrow { display: block; } }
-.i { fill: var(--i); background: var(--i); } .p { fill: var(--p); background: var(--p); }
-.b { fill: var(--b); background: var(--b); }
-.one { fill: var(--one); background: var(--one); } .two { fill: var(--two); background: var(--two); }
+.one { background: var(--one); }
 .pair { --at: 50%; }
 .upon { position: relative; }
 .upon img, .heat img { display: block; width: 100%; height: auto; image-rendering: pixelated; }

@@ -4,33 +4,16 @@
 #include <cstddef>
 #include <numeric>
 
-#include "core/numeric.h"
-
 namespace render2mpeg::app {
 
-void Pace::add(double seconds, double made) {
+void Pace::add(double seconds) {
     if (is_first(done_)) {
         firsts_ += seconds;
-        made_first_ += made;
         ++first_count_;
     } else {
-        later_.push_back({seconds, made});
+        later_.push_back(seconds);
     }
     ++done_;
-}
-
-double Pace::per_record() const {
-    double seconds = 0, made = 0, squares = 0, products = 0;
-    for (const Frame& f : later_) seconds += f.seconds, made += f.made;
-    const auto count = static_cast<double>(std::max<std::size_t>(1, later_.size()));
-    for (const Frame& f : later_) {
-        squares += (f.made - made / count) * (f.made - made / count);
-        products += (f.made - made / count) * (f.seconds - seconds / count);
-    }
-    // The slope of a line through the frames. A chunk's first takes more for other reasons too: no record takes more
-    // than its share of that.
-    const double most = core::divide_or(firsts_, made_first_, 0.0);
-    return std::clamp(core::divide_or(products, squares, most), 0.0, most);
 }
 
 double Pace::recent() const {
@@ -38,15 +21,12 @@ double Pace::recent() const {
     // chosen: the later half of what is known, 3 to 24 frames: what is kept makes frames cheaper at first, and films
     // change after a second. The records of tests/pipeline/pace_test.cpp were looked at.
     const std::size_t most = std::clamp<std::size_t>((later_.size() + 1) / 2, 3, 24);
-    const std::size_t count = std::min(later_.size(), most);
-    const double each = per_record();
-    std::vector<double> last;
-    for (std::size_t i = later_.size() - count; i < later_.size(); ++i)
-        last.push_back(std::max(0.0, later_[i].seconds - each * later_[i].made));
-    const double mean = std::accumulate(last.begin(), last.end(), 0.0) / static_cast<double>(count);
+    std::vector<double> last(later_.end() - static_cast<std::ptrdiff_t>(std::min(later_.size(), most)), later_.end());
+    const double mean = std::accumulate(last.begin(), last.end(), 0.0) / static_cast<double>(last.size());
     // One frame that takes longer is not what is to come.
-    std::nth_element(last.begin(), last.begin() + static_cast<std::ptrdiff_t>(count / 2), last.end());
-    return std::min(mean, last[count / 2]);
+    const auto middle = last.begin() + static_cast<std::ptrdiff_t>(last.size() / 2);
+    std::nth_element(last.begin(), middle, last.end());
+    return std::min(mean, *middle);
 }
 
 std::optional<double> Pace::left(std::int64_t total) const {

@@ -13,8 +13,8 @@ class Pace {
     /// `chunk`: frames of a chunk; 0: all are alike.
     explicit Pace(std::int64_t chunk = 0) : chunk_(chunk) {}
 
-    /// The next frame took so many seconds, and made so many records of light, which later ones find.
-    void add(double seconds, double made = 0);
+    /// The next frame took so many seconds.
+    void add(double seconds);
     /// So many frames were done before, in a time that tells nothing.
     void skip(std::int64_t frames) { done_ += frames; }
 
@@ -25,17 +25,12 @@ class Pace {
 
   private:
     bool is_first(std::int64_t frame) const { return chunk_ > 0 && frame % chunk_ == 0; }
-    /// The mean of the recent ones that are no chunk's first, as if they had made nothing; 0: none is known.
+    /// The mean of the recent ones that are no chunk's first; 0: none is known.
     double recent() const;
-    /// Seconds that a record takes to be made, by those frames.
-    double per_record() const;
 
-    struct Frame {
-        double seconds, made;
-    };
     std::int64_t chunk_, done_ = 0;
-    std::vector<Frame> later_;
-    double firsts_ = 0, made_first_ = 0;  ///< sums over chunks' first frames
+    std::vector<double> later_;
+    double firsts_ = 0;  ///< seconds of chunks' first frames
     int first_count_ = 0;
 };
 

@@ -7,27 +7,16 @@
 #include <unistd.h>
 
 #include <array>
-#include <cstdlib>
 #include <cstring>
-#include <sstream>
 #include <vector>
 
+#include "app/system/program.h"
 #include "core/error.h"
 
 extern char** environ;
 
 namespace render2mpeg::app {
 namespace {
-
-/// Whether a program can be started by this name.
-bool is_installed(const std::string& program) {
-    if (program.find('/') != std::string::npos) return access(program.c_str(), X_OK) == 0;
-    const char* path = std::getenv("PATH");
-    std::istringstream folders(path == nullptr ? "" : path);
-    for (std::string folder; std::getline(folders, folder, ':');)
-        if (access((std::filesystem::path(folder) / program).c_str(), X_OK) == 0) return true;
-    return false;
-}
 
 std::string player_at_hand(const std::string& wanted) {
     if (!wanted.empty()) {

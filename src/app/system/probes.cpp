@@ -4,11 +4,10 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstring>
 #include <deque>
 #include <iostream>
-#include <iterator>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <span>
 #include <system_error>
 #include <utility>
@@ -27,38 +26,17 @@ namespace {
 /// seconds; what it is stored in tells neither.
 constexpr scene::ProbeLimits image_limits{(std::uintmax_t{1} << 30) + 48 * std::uintmax_t{image::max_pixels}, 60, 600};
 
+using nlohmann::json;
 using Sources = std::vector<const scene::ImageSource*>;
 
-/// Numbers and texts one after the other, as a probe of the same program reads them.
-void pack(std::vector<std::byte>& into, std::span<const std::byte> bytes) {
-    const std::uint64_t size = bytes.size();
-    const auto* const first = reinterpret_cast<const std::byte*>(&size);
-    into.insert(into.end(), first, first + sizeof size);
-    into.insert(into.end(), bytes.begin(), bytes.end());
-}
-
-std::span<const std::byte> unpack(std::span<const std::byte>& from) {
-    std::uint64_t size = 0;
-    EXPECTS(from.size() >= sizeof size);
-    std::memcpy(&size, from.data(), sizeof size);
-    EXPECTS(from.size() - sizeof size >= size);
-    const std::span<const std::byte> bytes = from.subspan(sizeof size, size);
-    from = from.subspan(sizeof size + size);
-    return bytes;
-}
-
-std::string text_of(std::span<const std::byte> bytes) {
-    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
-std::vector<std::byte> packed(std::span<const scene::ImageSource* const> sources) {
-    std::vector<std::byte> bytes;
+/// Images as a probe of the same program reads them.
+std::vector<std::uint8_t> packed(std::span<const scene::ImageSource* const> sources) {
+    json images = json::array();
     for (const scene::ImageSource* source : sources) {
-        pack(bytes, std::as_bytes(std::span(source->path.native())));
-        pack(bytes, std::as_bytes(std::span(source->name)));
-        pack(bytes, source->bytes);
+        const auto* bytes = reinterpret_cast<const std::uint8_t*>(source->bytes.data());
+        images.push_back({source->path.native(), source->name, json::binary({bytes, bytes + source->bytes.size()})});
     }
-    return bytes;
+    return json::to_msgpack(images);
 }
 
 scene::ProbeLimits limits_with(std::uintmax_t memory) {
@@ -68,7 +46,9 @@ scene::ProbeLimits limits_with(std::uintmax_t memory) {
 /// One process that reads some images, one after the other.
 struct ImageProbe {
     ImageProbe(Sources images, const scene::ProbeLimits& taken)
-        : sources(std::move(images)), limits(taken), probe(limits, {"images"}, packed(sources)) {}
+        : sources(std::move(images)),
+          limits(taken),
+          probe(limits, {"images"}, std::as_bytes(std::span<const std::uint8_t>(packed(sources)))) {}
 
     Sources sources;
     scene::ProbeLimits limits;
@@ -130,14 +110,12 @@ bool probe_images(const scene::Animation& film, const ImageProbes& probes) {
 
 std::string read_probed_images(const scene::TakeTurns& take_turns) {
     image::open_decoders();
-    const std::string input{std::istreambuf_iterator<char>(std::cin), std::istreambuf_iterator<char>()};
-    std::span<const std::byte> rest = std::as_bytes(std::span(input));
-    while (!rest.empty()) {
-        const std::string path = text_of(unpack(rest)), name = text_of(unpack(rest));
-        const std::span<const std::byte> bytes = unpack(rest);
+    for (const json& source : json::from_msgpack(std::cin)) {
+        const std::vector<std::uint8_t>& bytes = source.at(2).get_binary();
         take_turns(scene::Turn::parser);
         try {
-            image::read_image(path, bytes, name);
+            image::read_image(source.at(0).get<std::string>(), std::as_bytes(std::span(bytes)),
+                              source.at(1).get<std::string>());
         } catch (const core::Error&) {
             if (errno == ENOMEM) throw;
         }

@@ -122,11 +122,11 @@ void Progress::reckon(Clock::time_point now) {
     if (standing_.left) standing_.left = std::max(0.0, *standing_.left - seconds(now - advanced_at_));
 }
 
-void Progress::advance(std::uint64_t made) {
-    advance_to(standing_.done + 1, standing_.total, made);
+void Progress::advance() {
+    advance_to(standing_.done + 1, standing_.total);
 }
 
-void Progress::advance_to(std::int64_t done, std::int64_t total, std::uint64_t made) {
+void Progress::advance_to(std::int64_t done, std::int64_t total) {
     const std::lock_guard lock(mutex_);
     const Clock::time_point now = Clock::now();
     const std::int64_t more = done - standing_.done;
@@ -137,8 +137,7 @@ void Progress::advance_to(std::int64_t done, std::int64_t total, std::uint64_t m
     else
         for (std::int64_t i = 0; i < more; ++i)
             // What a film takes before its first frame is no part of a chunk's.
-            pace_.add((took + (standing_.done == 0 && !standing_.frames ? before_ : 0)) / static_cast<double>(more),
-                      static_cast<double>(made));
+            pace_.add((took + (standing_.done == 0 && !standing_.frames ? before_ : 0)) / static_cast<double>(more));
     advanced_at_ = now;
     standing_.done = done;
     standing_.total = total;

@@ -55,10 +55,10 @@ class Progress {
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
 
-    /// One more is finished; it made so many records of light.
-    void advance(std::uint64_t made = 0);
-    /// `done` are finished, of what is now known to be `total`; each made so many records of light.
-    void advance_to(std::int64_t done, std::int64_t total, std::uint64_t made = 0);
+    /// One more is finished.
+    void advance();
+    /// `done` of `total` are finished; the total may have changed.
+    void advance_to(std::int64_t done, std::int64_t total);
 
   private:
     using Clock = std::chrono::steady_clock;

@@ -1,6 +1,7 @@
 // Checks tracks.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "scene/model/wording.h"
 #include "scene/pose/pose.h"
@@ -9,76 +10,47 @@
 namespace render2mpeg::scene {
 namespace {
 
-const char* word_for(TrackTarget target) {
-    switch (target) {
-        case TrackTarget::translation:
-            return "translation";
-        case TrackTarget::rotation:
-            return "rotation";
-        case TrackTarget::scale:
-            return "scale";
-        case TrackTarget::weights:
-            return "morph weights";
-        case TrackTarget::visibility:
-            return "visibility";
-        case TrackTarget::light_intensity:
-            return "intensity";
-        case TrackTarget::emission:
-            return "emission";
-        case TrackTarget::field_of_view:
-            return "field of view";
-        case TrackTarget::light_color:
-            return "colour";
-        case TrackTarget::base_color:
-            return "base colour";
-        case TrackTarget::f_stop:
-            return "f-stop";
-        case TrackTarget::focus_distance:
-            return "focus distance";
-    }
-    return "value";
+enum class Moves { nodes, lights, materials, cameras };
+
+/// What tracks of a target move.
+struct TargetFacts {
+    TrackTarget target;
+    const char* word;  ///< for messages
+    int width;         ///< values of a key; 0: as many as there are morph targets
+    Moves moves;
+};
+
+const TargetFacts& facts_of(TrackTarget target) {
+    using enum TrackTarget;
+    static constexpr TargetFacts all[] = {{translation, "translation", 3, Moves::nodes},
+                                          {rotation, "rotation", 4, Moves::nodes},
+                                          {scale, "scale", 3, Moves::nodes},
+                                          {weights, "morph weights", 0, Moves::nodes},
+                                          {visibility, "visibility", 1, Moves::nodes},
+                                          {light_intensity, "intensity", 1, Moves::lights},
+                                          {light_color, "colour", 3, Moves::lights},
+                                          {emission, "emission", 1, Moves::materials},
+                                          {base_color, "base colour", 4, Moves::materials},
+                                          {field_of_view, "field of view", 1, Moves::cameras},
+                                          {f_stop, "f-stop", 1, Moves::cameras},
+                                          {focus_distance, "focus distance", 1, Moves::cameras}};
+    return *std::find_if(std::begin(all), std::end(all), [&](const TargetFacts& f) { return f.target == target; });
 }
 
 /// What a track moves, for messages, after a check that it exists.
 std::string target_of(const Animation& animation, const Track& track) {
     const std::size_t i = static_cast<std::size_t>(track.index);
-    const std::string word = word_for(track.target);
+    const TargetFacts& facts = facts_of(track.target);
+    const std::string word = facts.word;
     const auto named = [&](const char* kind, const auto& things) {
         if (track.index < 0 || i >= things.size())
             refuse(animation, "track of " + word,
                    std::string("moves ") + kind + " " + std::to_string(track.index) + ", which is not there");
         return "track of " + word + " of " + described(kind, i, things[i].name);
     };
-    switch (track.target) {
-        case TrackTarget::light_intensity:
-        case TrackTarget::light_color:
-            return named("light", animation.lights);
-        case TrackTarget::emission:
-        case TrackTarget::base_color:
-            return named("material", animation.materials);
-        case TrackTarget::field_of_view:
-        case TrackTarget::f_stop:
-        case TrackTarget::focus_distance:
-            return named("camera", animation.cameras);
-        default:
-            return named("node", animation.nodes);
-    }
-}
-
-int natural_width(TrackTarget target, int width) {
-    switch (target) {
-        case TrackTarget::translation:
-        case TrackTarget::scale:
-        case TrackTarget::light_color:
-            return 3;
-        case TrackTarget::rotation:
-        case TrackTarget::base_color:
-            return 4;
-        case TrackTarget::weights:
-            return width;
-        default:
-            return 1;
-    }
+    if (facts.moves == Moves::lights) return named("light", animation.lights);
+    if (facts.moves == Moves::materials) return named("material", animation.materials);
+    return facts.moves == Moves::cameras ? named("camera", animation.cameras) : named("node", animation.nodes);
 }
 
 std::size_t values_per_key(const Track& track) {
@@ -142,7 +114,8 @@ void check_values(const Animation& animation, const std::string& name, const Tra
 void validate_tracks(Animation& animation) {
     for (Track& track : animation.tracks) {
         const std::string name = target_of(animation, track);
-        if (track.width < 1 || track.width != natural_width(track.target, track.width))
+        const int width = facts_of(track.target).width;
+        if (track.width < 1 || (width > 0 && track.width != width))
             refuse(animation, name, "has a wrong number of values per key");
         if (track.times.empty()) refuse(animation, name, "has no keys");
         if (track.values.size() != track.times.size() * values_per_key(track))
