@@ -11,8 +11,6 @@
 namespace render2mpeg::test {
 namespace {
 
-using support::expect_page;
-
 /// The commands that the program's own help lists, in its order.
 std::vector<std::string> commands_of(const std::string& help) {
     static const std::regex row("\n  ([a-z]+) ");
@@ -22,19 +20,21 @@ std::vector<std::string> commands_of(const std::string& help) {
     return commands;
 }
 
-TEST(Pages, OfCommandsAreTheHelps) {
+TEST(Pages, OfCommandsAreWrittenToTheBuildFolderAndTheReadmeNamesEach) {
     const auto fenced = [](const std::string& text) { return "```text\n" + text + "```\n"; };
     const std::string help = run(program() + " --help").output;
     std::string page =
         "# Commands\n\n"
-        "<!-- Made from --help: RENDER2MPEG_WRITE_PAGES=1 build/release/test_pipeline --gtest_filter='Pages.*' -->\n\n"
         "What `--help` prints, for the program and for each command.\n\n" +
         fenced(help);
     const auto commands = commands_of(help);
     EXPECT_GE(commands.size(), 7u);
-    for (const std::string& command : commands)
+    const std::string readme = contents(support::source_folder() / "README.md");
+    for (const std::string& command : commands) {
+        EXPECT_TRUE(std::regex_search(readme, std::regex("`" + command + "\\b"))) << command;
         page += "\n## " + command + "\n\n" + fenced(run(program() + " " + command + " --help").output);
-    expect_page("docs/commands.md", page);
+    }
+    support::write_page("commands.md", page);
 }
 
 /// What a page shows of a command: the line `<!-- example: ARGUMENTS -->`, then a fenced block.
@@ -89,17 +89,11 @@ void expect_examples(const std::string& path) {
                 << path << " shows other figures than " << example->arguments
                 << "\nRun this test with RENDER2MPEG_WRITE_PAGES=1 to write them anew.";
     }
-    if (support::writes_pages()) expect_page(path, page);
+    if (support::writes_pages()) support::expect_page(path, page);
 }
 
-TEST(ExamplesSlow, OfCostAreWhatIsFound) {
-    expect_examples("docs/cost.md");
-}
-TEST(ExamplesSlow, OfTuneAreWhatIsFound) {
-    expect_examples("docs/tune.md");
-}
-TEST(ExamplesSlow, OfCompareAreWhatIsFound) {
-    expect_examples("docs/compare.md");
+TEST(ExamplesSlow, OfChoosingAreWhatIsFound) {
+    expect_examples("docs/choosing.md");
 }
 
 TEST(Timeless, IsWhatNoClockDecides) {
