@@ -53,7 +53,7 @@ struct Spot {
 
 /// Sets of representatives: in each, every node has one of its lights, one of its children's. Whoever gathers takes one
 /// set; neighbouring pixels take different ones, so that their errors are not alike (docs/model/lightcut.md). chosen: 4
-/// of 1, 4 and 16 (docs/decisions/0016).
+/// of 1, 4 and 16 (docs/decisions.md#representative-sets).
 inline constexpr int representative_sets = 4;
 
 /// The least and largest TreeLight::disc2 below a node, rounded outwards to the upper half of a float: by 0.8 % at
