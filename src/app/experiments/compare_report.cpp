@@ -281,7 +281,7 @@ void write_compare_report(const std::filesystem::path& html, const RenderJob& fi
                                                 "(Bjontegaard).</p>\n" +
                                                 commands(found)) +
             "<h2>To find it out again</h2>\n<pre>" + escaped(command) +
-            "</pre>\n<p class=\"soft\">Every figure is in the JSON file beside this page (docs/compare.md).</p>\n";
+            "</pre>\n<p class=\"soft\">Every figure is in the JSON file beside this page (docs/json.md).</p>\n";
     const std::string lead =
         found.complete ? sentence_of(found) + time_sentence(film, found) : "Interrupted: this is a part of it.";
     write_whole(html, report_page(name + ": coupled, or rendered first", lead, body));

@@ -309,7 +309,7 @@ void write_cost_report(const std::filesystem::path& html, const RenderJob& film,
                    "<p>" + escaped(sentence_of(sweep, quantiser)) + "</p>\n" + cards(film, sweep) +
                        plots(sweep, quantiser) + views(film, sweep) + tables(sweep, quantiser));
     body += "<h2>To find it out again</h2>\n<pre>" + escaped(command) +
-            "</pre>\n<p class=\"soft\">Every figure is in the JSON file beside this page (docs/cost.md).</p>\n";
+            "</pre>\n<p class=\"soft\">Every figure is in the JSON file beside this page (docs/json.md).</p>\n";
     const std::string answer = answer_of(rows, film);
     const std::string lead = (sweep.complete ? "" : "Interrupted: this is a part of it. ") +
                              (answer.empty() ? sentence_of(sweep, quantiser) : answer);

@@ -343,7 +343,7 @@ void write_tune_report(const std::filesystem::path& html, const RenderJob& film,
     }
     body += folded("All curves and tables", all + table(tuning, hertz));
     body += "<h2>To find it out again</h2>\n<pre>" + escaped(command) +
-            "</pre>\n<p class=\"soft\">Every figure is in the JSON file beside this page (docs/tune.md).</p>\n";
+            "</pre>\n<p class=\"soft\">Every figure is in the JSON file beside this page (docs/json.md).</p>\n";
     write_whole(html, report_page(name + ": tuned to " + target_text(tuning.target),
                                   sentence_of(tuning, hertz) + time_to_make(film, tuning), body));
     write_json(report_json_of(html), tune_json(film, tuning, command));

@@ -164,7 +164,7 @@ scene::DefaultLight light_of(const std::string& word) {
 /// In a studio what is white stays light, and what is black dark: from the exposure that would make all things mid
 /// grey.
 float studio_exposure(float to_mid_grey) {
-    // chosen: means of what is shown of 90 to 160 of 255 (docs/models.md).
+    // chosen: means of what is shown of 90 to 160 of 255 (docs/scenes.md).
     constexpr float darkest = 0.14f, lightest = 0.3f;
     const float mean = 0.18f / std::exp2(to_mid_grey);
     return std::log2(std::clamp(mean, darkest, lightest) / mean);

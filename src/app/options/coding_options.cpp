@@ -14,7 +14,7 @@ void add_coding_options(CLI::App& command, CodingOptions& options) {
     command
         .add_option("--for", options.preset,
                     "Where the film goes: dvd-ntsc, dvd-pal or atsc. Sets size, rate, shape, GOPs, rates and buffer "
-                    "(docs/presets.md); options that contradict are refused")
+                    "(docs/coding.md); options that contradict are refused")
         ->type_name("WORLD")
         ->check(CLI::IsMember(preset_names()))
         ->group(coding);

@@ -222,7 +222,7 @@ std::string settings_table(const json& s) {
     }
     return text +
            "</table></div>\n<p class=\"soft\">Every figure is in the JSON file beside this page "
-           "(docs/report.md).</p>\n";
+           "(docs/first-film.md).</p>\n";
 }
 
 constexpr const char* generator = "<meta name=\"generator\" content=\"render2mpeg";

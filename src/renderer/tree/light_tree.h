@@ -208,7 +208,7 @@ TreeTopology topology_of(const LightTree& tree);
 LightTree build_from_topology(const TreeTopology& topology, std::span<const LightPoint> points, std::uint64_t seed);
 
 /// Gives the lights of a persistent tree places and intensities of `points` with the same ids, none of either where
-/// there is no such point, and every node its bounds, sum and representative (docs/model/light-tree.md). Who is whose
+/// there is no such point, and every node its bounds, sum and representative (docs/model/lights.md). Who is whose
 /// child stays; a function of that, the points and the seed, whatever was updated before. O(n log n), a tenth of the
 /// time of building.
 void update_light_tree(LightTree& tree, std::span<const LightPoint> points, std::uint64_t seed);
