@@ -66,7 +66,8 @@ TEST(CitationCheck, FindsAMissingTable) {
 
 TEST(PlaceCheck, FindsAHeadingThatIsNotThere) {
     const File page = make_file("docs/measurements.md", "# Measurements\n\n## Tone curve\n");
-    EXPECT_TRUE(place_faults({make_file("src/core/a.cpp", "// fit: docs/measurements.md#tone-curve.\n"), page}).empty());
+    EXPECT_TRUE(
+        place_faults({make_file("src/core/a.cpp", "// fit: docs/measurements.md#tone-curve.\n"), page}).empty());
     const File wrong = make_file("src/core/a.cpp", "int a;\n// fit: docs/measurements.md#tone\n");
     ASSERT_EQ(place_faults({wrong, page}).size(), 1u);
     EXPECT_EQ(place_faults({wrong, page})[0].line, 2);

@@ -52,10 +52,9 @@ TEST(DocumentCheck, FindsFilesThatAreNamedAndMissing) {
         return missing_files({make_file("src/core/a.cpp", "// " + comment + "\nint docs;\n")}, support::source_folder())
             .size();
     };
-    EXPECT_EQ(names("see docs/sources.md, docs/decisions, docs/model/lightcut, (docs/model/README.md). In docs/"),
-              0u);
+    EXPECT_EQ(names("see docs/sources.md, docs/decisions, docs/model/lightcut, (docs/model/README.md). In docs/"), 0u);
     EXPECT_EQ(names("see docs/source.md and docs/model/9999."), 2u);
-    EXPECT_EQ(names("see docs/model/irradiance and share/docs/a.md"), 1u);
+    EXPECT_EQ(names("see docs/model/irr and share/docs/a.md"), 1u);
     const auto page = [](const char* text) {
         return missing_files({make_file("docs/a.md", text)}, support::source_folder()).size();
     };

@@ -198,7 +198,8 @@ std::string equations_page(const std::vector<File>& files) {
         if (found == uses.end()) continue;
         page += "\n## " + key + "\n\n" + works.at(key) + "\n\n| place | files | explained in |\n|---|---|---|\n";
         for (const auto& [place, there] : found->second)
-            page += "| " + cell(place) + " | " + list_of_paths(there.files) + " | " + list_of_paths(there.pages) + " |\n";
+            page +=
+                "| " + cell(place) + " | " + list_of_paths(there.files) + " | " + list_of_paths(there.pages) + " |\n";
     }
     return page;
 }

@@ -35,8 +35,7 @@ TEST(StructurePage, HasEveryFileOnceByRoom) {
         make_file("src/core/a.cpp", "#include \"a.h\"\n"), make_file("src/core/a.h", "/// Adds a|b.\n"),
         make_file("src/image/b.cpp", "// Draws.\n"), make_file("tests/core/t.cpp", "// No.\n")};
     const std::string page = structure_page(files);
-    EXPECT_NE(page.find("## src/core\n\n| file | duty |\n|---|---|\n| a.h, .cpp | Adds a\\|b. |\n"),
-              std::string::npos)
+    EXPECT_NE(page.find("## src/core\n\n| file | duty |\n|---|---|\n| a.h, .cpp | Adds a\\|b. |\n"), std::string::npos)
         << page;
     EXPECT_NE(page.find("| b.cpp | Draws. |\n"), std::string::npos) << page;
     EXPECT_EQ(page.find("tests/core/t"), std::string::npos);

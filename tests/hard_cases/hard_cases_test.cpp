@@ -138,8 +138,7 @@ std::string rows_of(const std::vector<Proof>& proofs) {
         for (const std::string& name : proof.cases) text += std::exchange(between, "; ") + name;
         for (const std::string& name : proof.tests) {
             const auto file = files.find(name);
-            text += std::exchange(between, "; ") + name + " (" +
-                    (file == files.end() ? "" : file->second) + ")";
+            text += std::exchange(between, "; ") + name + " (" + (file == files.end() ? "" : file->second) + ")";
         }
         text += " |\n";
     }
@@ -160,15 +159,16 @@ TEST(HardCasesPage, NamesOnlyTestsThatAreThere) {
 
 std::string page() {
     std::ostringstream text;
-    text << "# Hard cases\n\n"
-            "Scenes in which careless arithmetic fails, and what render2mpeg does with them. Each is lit without "
-            "clustering,\n"
-            "by cuts within 2 %, with the irradiance cache, and coupled to its coding. In each, all "
-            "radiance is\n"
-            "finite and not negative, and libavcodec decodes the film to the encoder's reconstruction, bit for bit.\n\n"
-            "`tests/hard_cases` proves this page and writes it. The last three tables name the tests that prove what no "
-            "scene\n"
-            "can show. Files of strangers: `docs/fuzzing.md`.\n";
+    text
+        << "# Hard cases\n\n"
+           "Scenes in which careless arithmetic fails, and what render2mpeg does with them. Each is lit without "
+           "clustering,\n"
+           "by cuts within 2 %, with the irradiance cache, and coupled to its coding. In each, all "
+           "radiance is\n"
+           "finite and not negative, and libavcodec decodes the film to the encoder's reconstruction, bit for bit.\n\n"
+           "`tests/hard_cases` proves this page and writes it. The last three tables name the tests that prove what no "
+           "scene\n"
+           "can show. Files of strangers: `docs/fuzzing.md`.\n";
     for (const Chapter& chapter : chapters()) {
         text << "\n## " << chapter.title << "\n\n| case | what goes wrong without care | outcome |\n|---|---|---|\n";
         for (const HardCase& hard_case : chapter.cases)
