@@ -1,4 +1,4 @@
-"""The tables of docs/coupled-benchmark.md from lines of bench_coupled: coupled_tables.py FILE..."""
+"""The table bench/tables/coupled_benchmark.csv from lines of bench_coupled: coupled_tables.py FILE..."""
 import json, sys
 
 ORDER = ("cornell", "character", "colonnade", "sponza", "sibenik")

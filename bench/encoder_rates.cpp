@@ -1,4 +1,4 @@
-// How pictures' bits fall with the quantiser (docs/fits/rate-model.md), and how near films come to the rate they are
+// How pictures' bits fall with the quantiser (docs/measurements.md#rates), and how near films come to the rate they are
 // asked for, in one pass and in two.
 //
 //   bench_encoder_rates [width height count]

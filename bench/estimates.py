@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """bench/estimates.py OUT_FOLDER [--within TIME] [NAME...]
 
-What `render --dry-run` says that films take, held against the films: a row for each of twelve, as docs/cost.md has them.
+What `render --dry-run` says that films take, held against the films: a row for each of twelve, as docs/measurements.md#estimates has them.
 Films that OUT_FOLDER has are taken from there, each with what its making took, so that only dry runs are made anew. Films
 are elementary streams: a program stream's packs are as large as some of them. Times are CPU seconds. `--within` is that of
 the dry run (10s): where others share the machine, it takes more to light as much. RENDER2MPEG names another program than

@@ -2,7 +2,7 @@
 """large_scenes.py triangles|lights COUNT OUT.glb
 
 Writes a scene that is large in one way: a rolling landscape of about COUNT triangles under a sun and a sky, or a hall with
-COUNT small lamps. What rendering them takes is in docs/fits/memory.md.
+COUNT small lamps. What rendering them takes is in docs/measurements.md#memory.
 """
 import array
 import json

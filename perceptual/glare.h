@@ -10,10 +10,10 @@
 
 namespace render2mpeg::perceptual {
 
-/// Scatters a share of a picture's light as an eye does (docs/model/glare.md): half of it in a smooth veil, half in the
-/// pattern that an aperture with particles and fibres diffracts light into [Ritschel2009]. No light comes from beyond
-/// the picture's borders, and what would leave it stays where it is: an even picture stays as it is, and the sum of all
-/// light, too. Not for several threads at once.
+/// Scatters a share of a picture's light as an eye does (docs/model/display.md): half of it in a smooth veil, half in
+/// the pattern that an aperture with particles and fibres diffracts light into [Ritschel2009]. No light comes from
+/// beyond the picture's borders, and what would leave it stays where it is: an even picture stays as it is, and the sum
+/// of all light, too. Not for several threads at once.
 class Glare {
   public:
     /// For pictures of this size, with pixels `pixel_aspect` > 0 times as wide as high. `exposure`, EV, tells how wide

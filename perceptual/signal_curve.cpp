@@ -10,8 +10,8 @@ namespace {
 // which equals knee + d u / (1 + u) with u = (x - knee) / d. We apply it to each channel, so that it has an inverse per
 // channel and bright colours fade to white; and leave out its darkening offset and its own desaturation.
 //
-// chosen: 0.625 of 0.5 to 0.8 (docs/fits/pictures.md). A dyadic number, so that the knee is a segment's border in
-// SignalCurve.
+// chosen: 0.625 of 0.5 to 0.8 (docs/measurements.md#pictures). A dyadic number, so that the knee is a segment's border
+// in SignalCurve.
 constexpr double knee = 0.625;
 
 // The solutions of alpha x^0.45 - (alpha - 1) = 4.5 x with equal slopes [BT2020, table 4, note]; BT.709 prints them

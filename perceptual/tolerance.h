@@ -14,7 +14,7 @@ namespace render2mpeg::perceptual {
 using BlockErrors = std::function<core::Block8x8(int column, int row)>;
 
 /// Distances of luma in code values, > 0, for a picture of this size: the root mean squares of its blocks' errors,
-/// interpolated between blocks (docs/decisions/0008).
+/// interpolated between blocks (docs/decisions.md#told-by-blocks).
 core::Plane<float> distances(int width, int height, const BlockErrors& errors);
 
 /// The share of its luminance that a pixel may be off where nothing else is known. [Render2MPEG, 4.2]

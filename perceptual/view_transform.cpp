@@ -1,5 +1,5 @@
 // Filmic and AgX share one form: light on a logarithmic scale of 16.5 stops, and on it a sigmoid of two arms that meet
-// at a pivot [AgX]. Their constants are fitted to what Blender shows (docs/fits/views.md).
+// at a pivot [AgX]. Their constants are fitted to what Blender shows (docs/measurements.md#views).
 #include "perceptual/view_transform.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ struct Sigmoid {
     double x, y, slope, toe, shoulder;
 };
 
-// fit: docs/fits/views.md
+// fit: docs/measurements.md#views
 constexpr Sigmoid filmic{0.6156, 0.5215, 2.1672, 2.5374, 3.0992};
 constexpr Sigmoid very_high_contrast{0.6082, 0.5074, 3.2860, 2.9248, 2.7394};
 constexpr Sigmoid high_contrast{0.6069, 0.5032, 2.8101, 2.7511, 3.0446};
@@ -103,14 +103,14 @@ double inverse_curve(core::ViewName name, double signal) {
 }
 
 // Filmic moves channels towards the largest one where that is next to white: by the share a M^p - b of their distance.
-// fit: docs/fits/views.md
+// fit: docs/measurements.md#views
 constexpr float desaturation = 5.7231e-5f, desaturation_power = 1.13548f, desaturation_offset = 9.9007e-4f;
 
 /// Where that begins, and where all is white.
 constexpr float desaturated_from = 12.32f;
 
 /// How AgX's channels mix before its curve and after it. Rows sum to 1, so that grey stays grey.
-// fit: docs/fits/views.md
+// fit: docs/measurements.md#views
 const glm::mat3 agx_inset{
     {0.58678f, 0.12191f, 0.09952f}, {0.31511f, 0.75954f, 0.20582f}, {0.09811f, 0.11855f, 0.69466f}};
 const glm::mat3 agx_outset{

@@ -3,9 +3,9 @@
 For each film and quantiser it is only known between which two of the shares rendered the first limit is crossed, or that it lies beyond them. So
 log k is fitted to intervals, open ones included, by greatest likelihood under a normal scatter (interval regression, as a tobit).
 
-    coupled_share.py DATA.jsonl PAGE.md
+    coupled_share.py DATA.jsonl
 
-puts what it finds into the page, docs/fits/coupled-share.md, between the lines `<!-- fitted -->` and `<!-- end -->`.
+prints what it finds (docs/measurements.md#tolerance-fraction).
 """
 import io, json, math, sys
 
@@ -199,7 +199,4 @@ for n, by_q in films.items():
 say("\nMean, and how many are within their limit: " +
     "; ".join(f"{NAMES[key]} {sum(x) / len(x):.4f}, {sum(y <= LIMITS[key] for y in x)} of {len(x)}" for key, x in sums.items()) + ".")
 
-page = open(sys.argv[2]).read()
-before, rest = page.split("<!-- fitted -->\n")
-after = rest.split("<!-- end -->\n")[1]
-open(sys.argv[2], "w").write(before + "<!-- fitted -->\n" + out.getvalue() + "<!-- end -->\n" + after)
+print(out.getvalue())

@@ -1,4 +1,4 @@
-// The fit of how the stopping rule learns its error scale (docs/fits/error-calibration.md).
+// The fit of how the stopping rule learns its error scale (docs/measurements.md#error-scale).
 //
 //   fit_error_calibration OUT.csv NAME=SCENE...
 //

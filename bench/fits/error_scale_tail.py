@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """bench/fits/error_scale_tail.py NEEDS [SCALE]
 
-How well a few pixels tell what a share of 0.005 of all exceeds (docs/fits/error-calibration.md, "Few pixels"). NEEDS is what
+How well a few pixels tell what a share of 0.005 of all exceeds (docs/measurements.md#error-scale, "Few pixels"). NEEDS is what
 fit_error_calibration writes beside its table: what each pixel needs, by scene and tolerance; SCALE those lit with it, 0.5. From each
 row samples are drawn, and the error_scale that they ask for is held against the whole row."""
 import bisect

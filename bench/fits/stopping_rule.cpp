@@ -1,4 +1,4 @@
-// The fit of the stopping rule (docs/fits/stopping-rule.md): how many pixels of real pictures err by more than
+// The fit of the stopping rule (docs/measurements.md#stopping-rule): how many pixels of real pictures err by more than
 // their tolerance, at a range of factors on what a cut is thought to err by, against the sum over all light points.
 //
 //   stopping_rule OUT.csv NAME=SCENE[:apart]...

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # bench/fits/stopping_rule.sh [SCENES_FOLDER] > tables.md
-# The fit of the stopping rule (docs/fits/stopping-rule.md): measures our animations and, where SCENES_FOLDER (as for
-# bench/real_scenes.sh) is given, real scenes; writes docs/fits/stopping-rule.csv and prints the tables. Build first:
+# The fit of the stopping rule (docs/measurements.md#stopping-rule): measures our animations and, where SCENES_FOLDER (as for
+# bench/real_scenes.sh) is given, real scenes; writes bench/fits/stopping-rule.csv and prints the tables. Build first:
 # cmake --preset release -DRENDER2MPEG_BENCH=ON && cmake --build build/release --target fit_stopping_rule
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
@@ -22,4 +22,4 @@ if [ $# -ge 1 ]; then
     subjects+=("cornell_box=$1/cornell/gltf/CornellBox.glb:apart")
 fi
 for name in many_lamps character mirror_and_glass flash_cut; do subjects+=("$name=$root/animations/$name:apart"); done
-"$program" "$root/docs/fits/stopping-rule.csv" "${subjects[@]}"
+"$program" "$root/bench/fits/stopping-rule.csv" "${subjects[@]}"

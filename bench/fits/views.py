@@ -2,7 +2,7 @@
 
 Fits the constants of perceptual/view_transform.cpp to what Blender shows: of Filmic prints each look's sigmoid, how bright
 colours fade to white, and the largest errors in code values of 255; of AgX, which Blender 4 has, its sigmoid and how channels
-mix before and after it (docs/fits/views.md).
+mix before and after it (docs/measurements.md#views).
 """
 import os
 import tempfile

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""docs/pictures/charts.py: draws the charts of docs/measurements.md from its tables, as SVG files beside this script.
+"""docs/pictures/charts.py: draws the chart of docs/measurements.md from its table, as an SVG file beside this script.
 
 A table with a chart has the line `<!-- chart: NAME -->` above it. Needs nothing but Python.
 """
@@ -50,29 +50,6 @@ def grid(low, high, step, mark=lambda v: f"{v:g}"):
     return body, at
 
 
-def lines(name, title, below, high, step):
-    """A line for each row, over the columns of the head."""
-    head, *rows = table_of(name)
-    body, at = grid(0, high, step, lambda v: f"x{v:g}")
-    across = lambda i: LEFT + 20 + i * (WIDTH - LEFT - RIGHT - 40) / (len(head) - 2)
-    for i, column in enumerate(head[1:]):
-        body.append(text(across(i), HEIGHT - BOTTOM + 16, column, "middle"))
-    body.append(text((LEFT + WIDTH - RIGHT) / 2, HEIGHT - 8, below, "middle"))
-    ends = []
-    for row, colour in zip(rows, COLOURS):
-        points = [(across(i), at(number(c))) for i, c in enumerate(row[1:]) if number(c) is not None]
-        body.append(f'<polyline fill="none" stroke="{colour}" stroke-width="2" points="'
-                    + " ".join(f"{x:.1f},{y:.1f}" for x, y in points) + '"/>')
-        body += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3" fill="{colour}"/>' for x, y in points]
-        ends.append((points[-1][1], row[0], colour))
-    # Names beside the lines' ends, apart from each other.
-    last = 0.0
-    for y, words, colour in sorted(ends):
-        last = max(y + 4, last + 15)
-        body.append(text(WIDTH - RIGHT + 2, last, words, extra=f'fill="{colour}"'))
-    written(name, title, body)
-
-
 def bars(name, title, columns, names, low, high, step, mark, shorten=lambda row: row[0]):
     """For each row a bar of each of some columns."""
     _, *rows = table_of(name)
@@ -94,10 +71,5 @@ def bars(name, title, columns, names, low, high, step, mark, shorten=lambda row:
     written(name, title, body)
 
 
-lines("default-time", "How many times faster the default gathers light than a fixed 2 %", "quantiser", 3, 0.5)
-bars("cache-time", "How many times faster 48 frames are with the cache", [1, 6], ["coupled", "fixed 2 %"], 0, 8, 2,
-     lambda v: f"x{v:g}", lambda row: row[0].replace(", ", "\n", 1))
-bars("first-frame", "CPU seconds of light for a first frame of 512x512", [1, 2, 3, 4],
-     ["ours, 2 %", "ours, 13 %", "papers', 2 %", "papers', 13 %"], 0, 16, 4, lambda v: f"{v:g} s")
 bars("encoder-bits", "Bits beside ffmpeg's at equal PSNR-Y", [1, 2], ["against A", "against B"], -40, 10, 10,
      lambda v: f"{v:g} %")

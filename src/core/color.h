@@ -21,7 +21,7 @@ inline float chroma(glm::vec3 rgb) {
 }
 
 /// What an eye notices of a difference of light, in luminance: it forgives twice as much of chroma
-/// (docs/decisions/0014).
+/// (docs/decisions.md#stopping-rule).
 inline float noticed(glm::vec3 difference) {
     return std::max(std::abs(luminance(difference)), 0.5f * chroma(difference));
 }

@@ -20,7 +20,7 @@ inline constexpr std::array<std::string_view, 3> glare_names{"off", "static", "t
 /// Glare's strength lies within 0 and this.
 inline constexpr float most_glare = 0.5f;
 
-/// What bright light does in the eye (docs/model/glare.md).
+/// What bright light does in the eye (docs/model/display.md).
 struct Glare {
     GlareKind kind = GlareKind::off;
     float strength = 0.1f;   ///< share of the light that is scattered, 0..most_glare; what eyes scatter is a tenth

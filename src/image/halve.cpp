@@ -15,7 +15,7 @@ struct Mixture {
 };
 
 /// Integral from -infinity to x of the filter: a tent of unit half width. chosen: against a box, a quadratic B-spline
-/// and Kaiser windows (docs/fits/pictures.md).
+/// and Kaiser windows (docs/measurements.md#pictures).
 double tent_integral(double x) {
     if (x <= -1) return 0;
     if (x >= 1) return 1;

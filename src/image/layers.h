@@ -1,5 +1,5 @@
 #pragma once
-// Writes multilayer OpenEXR files with Blender's names (docs/layers.md).
+// Writes multilayer OpenEXR files with Blender's names (docs/pictures.md).
 #include <filesystem>
 #include <glm/glm.hpp>
 
@@ -13,7 +13,7 @@
 namespace render2mpeg::image {
 
 /// Writes what a frame is made of as one multilayer OpenEXR with Blender's layer names and motion convention
-/// (docs/layers.md lists them all). Layers that `radiance` does not have are left out; with neither motion, so is
+/// (docs/pictures.md lists them all). Layers that `radiance` does not have are left out; with neither motion, so is
 /// Vector. `tolerance` is what the light was gathered by; null or empty: none. `to_previous` and `to_next` lead from
 /// this frame to its neighbours; either may be null: the film's first and last frame. The radiance stands under the
 /// plain names R, G, B, A too, for viewers that know no layers. Throws core::Error where the file cannot be written.

@@ -17,7 +17,7 @@
 namespace render2mpeg::image {
 namespace {
 
-/// chosen: 16 of 4 to 32 (docs/fits/pictures.md).
+/// chosen: 16 of 4 to 32 (docs/measurements.md#pictures).
 constexpr int max_probes = 16;
 /// Coordinates from here on have no fraction.
 constexpr float no_fraction = 16777216.0f;

@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <cctype>
+#include <map>
+#include <regex>
 #include <set>
 #include <string_view>
+
+#include "checks/links.h"
 
 namespace render2mpeg::checks {
 namespace {
@@ -144,33 +148,24 @@ std::vector<Finding> citation_faults(const std::vector<File>& files) {
     return findings;
 }
 
-std::vector<Finding> fit_faults(const std::vector<File>& files) {
-    constexpr std::string_view folder = "docs/fits/";
+std::vector<Finding> place_faults(const std::vector<File>& files) {
+    static const std::regex cited("\\bdocs/[\\w/-]+\\.md#[\\w-]+");
+    std::map<std::string, std::set<std::string>> places;
+    for (const File& file : files)
+        if (file.path.ends_with(".md"))
+            for (const std::string& anchor : anchors_of(file)) places[file.path].insert(anchor);
+
     std::vector<Finding> findings;
-    std::set<std::string> named;
     for (const File& file : files) {
-        if (file.begins_with("tests/checks/")) continue;
-        const std::string_view text = file.comments;
-        for (std::size_t at = text.find(folder); at != std::string_view::npos; at = text.find(folder, at + 1)) {
-            std::size_t end = at + folder.size();
-            while (end < text.size() &&
-                   (is_alnum(text[end]) || text[end] == '_' || text[end] == '-' || text[end] == '.'))
-                ++end;
-            while (text[end - 1] == '.') --end;
-            if (end == at + folder.size()) continue;  // the folder as such
-            const std::string name(text.substr(at, end - at));
-            const auto is_meant = [&](const File& f) {
-                return f.path == name || f.path.starts_with(name + ".") || f.path.starts_with(name + "/");
-            };
-            if (std::none_of(files.begin(), files.end(), is_meant))
-                findings.push_back({file.path, line_at(text, at), "names " + name + ", which does not exist"});
-            for (const File& f : files)
-                if (is_meant(f) && f.path != file.path) named.insert(f.path);
+        if (file.begins_with("tests/checks/") || file.comments.find(".md#") == std::string::npos) continue;
+        for (std::sregex_iterator at(file.comments.begin(), file.comments.end(), cited), end; at != end; ++at) {
+            const std::string place = at->str();
+            const std::size_t hash = place.find('#');
+            if (!places[place.substr(0, hash)].contains(place.substr(hash + 1)))
+                findings.push_back({file.path, line_at(file.comments, static_cast<std::size_t>(at->position())),
+                                    "names " + place + ", which does not exist"});
         }
     }
-    for (const File& file : files)
-        if (file.begins_with(folder) && !named.contains(file.path))
-            findings.push_back({file.path, 0, "is a fit that nothing names"});
     return findings;
 }
 

@@ -26,7 +26,7 @@ std::vector<std::string> listed_keys(const File& sources);
 /// Keys cited but not listed, listed but never cited, listed twice or out of order.
 std::vector<Finding> citation_faults(const std::vector<File>& files);
 
-/// `fit: docs/fits/name` that names no file, and files of docs/fits that nothing names.
-std::vector<Finding> fit_faults(const std::vector<File>& files);
+/// Places in documents that are cited as `docs/measurements.md#records` and that no heading there makes.
+std::vector<Finding> place_faults(const std::vector<File>& files);
 
 }  // namespace render2mpeg::checks

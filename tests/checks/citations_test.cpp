@@ -17,8 +17,8 @@ TEST(Citations, OfThisTreeAreAllListedAndAllListedAreCited) {
     EXPECT_TRUE(findings.empty()) << list_of(findings);
 }
 
-TEST(Fits, OfThisTreeExistAndAreUsed) {
-    const auto findings = fit_faults(read_tree(support::source_folder()));
+TEST(Places, ThatThisTreeCitesExist) {
+    const auto findings = place_faults(read_tree(support::source_folder()));
     EXPECT_TRUE(findings.empty()) << list_of(findings);
 }
 
@@ -64,15 +64,14 @@ TEST(CitationCheck, FindsAMissingTable) {
     EXPECT_EQ(citation_faults({}).size(), 1u);
 }
 
-TEST(FitCheck, FindsAFitThatDoesNotExistAndOneThatNothingNames) {
-    const File code = make_file("src/core/a.cpp", "// fit: docs/fits/tone-curve.\n");
-    const File fit = make_file("docs/fits/tone-curve.md", "how\n");
-    const File other = make_file("docs/fits/other.md", "how\n");
-    EXPECT_TRUE(fit_faults({code, fit}).empty());
-    ASSERT_EQ(fit_faults({code}).size(), 1u);
-    EXPECT_EQ(fit_faults({code})[0].path, "src/core/a.cpp");
-    ASSERT_EQ(fit_faults({code, fit, other}).size(), 1u);
-    EXPECT_EQ(fit_faults({code, fit, other})[0].path, "docs/fits/other.md");
+TEST(PlaceCheck, FindsAHeadingThatIsNotThere) {
+    const File page = make_file("docs/measurements.md", "# Measurements\n\n## Tone curve\n");
+    EXPECT_TRUE(
+        place_faults({make_file("src/core/a.cpp", "// fit: docs/measurements.md#tone-curve.\n"), page}).empty());
+    const File wrong = make_file("src/core/a.cpp", "int a;\n// fit: docs/measurements.md#tone\n");
+    ASSERT_EQ(place_faults({wrong, page}).size(), 1u);
+    EXPECT_EQ(place_faults({wrong, page})[0].line, 2);
+    EXPECT_EQ(place_faults({make_file("src/core/a.cpp", "// fit: docs/measurements.md#tone-curve\n")}).size(), 1u);
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ int count_words(std::string_view text);
 
 std::vector<Finding> wordy_documents(const std::vector<File>& files);
 
-/// Documents that comments and pages name, as in `docs/model/lightcut.md` or `docs/decisions/0018`, and files that
+/// Documents that comments and pages name, as in `docs/model/lightcut.md` or `docs/decisions`, and files that
 /// pages name, as in `src/renderer/cut/gatherer.h`, that do not exist below `root`. The name may leave out what follows
 /// a dot or a hyphen.
 std::vector<Finding> missing_files(const std::vector<File>& files, const std::filesystem::path& root);

@@ -13,10 +13,6 @@
 namespace render2mpeg::checks {
 namespace {
 
-const std::string remark =
-    "<!-- Made from the sources: RENDER2MPEG_WRITE_PAGES=1 build/release/test_checks "
-    "--gtest_filter='Pages.*' -->\n\n";
-
 /// "src/app/loop" of "src/app/loop/pipeline.cpp".
 std::string room_of(const std::string& path) {
     return path.substr(0, path.rfind('/'));
@@ -49,10 +45,6 @@ std::map<std::string, Pair> pairs_of(const std::vector<File>& files) {
         (file.path.ends_with(".h") ? pair.header : pair.source) = &file;
     }
     return pairs;
-}
-
-std::string link_to(const std::string& path, const std::string& text) {
-    return "[" + text + "](" + (path.starts_with("docs/") ? path.substr(5) : "../" + path) + ")";
 }
 
 /// Text as a cell of a table shows it: code in backquotes stays as it is.
@@ -113,9 +105,9 @@ struct Uses {
     std::set<std::string> files, pages;
 };
 
-std::string links_to(const std::set<std::string>& paths) {
+std::string list_of_paths(const std::set<std::string>& paths) {
     std::string text;
-    for (const std::string& path : paths) text += (text.empty() ? "" : ", ") + link_to(path, name_of(path));
+    for (const std::string& path : paths) text += (text.empty() ? "`" : ", `") + path + "`";
     return text;
 }
 
@@ -152,22 +144,20 @@ std::string duty_of(const File& file) {
 }
 
 std::string structure_page(const std::vector<File>& files) {
-    std::string page = "# Structure\n\n" + remark +
-                       "Every file of the program and the library, by room. A row is a header and its source. The "
-                       "duty is the first\nsentence of the file itself. Arrows between rooms are proved by "
-                       "`tests/checks/layers_test.cpp`.\n";
+    std::string page =
+        "# Structure\n\n"
+        "Every file of the program and the library, by room. A row is a header and its source. The "
+        "duty is the first\nsentence of the file itself. Arrows between rooms are proved by "
+        "`tests/checks/layers_test.cpp`.\n";
     std::string room;
     std::map<std::string, std::map<std::string, Pair>> rooms;
     for (const auto& [stem, pair] : pairs_of(files)) rooms[room_of(stem)][stem] = pair;
     for (const auto& [name, pairs] : rooms) {
         page += "\n## " + name + "\n\n";
-        const std::string readme = name + "/README.md";
-        if (std::any_of(files.begin(), files.end(), [&](const File& f) { return f.path == readme; }))
-            page += link_to(readme, "What the room is for") + "\n\n";
         page += "| file | duty |\n|---|---|\n";
         for (const auto& [stem, pair] : pairs) {
-            std::string names = link_to(pair.any().path, name_of(pair.any().path));
-            if (pair.header != nullptr && pair.source != nullptr) names += ", " + link_to(pair.source->path, ".cpp");
+            std::string names = name_of(pair.any().path);
+            if (pair.header != nullptr && pair.source != nullptr) names += ", .cpp";
             page += "| " + names + " | " + cell(pair.duty()) + " |\n";
         }
     }
@@ -199,15 +189,17 @@ std::string equations_page(const std::vector<File>& files) {
             }
     }
 
-    std::string page = "# From an equation to its file\n\n" + remark +
-                       "Every place of every work that the code cites, and the files that follow it. "
-                       "[sources.md](sources.md) lists the works.\n";
+    std::string page =
+        "# From an equation to its file\n\n"
+        "Every place of every work that the code cites, and the files that follow it. "
+        "`docs/sources.md` lists the works.\n";
     for (const std::string& key : listed) {
         const auto found = uses.find(key);
         if (found == uses.end()) continue;
         page += "\n## " + key + "\n\n" + works.at(key) + "\n\n| place | files | explained in |\n|---|---|---|\n";
         for (const auto& [place, there] : found->second)
-            page += "| " + cell(place) + " | " + links_to(there.files) + " | " + links_to(there.pages) + " |\n";
+            page +=
+                "| " + cell(place) + " | " + list_of_paths(there.files) + " | " + list_of_paths(there.pages) + " |\n";
     }
     return page;
 }

@@ -88,8 +88,8 @@ bool is_text(const std::string& path) {
     const std::string name = fs::path(path).filename().string();
     return ends_with_any(name,
                          {".cpp", ".h", ".cmake", ".txt", ".md", ".json", ".gltf", ".obj", ".mtl", ".py", ".yml"}) ||
-           path.starts_with("scripts/") || path.starts_with(".ci/") || path.starts_with("docs/fits/") ||
-           name == ".clang-format" || name == ".clang-tidy" || name == ".gitignore";
+           path.starts_with("scripts/") || path.starts_with(".ci/") || name == ".clang-format" ||
+           name == ".clang-tidy" || name == ".gitignore";
 }
 
 /// Folders that hold no sources of ours.

@@ -12,7 +12,7 @@
 #include "tests/support/scene_builder.h"
 
 /// Scenes in which careless arithmetic fails, each with the outcome that is right. What every case must fulfil whatever
-/// it is about stands in hard_cases_test.cpp; docs/hard-cases.md is written from these lists.
+/// it is about stands in hard_cases_test.cpp; the page hard-cases.md of the build is written from these lists.
 namespace render2mpeg::test {
 
 /// How light is gathered.

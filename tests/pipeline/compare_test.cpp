@@ -28,7 +28,7 @@ TEST(Compare, HoldsSixWaysAgainstOneReferenceSlow) {
     ASSERT_EQ(outcome.status, 0) << outcome.output;
     const json found = json::parse(contents(folder / "c.json"));
     EXPECT_EQ(json::parse(contents(folder / "c.report.json")), found);
-    const std::string document = contents(support::source_folder() / "docs/compare.md");
+    const std::string document = contents(support::source_folder() / "docs/json.md");
     for (const auto& [key, value] : found.items()) EXPECT_NE(document.find("`" + key + "`"), std::string::npos) << key;
     EXPECT_TRUE(found.at("complete").get<bool>());
     EXPECT_TRUE(found.at("ffmpeg").get<std::string>().starts_with("ffmpeg version"));

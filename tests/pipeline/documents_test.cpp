@@ -33,25 +33,25 @@ TEST(Documents, NameEveryKeyOfStatisticsReportsAndInformationSlow) {
                   .status,
               0);
     const json report = json::parse(contents(folder / "r.report.json"));
-    expect_keys(report, page("stats.md") + page("report.md"), "passes");
+    expect_keys(report, page("json.md"), "passes");
 
     test::write_frames(path(folder, "in.y4m"), 64, 48, "25:1", "1:1", 3);
     ASSERT_EQ(run(program() + " encode -y " + path(folder, "in.y4m") + " --quiet -o " + path(folder, "e.mpg") +
                   " --stats " + path(folder, "e.json"))
                   .status,
               0);
-    expect_keys(json::parse(contents(folder / "e.json")), page("stats.md"), "passes");
+    expect_keys(json::parse(contents(folder / "e.json")), page("json.md"), "passes");
 
     const auto told = run(program() + " info --json " + path(folder, "f.mpg"));
     ASSERT_EQ(told.status, 0) << told.output;
-    expect_keys(json::parse(told.output), page("info.md"), "types");
+    expect_keys(json::parse(told.output), page("json.md"), "types");
 
     const auto tried = run(program() + " cost " + support::plain_film() +
                            " --size 16x16 --samples 1 --indirect lightcuts --vpls 16 --exposure 0 --sample 1x1 "
                            "--tolerances 20 --quantisers 31" +
                            " --quiet --json " + path(folder, "c.json"));
     ASSERT_EQ(tried.status, 0) << tried.output;
-    expect_keys(json::parse(contents(folder / "c.json")), page("cost.md"), "");
+    expect_keys(json::parse(contents(folder / "c.json")), page("json.md"), "");
 }
 
 }  // namespace

@@ -78,7 +78,7 @@ TEST(ImageProbes, OneAtATimeWithinALimit) {
     const ImageProbes free = app::image_probes(false);
     EXPECT_GE(free.at_once, 1u);
     EXPECT_LE(free.share, free.alone);
-    // The largest image that is read: docs/fits/memory.md.
+    // The largest image that is read: docs/measurements.md#memory.
     EXPECT_LE(free.alone, mib * 1024 + 48 * std::uintmax_t{image::max_pixels});
     EXPECT_GT(free.share * free.at_once, 256 * mib);
 }

@@ -197,7 +197,7 @@ TEST(Tune, FindsAQualityAndPrintsTheRenderThatHasItSlow) {
     const std::string page = contents(folder / "t.html");
     EXPECT_NE(page.find(app::line_of({"--quality", chosen.at("setting").get<std::string>()})), std::string::npos);
     EXPECT_NE(page.find(found.at("summary").get<std::string>()), std::string::npos);
-    const std::string document = contents(support::source_folder() / "docs/tune.md");
+    const std::string document = contents(support::source_folder() / "docs/json.md");
     for (const auto& [key, value] : found.items()) EXPECT_NE(document.find("`" + key + "`"), std::string::npos) << key;
     for (const auto& [key, value] : chosen.items()) EXPECT_NE(document.find("`" + key + "`"), std::string::npos) << key;
 }

@@ -27,7 +27,8 @@ constexpr int side = case_side, patch_side = 4, patches_across = side / patch_si
 /// Errors of a mean are normal, and a picture has 16 patches of three channels: one in 500 pictures has one beyond.
 constexpr double sigmas = 4.5;
 
-/// Multiplies the paths and prints rows of docs/fits/light-truth.md, where RENDER2MPEG_TRUTH_PATHS says so; 0: no.
+/// Multiplies the paths and prints rows of docs/measurements.md#closed-forms-and-paths, where RENDER2MPEG_TRUTH_PATHS
+/// says so; 0: no.
 int wanted_paths() {
     const char* text = std::getenv("RENDER2MPEG_TRUTH_PATHS");
     return text == nullptr ? 0 : std::max(1, std::atoi(text));

@@ -42,7 +42,7 @@ TEST_P(FlickerSlow, AlongMotionIsThatOfLightWithoutNoise) {
     EXPECT_LE(anchors, 1.1 * reference) << anchors / reference;
     EXPECT_GE(anchors, 0.9 * reference) << anchors / reference;
     // Asked is 1.1. It is 1.14 to 1.17 since clusters that a moving object hides in part are not split for that
-    // alone (docs/decisions/0017-anchors.md).
+    // alone (docs/decisions.md#anchors).
     EXPECT_LE(cuts, 1.18 * reference) << cuts / reference;
     RecordProperty("anchors", std::to_string(anchors / reference));
     RecordProperty("cuts", std::to_string(cuts / reference));

@@ -4,18 +4,26 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
 
 #include "tests/support/places.h"
 
-/// Pages of the documents that a test makes anew and compares.
+/// Pages that tests make: kept ones, which they compare, and others in the build's folder `docs`.
 namespace render2mpeg::support {
 
 /// Whether pages are to be written instead of compared: the environment has RENDER2MPEG_WRITE_PAGES.
 inline bool writes_pages() {
     return std::getenv("RENDER2MPEG_WRITE_PAGES") != nullptr;
+}
+
+/// Writes a page that is not kept to the build's folder `docs`.
+inline void write_page(const std::string& name, const std::string& text) {
+    const auto folder = binary_folder() / "docs";
+    std::filesystem::create_directories(folder);
+    std::ofstream(folder / name, std::ios::binary) << text;
 }
 
 /// Expects a file of this tree to hold `text`, or writes it there.

@@ -4,7 +4,7 @@
 
 /// The encoder's free constants, in units of the quantiser_scale_code q, whose step is 2q for a matrix entry of 16. All
 /// were chosen by the mean BD-rate over the clips of bench/encoder_rd (1280x720, quantisers 2, 4, 8, 16); what
-/// was tried is in docs/fits/encoder.md.
+/// was tried is in docs/measurements.md#encoder.
 namespace render2mpeg::encoder::mpeg2 {
 
 /// Quantiser of B pictures over that of others. Nothing refers to them.

@@ -10,7 +10,7 @@ namespace render2mpeg::encoder::mpeg2 {
 namespace {
 
 /// Every fourth pixel of every eighth row.
-/// chosen: every eighth row of 4 and 8: time against bits (docs/fits/encoder.md).
+/// chosen: every eighth row of 4 and 8: time against bits (docs/measurements.md#encoder).
 constexpr int sample_step = 4, row_step = 8, first_row = 2;
 
 /// Vectors of the macroblock's valid pixels.

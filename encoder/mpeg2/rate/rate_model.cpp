@@ -15,14 +15,14 @@ std::size_t index_of(PictureType type) {
 }
 
 /// Complexities of P and B pictures over that of an I picture, where only the latter is known.
-/// fit: docs/fits/rate-model
+/// fit: docs/measurements.md#rates
 constexpr double complexity_ratio[3] = {1.0, 0.63, 0.28};
 
-/// Bits per luma sample of an I picture at quantiser 1. fit: docs/fits/rate-model
+/// Bits per luma sample of an I picture at quantiser 1. fit: docs/measurements.md#rates
 constexpr double guessed_density = 2.2;
 
 /// A picture that takes this many times the bits expected is no odd one among its like: the film has become harder.
-/// chosen: 2 of 1.5 to 4 (docs/fits/encoder.md).
+/// chosen: 2 of 1.5 to 4 (docs/measurements.md#encoder).
 constexpr double surprise = 2;
 
 /// The geometric mean of old and new: one odd picture is half forgotten with the next.

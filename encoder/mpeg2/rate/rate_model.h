@@ -21,7 +21,7 @@ double usual_quantiser_ratio(PictureType type, int gop);
 double ratio_of(const PicturePlan& picture);
 
 /// How a picture's bits fall with its quantiser: overhead + complexity * quantiser^-slope.
-/// fit: docs/fits/rate-model
+/// fit: docs/measurements.md#rates
 double rate_slope(PictureType type);
 
 /// What pictures of each type will cost, learned from those already coded.

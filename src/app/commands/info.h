@@ -7,8 +7,8 @@
 
 namespace render2mpeg::app {
 
-/// `render2mpeg info`: prints how a film's pictures are coded (docs/info.md). Returns the exit status: 1 where pictures
-/// are damaged. Throws core::Error where the file is no MPEG-2 film.
+/// `render2mpeg info`: prints how a film's pictures are coded (docs/first-film.md). Returns the exit status: 1 where
+/// pictures are damaged. Throws core::Error where the file is no MPEG-2 film.
 int info(const InfoOptions& options);
 
 /// What info() prints of a film: the damage (empty where there is none), '\0', and the tables or JSON. Calls

@@ -257,7 +257,7 @@ void write_compare_report(const std::filesystem::path& html, const RenderJob& fi
                                                 commands(found));
     const std::string lead =
         found.complete ? sentence_of(found) + time_sentence(film, found) : "Interrupted: this is a part of it.";
-    write_trial_page(html, film, "coupled, or rendered first", lead, body, command, "docs/compare.md",
+    write_trial_page(html, film, "coupled, or rendered first", lead, body, command, "docs/json.md",
                      compare_json(film, found, command));
 }
 

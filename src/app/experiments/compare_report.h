@@ -8,7 +8,7 @@
 
 namespace render2mpeg::app {
 
-/// Everything that `compare` found out (docs/compare.md).
+/// Everything that `compare` found out (docs/choosing.md).
 nlohmann::json compare_json(const RenderJob& film, const Comparison& found, const std::string& command);
 
 /// The same as a page with plots, and report_json_of() it.

@@ -48,7 +48,7 @@ inline constexpr std::size_t coupled_way = 0, fixed_way = 1, free_way = 2, usual
                              strongest_free_way = 5;
 /// Pictures of a GOP where nobody says: as many as the strongest command for short ones has.
 inline constexpr int short_gop = 15;
-/// Pictures of a free GOP: as many as the strongest command found has (docs/encoder-benchmark.md).
+/// Pictures of a free GOP: as many as the strongest command found has (docs/measurements.md).
 inline constexpr int free_gop = 60;
 
 /// Ways that are held against each other: the first against the second.

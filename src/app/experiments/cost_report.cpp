@@ -275,7 +275,7 @@ void write_cost_report(const std::filesystem::path& html, const RenderJob& film,
     const std::string answer = answer_of(rows, film);
     const std::string lead = (sweep.complete ? "" : "Interrupted: this is a part of it. ") +
                              (answer.empty() ? sentence_of(sweep, quantiser) : answer);
-    write_trial_page(html, film, "what accuracy costs", lead, body, command, "docs/cost.md",
+    write_trial_page(html, film, "what accuracy costs", lead, body, command, "docs/json.md",
                      cost_json(film, sweep, rows, command));
 }
 

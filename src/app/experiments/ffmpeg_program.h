@@ -19,7 +19,7 @@ struct FfmpegWay {
 /// As people use it: a fixed quantiser, two B pictures, motion search as it is by default.
 FfmpegWay usual_ffmpeg();
 /// The strongest command known for closed GOPs of so many pictures: rate-distortion decisions, trellis, and motion
-/// search by uneven hexagons (docs/encoder-benchmark.md).
+/// search by uneven hexagons (docs/measurements.md).
 FfmpegWay strongest_ffmpeg();
 /// The strongest for free GOPs: longer ones, in which it chooses where B pictures pay.
 FfmpegWay strongest_free_ffmpeg();

@@ -55,7 +55,7 @@ double even_figure(const Target& target, double value) {
 }
 
 double even_slope(const Target& target) {
-    // fit: docs/fits/coupled-share.jsonl: between quantisers 2 and 16 a doubling, 20 of quality, costs 3.7 to 4.7 dB
+    // fit: bench/fits/coupled-share.jsonl: between quantisers 2 and 16 a doubling, 20 of quality, costs 3.7 to 4.7 dB
     // and 0.35 to 0.43 of the bits.
     return target.is_rate() ? 0.025 : 0.2;
 }

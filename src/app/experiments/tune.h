@@ -13,8 +13,8 @@ namespace render2mpeg::app {
 using RenderFilm = std::function<int(const RenderOptions& options, const std::string& command, Rendered* rendered)>;
 
 /// `render2mpeg tune`: finds the setting that reaches a quality, rate, size or time on a sample of the film, then makes
-/// the film with `render_film` (docs/tune.md). `words` are the command line's. Returns the exit status: 0; 1 where the
-/// target is out of reach or the film missed it; 130 after an interruption. Throws core::Error.
+/// the film with `render_film` (docs/choosing.md). `words` are the command line's. Returns the exit status: 0; 1 where
+/// the target is out of reach or the film missed it; 130 after an interruption. Throws core::Error.
 int tune(const TuneOptions& options, const std::vector<std::string>& words, const RenderFilm& render_film);
 
 }  // namespace render2mpeg::app

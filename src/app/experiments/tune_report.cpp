@@ -323,7 +323,7 @@ void write_tune_report(const std::filesystem::path& html, const RenderJob& film,
     }
     body += folded("All curves and tables", all + table(tuning, hertz));
     write_trial_page(html, film, "tuned to " + target_text(tuning.target),
-                     sentence_of(tuning, hertz) + time_to_make(film, tuning), body, command, "docs/tune.md",
+                     sentence_of(tuning, hertz) + time_to_make(film, tuning), body, command, "docs/json.md",
                      tune_json(film, tuning, command));
 }
 

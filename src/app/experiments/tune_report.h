@@ -21,7 +21,7 @@ std::string film_sentence(const Tuning& tuning, double pictures_per_second);
 /// one of the sample.
 bool film_is_near(const Tuning& tuning);
 
-/// Everything that `tune` found out (docs/tune.md).
+/// Everything that `tune` found out (docs/choosing.md).
 nlohmann::json tune_json(const RenderJob& film, const Tuning& tuning, const std::string& command);
 
 /// The same as a page with plots, and report_json_of() it.

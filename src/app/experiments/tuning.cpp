@@ -184,8 +184,9 @@ std::string text_of(const ToleranceRequest& t) {
 }
 
 /// From what was asked for to next to nothing.
-/// chosen: in this order steps cost least of the picture (docs/fits/coupled-share.md, "Steps of tune"): tolerances up
-/// to four times what hides, then edges, then light points, whose light is another one; four steps of each.
+/// chosen: in this order steps cost least of the picture (docs/measurements.md#tolerance-fraction, "Steps of tune"):
+/// tolerances up to four times what hides, then edges, then light points, whose light is another one; four steps of
+/// each.
 std::vector<Rung> ladder_of(const ToleranceRequest& tolerance, int samples, int vpls) {
     std::vector<Rung> rungs;
     const auto add = [&](float factor, int fewer_samples, int fewer_points) {

@@ -15,7 +15,7 @@ struct Overhead {
     double share = 0;    ///< of the pictures' bytes
 };
 
-/// chosen: somewhat more than measured (docs/fits/rate-model.md), and the share that headers have of full packs and
+/// chosen: somewhat more than measured (docs/measurements.md#rates), and the share that headers have of full packs and
 /// packets [H222]. A disc has two sectors of navigation more for each of its units, of some 12 pictures.
 Overhead overhead_of(const std::string& ending, bool disc) {
     if (ending == ".m2v") return {16, 0, 0};
@@ -28,7 +28,7 @@ Overhead overhead_of(const std::string& ending, bool disc) {
 
 double pictures_in_file(double bytes, std::int64_t pictures, const std::filesystem::path& file, bool disc) {
     const Overhead overhead = overhead_of(core::ending_of(file), disc);
-    // chosen: two passes come within 1 % of a rate, seldom 2 % (docs/fits/rate-model.md).
+    // chosen: two passes come within 1 % of a rate, seldom 2 % (docs/measurements.md#rates).
     constexpr double aim = 0.98;
     const double fixed = overhead.file + overhead.picture * static_cast<double>(pictures);
     return std::max(1.0, aim * (bytes - fixed) / (1 + overhead.share));

@@ -4,7 +4,7 @@ namespace render2mpeg::app {
 namespace {
 
 /// Smaller pictures have too few pixels from one edge of light to the next for records to tell of what lies between
-/// them. chosen: docs/fits/records.md.
+/// them. chosen: docs/measurements.md#irradiance-cache.
 constexpr std::int64_t least_pixels = 160 * 160;
 
 }  // namespace

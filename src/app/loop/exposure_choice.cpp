@@ -52,7 +52,7 @@ bool has_focus(const scene::CameraLens& lens) {
     return lens.focus_distance > 0 || lens.focus_point || !lens.focus_objects.empty();
 }
 
-// fit: docs/fits/exposure-samples.md
+// fit: docs/measurements.md#shutter-and-lens
 int samples_of_lens(int quantiser) {
     if (quantiser <= 6) return 64;
     return quantiser <= 12 ? 32 : 16;

@@ -18,7 +18,7 @@ void set_glare(scene::Animation& animation, const RenderOptions& options);
 void tell_samples(RenderJob& film);
 
 /// Samples of a pixel that shutter or lens blur, for a picture to be coded with this quantiser: as many as make a
-/// difference after coding (docs/fits/exposure-samples.md). What is not coded gets as many as quantiser 4.
+/// difference after coding (docs/measurements.md#shutter-and-lens). What is not coded gets as many as quantiser 4.
 renderer::ExposureSamples exposure_samples(const RenderJob& film, int quantiser);
 
 /// The same for a picture that is shown like this: where lamps show, more of them if they are not told by hand.

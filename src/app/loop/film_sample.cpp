@@ -21,7 +21,7 @@ constexpr std::size_t least_frames = 3;
 constexpr float switched = 1.0f / 3;
 
 /// Bits of pictures of one scene over those of smaller ones grow with this power of their pixels.
-/// chosen: by cornell and still_room from 96 to 192 pixels; 0.7 where light is rough (docs/fits/rate-model.md).
+/// chosen: by cornell and still_room from 96 to 192 pixels; 0.7 where light is rough (docs/measurements.md#rates).
 constexpr double bits_power = 0.80;
 
 /// CPU seconds of passes that make light points and their trees, and of glare, which is mostly the eye's pattern in

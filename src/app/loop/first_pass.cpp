@@ -16,7 +16,7 @@ constexpr int shrink = 4;
 
 /// Bits of the film's pictures over those of the first pass at the same quantiser: more pixels, but each told more by
 /// its neighbours. Only the first pictures of a chunk depend on it; then their own sizes are known.
-/// fit: docs/fits/rate-model
+/// fit: docs/measurements.md#rates
 constexpr double size_ratio = 7;
 
 /// Keeps what every picture comes to.
@@ -57,7 +57,7 @@ int usual_quantiser(const encoder::Settings& settings) {
     const double samples = static_cast<double>(settings.width) * settings.height * settings.rate.hertz.value();
     const double density = static_cast<double>(settings.rate_control.bit_rate) / samples;
     // chosen: walks need 0.8 bits per sample at quantiser 1, and about 1 / quantiser of it at others
-    // (docs/fits/rate-model.md); the ends are where films seldom are.
+    // (docs/measurements.md#rates); the ends are where films seldom are.
     return std::clamp(static_cast<int>(std::lround(0.8 / std::max(density, 1e-3))), 2, 24);
 }
 

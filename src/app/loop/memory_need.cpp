@@ -16,7 +16,8 @@
 namespace render2mpeg::app {
 namespace {
 
-/// Bytes of one, beside the scene as it was read: what was measured and 10 to 30 % more. fit: docs/fits/memory
+/// Bytes of one, beside the scene as it was read: what was measured and 10 to 30 % more. fit:
+/// docs/measurements.md#memory
 constexpr std::uint64_t per_triangle = 135;
 constexpr std::uint64_t per_lamp = 1300;
 constexpr std::uint64_t per_candidate = 400;  ///< of the places that anchors are chosen from

@@ -7,7 +7,7 @@
 namespace render2mpeg::app {
 
 /// What rendering takes of memory, in bytes, by what takes it: reckoned before anything of it is allocated
-/// (docs/fits/memory.md).
+/// (docs/measurements.md#memory).
 struct MemoryNeed {
     std::uint64_t held = 0;       ///< by this process now: program, scene as it was read
     std::uint64_t triangles = 0;  ///< trees of rays, and what chooses anchors

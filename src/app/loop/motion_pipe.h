@@ -14,7 +14,7 @@
 
 namespace render2mpeg::app {
 
-/// What the first 32 bytes of a motion stream say (docs/encode.md).
+/// What the first 32 bytes of a motion stream say (docs/coding.md).
 struct MotionHeader {
     int width = 0, height = 0;
     int fields = 1;  ///< of each frame: 1, to the frame before; 2, and to the frame after

@@ -8,7 +8,7 @@ namespace render2mpeg::app {
 namespace {
 
 /// Pixels from one to the next that is lit. chosen: 4 of 2, 4, 8, by how far tolerances are from the finished frame's
-/// (docs/fits/pictures.md).
+/// (docs/measurements.md#pictures).
 constexpr int step = 4;
 /// What the exposure is measured at, too (render_job.cpp).
 constexpr float tolerance = 0.1f;

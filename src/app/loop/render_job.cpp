@@ -90,7 +90,8 @@ renderer::Settings rendering_settings(const RenderOptions& options, const scene:
     settings.indirect = options.indirect == "lightcuts" ? renderer::Indirect::lightcuts : renderer::Indirect::rays;
     settings.vpls = options.vpls;
     settings.clamp = options.clamp == "none" ? renderer::Clamp::none : renderer::Clamp::bounded;
-    // chosen: of 1000 to 8000 clusters the least with which at 2 % no point stops early (docs/fits/lightcut.md).
+    // chosen: of 1000 to 8000 clusters the least with which at 2 % no point stops early
+    // (docs/measurements.md#lightcuts).
     settings.max_cut = 4000;
     settings.isa = options.isa ? core::isa_from(*options.isa) : core::detect_isa();
     return settings;
@@ -101,7 +102,7 @@ int edge_samples_of(const RenderOptions& options, const RenderJob& film) {
     if (options.edge_samples) return *options.edge_samples;
     const bool by_hand = std::find(options.given.begin(), options.given.end(), "--samples") != options.given.end();
     if (by_hand || options.samples != RenderOptions().samples) return 0;
-    // fit: docs/fits/edge-samples.md
+    // fit: docs/measurements.md#edges
     return film.kind == OutputKind::film ? 16 : 64;
 }
 
@@ -163,7 +164,7 @@ scene::DefaultLight light_of(const std::string& word) {
 /// In a studio what is white stays light, and what is black dark: from the exposure that would make all things mid
 /// grey.
 float studio_exposure(float to_mid_grey) {
-    // chosen: means of what is shown of 90 to 160 of 255 (docs/models.md).
+    // chosen: means of what is shown of 90 to 160 of 255 (docs/scenes.md).
     constexpr float darkest = 0.14f, lightest = 0.3f;
     const float mean = 0.18f / std::exp2(to_mid_grey);
     return std::log2(std::clamp(mean, darkest, lightest) / mean);
@@ -337,7 +338,7 @@ RenderJob draft_of(const RenderJob& film) {
 }
 
 float measure_exposure(const RenderJob& film) {
-    // chosen: of 3 to 12 frames and 48 to 192 pixels (docs/fits/pictures.md).
+    // chosen: of 3 to 12 frames and 48 to 192 pixels (docs/measurements.md#pictures).
     constexpr int frames = 5, longest_side = 96;
     const float scale = std::min(
         1.0f, static_cast<float>(longest_side) / static_cast<float>(std::max(film.format.width, film.format.height)));

@@ -13,7 +13,7 @@
 #include "app/loop/run_statistics.h"
 #include "app/options/options.h"
 
-/// How a run goes on where another one was interrupted or killed (docs/resume.md).
+/// How a run goes on where another one was interrupted or killed (docs/first-film.md).
 namespace render2mpeg::app {
 
 /// Where the frames of a chunk are written that are not coded: an uncompressed film's part in the work folder, or

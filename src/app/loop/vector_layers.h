@@ -12,7 +12,7 @@
 
 namespace render2mpeg::app {
 
-/// How compositing files write motion (docs/encode.md).
+/// How compositing files write motion (docs/coding.md).
 enum class MotionConvention { blender, nuke };
 
 /// What one file says of where a frame's pixels come from and go to.

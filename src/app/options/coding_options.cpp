@@ -13,7 +13,7 @@ void add_coding_options(CLI::App& command, CodingOptions& options) {
     const std::string coding = "MPEG-2";
     add_option(command, coding, "--for", options.preset,
                "Where the film goes: dvd-ntsc, dvd-pal or atsc. Sets size, rate, shape, GOPs, rates and buffer "
-               "(docs/presets.md); options that contradict are refused",
+               "(docs/coding.md); options that contradict are refused",
                "WORLD", CLI::IsMember(preset_names()));
     add_option(command, coding, "-q,--quantiser", options.quantiser,
                "quantiser_scale_code of P pictures: 1 is the finest, 31 the coarsest; what many pictures follow from\n"

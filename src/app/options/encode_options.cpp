@@ -23,7 +23,7 @@ void add_motion_options(CLI::App& command, EncodeOptions& options) {
 CLI::App* add_encode_command(CLI::App& app, EncodeOptions& options) {
     CLI::App* command = app.add_subcommand("encode", "Encode frames and motion of any renderer");
     command->footer(
-        "Motion: OpenEXR files with the number of their frame, as `render --aov` writes them (docs/encode.md).\n"
+        "Motion: OpenEXR files with the number of their frame, as `render --aov` writes them (docs/coding.md).\n"
         "Example: render2mpeg encode shot.%04d.exr -o shot.mpg --motion shot.%04d.exr --exposure 0.5");
     command
         ->add_option("FRAMES", options.input,
@@ -54,7 +54,7 @@ CLI::App* add_encode_command(CLI::App& app, EncodeOptions& options) {
     add_sound_options(*command, options.coding);
     add_option(*command, run, "-j,--threads", options.threads,
                "Threads; 0: one per core. The film's bytes do not depend on it", CLI::Range(0, 1024), shown);
-    add_option(*command, run, "--stats", options.stats, "Write statistics as JSON (docs/stats.md)", "FILE.json");
+    add_option(*command, run, "--stats", options.stats, "Write statistics as JSON (docs/json.md)", "FILE.json");
     add_consent_option(*command, options.overwrite);
     add_flag(*command, run, "--quiet", options.quiet, "Print nothing but errors");
     return command;
@@ -63,7 +63,7 @@ CLI::App* add_encode_command(CLI::App& app, EncodeOptions& options) {
 CLI::App* add_info_command(CLI::App& app, InfoOptions& options) {
     CLI::App* command = app.add_subcommand("info", "Show how the pictures of an MPEG-2 file are coded");
     command->footer(
-        "Whose encoder made the file does not matter. Exit status 1 where pictures are damaged (docs/info.md).\n"
+        "Whose encoder made the file does not matter. Exit status 1 where pictures are damaged (docs/first-film.md).\n"
         "Example: render2mpeg info film.mpg --summary");
     command->add_option("FILE", options.input, "Film in any container, or a bare MPEG-2 video stream")->required();
     command->add_flag("--json", options.json, "Print JSON instead of tables");

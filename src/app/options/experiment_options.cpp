@@ -65,8 +65,8 @@ CLI::App* add_cost_command(CLI::App& app, CostOptions& options) {
     command->footer(
         "Lights a sample of the film with one tolerance after the other, and coupled to its coding; tells what the "
         "whole "
-        "film takes with each, what one sees of it, and the true errors behind that (docs/cost.md). The reference is "
-        "dear: it comes first, with an estimate.\n"
+        "film takes with each, what one sees of it, and the true errors behind that (docs/choosing.md). The reference "
+        "is dear: it comes first, with an estimate.\n"
         "Example: render2mpeg cost scene.glb --size 320x180 --vpls 1000 --report cost.html");
     add_scene_options(*command, options.render);
     add_sweep_options(*command, options);
@@ -83,7 +83,7 @@ CLI::App* add_compare_command(CLI::App& app, CompareOptions& options) {
     command->footer(
         "Lights a sample of the film coupled to its coding and by a fixed 2 %, codes the latter by this program, by "
         "ffmpeg as people use it and by its strongest command, and holds all against reference light "
-        "(docs/compare.md). Needs the program ffmpeg. The references are dear: they come first, with an estimate.\n"
+        "(docs/choosing.md). Needs the program ffmpeg. The references are dear: they come first, with an estimate.\n"
         "Example: render2mpeg compare scene.glb --size 640x360 --report compare.html");
     add_scene_options(*command, options.render);
     const std::string tried = "What is tried";

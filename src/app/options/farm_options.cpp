@@ -27,7 +27,7 @@ void add_threads_option(CLI::App& command, int& threads) {
 
 void add_spreading_options(CLI::App& command, FarmOptions& options) {
     add_option(command, farm_group, "--to", options.scheduler,
-               "Who spreads the parts: job files for it are written beside the plan (docs/farm.md)",
+               "Who spreads the parts: job files for it are written beside the plan (docs/machines.md)",
                CLI::IsMember(std::vector<std::string>(scheduler_names.begin(), scheduler_names.end())))
         ->required();
     CLI::Option* parts =

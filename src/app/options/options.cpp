@@ -30,17 +30,17 @@ constexpr const char* run_group = "Run";  ///< a group of options
 
 /// What is written beside the film.
 void add_product_options(CLI::App& command, RenderOptions& options) {
-    add_option(command, run_group, "--stats", options.stats, "Write statistics as JSON (docs/stats.md)", "FILE.json");
+    add_option(command, run_group, "--stats", options.stats, "Write statistics as JSON (docs/json.md)", "FILE.json");
     add_option(command, run_group, "--report", options.report,
                "Write a page about the render, with plots, for any browser, and its figures as JSON beside it "
-               "(docs/report.md)",
+               "(docs/first-film.md)",
                "FILE.html");
     add_option(command, run_group, "--audit", options.audit,
                "Gather so many pixels of every frame again, by reference light, and find their true light by paths: "
                "say how well tolerances were kept, and how far the picture is off by which cause",
                "N", CLI::Range(0, 1 << 20), shown);
     add_option(command, run_group, "--aov", options.layers,
-               "Write one multilayer OpenEXR per frame into this folder (docs/layers.md)", "DIR");
+               "Write one multilayer OpenEXR per frame into this folder (docs/pictures.md)", "DIR");
     command
         .add_option(
             "--heatmap", options.heatmaps,
@@ -57,7 +57,7 @@ void add_product_options(CLI::App& command, RenderOptions& options) {
 void add_whole_run_options(CLI::App& command, RenderOptions& options) {
     add_flag(command, run_group, "--resume", options.resume,
              "Go on where a run of the same film was interrupted or killed, after its last whole chunk: the same "
-             "bytes as of one run. Begins the film where nothing was left of it (docs/resume.md)");
+             "bytes as of one run. Begins the film where nothing was left of it (docs/first-film.md)");
     add_flag(command, run_group, "--dry-run", options.dry_run,
              "Read and check everything, say what would be done and what it would take, write nothing");
     add_within_option(command, options.within, run_group);
@@ -98,7 +98,7 @@ CLI::App* add_render_command(CLI::App& app, RenderOptions& options) {
     add_as_option(*command, options.as, "ts|m2v|y4m");
     add_flag(*command, "Picture and time", "--preview", options.preview,
              "A draft of every frame, in minutes: half the size unless --size is given, rough light, coded fast; "
-             "timing, framing, light and cuts are the film's (docs/preview.md)");
+             "timing, framing, light and cuts are the film's (docs/pictures.md)");
     add_picture_options(*command, options);
     add_light_options(*command, options);
     add_coding_options(*command, options.coding);
@@ -110,7 +110,7 @@ CLI::App* add_render_command(CLI::App& app, RenderOptions& options) {
 CLI::App* add_watch_command(CLI::App& app, RenderOptions& options) {
     CLI::App* command = app.add_subcommand("watch", "Show a draft, and a new one whenever the scene's files change");
     command->footer(
-        "The draft is that of `render --preview` (docs/preview.md), shown over and over in ffplay or mpv until the "
+        "The draft is that of `render --preview` (docs/pictures.md), shown over and over in ffplay or mpv until the "
         "player is closed. A scene that cannot be read is told in one line; what was shown last stays.\n"
         "Example: render2mpeg watch scene.glb");
     add_scene_options(*command, options);
@@ -157,7 +157,8 @@ CLI::App* add_farm_command(CLI::App& app, FarmOptions& options) {
     CLI::App* command = app.add_subcommand("farm", "Spread a film over many machines");
     command->footer(
         "Settles what is settled once for a film, and writes a plan and job files into OUT.farm. `part` makes a part, "
-        "`join` the film: the same bytes as of `render`. Given again, it keeps what is made already (docs/farm.md).\n"
+        "`join` the film: the same bytes as of `render`. Given again, it keeps what is made already "
+        "(docs/machines.md).\n"
         "Example: render2mpeg farm scene.glb -o film.mpg --to slurm --parts 8 --submit");
     add_scene_options(*command, options.render);
     command->add_option("-o,--output", options.render.output, "File to write; the ending chooses its kind")

@@ -34,7 +34,7 @@ struct GlareRequest {
 
 /// Pictures of a GOP where nobody says.
 /// chosen: 60, two seconds: players find a place in one, and chunks (chunk.h) are no longer. Against 15 that takes 7.3
-/// to 29 % fewer bits, against 30 2.7 to 3.2 % where much moves (docs/fits/encoder.md).
+/// to 29 % fewer bits, against 30 2.7 to 3.2 % where much moves (docs/measurements.md#encoder).
 inline constexpr int usual_gop = 60;
 
 /// How pictures are coded: `render` and `encode` share these.

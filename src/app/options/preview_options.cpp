@@ -32,7 +32,7 @@ RenderOptions preview_options(const RenderOptions& options) {
     for (const auto& [subject, file] : options.heatmaps)
         if (subject != "quantiser") refuse_preview("--heatmap " + subject, "only `quantiser` is known");
 
-    // fit: docs/preview.md, by PSNR for CPU time.
+    // fit: docs/measurements.md#drafts, by PSNR for CPU time.
     if (!options.tolerance) draft.tolerance = "fixed=30%";
     if (!is_given("--samples")) draft.samples = 1;
     if (!is_given("--edge-samples")) draft.edge_samples = is_given("--samples") ? options.samples : 4;

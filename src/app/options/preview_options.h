@@ -10,7 +10,7 @@ namespace render2mpeg::app {
 inline constexpr std::uint64_t preview_photons = 4 * 2048;
 
 /// The options of `--preview` with what a draft takes where they say nothing: coarse light, few samples, quick coding
-/// (docs/preview.md). Throws UsageError, naming the option, for what a draft does not have.
+/// (docs/pictures.md). Throws UsageError, naming the option, for what a draft does not have.
 RenderOptions preview_options(const RenderOptions& options);
 
 }  // namespace render2mpeg::app

@@ -12,7 +12,7 @@ class App;
 
 namespace render2mpeg::app {
 
-/// Adds the options of quality, rates and buffer: docs/encode.md, "Rate".
+/// Adds the options of quality, rates and buffer: docs/coding.md, "Rate and quality".
 void add_rate_options(CLI::App& command, CodingOptions& options);
 
 /// What options ask of rates. Throws core::Error where they contradict each other.

@@ -49,7 +49,8 @@ CLI::App* add_tune_command(CLI::App& app, TuneOptions& options) {
     CLI::App* command = app.add_subcommand("tune", "Find the setting that reaches a quality, rate, size or time");
     command->footer(
         "Tries a sample of the film, each try a row of a table, then renders the film and tells what became of it "
-        "(docs/tune.md). Exit status 1 where the target is out of reach, or the film missed its rate, size or time.\n"
+        "(docs/choosing.md). Exit status 1 where the target is out of reach, or the film missed its rate, size or "
+        "time.\n"
         "Example: render2mpeg tune scene.glb --target-psnr 40 --dry-run");
     add_scene_options(*command, options.render);
     command->add_option("-o,--output", options.render.output, "Film to make; with --dry-run not needed")

@@ -65,7 +65,7 @@ std::string unused_keyframes(const Keyframes& keyframes, const FrameRange& frame
 
 std::string keyframes_without_chapter(const Film& film) {
     if (!film.disc) return {};
-    // libavformat begins a unit with a GOP this many seconds after the one before (docs/presets.md).
+    // libavformat begins a unit with a GOP this many seconds after the one before (docs/coding.md).
     const double apart = 0.4 * film.coding.rate.hertz.value();
     std::vector<std::int64_t> lost;
     std::int64_t unit = film.frames.first, gop = film.frames.first;

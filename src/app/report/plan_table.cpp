@@ -23,7 +23,7 @@ json read_statistics(const std::filesystem::path& file) {
         statistics.at("seconds").at("cpu").get<double>();
         return statistics;
     } catch (const json::exception&) {
-        throw core::Error("reading", file.string(), "these are not the statistics of a render (docs/stats.md)");
+        throw core::Error("reading", file.string(), "these are not the statistics of a render (docs/json.md)");
     }
 }
 

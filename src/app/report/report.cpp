@@ -221,7 +221,7 @@ std::string settings_table(const json& s) {
         rows.push_back({{name, plain(s.at(key))}});
     }
     return html_table("To make it again", "tt", {}, rows) +
-           "<p class=\"soft\">Every figure is in the JSON file beside this page (docs/report.md).</p>\n";
+           "<p class=\"soft\">Every figure is in the JSON file beside this page (docs/first-film.md).</p>\n";
 }
 
 constexpr const char* generator = "<meta name=\"generator\" content=\"render2mpeg";

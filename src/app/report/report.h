@@ -17,7 +17,7 @@ void check_report(const std::filesystem::path& html);
 /// A page of a report: its title, what is told first, and the rest as HTML.
 std::string report_page(const std::string& title, const std::string& lead, const std::string& body);
 
-/// Writes a render's report as one HTML page that needs nothing else, and report_json_of() it (docs/report.md).
+/// Writes a render's report as one HTML page that needs nothing else, and report_json_of() it (docs/first-film.md).
 /// `views`: figures of frames, as HTML.
 void write_report(const std::filesystem::path& html, const RenderJob& film, const RunStatistics& statistics,
                   const RunFacts& facts, const std::string& views);

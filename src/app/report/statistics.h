@@ -24,7 +24,7 @@ double peak_memory_mib();
 /// What write_statistics() writes.
 nlohmann::json statistics_of(const RenderJob& film, const RunStatistics& statistics, const RunFacts& facts);
 
-/// Writes the statistics file (docs/stats.md).
+/// Writes the statistics file (docs/json.md).
 void write_statistics(const std::filesystem::path& file, const RenderJob& film, const RunStatistics& statistics,
                       const RunFacts& facts);
 

@@ -250,7 +250,7 @@ std::string audit_lines(const Audit& audit) {
 std::string summary(const RenderJob& film, const RunStatistics& statistics, const RunFacts& facts) {
     std::string text = opening_lines(film.film(), statistics, facts);
     if (film.preview)
-        text += "  draft      light is rough: timing, framing and cuts are the film's (docs/preview.md)\n";
+        text += "  draft      light is rough: timing, framing and cuts are the film's (docs/pictures.md)\n";
     text += light_lines(statistics);
     if (kept_records(film.rendering, statistics.rendering)) text += record_lines(statistics.rendering);
     text += effect_lines(film, statistics) + band_lines(statistics.rendering.bands);

@@ -22,8 +22,8 @@
 namespace render2mpeg::app {
 namespace {
 
-/// chosen: the largest image that is read takes 48 bytes for each of its pixels (docs/fits/memory.md) and some ten
-/// seconds; what it is stored in tells neither.
+/// chosen: the largest image that is read takes 48 bytes for each of its pixels (docs/measurements.md#memory) and some
+/// ten seconds; what it is stored in tells neither.
 constexpr scene::ProbeLimits image_limits{(std::uintmax_t{1} << 30) + 48 * std::uintmax_t{image::max_pixels}, 60, 600};
 
 using nlohmann::json;

@@ -10,7 +10,7 @@ namespace render2mpeg::renderer {
 namespace {
 
 /// On the coarser lattices an area of 64 x 64 pixels gathers only so many requests or more: fewer fill no packets, and
-/// are asked again on the next. chosen: 128, the fastest of 0 to 128 (docs/fits/records.md).
+/// are asked again on the next. chosen: 128, the fastest of 0 to 128 (docs/measurements.md#irradiance-cache).
 constexpr std::size_t least_dense = 128;
 
 /// Where a point was lit that took a record's light and place.

@@ -25,8 +25,8 @@ constexpr int asked_for_columns = 4;
 /// So many of them serve by their mean if one is so near, in pixels, and if they disagree by so much less than the
 /// tolerance, and by less in proportion where the pixel lies farther from their middle than they do: as if light
 /// changed on as it does among them. chosen: 4 of 4 and 6 records, 3 of 1 to 3 times, 0.75 of 0.75 and 1.5 pixels
-/// (docs/fits/records.md). Records that all lie in one place say nothing of another, however well they agree: no
-/// farther than four times what they are apart by (chosen without trial: seldom met).
+/// (docs/measurements.md#irradiance-cache). Records that all lie in one place say nothing of another, however well they
+/// agree: no farther than four times what they are apart by (chosen without trial: seldom met).
 constexpr int least_for_mean = 4;
 constexpr float mean_factor = 3.0f, mean_distance = 0.75f, most_reach = 4.0f;
 
@@ -36,7 +36,7 @@ constexpr float errors_told = 1.3f, chance_factor = 0.12f;
 
 /// The factor q of a residual. What neighbours disagree by counts for more where the tolerance is fine, since light has
 /// many small edges and few large ones. chosen: about 2 at 2 % of 1.6 and 2; it falls by half at 10 % of 6 to 15 %
-/// (docs/fits/records.md).
+/// (docs/measurements.md#irradiance-cache).
 float residual_factor(const PointTolerance& t, float light, float tolerance) {
     constexpr float coarse = 0.62f, fine = 2.1f, turn2 = 0.1f * 0.1f;
     const float relative = core::divide_or(tolerance, t.base + std::max(light, 0.0f), 1.0f);

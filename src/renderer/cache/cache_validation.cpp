@@ -6,10 +6,10 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// chosen: docs/fits/records.md, "Hold-out validation"; the share is below what is promised.
+/// chosen: docs/measurements.md#irradiance-cache, "Hold-out validation"; the share is below what is promised.
 constexpr double aimed_share = 0.007;
 /// The cache error scale goes in these steps, up to one at which hardly anything is served and down to one for light
-/// that is smoother than any fitted. chosen: least 0.5 of 0.3, 0.5, 0.64 and 1 (docs/fits/records.md).
+/// that is smoother than any fitted. chosen: least 0.5 of 0.3, 0.5, 0.64 and 1 (docs/measurements.md#irradiance-cache).
 constexpr float step = 1.25f, least = 0.5f, most = 6.0f;
 /// By how many standard deviations more points must be off than is aimed at: few say little of a hundredth.
 constexpr double significance = 1.5;

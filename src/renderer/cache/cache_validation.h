@@ -15,12 +15,12 @@ struct HeldOutPoint {
 
 /// How strictly a film's records must agree: learnt from points that they served and that were gathered as well.
 /// Interpolation misses detail between records: little in a nave, much in a room full of small things
-/// (docs/fits/records.md).
+/// (docs/measurements.md#irradiance-cache).
 class CacheValidation {
   public:
     /// Fewer say too little.
     static constexpr std::size_t least_points = 192;
-    /// The newest are kept. chosen: docs/fits/records.md, "Hold-out validation".
+    /// The newest are kept. chosen: docs/measurements.md#irradiance-cache, "Hold-out validation".
     static constexpr std::size_t window = 2048;
 
     /// Nothing is known: records are trusted as in halls and naves.

@@ -14,7 +14,8 @@ namespace {
 constexpr float alike_alpha = 0.1f;
 /// Half vectors that a record's lobe was looked at by may lie so far, in widths of the lobe, off those that the point
 /// looks by: since the eye was elsewhere, and since the place's normal and its sight are not the point's. chosen: turns
-/// that some frames of a walk lie within, of 0.125 and 0.25; bends of 1 of 0.5, 1 and 2 (docs/fits/records.md).
+/// that some frames of a walk lie within, of 0.125 and 0.25; bends of 1 of 0.5, 1 and 2
+/// (docs/measurements.md#irradiance-cache).
 constexpr float most_turn = 0.125f, most_bend = 1.0f;
 
 }  // namespace

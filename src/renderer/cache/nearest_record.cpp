@@ -13,11 +13,11 @@ namespace render2mpeg::renderer {
 namespace {
 
 /// A record so near, in pixels, has the light of the point itself, if that changes up to there by no more than the
-/// tolerance over `here_factor`. chosen: 0.1 of 0.1 to 0.3; 2 against none (docs/fits/records.md).
+/// tolerance over `here_factor`. chosen: 0.1 of 0.1 to 0.3; 2 against none (docs/measurements.md#irradiance-cache).
 constexpr float here_distance = 0.1f, here_factor = 2.0f;
 
 /// Tolerances by which light may change up to a record that a point is moved to. chosen: 2 of none, 2, 4 and any
-/// (docs/fits/records.md).
+/// (docs/measurements.md#irradiance-cache).
 constexpr float most_moved_change = 2.0f;
 
 /// At least so many records show what light changes by, the own one included.

@@ -13,7 +13,7 @@ namespace {
 constexpr float least_albedo = 0.05f;
 
 /// Narrower lobes change too fast from place to place and as the eye moves. chosen: 0.04, a roughness of 0.2, of 0.01,
-/// 0.04 and 0.25 (docs/fits/records.md).
+/// 0.04 and 0.25 (docs/measurements.md#irradiance-cache).
 constexpr float least_alpha = 0.04f;
 
 }  // namespace

@@ -9,7 +9,8 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// Requests lie farther apart than the pixels of a block. chosen: against looser ones (docs/fits/records.md).
+/// Requests lie farther apart than the pixels of a block. chosen: against looser ones
+/// (docs/measurements.md#irradiance-cache).
 constexpr Likeness first_pass{0.85f, 0.03f, 0.25f}, second_pass{0.5f, 0.1f, 0.4f};
 
 /// Groups that a point is offered to, the newest.

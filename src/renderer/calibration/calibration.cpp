@@ -10,7 +10,7 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// fit: docs/fits/error-calibration
+/// fit: docs/measurements.md#error-scale
 constexpr std::size_t most_rounds = 2;
 constexpr std::size_t largest_sample = 1024 / most_rounds;  ///< of a round
 constexpr std::size_t blocks_per_sample = 4;  ///< so that lighting a sample costs a fourth of a frame at most

@@ -9,7 +9,7 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// fit: docs/fits/error-calibration
+/// fit: docs/measurements.md#error-scale
 constexpr std::size_t window = 2048;      ///< pixels that are remembered
 constexpr double promised_share = 0.01;   ///< of pixels beyond their tolerance
 constexpr double aimed_share = 0.005;     ///< of pixels, so that chunks scatter about it within the promise
@@ -20,7 +20,7 @@ constexpr double few_pixels_margin = 64;  ///< few pixels know little of their t
 constexpr float least = 0.1f, most = 2.0f;
 constexpr float step = 1.03f;
 /// How far what is needed may leave the value held, upward and downward: the tail of 2048 pixels scatters by 5 %
-/// where errors have an exponential's tail. fit: docs/fits/error-calibration
+/// where errors have an exponential's tail. fit: docs/measurements.md#error-scale
 constexpr float held_above = 1.06f, held_below = 0.84f;
 
 float next_step(float value) {

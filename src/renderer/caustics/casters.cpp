@@ -75,7 +75,8 @@ float emit_factor(const LightPoint& light, glm::vec3 direction, float distance) 
 
 /// When a photon flies while the shutter is open: Kronecker's sequence beside Halton's, which choose its way.
 float time_of(std::uint64_t number) {
-    // chosen: [Roberts2018]'s third of three dimensions, the least error of twelve sequences (docs/fits/caustics.md).
+    // chosen: [Roberts2018]'s third of three dimensions, the least error of twelve sequences
+    // (docs/measurements.md#caustics).
     const double at = 0.5497004779019703 * static_cast<double>(number % (1u << 20));
     return static_cast<float>(at - std::floor(at));
 }

@@ -27,7 +27,7 @@ constexpr float least_share = 1e-3f;
 /// First Halton dimension of choices on the way; two for each surface.
 constexpr int first_choice = 3;
 
-/// Semi-axis of a kernel in cells. fit: docs/fits/caustics.md
+/// Semi-axis of a kernel in cells. fit: docs/measurements.md#caustics
 float smoothness(float photons) {
     return std::clamp(2.8f * std::pow(1e-4f * photons, 0.25f), 2.0f, 8.0f);
 }

@@ -30,14 +30,14 @@ constexpr float least_axis = 0.7071f;
 constexpr float largest_axis = 0.05f;
 
 /// Photons stand evenly, so their light errs by this share of what as many random ones would.
-/// fit: docs/fits/caustics.md
+/// fit: docs/measurements.md#caustics
 constexpr float evenness = 0.3f;
 
 /// What of a pixel's tolerance twice the standard error may take in 95 of 100 pixels with caustics. chosen: a half.
 constexpr float share_of_tolerance = 0.5f, share_of_pixels = 0.95f;
 
 /// Caustics whose root mean square over the picture is below this share of the tolerance are left out: films lose 0.1
-/// dB or so. fit: docs/fits/caustics.md. A pixel counts as no more than a hundred tolerances.
+/// dB or so. fit: docs/measurements.md#caustics. A pixel counts as no more than a hundred tolerances.
 constexpr float least_visible = 0.1f, most_of_pixel = 100.0f;
 
 /// Photons by which each frame of a chunk without visible caustics asks whether there are any now. chosen: 2,048, a
@@ -78,7 +78,7 @@ class Splatting {
   private:
     /// Photons that are wide spread bring little each, and touch many points: a few of them tell as much.
     static void thin_out(float dim, std::vector<Landing>& landings, std::vector<Footprint>& footprints) {
-        // chosen: the plastic number's power -2 [Roberts2018], of four that were tried (docs/fits/caustics.md).
+        // chosen: the plastic number's power -2 [Roberts2018], of four that were tried (docs/measurements.md#caustics).
         constexpr double step = 0.5698402909980532;
         for (std::size_t i = 0; i < landings.size(); ++i) {
             Landing& landing = landings[i];
@@ -192,7 +192,8 @@ CausticBudget budget_of(const Seen& seen, const SplatTree& tree, const std::vect
     budget.visible = visible > static_cast<double>(least_visible * least_visible) * static_cast<double>(pixels.size());
     budget.photons = least_photons;
     if (excess.empty()) return budget;
-    // Errors fall with the root of the number, and slower than that where kernels narrow (docs/fits/caustics.md).
+    // Errors fall with the root of the number, and slower than that where kernels narrow
+    // (docs/measurements.md#caustics).
     const auto worst = static_cast<double>(quantile(excess, share_of_pixels));
     const double wanted = static_cast<double>(photons) * std::min(1e6, worst * worst);
     while (budget.photons < most_photons && static_cast<double>(budget.photons) < wanted) budget.photons *= 2;

@@ -23,7 +23,7 @@ constexpr int corners = 6;
 constexpr float corner_radius = 1.0996361f;
 
 /// Hexagons are this much wider than their discs, and as much dimmer, so that neighbours overlap: discs of the anchors'
-/// own size leave gaps and bright dashes along edges. chosen: 1.75 of 1 to 2.5 (docs/fits/lightcut.md).
+/// own size leave gaps and bright dashes along edges. chosen: 1.75 of 1 to 2.5 (docs/measurements.md#lightcuts).
 constexpr float overlap = 1.75f;
 
 /// How far off a hexagon a surface may lie that counts as part of it, in radii of its disc: things are bent. chosen:

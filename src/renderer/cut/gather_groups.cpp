@@ -6,10 +6,10 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// Within a block. chosen: docs/fits/lightcut.md.
+/// Within a block. chosen: docs/measurements.md#lightcuts.
 constexpr Likeness within_block{0.9f, 0.02f, 0.1f};
 
-/// Of what blocks leave over. chosen: docs/fits/lightcut.md.
+/// Of what blocks leave over. chosen: docs/measurements.md#lightcuts.
 constexpr Likeness left_over{0.5f, 0.05f, 0.2f};
 
 /// Adds a point to the first group of its block that takes it, or to a new one.

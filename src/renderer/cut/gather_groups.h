@@ -9,7 +9,7 @@
 
 namespace render2mpeg::renderer {
 
-/// Smaller groups of a block look for others in the tile. chosen: 13 of 8 to 16 (docs/fits/lightcut.md).
+/// Smaller groups of a block look for others in the tile. chosen: 13 of 8 to 16 (docs/measurements.md#lightcuts).
 inline constexpr std::size_t large_group = 13;
 
 /// Up to sixteen gather points that are gathered together.

@@ -18,7 +18,7 @@ namespace {
 constexpr std::array<int, 9> steps{4, 8, 16, 32, 64, 128, 256, 512, most_lamp_samples};
 
 /// Of its tolerance, the standard error that a lane's light may have since its lamp is sampled. chosen: 1/4 of 1/8 and
-/// 1/4 (docs/model/lamps.md).
+/// 1/4 (docs/model/lights.md).
 constexpr float part_of_tolerance = 0.25f;
 
 /// Likewise of lobes, without rays: quarters of the samples tell it, which err more than a quarter of them does.

@@ -112,8 +112,8 @@ class StoppingRule {
         return std::min(summed, error_scale_ * safe_part * largest);
     }
 
-    /// k of a lane. fit: docs/fits/stopping-rule. It falls as the relative tolerance t = T over the light grows, since
-    /// the bounds of coarse clusters are looser: coarse + (fine - coarse) / (1 + (t / t0)^2).
+    /// k of a lane. fit: docs/measurements.md#stopping-rule. It falls as the relative tolerance t = T over the light
+    /// grows, since the bounds of coarse clusters are looser: coarse + (fine - coarse) / (1 + (t / t0)^2).
     float scale(int lane) const {
         float t = tolerance_[lane] > 0.0f ? loosest : 0.0f;
         if (light_[lane] > 0.0f) t = std::min(loosest, tolerance_[lane] / light_[lane]);
@@ -135,7 +135,7 @@ class StoppingRule {
     static constexpr float least_tolerance = 1e-30f;
     /// Keeps squares of what is beyond any measure finite.
     static constexpr float largest_ratio = 1e15f;
-    /// q. fit: docs/fits/stopping-rule, "classic": 7.24 over its scenes, with one light per cluster.
+    /// q. fit: docs/measurements.md#stopping-rule, "classic": 7.24 over its scenes, with one light per cluster.
     static constexpr float safe_part = 7.0f;
     static constexpr float fine_scale = 0.62f, coarse_scale = 0.36f, turn2 = 0.08f * 0.08f;
     static constexpr float loosest = 1e6f;

@@ -12,7 +12,7 @@
 namespace render2mpeg::renderer {
 
 /// The lamps of a film whose unoccluded light has a closed form: suns with a size, and objects that shine evenly and
-/// are one convex polygon, or one sphere that stays round (docs/model/lamps.md). They take the place of their light
+/// are one convex polygon, or one sphere that stays round (docs/model/lights.md). They take the place of their light
 /// points in the light trees; photons still start from the points.
 class WholeLamps {
   public:

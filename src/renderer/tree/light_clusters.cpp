@@ -17,7 +17,7 @@ namespace {
 constexpr float pi = std::numbers::pi_v<float>;
 
 /// Neighbours along the curve that are looked at to each side. chosen: 8 of 2 to 64 gives the cheapest tree
-/// (docs/fits/lightcut.md); more look farther but merge more greedily at once.
+/// (docs/measurements.md#lightcuts); more look farther but merge more greedily at once.
 constexpr std::ptrdiff_t reach = 8;
 
 /// Widens stored cones by more than packing an axis may turn it (7e-5 rad).

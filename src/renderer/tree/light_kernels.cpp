@@ -213,7 +213,7 @@ RENDER2MPEG_ALWAYS_INLINED NodeFrame frame_of(const LightNode& node, float hx, f
 
 /// How much of light in this colour an eye notices, in luminance: its luminance, or its Cr or Cb [BT709, 3.3] at
 /// `chroma_share` of that. Without chroma the light of a blue lamp would count a fourteenth of a white one's, and may
-/// be lost where it is all the colour there is. chosen: docs/decisions/0014.
+/// be lost where it is all the colour there is. chosen: docs/decisions.md#stopping-rule.
 constexpr float chroma_share = 0.5f;
 RENDER2MPEG_ALWAYS_INLINED float noticed(const Vec3Lanes& weight, int i, float red, float green, float blue) {
     const float r = weight.x[i] * red, g = weight.y[i] * green, b = weight.z[i] * blue;

@@ -53,7 +53,7 @@ struct Spot {
 
 /// Sets of representatives: in each, every node has one of its lights, one of its children's. Whoever gathers takes one
 /// set; neighbouring pixels take different ones, so that their errors are not alike (docs/model/lightcut.md). chosen: 4
-/// of 1, 4 and 16 (docs/decisions/0016).
+/// of 1, 4 and 16 (docs/decisions.md#representative-sets).
 inline constexpr int representative_sets = 4;
 
 /// The least and largest TreeLight::disc2 below a node, rounded outwards to the upper half of a float: by 0.8 % at
@@ -208,7 +208,7 @@ TreeTopology topology_of(const LightTree& tree);
 LightTree build_from_topology(const TreeTopology& topology, std::span<const LightPoint> points, std::uint64_t seed);
 
 /// Gives the lights of a persistent tree places and intensities of `points` with the same ids, none of either where
-/// there is no such point, and every node its bounds, sum and representative (docs/model/light-tree.md). Who is whose
+/// there is no such point, and every node its bounds, sum and representative (docs/model/lights.md). Who is whose
 /// child stays; a function of that, the points and the seed, whatever was updated before. O(n log n), a tenth of the
 /// time of building.
 void update_light_tree(LightTree& tree, std::span<const LightPoint> points, std::uint64_t seed);

@@ -67,7 +67,7 @@ struct LitPoints {
 
 /// Light trees that follow their lights from instant to instant: who is whose neighbour in its trees was settled once,
 /// from lights at their time-averaged strength, so that what changes smoothly is gathered smoothly
-/// (docs/model/light-tree.md).
+/// (docs/model/lights.md).
 class PersistentLightTrees {
   public:
     PersistentLightTrees() = default;

@@ -23,7 +23,7 @@ std::vector<int> ranks(int samples, double step) {
     return rank;
 }
 
-/// fit: docs/fits/exposure-samples.md, sqrt(2) - 1 of seven.
+/// fit: docs/measurements.md#shutter-and-lens, sqrt(2) - 1 of seven.
 constexpr double lens_step = 0.41421356;
 
 constexpr double golden_angle = 2.39996322972865332;

@@ -18,7 +18,7 @@ namespace {
 constexpr float same_plane = 0.5f;
 
 /// And they show no detail between them if their reflectances differ by less than this share of the larger one.
-/// chosen: a tenth, of 0.03, 0.1, 0.25 (docs/fits/edge-samples.md).
+/// chosen: a tenth, of 0.03, 0.1, 0.25 (docs/measurements.md#edges).
 constexpr float same_reflectance = 0.1f;
 
 /// Ends of ways through air lie together if they are apart by less than this share of their distance. chosen: 2 %, of

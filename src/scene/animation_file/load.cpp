@@ -1,4 +1,4 @@
-// Our own format: docs/animation-file.md describes it for those who write it, docs/animation-file.schema.json for their
+// Our own format: docs/scenes.md describes it for those who write it, docs/animation-file.schema.json for their
 // editors.
 #include "scene/animation_file/load.h"
 

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-/// Reading glTF: the JSON part with every type and index checked as it is read (docs/decisions/0006 says why
-/// there is no library between).
+/// Reading glTF: the JSON part with every type and index checked as it is read (docs/decisions.md#own-gltf-reader says
+/// why there is no library between).
 namespace render2mpeg::scene::gltf {
 
 class Document;

@@ -15,7 +15,7 @@
 namespace render2mpeg::scene {
 namespace {
 
-// All of this is chosen by eye on a dozen models (docs/models.md).
+// All of this is chosen by eye on a dozen models (docs/scenes.md).
 constexpr double key_elevation = 0.87, rim_elevation = 0.6;  // radians over the horizon
 constexpr double key_heading = 0.95, rim_heading = -2.5;     // to the left of where the camera stands, radians
 constexpr double box_elevation = 1.1;                        // above what cameras see that look level

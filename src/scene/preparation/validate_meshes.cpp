@@ -79,7 +79,8 @@ struct Tallies {
     Tally attributes{"replaced", "texture coordinate or colour", "as not finite"};
 };
 
-/// Corners that are nowhere are damage, not a matter of taste: nobody knows what was meant (docs/decisions/0007).
+/// Corners that are nowhere are damage, not a matter of taste: nobody knows what was meant
+/// (docs/decisions.md#broken-corners-are-refused).
 void refuse_broken_corners(const Animation& animation, const Mesh& mesh, const std::vector<char>& sound,
                            const std::string& name) {
     for (const glm::uvec3& t : mesh.triangles)
