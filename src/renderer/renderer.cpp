@@ -59,6 +59,8 @@ struct Renderer::Impl {
           thrown({s.caustic_photons}),
           final_gather(posed_scene, plan) {
         statistics.image_notes = posed_scene.notes();
+        if (by_rays()) rays_of.push_back(RaysOf::hemispheres);
+        if (plan.runs(Pass::lobe_rays)) rays_of.push_back(RaysOf::lobes);
     }
 
     double& row(Pass pass) { return rows[static_cast<std::size_t>(pass)]; }
@@ -74,7 +76,7 @@ struct Renderer::Impl {
             statistics.photon_rays += light_points.look_at_sky(posed_scene);
         }
         pose(first);
-        if (!anchors && plan.runs(Pass::photons) && settings.vpls > 0 && !by_rays()) {
+        if (!anchors && plan.runs(Pass::photons) && settings.vpls > 0) {
             const Stopwatch timer(row(Pass::photons));
             anchors.emplace(posed_scene, light_points,
                             AnchorSettings{settings.vpls, settings.bounces, settings.photons});
@@ -92,15 +94,14 @@ struct Renderer::Impl {
             if (plan.runs(Pass::whole_lamps)) lamps = WholeLamps(posed_scene, light_points.average());
             lasting = PersistentLightTrees({clustered(light_points.average()), still, moving},
                                            settings.seed + 2 * settings.draw);
-            caches = (by_rays() && settings.cache != CacheUse::off) || settings.cache == CacheUse::on ||
-                     (settings.cache == CacheUse::static_light &&
-                      !scene::traits_of(posed_scene.animation()).changes_light());
+            caches = settings.cache != CacheUse::off && (by_rays() || settings.cache == CacheUse::on ||
+                                                         !scene::traits_of(posed_scene.animation()).changes_light());
         }
         if (by_rays()) {
             const Stopwatch timer(row(Pass::indirect_tree));
             pose(first);
-            near_from =
-                near_irradiance(posed_scene, plan, first.camera, {settings.format.width, settings.format.height});
+            const scene::PictureFormat& format = settings.format;
+            near_from = near_irradiance(posed_scene, plan, first.camera, {format.width, format.height});
         }
         shone_at.reset();
         thrown.forget();
@@ -123,8 +124,13 @@ struct Renderer::Impl {
         }
         shone_at = snapshot;
         has_trees = false;
+        const Stopwatch timer(row(by_rays() ? Pass::indirect_tree : Pass::photons));
+        rays_see = {brightest_of_rays(posed_scene.sky()),
+                    light_points.sky_part() * lobe::inverse_pi / lobe::lobe_rays_disc2, light_points.sky_importance(),
+                    NearField(by_rays() ? shining : std::vector<LightPoint>(), near_from)};
+        if (by_rays())
+            lit_anchors.still = near_light(posed_scene, shining, rays_see.near_field, statistics.photon_rays);
         if (!anchors) return;
-        const Stopwatch timer(row(Pass::photons));
         lit_anchors = anchors->at(posed_scene, shining);
         statistics.photon_rays += lit_anchors.rays;
         statistics.photon_energy += lit_anchors.landed;
@@ -132,20 +138,11 @@ struct Renderer::Impl {
     }
 
     bool by_rays() const { return settings.indirect == Indirect::rays && settings.vpls > 0; }
-    float sky_brightest() const { return brightest_of_rays(posed_scene.sky()); }
     /// Light points that trees hold: all but lamps that are lit by as a whole, and but for what gather rays see of the
     /// sky.
     std::vector<LightPoint> clustered(std::vector<LightPoint> points) const {
         points = lamps.without(std::move(points));
-        return by_rays() ? beyond_rays(std::move(points), sky_brightest()) : points;
-    }
-
-    /// Rays that see what light trees do not hold.
-    std::vector<RaysOf> rays_of() const {
-        std::vector<RaysOf> all;
-        if (by_rays()) all.push_back(RaysOf::hemispheres);
-        if (plan.runs(Pass::lobe_rays)) all.push_back(RaysOf::lobes);
-        return all;
+        return by_rays() ? beyond_rays(std::move(points), brightest_of_rays(posed_scene.sky())) : points;
     }
 
     SeeSettings see_settings() const {
@@ -158,11 +155,7 @@ struct Renderer::Impl {
         if (has_trees) return;
         if (lit_frame) cache.invalidate();
         statistics.direct_points = shining.size();
-        rays_see = {sky_brightest(), light_points.sky_part() * lobe::inverse_pi / lobe::lobe_rays_disc2,
-                    light_points.sky_importance(), NearField(shining, near_from)};
-        const std::vector<LightPoint> near =
-            near_light(posed_scene, shining, rays_see.near_field, statistics.photon_rays);
-        statistics.indirect_points = near.size() + lit_anchors.still.size() + lit_anchors.moving.size();
+        statistics.indirect_points = lit_anchors.still.size() + lit_anchors.moving.size();
         {
             const Stopwatch timer(row(Pass::direct_tree));
             light_trees = {};  // before the next one grows: many light points take as much memory
@@ -171,14 +164,14 @@ struct Renderer::Impl {
             light_trees.lamps = lamps.at(posed_scene);
             if (by_rays())
                 light_trees.trees[LightTrees::static_tree] =
-                    build_light_tree(LightType::oriented, near, settings.seed + 2 * settings.draw + 1);
+                    build_light_tree(LightType::oriented, lit_anchors.still, settings.seed + 2 * settings.draw + 1);
         }
         light_trees.point_clamp = settings.clamp == Clamp::bounded ? point_clamp : GeometryClamp::none();
         light_trees.lobe_rays = plan.runs(Pass::lobe_rays);
         light_trees.bodies = plan.runs(Pass::caustics) ? Bodies::block : Bodies::pass;
         light_trees.air = posed_scene.air();
         light_trees.translucent = plan.runs(Pass::alpha) || plan.runs(Pass::glass) || light_trees.air != nullptr;
-        if (!rays_of().empty()) final_gather.forget(rays_see);
+        if (!rays_of.empty()) final_gather.forget(rays_see);
         lit_frame = snapshot.frame;
         has_trees = true;
     }
@@ -208,7 +201,7 @@ struct Renderer::Impl {
 
     /// Gathers by rays for measurements, which teach the frames' own gathering nothing.
     std::unique_ptr<FinalGather> audit_rays() const {
-        auto rays = !rays_of().empty() ? std::make_unique<FinalGather>(posed_scene, plan) : nullptr;
+        auto rays = !rays_of.empty() ? std::make_unique<FinalGather>(posed_scene, plan) : nullptr;
         if (rays) rays->forget(rays_see);
         return rays;
     }
@@ -228,9 +221,9 @@ struct Renderer::Impl {
         const RayTracer& tracer = posed_scene.tracer();
         core::Radiance radiance =
             renderer::shade(light_trees, tracer, seen, eye, tolerance, s, counts, nullptr, &light);
-        if (rays_of().empty()) return radiance;
+        if (rays_of.empty()) return radiance;
         if (!caches) final_gather.forget(rays_see);
-        for (const RaysOf which : rays_of()) add_rays(final_gather, snapshot.camera, seen, tolerance, which, light);
+        for (const RaysOf which : rays_of) add_rays(final_gather, snapshot.camera, seen, tolerance, which, light);
         ShadeCounts again;
         return renderer::shade(light_trees, tracer, seen, eye, tolerance, s, again, &light);
     }
@@ -287,15 +280,16 @@ struct Renderer::Impl {
     WholeLamps lamps;                ///< of the film
     PersistentLightTrees lasting;    ///< of the chunk
     LightTrees light_trees;
-    bool caches = false;  ///< light is cached
-    float near_from = 0;  ///< near_irradiance of the chunk
+    bool caches = false;          ///< light is cached
+    float near_from = 0;          ///< near_irradiance of the chunk
+    std::vector<RaysOf> rays_of;  ///< that see what light trees do not hold
     SkyOfRays rays_see;
     std::optional<scene::Snapshot> shone_at;  ///< the instant that the following are of
     std::vector<LightPoint> shining;          ///< direct light points, until trees take them
-    Anchors::Lit lit_anchors;
-    Caustics thrown;                        ///< how many photons a frame of the chunk has
-    bool has_trees = false;                 ///< `light_trees` are of that instant, too
-    std::optional<std::int64_t> lit_frame;  ///< the first frame that `light_trees` are of
+    Anchors::Lit lit_anchors;                 ///< or light of the near field
+    Caustics thrown;                          ///< how many photons a frame of the chunk has
+    bool has_trees = false;                   ///< `light_trees` are of that instant, too
+    std::optional<std::int64_t> lit_frame;    ///< the first frame that `light_trees` are of
     bool started = false;
     std::int64_t first_frame = 0;  ///< of the chunk
     ErrorCalibration calibration;
@@ -362,8 +356,7 @@ void Renderer::add_caustics(const scene::Snapshot& snapshot, const core::Toleran
     const Stopwatch timer(i.row(Pass::caustics));
     CausticCounts counts;
     i.thrown.add(i.posed_scene, i.light_points.at(i.posed_scene), tolerance, seen, counts);
-    if (tolerance == nullptr) return;
-    add(counts, i.statistics);
+    if (tolerance != nullptr) add(counts, i.statistics);
 }
 
 void Renderer::add_air(const scene::Snapshot& snapshot, const core::ToleranceMap* tolerance, Seen& seen) {
@@ -472,7 +465,7 @@ std::vector<AuditedPixel> Renderer::audit(const scene::Snapshot& snapshot, const
     const std::vector<LitPixel> pixels = drawn(lit_pixels(seen), static_cast<std::size_t>(count), seen.visible.frame);
     const MovedPoints moved = i.cache.moved_points(snapshot.frame, tolerance);
     const auto rays = i.audit_rays();
-    const LitFrame frame{i.posed_scene, i.light_trees, rays.get(), i.rays_of(), seen, tolerance, radiance, moved};
+    const LitFrame frame{i.posed_scene, i.light_trees, rays.get(), i.rays_of, seen, tolerance, radiance, moved};
     return compare(seen, pixels, exact_pixels(frame, pixels, moved), tolerance, radiance);
 }
 
@@ -486,7 +479,7 @@ std::vector<JudgedPixel> Renderer::judge(const scene::Snapshot& snapshot, const 
     i.light_unseen(snapshot);
     const MovedPoints moved = i.cache.moved_points(snapshot.frame, tolerance);
     const auto rays = i.audit_rays();
-    const LitFrame frame{i.posed_scene, i.light_trees, rays.get(), i.rays_of(), seen, tolerance, radiance, moved};
+    const LitFrame frame{i.posed_scene, i.light_trees, rays.get(), i.rays_of, seen, tolerance, radiance, moved};
     return judge_pixels(frame, i.see_settings(), i.plan, audited, finely);
 }
 

@@ -9,12 +9,16 @@
 #include "core/color.h"
 #include "core/sampling.h"
 #include "parallel/loops.h"
+#include "renderer/gather/near_light.h"
 #include "renderer/paths/light_paths.h"
+#include "renderer/tree/light_tree.h"
+#include "tests/renderer/lighting.h"
 #include "tests/renderer/stage.h"
 
 namespace render2mpeg::renderer {
 namespace {
 
+using test::LitStage;
 using test::SceneBuilder;
 using test::Stage;
 
@@ -205,6 +209,68 @@ TEST(FinalGather, LeaksNothingThroughAThinWall) {
     const glm::vec3 dark = mean_of(light_of(stage, points_about(stage, 1, {1, 1, 0}), 0.01f));
     EXPECT_GT(lit.y, 0.1f);
     EXPECT_LE(dark.y, 0.002f * lit.y);
+}
+
+TEST(NearField, IsAShareThatFallsWithTheSquareOfTheDistance) {
+    LightPoint lamp;
+    lamp.kind = LightPointKind::omni;
+    lamp.intensity = glm::vec3(8);
+    LightPoint part;
+    part.intensity = glm::vec3(1);
+    part.object = 3;
+    std::vector<LightPoint> lights{lamp, part, part};
+    lights[1].position = {10, 0, -1};
+    lights[2].position = {10, 0, 1};
+    const NearField field(lights, 2.0f);
+    EXPECT_FLOAT_EQ(field.share({1, 0, 0}), 0.75f);
+    EXPECT_FLOAT_EQ(field.share({0, 2, 0}), 0.0f);
+    EXPECT_FLOAT_EQ(field.share({10, 0.5f, 0}), 0.75f);  // of both parts as one source
+    EXPECT_TRUE(NearField(lights, std::numeric_limits<float>::infinity()).empty());
+    EXPECT_TRUE(NearField().empty());
+}
+
+/// A room whose lamp hangs in a shade, open below.
+SceneBuilder shaded_room() {
+    SceneBuilder b;
+    const int white = b.add_material(glm::vec3(0.6f));
+    b.add_box({-2, 0, -2}, {2, 3, 2}, white, true);
+    b.add_quad({-0.3f, 1.9f, 0.3f}, {0.6f, 0, 0}, {0, 0.6f, 0}, white);
+    b.add_quad({-0.3f, 1.9f, -0.3f}, {0.6f, 0, 0}, {0, 0.6f, 0}, white);
+    b.add_quad({-0.3f, 1.9f, -0.3f}, {0, 0, 0.6f}, {0, 0.6f, 0}, white);
+    b.add_quad({0.3f, 1.9f, -0.3f}, {0, 0, 0.6f}, {0, 0.6f, 0}, white);
+    b.add_point_light({0, 2.1f, 0}, 5);
+    return b;
+}
+
+TEST(NearLight, AndRaysTogetherGiveWhatRaysGive) {
+    LitStage stage(shaded_room());
+    const Plan plan = make_plan(scene::traits_of(stage.posed_scene().animation()), {});
+    const std::vector<LightPoint> lights = stage.direct_points(1, 1);
+    std::vector<GatherPoint> points;
+    for (int i = 0; i < 16; ++i)
+        points.push_back(stage.point_at(0, 2, {0.3f + 0.02f * static_cast<float>(i), 0.3f}, {0, 1, 0}));
+    std::vector<GatherRequest> requests;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        requests.push_back({&points[i], {}, core::mix(i + 1), 1e-3f, false, static_cast<std::uint32_t>(i)});
+    const auto by_rays = [&](const NearField& field) {
+        FinalGather gather(stage.posed_scene(), plan);
+        SkyOfRays sees;
+        sees.near_field = field;
+        gather.forget(sees);
+        return core::luminance(mean_of(gather.gather(requests, {})));
+    };
+    const NearField field(lights, 3.0f);
+    std::uint64_t rays = 0;
+    LightTrees near;
+    near.trees[LightTrees::static_tree] =
+        build_light_tree(LightType::oriented, near_light(stage.posed_scene(), lights, field, rays), 1);
+    double by_points = 0;
+    for (const GatherPoint& p : points)
+        by_points += core::luminance(glm::vec3(test::gather_all(stage, near, p).indirect)) /
+                     (0.6 * static_cast<double>(points.size()));
+    const float all = by_rays({}), rest = by_rays(field);
+    EXPECT_GT(by_points, 0.1f * all);
+    EXPECT_NEAR(rest + by_points, all, 0.02f * all);
 }
 
 TEST(FinalGather, OfAnEmptyWorldIsNothing) {
