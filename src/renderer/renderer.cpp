@@ -76,7 +76,7 @@ struct Renderer::Impl {
             statistics.photon_rays += light_points.look_at_sky(posed_scene);
         }
         pose(first);
-        if (!anchors && plan.runs(Pass::photons) && settings.vpls > 0) {
+        if (!anchors && plan.runs(Pass::photons) && settings.vpls > 0 && !by_rays()) {
             const Stopwatch timer(row(Pass::photons));
             anchors.emplace(posed_scene, light_points,
                             AnchorSettings{settings.vpls, settings.bounces, settings.photons});
@@ -101,7 +101,7 @@ struct Renderer::Impl {
             const Stopwatch timer(row(Pass::indirect_tree));
             pose(first);
             const scene::PictureFormat& format = settings.format;
-            near_from = near_irradiance(posed_scene, plan, first.camera, {format.width, format.height});
+            look = look_about(posed_scene, plan, first.camera, {format.width, format.height});
         }
         shone_at.reset();
         thrown.forget();
@@ -127,9 +127,10 @@ struct Renderer::Impl {
         const Stopwatch timer(row(by_rays() ? Pass::indirect_tree : Pass::photons));
         rays_see = {brightest_of_rays(posed_scene.sky()),
                     light_points.sky_part() * lobe::inverse_pi / lobe::lobe_rays_disc2, light_points.sky_importance(),
-                    NearField(by_rays() ? shining : std::vector<LightPoint>(), near_from)};
+                    NearField(by_rays() ? shining : std::vector<LightPoint>(), look)};
         if (by_rays())
-            lit_anchors.still = near_light(posed_scene, shining, rays_see.near_field, statistics.photon_rays);
+            lit_anchors.still =
+                near_light(posed_scene, shining, light_points.average(), rays_see.near_field, statistics.photon_rays);
         if (!anchors) return;
         lit_anchors = anchors->at(posed_scene, shining);
         statistics.photon_rays += lit_anchors.rays;
@@ -281,7 +282,7 @@ struct Renderer::Impl {
     PersistentLightTrees lasting;    ///< of the chunk
     LightTrees light_trees;
     bool caches = false;          ///< light is cached
-    float near_from = 0;          ///< near_irradiance of the chunk
+    EyeLook look;                 ///< at the chunk's first frame
     std::vector<RaysOf> rays_of;  ///< that see what light trees do not hold
     SkyOfRays rays_see;
     std::optional<scene::Snapshot> shone_at;  ///< the instant that the following are of
@@ -325,48 +326,40 @@ Seen Renderer::see(const scene::Snapshot& snapshot) {
     return seen;
 }
 
-void Renderer::look_closer(const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance, Seen& seen) {
-    if (impl_->settings.most_samples == 0) return;
-    impl_->pose(snapshot);
-    const SeeSettings settings = impl_->see_settings();
-    const Stopwatch timer(impl_->row(Pass::see));
-    SeeCounts counts;
-    renderer::look_closer(impl_->posed_scene, settings, impl_->plan, tolerance, impl_->settings.most_samples, seen,
-                          counts);
-    add(counts, impl_->statistics);
-}
-
-void Renderer::expose(const scene::Snapshot& snapshot, const ExposureSamples& samples, Seen& seen) {
-    const Plan& plan = impl_->plan;
-    if (!plan.runs(Pass::shutter) && !plan.runs(Pass::lens)) return;
-    impl_->pose(snapshot);
-    const SeeSettings settings = impl_->see_settings();
-    const Stopwatch timer(impl_->row(plan.runs(Pass::lens) ? Pass::lens : Pass::shutter));
-    ExposureCounts counts;
-    renderer::expose(impl_->posed_scene, settings, plan, samples, seen, counts);
-    impl_->statistics.exposure_rays += counts.rays;
-    impl_->statistics.exposed_pixels += counts.pixels;
-}
-
-void Renderer::add_caustics(const scene::Snapshot& snapshot, const core::ToleranceMap* tolerance, Seen& seen) {
+Seen Renderer::complete(const scene::Snapshot& snapshot, Seen seen, const core::ToleranceMap* tolerance,
+                        const ExposureSamples* samples) {
     Impl& i = *impl_;
-    if (!i.plan.runs(Pass::caustics)) return;
     if (!i.started) i.start_chunk(snapshot);
     i.pose(snapshot);
-    const Stopwatch timer(i.row(Pass::caustics));
-    CausticCounts counts;
-    i.thrown.add(i.posed_scene, i.light_points.at(i.posed_scene), tolerance, seen, counts);
-    if (tolerance != nullptr) add(counts, i.statistics);
-}
-
-void Renderer::add_air(const scene::Snapshot& snapshot, const core::ToleranceMap* tolerance, Seen& seen) {
-    Impl& i = *impl_;
-    if (!i.plan.runs(Pass::air)) return;
-    i.prepare(snapshot, seen);
-    const Stopwatch timer(i.row(Pass::air));
-    i.statistics.air_rays += add_airlight({i.posed_scene, i.light_points.at(i.posed_scene), i.light_trees,
-                                           i.by_rays() ? &i.final_gather : nullptr, *i.lit_frame},
-                                          i.ambient_air, tolerance, seen);
+    const SeeSettings settings = i.see_settings();
+    Statistics& all = i.statistics;
+    if (tolerance != nullptr && i.settings.most_samples > 0) {
+        const Stopwatch timer(i.row(Pass::see));
+        SeeCounts counts;
+        look_closer(i.posed_scene, settings, i.plan, *tolerance, i.settings.most_samples, seen, counts);
+        add(counts, all);
+    }
+    if (samples != nullptr && (i.plan.runs(Pass::shutter) || i.plan.runs(Pass::lens))) {
+        const Stopwatch timer(i.row(i.plan.runs(Pass::lens) ? Pass::lens : Pass::shutter));
+        ExposureCounts counts;
+        expose(i.posed_scene, settings, i.plan, *samples, seen, counts);
+        all.exposure_rays += counts.rays;
+        all.exposed_pixels += counts.pixels;
+    }
+    if (i.plan.runs(Pass::caustics)) {
+        const Stopwatch timer(i.row(Pass::caustics));
+        CausticCounts counts;
+        i.thrown.add(i.posed_scene, i.light_points.at(i.posed_scene), tolerance, seen, counts);
+        if (tolerance != nullptr) add(counts, all);
+    }
+    if (i.plan.runs(Pass::air)) {
+        i.prepare(snapshot, seen);
+        const Stopwatch timer(i.row(Pass::air));
+        all.air_rays += add_airlight({i.posed_scene, i.light_points.at(i.posed_scene), i.light_trees,
+                                      i.by_rays() ? &i.final_gather : nullptr, *i.lit_frame},
+                                     i.ambient_air, tolerance, seen);
+    }
+    return seen;
 }
 
 core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& wanted) {

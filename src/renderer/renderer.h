@@ -99,22 +99,14 @@ class Renderer {
     /// Forgets everything that was carried over from earlier frames.
     void start_chunk(const scene::Snapshot& first);
 
-    /// Primary visibility with antialiasing. May run ahead of `shade` by some frames.
+    /// Primary visibility with antialiasing; no light. May run ahead by some frames.
     Seen see(const scene::Snapshot& snapshot);
 
-    /// Looks again where edges could show by more than the tolerance (look_closer.h). After `see` of the same instant.
-    void look_closer(const scene::Snapshot& snapshot, const core::ToleranceMap& tolerance, Seen& seen);
-
-    /// Finds what the open shutter and the lens show of a frame, with so many samples where they blur it (expose.h).
-    /// After `look_closer` of the same instant.
-    void expose(const scene::Snapshot& snapshot, const ExposureSamples& samples, Seen& seen);
-    /// Adds what mirrors and glass throw onto surfaces to what needs no gathering, once, before `shade`. `tolerance`:
-    /// the frame's; null: for a rough look.
-    void add_caustics(const scene::Snapshot& snapshot, const core::ToleranceMap* tolerance, Seen& seen);
-
-    /// Adds what fog scatters towards the eye to what needs no gathering, once, before `shade`. After `expose` of the
-    /// same instant. `tolerance`: as above.
-    void add_air(const scene::Snapshot& snapshot, const core::ToleranceMap* tolerance, Seen& seen);
+    /// The frame but for gathered light: finer edges where they could show (look_closer.h), what the open shutter and
+    /// the lens show (expose.h), caustics and light of the air, found as well as `tolerance` asks for; null: for a
+    /// rough look, without finer edges. `seen`: of the same instant.
+    Seen complete(const scene::Snapshot& snapshot, Seen seen, const core::ToleranceMap* tolerance,
+                  const ExposureSamples* samples = nullptr);
 
     /// Gathers light for all gather points of a frame until every pixel's error bound is below its tolerance.
     core::Radiance shade(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance);

@@ -81,8 +81,8 @@ core::Radiance rendered(const scene::Animation& film, int samples) {
     core::ToleranceMap fine = core::ToleranceMap::uniform(frame_side, frame_side, {1e-4f, 0.0f});
     for (std::size_t i = 0; i < fine.pixels.size(); ++i)
         fine.pixels.values()[i].background = std::max(rough.combined.values()[i].y, 1e-3f);
-    renderer.look_closer(world, fine, seen);
-    renderer.expose(world, {samples, samples}, seen);
+    const renderer::ExposureSamples exposure{samples, samples};
+    seen = renderer.complete(world, std::move(seen), &fine, &exposure);
     return renderer.shade(world, seen, core::ToleranceMap::reference());
 }
 

@@ -185,9 +185,8 @@ void judge_paths(const NamedCase& named) {
     const Posed posed(c);
     test::FilmStage stage(c.scene, settings_of(c), c.caustics);
     const scene::Snapshot world = stage.at(0);
-    renderer::Seen seen = stage.renderer().see(world);
     const core::ToleranceMap none = core::ToleranceMap::reference();
-    stage.renderer().add_caustics(world, &none, seen);
+    const renderer::Seen seen = stage.renderer().complete(world, stage.renderer().see(world), &none);
     const core::Radiance ours = stage.renderer().trace(world, seen, {0.02f, 1u << 14});
     Found found;
     const Allowed allowed{std::max(c.allowed.whole, 0.01), std::max(c.allowed.patch, 0.03)};

@@ -30,10 +30,8 @@ Settings exposed_frame(int vpls = 0) {
 core::Radiance expose_frame(FilmStage& stage, int samples, int second = 1,
                             const core::ToleranceMap& tolerance = core::ToleranceMap::reference()) {
     const scene::Snapshot world = stage.at(second);
-    Seen seen = stage.renderer().see(world);
-    stage.renderer().expose(world, {samples, samples}, seen);
-    stage.renderer().add_caustics(world, &tolerance, seen);
-    stage.renderer().add_air(world, &tolerance, seen);
+    const ExposureSamples exposure{samples, samples};
+    const Seen seen = stage.renderer().complete(world, stage.renderer().see(world), &tolerance, &exposure);
     return stage.renderer().shade(world, seen, tolerance);
 }
 
@@ -213,8 +211,7 @@ TEST(Expose, LampsOutOfFocusAreSampledAgainSlow) {
     FilmStage stage(b, exposed_frame());
     const auto frame = [&](const ExposureSamples& samples) {
         const scene::Snapshot world = stage.at(1);
-        Seen seen = stage.renderer().see(world);
-        stage.renderer().expose(world, samples, seen);
+        const Seen seen = stage.renderer().complete(world, stage.renderer().see(world), nullptr, &samples);
         return stage.renderer().shade(world, seen, core::ToleranceMap::reference());
     };
     const core::Radiance truth = frame({4096, 4096}), few = frame({16, 16});

@@ -32,10 +32,7 @@ scene::Snapshot FilmStage::at(int second) const {
 
 core::Radiance FilmStage::shade(int second, const core::ToleranceMap& tolerance) {
     const scene::Snapshot world = at(second);
-    renderer::Seen seen = renderer_->see(world);
-    renderer_->add_caustics(world, &tolerance, seen);
-    renderer_->add_air(world, &tolerance, seen);
-    return renderer_->shade(world, seen, tolerance);
+    return renderer_->shade(world, renderer_->complete(world, renderer_->see(world), &tolerance), tolerance);
 }
 
 core::ToleranceMap FilmStage::uniform(float relative) const {

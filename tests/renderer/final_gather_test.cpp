@@ -9,6 +9,7 @@
 #include "core/color.h"
 #include "core/sampling.h"
 #include "parallel/loops.h"
+#include "renderer/base/lobe.h"
 #include "renderer/gather/near_light.h"
 #include "renderer/paths/light_paths.h"
 #include "renderer/tree/light_tree.h"
@@ -221,11 +222,15 @@ TEST(NearField, IsAShareThatFallsWithTheSquareOfTheDistance) {
     std::vector<LightPoint> lights{lamp, part, part};
     lights[1].position = {10, 0, -1};
     lights[2].position = {10, 0, 1};
-    const NearField field(lights, 2.0f);
+    const NearField field(lights, EyeLook{{}, 2.0f * lobe::inverse_pi});
     EXPECT_FLOAT_EQ(field.share({1, 0, 0}), 0.75f);
     EXPECT_FLOAT_EQ(field.share({0, 2, 0}), 0.0f);
     EXPECT_FLOAT_EQ(field.share({10, 0.5f, 0}), 0.75f);  // of both parts as one source
-    EXPECT_TRUE(NearField(lights, std::numeric_limits<float>::infinity()).empty());
+    // What would light all that is seen 64 times as much is hidden from it.
+    const NearField hidden(lights, EyeLook{{{0, 0.1f, 0}, {0, 0, 0.1f}}, 2.0f * lobe::inverse_pi});
+    EXPECT_FLOAT_EQ(hidden.share({1, 0, 0}), 0.0f);
+    EXPECT_FLOAT_EQ(hidden.share({10, 0.5f, 0}), 0.75f);
+    EXPECT_TRUE(NearField(lights, EyeLook()).empty());
     EXPECT_TRUE(NearField().empty());
 }
 
@@ -259,11 +264,11 @@ TEST(NearLight, AndRaysTogetherGiveWhatRaysGive) {
         gather.forget(sees);
         return core::luminance(mean_of(gather.gather(requests, {})));
     };
-    const NearField field(lights, 3.0f);
+    const NearField field(lights, EyeLook{{}, 1.0f});
     std::uint64_t rays = 0;
     LightTrees near;
     near.trees[LightTrees::static_tree] =
-        build_light_tree(LightType::oriented, near_light(stage.posed_scene(), lights, field, rays), 1);
+        build_light_tree(LightType::oriented, near_light(stage.posed_scene(), lights, lights, field, rays), 1);
     double by_points = 0;
     for (const GatherPoint& p : points)
         by_points += core::luminance(glm::vec3(test::gather_all(stage, near, p).indirect)) /

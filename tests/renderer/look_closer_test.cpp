@@ -85,7 +85,7 @@ ClosePicture look(int most_samples, float tolerated) {
     for (int y = 0; y < size; ++y)
         for (int x = 0; x < size; ++x)
             tolerance.pixels.at(x, y) = {tolerated, 0.001f, core::luminance(rough.combined.at(x, y)) + tolerated};
-    stage.renderer().look_closer(world, tolerance, picture.seen);
+    picture.seen = stage.renderer().complete(world, std::move(picture.seen), &tolerance);
     picture.radiance = stage.renderer().shade(world, picture.seen, tolerance);
     double squares = 0, pixels = 0;
     for (int y = 0; y < size; ++y)

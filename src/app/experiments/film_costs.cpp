@@ -177,9 +177,11 @@ std::string film_cost_table(const std::vector<FilmCost>& costs, const std::optio
 std::vector<AnswerRow> answer_rows(const std::vector<FilmCost>& costs, const std::optional<FilmCost>& draft) {
     const std::optional<std::size_t> taken = recommended(costs);
     std::vector<AnswerRow> rows;
+    double longest = draft ? draft->clock : 0.0;
+    for (const FilmCost& c : costs) longest = std::max(longest, c.clock);
     const auto add = [&](const FilmCost& c, const std::string& name, bool is_taken) {
-        rows.push_back({name, core::divide_or(c.clock, costs.back().clock, 0.0), clock_text(c.clock),
-                        words_for(c.added), grade_of(c.added), loss_text(c), size_text(c.bytes), is_taken});
+        rows.push_back({name, core::divide_or(c.clock, longest, 0.0), clock_text(c.clock), words_for(c.added),
+                        grade_of(c.added), loss_text(c), size_text(c.bytes), is_taken});
     };
     if (draft && !costs.empty()) add(*draft, "draft (--preview)", false);
     for (std::size_t i = 0; i < costs.size(); ++i)

@@ -422,14 +422,11 @@ void Trials::take_references(const Trials& other) {
 bool Trials::light_reference(std::int64_t frame, int left, ReferenceStanding& standing,
                              const std::function<bool(const ReferenceStanding&)>& part_done) {
     const scene::Snapshot world = film_.snapshot(frame);
-    renderer::Seen seen = renderer_.see(world);
     // Twice what the finest pictures get: errors are halved and more.
     renderer::ExposureSamples samples = exposure_samples(film_, 1, film_.display());
     samples.fewest = samples.most = 2 * samples.most;
-    renderer_.expose(world, samples, seen);
     const core::ToleranceMap none = core::ToleranceMap::reference();
-    renderer_.add_caustics(world, &none, seen);
-    renderer_.add_air(world, &none, seen);
+    renderer::Seen seen = renderer_.complete(world, renderer_.see(world), &none, &samples);
     Truth truth;
     for (const renderer::LitPixel& pixel : renderer::lit_pixels(seen))
         truth.gathering.push_back(renderer::place_of(seen, pixel));

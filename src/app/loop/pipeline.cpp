@@ -31,17 +31,16 @@ class ChunkLoop {
 
   private:
     renderer::Seen see(const scene::Snapshot& world);
-    void look_closer(const scene::Snapshot& world, const core::ToleranceMap& tolerance, renderer::Seen& seen);
+    renderer::Seen complete(const scene::Snapshot& world, renderer::Seen seen, const core::ToleranceMap& tolerance,
+                            int quantiser);
     /// Takes as many samples of the shutter and of the lens as a picture of this quantiser shows.
-    void expose(const scene::Snapshot& world, int quantiser, renderer::Seen& seen);
-    void throw_light(const scene::Snapshot& world, const core::ToleranceMap& tolerance, renderer::Seen& seen);
     /// How the frame will be coded; nothing of it matters where it will not be.
     encoder::PicturePlan plan(const scene::Snapshot& world, Motion& motion);
     /// What the frame's light may be off by, before it is lit. Valid until the next frame.
-    const core::ToleranceMap& tolerate(const scene::Snapshot& world, renderer::Seen& seen, const PlannedPicture& plan,
-                                       Motion& motion);
+    const core::ToleranceMap& tolerate(const scene::Snapshot& world, const renderer::Seen& seen,
+                                       const PlannedPicture& plan, Motion& motion);
     /// Rough light for the visibility model, where there is no picture before.
-    void imagine(const scene::Snapshot& world, renderer::Seen& seen, const PlannedPicture& plan);
+    void imagine(const scene::Snapshot& world, const renderer::Seen& seen, const PlannedPicture& plan);
     core::Radiance shade(const scene::Snapshot& world, const core::ToleranceMap& tolerance, const renderer::Seen& seen);
     core::Radiance draft(const scene::Snapshot& world, const renderer::Seen& seen, const core::ToleranceMap& tolerance,
                          RenderedMotion& motion);
@@ -102,12 +101,9 @@ void ChunkLoop::frame(std::int64_t n) {
     const PlannedPicture planned = terms_.planned(coding);
     const core::ToleranceMap& tolerance = tolerate(*world, seen, planned, motion);
 
-    look_closer(*world, tolerance, seen);
-    expose(*world, coding.quantiser, seen);
-
     // Light it. What a first, rough look took is no frame's.
     const renderer::Statistics before = renderer_.statistics();
-    throw_light(*world, tolerance, seen);
+    seen = complete(*world, std::move(seen), tolerance, coding.quantiser);
     const core::Radiance radiance =
         job_.preview ? draft(*world, seen, tolerance, motion) : shade(*world, tolerance, seen);
     const core::Radiance& shown = shown_.of(radiance, world->time);
@@ -128,27 +124,18 @@ renderer::Seen ChunkLoop::see(const scene::Snapshot& world) {
     return renderer_.see(world);
 }
 
-void ChunkLoop::look_closer(const scene::Snapshot& world, const core::ToleranceMap& tolerance, renderer::Seen& seen) {
-    const StageTimer timer(statistics_, Stage::see);
-    renderer_.look_closer(world, tolerance, seen);
-}
-
-void ChunkLoop::expose(const scene::Snapshot& world, int quantiser, renderer::Seen& seen) {
-    const StageTimer timer(statistics_, Stage::see);
-    renderer_.expose(world, exposure_samples(job_, quantiser, display_), seen);
-}
-
-void ChunkLoop::throw_light(const scene::Snapshot& world, const core::ToleranceMap& tolerance, renderer::Seen& seen) {
+renderer::Seen ChunkLoop::complete(const scene::Snapshot& world, renderer::Seen seen,
+                                   const core::ToleranceMap& tolerance, int quantiser) {
     const StageTimer timer(statistics_, Stage::shade);
-    renderer_.add_caustics(world, &tolerance, seen);
-    renderer_.add_air(world, &tolerance, seen);
+    const renderer::ExposureSamples samples = exposure_samples(job_, quantiser, display_);
+    return renderer_.complete(world, std::move(seen), &tolerance, &samples);
 }
 
 encoder::PicturePlan ChunkLoop::plan(const scene::Snapshot& world, Motion& motion) {
     return coder_ ? coder_->plan(world.frame, world.cut_before, motion) : encoder::PicturePlan();
 }
 
-const core::ToleranceMap& ChunkLoop::tolerate(const scene::Snapshot& world, renderer::Seen& seen,
+const core::ToleranceMap& ChunkLoop::tolerate(const scene::Snapshot& world, const renderer::Seen& seen,
                                               const PlannedPicture& plan, Motion& motion) {
     if (!coupling_) return tolerance_;
     if (world.cut_before || plan.number == chunk_.first) coupling_->forget();
@@ -161,18 +148,10 @@ const core::ToleranceMap& ChunkLoop::tolerate(const scene::Snapshot& world, rend
     return tolerance_;
 }
 
-void ChunkLoop::imagine(const scene::Snapshot& world, renderer::Seen& seen, const PlannedPicture& plan) {
+void ChunkLoop::imagine(const scene::Snapshot& world, const renderer::Seen& seen, const PlannedPicture& plan) {
     const core::Radiance rough = [&] {
         const StageTimer timer(statistics_, Stage::preview);
-        // Caustics of a rough look; the frame's own come with its tolerance.
-        core::Plane<glm::vec3> emitted = seen.emitted, specular = seen.emitted_specular;
-        renderer_.add_caustics(world, nullptr, seen);
-        renderer_.add_air(world, nullptr, seen);
-        core::Radiance look = preview(renderer_, world, seen);
-        seen.emitted = std::move(emitted);
-        seen.emitted_specular = std::move(specular);
-        seen.caustics = seen.caustics_specular = seen.airlight = {};
-        return look;
+        return preview(renderer_, world, renderer_.complete(world, seen, nullptr));
     }();
     const core::Radiance& shown = shown_.of(rough, world.time);
     const StageTimer timer(statistics_, Stage::tolerate);

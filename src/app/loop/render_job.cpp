@@ -361,9 +361,7 @@ float measure_exposure(const RenderJob& film) {
         const std::int64_t frame = film.frames.first + (film.frame_count() - 1) * (2 * i + 1) / (2 * frames);
         const scene::Snapshot world = small.snapshot(frame);
         if (i == 0) renderer.start_chunk(world);
-        renderer::Seen seen = renderer.see(world);
-        renderer.add_caustics(world, nullptr, seen);
-        renderer.add_air(world, nullptr, seen);
+        const renderer::Seen seen = renderer.complete(world, renderer.see(world), nullptr);
         const core::Radiance radiance = renderer.sketch(world, seen, small.tolerance_map());
         for (std::size_t p = 0; p < radiance.combined.size(); ++p) {
             const float luminance = core::luminance(radiance.combined.values()[p]);

@@ -34,10 +34,9 @@ std::vector<Effect> effects_of(const RenderJob& film, const RunStatistics& stati
     const renderer::Statistics& r = statistics.rendering;
     const auto pass = [&](Pass p) { return statistics.pass_seconds[static_cast<std::size_t>(p)]; };
     std::vector<Effect> effects;
-    // What a clock that samples tells may come to more than the whole it is part of.
     const double exposing = pass(Pass::shutter) + pass(Pass::lens);
-    const double see = std::max(statistics.stage_seconds(Stage::see) - exposing, 0.0),
-                 sky = std::min(r.sky_seconds, see);
+    // A clock that samples may tell more than the whole it is part of.
+    const double see = pass(Pass::see), sky = std::min(r.sky_seconds, see);
     effects.push_back({"seeing", see - sky, r.primary_rays, {}, ""});
     if (plan.runs(Pass::sky_background))
         effects.push_back({"the sky seen", sky, {}, {}, "about; what it lights is in direct light"});

@@ -12,14 +12,24 @@
 
 namespace render2mpeg::renderer {
 
+/// A few rays of the eye: where they meet surfaces, and the luminance that half of these exceed; 0: nothing is lit.
+struct EyeLook {
+    std::vector<glm::vec3> places;
+    float luminance = 0;
+};
+
+/// What this camera sees at the posed instant.
+EyeLook look_about(const PosedScene& posed_scene, const Plan& plan, const scene::Camera& camera, glm::ivec2 size);
+
 /// Where lamps and shining objects are so near that surfaces are far brighter than elsewhere: in their shades, on the
 /// wall behind them. Gather rays would meet such spots rarely, and find them hundreds of times as bright as all else.
 /// A share of what surfaces there reflect becomes light points (near_light); rays over hemispheres miss that share.
 class NearField {
   public:
     NearField() = default;
-    /// `lights`: of the instant. `irradiance`: luminance, at which the share begins.
-    NearField(std::span<const LightPoint> lights, float irradiance);
+    /// Of lights of the instant. The share begins where one makes a white surface as bright as half of what is seen.
+    /// Those that would light half of it far more than it is lit are hidden from it, and have no near field.
+    NearField(std::span<const LightPoint> lights, const EyeLook& look);
 
     bool empty() const { return spheres_.empty(); }
     std::uint64_t sources() const { return spheres_.size(); }
@@ -38,11 +48,10 @@ class NearField {
     float irradiance_ = 0;
 };
 
-/// Where the near field begins for what this camera sees at the posed instant; infinite where nothing is lit.
-float near_irradiance(const PosedScene& posed_scene, const Plan& plan, const scene::Camera& camera, glm::ivec2 size);
-
-/// The share of all light of these lights that surfaces in the near field reflect, where photons meet them.
+/// The share of all light of these lights that surfaces in the near field reflect, where photons meet them. `average`:
+/// LightPoints::average.
 std::vector<LightPoint> near_light(const PosedScene& posed_scene, std::span<const LightPoint> lights,
-                                   const NearField& near_field, std::uint64_t& rays);
+                                   std::span<const LightPoint> average, const NearField& near_field,
+                                   std::uint64_t& rays);
 
 }  // namespace render2mpeg::renderer

@@ -10,6 +10,7 @@
 #include "parallel/loops.h"
 #include "renderer/base/flush_denormals.h"
 #include "renderer/paths/path_directions.h"
+#include "renderer/surface/lobe_albedo.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -27,9 +28,9 @@ constexpr float least_carried = 0.001f;
 constexpr float least_alpha = 0.25f;
 
 /// Change of luminance, as a share, at which the equations count as solved; and sweeps at most, for surfaces that
-/// reflect nearly all. chosen: 1e-3, far below what tolerances are.
-constexpr double solved = 1e-3;
-constexpr int most_sweeps = 64;
+/// reflect nearly all. chosen: 1e-4; what is left is a hundred times as much where they reflect 99 %.
+constexpr double solved = 1e-4;
+constexpr int most_sweeps = 256;
 
 /// Places that one task evaluates.
 constexpr std::size_t lessons_at_once = 64;
@@ -39,10 +40,6 @@ enum Number : std::uint64_t { lamp, surface, sky, bounce, side, part };
 float uniform(std::uint64_t number, Number use, std::uint64_t which) {
     return core::uniform(number, use, which);
 }
-
-/// What a cell takes of another at most, in any channel, so that the equations have a solution: no surface counts as
-/// brighter than paths have it.
-constexpr float most_reflected = 0.98f;
 
 }  // namespace
 
@@ -172,7 +169,9 @@ void SurfaceCache::light_place(const Sighting& place, std::uint64_t number, std:
     const glm::vec3 albedo = diffuse_albedo(p.bsdf, cosine) + glossy_albedo(p.bsdf, cosine);
     const float brightest = std::max({albedo.x, albedo.y, albedo.z});
     if (!(brightest > 0.0f)) return;
-    if (brightest > most_reflected) p.bsdf.scale(most_reflected / brightest);
+    const float scale = std::min(largest_albedo / brightest, 1.0f);
+    p.bsdf.scale(scale);
+    lesson.albedo += scale * weight * albedo;
     p.bsdf.alpha = std::max(p.bsdf.alpha, least_alpha);
     p.bsdf.alpha_along = std::max(p.bsdf.alpha_along, least_alpha);
 
@@ -192,6 +191,7 @@ void SurfaceCache::light_place(const Sighting& place, std::uint64_t number, std:
     weight *=
         evaluate(p.bsdf, p.shading_normal, p.outgoing, direction) * (glm::dot(p.shading_normal, direction) / density);
     if (!(core::luminance(weight) > 0.0f) || !core::is_finite(weight)) return;
+    lesson.drawn += weight;
     out.rays += 1;
     out.bounces.push_back({{query.origin, direction, std::numeric_limits<float>::infinity()},
                            query,
@@ -230,7 +230,6 @@ void SurfaceCache::follow_bounces(std::span<Lesson> lessons, Evaluated& out) con
         if (out.terms.size() > first) {
             RayTerm& term = out.terms.back();
             term.weight *= b.weight;
-            term.weight = glm::min(term.weight, most_reflected);
             term.near = b.share;
             term.place.carried = b.carried * core::luminance(term.weight);
         }
@@ -311,6 +310,11 @@ void SurfaceCache::solve(std::span<Lesson> lessons, std::vector<Link>& links) {
         lesson.known += is_first ? number * taught.radiance : lessons[lesson.earlier].known;
         lesson.near += is_first ? number * taught.near : lessons[lesson.earlier].near;
     }
+    const auto links_of = [&](std::uint32_t last, auto&& visit) {
+        for (std::uint32_t l = last; l != none; l = lessons[l].earlier)
+            for (std::uint32_t k = lessons[l].first_link; k < lessons[l].last_link; ++k)
+                if (links[k].cell != none) visit(links[k]);
+    };
     std::vector<std::uint32_t> last_ones;
     for (auto l = static_cast<std::uint32_t>(lessons.size()); l-- > 0;) {
         Cell& taught = cell(lessons[l].cell);
@@ -318,14 +322,21 @@ void SurfaceCache::solve(std::span<Lesson> lessons, std::vector<Link>& links) {
         last_ones.push_back(l);
         taught.lesson = none;
         taught.radiance = lessons[l].known / static_cast<float>(taught.places);
+        // Weights of a cell's places come to their albedo: chance has none reflect more than surfaces do, whose
+        // equations would have no solution.
+        glm::vec3 albedo(0), drawn(0);
+        for (std::uint32_t k = l; k != none; k = lessons[k].earlier) {
+            albedo += lessons[k].albedo;
+            drawn += lessons[k].drawn;
+        }
+        for (int c = 0; c < 3; ++c) albedo[c] = core::divide_or(albedo[c], drawn[c], 0.0f);
+        links_of(l, [&](Link& link) { link.weight *= albedo; });
     }
     for (int sweep = 0; sweep < most_sweeps; ++sweep) {
         double change = 0, all = 0;
         for (const std::uint32_t last : last_ones) {
             glm::vec3 sum = lessons[last].known;
-            for (std::uint32_t l = last; l != none; l = lessons[l].earlier)
-                for (std::uint32_t k = lessons[l].first_link; k < lessons[l].last_link; ++k)
-                    if (links[k].cell != none) sum += links[k].weight * cell(links[k].cell).radiance;
+            links_of(last, [&](const Link& link) { sum += link.weight * cell(link.cell).radiance; });
             Cell& taught = cell(lessons[last].cell);
             sum /= static_cast<float>(taught.places);
             change += static_cast<double>(std::abs(core::luminance(sum - taught.radiance)));
@@ -336,9 +347,7 @@ void SurfaceCache::solve(std::span<Lesson> lessons, std::vector<Link>& links) {
     }
     for (const std::uint32_t last : last_ones) {
         glm::vec3 sum = lessons[last].near;
-        for (std::uint32_t l = last; l != none; l = lessons[l].earlier)
-            for (std::uint32_t k = lessons[l].first_link; k < lessons[l].last_link; ++k)
-                if (links[k].cell != none) sum += links[k].near * links[k].weight * cell(links[k].cell).radiance;
+        links_of(last, [&](const Link& link) { sum += link.near * link.weight * cell(link.cell).radiance; });
         Cell& taught = cell(lessons[last].cell);
         taught.near = sum / static_cast<float>(taught.places);
     }

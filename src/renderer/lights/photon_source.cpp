@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/color.h"
+#include "core/error.h"
 #include "core/numeric.h"
 #include "core/sampling.h"
 
@@ -45,33 +46,37 @@ struct Shadow {
 
 }  // namespace
 
-PhotonSource::PhotonSource(std::span<const LightPoint> lights, const WorldBox& box) : lights_(lights), box_(box) {
+PhotonSource::PhotonSource(std::span<const LightPoint> lights, const WorldBox& box, std::span<const LightPoint> planned)
+    : lights_(lights), box_(box) {
+    EXPECTS(planned.empty() || planned.size() == lights.size());
+    std::vector<double> plan;
     std::size_t shining = 0;
-    for (const LightPoint& light : lights) {
-        power_.push_back(power_of(light));
-        total_ += power_.back();
-        shining += power_.back() > 0.0 ? 1 : 0;
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        power_.push_back(power_of(lights[i]));
+        const auto luminance = core::luminance(planned.empty() ? lights[i].intensity : planned[i].intensity);
+        plan.push_back(power_.back() * static_cast<double>(luminance));
+        total_ += plan.back();
+        shining += plan.back() > 0.0 ? 1 : 0;
     }
     double sum = 0;
     running_.reserve(lights.size());
-    for (const double power : power_) {
+    for (const double power : plan) {
         if (power > 0.0) sum += (1.0 - alike) * (power / total_) + alike / static_cast<double>(shining);
         running_.push_back(sum);
     }
 }
 
 double PhotonSource::power_of(const LightPoint& light) const {
-    const double luminance = core::luminance(light.intensity);
     switch (light.kind) {
         case LightPointKind::oriented:
-            return pi * luminance;
+            return pi;
         case LightPointKind::omni:
-            return 4.0 * pi * luminance;
+            return 4.0 * pi;
         // The cone at full strength: photons carry the falloff.
         case LightPointKind::spot:
-            return 2.0 * pi * (1.0 - outer_cosine(light)) * luminance;
+            return 2.0 * pi * (1.0 - outer_cosine(light));
         case LightPointKind::directional:
-            return Shadow(light.normal, box_).area() * luminance;
+            return Shadow(light.normal, box_).area();
     }
     return 0.0;
 }
@@ -86,10 +91,7 @@ Photon PhotonSource::emit(glm::vec3 numbers) const {
     const LightPoint& light = lights_[index];
     // Power over probability, in the colour of the light.
     const double probability = (running_[index] - (index > 0 ? running_[index - 1] : 0.0)) / running_.back();
-    const double power = core::divide_or(power_[index], probability, 0.0);
-    const auto scale =
-        static_cast<float>(core::divide_or(power, static_cast<double>(core::luminance(light.intensity)), 0.0));
-    photon.flux = light.intensity * scale;
+    photon.flux = light.intensity * static_cast<float>(core::divide_or(power_[index], probability, 0.0));
     photon.origin = light.position;
     switch (light.kind) {
         case LightPointKind::oriented:

@@ -26,7 +26,9 @@ struct Photon {
 /// about punctual ones, and the rectangle that the scene's box throws as shadow for directional ones.
 class PhotonSource {
   public:
-    PhotonSource(std::span<const LightPoint> lights, const WorldBox& box);
+    /// `planned`: the same lights, whose power they are chosen by; empty: their own. Where lamps flicker, their photons
+    /// then go the same ways.
+    PhotonSource(std::span<const LightPoint> lights, const WorldBox& box, std::span<const LightPoint> planned = {});
 
     bool empty() const { return !(total_ > 0.0); }
 
@@ -38,9 +40,9 @@ class PhotonSource {
 
     std::span<const LightPoint> lights_;
     WorldBox box_;
-    std::vector<double> power_;    ///< of each light, luminance
+    std::vector<double> power_;    ///< of each light of luminance 1
     std::vector<double> running_;  ///< probability of all lights up to each
-    double total_ = 0;             ///< power
+    double total_ = 0;             ///< planned power
 };
 
 }  // namespace render2mpeg::renderer

@@ -196,7 +196,7 @@ WorldBox world_box(const scene::Snapshot& snapshot) {
 
 PhotonResult trace_photons(const PosedScene& posed_scene, std::span<const LightPoint> lights,
                            const PhotonSettings& settings) {
-    const PhotonSource source(lights, world_box(posed_scene.posed()));
+    const PhotonSource source(lights, world_box(posed_scene.posed()), settings.planned);
     if (source.empty() || settings.paths == 0) return {};
     PhotonResult result = follow_all(posed_scene, source, settings);
     const float share = static_cast<float>(1.0 / static_cast<double>(settings.paths));

@@ -13,7 +13,8 @@ namespace render2mpeg::renderer {
 struct PhotonSettings {
     std::uint64_t first_path = 1;  ///< index into the Halton sequence; the same in every frame
     std::uint64_t paths = 0;
-    int bounces = 0;  ///< places where one path may leave a VPL; 0: any number
+    int bounces = 0;                        ///< places where one path may leave a VPL; 0: any number
+    std::span<const LightPoint> planned{};  ///< PhotonSource
 };
 
 struct PhotonResult {
