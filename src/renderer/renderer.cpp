@@ -97,12 +97,6 @@ struct Renderer::Impl {
             caches = settings.cache != CacheUse::off && (by_rays() || settings.cache == CacheUse::on ||
                                                          !scene::traits_of(posed_scene.animation()).changes_light());
         }
-        if (by_rays()) {
-            const Stopwatch timer(row(Pass::indirect_tree));
-            pose(first);
-            const scene::PictureFormat& format = settings.format;
-            look = look_about(posed_scene, plan, first.camera, {format.width, format.height});
-        }
         shone_at.reset();
         thrown.forget();
         lit_frame.reset();
@@ -126,11 +120,14 @@ struct Renderer::Impl {
         has_trees = false;
         const Stopwatch timer(row(by_rays() ? Pass::indirect_tree : Pass::photons));
         rays_see = {brightest_of_rays(posed_scene.sky()),
-                    light_points.sky_part() * lobe::inverse_pi / lobe::lobe_rays_disc2, light_points.sky_importance(),
-                    NearField(by_rays() ? shining : std::vector<LightPoint>(), look)};
-        if (by_rays())
+                    light_points.sky_part() * lobe::inverse_pi / lobe::lobe_rays_disc2, light_points.sky_importance()};
+        if (by_rays()) {
+            const EyeLook look =
+                look_about(posed_scene, plan, snapshot.camera, {settings.format.width, settings.format.height});
+            rays_see.near_field = NearField(shining, look);
             lit_anchors.still =
                 near_light(posed_scene, shining, light_points.average(), rays_see.near_field, statistics.photon_rays);
+        }
         if (!anchors) return;
         lit_anchors = anchors->at(posed_scene, shining);
         statistics.photon_rays += lit_anchors.rays;
@@ -282,7 +279,6 @@ struct Renderer::Impl {
     PersistentLightTrees lasting;    ///< of the chunk
     LightTrees light_trees;
     bool caches = false;          ///< light is cached
-    EyeLook look;                 ///< at the chunk's first frame
     std::vector<RaysOf> rays_of;  ///< that see what light trees do not hold
     SkyOfRays rays_see;
     std::optional<scene::Snapshot> shone_at;  ///< the instant that the following are of

@@ -63,7 +63,7 @@ struct Settings {
 struct Statistics {
     std::uint64_t primary_rays = 0, shadow_rays = 0, photon_rays = 0, specular_rays = 0;
     std::uint64_t exposure_rays = 0, exposed_pixels = 0;  ///< of pixels that shutter or lens blur, over frames
-    std::uint64_t air_rays = 0;                           ///< shadow rays of the air between eye and surfaces
+    std::uint64_t air_rays = 0;                           ///< of the air between eye and surfaces
     std::uint64_t gather_rays = 0;                        ///< of final gathering, those that light its cells among them
     std::uint64_t caustic_photons = 0, caustic_landings = 0, caustic_rays = 0;
     std::uint64_t caustic_pairs = 0, caustic_doubts = 0;  ///< of landings and points; of them asked by a ray

@@ -26,6 +26,9 @@ constexpr float finest_cell = 1.0f / 256;
 constexpr int most_clusters = 512;
 constexpr float relative_tolerance = 0.1f;
 
+/// Gather rays of each of twelve sides of a corner: as many on all, so that their mean has no bias.
+constexpr std::uint32_t rays_of_side = 32;
+
 /// Normals of an icosahedron's corners: irradiance on twelve such sides, over 3, is the light from all directions to 8
 /// % of that of any one.
 std::vector<glm::vec3> sides() {
@@ -161,7 +164,7 @@ std::uint64_t AmbientAir::learn(const RayTracer& tracer, std::span<const glm::ve
 std::uint64_t AmbientAir::gather(std::span<const Corner> corners, std::size_t first) {
     if (gather_ == nullptr) return 0;
     const std::vector<glm::vec3> normals = sides();
-    const std::uint64_t before = gather_->counts().rays;
+    const std::uint64_t before = gather_->counts().rays + gather_->counts().cell_rays;
     std::vector<std::vector<GatherPoint>> bodies;
     std::vector<GatherRequest> requests;
     for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -169,7 +172,8 @@ std::uint64_t AmbientAir::gather(std::span<const Corner> corners, std::size_t fi
         for (const GatherPoint& side : bodies.back()) {
             GatherRequest r;
             r.point = &side;
-            r.tolerance = {{0.0f, relative_tolerance}, 0.0f};
+            r.tolerance = {{1.0f, 0.0f}, 0.0f};
+            r.rays = rays_of_side;
             r.seed = core::mix(core::mix(corners[i].key) + requests.size() % normals.size());
             r.pool = static_cast<std::uint32_t>(i);
             requests.push_back(r);
@@ -182,7 +186,7 @@ std::uint64_t AmbientAir::gather(std::span<const Corner> corners, std::size_t fi
             sum += std::numbers::pi_v<float> * found[i * normals.size() + k].irradiance;
         light_[first + i] += fluence_of(sum);
     }
-    return gather_->counts().rays - before;
+    return gather_->counts().rays + gather_->counts().cell_rays - before;
 }
 
 glm::vec3 AmbientAir::fluence(glm::vec3 place, float distance) const {

@@ -423,7 +423,7 @@ std::vector<std::uint32_t> FinalGather::wanted_rays(std::span<const GatherReques
                           std::pow(batch_rays * std::pow(variance / (error * error), 1.0 / variance_power), gain)
                     : most_gather_rays * shown;
             const auto rays = static_cast<std::uint32_t>(std::clamp(n, 1.0 * first_rays, 1.0 * most_gather_rays));
-            wanted[i] = (rays + batch_rays - 1) / batch_rays * batch_rays;
+            wanted[i] = requests[i].rays > 0 ? requests[i].rays : (rays + batch_rays - 1) / batch_rays * batch_rays;
         }
     }
     return wanted;

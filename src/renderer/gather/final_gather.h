@@ -26,6 +26,7 @@ struct GatherRequest {
     float extent = 0;          ///< of a pixel there, world: rays shorter than this are followed as paths
     bool lobe = false;         ///< along the point's narrow lobe (Bsdf::has_narrow_lobe); else over the hemisphere
     std::uint32_t pool = 0;    ///< requests of one pool lie next to each other, on about one surface
+    std::uint32_t rays = 0;    ///< so many, a multiple of 16; 0: by the tolerance
 };
 
 /// What tolerances mean for numbers of rays.

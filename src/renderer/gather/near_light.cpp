@@ -1,6 +1,7 @@
 #include "renderer/gather/near_light.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -10,10 +11,12 @@
 #include "core/color.h"
 #include "core/numeric.h"
 #include "core/sampling.h"
+#include "parallel/loops.h"
 #include "renderer/base/flush_denormals.h"
 #include "renderer/base/lobe.h"
 #include "renderer/gather/gather_ray.h"
 #include "renderer/gather/surface_cache.h"
+#include "renderer/lights/photon_source.h"
 #include "renderer/lights/photons.h"
 
 namespace render2mpeg::renderer {
@@ -21,62 +24,114 @@ namespace {
 
 /// Photons of an instant. chosen: 16384 of 4096 to 131072; half as many err by a third more in many_lamps.
 constexpr std::uint64_t photon_paths = 16384;
-/// Light points that they leave, about, at most. chosen: 4096; cuts of 1000 err where there are many times as many.
-constexpr std::uint32_t most_near_points = 4096;
+/// Light points that they leave, about, at most. chosen: 8192; cuts of 1000 err where there are many times as many.
+constexpr std::uint32_t most_near_points = 8192;
 
-/// The near field begins at the irradiance of a white surface that is so many times as bright as half of what is seen.
-/// chosen: 1 of 0.25 to 32, by the time of many_lamps.
-constexpr float near_over_typical = 1.0f;
-/// A source is hidden that would light half of what is seen by so many times that. chosen: 64; in a box the lamp comes
-/// to 8.
-constexpr float hidden_over_near = 64.0f;
+/// A source is hidden that would light half of what is seen so many times as much as it is lit. chosen: 64; in a box
+/// the lamp comes to 8.
+constexpr double hidden_over_near = 64.0;
 /// How far a near field reaches at most, over the distance of half of what is seen. chosen: 0.5; not tuned.
-constexpr float most_reach = 0.5f;
+constexpr double most_reach = 0.5;
+/// Of more sources those that reach farthest have a near field: each place asks all of them. chosen: 512.
+constexpr std::size_t most_spheres = 512;
+
+/// Rays that look about.
 constexpr std::uint64_t eye_rays = 256;
+
+/// Plans at least half of the photons for lights that have a near field.
+void favour_near(std::span<const LightPoint> shining, const NearField& near_field, const WorldBox& box,
+                 std::vector<LightPoint>& planned) {
+    const PhotonSource source(planned, box);
+    std::vector<bool> is_near;
+    double near = 0, others = 0;
+    for (std::size_t i = 0; i < planned.size(); ++i) {
+        is_near.push_back(planned[i].kind != LightPointKind::directional &&
+                          near_field.share(shining[i].position) > 0.0f);
+        (is_near[i] ? near : others) +=
+            source.relative_power(i) * static_cast<double>(core::luminance(planned[i].intensity));
+    }
+    const auto fewer = static_cast<float>(std::min(core::divide_or(near, others, 1.0), 1.0));
+    for (std::size_t i = 0; i < planned.size(); ++i)
+        if (!is_near[i]) planned[i].intensity *= fewer;
+}
+
+/// Keeps points that are weaker than this with a chance, and makes them as strong.
+void thin_out(double strength, std::vector<LightPoint>& points) {
+    std::uint32_t id = 0;
+    std::erase_if(points, [&](LightPoint& p) {
+        const double own = static_cast<double>(core::luminance(p.intensity));
+        const float chance =
+            core::uniform(std::bit_cast<std::uint32_t>(p.position.x), std::bit_cast<std::uint32_t>(p.position.y),
+                          std::bit_cast<std::uint32_t>(p.position.z));
+        if (!(own > strength * static_cast<double>(chance))) return true;
+        const auto stronger = static_cast<float>(std::max(strength / own, 1.0));
+        p.intensity *= stronger;
+        p.disc2 *= stronger;
+        p.id = id++;
+        return false;
+    });
+}
 
 }  // namespace
 
-NearField::NearField(std::span<const LightPoint> lights, const EyeLook& look)
-    : irradiance_(near_over_typical * std::numbers::pi_v<float> * look.luminance) {
-    if (!(irradiance_ > 0.0f) || !std::isfinite(irradiance_)) return;
-    struct Sum {
+NearField::NearField(std::span<const LightPoint> lights, const EyeLook& look) {
+    const double begins = std::numbers::pi * static_cast<double>(look.luminance);
+    if (!(begins > 0.0) || !std::isfinite(begins)) return;
+    struct Source {
         glm::dvec3 place{0};
-        double power = 0;
+        double power = 0, square = 0;  ///< square: of distances from the origin, by power
     };
-    std::map<std::uint32_t, Sum> objects;
-    const auto add = [&](glm::vec3 centre, double power) {
-        float inverse2 = static_cast<float>(irradiance_ / power);
+    const auto add = [&](const Source& source) {
+        const glm::dvec3 centre = source.place / source.power;
+        const double spread2 = source.square / source.power - glm::dot(centre, centre);
+        double inverse2 = begins / source.power;
         if (!look.places.empty()) {
-            std::vector<float> distances2;
-            for (const glm::vec3& place : look.places) distances2.push_back(glm::dot(place - centre, place - centre));
+            std::vector<double> distances2;
+            for (const glm::vec3& place : look.places) {
+                const glm::dvec3 d = glm::dvec3(place) - centre;
+                distances2.push_back(glm::dot(d, d));
+            }
             const auto middle = distances2.begin() + static_cast<std::ptrdiff_t>(distances2.size() / 2);
             std::nth_element(distances2.begin(), middle, distances2.end());
-            if (*middle * inverse2 * hidden_over_near < 1.0f) return;
-            inverse2 = std::max(inverse2, core::divide_or(1.0f, most_reach * most_reach * *middle, 0.0f));
+            if (*middle * inverse2 * hidden_over_near < 1.0) return;
+            inverse2 = std::max(inverse2, core::divide_or(1.0, most_reach * most_reach * *middle, 0.0));
         }
-        if (inverse2 > 0.0f && std::isfinite(inverse2)) spheres_.push_back({centre, inverse2});
+        if (inverse2 > 1e-30 && inverse2 < 1e30 && spread2 * inverse2 < 1.0 && source.power < 1e30)
+            spheres_.push_back({glm::vec3(centre), static_cast<float>(inverse2), static_cast<float>(source.power)});
     };
+    std::map<std::uint32_t, Source> objects;
     for (const LightPoint& p : lights) {
         const double power = core::luminance(p.intensity);
         if (p.kind == LightPointKind::directional || !is_finite(p) || !(power > 0.0)) continue;
+        const glm::dvec3 place(p.position);
+        const Source one{power * place, power, power * glm::dot(place, place)};
         if (p.kind != LightPointKind::oriented) {
-            add(p.position, power);
+            add(one);
             continue;
         }
-        Sum& sum = objects[p.object];
-        sum.place += power * glm::dvec3(p.position);
-        sum.power += power;
+        Source& sum = objects[p.object];
+        sum = {sum.place + one.place, sum.power + one.power, sum.square + one.square};
     }
-    for (const auto& [object, sum] : objects) add(glm::vec3(sum.place / sum.power), sum.power);
+    for (const auto& [object, source] : objects) add(source);
+    if (spheres_.size() <= most_spheres) return;
+    std::stable_sort(spheres_.begin(), spheres_.end(),
+                     [](const Sphere& a, const Sphere& b) { return a.inverse2 < b.inverse2; });
+    spheres_.resize(most_spheres);
 }
 
-float NearField::share(glm::vec3 place) const {
-    float least = 1.0f;
+NearField::Part NearField::at(glm::vec3 place) const {
+    float least = 1.0f, intensity = 0.0f;
+    float inverse2 = 1.0f;
     for (const Sphere& s : spheres_) {
         const glm::vec3 d = place - s.centre;
-        least = std::min(least, glm::dot(d, d) * s.inverse2);
+        const float part = glm::dot(d, d) * s.inverse2;
+        if (!(part < least)) continue;
+        least = part;
+        intensity = s.intensity;
+        inverse2 = s.inverse2;
     }
-    return std::min(1.0f - least, 1.0f - 0x1p-20f);
+    least = std::max(least, 0x1p-20f);
+    return {1.0f - least, intensity * inverse2 / least};
 }
 
 EyeLook look_about(const PosedScene& posed_scene, const Plan& plan, const scene::Camera& camera, glm::ivec2 size) {
@@ -99,8 +154,10 @@ EyeLook look_about(const PosedScene& posed_scene, const Plan& plan, const scene:
     for (const RayTerm& term : terms) wanted.push_back(term.place);
     cache.learn(wanted);
     std::vector<float> seen;
-    for (const RayTerm& term : terms)
-        seen.push_back(core::luminance(term.weight * cache.radiance(cache.index_of(term.place.key))));
+    for (const RayTerm& term : terms) {
+        const float luminance = core::luminance(term.weight * cache.radiance(cache.index_of(term.place.key)));
+        if (std::isfinite(luminance)) seen.push_back(luminance);
+    }
     std::sort(seen.begin(), seen.end());
     return {std::move(places), seen.empty() ? 0.0f : seen[seen.size() / 2]};
 }
@@ -112,39 +169,37 @@ std::vector<LightPoint> near_light(const PosedScene& posed_scene, std::span<cons
     // All that ever shine, those dark that do not now.
     std::map<std::uint32_t, const LightPoint*> by_id;
     for (const LightPoint& p : lights) by_id[p.id] = &p;
-    std::vector<LightPoint> shining(average.begin(), average.end());
+    std::vector<LightPoint> planned(average.begin(), average.end()), shining = planned;
     for (LightPoint& p : shining) {
         const auto found = by_id.find(p.id);
         if (found != by_id.end())
             p = *found->second;
         else
             p.intensity = glm::vec3(0);
+        if (found != by_id.end()) by_id.erase(found);
     }
+    for (const auto& [id, light] : by_id) {
+        planned.push_back(*light);
+        shining.push_back(*light);
+    }
+    favour_near(shining, near_field, world_box(posed_scene.posed()), planned);
+
     PhotonSettings settings;
     settings.paths = photon_paths;
-    settings.planned = average;
+    settings.planned = planned;
     PhotonResult photons = trace_photons(posed_scene, shining, settings);
     rays += photons.rays;
+    std::vector<NearField::Part> parts(photons.vpls.size());
+    parallel::for_each(parts.size(), [&](std::size_t i) { parts[i] = near_field.at(photons.vpls[i].position); });
     double all = 0;
-    for (LightPoint& p : photons.vpls) {
-        const float share = near_field.share(p.position);
-        p.disc2 = share > 0.0f ? core::luminance(p.intensity) / near_field.irradiance(share) : 0.0f;
-        p.intensity *= std::max(share, 0.0f);
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        LightPoint& p = photons.vpls[i];
+        // The surface that so much flux spreads over.
+        p.disc2 = core::divide_or(core::luminance(p.intensity), parts[i].irradiance, 0.0f);
+        p.intensity *= parts[i].share;
         all += static_cast<double>(core::luminance(p.intensity));
     }
-    // Weak ones stay with a chance, and are as strong as others then.
-    const double strength = all / most_near_points;
-    std::uint64_t number = 0;
-    std::uint32_t id = 0;
-    std::erase_if(photons.vpls, [&](LightPoint& p) {
-        const double own = static_cast<double>(core::luminance(p.intensity));
-        if (!(own > strength * static_cast<double>(core::uniform(most_near_points, number++)))) return true;
-        const auto stronger = static_cast<float>(std::max(strength / own, 1.0));
-        p.intensity *= stronger;
-        p.disc2 *= stronger;
-        p.id = id++;
-        return false;
-    });
+    thin_out(all / most_near_points, photons.vpls);
     return photons.vpls;
 }
 

@@ -21,34 +21,37 @@ struct EyeLook {
 /// What this camera sees at the posed instant.
 EyeLook look_about(const PosedScene& posed_scene, const Plan& plan, const scene::Camera& camera, glm::ivec2 size);
 
-/// Where lamps and shining objects are so near that surfaces are far brighter than elsewhere: in their shades, on the
-/// wall behind them. Gather rays would meet such spots rarely, and find them hundreds of times as bright as all else.
-/// A share of what surfaces there reflect becomes light points (near_light); rays over hemispheres miss that share.
+/// Places so near a lamp or shining object that they far outshine the rest: its shade, the wall behind it. Gather rays
+/// would meet such spots rarely, and find them hundreds of times as bright as all else. A share of what surfaces there
+/// reflect becomes light points (near_light); rays over hemispheres miss that share.
 class NearField {
   public:
     NearField() = default;
-    /// Of lights of the instant. The share begins where one makes a white surface as bright as half of what is seen.
-    /// Those that would light half of it far more than it is lit are hidden from it, and have no near field.
+    /// Of lights of the instant. The share begins where one makes a white surface as bright as half of what is seen,
+    /// but no farther off than half of the way to it. Sources that would light half of it far more than it is lit are
+    /// hidden from it, and have no near field; nor have objects that are wider than theirs.
     NearField(std::span<const LightPoint> lights, const EyeLook& look);
 
+    /// What a place in the near field has.
+    struct Part {
+        float share = 0;       ///< of what a surface reflects: 1 - d^2 / r^2 at distance d from a source, the largest
+        float irradiance = 0;  ///< about, of that source, luminance
+    };
+
     bool empty() const { return spheres_.empty(); }
-    std::uint64_t sources() const { return spheres_.size(); }
-    /// Of what a surface at this place reflects: 1 - d^2 / r^2 at distance d of the source that comes to the largest,
-    /// where r^2 = I / irradiance; 0 beyond r.
-    float share(glm::vec3 place) const;
-    /// Irradiance that the share begins at, over 1 - share: about that at the place, luminance.
-    float irradiance(float share) const { return irradiance_ / (1.0f - share); }
+    Part at(glm::vec3 place) const;
+    float share(glm::vec3 place) const { return at(place).share; }
 
   private:
     struct Sphere {
         glm::vec3 centre{0};
-        float inverse2 = 0;  ///< 1 / r^2
+        float inverse2 = 0;   ///< 1 / r^2
+        float intensity = 0;  ///< luminance
     };
     std::vector<Sphere> spheres_;
-    float irradiance_ = 0;
 };
 
-/// The share of all light of these lights that surfaces in the near field reflect, where photons meet them. `average`:
+/// The near field's share of what surfaces reflect of all light of these lights, where photons meet them. `average`:
 /// LightPoints::average.
 std::vector<LightPoint> near_light(const PosedScene& posed_scene, std::span<const LightPoint> lights,
                                    std::span<const LightPoint> average, const NearField& near_field,

@@ -322,15 +322,19 @@ void SurfaceCache::solve(std::span<Lesson> lessons, std::vector<Link>& links) {
         last_ones.push_back(l);
         taught.lesson = none;
         taught.radiance = lessons[l].known / static_cast<float>(taught.places);
-        // Weights of a cell's places come to their albedo: chance has none reflect more than surfaces do, whose
-        // equations would have no solution.
+        // Weights of a cell's places come to their albedo, and no cell reflects more than surfaces do: such equations
+        // have no solution.
         glm::vec3 albedo(0), drawn(0);
         for (std::uint32_t k = l; k != none; k = lessons[k].earlier) {
             albedo += lessons[k].albedo;
             drawn += lessons[k].drawn;
         }
         for (int c = 0; c < 3; ++c) albedo[c] = core::divide_or(albedo[c], drawn[c], 0.0f);
-        links_of(l, [&](Link& link) { link.weight *= albedo; });
+        glm::vec3 row(0);
+        links_of(l, [&](Link& link) { row += link.weight *= albedo; });
+        const glm::vec3 most(largest_albedo * static_cast<float>(taught.places));
+        if (glm::any(glm::greaterThan(row, most)))
+            links_of(l, [&](Link& link) { link.weight *= most / glm::max(row, most); });
     }
     for (int sweep = 0; sweep < most_sweeps; ++sweep) {
         double change = 0, all = 0;

@@ -93,6 +93,7 @@ Photon PhotonSource::emit(glm::vec3 numbers) const {
     const double probability = (running_[index] - (index > 0 ? running_[index - 1] : 0.0)) / running_.back();
     photon.flux = light.intensity * static_cast<float>(core::divide_or(power_[index], probability, 0.0));
     photon.origin = light.position;
+    photon.range = light.range;
     switch (light.kind) {
         case LightPointKind::oriented:
             photon.direction = core::sample_cosine_hemisphere(light.normal, direction);

@@ -18,6 +18,7 @@ struct Photon {
     glm::vec3 origin{0};
     glm::vec3 direction{0, 0, 1};  ///< unit
     bool from_far = false;         ///< it comes from infinitely far
+    float range = 0;               ///< LightPoint::range, on the first flight
     glm::vec3 flux{0};             ///< power over the density of its choice: the mean over photons is the lights' power
 };
 
@@ -31,6 +32,8 @@ class PhotonSource {
     PhotonSource(std::span<const LightPoint> lights, const WorldBox& box, std::span<const LightPoint> planned = {});
 
     bool empty() const { return !(total_ > 0.0); }
+    /// Power of a light, over the luminance of its intensity.
+    double relative_power(std::size_t light) const { return power_[light]; }
 
     /// From three numbers in [0, 1): which light, and two for where on its beam (directional) or which direction.
     Photon emit(glm::vec3 numbers) const;

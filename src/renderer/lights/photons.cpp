@@ -120,10 +120,13 @@ int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint6
         if (!hit.found()) break;
         if (posed_scene.air() != nullptr && media.media.empty())
             photon.flux *= left_by_air(*posed_scene.air(), photon, hit.distance);
+        if (photon.range > 0.0f)  // [KHR_lights_punctual]
+            photon.flux *= std::clamp(1.0f - std::pow(hit.distance / photon.range, 4.0f), 0.0f, 1.0f);
         photon.flux *= media.way_to(posed_scene, hit, photon.direction);
         const SurfacePoint p = media.surface_at(posed_scene, hit, photon.direction);
         const int dimension = first_event_dimension + 3 * event;
         float choice = number(dimension);
+        photon.range = 0.0f;
         // Pass a translucent layer with the share that it does not cover.
         if (choice < 1.0f - p.alpha) {
             // Air before the layer has dimmed it.
@@ -145,7 +148,7 @@ int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint6
         if (!onward.passes && !((onward.beyond ? -up : up) > 0.0f)) break;
         if (onward.passes && p.bounds_body) onward.direction = media.cross(posed_scene, p, p.shading_normal);
         if (onward.direction == glm::vec3{0.0f}) break;
-        photon = {offset_origin(p, onward.direction), onward.direction, false, onward.flux};
+        photon = {offset_origin(p, onward.direction), onward.direction, false, 0.0f, onward.flux};
     }
     return rays;
 }
