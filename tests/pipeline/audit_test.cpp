@@ -30,12 +30,12 @@ TEST(Audit, SaysHowWellTolerancesWereKeptSlow) {
     const nlohmann::json audited = statistics_of("--tolerance fixed=4% --audit 40");
     const nlohmann::json& audit = audited.at("audit");
     EXPECT_EQ(audit.at("pixels"), 80);
-    // Rays keep a tolerance by 1.3 standard errors, and records make them better.
-    EXPECT_LE(audit.at("over_tolerance").get<double>(), 0.08);
+    // Rays keep a tolerance by 1.3 standard errors, which 19 % exceed; records make them better.
+    EXPECT_LE(audit.at("over_tolerance").get<double>(), 0.19);
     EXPECT_GT(audit.at("error_p50").get<double>(), 0.0);
     EXPECT_LE(audit.at("error_p50").get<double>(), audit.at("error_p95").get<double>());
     EXPECT_LE(audit.at("error_p95").get<double>(), audit.at("error_p99").get<double>());
-    EXPECT_LE(audit.at("error_p99").get<double>(), 0.08);  // chosen: measured 0.075, the worst of 80 pixels
+    EXPECT_LE(audit.at("error_p99").get<double>(), 0.04 / 1.3 * 4);  // the worst of 80 pixels: four standard errors
     EXPECT_GT(audit.at("seconds").get<double>(), 0.0);
 
     // An audit changes nothing, and nobody who does not ask for one pays.
