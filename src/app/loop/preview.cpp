@@ -74,8 +74,9 @@ glm::vec3 light_at(const core::Visible& visible, const core::Plane<glm::vec3>& l
 
 core::Radiance preview(renderer::Renderer& renderer, const scene::Snapshot& world, const renderer::Seen& seen) {
     const int width = seen.visible.width(), height = seen.visible.height();
-    core::Radiance radiance =
-        renderer.sketch(world, thinned(seen), core::ToleranceMap::uniform(width, height, {0.0f, tolerance}));
+    core::ToleranceMap about = core::ToleranceMap::uniform(width, height, {0.0f, tolerance});
+    about.typical = tolerance;  // rays by price: dark corners need not keep it
+    core::Radiance radiance = renderer.sketch(world, thinned(seen), about);
 
     // Divide the lit pixels by their texture.
     const core::Plane<glm::vec3> reflectance = reflectances(seen);

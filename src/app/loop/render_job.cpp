@@ -352,7 +352,8 @@ float measure_exposure(const RenderJob& film) {
     small.rendering.vpls = std::min(small.rendering.vpls, 1024);
     small.exposure.reset();
     small.tolerance = {};
-    small.tolerance.relative = 0.1f;
+    core::ToleranceMap about = core::ToleranceMap::uniform(small.format.width, small.format.height, {0.0f, 0.1f});
+    about.typical = 0.1f;
 
     renderer::Renderer renderer = renderer_of(small);
     std::vector<float> surfaces, sky;
@@ -362,7 +363,7 @@ float measure_exposure(const RenderJob& film) {
         const scene::Snapshot world = small.snapshot(frame);
         if (i == 0) renderer.start_chunk(world);
         const renderer::Seen seen = renderer.complete(world, renderer.see(world), nullptr);
-        const core::Radiance radiance = renderer.sketch(world, seen, small.tolerance_map());
+        const core::Radiance radiance = renderer.sketch(world, seen, about);
         for (std::size_t p = 0; p < radiance.combined.size(); ++p) {
             const float luminance = core::luminance(radiance.combined.values()[p]);
             const bool of_stage = stage >= 0 && seen.visible.address.values()[p].object == static_cast<unsigned>(stage);

@@ -14,13 +14,17 @@
 #include "renderer/base/flush_denormals.h"
 #include "renderer/base/lobe.h"
 #include "renderer/base/stopwatch.h"
+#include "renderer/gather/net_points.h"
+#include "renderer/gather/pool_fit.h"
+#include "renderer/gather/ray_guide.h"
+#include "renderer/gather/ray_sums.h"
 #include "renderer/surface/lobe_albedo.h"
 
 namespace render2mpeg::renderer {
 namespace {
 
-/// Rays of a point's first look, in two halves; and of one batch whose spread is looked at.
-constexpr std::uint32_t first_rays = 16, batch_rays = 8;
+/// Rays of a point's first look, in two halves.
+constexpr std::uint32_t first_rays = 2 * batch_rays;
 
 /// Rays that are traced in one go before what they ask is learnt, and of one task. chosen: memory of some 60 MB.
 constexpr std::size_t rays_at_once = std::size_t{1} << 19;
@@ -36,104 +40,36 @@ constexpr std::uint32_t coherent_rays = 128;
 /// error of rays is white, which coding hides twice to four times as well as what is smooth.
 constexpr float errors_allowed = 1.3f;
 
-/// Power of the number of rays that their mean's variance falls with. chosen: 1.2, of 1.14 to 1.32 measured in Sponza
-/// and a box; independent rays have 1, a smooth integrand more than 2.
-constexpr float variance_power = 1.2f;
+/// Guides are worth the first look, which counts no more with them, for so many times its rays, and where a guided ray
+/// has so much of the variance at most. chosen: 4 of 2 to 4, and 0.7.
+constexpr std::uint32_t worth_guiding = 4;
+constexpr double gain_of_guides = 0.7;
+
+/// Keeps guided rays apart from those of the first look.
+constexpr std::uint64_t guided_seed = 0x9a1de;
 
 /// Rays after which one more buys its price where N rays meet the tolerance: N0 of docs/model/gathering.md, times the
 /// typical tolerance. chosen: 10, of 4 to 20 on cornell, colonnade and character, for most squared error a ray.
 constexpr float worth_rays = 10.0f;
 
-/// Owen's scrambling of bits below each bit by those above, by a hash [Laine2011].
-std::uint32_t scrambled(std::uint32_t bits, std::uint32_t seed) {
-    bits = (bits & 0x55555555u) << 1 | (bits >> 1 & 0x55555555u);
-    bits = (bits & 0x33333333u) << 2 | (bits >> 2 & 0x33333333u);
-    bits = (bits & 0x0f0f0f0fu) << 4 | (bits >> 4 & 0x0f0f0f0fu);
-    bits = (bits & 0x00ff00ffu) << 8 | (bits >> 8 & 0x00ff00ffu);
-    bits = bits << 16 | bits >> 16;
-    bits += seed;
-    bits ^= bits * 0x6c50b47cu;
-    bits ^= bits * 0xb82f1e52u;
-    bits ^= bits * 0xc7afe638u;
-    bits ^= bits * 0x8d22f6e6u;
-    bits = (bits & 0x55555555u) << 1 | (bits >> 1 & 0x55555555u);
-    bits = (bits & 0x33333333u) << 2 | (bits >> 2 & 0x33333333u);
-    bits = (bits & 0x0f0f0f0fu) << 4 | (bits >> 4 & 0x0f0f0f0fu);
-    bits = (bits & 0x00ff00ffu) << 8 | (bits >> 8 & 0x00ff00ffu);
-    return bits << 16 | bits >> 16;
-}
-
-/// Element `index` of Sobol's first two dimensions [Sobol1967], scrambled: any power of two of them in a row lie
-/// evenly.
-glm::vec2 net_point(std::uint32_t index, std::uint64_t seed) {
-    std::uint32_t x = 0, y = 0, first = 1u << 31, second = 1u << 31;
-    for (; index != 0; index >>= 1, first >>= 1, second ^= second >> 1) {
-        if ((index & 1u) == 0) continue;
-        x ^= first;
-        y ^= second;
-    }
-    const glm::uvec2 bits(scrambled(x, static_cast<std::uint32_t>(seed)),
-                          scrambled(y, static_cast<std::uint32_t>(seed >> 32)));
-    return glm::vec2(bits >> 8u) * 0x1p-24f;
-}
-
-/// The upper four bits of both coordinates, in turn: neighbours in the square have numbers near each other.
-std::uint32_t interleaved(glm::vec2 u) {
-    const auto x = static_cast<std::uint32_t>(16.0f * u.x), y = static_cast<std::uint32_t>(16.0f * u.y);
-    std::uint32_t bits = 0;
-    for (unsigned b = 0; b < 4; ++b) bits |= (x >> b & 1u) << (2 * b) | (y >> b & 1u) << (2 * b + 1);
-    return bits;
-}
-
-/// Luminance that the pixel shows of light found by rays: irradiance over pi and the lobe's two parts.
-double shown_luminance(const GatherPoint& point, const std::array<glm::vec3, 3>& light) {
-    const Bsdf& bsdf = point.point.bsdf;
-    return core::luminance(point.weight * (bsdf.diffuse * light[0] + bsdf.f0 * light[1] + bsdf.f90 * light[2]));
-}
-
-/// Where the pool of a request ends.
-std::size_t pool_end(std::span<const GatherRequest> requests, std::size_t first) {
-    std::size_t last = first;
-    while (last < requests.size() && requests[last].pool == requests[first].pool) ++last;
-    return last;
-}
-
 }  // namespace
-
-/// Sums over some rays of a point.
-struct FinalGather::RaySums {
-    std::array<glm::dvec3, 3> light{};  ///< irradiance over pi, and the lobe's two parts: RayLight
-    std::array<double, 3> weight{};
-    std::uint32_t rays = 0;
-
-    /// Light by all of them. Weights of rays along a lobe come to its albedo in the end [Karis2013].
-    std::array<glm::vec3, 3> mean(const std::optional<LobeAlbedo>& albedo) const {
-        if (albedo)
-            return {glm::vec3(0), glm::vec3(light[1] * core::divide_or(1.0 * albedo->f0, weight[1], 0.0)),
-                    glm::vec3(light[2] * core::divide_or(1.0 * albedo->f90, weight[2], 0.0))};
-        const double share = 1.0 / rays;
-        return {glm::vec3(share * light[0]), glm::vec3(share * light[1]), glm::vec3(share * light[2])};
-    }
-};
-
-/// What a point's rays have found so far.
-struct FinalGather::Sums : RaySums {
-    std::optional<LobeAlbedo> albedo{};     ///< of a request along a lobe
-    double batches = 0, batch_squares = 0;  ///< of luminances of the pixel, means of batches
-
-    std::array<glm::vec3, 3> mean() const { return RaySums::mean(albedo); }
-    /// Variance of the mean of a batch.
-    double batch_variance() const {
-        const double n = rays / batch_rays;
-        return n < 2 ? 0.0 : std::max(batch_squares - batches * batches / n, 0.0) / (n - 1);
-    }
-    /// Variance of the mean of all rays.
-    double variance() const { return batch_variance() * std::pow(1.0 * batch_rays / rays, variance_power); }
-};
 
 /// Some rays of one request.
 struct FinalGather::Bundle {
     std::uint32_t request = 0, first = 0, count = 0;
+    const RayGuide* guide = nullptr;  ///< that they are drawn by; null: evenly
+    std::uint64_t seed = 0;
+};
+
+/// Requests that know of each other's rays.
+struct FinalGather::Pool {
+    std::uint32_t first = 0, last = 0;  ///< requests, `last` not included
+    bool is_guided = false;
+    RayGuide guide;
+
+    bool may_be_guided(std::span<const GatherRequest> requests) const {
+        return !requests[first].lobe && requests[first].rays == 0;
+    }
 };
 
 /// What they found: by ray.
@@ -141,6 +77,8 @@ struct FinalGather::Traced {
     struct Ray {
         glm::vec3 light{0};             ///< radiance
         std::array<float, 3> weight{};  ///< of it in the sums
+        std::uint32_t cell = 0;         ///< of RayGuide
+        float density = 1;              ///< that it was drawn by
     };
     std::vector<Ray> rays;
     std::vector<RayTerm> terms;
@@ -164,6 +102,8 @@ struct FinalGather::Directions {
         glm::vec3 direction{0};
         std::array<float, 3> weight{};  ///< of irradiance, f0, f90; all 0: it is not traced
         float solid_angle = 0;
+        std::uint32_t cell = 0;  ///< of RayGuide
+        float density = 1;       ///< that it was drawn by, over an even one
     };
     std::array<Ray, bundle_rays> rays;
     std::array<std::uint32_t, bundle_rays> order;  ///< neighbours lie next to each other
@@ -179,18 +119,24 @@ FinalGather::Directions FinalGather::hemisphere(const GatherRequest& request, co
     Directions out;
     std::array<std::pair<std::uint32_t, std::uint32_t>, bundle_rays> order;
     for (std::uint32_t i = 0; i < bundle.count; ++i) {
-        const glm::vec2 u = net_point(bundle.first + i, request.seed);
+        const glm::vec2 even = net_point(bundle.first + i, bundle.seed);
+        const auto [u, density] = bundle.guide != nullptr ? bundle.guide->draw(even) : RayGuide::Drawn{even};
         order[i] = {interleaved(u), i};
         Directions::Ray& ray = out.rays[i];
+        ray.cell = RayGuide::cell_of(u);
+        ray.density = density;
         ray.direction = core::sample_cosine_hemisphere(p.shading_normal, u);
-        ray.solid_angle = std::numbers::pi_v<float> / static_cast<float>(std::max(bundle.first + bundle.count, 64u));
-        ray.weight[0] = 1.0f;
+        ray.solid_angle =
+            std::numbers::pi_v<float> / (density * static_cast<float>(std::max(bundle.first + bundle.count, 64u)));
+        const float share = 1.0f / density;
+        ray.weight[0] = share;
         if (!coated) continue;
         const glm::vec3 half = core::normalize_or(ray.direction + p.outgoing, p.shading_normal);
         const float s = lobe::schlick(glm::dot(half, p.outgoing));
-        ray.weight[0] = 1.0f - s;
+        ray.weight[0] = share * (1.0f - s);
         if (!glossy) continue;
-        const float both = std::numbers::pi_v<float> * evaluate(white, p.shading_normal, p.outgoing, ray.direction).x;
+        const float both =
+            share * std::numbers::pi_v<float> * evaluate(white, p.shading_normal, p.outgoing, ray.direction).x;
         ray.weight[1] = both * (1.0f - s);
         ray.weight[2] = both * s;
     }
@@ -210,7 +156,7 @@ FinalGather::Directions FinalGather::lobe(const GatherRequest& request, const Bu
     Directions out;
     for (std::uint32_t i = 0; i < bundle.count; ++i) {
         out.order[i] = i;
-        const glm::vec3 half = visible_normal(eye, lobe.alpha, net_point(bundle.first + i, request.seed));
+        const glm::vec3 half = visible_normal(eye, lobe.alpha, net_point(bundle.first + i, bundle.seed));
         const float eye_half = std::max(glm::dot(eye, half), 0.0f);
         const glm::vec3 light = 2.0f * eye_half * half - eye;
         if (!(light.z > 0.0f)) continue;
@@ -249,9 +195,9 @@ void FinalGather::trace(const GatherRequest& request, const Bundle& bundle, Trac
         const Directions::Ray& ray = directions.rays[i];
         const bool counts = ray.weight[0] + ray.weight[1] + ray.weight[2] > 0.0f;
         // A lobe is known in all, whatever of it the surface hides; so is a diffuse surface.
-        out.rays[i].weight = ray.weight;
+        out.rays[i] = {glm::vec3(0), ray.weight, ray.cell, ray.density};
         if (!counts || !(glm::dot(smooth, ray.direction) > 0.0f)) continue;
-        const auto place = static_cast<std::uint32_t>(core::mix(request.seed ^ number) % places);
+        const auto place = static_cast<std::uint32_t>(core::mix(bundle.seed ^ number) % places);
         queries[asked] = {place == 0 ? shadow_origin(p) : point.elsewhere[place - 1], ray.direction,
                           std::numeric_limits<float>::infinity()};
         index[asked++] = i;
@@ -267,13 +213,13 @@ void FinalGather::trace(const GatherRequest& request, const Bundle& bundle, Trac
                               ? sky_.lobe_brightest
                               : core::divide_or(sky_.lobe_brightest, sky_.importance(ray.direction), 0.0f);
         out.rays[index[k]].light = gather_rays_.follow(queries[k], hits[k], rules, ray.solid_angle,
-                                                       core::mix(request.seed + 8u * (bundle.first + index[k])),
+                                                       core::mix(bundle.seed + 8u * (bundle.first + index[k])),
                                                        index[k], out.terms, out.traced);
     }
 }
 
 void FinalGather::trace_all(std::span<const GatherRequest> requests, std::span<const Bundle> bundles,
-                            std::vector<Sums>& sums) {
+                            std::vector<PointSums>& sums, std::vector<Pool>& pools) {
     std::vector<Traced> found(bundles.size());
     parallel::for_ranges(bundles.size(), 16, [&](std::size_t first, std::size_t last) {
         const FlushDenormals flushed;
@@ -300,16 +246,19 @@ void FinalGather::trace_all(std::span<const GatherRequest> requests, std::span<c
     });
     for (std::size_t b = 0; b < bundles.size(); ++b) {
         const GatherPoint& point = *requests[bundles[b].request].point;
-        Sums& s = sums[bundles[b].request];
+        PointSums& s = sums[bundles[b].request];
         RaySums batch;
+        RayGuide& guide = pools[s.pool].guide;
         for (const Traced::Ray& ray : found[b].rays) {
+            std::array<glm::vec3, 3> shares;
             for (std::size_t k = 0; k < 3; ++k) {
-                const glm::dvec3 light = ray.weight[k] * ray.light;
-                s.light[k] += light;
+                shares[k] = ray.weight[k] * ray.light;
+                s.light[k] += shares[k];
                 s.weight[k] += ray.weight[k];
-                batch.light[k] += light;
+                batch.light[k] += shares[k];
                 batch.weight[k] += ray.weight[k];
             }
+            guide.add(ray.cell, ray.density * shown_luminance(point, shares));
             if (++batch.rays < batch_rays) continue;
             const double shown = shown_luminance(point, batch.mean(s.albedo));
             s.batches += shown;
@@ -320,113 +269,52 @@ void FinalGather::trace_all(std::span<const GatherRequest> requests, std::span<c
     }
 }
 
-/// A plane of least squares through the light of a pool, by place on the surface and weighted by rays. What a point
-/// itself found is drawn towards it by as much as noise explains what points are off it by: the empirical Bayes
-/// estimator [Efron1973]. It keeps the pool's mean.
-struct FinalGather::PoolFit {
-    static constexpr std::size_t quantities = 3, least_points = 6;
-    using Light = std::array<glm::dvec3, quantities>;
-
-    std::vector<Light> plane;  ///< at the points; empty: of too few
-    double own = 1;            ///< weight of what a point itself found
-    double plane_share = 1;    ///< variance of the plane at a point, over a point's
-
-    /// Variance that is left, over a point's.
-    double variance_share() const { return plane_share + (1.0 - plane_share) * own; }
-    /// The same as far as nothing but noise is off the plane.
-    static double least_share(std::span<const GatherRequest> requests) {
-        const bool is_exact = !(requests.front().tolerance.allows(1.0f) > 0.0f);
-        return is_exact || requests.size() < least_points ? 1.0 : 3.0 / static_cast<double>(requests.size());
-    }
-
-    PoolFit(std::span<const GatherRequest> requests, std::span<const Sums> sums) {
-        const std::size_t n = requests.size();
-        plane_share = least_share(requests);
-        if (plane_share == 1.0) return;
-        const SurfacePoint& first = requests.front().point->point;
-        glm::vec3 t, b;
-        core::make_frame(first.shading_normal, t, b);
-        std::vector<glm::dvec2> place(n);
-        double rays = 0;
-        glm::dvec2 middle(0);
-        for (std::size_t i = 0; i < n; ++i) {
-            const glm::vec3 d = requests[i].point->point.position - first.position;
-            place[i] = {glm::dot(t, d), glm::dot(b, d)};
-            middle += 1.0 * sums[i].rays * place[i];
-            rays += sums[i].rays;
-        }
-        middle /= rays;
-        Light mean{}, x{}, y{};
-        double xx = 0, xy = 0, yy = 0;
-        for (std::size_t i = 0; i < n; ++i) {
-            place[i] -= middle;
-            xx += sums[i].rays * place[i].x * place[i].x;
-            xy += sums[i].rays * place[i].x * place[i].y;
-            yy += sums[i].rays * place[i].y * place[i].y;
-            const std::array<glm::vec3, quantities> found = sums[i].mean();
-            for (std::size_t k = 0; k < quantities; ++k) {
-                const glm::dvec3 sum = 1.0 * sums[i].rays * glm::dvec3(found[k]);
-                mean[k] += sum / rays;
-                x[k] += place[i].x * sum;
-                y[k] += place[i].y * sum;
-            }
-        }
-        // Points in a row say nothing about the other direction.
-        const double ridge = 1e-3 * (xx + yy);
-        xx += ridge, yy += ridge;
-        const double over = core::divide_or(1.0, xx * yy - xy * xy, 0.0);
-        plane.resize(n);
-        double off = 0, noise = 0;
-        for (std::size_t i = 0; i < n; ++i) {
-            std::array<glm::vec3, quantities> difference = sums[i].mean();
-            for (std::size_t k = 0; k < quantities; ++k) {
-                plane[i][k] =
-                    mean[k] + over * ((yy * x[k] - xy * y[k]) * place[i].x + (xx * y[k] - xy * x[k]) * place[i].y);
-                difference[k] -= glm::vec3(plane[i][k]);
-            }
-            const double d = shown_luminance(*requests[i].point, difference);
-            off += d * d;
-            noise += sums[i].variance();
-        }
-        off /= static_cast<double>(n) - 3.0;
-        noise /= static_cast<double>(n);
-        own = off > noise ? 1.0 - noise / off : 0.0;
-        // What is infinite stays at its point.
-        if (!(off + noise < std::numeric_limits<double>::infinity())) plane.clear(), own = plane_share = 1;
-    }
-};
-
-/// How many rays each request needs in all. `pilot`: from the first look, which cannot tell detail from noise.
-std::vector<std::uint32_t> FinalGather::wanted_rays(std::span<const GatherRequest> requests, std::span<const Sums> sums,
-                                                    bool pilot, GatherAim aim) const {
+/// How many rays each request of a pool needs in all. `pilot`: from the first look, which cannot tell detail from
+/// noise, nor does it know what guided rays find.
+void FinalGather::want_rays(std::span<const GatherRequest> requests, std::span<const PointSums> sums, const Pool& pool,
+                            bool pilot, GatherAim aim, std::vector<std::uint32_t>& wanted) const {
     const double gain = aim.typical > 0.0f ? variance_power / (1.0 + variance_power) : 1.0;
     const double worth = gain < 1.0 ? std::pow(worth_rays / aim.typical, 1.0 - gain) : 1.0;
     const double more = std::pow(aim.finer, 2.0 / variance_power);
-    std::vector<std::uint32_t> wanted(requests.size());
-    for (std::size_t first = 0, last = 0, k = 0; first < requests.size(); first = last) {
-        double all = 0;
-        for (last = pool_end(requests, first); k < last;) all += sums[k++].batch_variance();
-        const double share =
-            pilot ? PoolFit::least_share(requests.subspan(first, last - first))
-                  : PoolFit(requests.subspan(first, last - first), sums.subspan(first, last - first)).variance_share();
-        const auto others = static_cast<double>(last - first) - 1.0;
-        for (std::size_t i = first; i < last; ++i) {
-            const Sums& s = sums[i];
-            const double variance = share * (others > 0 ? (all - s.batch_variance()) / others : s.batch_variance());
-            const double mean = s.batches * batch_rays / s.rays;
-            const double error = requests[i].tolerance.allows(static_cast<float>(mean)) / errors_allowed;
-            // Of points that may not err those that show most get most.
-            const double shown = std::min(static_cast<double>(core::luminance(requests[i].point->weight)), 1.0);
-            const double n =
-                error > 0.0
-                    ? more * worth *
-                          std::pow(batch_rays * std::pow(variance / (error * error), 1.0 / variance_power), gain)
-                    : most_gather_rays * shown;
-            const auto rays = static_cast<std::uint32_t>(std::clamp(n, 1.0 * first_rays, 1.0 * most_gather_rays));
-            wanted[i] = requests[i].rays > 0 ? requests[i].rays : (rays + batch_rays - 1) / batch_rays * batch_rays;
-        }
+    const std::span<const GatherRequest> own = requests.subspan(pool.first, pool.last - pool.first);
+    double all = 0;
+    for (std::size_t i = pool.first; i < pool.last; ++i) all += sums[i].batch_variance();
+    const double share = pilot ? PoolFit::least_share(own) * (pool.is_guided ? pool.guide.variance_share() : 1.0)
+                               : PoolFit(own, sums.subspan(pool.first, own.size())).variance_share();
+    const double others = static_cast<double>(own.size()) - 1.0;
+    for (std::size_t i = pool.first; i < pool.last; ++i) {
+        const PointSums& s = sums[i];
+        const double variance = share * (others > 0 ? (all - s.batch_variance()) / others : s.batch_variance());
+        const double mean = s.batches * batch_rays / s.rays;
+        const double error = requests[i].tolerance.allows(static_cast<float>(mean)) / errors_allowed;
+        // Of points that may not err those that show most get most.
+        const double shown = std::min(static_cast<double>(core::luminance(requests[i].point->weight)), 1.0);
+        const double n =
+            error > 0.0
+                ? more * worth * std::pow(batch_rays * std::pow(variance / (error * error), 1.0 / variance_power), gain)
+                : most_gather_rays * shown;
+        const auto rays = static_cast<std::uint32_t>(std::clamp(n, 1.0 * first_rays, 1.0 * most_gather_rays));
+        wanted[i] = requests[i].rays > 0 ? requests[i].rays : (rays + batch_rays - 1) / batch_rays * batch_rays;
     }
-    return wanted;
+}
+
+/// Draws the rest of a pool's rays by what its first look found, where that pays; the first look counts no more then.
+void FinalGather::guide(std::span<const GatherRequest> requests, GatherAim aim, Pool& pool,
+                        std::vector<PointSums>& sums, std::vector<std::uint32_t>& wanted) const {
+    want_rays(requests, sums, pool, true, aim, wanted);
+    if (!pool.may_be_guided(requests)) return;
+    double rays = 0;
+    for (std::size_t i = pool.first; i < pool.last; ++i) rays += wanted[i];
+    if (rays < worth_guiding * first_rays * (pool.last - pool.first)) return;
+    pool.guide.learn();
+    if (pool.guide.variance_share() > gain_of_guides) return;
+    pool.is_guided = true;
+    want_rays(requests, sums, pool, true, aim, wanted);
+    for (std::size_t i = pool.first; i < pool.last; ++i) {
+        sums[i].forget();
+        // Half of them tell more.
+        wanted[i] = std::clamp(wanted[i] / 2 / batch_rays * batch_rays, first_rays, 3 * first_rays);
+    }
 }
 
 GatherRequest request_of(const GatherPoint& point, const PointTolerance& tolerance, glm::ivec2 pixel,
@@ -449,38 +337,69 @@ void add(const RayLight& rays, const GatherPoint& point, PointLight& light) {
     light.error = std::hypot(light.error, rays.error);
 }
 
+std::vector<FinalGather::Pool> FinalGather::pools_of(std::span<const GatherRequest> requests) {
+    std::vector<Pool> pools;
+    for (std::uint32_t i = 0; i < requests.size(); ++i) {
+        if (i == 0 || requests[i].pool != requests[i - 1].pool) pools.push_back({i, i, false, {}});
+        ++pools.back().last;
+    }
+    return pools;
+}
+
+std::vector<PointSums> FinalGather::sums_of(std::span<const GatherRequest> requests, std::span<const Pool> pools) {
+    std::vector<PointSums> sums(requests.size());
+    for (std::uint32_t k = 0; k < pools.size(); ++k)
+        for (std::size_t i = pools[k].first; i < pools[k].last; ++i) {
+            const SurfacePoint& p = requests[i].point->point;
+            sums[i].pool = k;
+            if (requests[i].lobe)
+                sums[i].albedo = lobe_albedo(glm::dot(p.shading_normal, p.outgoing), p.bsdf.mean_alpha());
+        }
+    return sums;
+}
+
+void FinalGather::trace_wanted(std::span<const GatherRequest> requests, std::span<const std::uint32_t> wanted,
+                               std::vector<PointSums>& sums, std::vector<Pool>& pools) {
+    std::vector<Bundle> bundles;
+    std::size_t rays = 0;
+    const auto flush = [&] {
+        if (!bundles.empty()) trace_all(requests, bundles, sums, pools);
+        bundles.clear();
+        rays = 0;
+    };
+    // Guides stay as they are until all of these rays are traced.
+    for (std::uint32_t i = 0; i < requests.size(); ++i) {
+        const Pool& pool = pools[sums[i].pool];
+        const std::uint64_t seed = pool.is_guided ? core::mix(requests[i].seed + guided_seed) : requests[i].seed;
+        for (std::uint32_t first = sums[i].rays; first < wanted[i]; first += bundle_rays)
+            bundles.push_back(
+                {i, first, std::min(bundle_rays, wanted[i] - first), pool.is_guided ? &pool.guide : nullptr, seed});
+        rays += wanted[i] - std::min(wanted[i], sums[i].rays);
+        if (rays >= rays_at_once) flush();
+    }
+    flush();
+}
+
 std::vector<RayLight> FinalGather::gather(std::span<const GatherRequest> requests, GatherAim aim) {
     const Stopwatch timer(counts_.seconds);
-    std::vector<Sums> sums(requests.size());
-    for (std::size_t i = 0; i < requests.size(); ++i) {
-        const SurfacePoint& p = requests[i].point->point;
-        if (requests[i].lobe) sums[i].albedo = lobe_albedo(glm::dot(p.shading_normal, p.outgoing), p.bsdf.mean_alpha());
-    }
+    std::vector<Pool> pools = pools_of(requests);
+    std::vector<PointSums> sums = sums_of(requests, pools);
+    // A first look tells how many rays are wanted and where to, a second one whether these are enough.
     std::vector<std::uint32_t> wanted(requests.size(), first_rays);
-    // A first look tells how many rays are wanted, a second one whether these are enough.
-    for (int round = 0; round < 3; ++round) {
-        std::vector<Bundle> bundles;
-        std::size_t rays = 0;
-        const auto flush = [&] {
-            if (!bundles.empty()) trace_all(requests, bundles, sums);
-            bundles.clear();
-            rays = 0;
-        };
-        for (std::uint32_t i = 0; i < requests.size(); ++i) {
-            for (std::uint32_t first = sums[i].rays; first < wanted[i]; first += bundle_rays)
-                bundles.push_back({i, first, std::min(bundle_rays, wanted[i] - first)});
-            rays += wanted[i] - std::min(wanted[i], sums[i].rays);
-            if (rays >= rays_at_once) flush();
-        }
-        flush();
-        wanted = wanted_rays(requests, sums, round == 0, aim);
+    trace_wanted(requests, wanted, sums, pools);
+    for (Pool& pool : pools) guide(requests, aim, pool, sums, wanted);
+    trace_wanted(requests, wanted, sums, pools);
+    for (Pool& pool : pools) {
+        if (pool.is_guided) pool.guide.learn();
+        want_rays(requests, sums, pool, false, aim, wanted);
     }
+    trace_wanted(requests, wanted, sums, pools);
     std::vector<RayLight> light(requests.size());
-    for (std::size_t first = 0, last = 0; first < requests.size(); first = last) {
-        last = pool_end(requests, first);
-        const PoolFit fit(requests.subspan(first, last - first), std::span(sums).subspan(first, last - first));
-        for (std::size_t i = first; i < last; ++i) {
-            const Sums& s = sums[i];
+    for (const Pool& pool : pools) {
+        const std::size_t first = pool.first, count = pool.last - pool.first;
+        const PoolFit fit(requests.subspan(first, count), std::span(sums).subspan(first, count));
+        for (std::size_t i = first; i < first + count; ++i) {
+            const PointSums& s = sums[i];
             std::array<glm::vec3, 3> found = s.mean();
             if (!fit.plane.empty())
                 for (std::size_t k = 0; k < found.size(); ++k)

@@ -18,6 +18,8 @@ namespace render2mpeg::renderer {
 /// Rays of a point without a tolerance, and at most.
 inline constexpr std::uint32_t most_gather_rays = 4096;
 
+struct PointSums;
+
 /// A point whose indirect light and sky are wanted.
 struct GatherRequest {
     const GatherPoint* point = nullptr;
@@ -69,7 +71,8 @@ struct FinalGatherCounts {
 /// Final gathering [Ward1988, Christensen1999]: the mean of what cosine-distributed rays see, their hits looked up in a
 /// surface cache. The first rays of all points of a pool, less the point's own, tell how much rays differ there, and so
 /// how many a point is worth (docs/model/gathering.md): no point's number depends on what its own rays found, which
-/// would bias it. A function of the posed instant and of the requests since `forget`, for any number of threads.
+/// would bias it. Where light comes from few directions they guide the rest, and count no more. A function of the posed
+/// instant and of the requests since `forget`, for any number of threads.
 class FinalGather {
   public:
     FinalGather(const PosedScene& posed_scene, const Plan& plan);
@@ -84,19 +87,24 @@ class FinalGather {
     std::size_t bytes() const { return cache_.bytes(); }
 
   private:
-    struct RaySums;
-    struct Sums;
-    struct PoolFit;
     struct Bundle;
+    struct Pool;
     struct Traced;
 
     struct Directions;
     Directions hemisphere(const GatherRequest& request, const Bundle& bundle) const;
     Directions lobe(const GatherRequest& request, const Bundle& bundle) const;
     void trace(const GatherRequest& request, const Bundle& bundle, Traced& out) const;
-    void trace_all(std::span<const GatherRequest> requests, std::span<const Bundle> bundles, std::vector<Sums>& sums);
-    std::vector<std::uint32_t> wanted_rays(std::span<const GatherRequest> requests, std::span<const Sums> sums,
-                                           bool pilot, GatherAim aim) const;
+    static std::vector<Pool> pools_of(std::span<const GatherRequest> requests);
+    static std::vector<PointSums> sums_of(std::span<const GatherRequest> requests, std::span<const Pool> pools);
+    void trace_all(std::span<const GatherRequest> requests, std::span<const Bundle> bundles,
+                   std::vector<PointSums>& sums, std::vector<Pool>& pools);
+    void trace_wanted(std::span<const GatherRequest> requests, std::span<const std::uint32_t> wanted,
+                      std::vector<PointSums>& sums, std::vector<Pool>& pools);
+    void want_rays(std::span<const GatherRequest> requests, std::span<const PointSums> sums, const Pool& pool,
+                   bool pilot, GatherAim aim, std::vector<std::uint32_t>& wanted) const;
+    void guide(std::span<const GatherRequest> requests, GatherAim aim, Pool& pool, std::vector<PointSums>& sums,
+               std::vector<std::uint32_t>& wanted) const;
 
     const PosedScene& posed_scene_;
     GatherRays gather_rays_;
