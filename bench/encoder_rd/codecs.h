@@ -52,6 +52,7 @@ struct OwnCodec {
     bool told = true;  ///< the exact motion: types, dependency and, without a search, vectors follow from it
     int search = 0;    ///< pixels to each side of a full search; 0: none, the product
     encoder::Tune tune = encoder::Tune::psnr;
+    bool ahead = true;  ///< pictures to come are there, as for `encode`; false: as `render` codes
 };
 
 /// The ways that --codecs knows.

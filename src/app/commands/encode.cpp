@@ -198,7 +198,7 @@ struct Steps {
 /// Codes one chunk. The last pictures of a chunk that ends early are coded too. Returns whether it is whole.
 bool encode_chunk(Job& job, const Film& film, const Chunk& chunk, RunStatistics& statistics, const Steps& steps) {
     FramesAhead ahead(*job.frames, chunk, film.coding);
-    PictureCoder coder(film, chunk, job.allocations, {}, statistics, true, &ahead.look());
+    PictureCoder coder(film, chunk, job.allocations, {}, statistics, false, &ahead.look());
     const auto take = [&](const std::vector<encoder::CodedPicture>& pictures) {
         for (const encoder::CodedPicture& coded : pictures) steps.coded(coded);
     };

@@ -16,14 +16,14 @@ std::vector<std::int64_t> shots_of(const scene::Animation& animation) {
 }
 
 PictureCoder::PictureCoder(const Film& film, const Chunk& chunk, std::span<const encoder::BitAllocation> allocations,
-                           std::vector<std::int64_t> shots, RunStatistics& statistics, bool watches_light,
+                           std::vector<std::int64_t> shots, RunStatistics& statistics, bool lights_change,
                            encoder::LookAhead* ahead)
     : film_(film),
       chunk_(chunk),
       allocations_(allocations),
       shots_(std::move(shots)),
       statistics_(statistics),
-      watches_light_(watches_light),
+      lights_change_(lights_change),
       ahead_(ahead),
       encoder_(film.coding) {}
 
@@ -59,25 +59,23 @@ encoder::PicturePlan PictureCoder::plan(std::int64_t number, bool cut_before, Mo
     }
     // Nothing is known of a chunk's or a shot's first pictures: one B picture shows no stair, and costs little.
     constexpr double not_known = 1.0;
-    facts.light_change = light_change_.value_or(not_known);
-    if (ahead_ != nullptr) look_ahead(facts, number, moved != nullptr);
+    if (lights_change_) facts.light_change = light_change_.value_or(not_known);
+    if (ahead_ != nullptr) look_ahead(facts, number);
     encoder::PicturePlan plan = encoder_.plan(number, facts, first);
     if (plan.starts_gop) gop_start_ = number;
     return plan;
 }
 
-void PictureCoder::look_ahead(encoder::PictureFacts& facts, std::int64_t number, bool knows_motion) {
+void PictureCoder::look_ahead(encoder::PictureFacts& facts, std::int64_t number) {
     facts.frames_left = std::min(facts.frames_left, ahead_->frames_left(number).value_or(facts.frames_left));
-    if (!continues_ || knows_motion) return;
+    if (!continues_) return;
     const std::int64_t last = std::min(number + facts.frames_left, gop_start_ + film_.coding.gop - 1);
     if (last < number) return;  // a GOP begins here
     facts.b_pictures = ahead_->b_pictures(number - 1, last);
-    facts.light_change.reset();  // its costs know
 }
 
 void PictureCoder::watch_light(const core::Picture& picture, Motion& motion) {
-    if (continues_ && !watches_light_) light_change_ = 0;
-    if (!watches_light_) return;
+    if (!lights_change_) return;
     const core::MotionField* moved = continues_ ? motion.to(picture.number - 1) : nullptr;
     const StageTimer timer(statistics_, Stage::encode);
     if (continues_) light_change_ = perceptual::light_change(moved, picture.y, last_luma_);

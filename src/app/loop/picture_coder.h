@@ -24,12 +24,12 @@ std::vector<std::int64_t> shots_of(const scene::Animation& animation);
 /// encoding.
 class PictureCoder {
   public:
-    /// `allocations`: one per frame of the film, or none. `shots`: frames with which shots begin. `watches_light`: how
-    /// much it changes is measured; not where pictures are too rough to tell. `ahead`: knows each picture, and those to
-    /// come, before it is planned; tells of cuts, and of B pictures and motion where nobody else does; null: none.
+    /// `allocations`: one per frame of the film, or none. `shots`: frames with which shots begin. `lights_change`: lamps
+    /// do, and how much is measured. `ahead`: knows each picture, and those to come, before it is planned; tells of
+    /// cuts and B pictures, and of motion where nobody else does; null: none.
     /// Throws as encoder::check() does.
     PictureCoder(const Film& film, const Chunk& chunk, std::span<const encoder::BitAllocation> allocations,
-                 std::vector<std::int64_t> shots, RunStatistics& statistics, bool watches_light = true,
+                 std::vector<std::int64_t> shots, RunStatistics& statistics, bool lights_change,
                  encoder::LookAhead* ahead = nullptr);
 
     /// How the next picture in display order will be coded.
@@ -46,15 +46,15 @@ class PictureCoder {
     /// Measures how much light has changed since the picture before.
     void watch_light(const core::Picture& picture, Motion& motion);
     encoder::PictureFacts facts_of(std::int64_t number, bool cut_before) const;
-    /// Adds what the look-ahead tells; of B pictures, where motion is not known.
-    void look_ahead(encoder::PictureFacts& facts, std::int64_t number, bool knows_motion);
+    /// Adds what the look-ahead tells.
+    void look_ahead(encoder::PictureFacts& facts, std::int64_t number);
 
     Film film_;
     Chunk chunk_;
     std::span<const encoder::BitAllocation> allocations_;
     std::vector<std::int64_t> shots_;
     RunStatistics& statistics_;
-    bool watches_light_;
+    bool lights_change_;
     encoder::LookAhead* ahead_;
     encoder::Encoder encoder_;
     std::int64_t gop_start_ = 0;
