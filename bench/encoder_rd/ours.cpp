@@ -68,7 +68,7 @@ struct Run {
         ToldMotion motion(clip, told, n);
         if (n > 0) motion.to(n - 1);
         const bool cut = ahead && look(clip, n);
-        const encoder::PicturePlan plan = coder->plan(n, cut, motion);
+        const encoder::PicturePlan plan = coder->plan(n, cut, motion, ahead ? &picture : nullptr);
         if (codec.search > 0) {
             SearchedMotion searched(clip, picture, measured.quantiser, codec.search, evaluations);
             return take(clip, coder->code(picture, plan, searched));
@@ -134,6 +134,10 @@ std::unique_ptr<Run> start(const Clip& clip, const OwnCodec& codec, int quantise
     s.gop = codec.gop;
     s.effort = codec.effort;
     s.tune = codec.tune;
+    if (codec.constant_quality) {
+        s.rate_control.mode = encoder::RateMode::constant_quality;
+        s.rate_control.quality = 100 - 20 * std::log2(quantiser);
+    }
     run->codec = codec;
     run->told = codec.told && clip.motion;
     if (codec.ahead) run->ahead = std::make_unique<encoder::LookAhead>(s.width, s.height, s.b_pictures);
@@ -168,7 +172,9 @@ double in_db(double ssim) {
 std::vector<OwnCodec> own_codecs() {
     using encoder::Effort;
     return {{"quality", 15, Effort::quality, true},
-            {"lit", 15, Effort::quality, true, 0, encoder::Tune::psnr, false},
+            {"lit", 15, Effort::quality, true, 0, encoder::Tune::psnr, false, false},
+            {"constant", 15, Effort::quality, true, 0, encoder::Tune::psnr, true},
+            {"constant-lit", 15, Effort::quality, true, 0, encoder::Tune::psnr, true, false},
             {"fast", 15, Effort::fast, true},
             {"eye", 15, Effort::quality, true, 0, encoder::Tune::perceptual},
             {"free", 60, Effort::quality, true},

@@ -91,9 +91,9 @@ std::vector<Row> rows_of(const std::vector<Curve>& curves, const Comparison& c) 
 
 std::vector<Comparison> comparisons_among(const std::vector<Curve>& curves) {
     const std::vector<Comparison> wanted = {
-        {"quality", "A"}, {"fast", "A"},    {"fast", "B"},         {"quality", "B"},       {"lit", "B"},
-        {"eye", "B"},     {"eye", "B-eye"}, {"free", "C"},         {"unaided", "B"},       {"unaided-fast", "A"},
-        {"quality", "unaided"},             {"quality", "search"}, {"quality", "lit"}};
+        {"quality", "A"},       {"fast", "A"},         {"fast", "B"},     {"quality", "B"}, {"lit", "B"},
+        {"eye", "B"},           {"eye", "B-eye"},      {"free", "C"},     {"unaided", "B"}, {"unaided-fast", "A"},
+        {"quality", "unaided"}, {"quality", "search"}, {"quality", "lit"}};
     std::vector<Comparison> there;
     for (const Comparison& c : wanted)
         if (!rows_of(curves, c).empty()) there.push_back(c);

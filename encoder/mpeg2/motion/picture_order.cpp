@@ -23,20 +23,23 @@ std::int64_t next_reference_after(std::int64_t rest, int most_b, const PictureFa
     return (rest + runs - 1) / runs;
 }
 
-PicturePlan PictureOrder::plan(std::int64_t number, const PictureFacts& facts, bool starts_gop) {
+PicturePlan PictureOrder::plan(std::int64_t number, const PictureFacts& facts, bool starts_gop, bool may_open) {
     PicturePlan plan;
     plan.number = number;
     plan.starts_gop = starts_gop;
     if (starts_gop) {
-        // B pictures may have been promised this picture as their later reference, in their own GOP.
-        EXPECTS(!last_ || later_ <= *last_);
+        // B pictures may have been promised this picture as their later reference, but none beyond it.
+        EXPECTS(!last_ || later_ <= number);
+        if (!last_ || later_ != number) intra_place_ = number;
         plan.type = PictureType::intra;
         gop_start_ = earlier_ = later_ = number;
     } else {
         if (number > later_) {
-            const std::int64_t left = std::min(facts.frames_left, gop_start_ + gop_ - 1 - number);
+            const std::int64_t next_gop = gop_start_ + gop_;
+            const std::int64_t left = std::min(facts.frames_left, next_gop - (may_open ? 0 : 1) - number);
             earlier_ = later_;
             later_ = number - 1 + next_reference_after(left + 1, b_pictures_, facts);
+            if (later_ == next_gop) intra_place_ = number;
         }
         plan.type = number < later_ ? PictureType::bidirectional : PictureType::predicted;
         plan.references = {earlier_};

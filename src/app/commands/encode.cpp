@@ -100,7 +100,7 @@ std::unique_ptr<MotionSource> motion_files(const EncodeOptions& options, const F
     const Size size = frames.size();
     if (!is_numbered(*options.motion))
         throw core::Error("motion " + options.motion->string() +
-                          ": expected numbered OpenEXR files, e.g. layers/frame_%04d.exr, or a motion stream: fd:3, "
+                          ": expected numbered files, e.g. layers/frame_%04d.motion or .exr, or a motion stream: fd:3, "
                           "or a pipe whose name ends in .motion");
     const auto convention = options.motion_convention == "nuke" ? MotionConvention::nuke : MotionConvention::blender;
     auto files = std::make_unique<VectorLayers>(*options.motion, convention, size.width, size.height, shared);
@@ -211,7 +211,7 @@ bool encode_chunk(Job& job, const Film& film, const Chunk& chunk, RunStatistics&
             if (!next) break;  // an open-ended source has ended
             const core::Picture& picture = *next;
             FileMotion motion(job, n, statistics);
-            const encoder::PicturePlan coding = coder.plan(n, ahead.look().cut_before(n), motion);
+            const encoder::PicturePlan coding = coder.plan(n, ahead.look().cut_before(n), motion, &picture);
             steps.read(picture, n > chunk.first ? motion.to(n - 1) : nullptr);
             take(coder.code(picture, coding, motion));
         }
