@@ -131,6 +131,9 @@ struct PictureFacts {
     /// (encoder/look_ahead.h); only the first of them needs it. None: as the motion says.
     std::optional<int> b_pictures = {};
     std::optional<BitAllocation> allocation = {};  ///< none: one pass
+    /// Pictures of this chunk's beginning as they were coded roughly: what one pass begins with, where it would guess.
+    /// Only those of its first picture are read.
+    std::vector<FirstPassPicture> trial = {};
 };
 
 /// How a picture will be coded: fixed before it is lit.

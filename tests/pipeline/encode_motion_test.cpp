@@ -195,7 +195,7 @@ TEST(VectorLayers, MotionFilesHoldAFrameToAThirtySecondOfAPixel) {
     const core::Plane<core::PixelClass> kinds = back.kind;
     back.kind.at(1, 1) = core::PixelClass::none;
     on.vector.at(2, 2).x = 2000;
-    write_motion(folder / "f.7.motion", back, on, kinds);
+    write_motion_file(folder / "f.7.motion", back, on, kinds);
     VectorLayers layers(folder / "f.%d.motion", MotionConvention::blender, 5, 3);
     const core::MotionField read = layers.between(7, 6), onward = layers.between(7, 8);
     EXPECT_EQ(read.kind.at(1, 1), core::PixelClass::none);

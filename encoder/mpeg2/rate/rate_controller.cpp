@@ -104,6 +104,7 @@ int RateController::plan(const PicturePlan& picture, const PictureFacts& facts, 
         spent_ = rounding_ = steady_ = 0;
         coded_in_chunk_ = 0;
         planned_ = {};
+        for (const FirstPassPicture& p : facts.trial) model_.expect(p.type, p.quantiser, p.bits);
         allocated_ = facts.allocation ? facts.allocation->affordable * facts.allocation->bits_left : 0;
     }
     if (picture.starts_gop) gop_start_ = picture.number;
@@ -240,8 +241,7 @@ std::int64_t RateController::horizon() const {
 std::array<double, 3> RateController::foreseen() const {
     const Counts planned = regular_pattern(settings_, planned_end_ - gop_start_),
                  all = regular_pattern(settings_, horizon() - gop_start_);
-    const auto intra = static_cast<double>(all[0] - planned[0]),
-               predicted = static_cast<double>(all[1] - planned[1]),
+    const auto intra = static_cast<double>(all[0] - planned[0]), predicted = static_cast<double>(all[1] - planned[1]),
                others = predicted + static_cast<double>(all[2] - planned[2]);
     // Runs of B pictures go on as they were. chosen: what was planned counts beside four regular pictures (2..15).
     constexpr double regular = 4;

@@ -152,8 +152,8 @@ bool MotionBytes::frame(const MotionHeader& header, std::int64_t number, FrameMo
     return true;
 }
 
-void write_motion(const std::filesystem::path& file, const core::MotionField& to_previous,
-                  const core::MotionField& to_next, const core::Plane<core::PixelClass>& kinds) {
+void write_motion_file(const std::filesystem::path& file, const core::MotionField& to_previous,
+                       const core::MotionField& to_next, const core::Plane<core::PixelClass>& kinds) {
     const std::array<std::uint32_t, 8> header{mark, 2, static_cast<std::uint32_t>(kinds.width()),
                                               static_cast<std::uint32_t>(kinds.height()), 2};
     std::string bytes(reinterpret_cast<const char*>(header.data()), sizeof header);

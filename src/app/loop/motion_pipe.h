@@ -16,8 +16,8 @@ namespace render2mpeg::app {
 
 /// Writes one frame's motion as a stream of one frame, version 2. `kinds` tells what its pixels are. Throws
 /// core::Error.
-void write_motion(const std::filesystem::path& file, const core::MotionField& to_previous,
-                  const core::MotionField& to_next, const core::Plane<core::PixelClass>& kinds);
+void write_motion_file(const std::filesystem::path& file, const core::MotionField& to_previous,
+                       const core::MotionField& to_next, const core::Plane<core::PixelClass>& kinds);
 
 /// Reads such a file of frame `number`, or any stream of one frame. Throws core::Error.
 FrameMotion read_motion_file(const std::filesystem::path& file, std::int64_t number, int width, int height);

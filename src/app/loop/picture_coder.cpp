@@ -57,6 +57,7 @@ encoder::PicturePlan PictureCoder::plan(std::int64_t number, bool cut_before, Mo
     const core::MotionField* moved = continues_ ? motion.to(number - 1) : nullptr;
     const StageTimer timer(statistics_, Stage::encode);
     encoder::PictureFacts facts = facts_of(number, cut_before);
+    if (first) facts.trial = trial_;
     if (moved != nullptr) facts.motion_nonuniformity = encoder::motion_nonuniformity(*moved);
     if (quality_) {
         if (cut_before) quality_->forget();

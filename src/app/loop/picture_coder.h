@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "app/loop/motion.h"
@@ -33,6 +34,8 @@ class PictureCoder {
                  std::vector<std::int64_t> shots, RunStatistics& statistics, bool lights_change,
                  encoder::LookAhead* ahead = nullptr);
 
+    /// The chunk's first pictures as they were coded roughly (encoder::PictureFacts::trial).
+    void expect(std::vector<encoder::FirstPassPicture> trial) { trial_ = std::move(trial); }
     /// How the next picture in display order will be coded. `picture`: it, where it is there already, else null.
     encoder::PicturePlan plan(std::int64_t number, bool cut_before, Motion& motion,
                               const core::Picture* picture = nullptr);
@@ -63,6 +66,7 @@ class PictureCoder {
     bool lights_change_;
     encoder::LookAhead* ahead_;
     encoder::Encoder encoder_;
+    std::vector<encoder::FirstPassPicture> trial_;
     std::int64_t gop_start_ = 0;
     bool continues_ = false;                 ///< the picture planned last goes on from the one before
     core::Plane<std::uint8_t> last_luma_;    ///< of the picture coded last; empty: none in this chunk

@@ -70,7 +70,7 @@ void LayersWriter::lit(const LitFrame& frame) {
     const StageTimer timer(statistics_, renderer::Pass::layers);
     image::write_layers(numbered(layers_in(folder_), n), frame.seen.visible, frame.radiance, &before, &after,
                         facts_of(film_, frame), &frame.tolerance);
-    write_motion(numbered(motion_in(folder_), n), before, after, frame.seen.visible.kind);
+    write_motion_file(numbered(motion_in(folder_), n), before, after, frame.seen.visible.kind);
 }
 
 void join_y4m(const RenderJob& film, const std::vector<std::filesystem::path>& parts,
