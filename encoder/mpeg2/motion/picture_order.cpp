@@ -10,6 +10,7 @@ namespace render2mpeg::encoder::mpeg2 {
 
 std::int64_t next_reference_after(std::int64_t rest, int most_b, const PictureFacts& facts) {
     EXPECTS(rest >= 1 && most_b >= 0);
+    if (facts.b_pictures) return std::min<std::int64_t>({rest, most_b + 1, *facts.b_pictures + 1});
     // Refer no further than vectors hold, but spare no B picture altogether: half of a distance of two is one.
     std::int64_t furthest = most_b + 1;
     const double nonuniformity = facts.motion_nonuniformity.value_or(0);
@@ -18,7 +19,6 @@ std::int64_t next_reference_after(std::int64_t rest, int most_b, const PictureFa
         furthest = std::clamp(static_cast<std::int64_t>(nonuniform_reach / nonuniformity), least, furthest);
     // The mean of two references is right in the middle between them alone.
     if (facts.light_change.value_or(0) > steady_light) furthest = least;
-    if (facts.b_pictures) return std::min<std::int64_t>({rest, furthest, *facts.b_pictures + 1});
     const std::int64_t runs = (rest + furthest - 1) / furthest;
     return (rest + runs - 1) / runs;
 }
