@@ -5,12 +5,14 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "core/error.h"
 #include "core/numeric.h"
 #include "encoder/mpeg2/bitstream/levels.h"
+#include "encoder/mpeg2/bitstream/tuning.h"
 #include "encoder/mpeg2/kernels/frame.h"
 #include "encoder/mpeg2/kernels/kernels.h"
 #include "encoder/mpeg2/motion/motion_compensation.h"
@@ -34,6 +36,9 @@ constexpr double weight_of_b = 0.7;
 /// so many times the share that it leaves of the picture's neighbour.
 /// chosen: find the cuts of the fit set of bench/encoder_rd, and take no fade, shake or grain for one.
 constexpr double cut_share = 0.75, cut_ratio = 1.5;
+
+/// chosen: 8 code values per picture: a lamp that comes on changes its room by less (macroblock_tree.cpp).
+constexpr double something_else = 8;
 
 /// Luma in half the size, padded to whole blocks.
 mpeg2::Frame half_size(const core::Picture& picture) {
@@ -70,6 +75,8 @@ struct LookAhead::Impl {
     const core::Plane<mpeg2::Vector>& vectors(std::int64_t picture, std::int64_t reference);
     double cost(std::int64_t picture, std::int64_t earlier, std::int64_t later);
     double share_left(std::int64_t picture, std::int64_t reference);
+    core::Plane<std::optional<double>> light_change(std::int64_t picture, std::int64_t reference);
+    bool is_lit(std::int64_t picture, std::int64_t reference);
     bool is_there(std::int64_t number) const { return seen.find(number) != seen.end(); }
 
     /// Sum of a function of each block.
@@ -158,6 +165,51 @@ double LookAhead::Impl::share_left(std::int64_t picture, std::int64_t reference)
     return core::divide_or(cost(picture, reference, picture), alone, 1.0);
 }
 
+/// Whether light changes between two pictures: blocks do along motion, and like their neighbours. Noise, resampled
+/// detail and vectors that miss change each block by itself.
+bool LookAhead::Impl::is_lit(std::int64_t picture, std::int64_t reference) {
+    const mpeg2::Frame& here = seen.at(picture).half;
+    const core::Plane<std::optional<double>> changes = light_change(picture, reference);
+    double together = 0, apart = 0;
+    int blocks = 0;
+    for (int row = 0; row < here.rows(); ++row)
+        for (int column = 0; column < here.columns(); ++column) {
+            double sum = 0;
+            int count = 0;
+            for (int r = std::max(0, row - 1); r < std::min(here.rows(), row + 2); ++r)
+                for (int c = std::max(0, column - 1); c < std::min(here.columns(), column + 2); ++c) {
+                    sum += changes.at(c, r).value_or(0);
+                    count += changes.at(c, r) ? 1 : 0;
+                }
+            if (!changes.at(column, row)) continue;
+            together += std::abs(sum / count);
+            apart += std::abs(*changes.at(column, row) - sum / count);
+            ++blocks;
+        }
+    return together > apart && together > mpeg2::steady_light * blocks;
+}
+
+/// Code values per picture by which each block's mean changes along motion; none where it shows something else.
+core::Plane<std::optional<double>> LookAhead::Impl::light_change(std::int64_t picture, std::int64_t reference) {
+    const core::Plane<mpeg2::Vector>& moved = vectors(picture, reference);
+    const mpeg2::Frame &here = seen.at(picture).half, &there = seen.at(reference).half;
+    const auto pictures = static_cast<double>(std::abs(picture - reference));
+    core::Plane<std::optional<double>> changes(here.columns(), here.rows());
+    for (int row = 0; row < here.rows(); ++row)
+        for (int column = 0; column < here.columns(); ++column) {
+            const mpeg2::Vector v = moved.at(column, row);  // of whole pixels
+            int difference = 0;
+            for (int y = 16 * row; y < 16 * row + 16; ++y) {
+                const std::uint8_t* now = here.y.row(y) + 16 * column;
+                const std::uint8_t* then = there.y.row(y + v.y / 2) + 16 * column + v.x / 2;
+                for (int x = 0; x < 16; ++x) difference += now[x] - then[x];
+            }
+            const double change = difference / (256 * pictures);
+            if (std::abs(change) <= something_else) changes.at(column, row) = change;
+        }
+    return changes;
+}
+
 LookAhead::LookAhead(int width, int height, int b_pictures)
     : impl_(std::make_unique<Impl>(Impl{width, height, b_pictures, false, {}})) {
     EXPECTS(width > 0 && height > 0 && b_pictures >= 0 && b_pictures <= 3);
@@ -217,6 +269,10 @@ int LookAhead::b_pictures(std::int64_t reference, std::int64_t last) {
     last = std::min(last, reference + depth - 1);
     while (!m.is_there(last)) --last;
     const std::int64_t count = last - reference;
+    // Where light changes, the mean of two references is right in the middle between them alone; costs do not tell,
+    // since a block's mean takes as few bits over two pictures as over one.
+    const std::int64_t far = std::min(last, reference + m.most_b + 1);
+    if (count > 1 && m.is_lit(far, reference)) return std::min(1, m.most_b);
     // The least cost of the pictures up to each P picture, and the first run's length there.
     std::array<double, depth + 1> least{};
     std::array<int, depth + 1> first{};

@@ -32,7 +32,7 @@ enum class Cadence : std::uint8_t {
 /// What decides the quantisers of a film.
 enum class RateMode : std::uint8_t {
     constant_quantiser,  ///< Settings::quantiser, coarser for B pictures
-    constant_quality,    ///< RateControl::quality: coarser where motion hides it
+    constant_quality,    ///< RateControl::quality, by PictureFacts::quality_factor
     variable,            ///< RateControl::bit_rate on average, never above max_rate
     constant,            ///< bit_rate throughout, with stuffing where pictures need less
 };
@@ -54,7 +54,8 @@ struct Settings {
     Cadence cadence = Cadence::frames;
     std::int64_t first_number = 0;  ///< display number of the film's first picture, where the cadence begins
     int quantiser = 4;              ///< quantiser_scale_code 1..31, q_scale_type 0
-    int gop = 15;                   ///< pictures per closed GOP, 1..100,000
+    int gop = 15;                   ///< pictures from I picture to I picture, 1..100,000
+    bool closed_gops = false;       ///< no GOP begins with B pictures that refer to the one before
     int b_pictures = 3;             ///< most B pictures in a row, 0..3
     Effort effort = Effort::quality;
     Tune tune = Tune::psnr;
@@ -110,15 +111,15 @@ struct PictureFacts {
     /// is exact, all runs of B pictures have about the same length, and quantisers know how many pictures depend on
     /// one.
     std::int64_t frames_left = 0;
-    bool keyframe = false;  ///< a GOP begins here, whatever the picture shows
+    bool keyframe = false;  ///< a closed GOP begins here, whatever the picture shows
     /// Pictures that follow this one in its chunk, promised with the chunk's first picture; the promise must be kept.
     /// Every chunk then begins with Declaration::chunk_fullness and leaves as much to the next one. None: the VBV goes
     /// on over the chunk's end.
     std::optional<std::int64_t> left_in_chunk = {};
     bool last_chunk = false;  ///< no chunk follows: the fullness at its end is free
-    /// The eye's sensitivity to detail that moves as this picture does, relative to still detail: mean over the
-    /// picture, 0..1; more counts as 1. Only `constant_quality` reads it. None: 1.
-    std::optional<double> sensitivity = {};
+    /// Factor of the quantiser, finite and above 0, that brings this picture to the film's quality. Only
+    /// `constant_quality` reads it. None: 1.
+    std::optional<double> quality_factor = {};
     /// Non-uniformity of the motion from the picture before (encoder/motion_nonuniformity.h). The larger, the fewer B
     /// pictures are planned in a row. None: Settings::b_pictures.
     std::optional<double> motion_nonuniformity = {};
@@ -130,6 +131,9 @@ struct PictureFacts {
     /// (encoder/look_ahead.h); only the first of them needs it. None: as the motion says.
     std::optional<int> b_pictures = {};
     std::optional<BitAllocation> allocation = {};  ///< none: one pass
+    /// Pictures of this chunk's beginning as they were coded roughly: what one pass begins with, where it would guess.
+    /// Only those of its first picture are read.
+    std::vector<FirstPassPicture> trial = {};
 };
 
 /// How a picture will be coded: fixed before it is lit.

@@ -9,6 +9,7 @@
 #include <memory>
 #include <utility>
 
+#include "app/loop/pipeline.h"
 #include "app/loop/render_job.h"
 #include "core/error.h"
 #include "encoder/av/y4m.h"
@@ -18,19 +19,15 @@
 #include "encoder_rd/foreign.h"
 #include "encoder_rd/textures.h"
 #include "renderer/renderer.h"
+#include "scene/preparation/traits.h"
 
 namespace render2mpeg::bench {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// chosen: so few light points, each of them asked for by every pixel: what is left of real light is coarse but still,
-/// without any noise between pictures, for 2 CPU seconds a picture (32 + 24; tried to 64 + 64, which take twice as
-/// long; cuts through more points flicker as pixels change their cut). 3 samples are the fewest whose mean is a pixel's
-/// centre.
-constexpr int direct_points = 32, vpls = 24, samples = 3;
 constexpr int film_frames = 60, small_film_frames = 30;
-constexpr const char* small_size = "640x352";
+constexpr const char* small_size = "320x176";
 
 int length_of(const ClipRequest& request) {
     return request.small ? small_film_frames : film_frames;
@@ -113,30 +110,39 @@ void assemble(const ClipRequest& request, const fs::path& folder) {
         fs::copy(animations() / "character", folder, fs::copy_options::recursive | fs::copy_options::skip_existing);
 }
 
+/// The film as `render` makes it where no option says more.
 app::RenderJob render_job_of(const fs::path& folder, const ClipRequest& request) {
     app::RenderOptions options;
     options.input = folder;
-    options.output = folder / "film.y4m";
-    options.vpls = vpls;
-    options.samples = samples;
-    options.tolerance = "reference";
+    options.output = folder / "film.m2v";
     if (request.small) options.size = small_size;
     app::RenderJob film = app::prepare(options);
-    film.rendering.direct_points = direct_points;
-    film.frames = {0, std::min<std::int64_t>(film.frames.last, length_of(request) - 1)};
+    film.frames.last = std::min<std::int64_t>(film.frames.last, film.frames.first + length_of(request) - 1);
     return film;
 }
 
-void render(const app::RenderJob& film, const std::string& name, const fs::path& file) {
-    const perceptual::Display display(film.exposure.value_or(0), perceptual::matrix_for(film.format.height));
-    renderer::Renderer renderer(*film.animation, film.rendering, film.plan);
+/// Writes pictures as they are lit.
+class Writing : public app::LoopObserver {
+  public:
+    explicit Writing(av::Y4mWriter& out) : out_(out) {}
+    void lit(const app::LitFrame& frame) override { out_.write(frame.picture); }
+
+  private:
+    av::Y4mWriter& out_;
+};
+
+void render(app::RenderJob film, const std::string& name, const fs::path& file) {
+    if (!film.exposure) film.exposure = app::measure_exposure(film);
+    renderer::Renderer renderer = app::renderer_of(film);
     av::Y4mWriter out(file, film.format.width, film.format.height, film.rate);
-    renderer.start_chunk(film.snapshot(0));
-    for (std::int64_t n = film.frames.first; n <= film.frames.last; ++n) {
-        fmt::print(stderr, "\rrendering {}: {} of {}", name, n + 1, film.frame_count());
-        const scene::Snapshot world = film.snapshot(n);
-        out.write(display.develop(renderer.shade(world, renderer.see(world), film.tolerance_map())));
-    }
+    Writing writing(out);
+    app::RunStatistics statistics;
+    std::int64_t done = 0;
+    for (const app::Chunk& chunk : app::chunks_of(film.frames, film.coding.gop))
+        app::render_chunk(film, renderer, chunk, writing, statistics, [&] {
+            fmt::print(stderr, "\rrendering {}: {} of {}", name, ++done, film.frame_count());
+            return true;
+        });
     fmt::print(stderr, "\n");
     out.finish();
 }
@@ -211,8 +217,7 @@ Clip make_clip(const ClipRequest& request) {
     const fs::path staging = request.cache / fmt::format("{}.{}", name, getpid());
     assemble(request, staging);
     ContentHash made_from;
-    made_from.add(
-        fmt::format("{} + {} light points, {} samples, {} frames", direct_points, vpls, samples, length_of(request)));
+    made_from.add(fmt::format("{} frames", length_of(request)));
     if (request.small) made_from.add(small_size);
     std::vector<fs::path> files;
     for (const auto& entry : fs::recursive_directory_iterator(staging))
@@ -236,6 +241,7 @@ Clip make_clip(const ClipRequest& request) {
     clip.y4m = folder / "frames.y4m";
     if (!fs::exists(clip.y4m)) render(film, clip.name, clip.y4m);
 
+    clip.lights_change = scene::traits_of(*film.animation).lights_change;
     read_pictures(clip, request.frames);
     const auto motion = std::make_shared<ExactMotion>(std::move(film), folder / "motion");
     clip.motion = [motion](std::int64_t picture, std::int64_t reference) -> const core::MotionField& {

@@ -17,6 +17,7 @@ struct Clip {
     std::string content;  ///< hash of the pictures, in hexadecimal
     std::filesystem::path y4m;
     std::vector<core::Picture> pictures;
+    bool lights_change = false;  ///< lamps are keyed
     /// From a picture to a reference; it lives until another picture is asked for. Not for several threads. Empty:
     /// nothing is known of motion.
     std::function<const core::MotionField&(std::int64_t picture, std::int64_t reference)> motion;
@@ -28,7 +29,7 @@ struct ClipRequest {
     std::filesystem::path cache;   ///< folder of rendered films
     std::filesystem::path scenes;  ///< folder of real scenes; empty: none
     int frames = 60;               ///< the first of the film's, 2..60
-    bool small = false;            ///< 640x352 and 30 pictures instead of the film's own size and 60
+    bool small = false;            ///< 320x176 and 30 pictures instead of the film's own size and 60
 };
 
 /// What clips are for: the encoder's constants are chosen on the fit set and judged on the test set. Each has rendered

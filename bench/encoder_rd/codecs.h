@@ -52,6 +52,8 @@ struct OwnCodec {
     bool told = true;  ///< the exact motion: types, dependency and, without a search, vectors follow from it
     int search = 0;    ///< pixels to each side of a full search; 0: none, the product
     encoder::Tune tune = encoder::Tune::psnr;
+    bool constant_quality = false;  ///< of 80 at quantiser 2, 60 at 4, 40 at 8, 20 at 16
+    bool ahead = true;              ///< pictures to come are there, as for `encode`; false: as `render` codes
 };
 
 /// The ways that --codecs knows.

@@ -1,13 +1,12 @@
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <memory>
 #include <optional>
 
+#include "app/loop/frames_ahead.h"
+#include "app/loop/picture_coder.h"
 #include "core/numeric.h"
 #include "encoder/encoder.h"
-#include "encoder/look_ahead.h"
-#include "encoder/motion_nonuniformity.h"
 #include "encoder_rd/codecs.h"
 #include "encoder_rd/full_search.h"
 #include "perceptual/hvs.h"
@@ -16,29 +15,78 @@
 namespace render2mpeg::bench {
 namespace {
 
+/// The clip's exact motion from one picture; none where it is not told.
+class ToldMotion : public app::Motion {
+  public:
+    ToldMotion(const Clip& clip, bool told, std::int64_t picture) : clip_(clip), told_(told), picture_(picture) {}
+
+  private:
+    std::optional<core::MotionField> find(std::int64_t reference) override {
+        return told_ ? std::optional(clip_.motion(picture_, reference)) : std::nullopt;
+    }
+
+    const Clip& clip_;
+    bool told_;
+    std::int64_t picture_;
+};
+
+/// A full search's motion to references; onward the exact one.
+class SearchedMotion : public app::Motion {
+  public:
+    SearchedMotion(const Clip& clip, const core::Picture& picture, int quantiser, int range, std::uint64_t& evaluations)
+        : clip_(clip), picture_(picture), quantiser_(quantiser), range_(range), evaluations_(evaluations) {}
+
+    const core::MotionField* onward(std::int64_t horizon) override { return &clip_.motion(picture_.number, horizon); }
+
+  private:
+    std::optional<core::MotionField> find(std::int64_t reference) override {
+        return full_search(picture_, clip_.pictures[static_cast<std::size_t>(reference)], quantiser_, range_,
+                           evaluations_);
+    }
+
+    const Clip& clip_;
+    const core::Picture& picture_;
+    int quantiser_, range_;
+    std::uint64_t& evaluations_;
+};
+
 /// One encoder at work.
 struct Run {
     OwnCodec codec;
     bool told = true;  ///< the clip knows its motion, and the encoder may
-    std::unique_ptr<encoder::Encoder> encoder;
+    app::RunStatistics statistics;
+    std::unique_ptr<encoder::LookAhead> ahead;  ///< null: as a renderer codes, which has no pictures to come
+    std::unique_ptr<app::PictureCoder> coder;
     Measured measured;
     Quality quality;
-    std::unique_ptr<encoder::LookAhead> ahead;  ///< where motion is not told
-    std::int64_t looked = 0, gop_start = 0;
+    std::int64_t looked = 0;
     std::uint64_t evaluations = 0, macroblocks = 0, intra = 0, skipped = 0;
 
-    /// What `encode` does with frames whose motion it is not told.
-    void look_ahead(const Clip& clip, std::int64_t n, encoder::PictureFacts& facts) {
+    /// Codes the clip's next picture.
+    void code(const Clip& clip, const core::Picture& picture) {
+        const std::int64_t n = picture.number;
+        ToldMotion motion(clip, told, n);
+        if (n > 0) motion.to(n - 1);
+        const bool cut = ahead && look(clip, n);
+        const encoder::PicturePlan plan = coder->plan(n, cut, motion, ahead ? &picture : nullptr);
+        if (codec.search > 0) {
+            SearchedMotion searched(clip, picture, measured.quantiser, codec.search, evaluations);
+            return take(clip, coder->code(picture, plan, searched));
+        }
+        for (const std::int64_t reference : plan.references) motion.to(reference);
+        if (plan.horizon) motion.onward(*plan.horizon);
+        take(clip, coder->code(picture, plan, motion));
+    }
+
+    /// Looks at the pictures to come; whether there is a cut before this one.
+    bool look(const Clip& clip, std::int64_t n) {
+        const app::StageTimer timer(statistics, app::Stage::encode);
         const auto count = static_cast<std::int64_t>(clip.pictures.size());
         for (; looked < std::min(count, n + 1 + encoder::LookAhead::depth); ++looked)
             ahead->add(clip.pictures[static_cast<std::size_t>(looked)]);
         if (looked == count) ahead->end();
-        facts.cut_before = ahead->cut_before(n);
-        facts.frames_left = ahead->frames_left(n).value_or(count - 1 - n);
-        if (facts.cut_before || n >= gop_start + codec.gop) gop_start = n;
-        const std::int64_t last = std::min(n + facts.frames_left, gop_start + codec.gop - 1);
-        if (n > gop_start) facts.b_pictures = ahead->b_pictures(n - 1, last);
         ahead->forget_before(n - 4);
+        return ahead->cut_before(n);
     }
 
     void take(const Clip& clip, const std::vector<encoder::CodedPicture>& pictures) {
@@ -59,12 +107,14 @@ struct Run {
         }
     }
 
-    void finish(std::size_t pictures) {
+    void finish(const Clip& clip) {
+        take(clip, coder->flush());
         const auto share = [&](std::uint64_t n) {
             return core::divide_or(static_cast<double>(n), static_cast<double>(macroblocks), 0.0);
         };
-        measured.pictures = static_cast<std::int64_t>(pictures);
+        measured.pictures = static_cast<std::int64_t>(clip.pictures.size());
         measured.bits += 8.0 * static_cast<double>(encoder::sequence_end().size());
+        measured.seconds = statistics.stage_seconds(app::Stage::encode);
         measured.evaluations = share(evaluations);
         measured.intra = share(intra);
         measured.skipped = share(skipped);
@@ -72,8 +122,11 @@ struct Run {
     }
 };
 
-Run start(const Clip& clip, const OwnCodec& codec, int quantiser) {
-    encoder::Settings s;
+std::unique_ptr<Run> start(const Clip& clip, const OwnCodec& codec, int quantiser) {
+    auto run = std::make_unique<Run>();
+    app::Film film;
+    film.frames = {0, static_cast<std::int64_t>(clip.pictures.size()) - 1};
+    encoder::Settings& s = film.coding;
     s.width = clip.pictures[0].width();
     s.height = clip.pictures[0].height();
     s.rate = core::frame_rate_from("30");
@@ -81,23 +134,18 @@ Run start(const Clip& clip, const OwnCodec& codec, int quantiser) {
     s.gop = codec.gop;
     s.effort = codec.effort;
     s.tune = codec.tune;
-    Run run;
-    run.codec = codec;
-    run.told = codec.told && clip.motion;
-    if (!run.told && codec.search == 0)
-        run.ahead = std::make_unique<encoder::LookAhead>(s.width, s.height, s.b_pictures);
-    run.encoder = std::make_unique<encoder::Encoder>(s);
-    run.measured.quantiser = quantiser;
+    if (codec.constant_quality) {
+        s.rate_control.mode = encoder::RateMode::constant_quality;
+        s.rate_control.quality = 100 - 20 * std::log2(quantiser);
+    }
+    run->codec = codec;
+    run->told = codec.told && clip.motion;
+    if (codec.ahead) run->ahead = std::make_unique<encoder::LookAhead>(s.width, s.height, s.b_pictures);
+    run->coder = std::make_unique<app::PictureCoder>(
+        film, app::Chunk{0, film.frames.first, film.frames.last}, std::span<const encoder::BitAllocation>(),
+        std::vector<std::int64_t>(), run->statistics, clip.lights_change && !codec.ahead, run->ahead.get());
+    run->measured.quantiser = quantiser;
     return run;
-}
-
-/// What `work` returns; its CPU time is added to `seconds`.
-template <class Work>
-auto timed(double& seconds, Work work) {
-    const std::clock_t begin = std::clock();
-    auto result = work();
-    seconds += static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
-    return result;
 }
 
 }  // namespace
@@ -124,6 +172,9 @@ double in_db(double ssim) {
 std::vector<OwnCodec> own_codecs() {
     using encoder::Effort;
     return {{"quality", 15, Effort::quality, true},
+            {"lit", 15, Effort::quality, true, 0, encoder::Tune::psnr, false, false},
+            {"constant", 15, Effort::quality, true, 0, encoder::Tune::psnr, true},
+            {"constant-lit", 15, Effort::quality, true, 0, encoder::Tune::psnr, true, false},
             {"fast", 15, Effort::fast, true},
             {"eye", 15, Effort::quality, true, 0, encoder::Tune::perceptual},
             {"free", 60, Effort::quality, true},
@@ -134,46 +185,16 @@ std::vector<OwnCodec> own_codecs() {
 
 std::vector<std::vector<Measured>> code_with_ours(const Clip& clip, const std::vector<OwnCodec>& codecs,
                                                   const std::vector<int>& quantisers) {
-    std::vector<Run> runs;
+    std::vector<std::unique_ptr<Run>> runs;
     for (const OwnCodec& codec : codecs)
         for (const int quantiser : quantisers) runs.push_back(start(clip, codec, quantiser));
-
-    const auto count = static_cast<std::int64_t>(clip.pictures.size());
-    for (std::int64_t n = 0; n < count; ++n) {
-        const std::optional<double> unevenness =
-            n > 0 && clip.motion ? std::optional(encoder::motion_nonuniformity(clip.motion(n, n - 1))) : std::nullopt;
-        for (Run& run : runs) {
-            const core::Picture& picture = clip.pictures[static_cast<std::size_t>(n)];
-            encoder::PictureFacts facts;
-            facts.frames_left = count - 1 - n;
-            if (run.told) facts.motion_nonuniformity = unevenness;
-            if (run.ahead) timed(run.measured.seconds, [&] { return run.look_ahead(clip, n, facts), 0; });
-            const encoder::PicturePlan plan = run.encoder->plan(n, facts, n == 0);
-            std::vector<core::MotionField> motion;
-            for (const std::int64_t reference : plan.references) {
-                if (run.codec.search > 0)
-                    motion.push_back(timed(run.measured.seconds, [&] {
-                        return full_search(picture, clip.pictures[static_cast<std::size_t>(reference)],
-                                           run.measured.quantiser, run.codec.search, run.evaluations);
-                    }));
-                else if (run.told)
-                    motion.push_back(clip.motion(n, reference));
-                else if (run.ahead)
-                    motion.push_back(timed(run.measured.seconds, [&] { return run.ahead->motion(n, reference); }));
-            }
-            encoder::Hints hints;
-            if (plan.horizon && run.told) hints.onward = &clip.motion(n, *plan.horizon);
-            run.take(clip,
-                     timed(run.measured.seconds, [&] { return run.encoder->push(picture, plan, motion, hints); }));
-        }
-    }
+    for (const core::Picture& picture : clip.pictures)
+        for (const auto& run : runs) run->code(clip, picture);
 
     std::vector<std::vector<Measured>> results(codecs.size());
     for (std::size_t i = 0; i < runs.size(); ++i) {
-        Run& run = runs[i];
-        run.take(clip, timed(run.measured.seconds, [&] { return run.encoder->flush(); }));
-        run.finish(clip.pictures.size());
-        results[i / quantisers.size()].push_back(run.measured);
+        runs[i]->finish(clip);
+        results[i / quantisers.size()].push_back(runs[i]->measured);
     }
     return results;
 }

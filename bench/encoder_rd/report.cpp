@@ -6,7 +6,9 @@
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "bd_rate.h"
 #include "core/numeric.h"
@@ -91,8 +93,9 @@ std::vector<Row> rows_of(const std::vector<Curve>& curves, const Comparison& c) 
 
 std::vector<Comparison> comparisons_among(const std::vector<Curve>& curves) {
     const std::vector<Comparison> wanted = {
-        {"quality", "A"}, {"fast", "A"},    {"quality", "B"},      {"eye", "B"},           {"eye", "B-eye"},
-        {"free", "C"},    {"unaided", "B"}, {"unaided-fast", "A"}, {"quality", "unaided"}, {"quality", "search"}};
+        {"quality", "A"},       {"fast", "A"},         {"fast", "B"},     {"quality", "B"}, {"lit", "B"},
+        {"eye", "B"},           {"eye", "B-eye"},      {"free", "C"},     {"unaided", "B"}, {"unaided-fast", "A"},
+        {"quality", "unaided"}, {"quality", "search"}, {"quality", "lit"}};
     std::vector<Comparison> there;
     for (const Comparison& c : wanted)
         if (!rows_of(curves, c).empty()) there.push_back(c);
@@ -135,6 +138,22 @@ std::string table(const std::vector<Curve>& curves) {
                         ? fmt::format(" {:.1f} : {:.1f} |\n", row.test_evaluations, row.anchor_evaluations)
                         : fmt::format(" {:.1f} |\n", row.test_evaluations);
         }
+    return text;
+}
+
+std::string deviations(const std::vector<Curve>& curves) {
+    std::map<std::pair<std::string, int>, std::vector<double>> qualities;
+    for (const Curve& curve : curves)
+        for (const Measured& m : curve.points) qualities[{curve.codec, m.quantiser}].push_back(m.psnr_hvs_m);
+    std::string text =
+        "| codec | quantiser, or its quality | clips | PSNR-HVS-M | deviation |\n|---|---|---|---|---|\n";
+    for (const auto& [of, values] : qualities) {
+        const auto n = static_cast<double>(values.size());
+        double sum = 0, squares = 0;
+        for (const double v : values) sum += v, squares += v * v;
+        text += fmt::format("| {} | {} | {} | {:.2f} dB | {:.2f} dB |\n", of.first, of.second, values.size(), sum / n,
+                            std::sqrt(std::max(0.0, squares / n - sum / n * sum / n)));
+    }
     return text;
 }
 

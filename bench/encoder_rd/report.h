@@ -28,6 +28,9 @@ std::string points_text(const std::vector<Curve>& curves);
 /// Bjontegaard differences of rate per clip and their means, as a Markdown table; speeds are ratios within this run.
 std::string table(const std::vector<Curve>& curves);
 
+/// How far clips coded alike are from their mean PSNR-HVS-M (standard deviation), as a Markdown table.
+std::string deviations(const std::vector<Curve>& curves);
+
 /// The same and every point, for other programs.
 void write_json(const std::filesystem::path& file, const std::vector<Curve>& curves);
 

@@ -43,7 +43,10 @@ void check_field(const Settings& settings, const core::MotionField& field, std::
 void check_facts(std::int64_t number, const PictureFacts& facts) {
     EXPECTS(is_count(number) && is_count(facts.frames_left));
     EXPECTS(is_count(facts.left_in_chunk.value_or(0)));
-    EXPECTS(is_amount(facts.sensitivity.value_or(0.0)) && is_amount(facts.motion_nonuniformity.value_or(0.0)));
+    EXPECTS(is_positive(facts.quality_factor.value_or(1.0)) && is_amount(facts.motion_nonuniformity.value_or(0.0)));
+    EXPECTS(std::all_of(facts.trial.begin(), facts.trial.end(), [](const FirstPassPicture& p) {
+        return is_type(p.type) && p.quantiser >= 1 && p.quantiser <= 31 && is_amount(p.bits);
+    }));
     if (!facts.allocation) return;
     EXPECTS(facts.allocation->quantiser >= 1 && facts.allocation->quantiser <= 31);
     EXPECTS(is_amount(facts.allocation->bits) && is_amount(facts.allocation->bits_left));

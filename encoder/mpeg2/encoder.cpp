@@ -100,7 +100,7 @@ struct Encoder::Impl {
     std::optional<Reference> earlier, later;  ///< the newest two I and P pictures
     std::vector<DelayedB> delayed;            ///< for the one after `later`
     core::Plane<float> means;                 ///< of macroblocks of the picture pushed last; empty: none
-    std::int64_t gop_start = 0;
+    std::int64_t gop_start = 0;  ///< first picture of the GOP in display order
     std::int64_t coding_order = 0;
 
     /// By how much the means of macroblocks differ from those of the picture before; 0 where the session has none.
@@ -160,7 +160,7 @@ Session& Encoder::Impl::session_of(std::int64_t number) {
 void Encoder::Impl::write_headers(mpeg2::BitWriter& out, const PicturePlan& plan) const {
     if (!plan.starts_gop) return;
     mpeg2::write_sequence(out, settings, level, mpeg2::matrices_for(settings.tune));
-    mpeg2::write_gop(out, settings, plan.number);
+    mpeg2::write_gop(out, settings, gop_start, gop_start == plan.number);
 }
 
 /// What a picture is coded from. `predictors` is where vectors lie that another picture suggests.
@@ -291,8 +291,9 @@ PicturePlan Encoder::plan(std::int64_t number, const PictureFacts& facts, bool f
     const bool starts_gop = first_of_chunk || m.order.gop_is_over(number) ||
                             ((facts.cut_before || facts.keyframe) && session.schedule.affords_gop(number));
     mpeg2::PictureOrder order = m.order;
-    PicturePlan plan = order.plan(number, facts, starts_gop);
-    session.schedule.plan(number, plan.starts_gop, first_of_chunk, facts.left_in_chunk, facts.last_chunk);
+    const bool may_open = !m.settings.closed_gops && !starts_gop && session.schedule.affords_gop(number);
+    PicturePlan plan = order.plan(number, facts, starts_gop, may_open);
+    session.schedule.plan(number, order.intra_stands_there(), first_of_chunk, facts.left_in_chunk, facts.last_chunk);
     if (first_of_chunk && !session.schedule.feasible())
         throw core::Error("bit rate " + std::to_string(m.channel.bit_rate) + ": a chunk of " +
                           std::to_string(facts.left_in_chunk.value_or(0) + 1) +
@@ -309,7 +310,7 @@ std::vector<CodedPicture> Encoder::push(const core::Picture& picture, const Pict
     EXPECTS(!m.planned.empty() && plan == m.planned.front());
     mpeg2::check_pushed(m.settings, picture, plan, motion, hints);
     m.planned.pop_front();
-    if (plan.starts_gop) m.gop_start = plan.number;
+    if (plan.starts_gop) m.gop_start = m.delayed.empty() ? plan.number : m.delayed.front().plan.number;
     std::vector<core::Plane<mpeg2::Candidates>> exact;
     for (const core::MotionField& field : motion)
         exact.push_back(mpeg2::exact_candidates(field, m.source.columns(), m.source.rows(), m.level.horizontal_f_code));

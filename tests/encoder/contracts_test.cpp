@@ -157,7 +157,7 @@ TEST(Contracts, FactsAreNumbersWithinTheirRanges) {
         EXPECT_THROW(encoder.plan(0, facts, true), core::ContractViolation);
     };
     for (const double wrong : {nan, infinite, -0.1}) {
-        refused({.sensitivity = wrong});
+        refused({.quality_factor = wrong});
         refused({.allocation = BitAllocation{4, wrong, 100}});
         refused({.allocation = BitAllocation{4, 100, wrong}});
         refused({.allocation = BitAllocation{wrong, 100, 1000}});

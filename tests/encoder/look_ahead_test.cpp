@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 
@@ -66,6 +67,22 @@ TEST(LookAhead, PutsBPicturesWhereTheyPay) {
     EXPECT_EQ(looks_at(9, [](std::int64_t n) { return scene(n, 0); })->b_pictures(0, 2), 1);
     // Each picture is the one before with more of another: what lies between two is no better than what lies before.
     EXPECT_EQ(looks_at(9, [](std::int64_t n) { return scene(n, static_cast<int>(n)); })->b_pictures(7, 8), 0);
+}
+
+TEST(LookAhead, PutsOneBPictureBetweenTwoOthersWhereLightChangesNotWhereNoiseDoes) {
+    const auto lit = [](std::int64_t n, double more, int grain) {
+        core::Picture picture = scene(n, 0, 0);
+        const core::Picture speckles = noise(width, height, n, static_cast<std::uint64_t>(n));
+        for (std::size_t i = 0; i < picture.y.size(); ++i) {
+            const double v = picture.y.values()[i] * (1 + more * static_cast<double>(n)) +
+                             grain * (speckles.y.values()[i] - 128) / 128.0;
+            picture.y.values()[i] = static_cast<std::uint8_t>(std::clamp(v, 16.0, 235.0));
+        }
+        return picture;
+    };
+    EXPECT_EQ(looks_at(9, [&](std::int64_t n) { return lit(n, 0.01, 0); })->b_pictures(0, 8), 1);
+    EXPECT_EQ(looks_at(9, [&](std::int64_t n) { return lit(n, 0.01, 12); })->b_pictures(0, 8), 1);
+    EXPECT_EQ(looks_at(9, [&](std::int64_t n) { return lit(n, 0, 12); })->b_pictures(0, 8), 3);
 }
 
 TEST(LookAhead, FindsMotion) {

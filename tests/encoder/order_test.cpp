@@ -33,20 +33,24 @@ std::string types_of(Encoder& encoder, int count, const std::function<PictureFac
     return types;
 }
 
-TEST(Plan, BPicturesLieBetweenReferencesOfTheirGop) {
-    const auto types = [](int gop, int b_pictures, int count) {
-        Encoder encoder(settings(32, 32, 4, gop, 3, b_pictures));
+TEST(Plan, BPicturesLieBetweenReferencesOfTheirGopOrBeforeTheNext) {
+    const auto types = [](int gop, int b_pictures, int count, bool closed = false) {
+        Settings s = settings(32, 32, 4, gop, 3, b_pictures);
+        s.closed_gops = closed;
+        Encoder encoder(s);
         return types_of(
             encoder, count, [&](int n) { return PictureFacts{.frames_left = count - 1 - n}; },
             [](int n) { return n == 0; });
     };
-    EXPECT_EQ(types(15, 2, 20), "IBBPBBPBBPBBPBPIBPBP");
+    EXPECT_EQ(types(15, 2, 20), "IBBPBBPBBPBBPBBIBPBP");
     EXPECT_EQ(types(15, 3, 15), "IBBBPBBBPBBPBBP");
-    EXPECT_EQ(types(4, 2, 9), "IBBPIBBPI");
-    EXPECT_EQ(types(5, 3, 9), "IBBBPIBBP");
-    EXPECT_EQ(types(6, 1, 7), "IBPBPPI");
-    EXPECT_EQ(types(2, 3, 5), "IPIPI");
+    EXPECT_EQ(types(4, 2, 9), "IBPBIBPBI");
+    EXPECT_EQ(types(5, 3, 9), "IBBPBIBBP");
+    EXPECT_EQ(types(6, 1, 7), "IBPBPBI");
+    EXPECT_EQ(types(2, 3, 5), "IBIBI");
     EXPECT_EQ(types(1, 3, 3), "III");
+    EXPECT_EQ(types(15, 2, 20, true), "IBBPBBPBBPBBPBPIBPBP");
+    EXPECT_EQ(types(5, 3, 9, true), "IBBBPIBBP");
 }
 
 TEST(Plan, WhereMotionIsUnevenFewerBPicturesLieInARow) {
@@ -149,6 +153,16 @@ TEST(Encoder, BPicturesComeAfterBothTheirReferences) {
         EXPECT_LE(static_cast<std::int64_t>(i) - 1, numbers.back());
     }
     EXPECT_EQ(numbers, (std::vector<std::int64_t>{0, 3, 1, 2, 5, 4, 7, 6}));
+}
+
+TEST(Encoder, AnOpenGopIsDecodedAsItWasCoded) {
+    const Settings s = settings(96, 64, 4, 5, 3, 2);
+    const Film film = encode(s, 13, [&](std::int64_t n) { return textured(s, n, {1.0, 0.5}); });
+    std::vector<std::int64_t> numbers;
+    for (const CodedPicture& c : film.coded) numbers.push_back(c.plan.number);
+    EXPECT_EQ(numbers, (std::vector<std::int64_t>{0, 3, 1, 2, 5, 4, 8, 6, 7, 10, 9, 12, 11}));
+    EXPECT_EQ(film.coded[5].plan.references, (std::vector<std::int64_t>{3, 5}));
+    expect_decoders_agree(film, 0.1);
 }
 
 TEST(Encoder, BPicturesAreCoarserAndCostLess) {

@@ -26,7 +26,7 @@ inline std::vector<std::uint8_t> access_unit(const PictureHeader& header, std::v
     BitWriter out;
     if (first) {
         write_sequence(out, s, level_for(s), matrices_for(s.tune));
-        write_gop(out, s, 0);
+        write_gop(out, s, 0, true);
     }
     write_picture_header(out, header);
     for (int row = 0; row < rows; ++row) {

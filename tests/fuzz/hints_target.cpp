@@ -153,7 +153,7 @@ bool hints(Input input) {
         facts.frames_left = promises ? count - 1 - n : 0;
         facts.left_in_chunk = count - 1 - n;
         facts.last_chunk = true;
-        facts.sensitivity = numbers.pick(0, 100) / 100.0;
+        facts.quality_factor = numbers.pick(1, 400) / 100.0;
         const std::optional<encoder::PicturePlan> plan = plan_or_refusal(coder, n, facts);
         if (!plan) return false;
         std::vector<core::MotionField> motion;

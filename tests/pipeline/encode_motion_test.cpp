@@ -3,6 +3,7 @@
 #include <fstream>
 #include <limits>
 
+#include "app/loop/motion_pipe.h"
 #include "app/loop/vector_layers.h"
 #include "app/options/output_kind.h"
 #include "core/error.h"
@@ -152,17 +153,18 @@ TEST(VectorLayers, StepsOverSeveralFramesAreJoinedAlongTheWay) {
     const core::MotionField back = layers.between(5, 2), on = layers.between(2, 5);
     EXPECT_EQ(back.picture, 5);
     EXPECT_EQ(back.reference, 2);
-    for (int x = 0; x < layer_width; ++x) {
+    for (int x = 0; x < layer_width; x += 2) {
         // 5 -> 4 -> 3 -> 2: -4, -3, -2. The way ends where the steps leave the picture: the last may.
-        EXPECT_EQ(back.kind.at(x, 9), x >= 7 ? core::PixelClass::surface : core::PixelClass::none) << x;
+        EXPECT_EQ(back.kind.at(x, 8), x >= 7 ? core::PixelClass::surface : core::PixelClass::none) << x;
         if (x >= 7) {
-            EXPECT_EQ(back.vector.at(x, 9), glm::vec2(-9, 0));
+            EXPECT_EQ(back.vector.at(x, 8), glm::vec2(-9, 0));
         }
         // 2 -> 3 -> 4 -> 5: 2, 3, 4.
-        EXPECT_EQ(on.kind.at(x, 9), x + 5 < layer_width ? core::PixelClass::surface : core::PixelClass::none) << x;
+        EXPECT_EQ(on.kind.at(x, 8), x + 5 < layer_width ? core::PixelClass::surface : core::PixelClass::none) << x;
         if (x + 5 < layer_width) {
-            EXPECT_EQ(on.vector.at(x, 9), glm::vec2(9, 0));
+            EXPECT_EQ(on.vector.at(x, 8), glm::vec2(9, 0));
         }
+        EXPECT_EQ(back.kind.at(x, 9), core::PixelClass::none) << "nobody looks there";
     }
 }
 
@@ -176,8 +178,36 @@ TEST(VectorLayers, AWayEndsWhereItMeetsAnotherClass) {
     file(4, 1);
     file(3, 2);
     VectorLayers layers(folder / "f.%d.exr", MotionConvention::blender, layer_width, layer_height);
-    EXPECT_EQ(layers.between(4, 3).kind.at(9, 9), core::PixelClass::surface);
-    EXPECT_EQ(layers.between(4, 2).kind.at(9, 9), core::PixelClass::none) << "the sky is no part of a surface";
+    EXPECT_EQ(layers.between(4, 3).kind.at(8, 8), core::PixelClass::surface);
+    EXPECT_EQ(layers.between(4, 2).kind.at(8, 8), core::PixelClass::none) << "the sky is no part of a surface";
+}
+
+TEST(VectorLayers, MotionFilesHoldAFrameToAThirtySecondOfAPixel) {
+    const Folder folder;
+    core::MotionField back{7, 6, core::Plane<glm::vec2>(5, 3), {}, core::Plane<core::PixelClass>(5, 3)}, on = back;
+    on.reference = 8;
+    for (int x = 0; x < 5; ++x)
+        for (int y = 0; y < 3; ++y) {
+            back.vector.at(x, y) = {0.3f * static_cast<float>(x) - 900, static_cast<float>(y) + 0.01f};
+            on.vector.at(x, y) = -back.vector.at(x, y);
+            back.kind.at(x, y) = on.kind.at(x, y) = core::PixelClass::surface;
+        }
+    const core::Plane<core::PixelClass> kinds = back.kind;
+    back.kind.at(1, 1) = core::PixelClass::none;
+    on.vector.at(2, 2).x = 2000;
+    write_motion_file(folder / "f.7.motion", back, on, kinds);
+    VectorLayers layers(folder / "f.%d.motion", MotionConvention::blender, 5, 3);
+    const core::MotionField read = layers.between(7, 6), onward = layers.between(7, 8);
+    EXPECT_EQ(read.kind.at(1, 1), core::PixelClass::none);
+    EXPECT_EQ(onward.kind.at(2, 2), core::PixelClass::none) << "too long";
+    for (int x = 0; x < 5; ++x) {
+        EXPECT_EQ(read.kind.at(x, 0), core::PixelClass::surface);
+        EXPECT_NEAR(read.vector.at(x, 0).x, back.vector.at(x, 0).x, 1.0 / 64 + 1e-4);
+        EXPECT_NEAR(onward.vector.at(x, 0).y, on.vector.at(x, 0).y, 1.0 / 64 + 1e-4);
+    }
+    std::filesystem::resize_file(folder / "f.7.motion", 40);
+    VectorLayers cut(folder / "f.%d.motion", MotionConvention::blender, 5, 3);
+    EXPECT_THROW(cut.between(7, 6), core::Error);
 }
 
 TEST(VectorLayers, ASyntheticPanGivesTheEncoderItsExactVectors) {

@@ -86,7 +86,7 @@ void write_sequence(BitWriter& out, const Settings& settings, const Level& level
     for (const char c : settings.user_data) out.put(static_cast<std::uint8_t>(c), 8);
 }
 
-void write_gop(BitWriter& out, const Settings& settings, std::int64_t first_number) {
+void write_gop(BitWriter& out, const Settings& settings, std::int64_t first_number, bool closed) {
     const std::int64_t per_second = std::llround(declared_rate(settings).hertz.value());
     const std::int64_t frame = fields_before(settings.cadence, first_number) / 2, seconds = frame / per_second;
     out.start_code(gop_start);
@@ -96,7 +96,7 @@ void write_gop(BitWriter& out, const Settings& settings, std::int64_t first_numb
     out.put(1, 1);  // marker
     out.put(static_cast<std::uint32_t>(seconds % 60), 6);
     out.put(static_cast<std::uint32_t>(frame % per_second), 6);
-    out.put(1, 1);  // closed_gop
+    out.put(closed ? 1 : 0, 1);  // closed_gop
     out.put(0, 1);  // broken_link
     out.align();
 }

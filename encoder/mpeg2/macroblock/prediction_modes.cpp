@@ -17,6 +17,42 @@ float bits_of(const PictureCoding& picture, const SliceState& state, const Predi
     return static_cast<float>(vector_bits(picture, state, mode) + macroblock_type_code(picture.type, type).length);
 }
 
+/// How both vectors of a mean are moved at once, half pixels.
+struct Step {
+    Vector first, second;
+};
+using Steps = std::array<Step, 8>;
+
+/// The neighbours of one vector; of both, to one side or to opposite ones.
+constexpr Steps first_steps{{{{-1, -1}, {}},
+                             {{0, -1}, {}},
+                             {{1, -1}, {}},
+                             {{-1, 0}, {}},
+                             {{1, 0}, {}},
+                             {{-1, 1}, {}},
+                             {{0, 1}, {}},
+                             {{1, 1}, {}}}};
+constexpr Steps second_steps{{{{}, {-1, -1}},
+                              {{}, {0, -1}},
+                              {{}, {1, -1}},
+                              {{}, {-1, 0}},
+                              {{}, {1, 0}},
+                              {{}, {-1, 1}},
+                              {{}, {0, 1}},
+                              {{}, {1, 1}}}};
+constexpr Steps joint_steps{{{{0, -1}, {0, 1}},
+                             {{-1, 0}, {1, 0}},
+                             {{1, 0}, {-1, 0}},
+                             {{0, 1}, {0, -1}},
+                             {{0, -1}, {0, -1}},
+                             {{-1, 0}, {-1, 0}},
+                             {{1, 0}, {1, 0}},
+                             {{0, 1}, {0, 1}}}};
+
+Vector moved(Vector v, Vector by) {
+    return {static_cast<std::int16_t>(v.x + by.x), static_cast<std::int16_t>(v.y + by.y)};
+}
+
 /// Means of two predictions, none of them computed twice.
 class Means {
   public:
@@ -77,17 +113,18 @@ ModeChoice choose_prediction_modes(const PictureCoding& picture, int column, int
     if (forward.count > 1) add_mean(forward.vector[1], backward.vector[0]);
     if (backward.count > 1) add_mean(forward.vector[0], backward.vector[1]);
 
-    // Where a mean is among the best, half-pel neighbours of each of its vectors, the other held fast.
-    for (int d = 0; d < 2 && least <= shortlist_reach * choice.modes.key(0); ++d) {
+    // Where a mean is among the best, half-pel neighbours of each of its vectors, the other held fast, then of both.
+    const VectorRange allowed[2] = {vector_range(column, row, picture.source.columns(), picture.source.rows(),
+                                                 picture.f_code[0][0], picture.f_code[0][1]),
+                                    vector_range(column, row, picture.source.columns(), picture.source.rows(),
+                                                 picture.f_code[1][0], picture.f_code[1][1])};
+    for (const auto& steps : {first_steps, second_steps, joint_steps}) {
+        if (least > shortlist_reach * choice.modes.key(0)) break;
         const Vector middle[2] = {best.vector[0], best.vector[1]};
-        const VectorRange allowed = vector_range(column, row, picture.source.columns(), picture.source.rows(),
-                                                 picture.f_code[d][0], picture.f_code[d][1]);
-        for (int dy = -1; dy <= 1; ++dy)
-            for (int dx = -1; dx <= 1; ++dx) {
-                Vector v[2] = {middle[0], middle[1]};
-                v[d] = {static_cast<std::int16_t>(v[d].x + dx), static_cast<std::int16_t>(v[d].y + dy)};
-                if (allowed.contains(v[d])) add_mean(v[0], v[1]);
-            }
+        for (const Step& step : steps) {
+            const Vector v[2] = {moved(middle[0], step.first), moved(middle[1], step.second)};
+            if (allowed[0].contains(v[0]) && allowed[1].contains(v[1])) add_mean(v[0], v[1]);
+        }
     }
     choice.evaluations = means.evaluations();
     choice.modes.drop_above(shortlist_reach * choice.modes.key(0));

@@ -57,8 +57,8 @@ struct MotionEstimate {
 
 /// Most 16x16 Hadamard differences computed for one macroblock: in all; to choose a vector in a P picture, and in each
 /// direction of a B picture; of means of both there; to see what skipping leaves, and whether intra coding may win.
-inline constexpr int evaluation_limit = 70, evaluation_limit_of_vectors = 32, evaluation_limit_per_direction = 24,
-                     evaluation_limit_of_means = 20, evaluation_limit_of_modes = 2;
+inline constexpr int evaluation_limit = 78, evaluation_limit_of_vectors = 32, evaluation_limit_per_direction = 24,
+                     evaluation_limit_of_means = 28, evaluation_limit_of_modes = 2;
 static_assert(evaluation_limit_of_vectors + evaluation_limit_of_modes <= evaluation_limit);
 static_assert(2 * evaluation_limit_per_direction + evaluation_limit_of_means + evaluation_limit_of_modes <=
               evaluation_limit);

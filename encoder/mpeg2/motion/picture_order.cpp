@@ -10,6 +10,7 @@ namespace render2mpeg::encoder::mpeg2 {
 
 std::int64_t next_reference_after(std::int64_t rest, int most_b, const PictureFacts& facts) {
     EXPECTS(rest >= 1 && most_b >= 0);
+    if (facts.b_pictures) return std::min<std::int64_t>({rest, most_b + 1, *facts.b_pictures + 1});
     // Refer no further than vectors hold, but spare no B picture altogether: half of a distance of two is one.
     std::int64_t furthest = most_b + 1;
     const double nonuniformity = facts.motion_nonuniformity.value_or(0);
@@ -18,25 +19,27 @@ std::int64_t next_reference_after(std::int64_t rest, int most_b, const PictureFa
         furthest = std::clamp(static_cast<std::int64_t>(nonuniform_reach / nonuniformity), least, furthest);
     // The mean of two references is right in the middle between them alone.
     if (facts.light_change.value_or(0) > steady_light) furthest = least;
-    if (facts.b_pictures) return std::min<std::int64_t>({rest, furthest, *facts.b_pictures + 1});
     const std::int64_t runs = (rest + furthest - 1) / furthest;
     return (rest + runs - 1) / runs;
 }
 
-PicturePlan PictureOrder::plan(std::int64_t number, const PictureFacts& facts, bool starts_gop) {
+PicturePlan PictureOrder::plan(std::int64_t number, const PictureFacts& facts, bool starts_gop, bool may_open) {
     PicturePlan plan;
     plan.number = number;
     plan.starts_gop = starts_gop;
     if (starts_gop) {
-        // B pictures may have been promised this picture as their later reference, in their own GOP.
-        EXPECTS(!last_ || later_ <= *last_);
+        // B pictures may have been promised this picture as their later reference, but none beyond it.
+        EXPECTS(!last_ || later_ <= number);
+        if (!last_ || later_ != number) intra_place_ = number;
         plan.type = PictureType::intra;
         gop_start_ = earlier_ = later_ = number;
     } else {
         if (number > later_) {
-            const std::int64_t left = std::min(facts.frames_left, gop_start_ + gop_ - 1 - number);
+            const std::int64_t next_gop = gop_start_ + gop_;
+            const std::int64_t left = std::min(facts.frames_left, next_gop - (may_open ? 0 : 1) - number);
             earlier_ = later_;
             later_ = number - 1 + next_reference_after(left + 1, b_pictures_, facts);
+            if (later_ == next_gop) intra_place_ = number;
         }
         plan.type = number < later_ ? PictureType::bidirectional : PictureType::predicted;
         plan.references = {earlier_};

@@ -121,7 +121,7 @@ MinimalBits minimal_bits(const Settings& settings, const Level& level) {
     };
     BitWriter headers;
     write_sequence(headers, settings, level, matrices_for(settings.tune));
-    write_gop(headers, settings, settings.first_number);
+    write_gop(headers, settings, settings.first_number, true);
     return {bits(PictureType::intra) + static_cast<std::int64_t>(headers.bit_count()),
             std::max(bits(PictureType::predicted), bits(PictureType::bidirectional))};
 }

@@ -10,7 +10,7 @@
 namespace render2mpeg::encoder::mpeg2 {
 namespace {
 
-/// quantiser_scale_code of I and P pictures that stand still: 100 is 1, 20 less doubles it.
+/// quantiser_scale_code of P pictures that nothing refers to, before the factor: 100 is 1, 20 less doubles it.
 double quantiser_of_quality(double quality) {
     return std::exp2((100.0 - quality) / 20.0);
 }
@@ -52,11 +52,10 @@ bool has_bit_rate(const Settings& settings) {
 }
 
 /// Of the constant modes. `ratio`: to P pictures that nothing refers to.
-double steady_quantiser(const Settings& settings, double ratio, double sensitivity) {
+double steady_quantiser(const Settings& settings, double ratio, double quality_factor) {
     const encoder::RateControl& wanted = settings.rate_control;
     if (wanted.mode == RateMode::constant_quantiser) return settings.quantiser * ratio;
-    // Detail that the eye sees less of is coded coarser in that proportion, at most four times.
-    return quantiser_of_quality(wanted.quality) * ratio / std::clamp(sensitivity, 0.25, 1.0);
+    return quantiser_of_quality(wanted.quality) * ratio * quality_factor;
 }
 
 /// The allocated quantiser is that of what the picture was: makes it that of what it is. Its bits stay, so that what
@@ -104,13 +103,16 @@ int RateController::plan(const PicturePlan& picture, const PictureFacts& facts, 
         hands_over_ = !facts.last_chunk;
         spent_ = rounding_ = steady_ = 0;
         coded_in_chunk_ = 0;
+        planned_ = {};
+        for (const FirstPassPicture& p : facts.trial) model_.expect(p.type, p.quantiser, p.bits);
         allocated_ = facts.allocation ? facts.allocation->affordable * facts.allocation->bits_left : 0;
     }
     if (picture.starts_gop) gop_start_ = picture.number;
     planned_end_ = picture.number + 1;
+    ++planned_[static_cast<std::size_t>(picture.type) - 1];
     allocated_rest_ = rest_after(facts.allocation, picture.type);
     InFlight entry{picture.type,      1,
-                   facts.allocation,  facts.sensitivity.value_or(1.0),
+                   facts.allocation,  facts.quality_factor.value_or(1.0),
                    ratio_of(picture), !facts.allocation && !model_.knows(picture.type)};
     if (entry.allocation) adapt(*entry.allocation, entry.type, entry.ratio, settings_.gop);
     entry.quantiser = rounded(entry, nominal(picture.number, entry, schedule));
@@ -189,7 +191,7 @@ void RateController::record(const PicturePlan& picture, int quantiser, std::int6
 }
 
 double RateController::nominal(std::int64_t number, const InFlight& picture, const VbvSchedule& schedule) {
-    if (!has_bit_rate(settings_)) return steady_quantiser(settings_, picture.ratio, picture.sensitivity);
+    if (!has_bit_rate(settings_)) return steady_quantiser(settings_, picture.ratio, picture.quality_factor);
     const double left = bits_for_rest(number, schedule);
     double quantiser;
     if (picture.allocation) {
@@ -198,7 +200,7 @@ double RateController::nominal(std::int64_t number, const InFlight& picture, con
         quantiser = picture.allocation->quantiser *
                     damped(std::pow(std::max(correction, 1e-3), 1.0 / rate_slope(picture.type)));
     } else {
-        const Counts rest = foreseen();
+        const std::array<double, 3> rest = foreseen();
         const double base = solve(
             left, [&](double q) { return bits(picture, std::max(1.0, q * picture.ratio)) + bits_of_rest(rest, q); });
         quantiser = damped(base) * picture.ratio;
@@ -236,23 +238,25 @@ std::int64_t RateController::horizon() const {
     return planned_end_ + 2 * std::max<std::int64_t>(settings_.gop, second);
 }
 
-std::array<std::int64_t, 3> RateController::foreseen() const {
+std::array<double, 3> RateController::foreseen() const {
     const Counts planned = regular_pattern(settings_, planned_end_ - gop_start_),
                  all = regular_pattern(settings_, horizon() - gop_start_);
-    Counts rest;
-    for (std::size_t i = 0; i < 3; ++i) rest[i] = all[i] - planned[i];
+    const auto intra = static_cast<double>(all[0] - planned[0]), predicted = static_cast<double>(all[1] - planned[1]),
+               others = predicted + static_cast<double>(all[2] - planned[2]);
+    // Runs of B pictures go on as they were. chosen: what was planned counts beside four regular pictures (2..15).
+    constexpr double regular = 4;
+    const double share = (static_cast<double>(planned_[1]) + regular * core::divide_or(predicted, others, 0.0)) /
+                         (static_cast<double>(planned_[1] + planned_[2]) + regular);
     // Where the chunk ends within a GOP, its last picture is no B picture.
-    if (!chunk_end_ || rest[0] + rest[1] + rest[2] == 0) return rest;
-    const Counts before = regular_pattern(settings_, *chunk_end_ - 1 - gop_start_);
-    if (all[2] > before[2]) --rest[2], ++rest[1];
-    return rest;
+    const double least = chunk_end_ && others > 0 ? 1 : 0, of_rest = std::clamp(share * others, least, others);
+    return {intra, of_rest, others - of_rest};
 }
 
 /// Expected bits of the pictures not planned yet, with `quantiser` in I and P pictures.
-double RateController::bits_of_rest(const std::array<std::int64_t, 3>& rest, double quantiser) const {
+double RateController::bits_of_rest(const std::array<double, 3>& rest, double quantiser) const {
     double sum = 0;
     for (const PictureType type : {PictureType::intra, PictureType::predicted, PictureType::bidirectional})
-        sum += static_cast<double>(rest[static_cast<std::size_t>(type) - 1]) *
+        sum += rest[static_cast<std::size_t>(type) - 1] *
                model_.bits(type, std::clamp(quantiser * usual_quantiser_ratio(type, settings_.gop), 1.0, 31.0));
     return sum;
 }

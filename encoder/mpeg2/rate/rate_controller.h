@@ -41,7 +41,7 @@ class RateController {
         PictureType type;
         int quantiser;
         std::optional<BitAllocation> allocation;
-        double sensitivity;
+        double quality_factor;
         double ratio;          ///< of its quantiser to that of P pictures that nothing refers to
         bool guessed = false;  ///< planned before any picture of its type was coded
     };
@@ -53,8 +53,8 @@ class RateController {
     /// What a picture and all not planned yet would come to as they were allocated.
     double bits_as_allocated(const InFlight& picture) const;
     /// Numbers of I, P and B pictures not planned yet, as far as the horizon.
-    std::array<std::int64_t, 3> foreseen() const;
-    double bits_of_rest(const std::array<std::int64_t, 3>& rest, double quantiser) const;
+    std::array<double, 3> foreseen() const;
+    double bits_of_rest(const std::array<double, 3>& rest, double quantiser) const;
     double bits_for_rest(std::int64_t number, const VbvSchedule& schedule) const;
     double limited(std::int64_t number, const InFlight& picture, double quantiser, const VbvSchedule& schedule) const;
     std::int64_t horizon() const;
@@ -70,6 +70,7 @@ class RateController {
     bool hands_over_ = false;
     std::int64_t gop_start_ = 0;              ///< of the picture planned last
     std::int64_t planned_end_ = 0;            ///< first number not planned
+    std::array<std::int64_t, 3> planned_{};   ///< pictures of the chunk, by type
     double spent_ = 0;                        ///< bits of the chunk so far
     double allocated_ = 0;                    ///< to the whole chunk, where there are allocations
     std::array<double, 3> allocated_rest_{};  ///< of it to pictures not planned yet, by type

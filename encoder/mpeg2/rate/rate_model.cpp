@@ -58,6 +58,7 @@ RateModel::RateModel(const Settings& settings, const MinimalBits& minimal)
 double RateModel::complexity(PictureType type) const {
     const std::size_t i = index_of(type);
     if (learned_[i]) return *learned_[i];
+    if (expected_[i]) return *expected_[i];
     // Another type tells something of this one; the nearer type is asked first.
     for (const std::size_t other : {std::size_t{1}, std::size_t{2}, std::size_t{0}})
         if (learned_[other]) return *learned_[other] * complexity_ratio[i] / complexity_ratio[other];
@@ -73,11 +74,19 @@ bool RateModel::surprised(PictureType type, int quantiser, std::int64_t bits) co
     return knows(type) && static_cast<double>(bits) - overhead > surprise * (this->bits(type, quantiser) - overhead);
 }
 
+/// Complexity of a picture. One of nothing at all still has one to be blended and divided by: one bit.
+double RateModel::detail(PictureType type, int quantiser, double bits) const {
+    return std::max(1.0, bits - overhead_[index_of(type)]) * std::pow(quantiser, rate_slope(type));
+}
+
+void RateModel::expect(PictureType type, int quantiser, double bits) {
+    std::optional<double>& expected = expected_[index_of(type)];
+    expected = blended(expected, detail(type, quantiser, bits));
+}
+
 void RateModel::learn(PictureType type, int quantiser, std::int64_t bits) {
     const std::size_t i = index_of(type);
-    // A picture of nothing at all still has a complexity to be blended and divided by: one bit.
-    const double detail = std::max(1.0, static_cast<double>(bits) - overhead_[i]);
-    const double now = detail * std::pow(quantiser, rate_slope(type));
+    const double now = detail(type, quantiser, static_cast<double>(bits));
     learned_[i] = surprised(type, quantiser, bits) ? now : blended(learned_[i], now);
 }
 

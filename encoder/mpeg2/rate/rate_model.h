@@ -31,6 +31,8 @@ class RateModel {
 
     /// Bits of the next picture of a type at a quantiser, >= 1, not necessarily whole.
     double bits(PictureType type, double quantiser) const;
+    /// Learns what a picture came to that stands for others: true until one of its type is coded.
+    void expect(PictureType type, int quantiser, double bits);
     /// Learns that a picture came to `bits`.
     void learn(PictureType type, int quantiser, std::int64_t bits);
     /// Whether it is far more than expected of a type that is known.
@@ -43,7 +45,9 @@ class RateModel {
 
     double overhead_[3];
     double first_guess_;  ///< complexity of an I picture nobody has seen
-    std::array<std::optional<double>, 3> learned_;
+    double detail(PictureType type, int quantiser, double bits) const;
+
+    std::array<std::optional<double>, 3> learned_, expected_;
 };
 
 /// How far a film's real bits are from what an earlier pass found. Pictures may be of another type now than they were

@@ -65,9 +65,9 @@ bool VbvSchedule::affords_gop(std::int64_t number) const {
     return feasible(starts, next_, buffer_.fullness());
 }
 
-void VbvSchedule::plan(std::int64_t number, bool starts_gop, bool first_of_chunk,
-                       std::optional<std::int64_t> left_in_chunk, bool last_chunk) {
-    if (starts_gop) gop_starts_.insert(number);
+void VbvSchedule::plan(std::int64_t number, bool intra, bool first_of_chunk, std::optional<std::int64_t> left_in_chunk,
+                       bool last_chunk) {
+    if (intra) gop_starts_.insert(number);
     if (first_of_chunk || !started_) {
         chunk_end_ = left_in_chunk ? std::optional(number + *left_in_chunk + 1) : std::nullopt;
         hands_over_ = !last_chunk;

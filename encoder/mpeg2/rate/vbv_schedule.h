@@ -26,8 +26,8 @@ struct Removal {
 ///
 /// It serves one session: a chunk of known length, or pictures that follow one another without one.
 ///
-/// Coded and display order hold the same pictures between two GOP starts, and a GOP start has the same place in both;
-/// so everything here is told by display numbers.
+/// Everything is told by places in coding order, which are counted as display numbers: the I picture of a GOP that
+/// begins with B pictures stands at the first of these.
 class VbvSchedule {
   public:
     VbvSchedule(const Settings& settings, const Channel& channel, const MinimalBits& minimal);
@@ -35,8 +35,8 @@ class VbvSchedule {
     /// Whether the picture after those planned can begin a GOP: intra pictures cost more than others even if they show
     /// nothing.
     bool affords_gop(std::int64_t number) const;
-    /// Notes a planned picture. `left_in_chunk` as in PictureFacts.
-    void plan(std::int64_t number, bool starts_gop, bool first_of_chunk, std::optional<std::int64_t> left_in_chunk,
+    /// Notes a planned picture. `intra`: an I picture stands at its place. `left_in_chunk` as in PictureFacts.
+    void plan(std::int64_t number, bool intra, bool first_of_chunk, std::optional<std::int64_t> left_in_chunk,
               bool last_chunk);
     /// Whether everything planned and foreseen fits, each picture minimal.
     bool feasible() const { return feasible(gop_starts_, next_, buffer_.fullness()); }
@@ -74,7 +74,7 @@ class VbvSchedule {
     bool constant_;
     MinimalBits minimal_;
     VbvBuffer buffer_;
-    Numbers gop_starts_;                     ///< from the one before next_ on
+    Numbers gop_starts_;                     ///< places of I pictures, from the one before next_ on
     std::optional<std::int64_t> chunk_end_;  ///< first number after the chunk planned last, if it is known
     bool hands_over_ = false;                ///< and something follows
     std::int64_t next_ = 0;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <deque>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -100,7 +101,7 @@ std::unique_ptr<MotionSource> motion_files(const EncodeOptions& options, const F
     const Size size = frames.size();
     if (!is_numbered(*options.motion))
         throw core::Error("motion " + options.motion->string() +
-                          ": expected numbered OpenEXR files, e.g. layers/frame_%04d.exr, or a motion stream: fd:3, "
+                          ": expected numbered files, e.g. layers/frame_%04d.motion or .exr, or a motion stream: fd:3, "
                           "or a pipe whose name ends in .motion");
     const auto convention = options.motion_convention == "nuke" ? MotionConvention::nuke : MotionConvention::blender;
     auto files = std::make_unique<VectorLayers>(*options.motion, convention, size.width, size.height, shared);
@@ -195,10 +196,41 @@ struct Steps {
     std::function<void()> frame_done;
 };
 
+/// The film coded fast with one quantiser, without a rate or buffer that would make pictures fit.
+Film rough(const Film& film, int quantiser) {
+    Film fast = film;
+    fast.coding.effort = encoder::Effort::fast;
+    fast.coding.rate_control = {};
+    fast.coding.quantiser = quantiser;
+    return fast;
+}
+
+/// What a chunk's first pictures come to, coded roughly: as many as are read anyway.
+std::vector<encoder::FirstPassPicture> try_first(Job& job, const Film& film, const Chunk& chunk, FramesAhead& ahead,
+                                                 RunStatistics& statistics) {
+    const std::deque<core::Picture>& pictures = ahead.waiting(statistics);
+    if (pictures.empty()) return {};
+    const Chunk part{chunk.index, chunk.first, pictures.back().number};
+    PictureCoder coder(rough(film, usual_quantiser(film.coding)), part, {}, {}, statistics, false, &ahead.look());
+    std::vector<encoder::FirstPassPicture> trial;
+    const auto take = [&](const std::vector<encoder::CodedPicture>& coded) {
+        for (const encoder::CodedPicture& c : coded) trial.push_back(encoder::first_pass_picture(c, trial.empty()));
+    };
+    for (const core::Picture& picture : pictures) {
+        FileMotion motion(job, picture.number, statistics);
+        const encoder::PicturePlan plan = coder.plan(picture.number, ahead.look().cut_before(picture.number), motion);
+        take(coder.code(picture, plan, motion));
+    }
+    take(coder.flush());
+    return trial;
+}
+
 /// Codes one chunk. The last pictures of a chunk that ends early are coded too. Returns whether it is whole.
 bool encode_chunk(Job& job, const Film& film, const Chunk& chunk, RunStatistics& statistics, const Steps& steps) {
     FramesAhead ahead(*job.frames, chunk, film.coding);
-    PictureCoder coder(film, chunk, job.allocations, {}, statistics, true, &ahead.look());
+    PictureCoder coder(film, chunk, job.allocations, {}, statistics, false, &ahead.look());
+    if (film.coding.rate_control.bit_rate > 0 && job.allocations.empty())
+        coder.expect(try_first(job, film, chunk, ahead, statistics));
     const auto take = [&](const std::vector<encoder::CodedPicture>& pictures) {
         for (const encoder::CodedPicture& coded : pictures) steps.coded(coded);
     };
@@ -211,7 +243,7 @@ bool encode_chunk(Job& job, const Film& film, const Chunk& chunk, RunStatistics&
             if (!next) break;  // an open-ended source has ended
             const core::Picture& picture = *next;
             FileMotion motion(job, n, statistics);
-            const encoder::PicturePlan coding = coder.plan(n, ahead.look().cut_before(n), motion);
+            const encoder::PicturePlan coding = coder.plan(n, ahead.look().cut_before(n), motion, &picture);
             steps.read(picture, n > chunk.first ? motion.to(n - 1) : nullptr);
             take(coder.code(picture, coding, motion));
         }
@@ -222,13 +254,9 @@ bool encode_chunk(Job& job, const Film& film, const Chunk& chunk, RunStatistics&
     return whole;
 }
 
-/// Codes all frames fast with one quantiser, without a rate or buffer that would make pictures fit, only to learn what
-/// they come to. Empty where it was interrupted.
+/// Codes all frames roughly, only to learn what they come to. Empty where it was interrupted.
 std::vector<encoder::FirstPassPicture> code_roughly(Job& job, int quantiser, bool quiet) {
-    Film fast = job.film;
-    fast.coding.effort = encoder::Effort::fast;
-    fast.coding.rate_control = {};
-    fast.coding.quantiser = quantiser;
+    const Film fast = rough(job.film, quantiser);
     Progress progress(job.film.frame_count(), quiet, "first pass", Counted::frames_of_step);
     std::vector<encoder::FirstPassPicture> film;
     RunStatistics statistics;

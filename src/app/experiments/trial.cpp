@@ -24,6 +24,7 @@
 #include "perceptual/hvs.h"
 #include "renderer/calibration/audit.h"
 #include "scene/pose/motion.h"
+#include "scene/preparation/traits.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -342,7 +343,8 @@ Trial Trials::coded_again(const LitWindows& lit, const Coarseness& coarseness) c
             };
             RunStatistics statistics;
             PosedFrames posed(film);
-            PictureCoder coder(film.film(), window, film.allocations, shots_of(*film.animation), statistics);
+            PictureCoder coder(film.film(), window, film.allocations, shots_of(*film.animation), statistics,
+                               scene::traits_of(*film.animation).lights_change);
             for (std::int64_t n = window.first; n <= window.last; ++n) {
                 const std::shared_ptr<const scene::Snapshot> world = posed.at(n);
                 RenderedMotion motion(film, posed, lit.frames.at(n).visible, *world, statistics);

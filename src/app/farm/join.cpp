@@ -106,7 +106,9 @@ void place_images(const RenderJob& film, const RenderOptions& from, const Render
     const bool images = film.kind == OutputKind::exr || film.kind == OutputKind::png;
     for (std::int64_t n = frames.first; n <= frames.last; ++n) {
         if (images) place(numbered(from.output, n), numbered(to.output, n));
-        if (to.layers) place(numbered(layers_in(*from.layers), n), numbered(layers_in(*to.layers), n));
+        if (!to.layers) continue;
+        place(numbered(layers_in(*from.layers), n), numbered(layers_in(*to.layers), n));
+        place(numbered(motion_in(*from.layers), n), numbered(motion_in(*to.layers), n));
     }
 }
 

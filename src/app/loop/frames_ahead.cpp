@@ -29,7 +29,7 @@ void FramesAhead::start_reading() {
         reading_.push_back(std::async(std::launch::async, [this, n = next_] { return frames_.read(n); }));
 }
 
-std::optional<core::Picture> FramesAhead::next(RunStatistics& statistics) {
+const std::deque<core::Picture>& FramesAhead::waiting(RunStatistics& statistics) {
     while (!reading_.empty() && static_cast<std::int64_t>(read_.size()) <= encoder::LookAhead::depth) {
         std::future<std::optional<core::Picture>> frame = std::move(reading_.front());
         reading_.pop_front();
@@ -43,7 +43,11 @@ std::optional<core::Picture> FramesAhead::next(RunStatistics& statistics) {
         timed(statistics, Stage::encode, [&] { look_.add(read_.back()); });
     }
     if (reading_.empty()) look_.end();
-    if (read_.empty()) return {};
+    return read_;
+}
+
+std::optional<core::Picture> FramesAhead::next(RunStatistics& statistics) {
+    if (waiting(statistics).empty()) return {};
     core::Picture picture = std::move(read_.front());
     read_.pop_front();
     look_.forget_before(picture.number - 4);

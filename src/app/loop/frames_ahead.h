@@ -24,6 +24,8 @@ class FramesAhead {
     /// The next frame; those that look() needs are there then. None behind the last one, which of an open-ended source
     /// only comes to be known. Waiting counts as reading. Throws core::Error.
     std::optional<core::Picture> next(RunStatistics& statistics);
+    /// Those that next() will give, as far as they are read now; so many that look() needs them for the first.
+    const std::deque<core::Picture>& waiting(RunStatistics& statistics);
     encoder::LookAhead& look() { return look_; }
 
   private:

@@ -10,10 +10,16 @@
 #include <bit>
 #include <cerrno>
 #include <charconv>
+#include <cmath>
 #include <cstring>
+#include <limits>
+#include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
+#include "app/files/text_file.h"
+#include "app/options/output_kind.h"
 #include "core/error.h"
 #include "core/numeric.h"
 #include "core/text.h"
@@ -29,6 +35,12 @@ constexpr std::int64_t kept_behind = 8;
 
 /// Frames that are read ahead: pictures are looked at so far, and two more are being read (frames_ahead.cpp).
 constexpr std::int64_t kept_ahead = encoder::LookAhead::depth + 3;
+
+constexpr std::uint32_t mark = 0x564d3252u;  ///< "R2MV"
+
+/// Of vectors in 16 bits. chosen: 32, a sixteenth of what prediction tells apart, and up to 1,024 pixels.
+constexpr float steps_of_a_pixel = 32;
+constexpr std::int16_t no_step = std::numeric_limits<std::int16_t>::min();  ///< no motion is known
 
 std::optional<int> descriptor_in(const std::string& name) {
     int number = -1;
@@ -90,26 +102,37 @@ MotionHeader MotionBytes::header(int width, int height) {
     std::array<std::uint32_t, 8> words{};
     if (!read(words.data(), sizeof words)) refuse("it is empty");
     at_ = 0;
-    if (words[0] != 0x564d3252u)  // "R2MV"
-        refuse("no motion stream begins here: expected R2MV");
-    if (words[1] != 1) refuse(fmt::format("version {} is not known, only 1", words[1]));
+    if (words[0] != mark) refuse("no motion stream begins here: expected R2MV");
+    if (words[1] < 1 || words[1] > 2) refuse(fmt::format("version {} is not known, only 1 and 2", words[1]));
     if (words[2] != static_cast<std::uint32_t>(width) || words[3] != static_cast<std::uint32_t>(height))
         refuse(fmt::format("its motion is {}x{} pixels, the pictures are {}x{}", words[2], words[3], width, height));
     if (words[4] < 1 || words[4] > 2) refuse(fmt::format("{} fields per frame: expected 1 or 2", words[4]));
     if (words[5] != 0 || words[6] != 0 || words[7] != 0) refuse("the header's last 12 bytes are not 0");
     at_ = sizeof words;
-    return {width, height, static_cast<int>(words[4])};
+    return {width, height, static_cast<int>(words[4]), words[1] == 2};
+}
+
+bool MotionBytes::vectors(const MotionHeader& header, core::Plane<glm::vec2>& vectors) {
+    if (!header.compact) return read(vectors.values().data(), vectors.size() * sizeof(glm::vec2));
+    std::vector<std::int16_t> steps(2 * vectors.size());
+    if (!read(steps.data(), steps.size() * sizeof(std::int16_t))) return false;
+    const auto pixels = [](std::int16_t step) {
+        return step == no_step ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(step) / steps_of_a_pixel;
+    };
+    for (std::size_t i = 0; i < vectors.size(); ++i)
+        vectors.values()[i] = {pixels(steps[2 * i]), pixels(steps[2 * i + 1])};
+    return true;
 }
 
 bool MotionBytes::frame(const MotionHeader& header, std::int64_t number, FrameMotion& motion) {
     core::Plane<glm::vec2>& back = motion.to_previous.vector;
     core::Plane<glm::vec2>& on = motion.to_next.vector;
     back = on = core::Plane<glm::vec2>(header.width, header.height);
-    if (!read(back.values().data(), back.size() * sizeof(glm::vec2))) return false;
+    if (!vectors(header, back)) return false;
     if (header.fields == 1) {
         // What moves evenly goes on as it came.
         for (std::size_t i = 0; i < on.size(); ++i) on.values()[i] = -back.values()[i];
-    } else if (!read(on.values().data(), on.size() * sizeof(glm::vec2))) {
+    } else if (!vectors(header, on)) {
         refuse("it is cut off");
     }
     core::Plane<std::uint8_t> codes(header.width, header.height);
@@ -129,8 +152,40 @@ bool MotionBytes::frame(const MotionHeader& header, std::int64_t number, FrameMo
     return true;
 }
 
+void write_motion_file(const std::filesystem::path& file, const core::MotionField& to_previous,
+                       const core::MotionField& to_next, const core::Plane<core::PixelClass>& kinds) {
+    const std::array<std::uint32_t, 8> header{mark, 2, static_cast<std::uint32_t>(kinds.width()),
+                                              static_cast<std::uint32_t>(kinds.height()), 2};
+    std::string bytes(reinterpret_cast<const char*>(header.data()), sizeof header);
+    std::vector<std::int16_t> steps;
+    for (const core::MotionField* field : {&to_previous, &to_next}) {
+        steps.clear();
+        for (std::size_t i = 0; i < kinds.size(); ++i) {
+            const glm::vec2 v = steps_of_a_pixel * field->vector.values()[i];
+            const bool fits = std::abs(v.x) < 32767 && std::abs(v.y) < 32767;  // no number does not
+            const bool known = fits && field->kind.values()[i] != core::PixelClass::none;
+            for (const float step : {v.x, v.y})
+                steps.push_back(known ? static_cast<std::int16_t>(std::lround(step)) : no_step);
+        }
+        bytes.append(reinterpret_cast<const char*>(steps.data()), steps.size() * sizeof(std::int16_t));
+    }
+    for (const core::PixelClass kind : kinds.values()) bytes.push_back(static_cast<char>(kind));
+    write_whole(file, bytes);
+}
+
+FrameMotion read_motion_file(const std::filesystem::path& file, std::int64_t number, int width, int height) {
+    const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+    if (descriptor < 0) throw core::Error("reading", file.string(), std::strerror(errno));
+    const std::unique_ptr<const int, void (*)(const int*)> closing(&descriptor, [](const int* d) { close(*d); });
+    MotionBytes bytes(descriptor, file.string());
+    const MotionHeader header = bytes.header(width, height);
+    FrameMotion motion;
+    if (!bytes.frame(header, number, motion)) throw core::Error("reading", file.string(), "it is cut off");
+    return motion;
+}
+
 bool MotionPipe::is_one(const std::filesystem::path& name) {
-    return descriptor_in(name.string()).has_value() || core::ending_of(name) == ".motion";
+    return descriptor_in(name.string()).has_value() || (core::ending_of(name) == ".motion" && !is_numbered(name));
 }
 
 MotionPipe::MotionPipe(const std::filesystem::path& name)

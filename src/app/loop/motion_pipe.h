@@ -14,10 +14,19 @@
 
 namespace render2mpeg::app {
 
+/// Writes one frame's motion as a stream of one frame, version 2. `kinds` tells what its pixels are. Throws
+/// core::Error.
+void write_motion_file(const std::filesystem::path& file, const core::MotionField& to_previous,
+                       const core::MotionField& to_next, const core::Plane<core::PixelClass>& kinds);
+
+/// Reads such a file of frame `number`, or any stream of one frame. Throws core::Error.
+FrameMotion read_motion_file(const std::filesystem::path& file, std::int64_t number, int width, int height);
+
 /// What the first 32 bytes of a motion stream say (docs/coding.md).
 struct MotionHeader {
     int width = 0, height = 0;
-    int fields = 1;  ///< of each frame: 1, to the frame before; 2, and to the frame after
+    int fields = 1;        ///< of each frame: 1, to the frame before; 2, and to the frame after
+    bool compact = false;  ///< vectors are 16-bit steps, else floats
 };
 
 /// Reads from a descriptor; the bytes it has read are counted for messages.
@@ -36,6 +45,7 @@ class MotionBytes {
   private:
     /// Fills all of it; false where the stream had ended before. Throws core::Error where it ends within.
     bool read(void* into, std::size_t size);
+    bool vectors(const MotionHeader& header, core::Plane<glm::vec2>& vectors);
     [[noreturn]] void refuse(const std::string& cause) const;
 
     int descriptor_;

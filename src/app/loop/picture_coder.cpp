@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "encoder/bit_allocation.h"
 #include "encoder/motion_nonuniformity.h"
-#include "perceptual/motion_sensitivity.h"
+#include "perceptual/hvs.h"
 #include "perceptual/pumping.h"
 
 namespace render2mpeg::app {
@@ -16,16 +17,19 @@ std::vector<std::int64_t> shots_of(const scene::Animation& animation) {
 }
 
 PictureCoder::PictureCoder(const Film& film, const Chunk& chunk, std::span<const encoder::BitAllocation> allocations,
-                           std::vector<std::int64_t> shots, RunStatistics& statistics, bool watches_light,
+                           std::vector<std::int64_t> shots, RunStatistics& statistics, bool lights_change,
                            encoder::LookAhead* ahead)
     : film_(film),
       chunk_(chunk),
       allocations_(allocations),
       shots_(std::move(shots)),
       statistics_(statistics),
-      watches_light_(watches_light),
+      lights_change_(lights_change),
       ahead_(ahead),
-      encoder_(film.coding) {}
+      encoder_(film.coding) {
+    const encoder::RateControl& rate = film.coding.rate_control;
+    if (rate.mode == encoder::RateMode::constant_quality) quality_.emplace(rate.quality);
+}
 
 std::int64_t PictureCoder::frames_left(std::int64_t number) const {
     std::int64_t left = chunk_.last - number;
@@ -45,39 +49,69 @@ encoder::PictureFacts PictureCoder::facts_of(std::int64_t number, bool cut_befor
     return facts;
 }
 
-encoder::PicturePlan PictureCoder::plan(std::int64_t number, bool cut_before, Motion& motion) {
+encoder::PicturePlan PictureCoder::plan(std::int64_t number, bool cut_before, Motion& motion,
+                                        const core::Picture* picture) {
     const bool first = number == chunk_.first;
     continues_ = !first && !cut_before;
     if (!continues_) light_change_.reset();
     const core::MotionField* moved = continues_ ? motion.to(number - 1) : nullptr;
     const StageTimer timer(statistics_, Stage::encode);
     encoder::PictureFacts facts = facts_of(number, cut_before);
-    if (moved != nullptr) {
-        facts.motion_nonuniformity = encoder::motion_nonuniformity(*moved);
-        if (film_.coding.rate_control.mode == encoder::RateMode::constant_quality)
-            facts.sensitivity = perceptual::motion_sensitivity(*moved, film_.coding.rate.hertz.value());
+    if (first) facts.trial = trial_;
+    if (moved != nullptr) facts.motion_nonuniformity = encoder::motion_nonuniformity(*moved);
+    if (quality_) {
+        if (cut_before) quality_->forget();
+        if (!continues_ && picture != nullptr) try_quality(*picture);
+        facts.quality_factor = quality_->factor();
     }
     // Nothing is known of a chunk's or a shot's first pictures: one B picture shows no stair, and costs little.
     constexpr double not_known = 1.0;
-    facts.light_change = light_change_.value_or(not_known);
-    if (ahead_ != nullptr) look_ahead(facts, number, moved != nullptr);
+    if (lights_change_) facts.light_change = light_change_.value_or(not_known);
+    if (ahead_ != nullptr) look_ahead(facts, number);
     encoder::PicturePlan plan = encoder_.plan(number, facts, first);
     if (plan.starts_gop) gop_start_ = number;
     return plan;
 }
 
-void PictureCoder::look_ahead(encoder::PictureFacts& facts, std::int64_t number, bool knows_motion) {
+namespace {
+
+/// The quantiser that a picture was coded with, without the ratio of its type and followers.
+double base_quantiser(const encoder::CodedPicture& coded) {
+    return coded.quantiser / encoder::first_pass_picture(coded, false).ratio.value_or(1.0);
+}
+
+}  // namespace
+
+void PictureCoder::try_quality(const core::Picture& picture) {
+    encoder::Settings settings = film_.coding;
+    settings.gop = 1;
+    encoder::Encoder trial(settings);
+    for (const encoder::CodedPicture& coded :
+         trial.push(picture, trial.plan(picture.number, {.quality_factor = quality_->factor()}, true), {}))
+        quality_->learn(coded.plan.type, base_quantiser(coded),
+                        perceptual::masked_error(coded.reconstruction.y, picture.y), false);
+}
+
+void PictureCoder::judge(const std::vector<encoder::CodedPicture>& pictures) {
+    if (!quality_) return;
+    for (const encoder::CodedPicture& coded : pictures) {
+        const auto source = unjudged_.extract(coded.plan.number);
+        quality_->learn(coded.plan.type, base_quantiser(coded),
+                        perceptual::masked_error(coded.reconstruction.y, source.mapped()));
+    }
+}
+
+void PictureCoder::look_ahead(encoder::PictureFacts& facts, std::int64_t number) {
     facts.frames_left = std::min(facts.frames_left, ahead_->frames_left(number).value_or(facts.frames_left));
-    if (!continues_ || knows_motion) return;
-    const std::int64_t last = std::min(number + facts.frames_left, gop_start_ + film_.coding.gop - 1);
-    if (last < number) return;  // a GOP begins here
+    if (!continues_) return;
+    const std::int64_t next_gop = gop_start_ + film_.coding.gop;
+    if (number >= next_gop) return;
+    const std::int64_t last = std::min(number + facts.frames_left, next_gop - (film_.coding.closed_gops ? 1 : 0));
     facts.b_pictures = ahead_->b_pictures(number - 1, last);
-    facts.light_change.reset();  // its costs know
 }
 
 void PictureCoder::watch_light(const core::Picture& picture, Motion& motion) {
-    if (continues_ && !watches_light_) light_change_ = 0;
-    if (!watches_light_) return;
+    if (!lights_change_) return;
     const core::MotionField* moved = continues_ ? motion.to(picture.number - 1) : nullptr;
     const StageTimer timer(statistics_, Stage::encode);
     if (continues_) light_change_ = perceptual::light_change(moved, picture.y, last_luma_);
@@ -94,7 +128,10 @@ std::vector<encoder::CodedPicture> PictureCoder::code(const core::Picture& pictu
     }
     const core::MotionField* onward = plan.horizon ? motion.onward(*plan.horizon) : nullptr;
     const StageTimer timer(statistics_, Stage::encode);
-    return encoder_.push(picture, plan, fields, {onward});
+    if (quality_) unjudged_.emplace(plan.number, picture.y);
+    std::vector<encoder::CodedPicture> complete = encoder_.push(picture, plan, fields, {onward});
+    judge(complete);
+    return complete;
 }
 
 std::vector<encoder::CodedPicture> PictureCoder::flush() {

@@ -1,11 +1,14 @@
 #pragma once
 // Plans and codes the pictures of a chunk: the loop's way into the encoder.
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "app/loop/motion.h"
+#include "app/loop/quality_control.h"
 #include "app/loop/run_statistics.h"
 #include "app/options/chunk.h"
 #include "app/options/film.h"
@@ -24,16 +27,18 @@ std::vector<std::int64_t> shots_of(const scene::Animation& animation);
 /// encoding.
 class PictureCoder {
   public:
-    /// `allocations`: one per frame of the film, or none. `shots`: frames with which shots begin. `watches_light`: how
-    /// much it changes is measured; not where pictures are too rough to tell. `ahead`: knows each picture, and those to
-    /// come, before it is planned; tells of cuts, and of B pictures and motion where nobody else does; null: none.
-    /// Throws as encoder::check() does.
+    /// `allocations`: one per frame of the film, or none. `shots`: frames with which shots begin. `lights_change`:
+    /// lamps do, and how much is measured. `ahead`: knows each picture, and those to come, before it is planned; tells
+    /// of cuts and B pictures, and of motion where nobody else does; null: none. Throws as encoder::check() does.
     PictureCoder(const Film& film, const Chunk& chunk, std::span<const encoder::BitAllocation> allocations,
-                 std::vector<std::int64_t> shots, RunStatistics& statistics, bool watches_light = true,
+                 std::vector<std::int64_t> shots, RunStatistics& statistics, bool lights_change,
                  encoder::LookAhead* ahead = nullptr);
 
-    /// How the next picture in display order will be coded.
-    encoder::PicturePlan plan(std::int64_t number, bool cut_before, Motion& motion);
+    /// The chunk's first pictures as they were coded roughly (encoder::PictureFacts::trial).
+    void expect(std::vector<encoder::FirstPassPicture> trial) { trial_ = std::move(trial); }
+    /// How the next picture in display order will be coded. `picture`: it, where it is there already, else null.
+    encoder::PicturePlan plan(std::int64_t number, bool cut_before, Motion& motion,
+                              const core::Picture* picture = nullptr);
     /// Codes the next of the planned pictures and returns those that became complete. Takes fields out of `motion`.
     std::vector<encoder::CodedPicture> code(const core::Picture& picture, const encoder::PicturePlan& plan,
                                             Motion& motion);
@@ -46,21 +51,28 @@ class PictureCoder {
     /// Measures how much light has changed since the picture before.
     void watch_light(const core::Picture& picture, Motion& motion);
     encoder::PictureFacts facts_of(std::int64_t number, bool cut_before) const;
-    /// Adds what the look-ahead tells; of B pictures, where motion is not known.
-    void look_ahead(encoder::PictureFacts& facts, std::int64_t number, bool knows_motion);
+    /// Learns what quality the picture has where it is coded by itself.
+    void try_quality(const core::Picture& picture);
+    /// Learns what quality pictures came to.
+    void judge(const std::vector<encoder::CodedPicture>& pictures);
+    /// Adds what the look-ahead tells.
+    void look_ahead(encoder::PictureFacts& facts, std::int64_t number);
 
     Film film_;
     Chunk chunk_;
     std::span<const encoder::BitAllocation> allocations_;
     std::vector<std::int64_t> shots_;
     RunStatistics& statistics_;
-    bool watches_light_;
+    bool lights_change_;
     encoder::LookAhead* ahead_;
     encoder::Encoder encoder_;
+    std::vector<encoder::FirstPassPicture> trial_;
     std::int64_t gop_start_ = 0;
-    bool continues_ = false;               ///< the picture planned last goes on from the one before
-    core::Plane<std::uint8_t> last_luma_;  ///< of the picture coded last; empty: none in this chunk
-    std::optional<double> light_change_;   ///< from the picture before that; none: not known
+    bool continues_ = false;                 ///< the picture planned last goes on from the one before
+    core::Plane<std::uint8_t> last_luma_;    ///< of the picture coded last; empty: none in this chunk
+    std::optional<double> light_change_;     ///< from the picture before that; none: not known
+    std::optional<QualityControl> quality_;  ///< none: not asked for
+    std::map<std::int64_t, core::Plane<std::uint8_t>> unjudged_;  ///< luma of pictures being coded
 };
 
 }  // namespace render2mpeg::app

@@ -13,6 +13,7 @@
 #include "app/loop/shown_light.h"
 #include "app/loop/statistics_recorder.h"
 #include "perceptual/display.h"
+#include "scene/preparation/traits.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -80,7 +81,8 @@ ChunkLoop::ChunkLoop(const RenderJob& job, renderer::Renderer& renderer, const C
       terms_(job.coding.tune) {
     renderer.start_chunk(*posed_.at(chunk.first));
     if (job.kind == OutputKind::film)
-        coder_.emplace(job.film(), chunk, job.allocations, shots_of(*job.animation), statistics, !job.rough);
+        coder_.emplace(job.film(), chunk, job.allocations, shots_of(*job.animation), statistics,
+                       !job.rough && scene::traits_of(*job.animation).lights_change);
     if (job.tolerance.coupled && coder_)
         coupling_.emplace(display_, job.coupling);
     else

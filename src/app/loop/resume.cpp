@@ -31,7 +31,9 @@ std::vector<std::filesystem::path> products_of(const RenderJob& film, const Rend
     if (film.kind == OutputKind::y4m) files.push_back(frames_of(film, options, work, chunk));
     for (std::int64_t n = chunk.first; n <= chunk.last; ++n) {
         if (film.kind == OutputKind::exr || film.kind == OutputKind::png) files.push_back(numbered(options.output, n));
-        if (options.layers) files.push_back(numbered(layers_in(*options.layers), n));
+        if (!options.layers) continue;
+        files.push_back(numbered(layers_in(*options.layers), n));
+        files.push_back(numbered(motion_in(*options.layers), n));
     }
     return files;
 }
@@ -72,7 +74,9 @@ std::vector<std::filesystem::path> products_of(const RenderJob& film, const Rend
     if (!images) files.push_back(options.output);
     for (std::int64_t n = film.frames.first; n <= film.frames.last; ++n) {
         if (images) files.push_back(numbered(options.output, n));
-        if (options.layers) files.push_back(numbered(layers_in(*options.layers), n));
+        if (!options.layers) continue;
+        files.push_back(numbered(layers_in(*options.layers), n));
+        files.push_back(numbered(motion_in(*options.layers), n));
     }
     for (const auto& [subject, file] : options.heatmaps) files.emplace_back(file);
     for (const auto& file : {options.stats, options.report})

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "app/loop/motion_pipe.h"
+#include "app/options/output_kind.h"
 #include "encoder/av/y4m.h"
 #include "encoder/av/y4m_reader.h"
 #include "image/image.h"
@@ -68,6 +70,7 @@ void LayersWriter::lit(const LitFrame& frame) {
     const StageTimer timer(statistics_, renderer::Pass::layers);
     image::write_layers(numbered(layers_in(folder_), n), frame.seen.visible, frame.radiance, &before, &after,
                         facts_of(film_, frame), &frame.tolerance);
+    write_motion_file(numbered(motion_in(folder_), n), before, after, frame.seen.visible.kind);
 }
 
 void join_y4m(const RenderJob& film, const std::vector<std::filesystem::path>& parts,

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <optional>
@@ -9,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/loop/motion_pipe.h"
 #include "app/options/output_kind.h"
 #include "core/error.h"
 #include "core/numeric.h"
@@ -106,8 +108,13 @@ void extend(core::MotionField& way, const core::MotionField& step) {
         const int y = static_cast<int>(row);
         core::PixelClass* kinds = way.kind.row(y);
         glm::vec2* vectors = way.vector.row(y);
+        const bool looked_at = y % 2 == 0 || y + 1 == height;
         for (int x = 0; x < width; ++x) {
             if (kinds[x] == core::PixelClass::none) continue;
+            if (!looked_at || (x % 2 != 0 && x + 1 < width)) {
+                kinds[x] = core::PixelClass::none;
+                continue;
+            }
             const float at_x = static_cast<float>(x) + vectors[x].x + 0.5f,
                         at_y = static_cast<float>(y) + vectors[x].y + 0.5f;
             const bool inside =
@@ -177,6 +184,7 @@ void VectorLayers::check(std::int64_t first, std::int64_t last) {
     for (std::int64_t n = first; n <= last; ++n)
         if (!std::filesystem::exists(numbered(pattern_, n)))
             throw core::Error("reading", numbered(pattern_, n).string(), "no such file");
+    last_ = last;
     if (first <= last) frame(first);
 }
 
@@ -192,15 +200,27 @@ core::MotionField MotionSource::between(std::int64_t picture, std::int64_t refer
     return way;
 }
 
+FrameMotion VectorLayers::read(std::int64_t number) const {
+    const std::filesystem::path file = numbered(pattern_, number);
+    if (core::ending_of(file) == ".motion") return read_motion_file(file, number, width_, height_);
+    std::optional<image::ExrChannels> channels = shared_ ? shared_->take(number, reach) : std::nullopt;
+    if (!channels) channels = image::read_exr(file, is_motion);
+    return motion_from(file, std::move(*channels), number, width_, height_, convention_);
+}
+
 const FrameMotion& VectorLayers::frame(std::int64_t number) {
     const auto known = read_.find(number);
     if (known != read_.end()) return known->second;
-    std::erase_if(read_, [&](const auto& entry) { return std::abs(entry.first - number) > reach; });
-    const std::filesystem::path file = numbered(pattern_, number);
-    std::optional<image::ExrChannels> channels = shared_ ? shared_->take(number, reach) : std::nullopt;
-    if (!channels) channels = image::read_exr(file, is_motion);
-    return read_.emplace(number, motion_from(file, std::move(*channels), number, width_, height_, convention_))
-        .first->second;
+    const auto is_far = [&](const auto& entry) { return std::abs(entry.first - number) > reach; };
+    std::erase_if(read_, is_far);
+    std::erase_if(reading_, is_far);
+    auto ahead = reading_.extract(number);
+    FrameMotion motion = ahead.empty() ? read(number) : ahead.mapped().get();
+    // chosen: 2: as many as frames.
+    for (std::int64_t n = number + 1; n <= std::min(number + 2, last_) && !shared_; ++n)
+        if (!read_.contains(n) && !reading_.contains(n))
+            reading_.emplace(n, std::async(std::launch::async, [this, n] { return read(n); }));
+    return read_.emplace(number, std::move(motion)).first->second;
 }
 
 }  // namespace render2mpeg::app

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <future>
 #include <map>
 #include <memory>
 #include <string>
@@ -29,7 +30,8 @@ FrameMotion read_motion(const std::filesystem::path& file, std::int64_t frame, i
 bool is_motion(const std::string& channel);
 
 /// Motion between any two frames, from whatever leads from a frame to its neighbours: over several frames the way is
-/// put together from steps, and ends (class `none`) where it leaves the picture or meets another class of thing.
+/// put together from steps, and ends (class `none`) where it leaves the picture or meets another class of thing. Over
+/// several frames only every second pixel of every second row has one, and the last: the encoder looks at no others.
 class MotionSource {
   public:
     virtual ~MotionSource() = default;
@@ -45,7 +47,7 @@ class MotionSource {
     virtual const FrameMotion& frame(std::int64_t number) = 0;
 };
 
-/// Motion of numbered files.
+/// Motion of numbered files, which are read ahead: OpenEXR, or motion alone (motion_pipe.h).
 class VectorLayers : public MotionSource {
   public:
     /// `shared`: where channels of these files may have been left by whoever reads the frames; null: nowhere.
@@ -62,12 +64,15 @@ class VectorLayers : public MotionSource {
 
   private:
     const FrameMotion& frame(std::int64_t number) override;
+    FrameMotion read(std::int64_t number) const;
 
     std::filesystem::path pattern_;
     MotionConvention convention_;
     int width_, height_;
     std::shared_ptr<SharedChannels> shared_;
-    std::map<std::int64_t, FrameMotion> read_;  ///< the frames asked for last
+    std::map<std::int64_t, FrameMotion> read_;                  ///< the frames asked for last
+    std::int64_t last_ = -1;                                    ///< frame that may be read before it is asked for
+    std::map<std::int64_t, std::future<FrameMotion>> reading_;  ///< in threads of their own
 };
 
 }  // namespace render2mpeg::app

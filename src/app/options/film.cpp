@@ -42,6 +42,7 @@ void apply_rates(const Preset& preset, const CodingOptions& options, encoder::Se
 void apply(const Preset& preset, const CodingOptions& options, encoder::Settings& coding) {
     if (preset.fields) coding.cadence = coding.rate.code == 1 ? encoder::Cadence::pulldown : encoder::Cadence::fields;
     if (!options.gop) coding.gop = preset.usual_gop(coding.rate);
+    coding.closed_gops = preset.disc;
     const int longest = preset.longest_gop(coding.rate);
     if (longest > 0 && coding.gop > longest)
         throw UsageError(fmt::format("--gop {}: {} has at most {} pictures in a GOP at {} Hz", coding.gop,

@@ -102,6 +102,10 @@ std::filesystem::path layers_in(const std::filesystem::path& folder) {
     return folder / "frame_%04d.exr";
 }
 
+std::filesystem::path motion_in(const std::filesystem::path& folder) {
+    return folder / "frame_%04d.motion";
+}
+
 std::filesystem::path numbered(const std::filesystem::path& pattern, std::int64_t frame) {
     std::string name = pattern.filename().string();
     const auto field = number_field(name);

@@ -41,6 +41,8 @@ std::optional<std::int64_t> number_in(const std::filesystem::path& pattern, cons
 
 /// The image sequence that --aov writes into a folder.
 std::filesystem::path layers_in(const std::filesystem::path& folder);
+/// The same of the motion beside them, in a form of its own (docs/coding.md).
+std::filesystem::path motion_in(const std::filesystem::path& folder);
 
 /// Where unfinished work lies: `film.mpg` has `film.mpg.partial/` and, after an interruption, `film.partial.mpg`, or
 /// `film.partial-2.mpg` and so on.

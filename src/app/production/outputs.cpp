@@ -23,7 +23,9 @@ void check_outputs(const RenderJob& film, const RenderOptions& options) {
         outputs.emplace_back(*options.report);
         outputs.emplace_back(report_json_of(*options.report));
     }
-    if (options.layers) outputs.emplace_back(layers_in(*options.layers), film.frames);
+    if (options.layers)
+        for (const auto& pattern : {layers_in(*options.layers), motion_in(*options.layers)})
+            outputs.emplace_back(pattern, film.frames);
     check_apart(inputs_of(film, options), outputs);
     for (const Files& output : outputs)
         if (!output.name.empty()) check_reachable(output.name);

@@ -1,0 +1,35 @@
+#pragma once
+// Holds a film at the quality that --quality asks for.
+#include <array>
+
+#include "encoder/types.h"
+
+namespace render2mpeg::app {
+
+/// PSNR-HVS-M that a quality of 0..100 stands for, dB.
+double psnr_of_quality(double quality);
+
+/// Finds the quantisers that bring a film's PSNR-HVS-M to a quality: from the errors that its pictures came to. Knows
+/// one chunk, so that chunks do not depend on one another.
+class QualityControl {
+  public:
+    explicit QualityControl(double quality);
+
+    /// By what the quantisers of the quality are to be multiplied in the next picture.
+    double factor() const;
+    /// Learns that a picture came to a masked error (perceptual/hvs.h). `base`: its quantiser without the ratio of its
+    /// type and followers. `counts`: the film shows it.
+    void learn(encoder::PictureType type, double base, double masked_error, bool counts = true);
+    /// The next picture shows nothing of those before.
+    void forget();
+
+  private:
+    double wanted_;        ///< masked error
+    double usual_;         ///< base quantiser of the quality
+    double density_ = 0;   ///< of the film: error at base quantiser 1, mean over pictures lately
+    double weight_ = 0;    ///< pictures that this mean is of
+    double shown_ = 0;     ///< sum of the errors shown lately
+    double pictures_ = 0;  ///< and how many pictures these are
+};
+
+}  // namespace render2mpeg::app

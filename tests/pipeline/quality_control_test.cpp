@@ -1,0 +1,52 @@
+#include "app/loop/quality_control.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace render2mpeg::app {
+namespace {
+
+using encoder::PictureType;
+
+/// PSNR-HVS-M of a film of whole quantisers whose errors are `density` times the base quantiser's power `slope`, and
+/// `bidirectional` times as large in B pictures.
+double held(double quality, double density, double slope, double bidirectional) {
+    QualityControl control(quality);
+    double error = 0;
+    constexpr int pictures = 60;
+    for (int n = 0; n < pictures; ++n) {
+        const PictureType type = n == 0       ? PictureType::intra
+                                 : n % 3 == 0 ? PictureType::predicted
+                                              : PictureType::bidirectional;
+        const double ratio = type == PictureType::intra ? 0.8 : type == PictureType::predicted ? 0.9 : 1.5;
+        const double wanted = std::exp2((100 - quality) / 20) * ratio * control.factor();
+        const double base = std::clamp(std::round(wanted), 1.0, 31.0) / ratio;
+        const double its = density * std::pow(base, slope) * (type == PictureType::bidirectional ? bidirectional : 1.0);
+        control.learn(type, base, its);
+        error += its;
+    }
+    return 10 * std::log10(255.0 * 255.0 * pictures / error);
+}
+
+TEST(QualityControl, FilmsOfAnyContentComeToTheSameQuality) {
+    for (const double quality : {20.0, 40.0, 60.0, 80.0})
+        for (const double density : {0.04, 0.1, 0.25})
+            for (const double slope : {1.6, 2.2})
+                for (const double bidirectional : {0.7, 1.4})
+                    EXPECT_NEAR(held(quality, density, slope, bidirectional), psnr_of_quality(quality), 0.7)
+                        << quality << ' ' << density << ' ' << slope << ' ' << bidirectional;
+}
+
+TEST(QualityControl, BeginsWithTheUsualQuantiserAndForgetsAFilmAtACut) {
+    QualityControl control(60);
+    EXPECT_EQ(control.factor(), 1);
+    control.learn(PictureType::intra, 4, 0.01);
+    EXPECT_GT(control.factor(), 1.2) << "this film can be coarser";
+    control.forget();
+    EXPECT_EQ(control.factor(), 1);
+}
+
+}  // namespace
+}  // namespace render2mpeg::app
