@@ -15,6 +15,9 @@ namespace render2mpeg::encoder {
 
 enum class PictureType : std::uint8_t { intra = 1, predicted = 2, bidirectional = 3 };  ///< picture_coding_type
 
+/// How a film is coded: by our own MPEG-2 encoder, or by one of libavcodec's (encoder/av/coders.h).
+enum class Codec : std::uint8_t { mpeg2, h264, hevc, av1 };
+
 /// How much is tried. `fast`: one prediction mode per macroblock in full, levels one by one. `quality`: several modes,
 /// levels of a whole block at once.
 enum class Effort : std::uint8_t { fast, quality };
@@ -48,12 +51,13 @@ struct RateControl {
 
 /// What a film is coded with; constant over the film.
 struct Settings {
+    Codec codec = Codec::mpeg2;
     int width = 0;  ///< any size that a level allows; padded to whole macroblocks inside
     int height = 0;
     core::FrameRate rate;  ///< pictures per second; the header says cadence.h's declared_rate()
     Cadence cadence = Cadence::frames;
     std::int64_t first_number = 0;  ///< display number of the film's first picture, where the cadence begins
-    int quantiser = 4;              ///< quantiser_scale_code 1..31, q_scale_type 0
+    int quantiser = 4;              ///< in the codec's scale (encoder/codec.h): quantiser_scale_code, QP, ...
     int gop = 15;                   ///< pictures per closed GOP, 1..100,000
     int b_pictures = 3;             ///< most B pictures in a row, 0..3
     Effort effort = Effort::quality;
@@ -170,7 +174,7 @@ struct Hints {
 struct MacroblockRecord {
     bool intra = false;
     bool skipped = false;
-    std::uint8_t quantiser = 0;               ///< quantiser_scale_code in force
+    std::uint8_t quantiser = 0;               ///< in force, in the codec's scale
     std::int16_t motion_x = 0, motion_y = 0;  ///< forward, half pixels
     std::uint32_t bits = 0;
     bool forward = false, backward = false;       ///< which references it is predicted from
@@ -215,6 +219,7 @@ struct CodedPicture {
     std::vector<std::uint8_t> bytes;  ///< whole access unit: sequence and GOP headers where they stand before it
     core::Picture reconstruction;     ///< what a decoder shows: cropped to the display size
     core::Plane<MacroblockRecord> macroblocks;
+    bool tells_vectors = true;            ///< `macroblocks` say how each was predicted; else only its quantiser and mode
     std::uint64_t block_evaluations = 0;  ///< 16x16 differences computed to choose motion and modes, in all tries
     MotionWork motion;                    ///< part of these, in the last try
     int tries = 1;                        ///< codings until it fitted the buffer

@@ -113,4 +113,32 @@ PictureFacts facts_of(const AVFrame& frame) {
     return facts;
 }
 
+core::Plane<encoder::MacroblockRecord> macroblocks_of(const AVFrame& frame) {
+    const AVFrameSideData* data = side_data(frame, AV_FRAME_DATA_VIDEO_ENC_PARAMS);
+    if (data == nullptr) return {};
+    core::Plane<encoder::MacroblockRecord> records((frame.width + 15) / 16, (frame.height + 15) / 16);
+    for (encoder::MacroblockRecord& record : records.values()) record.intra = true;
+    const auto at = [&](int x, int y) -> encoder::MacroblockRecord* {
+        const int column = x / 16, row = y / 16;
+        const bool inside = x >= 0 && y >= 0 && column < records.width() && row < records.height();
+        return inside ? &records.at(column, row) : nullptr;
+    };
+    auto* parameters = reinterpret_cast<AVVideoEncParams*>(data->data);
+    for (unsigned int i = 0; i < parameters->nb_blocks; ++i) {
+        const AVVideoBlockParams& block = *av_video_enc_params_block(parameters, i);
+        if (encoder::MacroblockRecord* record = at(block.src_x, block.src_y))
+            record->quantiser = static_cast<std::uint8_t>(std::clamp(parameters->qp + block.delta_qp, 0, 255));
+    }
+    if (const AVFrameSideData* vectors = side_data(frame, AV_FRAME_DATA_MOTION_VECTORS)) {
+        const auto* first = reinterpret_cast<const AVMotionVector*>(vectors->data);
+        std::for_each(first, first + vectors->size / sizeof(AVMotionVector), [&](const AVMotionVector& vector) {
+            encoder::MacroblockRecord* record = at(vector.dst_x, vector.dst_y);
+            if (record == nullptr) return;
+            record->intra = false;
+            (vector.source < 0 ? record->forward : record->backward) = true;
+        });
+    }
+    return records;
+}
+
 }  // namespace render2mpeg::av

@@ -41,7 +41,7 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "encoder/bit_allocation.h"
-#include "encoder/encoder.h"
+#include "encoder/av/coders.h"
 #include "parallel/loops.h"
 
 namespace render2mpeg::app {
@@ -111,7 +111,7 @@ std::unique_ptr<MotionSource> motion_files(const EncodeOptions& options, const F
 
 Job prepare(const EncodeOptions& options) {
     if (kind_of(options.output) != OutputKind::film)
-        throw core::Error("writing", options.output.string(), "a film is coded: .mpg, .vob, .ts, .m2v, .mkv or .mp4");
+        throw core::Error("writing", options.output.string(), "a film is coded: .mpg, .vob, .ts, .m2v, .mkv, .mp4 or .mov");
     if (!options.as) check_apart({Files(options.input)}, {Files(options.output), Files(options.stats.value_or(""))});
     Job job;
     const auto wanted = options.frames ? std::optional(frames_from(*options.frames)) : std::nullopt;
@@ -138,11 +138,11 @@ Job prepare(const EncodeOptions& options) {
     if (preset != nullptr) preset->check_output(options.output);
     job.film.frames = job.frames->frames();
     coding = coding_settings(options.coding, settle_shape(wishes_of(options, *job.frames), preset, true),
-                             job.film.frames.first);
+                             job.film.frames.first, options.output);
     coding.transfer_characteristics = transfer_of(view);
     job.film.keyframes = keyframes_of(options.coding);
     job.film.disc = preset != nullptr && preset->disc;
-    encoder::check(coding);
+    av::check(coding);
     job.film.source = input_name(options);
     if (!options.as && options.input != "-") check_outputs(options, job.film.frames);
     // Finished frames are a film from their first one on, whatever their numbers.

@@ -23,7 +23,7 @@
 #include "core/numeric.h"
 #include "encoder/av/av.h"
 #include "encoder/capabilities.h"
-#include "encoder/encoder.h"
+#include "encoder/av/coders.h"
 #include "parallel/loops.h"
 
 namespace render2mpeg::app {
@@ -74,7 +74,7 @@ void check_rate(const Target& target, const RenderJob& film) {
     encoder::Settings coding = film.coding;
     coding.rate_control.mode = encoder::RateMode::variable;
     coding.rate_control.bit_rate = std::llround(target.value);
-    encoder::check(coding);
+    av::check(coding);
 }
 
 /// Bits per second that the film as it was tried can have: more would make its level a higher one.

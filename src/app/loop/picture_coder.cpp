@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "encoder/av/coders.h"
 #include "encoder/motion_nonuniformity.h"
 #include "perceptual/motion_sensitivity.h"
 #include "perceptual/pumping.h"
@@ -25,7 +26,7 @@ PictureCoder::PictureCoder(const Film& film, const Chunk& chunk, std::span<const
       statistics_(statistics),
       watches_light_(watches_light),
       ahead_(ahead),
-      encoder_(film.coding) {}
+      coder_(av::make_coder(film.coding)) {}
 
 std::int64_t PictureCoder::frames_left(std::int64_t number) const {
     std::int64_t left = chunk_.last - number;
@@ -61,7 +62,7 @@ encoder::PicturePlan PictureCoder::plan(std::int64_t number, bool cut_before, Mo
     constexpr double not_known = 1.0;
     facts.light_change = light_change_.value_or(not_known);
     if (ahead_ != nullptr) look_ahead(facts, number, moved != nullptr);
-    encoder::PicturePlan plan = encoder_.plan(number, facts, first);
+    encoder::PicturePlan plan = coder_->plan(number, facts, first);
     if (plan.starts_gop) gop_start_ = number;
     return plan;
 }
@@ -94,12 +95,12 @@ std::vector<encoder::CodedPicture> PictureCoder::code(const core::Picture& pictu
     }
     const core::MotionField* onward = plan.horizon ? motion.onward(*plan.horizon) : nullptr;
     const StageTimer timer(statistics_, Stage::encode);
-    return encoder_.push(picture, plan, fields, {onward});
+    return coder_->push(picture, plan, fields, {onward});
 }
 
 std::vector<encoder::CodedPicture> PictureCoder::flush() {
     const StageTimer timer(statistics_, Stage::encode);
-    return encoder_.flush();
+    return coder_->flush();
 }
 
 }  // namespace render2mpeg::app

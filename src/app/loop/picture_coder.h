@@ -1,6 +1,7 @@
 #pragma once
 // Plans and codes the pictures of a chunk: the loop's way into the encoder.
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -11,7 +12,7 @@
 #include "app/options/film.h"
 #include "core/picture.h"
 #include "core/plane.h"
-#include "encoder/encoder.h"
+#include "encoder/coder.h"
 #include "encoder/look_ahead.h"
 #include "scene/model/animation.h"
 
@@ -27,7 +28,7 @@ class PictureCoder {
     /// `allocations`: one per frame of the film, or none. `shots`: frames with which shots begin. `watches_light`: how
     /// much it changes is measured; not where pictures are too rough to tell. `ahead`: knows each picture, and those to
     /// come, before it is planned; tells of cuts, and of B pictures and motion where nobody else does; null: none.
-    /// Throws as encoder::check() does.
+    /// Throws as av::check() does.
     PictureCoder(const Film& film, const Chunk& chunk, std::span<const encoder::BitAllocation> allocations,
                  std::vector<std::int64_t> shots, RunStatistics& statistics, bool watches_light = true,
                  encoder::LookAhead* ahead = nullptr);
@@ -56,7 +57,7 @@ class PictureCoder {
     RunStatistics& statistics_;
     bool watches_light_;
     encoder::LookAhead* ahead_;
-    encoder::Encoder encoder_;
+    std::unique_ptr<encoder::Coder> coder_;
     std::int64_t gop_start_ = 0;
     bool continues_ = false;               ///< the picture planned last goes on from the one before
     core::Plane<std::uint8_t> last_luma_;  ///< of the picture coded last; empty: none in this chunk

@@ -46,7 +46,7 @@ OutputKind kind_of(const std::filesystem::path& output) {
         return ending == ".exr" ? OutputKind::exr : OutputKind::png;
     }
     throw UsageError("writing", output.string(),
-                     "the ending chooses what is written: .mpg, .vob, .ts, .m2v, .mkv, .mp4, .y4m, or images such as "
+                     "the ending chooses what is written: .mpg, .vob, .ts, .m2v, .mkv, .mp4, .mov, .y4m, or images such as "
                      "frames.%04d.exr or .png");
 }
 

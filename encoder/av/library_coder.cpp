@@ -1,0 +1,230 @@
+// Plans films for libavcodec's encoders: types, and quantisers known before pictures are made.
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <string>
+#include <utility>
+
+#include "core/error.h"
+#include "encoder/av/access_unit.h"
+#include "encoder/av/backend.h"
+#include "encoder/av/coders.h"
+#include "encoder/codec.h"
+#include "encoder/encoder.h"
+#include "encoder/mpeg2/kernels/frame.h"
+#include "encoder/mpeg2/macroblock/overrides.h"
+#include "encoder/mpeg2/macroblock/macroblock_tree.h"
+#include "encoder/mpeg2/motion/picture_order.h"
+
+namespace render2mpeg::av {
+namespace {
+
+using encoder::CodedPicture;
+using encoder::PicturePlan;
+using encoder::PictureType;
+
+/// Quantisers of these codecs are logarithms: a step is twice as large after so many.
+double quantisers_for_doubling(encoder::Codec codec) {
+    return codec == encoder::Codec::av1 ? 9.6 : 6.0;  // of AV1 where qindex is above 95 (encoder/codec.cpp)
+}
+
+/// The quantiser of a picture less that of a P picture that nothing refers to.
+/// chosen: docs/measurements.md#codecs
+double offset_of(PictureType type, std::int64_t followers) {
+    if (type == PictureType::bidirectional) return 2;
+    constexpr std::int64_t most_followers = 24;
+    return -0.5 * std::log2(1.0 + static_cast<double>(std::min(followers, most_followers)));
+}
+
+class LibraryCoder final : public encoder::Coder {
+  public:
+    explicit LibraryCoder(const encoder::Settings& settings)
+        : settings_(settings),
+          facts_(encoder::facts_of(settings.codec)),
+          order_(settings.gop, settings.b_pictures),
+          source_((settings.width + 15) / 16, (settings.height + 15) / 16) {}
+
+    PicturePlan plan(std::int64_t number, const encoder::PictureFacts& facts, bool first_of_chunk) override {
+        first_of_chunk = first_of_chunk || !order_.last();
+        const bool starts_gop =
+            first_of_chunk || order_.gop_is_over(number) || facts.cut_before || facts.keyframe;
+        PicturePlan plan = order_.plan(number, facts, starts_gop);
+        const std::int64_t followers = plan.horizon.value_or(number) - number;
+        plan.quantiser = limited(settings_.quantiser + offset_of(plan.type, followers));
+        planned_.push_back({plan, first_of_chunk});
+        return plan;
+    }
+
+    std::vector<CodedPicture> push(const core::Picture& picture, const PicturePlan& plan,
+                                   std::span<const core::MotionField>, const encoder::Hints& hints) override {
+        EXPECTS(!planned_.empty() && plan == planned_.front().plan);
+        std::vector<CodedPicture> complete;
+        if (planned_.front().first_of_chunk) {
+            complete = close();
+            library_ = backend().open_encoder(settings_);
+        }
+        planned_.pop_front();
+        LibraryOrder order{plan.type, plan.starts_gop, quantisers_of(picture, plan, hints)};
+        library_->send(picture, order);
+        sent_.push_back({plan, std::move(order.quantisers)});
+        collect(complete);
+        return complete;
+    }
+
+    std::vector<CodedPicture> flush() override {
+        order_.cut_short();
+        planned_.clear();
+        return close();
+    }
+
+  private:
+    struct Planned {
+        PicturePlan plan;
+        bool first_of_chunk;
+    };
+    struct Sent {
+        PicturePlan plan;
+        core::Plane<std::uint8_t> quantisers;
+    };
+
+    int limited(double quantiser) const {
+        return std::clamp(static_cast<int>(std::lround(quantiser)), facts_.finest, facts_.coarsest);
+    }
+
+    /// By macroblock: what later pictures are predicted from is finer. In steps of two, since x264 gives a macroblock
+    /// whose quantiser differs by one from its neighbour's that one's.
+    core::Plane<std::uint8_t> quantisers_of(const core::Picture& picture, const PicturePlan& plan,
+                                            const encoder::Hints& hints) {
+        const auto nominal = static_cast<std::uint8_t>(plan.quantiser);
+        if (settings_.codec != encoder::Codec::h264) return {1, 1, nominal};
+        core::Plane<std::uint8_t> quantisers(source_.columns(), source_.rows(), nominal);
+        const core::Plane<float> change = light_change(picture, plan);
+        const core::Plane<float> factors =
+            encoder::mpeg2::overrides_from(hints, source_.columns(), source_.rows(), &change).quantiser_factors;
+        for (std::size_t i = 0; i < factors.size(); ++i) {
+            const double offset = quantisers_for_doubling(settings_.codec) * std::log2(factors.values()[i]);
+            quantisers.values()[i] =
+                static_cast<std::uint8_t>(limited(plan.quantiser + 2.0 * std::round(0.5 * offset)));
+        }
+        return quantisers;
+    }
+
+    /// By how much the means of macroblocks differ from those of the picture before; 0 where a chunk begins.
+    core::Plane<float> light_change(const core::Picture& picture, const PicturePlan& plan) {
+        encoder::mpeg2::pad(picture, source_);
+        core::Plane<float> now = encoder::mpeg2::macroblock_means(source_);
+        core::Plane<float> change(now.width(), now.height(), 0.0f);
+        if (plan.number > 0 && last_pushed_ == plan.number - 1)
+            for (std::size_t i = 0; i < change.size(); ++i)
+                change.values()[i] = std::abs(now.values()[i] - means_.values()[i]);
+        means_ = std::move(now);
+        last_pushed_ = plan.number;
+        return change;
+    }
+
+    std::vector<CodedPicture> close() {
+        std::vector<CodedPicture> complete;
+        if (!library_) return complete;
+        library_->end();
+        collect(complete);
+        EXPECTS(sent_.empty());
+        library_.reset();
+        last_pushed_ = -1;
+        return complete;
+    }
+
+    void collect(std::vector<CodedPicture>& complete) {
+        for (LibraryPicture& picture : library_->take()) complete.push_back(told(std::move(picture)));
+    }
+
+    CodedPicture told(LibraryPicture picture) {
+        const auto sent = std::find_if(sent_.begin(), sent_.end(),
+                                       [&](const Sent& s) { return s.plan.number == picture.number; });
+        EXPECTS(sent != sent_.end());
+        CodedPicture coded;
+        coded.plan = std::move(sent->plan);
+        // Where a film ends early, the last picture refers to none behind it.
+        if (coded.plan.type == PictureType::bidirectional && picture.type == PictureType::predicted) {
+            coded.plan.type = PictureType::predicted;
+            coded.plan.references.resize(1);
+        }
+        coded.quantiser = coded.plan.quantiser;
+        coded.coding_order = coding_order_++;
+        if (coded.plan.starts_gop) coded.bytes = library_->headers();
+        const std::vector<std::uint8_t> bytes = taken_apart(settings_.codec, picture.bytes).pictures;
+        coded.bytes.insert(coded.bytes.end(), bytes.begin(), bytes.end());
+        coded.reconstruction = std::move(picture.reconstruction);
+        coded.macroblocks = records_of(sent->quantisers, picture);
+        coded.tells_vectors = false;
+        sent_.erase(sent);
+        return coded;
+    }
+
+    /// Macroblocks as the decoder tells them. One without coded coefficients has the quantiser of the one before it,
+    /// whatever was asked for, and uses none: it keeps what was planned.
+    core::Plane<encoder::MacroblockRecord> records_of(const core::Plane<std::uint8_t>& planned,
+                                                      const LibraryPicture& picture) const {
+        core::Plane<encoder::MacroblockRecord> records(source_.columns(), source_.rows());
+        std::uint8_t before = 0;
+        for (std::size_t i = 0; i < records.size(); ++i) {
+            encoder::MacroblockRecord& record = records.values()[i];
+            const std::uint8_t asked = planned.values()[planned.size() == 1 ? 0 : i];
+            record.intra = picture.type == PictureType::intra;
+            record.quantiser = asked;
+            if (picture.macroblocks.empty()) continue;
+            const encoder::MacroblockRecord& decoded = picture.macroblocks.values()[i];
+            record = decoded;
+            if (i > 0 && decoded.quantiser == before) record.quantiser = asked;
+            before = decoded.quantiser;
+        }
+        return records;
+    }
+
+    const encoder::Settings settings_;
+    const encoder::CodecFacts facts_;
+    encoder::mpeg2::PictureOrder order_;
+    std::deque<Planned> planned_;
+    std::deque<Sent> sent_;                    ///< to the library and not come back
+    std::unique_ptr<LibraryEncoder> library_;  ///< of a chunk
+    std::int64_t coding_order_ = 0;
+    encoder::mpeg2::Frame source_;  ///< kept for its memory
+    core::Plane<float> means_;      ///< of macroblocks of the picture pushed last
+    std::int64_t last_pushed_ = -1;
+};
+
+/// What only our own encoder does.
+void check_modes(const encoder::Settings& settings) {
+    const std::string name(encoder::facts_of(settings.codec).name);
+    const auto refuse = [&](const char* what) {
+        throw core::Error("coding", name, std::string(what) + " is MPEG-2's; choose --codec mpeg2");
+    };
+    if (settings.cadence != encoder::Cadence::frames) refuse("showing pictures as fields");
+    const encoder::RateControl& rate = settings.rate_control;
+    if (rate.mode == encoder::RateMode::constant_quality) refuse("--quality");
+    if (rate.mode == encoder::RateMode::constant) refuse("--cbr");
+    if (rate.max_rate > 0) refuse("--maxrate");
+    if (rate.buffer_bits > 0) refuse("--vbv");
+    // chosen: what all of these libraries take.
+    constexpr int least = 16, most = 8192;
+    if (std::min(settings.width, settings.height) < least || std::max(settings.width, settings.height) > most)
+        throw core::Error("coding", name, "pictures have 16 to 8192 pixels on a side");
+    if (settings.width % 2 != 0 || settings.height % 2 != 0)
+        throw core::Error("coding", name, "width and height must be even, but the pictures are " +
+                                              std::to_string(settings.width) + "x" + std::to_string(settings.height));
+}
+
+}  // namespace
+
+void check(const encoder::Settings& settings) {
+    if (settings.codec == encoder::Codec::mpeg2) return encoder::check(settings);
+    check_modes(settings);
+    backend().check_encoder(settings);
+}
+
+std::unique_ptr<encoder::Coder> make_coder(const encoder::Settings& settings) {
+    av::check(settings);
+    if (settings.codec == encoder::Codec::mpeg2) return std::make_unique<encoder::Encoder>(settings);
+    return std::make_unique<LibraryCoder>(settings);
+}
+
+}  // namespace render2mpeg::av
