@@ -11,6 +11,7 @@
 #include "encoder/av/coders.h"
 #include "encoder/codec.h"
 #include "encoder/encoder.h"
+#include "encoder/library_offsets.h"
 #include "encoder/mpeg2/kernels/frame.h"
 #include "encoder/mpeg2/macroblock/overrides.h"
 #include "encoder/mpeg2/macroblock/macroblock_tree.h"
@@ -30,10 +31,18 @@ double quantisers_for_doubling(encoder::Codec codec) {
 
 /// The quantiser of a picture less that of a P picture that nothing refers to.
 /// chosen: docs/measurements.md#codecs
-double offset_of(PictureType type, std::int64_t followers) {
-    if (type == PictureType::bidirectional) return 2;
+double offset_of(encoder::Codec codec, PictureType type, std::int64_t followers) {
+    const encoder::LibraryOffsets offsets = encoder::library_offsets(codec);
+    if (type == PictureType::bidirectional) return offsets.bidirectional;
+    if (codec != encoder::Codec::h264) return type == PictureType::intra ? offsets.intra : 0;
     constexpr std::int64_t most_followers = 24;
-    return -0.5 * std::log2(1.0 + static_cast<double>(std::min(followers, most_followers)));
+    const double strength = 0.5;
+    return -strength * std::log2(1.0 + static_cast<double>(std::min(followers, most_followers)));
+}
+
+/// Whether nothing forces an I picture but a new encoder.
+bool begins_anew_with_gop(encoder::Codec codec) {
+    return codec == encoder::Codec::av1;
 }
 
 class LibraryCoder final : public encoder::Coder {
@@ -50,7 +59,8 @@ class LibraryCoder final : public encoder::Coder {
             first_of_chunk || order_.gop_is_over(number) || facts.cut_before || facts.keyframe;
         PicturePlan plan = order_.plan(number, facts, starts_gop);
         const std::int64_t followers = plan.horizon.value_or(number) - number;
-        plan.quantiser = limited(settings_.quantiser + offset_of(plan.type, followers));
+        plan.quantiser = limited(settings_.quantiser + offset_of(settings_.codec, plan.type, followers));
+        plan.references.clear();  // these encoders look for vectors by themselves
         planned_.push_back({plan, first_of_chunk});
         return plan;
     }
@@ -59,7 +69,7 @@ class LibraryCoder final : public encoder::Coder {
                                    std::span<const core::MotionField>, const encoder::Hints& hints) override {
         EXPECTS(!planned_.empty() && plan == planned_.front().plan);
         std::vector<CodedPicture> complete;
-        if (planned_.front().first_of_chunk) {
+        if (planned_.front().first_of_chunk || (plan.starts_gop && begins_anew_with_gop(settings_.codec))) {
             complete = close();
             library_ = backend().open_encoder(settings_);
         }
@@ -144,15 +154,14 @@ class LibraryCoder final : public encoder::Coder {
         CodedPicture coded;
         coded.plan = std::move(sent->plan);
         // Where a film ends early, the last picture refers to none behind it.
-        if (coded.plan.type == PictureType::bidirectional && picture.type == PictureType::predicted) {
+        if (coded.plan.type == PictureType::bidirectional && picture.type == PictureType::predicted)
             coded.plan.type = PictureType::predicted;
-            coded.plan.references.resize(1);
-        }
         coded.quantiser = coded.plan.quantiser;
         coded.coding_order = coding_order_++;
-        if (coded.plan.starts_gop) coded.bytes = library_->headers();
-        const std::vector<std::uint8_t> bytes = taken_apart(settings_.codec, picture.bytes).pictures;
-        coded.bytes.insert(coded.bytes.end(), bytes.begin(), bytes.end());
+        // SVT-AV1's own header within the stream differs from the one that it tells beforehand.
+        AccessUnit unit = taken_apart(settings_.codec, picture.bytes);
+        if (coded.plan.starts_gop) coded.bytes = unit.headers.empty() ? library_->headers() : std::move(unit.headers);
+        coded.bytes.insert(coded.bytes.end(), unit.pictures.begin(), unit.pictures.end());
         coded.reconstruction = std::move(picture.reconstruction);
         coded.macroblocks = records_of(sent->quantisers, picture);
         coded.tells_vectors = false;

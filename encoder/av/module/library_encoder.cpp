@@ -1,6 +1,8 @@
 #include "encoder/av/module/library_encoder.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <deque>
 #include <limits>
@@ -11,6 +13,7 @@
 #include "encoder/av/module/ffmpeg.h"
 #include "encoder/av/module/picture_copy.h"
 #include "encoder/av/module/picture_facts.h"
+#include "encoder/library_offsets.h"
 
 namespace render2mpeg::av {
 namespace {
@@ -51,6 +54,17 @@ std::string x264_settings(const encoder::Settings& settings) {
            (settings.tune == encoder::Tune::psnr ? ":no-psy=1" : "");
 }
 
+/// One quantiser for each type of picture, told by ratios of steps; nothing is looked at ahead but where B pictures wait.
+std::string x265_settings(const encoder::Settings& settings) {
+    const encoder::LibraryOffsets offsets = encoder::library_offsets(settings.codec);
+    const auto ratio = [](double quantisers) { return std::to_string(std::exp2(quantisers / 6)); };
+    return "qp=" + std::to_string(settings.quantiser) + ":ipratio=" + ratio(-offsets.intra) +
+           ":pbratio=" + ratio(offsets.bidirectional) + ":scenecut=0:keyint=-1:b-adapt=0:b-pyramid=0:open-gop=0:" +
+           "rc-lookahead=" + std::to_string(settings.b_pictures + 1) +
+           ":lookahead-slices=0:frame-threads=1:pools=none:wpp=0:info=0:log-level=error" +
+           (settings.tune == encoder::Tune::psnr ? ":psy-rd=0:psy-rdoq=0" : "");
+}
+
 AVPictureType type_of(encoder::PictureType type) {
     if (type == encoder::PictureType::intra) return AV_PICTURE_TYPE_I;
     return type == encoder::PictureType::predicted ? AV_PICTURE_TYPE_P : AV_PICTURE_TYPE_B;
@@ -67,7 +81,7 @@ AVRational pixel_aspect(const encoder::Settings& settings) {
     return shape.num == 0 ? AVRational{1, 1} : av_mul_q(shape, {settings.height, settings.width});
 }
 
-/// x264 with its decoder.
+/// An encoder with its decoder.
 class Library final : public LibraryEncoder {
   public:
     explicit Library(const encoder::Settings& settings) : settings_(settings) {
@@ -88,7 +102,8 @@ class Library final : public LibraryEncoder {
         check(av_frame_get_buffer(frame_.get(), 0), messages);
         fill(*frame_, picture);
         frame_->pts = picture.number;
-        frame_->pict_type = type_of(order.type);
+        // SVT-AV1 orders its pictures by itself.
+        frame_->pict_type = settings_.codec == encoder::Codec::av1 ? AV_PICTURE_TYPE_NONE : type_of(order.type);
         if (settings_.codec == encoder::Codec::h264) add_offsets(order.quantisers, messages);
         check(avcodec_send_frame(encoder_.get(), frame_.get()), messages);
         receive(messages);
@@ -125,10 +140,13 @@ class Library final : public LibraryEncoder {
         const AVCodec& codec = encoder_for(settings_.codec);
         encoder_.reset(avcodec_alloc_context3(&codec));
         if (!encoder_) check(AVERROR(ENOMEM), messages);
+        // It speaks on the terminal, whatever libavcodec is told: errors alone, unless somebody wants more.
+        if (settings_.codec == encoder::Codec::av1) setenv("SVT_LOG", "1", 0);
         AVCodecContext& e = *encoder_;
         e.width = settings_.width;
         e.height = settings_.height;
-        e.pix_fmt = AV_PIX_FMT_YUV420P;
+        e.pix_fmt = settings_.codec != encoder::Codec::h264 && has_ten_bits(codec) ? AV_PIX_FMT_YUV420P10
+                                                                                  : AV_PIX_FMT_YUV420P;
         e.framerate = {static_cast<int>(settings_.rate.hertz.num), static_cast<int>(settings_.rate.hertz.den)};
         e.time_base = av_inv_q(e.framerate);
         e.sample_aspect_ratio = pixel_aspect(settings_);
@@ -142,16 +160,32 @@ class Library final : public LibraryEncoder {
         e.gop_size = std::numeric_limits<int>::max();
         e.thread_count = 1;  // with more of them, bytes would be others
         e.flags |= AV_CODEC_FLAG_GLOBAL_HEADER | AV_CODEC_FLAG_CLOSED_GOP;
-        AVDictionary* options = nullptr;
-        const bool fast = settings_.effort == encoder::Effort::fast;
-        av_dict_set(&options, "preset", fast ? "veryfast" : "slow", 0);
-        av_dict_set_int(&options, "forced-idr", 1, 0);
-        av_dict_set_int(&options, "crf", settings_.quantiser, 0);
-        av_dict_set(&options, "x264-params", x264_settings(settings_).c_str(), 0);
+        AVDictionary* options = library_options();
         const int result = avcodec_open2(&e, &codec, &options);
         av_dict_free(&options);
         check(result, messages);
         headers_.assign(e.extradata, e.extradata + e.extradata_size);
+    }
+
+    AVDictionary* library_options() const {
+        AVDictionary* options = nullptr;
+        const bool fast = settings_.effort == encoder::Effort::fast;
+        if (settings_.codec == encoder::Codec::av1) {
+            av_dict_set(&options, "preset", fast ? "10" : "6", 0);
+            av_dict_set_int(&options, "qp", settings_.quantiser, 0);
+            av_dict_set(&options, "svtav1-params", "lp=1:scd=0:keyint=-1:irefresh-type=2", 0);
+            return options;
+        }
+        av_dict_set_int(&options, "forced-idr", 1, 0);
+        if (settings_.codec == encoder::Codec::hevc) {
+            av_dict_set(&options, "preset", fast ? "veryfast" : "medium", 0);
+            av_dict_set(&options, "x265-params", x265_settings(settings_).c_str(), 0);
+        } else {
+            av_dict_set(&options, "preset", fast ? "veryfast" : "slow", 0);
+            av_dict_set_int(&options, "crf", settings_.quantiser, 0);
+            av_dict_set(&options, "x264-params", x264_settings(settings_).c_str(), 0);
+        }
+        return options;
     }
 
     void open_decoder(const Messages& messages) {
