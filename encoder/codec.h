@@ -16,7 +16,6 @@ struct CodecFacts {
     std::string_view name;   ///< "H.264"
     std::string_view scale;  ///< what its quantisers are called: "QP"
     int finest, coarsest;    ///< quantisers
-    int usual;               ///< quantiser where nobody says
     int most_b_pictures;     ///< in a row
 };
 

@@ -79,7 +79,7 @@ struct Declaration {
 
 /// What a first, cheaper pass over the film allocates to a picture (encoder/bit_allocation.h).
 struct BitAllocation {
-    double quantiser = 4;  ///< 1..31, not rounded
+    double quantiser = 4;  ///< MPEG-2's 1..31, not rounded; in other codecs what is like it for P pictures
     double bits = 0;       ///< that the picture should take with it
     double bits_left = 0;  ///< sum of `bits` over this picture and all that follow it in its chunk, in display order
     /// The picture's type in the first pass. If it has another type now, its quantiser is adapted. None: the same type.
@@ -98,7 +98,7 @@ struct BitAllocation {
 struct FirstPassPicture {
     std::int64_t number = 0;  ///< display number
     PictureType type = PictureType::intra;
-    int quantiser = 1;
+    double quantiser = 1;  ///< or in other codecs the one of MPEG-2 that the film's is like
     double bits = 0;
     bool starts_chunk = false;
     /// Its quantiser, before rounding, divided by that of a P picture that nothing refers to. None: the usual ratio of
@@ -219,7 +219,7 @@ struct CodedPicture {
     std::vector<std::uint8_t> bytes;  ///< whole access unit: sequence and GOP headers where they stand before it
     core::Picture reconstruction;     ///< what a decoder shows: cropped to the display size
     core::Plane<MacroblockRecord> macroblocks;
-    bool tells_vectors = true;            ///< `macroblocks` say how each was predicted; else only its quantiser and mode
+    bool tells_vectors = true;  ///< `macroblocks` say how each was predicted; else only its quantiser and mode
     std::uint64_t block_evaluations = 0;  ///< 16x16 differences computed to choose motion and modes, in all tries
     MotionWork motion;                    ///< part of these, in the last try
     int tries = 1;                        ///< codings until it fitted the buffer

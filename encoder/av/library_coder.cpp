@@ -13,8 +13,8 @@
 #include "encoder/encoder.h"
 #include "encoder/library_offsets.h"
 #include "encoder/mpeg2/kernels/frame.h"
-#include "encoder/mpeg2/macroblock/overrides.h"
 #include "encoder/mpeg2/macroblock/macroblock_tree.h"
+#include "encoder/mpeg2/macroblock/overrides.h"
 #include "encoder/mpeg2/motion/picture_order.h"
 
 namespace render2mpeg::av {
@@ -45,6 +45,36 @@ bool begins_anew_with_gop(encoder::Codec codec) {
     return codec == encoder::Codec::av1;
 }
 
+/// Whether one quantiser is told to an encoder for all its pictures.
+bool has_one_quantiser(encoder::Codec codec) {
+    return codec != encoder::Codec::h264;
+}
+
+/// The bits of a chunk: what is left of them decides the quantisers of what is left.
+class Budget {
+  public:
+    Budget() = default;
+    explicit Budget(double bits) : bits_(bits) {}
+
+    void spend(double expected, double real) {
+        expected_ += expected;
+        real_ += real;
+    }
+    /// MPEG-2's quantiser for a picture to come, by what it was allocated.
+    double quantiser(const encoder::BitAllocation& allocated) const {
+        if (expected_ <= 0 || bits_ <= 0) return allocated.quantiser;
+        // chosen: what was expected counts as much as an eighth of the chunk (1/16..1/4): first pictures tell little.
+        const double prior = bits_ / 8, excess = (real_ + prior) / (expected_ + prior);
+        const double left = std::max(bits_ - real_, 0.1 * bits_), rest = excess * std::max(bits_ - expected_, 0.0);
+        // chosen: bits fall with the quantiser's power 0.9 (encoder/mpeg2/rate/rate_model.h: 0.7 to 0.95); a factor of
+        // 2 at most.
+        return allocated.quantiser * std::clamp(std::pow(rest / left, 1 / 0.9), 0.5, 2.0);
+    }
+
+  private:
+    double bits_ = 0, expected_ = 0, real_ = 0;
+};
+
 class LibraryCoder final : public encoder::Coder {
   public:
     explicit LibraryCoder(const encoder::Settings& settings)
@@ -55,13 +85,16 @@ class LibraryCoder final : public encoder::Coder {
 
     PicturePlan plan(std::int64_t number, const encoder::PictureFacts& facts, bool first_of_chunk) override {
         first_of_chunk = first_of_chunk || !order_.last();
-        const bool starts_gop =
-            first_of_chunk || order_.gop_is_over(number) || facts.cut_before || facts.keyframe;
+        const bool starts_gop = first_of_chunk || order_.gop_is_over(number) || facts.cut_before || facts.keyframe;
         PicturePlan plan = order_.plan(number, facts, starts_gop);
         const std::int64_t followers = plan.horizon.value_or(number) - number;
-        plan.quantiser = limited(settings_.quantiser + offset_of(settings_.codec, plan.type, followers));
+        if (first_of_chunk) {
+            rounding_ = 0;
+            budget_ = facts.allocation ? Budget(facts.allocation->bits_left) : Budget();
+        }
+        plan.quantiser = limited(base_of(number, facts, starts_gop) + offset_of(settings_.codec, plan.type, followers));
         plan.references.clear();  // these encoders look for vectors by themselves
-        planned_.push_back({plan, first_of_chunk});
+        planned_.push_back({plan, first_of_chunk, facts.allocation ? facts.allocation->bits : 0, group_base_});
         return plan;
     }
 
@@ -71,12 +104,15 @@ class LibraryCoder final : public encoder::Coder {
         std::vector<CodedPicture> complete;
         if (planned_.front().first_of_chunk || (plan.starts_gop && begins_anew_with_gop(settings_.codec))) {
             complete = close();
-            library_ = backend().open_encoder(settings_);
+            encoder::Settings opened = settings_;
+            if (has_one_quantiser(settings_.codec)) opened.quantiser = limited(planned_.front().group_base);
+            library_ = backend().open_encoder(opened);
         }
+        const double bits = planned_.front().bits;
         planned_.pop_front();
         LibraryOrder order{plan.type, plan.starts_gop, quantisers_of(picture, plan, hints)};
         library_->send(picture, order);
-        sent_.push_back({plan, std::move(order.quantisers)});
+        sent_.push_back({plan, bits, std::move(order.quantisers)});
         collect(complete);
         return complete;
     }
@@ -91,11 +127,41 @@ class LibraryCoder final : public encoder::Coder {
     struct Planned {
         PicturePlan plan;
         bool first_of_chunk;
+        double bits;        ///< allocated
+        double group_base;  ///< where a group has one quantiser
     };
     struct Sent {
         PicturePlan plan;
+        double bits;
         core::Plane<std::uint8_t> quantisers;
     };
+
+    /// The quantiser of P pictures that nothing refers to, not rounded.
+    double wanted(const encoder::PictureFacts& facts) const {
+        const encoder::RateControl& rate = settings_.rate_control;
+        if (facts.allocation) return encoder::quantiser_like(settings_.codec, budget_.quantiser(*facts.allocation));
+        if (rate.mode == encoder::RateMode::constant_quantiser) return settings_.quantiser;
+        // Only x264 is told each picture's quantiser.
+        const double seen = has_one_quantiser(settings_.codec) ? 1.0 : facts.sensitivity.value_or(1);
+        return encoder::quantiser_like(settings_.codec, std::exp2((100 - rate.quality) / 20) / std::min(seen, 1.0));
+    }
+
+    /// The same as a whole number, such that pictures come to it on average; where a group has one quantiser, groups
+    /// do.
+    double base_of(std::int64_t number, const encoder::PictureFacts& facts, bool starts_gop) {
+        if (!has_one_quantiser(settings_.codec)) {
+            const double exact = wanted(facts) + rounding_, base = std::round(exact);
+            rounding_ = exact - base;
+            return base;
+        }
+        if (starts_gop) {
+            // The golden ratio's multiples fall evenly between whole numbers, wherever one begins.
+            const double group = std::floor(static_cast<double>(number) / settings_.gop),
+                         phase = 0.618034 * group + 0.5;
+            group_base_ = std::floor(wanted(facts) + phase - std::floor(phase));
+        }
+        return group_base_;
+    }
 
     int limited(double quantiser) const {
         return std::clamp(static_cast<int>(std::lround(quantiser)), facts_.finest, facts_.coarsest);
@@ -106,7 +172,7 @@ class LibraryCoder final : public encoder::Coder {
     core::Plane<std::uint8_t> quantisers_of(const core::Picture& picture, const PicturePlan& plan,
                                             const encoder::Hints& hints) {
         const auto nominal = static_cast<std::uint8_t>(plan.quantiser);
-        if (settings_.codec != encoder::Codec::h264) return {1, 1, nominal};
+        if (has_one_quantiser(settings_.codec)) return {1, 1, nominal};
         core::Plane<std::uint8_t> quantisers(source_.columns(), source_.rows(), nominal);
         const core::Plane<float> change = light_change(picture, plan);
         const core::Plane<float> factors =
@@ -148,8 +214,8 @@ class LibraryCoder final : public encoder::Coder {
     }
 
     CodedPicture told(LibraryPicture picture) {
-        const auto sent = std::find_if(sent_.begin(), sent_.end(),
-                                       [&](const Sent& s) { return s.plan.number == picture.number; });
+        const auto sent =
+            std::find_if(sent_.begin(), sent_.end(), [&](const Sent& s) { return s.plan.number == picture.number; });
         EXPECTS(sent != sent_.end());
         CodedPicture coded;
         coded.plan = std::move(sent->plan);
@@ -165,6 +231,7 @@ class LibraryCoder final : public encoder::Coder {
         coded.reconstruction = std::move(picture.reconstruction);
         coded.macroblocks = records_of(sent->quantisers, picture);
         coded.tells_vectors = false;
+        budget_.spend(sent->bits, 8.0 * static_cast<double>(coded.bytes.size()));
         sent_.erase(sent);
         return coded;
     }
@@ -199,6 +266,9 @@ class LibraryCoder final : public encoder::Coder {
     encoder::mpeg2::Frame source_;  ///< kept for its memory
     core::Plane<float> means_;      ///< of macroblocks of the picture pushed last
     std::int64_t last_pushed_ = -1;
+    double rounding_ = 0;    ///< of the bases of pictures so far
+    double group_base_ = 0;  ///< of the pictures of a group
+    Budget budget_;
 };
 
 /// What only our own encoder does.
@@ -209,7 +279,6 @@ void check_modes(const encoder::Settings& settings) {
     };
     if (settings.cadence != encoder::Cadence::frames) refuse("showing pictures as fields");
     const encoder::RateControl& rate = settings.rate_control;
-    if (rate.mode == encoder::RateMode::constant_quality) refuse("--quality");
     if (rate.mode == encoder::RateMode::constant) refuse("--cbr");
     if (rate.max_rate > 0) refuse("--maxrate");
     if (rate.buffer_bits > 0) refuse("--vbv");
@@ -218,8 +287,9 @@ void check_modes(const encoder::Settings& settings) {
     if (std::min(settings.width, settings.height) < least || std::max(settings.width, settings.height) > most)
         throw core::Error("coding", name, "pictures have 16 to 8192 pixels on a side");
     if (settings.width % 2 != 0 || settings.height % 2 != 0)
-        throw core::Error("coding", name, "width and height must be even, but the pictures are " +
-                                              std::to_string(settings.width) + "x" + std::to_string(settings.height));
+        throw core::Error("coding", name,
+                          "width and height must be even, but the pictures are " + std::to_string(settings.width) +
+                              "x" + std::to_string(settings.height));
 }
 
 }  // namespace

@@ -40,8 +40,9 @@
 #include "app/system/terminal.h"
 #include "core/error.h"
 #include "core/text.h"
-#include "encoder/bit_allocation.h"
 #include "encoder/av/coders.h"
+#include "encoder/bit_allocation.h"
+#include "encoder/codec.h"
 #include "parallel/loops.h"
 
 namespace render2mpeg::app {
@@ -111,7 +112,8 @@ std::unique_ptr<MotionSource> motion_files(const EncodeOptions& options, const F
 
 Job prepare(const EncodeOptions& options) {
     if (kind_of(options.output) != OutputKind::film)
-        throw core::Error("writing", options.output.string(), "a film is coded: .mpg, .vob, .ts, .m2v, .mkv, .mp4 or .mov");
+        throw core::Error("writing", options.output.string(),
+                          "a film is coded: .mpg, .vob, .ts, .m2v, .mkv, .mp4 or .mov");
     if (!options.as) check_apart({Files(options.input)}, {Files(options.output), Files(options.stats.value_or(""))});
     Job job;
     const auto wanted = options.frames ? std::optional(frames_from(*options.frames)) : std::nullopt;
@@ -123,6 +125,9 @@ Job prepare(const EncodeOptions& options) {
         throw core::Error("view: the frames of " + options.input.string() + " are a film's signals already");
     if (options.input == "-" && options.coding.passes == 2)
         throw UsageError("--passes 2: standard input is read once; choose --passes 1, or encode a file");
+    if (options.input == "-" && options.coding.bitrate &&
+        codec_of(options.coding, options.output) != encoder::Codec::mpeg2)
+        throw UsageError("--bitrate: standard input is read once, but this codec needs two passes; encode a file");
     if (options.input == "-" && options.as && options.coding.audio && *options.coding.audio != "none")
         throw UsageError(
             "--audio: where standard input is encoded to standard output nobody knows where sound ends; "
@@ -222,13 +227,14 @@ bool encode_chunk(Job& job, const Film& film, const Chunk& chunk, RunStatistics&
     return whole;
 }
 
-/// Codes all frames fast with one quantiser, without a rate or buffer that would make pictures fit, only to learn what
-/// they come to. Empty where it was interrupted.
+/// Codes all frames with one quantiser of MPEG-2, or what is like it, without a rate or buffer that would make pictures
+/// fit, only to learn what they come to: fast, but where the film has no other way to correct what that tells. Empty
+/// where it was interrupted.
 std::vector<encoder::FirstPassPicture> code_roughly(Job& job, int quantiser, bool quiet) {
     Film fast = job.film;
-    fast.coding.effort = encoder::Effort::fast;
+    if (fast.coding.codec == encoder::Codec::mpeg2) fast.coding.effort = encoder::Effort::fast;
     fast.coding.rate_control = {};
-    fast.coding.quantiser = quantiser;
+    fast.coding.quantiser = static_cast<int>(std::lround(encoder::quantiser_like(fast.coding.codec, quantiser)));
     Progress progress(job.film.frame_count(), quiet, "first pass", Counted::frames_of_step);
     std::vector<encoder::FirstPassPicture> film;
     RunStatistics statistics;
@@ -237,7 +243,7 @@ std::vector<encoder::FirstPassPicture> code_roughly(Job& job, int quantiser, boo
         encode_chunk(job, fast, chunk, statistics,
                      {[](const core::Picture&, const core::MotionField*) {},
                       [&](const encoder::CodedPicture& coded) {
-                          film.push_back(encoder::first_pass_picture(coded, starts_chunk));
+                          film.push_back(encoder::first_pass_picture(fast.coding, coded, starts_chunk));
                           starts_chunk = false;
                       },
                       [&] { progress.advance(); }});

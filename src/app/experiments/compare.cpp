@@ -57,7 +57,7 @@ class Comparing {
 
 Comparing::Comparing(const CompareOptions& options, const RenderJob& film, const std::string& ffmpeg)
     : options_(options),
-      quantisers_(quantisers_from(options.quantisers)),
+      quantisers_(in_scale_of(film.coding.codec, quantisers_from(options.quantisers))),
       trials_(film, windows_of(film.frames, sample_from(options.sample)), options.references) {
     found_.windows = trials_.windows();
     if (options.kept_references) trials_.keep_references_in(ReferenceCache(*options.kept_references));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "app/experiments/trial_command.h"
@@ -22,8 +23,8 @@
 #include "core/error.h"
 #include "core/numeric.h"
 #include "encoder/av/av.h"
-#include "encoder/capabilities.h"
 #include "encoder/av/coders.h"
+#include "encoder/capabilities.h"
 #include "parallel/loops.h"
 
 namespace render2mpeg::app {
@@ -77,8 +78,10 @@ void check_rate(const Target& target, const RenderJob& film) {
     av::check(coding);
 }
 
-/// Bits per second that the film as it was tried can have: more would make its level a higher one.
+/// Bits per second that the film as it was tried can have: more would make its level a higher one. Other codecs' levels
+/// bind nobody.
 double highest_rate(const RenderJob& film) {
+    if (film.coding.codec != encoder::Codec::mpeg2) return std::numeric_limits<double>::infinity();
     const std::int64_t wanted = film.coding.rate_control.max_rate;
     return static_cast<double>(wanted > 0 ? wanted : encoder::level_of(film.coding).bit_rate);
 }

@@ -6,6 +6,7 @@
 #include "app/loop/pipeline.h"
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"
+#include "encoder/codec.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -22,12 +23,16 @@ constexpr double size_ratio = 7;
 /// Keeps what every picture comes to.
 class Collector : public LoopObserver {
   public:
+    explicit Collector(const encoder::Settings& coding) : coding_(coding) {}
     void coded(const encoder::CodedPicture& picture) override {
-        film.push_back(encoder::first_pass_picture(picture, starts_chunk));
+        film.push_back(encoder::first_pass_picture(coding_, picture, starts_chunk));
         starts_chunk = false;
     }
     std::vector<encoder::FirstPassPicture> film;  ///< in coding order
     bool starts_chunk = false;
+
+  private:
+    encoder::Settings coding_;
 };
 
 RenderJob small(const RenderJob& film) {
@@ -47,7 +52,8 @@ RenderJob small(const RenderJob& film) {
     pass.coding.height = pass.format.height;
     pass.coding.effort = encoder::Effort::fast;
     pass.coding.rate_control = {};
-    pass.coding.quantiser = usual_quantiser(film.coding);
+    pass.coding.quantiser =
+        static_cast<int>(std::lround(encoder::quantiser_like(film.coding.codec, usual_quantiser(film.coding))));
     return pass;
 }
 
@@ -65,7 +71,7 @@ std::vector<encoder::BitAllocation> first_pass(const RenderJob& film, bool quiet
     const RenderJob pass = small(film);
     renderer::Renderer renderer = renderer_of(pass);
     Progress progress(film.frame_count(), quiet, "first pass", Counted::frames_of_step);
-    Collector collector;
+    Collector collector(pass.coding);
     RunStatistics statistics;
     for (const Chunk& chunk : chunks_of(film.frames, film.coding.gop)) {
         collector.starts_chunk = true;

@@ -19,13 +19,13 @@ void add_coding_options(CLI::App& command, CodingOptions& options) {
                "quantiser_scale_code of P pictures: 1 is the finest, 31 the coarsest; what many pictures follow from\n"
                "is a little finer, B pictures are coarser. Other codecs code to about the same quality",
                CLI::Range(1, 31))
-        ->default_str("4, or the codec's --crf");
+        ->default_str("4");
     add_option(command, coding, "--codec", options.codec,
                "`mpeg2`, `h264`, `hevc` or `av1` (default: h264 in .mp4, .mov and .mkv, else mpeg2)", "CODEC",
                CLI::IsMember({"mpeg2", "h264", "hevc", "av1"}));
     add_option(command, coding, "--crf", options.crf,
-               "Instead of --quantiser: QP of P pictures in the codec's own scale: 1 to 51 in H.264 (23) and HEVC (25), "
-               "to 63 in AV1 (30)",
+               "Instead of --quantiser: QP of P pictures in the codec's own scale, 1 to 51 in H.264 and HEVC, to 63 in "
+               "AV1; 27, 25 and 34 are like quantiser 4",
                "QP");
     add_rate_options(command, options);
     add_option(command, coding, "--gop", options.gop,

@@ -66,8 +66,7 @@ int quantiser_of(const CodingOptions& options, encoder::Codec codec) {
             throw UsageError(fmt::format("{}: {} has {} to {}", asked, facts.name, facts.finest, facts.coarsest));
         return *options.crf;
     }
-    if (!options.quantiser) return facts.usual;
-    return static_cast<int>(std::lround(encoder::quantiser_like(codec, *options.quantiser)));
+    return static_cast<int>(std::lround(encoder::quantiser_like(codec, options.quantiser.value_or(4))));
 }
 
 }  // namespace
@@ -94,6 +93,11 @@ encoder::Codec codec_of(const CodingOptions& options, const std::filesystem::pat
     return codec;
 }
 
+std::vector<int> in_scale_of(encoder::Codec codec, std::vector<int> quantisers) {
+    for (int& q : quantisers) q = static_cast<int>(std::lround(encoder::quantiser_like(codec, q)));
+    return quantisers;
+}
+
 encoder::Settings coding_settings(const CodingOptions& options, const Shape& shape, std::int64_t first,
                                   const std::filesystem::path& output) {
     encoder::Settings coding;
@@ -104,9 +108,12 @@ encoder::Settings coding_settings(const CodingOptions& options, const Shape& sha
     coding.first_number = first;
     coding.quantiser = quantiser_of(options, coding.codec);
     coding.rate_control = rate_control(options);
+    if (coding.codec != encoder::Codec::mpeg2 && options.bitrate && !two_passes(options))
+        throw UsageError(
+            fmt::format("--passes 1: a rate of {} needs two passes", encoder::facts_of(coding.codec).name));
     coding.gop = options.gop.value_or(usual_gop);
-    coding.b_pictures = std::min(options.b_pictures.value_or(coding.b_pictures),
-                                 encoder::facts_of(coding.codec).most_b_pictures);
+    coding.b_pictures =
+        std::min(options.b_pictures.value_or(coding.b_pictures), encoder::facts_of(coding.codec).most_b_pictures);
     coding.tune = options.tune == "perceptual" ? encoder::Tune::perceptual : encoder::Tune::psnr;
     coding.effort = options.encoder == "fast" ? encoder::Effort::fast : encoder::Effort::quality;
     coding.aspect_ratio_code = shape.aspect_ratio_code;
