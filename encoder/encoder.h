@@ -20,8 +20,8 @@ void check(const Settings& settings);
 /// Nothing where another codec has no such limits. Throws as check() does.
 Declaration declaration_of(const Settings& settings);
 
-/// Our MPEG-2 coder. Exact motion comes first; it searches where that is not good enough. Of pictures promised to plan()
-/// none is held back at their end. check() made sure that chunks of whole GOPs fit their rate.
+/// Our MPEG-2 coder. Exact motion comes first; it searches where that is not good enough. Of pictures promised to
+/// plan() none is held back at their end. check() made sure that chunks of whole GOPs fit their rate.
 class Encoder final : public Coder {
   public:
     /// Throws as check() does.

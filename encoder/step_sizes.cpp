@@ -40,8 +40,8 @@ float step_scale(Codec codec, int quantiser) {
 }
 
 StepSizes step_sizes(const Settings& settings, int quantiser) {
-    StepSizes steps = settings.codec == Codec::mpeg2 ? mpeg2_steps(settings.tune, quantiser)
-                                                     : flat_steps(settings.codec, quantiser);
+    StepSizes steps =
+        settings.codec == Codec::mpeg2 ? mpeg2_steps(settings.tune, quantiser) : flat_steps(settings.codec, quantiser);
     steps.scale = step_scale(settings.codec, quantiser);
     return steps;
 }

@@ -13,8 +13,8 @@
 // several times what the case is there to limit. We *add* it, so that no error exceeds qs min(q) / 2, nor, since min(q)
 // <= q, what the quantiser itself can do.
 //
-// The paper has intra pictures only. Macroblocks that are predicted quantise the residual, with their own matrix and dead
-// zone: what vanishes is decided by the residual.
+// The paper has intra pictures only. Macroblocks that are predicted quantise the residual, with their own matrix and
+// dead zone: what vanishes is decided by the residual.
 //
 // DC of intra blocks has a step of its own; inter DC errors are capped at the intra one, or the mean of a block could
 // wander in predicted pictures and jump back in the next intra one.

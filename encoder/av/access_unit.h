@@ -15,7 +15,8 @@ struct AccessUnit {
 };
 
 /// Takes apart a picture of a byte stream [H264, annex B] or, for AV1, of units with sizes [AV1, 5.2]. What only
-/// comments on it (SEI messages, metadata, delimiters) is left out. Throws core::Error for what is none. Not for MPEG-2.
+/// comments on it (SEI messages, metadata, delimiters) is left out. Throws core::Error for what is none. Not for
+/// MPEG-2.
 AccessUnit taken_apart(encoder::Codec codec, std::span<const std::uint8_t> bytes);
 
 }  // namespace render2mpeg::av

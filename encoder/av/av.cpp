@@ -1,5 +1,6 @@
 #include "encoder/av/av.h"
 
+#include <algorithm>
 #include <array>
 #include <fstream>
 #include <string>
@@ -44,21 +45,12 @@ SequenceFacts sequence_of(const encoder::Settings& settings, std::span<const std
     facts.aspect_ratio_code = settings.aspect_ratio_code;
     facts.rate = settings.rate;
     facts.progressive = true;
-    facts.low_delay = settings.b_pictures == 0;
+    // B pictures that others refer to stand in the middle of two or more (encoder/library_offsets.h).
+    facts.decoding_delay = std::min(settings.b_pictures, 2);
     facts.color_primaries = 1;
     facts.transfer_characteristics = settings.transfer_characteristics;
     facts.matrix_coefficients = settings.matrix_coefficients;
     return facts;
-}
-
-/// Refuses what players would not find in a container.
-void check_container(const std::filesystem::path& name, std::string_view format, encoder::Codec codec) {
-    const encoder::CodecFacts facts = encoder::facts_of(codec);
-    const bool taken = codec == encoder::Codec::mpeg2 || format == "mp4" || format == "matroska" ||
-                       (codec != encoder::Codec::av1 && (format == "mov" || format == "mpegts"));
-    if (!taken)
-        throw core::Error("writing", name.string(),
-                          "such files have no " + std::string(facts.name) + "; .mp4 and .mkv have");
 }
 
 /// Null where the ending is none of ours.
@@ -70,6 +62,16 @@ const char* format_of(const std::filesystem::path& name) {
 }
 
 }  // namespace
+
+void check_container(const std::filesystem::path& name, encoder::Codec codec) {
+    const char* known = format_of(name);
+    const std::string_view format = known != nullptr ? known : "";
+    const bool taken = codec == encoder::Codec::mpeg2 || format == "mp4" || format == "matroska" ||
+                       (codec != encoder::Codec::av1 && (format == "mov" || format == "mpegts"));
+    if (!taken)
+        throw core::Error("writing", name.string(),
+                          "such files have no " + std::string(encoder::facts_of(codec).name) + "; .mp4 and .mkv have");
+}
 
 const Backend& backend() {
     static const Backend* const backend = core::module_function<const Backend*()>("av", "render2mpeg_av_backend")();
@@ -108,13 +110,14 @@ Muxer::Muxer(const std::filesystem::path& file, const std::filesystem::path& nam
     if (format != nullptr && std::string_view(format) == "vob" && program_stream == ProgramStream::dvd) format = "dvd";
     if (format == nullptr)
         throw core::Error("writing", name.string(), "its ending is none of mpg, mpeg, vob, ts, m2v, mkv, mp4, mov");
-    check_container(name, format, settings.codec);
+    check_container(name, settings.codec);
     // Open the module and the file now, so that a film that cannot be written fails before it is rendered.
     backend();
     if (!std::ofstream(file, std::ios::binary | std::ios::trunc))
         throw core::Error("writing", file.string(), "cannot create the file");
     if (!sound.file.empty() && !can_have_sound(name))
-        throw core::Error("writing", name.string(), "an elementary stream has no sound; .mpg, .ts, .mkv, .mp4 and .mov have");
+        throw core::Error("writing", name.string(),
+                          "an elementary stream has no sound; .mpg, .ts, .mkv, .mp4 and .mov have");
     *impl_ = {file, {}, format, settings, largest_picture, sound, nullptr, 0};
 }
 
@@ -136,7 +139,7 @@ void Muxer::write(std::span<const std::uint8_t> bytes, std::int64_t display_numb
         // Without the film's largest picture, take twice the first one's size: an I picture, and those are the large
         // ones.
         facts.largest_picture = impl_->largest_picture > 0 ? impl_->largest_picture : 2 * bytes.size();
-        impl_->decoding_delay = facts.low_delay ? 0 : 1;
+        impl_->decoding_delay = facts.decoding_delay;
         impl_->container =
             backend().create(impl_->file, impl_->sink, impl_->format, impl_->settings, facts, impl_->sound);
     }

@@ -18,6 +18,9 @@ namespace render2mpeg::av {
 /// mp4, mov. Case does not matter.
 bool is_film(const std::filesystem::path& file);
 
+/// Throws core::Error where players do not look for a codec in files of this ending.
+void check_container(const std::filesystem::path& name, encoder::Codec codec);
+
 /// Which program streams .mpg, .mpeg and .vob are. `dvd`: sectors of 2048 bytes at 10.08 Mb/s, with a navigation pack
 /// before each video object unit, as tools that make DVDs take them; for streams of at most 9.8 Mb/s.
 enum class ProgramStream { plain, dvd };
@@ -47,7 +50,8 @@ class Muxer {
 
     /// One access unit in coding order. `display_number` and `coding_order` count from the film's first picture. The
     /// first one begins with the stream's headers. Pictures are shown as they are decoded where the film has no B
-    /// pictures, else one picture later. Throws core::Error if the disk is full.
+    /// pictures, else one picture later, or two where B pictures are referred to. Throws core::Error if the disk is
+    /// full.
     void write(std::span<const std::uint8_t> bytes, std::int64_t display_number, std::int64_t coding_order,
                bool starts_gop);
     /// Writes trailers and closes. Without it the file is not whole. Throws core::Error, also for a film without

@@ -65,8 +65,8 @@ struct Inspection {
 };
 
 /// Reads the first video stream of a film with libavcodec and tells how its pictures are coded. Damage is told, not
-/// thrown: what can be decoded is. Throws core::Error for a file that cannot be opened or has no video of a codec that films are made
-/// with. Of HEVC and AV1 libavcodec tells no quantisers.
+/// thrown: what can be decoded is. Throws core::Error for a file that cannot be opened or has no video of a codec that
+/// films are made with. Of HEVC and AV1 libavcodec tells no quantisers.
 Inspection inspect(const std::filesystem::path& file);
 
 }  // namespace render2mpeg::av

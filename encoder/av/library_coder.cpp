@@ -31,10 +31,15 @@ double quantisers_for_doubling(encoder::Codec codec) {
 
 /// The quantiser of a picture less that of a P picture that nothing refers to.
 /// chosen: docs/measurements.md#codecs
-double offset_of(encoder::Codec codec, PictureType type, std::int64_t followers) {
+double offset_of(encoder::Codec codec, const PicturePlan& plan) {
     const encoder::LibraryOffsets offsets = encoder::library_offsets(codec);
-    if (type == PictureType::bidirectional) return offsets.bidirectional;
-    if (codec != encoder::Codec::h264) return type == PictureType::intra ? offsets.intra : 0;
+    if (plan.type == PictureType::bidirectional) {
+        const std::int64_t earlier = plan.references.front(), later = plan.references.back();
+        const bool middle = encoder::is_middle(plan.number - earlier - 1, later - earlier - 1);
+        return middle ? offsets.middle : offsets.bidirectional;
+    }
+    if (codec != encoder::Codec::h264) return plan.type == PictureType::intra ? offsets.intra : 0;
+    const std::int64_t followers = plan.horizon.value_or(plan.number) - plan.number;
     constexpr std::int64_t most_followers = 24;
     const double strength = 0.5;
     return -strength * std::log2(1.0 + static_cast<double>(std::min(followers, most_followers)));
@@ -87,12 +92,11 @@ class LibraryCoder final : public encoder::Coder {
         first_of_chunk = first_of_chunk || !order_.last();
         const bool starts_gop = first_of_chunk || order_.gop_is_over(number) || facts.cut_before || facts.keyframe;
         PicturePlan plan = order_.plan(number, facts, starts_gop);
-        const std::int64_t followers = plan.horizon.value_or(number) - number;
         if (first_of_chunk) {
             rounding_ = 0;
             budget_ = facts.allocation ? Budget(facts.allocation->bits_left) : Budget();
         }
-        plan.quantiser = limited(base_of(number, facts, starts_gop) + offset_of(settings_.codec, plan.type, followers));
+        plan.quantiser = limited(base_of(number, facts, starts_gop) + offset_of(settings_.codec, plan));
         plan.references.clear();  // these encoders look for vectors by themselves
         planned_.push_back({plan, first_of_chunk, facts.allocation ? facts.allocation->bits : 0, group_base_});
         return plan;
@@ -283,9 +287,12 @@ void check_modes(const encoder::Settings& settings) {
     if (rate.max_rate > 0) refuse("--maxrate");
     if (rate.buffer_bits > 0) refuse("--vbv");
     // chosen: what all of these libraries take.
-    constexpr int least = 16, most = 8192;
+    constexpr int most = 8192;
+    const int least = settings.codec == encoder::Codec::av1 ? 64 : 16;
     if (std::min(settings.width, settings.height) < least || std::max(settings.width, settings.height) > most)
-        throw core::Error("coding", name, "pictures have 16 to 8192 pixels on a side");
+        throw core::Error("coding", name,
+                          "pictures have " + std::to_string(least) + " to 8192 pixels on a side, these are " +
+                              std::to_string(settings.width) + "x" + std::to_string(settings.height));
     if (settings.width % 2 != 0 || settings.height % 2 != 0)
         throw core::Error("coding", name,
                           "width and height must be even, but the pictures are " + std::to_string(settings.width) +

@@ -199,7 +199,7 @@ class File final : public Container {
         codec.color_primaries = static_cast<AVColorPrimaries>(facts.color_primaries);
         codec.color_trc = static_cast<AVColorTransferCharacteristic>(facts.transfer_characteristics);
         codec.color_space = static_cast<AVColorSpace>(facts.matrix_coefficients);
-        codec.video_delay = facts.low_delay ? 0 : 1;
+        codec.video_delay = facts.decoding_delay;
         codec.extradata = static_cast<std::uint8_t*>(av_mallocz(facts.headers.size() + AV_INPUT_BUFFER_PADDING_SIZE));
         if (codec.extradata == nullptr) check(AVERROR(ENOMEM), messages);
         std::copy(facts.headers.begin(), facts.headers.end(), codec.extradata);

@@ -1,5 +1,5 @@
-#include "core/error.h"
 #include "encoder/av/module/decoder.h"
+#include "core/error.h"
 #include "encoder/av/module/ffmpeg.h"
 #include "encoder/av/module/input.h"
 #include "encoder/av/module/picture_copy.h"

@@ -110,7 +110,8 @@ inline AVSampleFormat first_sample_format(const AVCodec& codec) {
 inline bool has_ten_bits(const AVCodec& codec) {
 #if LIBAVCODEC_VERSION_INT >= AV_VERSION_INT(61, 13, 100)
     const void* formats = nullptr;
-    if (avcodec_get_supported_config(nullptr, &codec, AV_CODEC_CONFIG_PIX_FORMAT, 0, &formats, nullptr) < 0) return false;
+    if (avcodec_get_supported_config(nullptr, &codec, AV_CODEC_CONFIG_PIX_FORMAT, 0, &formats, nullptr) < 0)
+        return false;
     const auto* format = static_cast<const AVPixelFormat*>(formats);
 #else
     const AVPixelFormat* format = codec.pix_fmts;

@@ -50,16 +50,17 @@ const AVCodec& decoder_for(encoder::Codec codec) {
 /// ahead, types make no difference. Adaptive quantisation is on, else offsets are ignored, but next to nothing.
 std::string x264_settings(const encoder::Settings& settings) {
     return std::string("qcomp=1:aq-mode=1:aq-strength=0.0001:mbtree=0:rc-lookahead=0:sync-lookahead=0:force-cfr=1:") +
-           "ipratio=1:pbratio=1:scenecut=0:keyint=infinite:b-adapt=0:b-pyramid=none:open-gop=0" +
+           "ipratio=1:pbratio=1:scenecut=0:keyint=infinite:b-adapt=0:b-pyramid=normal:open-gop=0" +
            (settings.tune == encoder::Tune::psnr ? ":no-psy=1" : "");
 }
 
-/// One quantiser for each type of picture, told by ratios of steps; nothing is looked at ahead but where B pictures wait.
+/// One quantiser for each type of picture, told by ratios of steps; nothing is looked at ahead but where B pictures
+/// wait.
 std::string x265_settings(const encoder::Settings& settings) {
     const encoder::LibraryOffsets offsets = encoder::library_offsets(settings.codec);
     const auto ratio = [](double quantisers) { return std::to_string(std::exp2(quantisers / 6)); };
     return "qp=" + std::to_string(settings.quantiser) + ":ipratio=" + ratio(-offsets.intra) +
-           ":pbratio=" + ratio(offsets.bidirectional) + ":scenecut=0:keyint=-1:b-adapt=0:b-pyramid=0:open-gop=0:" +
+           ":pbratio=" + ratio(offsets.bidirectional) + ":scenecut=0:keyint=-1:b-adapt=0:b-pyramid=1:open-gop=0:" +
            "rc-lookahead=" + std::to_string(settings.b_pictures + 1) +
            ":lookahead-slices=0:frame-threads=1:pools=none:wpp=0:info=0:log-level=error" +
            (settings.tune == encoder::Tune::psnr ? ":psy-rd=0:psy-rdoq=0" : "");
@@ -140,13 +141,13 @@ class Library final : public LibraryEncoder {
         const AVCodec& codec = encoder_for(settings_.codec);
         encoder_.reset(avcodec_alloc_context3(&codec));
         if (!encoder_) check(AVERROR(ENOMEM), messages);
-        // It speaks on the terminal, whatever libavcodec is told: errors alone, unless somebody wants more.
-        if (settings_.codec == encoder::Codec::av1) setenv("SVT_LOG", "1", 0);
+        // It speaks on the terminal, whatever libavcodec is told, unless it is told not to.
+        if (settings_.codec == encoder::Codec::av1) setenv("SVT_LOG", "0", 0);
         AVCodecContext& e = *encoder_;
         e.width = settings_.width;
         e.height = settings_.height;
-        e.pix_fmt = settings_.codec != encoder::Codec::h264 && has_ten_bits(codec) ? AV_PIX_FMT_YUV420P10
-                                                                                  : AV_PIX_FMT_YUV420P;
+        e.pix_fmt =
+            settings_.codec != encoder::Codec::h264 && has_ten_bits(codec) ? AV_PIX_FMT_YUV420P10 : AV_PIX_FMT_YUV420P;
         e.framerate = {static_cast<int>(settings_.rate.hertz.num), static_cast<int>(settings_.rate.hertz.den)};
         e.time_base = av_inv_q(e.framerate);
         e.sample_aspect_ratio = pixel_aspect(settings_);
@@ -178,7 +179,7 @@ class Library final : public LibraryEncoder {
         }
         av_dict_set_int(&options, "forced-idr", 1, 0);
         if (settings_.codec == encoder::Codec::hevc) {
-            av_dict_set(&options, "preset", fast ? "veryfast" : "medium", 0);
+            av_dict_set(&options, "preset", fast ? "veryfast" : "slow", 0);
             av_dict_set(&options, "x265-params", x265_settings(settings_).c_str(), 0);
         } else {
             av_dict_set(&options, "preset", fast ? "veryfast" : "slow", 0);

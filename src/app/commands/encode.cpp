@@ -230,7 +230,7 @@ bool encode_chunk(Job& job, const Film& film, const Chunk& chunk, RunStatistics&
 /// Codes all frames with one quantiser of MPEG-2, or what is like it, without a rate or buffer that would make pictures
 /// fit, only to learn what they come to: fast, but where the film has no other way to correct what that tells. Empty
 /// where it was interrupted.
-std::vector<encoder::FirstPassPicture> code_roughly(Job& job, int quantiser, bool quiet) {
+std::vector<encoder::FirstPassPicture> code_roughly(Job& job, double quantiser, bool quiet) {
     Film fast = job.film;
     if (fast.coding.codec == encoder::Codec::mpeg2) fast.coding.effort = encoder::Effort::fast;
     fast.coding.rate_control = {};
@@ -264,15 +264,17 @@ double change_of(std::span<const encoder::BitAllocation> allocations, std::span<
 /// for, what it tells is off too, and it is made again with a nearer one.
 std::vector<encoder::BitAllocation> first_pass(Job& job, bool quiet) {
     // chosen: again beyond a factor of 1.5, and no more than twice (1.2..3): noise for which 2 was guessed and 18 is
-    // right was 28 % over its rate.
-    int quantiser = usual_quantiser(job.film.coding);
+    // right was 28 % over its rate. Other codecs than MPEG-2 have less to correct it by.
+    const bool is_whole = job.film.coding.codec == encoder::Codec::mpeg2;
+    const double far = is_whole ? 1.5 : 1.1;
+    double quantiser = usual_quantiser(job.film.coding);
     for (int again = 2;; --again) {
         const std::vector<encoder::FirstPassPicture> film = code_roughly(job, quantiser, quiet);
         if (film.empty()) return {};
         std::vector<encoder::BitAllocation> allocations = encoder::allocate_bits(job.film.coding, film, 1.0);
         const double change = change_of(allocations, film);
-        if (again == 0 || (change < 1.5 && change > 1 / 1.5)) return allocations;
-        const int nearer = std::clamp(static_cast<int>(std::lround(quantiser * change)), 1, 31);
+        if (again == 0 || (change < far && change > 1 / far)) return allocations;
+        const double nearer = std::clamp(is_whole ? std::round(quantiser * change) : quantiser * change, 1.0, 31.0);
         if (nearer == quantiser) return allocations;
         quantiser = nearer;
     }

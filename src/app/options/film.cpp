@@ -8,6 +8,7 @@
 #include "app/options/rate_options.h"
 #include "app/options/usage_error.h"
 #include "core/text.h"
+#include "encoder/av/av.h"
 #include "encoder/capabilities.h"
 #include "encoder/codec.h"
 #include "perceptual/display.h"
@@ -53,6 +54,15 @@ void apply(const Preset& preset, const CodingOptions& options, encoder::Settings
         throw UsageError(fmt::format("--b-pictures {}: {} has at most {} in a row", coding.b_pictures, preset.option(),
                                      preset.b_pictures));
     apply_rates(preset, options, coding);
+}
+
+/// Refuses what was asked for on the command line.
+void check_container(const std::filesystem::path& output, encoder::Codec codec) {
+    try {
+        av::check_container(output, codec);
+    } catch (const core::Error& error) {
+        throw UsageError(error.what());
+    }
 }
 
 /// The quantiser in the codec's scale.
@@ -106,6 +116,7 @@ encoder::Settings coding_settings(const CodingOptions& options, const Shape& sha
     coding.height = shape.size.height;
     coding.rate = shape.rate;
     coding.first_number = first;
+    if (av::is_film(output)) check_container(output, coding.codec);
     coding.quantiser = quantiser_of(options, coding.codec);
     coding.rate_control = rate_control(options);
     if (coding.codec != encoder::Codec::mpeg2 && options.bitrate && !two_passes(options))
