@@ -88,7 +88,12 @@ class LibraryCoder final : public encoder::Coder {
           order_(settings.gop, settings.b_pictures),
           source_((settings.width + 15) / 16, (settings.height + 15) / 16) {}
 
-    PicturePlan plan(std::int64_t number, const encoder::PictureFacts& facts, bool first_of_chunk) override {
+    PicturePlan plan(std::int64_t number, const encoder::PictureFacts& told, bool first_of_chunk) override {
+        // chosen: runs as long as may be; what shortens them in MPEG-2 (uneven motion, light that changes) does not pay
+        // where vectors are of quarter pixels and predictions are weighted (docs/measurements.md#codecs).
+        encoder::PictureFacts facts = told;
+        facts.motion_nonuniformity.reset();
+        facts.light_change.reset();
         first_of_chunk = first_of_chunk || !order_.last();
         const bool starts_gop = first_of_chunk || order_.gop_is_over(number) || facts.cut_before || facts.keyframe;
         PicturePlan plan = order_.plan(number, facts, starts_gop);
