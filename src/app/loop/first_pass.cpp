@@ -35,10 +35,16 @@ class Collector : public LoopObserver {
     encoder::Settings coding_;
 };
 
+/// Other codecs than MPEG-2 take even sides alone, and none below 64 pixels.
+int side_of(encoder::Codec codec, int side) {
+    if (codec == encoder::Codec::mpeg2) return (side + shrink - 1) / shrink;
+    return std::min(side, std::max(64, 2 * ((side + 2 * shrink - 1) / (2 * shrink))));
+}
+
 RenderJob small(const RenderJob& film) {
     RenderJob pass = film;
-    pass.format.width = (film.format.width + shrink - 1) / shrink;
-    pass.format.height = (film.format.height + shrink - 1) / shrink;
+    pass.format.width = side_of(film.coding.codec, film.format.width);
+    pass.format.height = side_of(film.coding.codec, film.format.height);
     pass.rendering.format = pass.format;
     pass.rendering.samples = 1;
     pass.rendering.edge_samples = pass.rendering.most_samples = 0;
