@@ -14,6 +14,7 @@ struct StepSizes {
     float intra_dc = 0;      ///< step of the mean coefficient of intra blocks, whatever the scale
     /// What part of a step the smallest coefficient has that does not vanish.
     float intra_dead_zone = 0.5f, inter_dead_zone = 1.0f;
+    float hidden = 1;  ///< what share of errors as large as its steps coding hides, over MPEG-2's share
 };
 
 /// The steps of a film's pictures with this quantiser. Codecs that transform 4x4 as well as 8x8 have the same step in

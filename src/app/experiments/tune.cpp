@@ -53,8 +53,10 @@ Target target_of(const TuneOptions& o) {
 /// Refuses what contradicts the target, or leaves no film to be made.
 void check_options(const TuneOptions& o, const Target& target) {
     const CodingOptions& coding = o.render.coding;
-    if (target.kind != Kind::time && (coding.quality || coding.quantiser))
-        throw UsageError(std::string(coding.quality ? "--quality" : "--quantiser") +
+    if (target.kind != Kind::time && (coding.quality || coding.quantiser || coding.crf))
+        throw UsageError(std::string(coding.quality     ? "--quality"
+                                     : coding.quantiser ? "--quantiser"
+                                                        : "--crf") +
                          ": it is what is looked for; it goes with --max-time only");
     if (o.render.output.empty() && !o.render.dry_run)
         throw UsageError("tune: which film is to be made? Give -o film.mpg, or --dry-run");

@@ -24,7 +24,7 @@ perceptual::CodingPlan CodingTerms::steps_of(encoder::PictureType type, int quan
 
 PlannedPicture CodingTerms::planned(const encoder::PicturePlan& plan) const {
     return {plan.number, role_of(plan.type), plan.horizon.value_or(plan.number) - plan.number,
-            steps_of(plan.type, plan.quantiser)};
+            steps_of(plan.type, plan.quantiser), encoder::step_sizes(coding_, plan.quantiser).hidden};
 }
 
 std::optional<JudgedPicture> CodingTerms::coded(const encoder::CodedPicture& coded) {

@@ -25,7 +25,7 @@ void add_coding_options(CLI::App& command, CodingOptions& options) {
                CLI::IsMember({"mpeg2", "h264", "hevc", "av1"}));
     add_option(command, coding, "--crf", options.crf,
                "Instead of --quantiser: QP of P pictures in the codec's own scale, 1 to 51 in H.264 and HEVC, to 63 in "
-               "AV1; 27, 25 and 34 are like quantiser 4",
+               "AV1; 26, 26 and 33 are like quantiser 4",
                "QP");
     add_rate_options(command, options);
     add_option(command, coding, "--gop", options.gop,

@@ -93,11 +93,13 @@ core::Plane<float> values_of(HeatSubject subject, const LitFrame& frame) {
     return values;
 }
 
-/// Macroblocks as pixels.
-core::Plane<float> quantisers_of(const encoder::CodedPicture& coded) {
+/// Macroblocks as pixels: what MPEG-2's quantiser of each pixel is, or would be for about the same quality.
+core::Plane<float> quantisers_of(encoder::Codec codec, const encoder::CodedPicture& coded) {
     core::Plane<float> values(coded.reconstruction.width(), coded.reconstruction.height());
     for (int y = 0; y < values.height(); ++y)
-        for (int x = 0; x < values.width(); ++x) values.at(x, y) = coded.macroblocks.at(x / 16, y / 16).quantiser;
+        for (int x = 0; x < values.width(); ++x)
+            values.at(x, y) = static_cast<float>(
+                encoder::mpeg2_quantiser_like(codec, coded.macroblocks.at(x / 16, y / 16).quantiser));
     return values;
 }
 
@@ -149,6 +151,7 @@ HeatmapFilm::HeatmapFilm(HeatSubject subject, const std::filesystem::path& outpu
             earlier),
       film_(film.film()),
       grid_(film.chunks()),
+      codec_(film.coding.codec),
       matrix_(perceptual::matrix_for(film.format.height)),
       scale_(scale_of(subject)) {
     film_.coding = heatmap_settings(film, output);
@@ -162,7 +165,7 @@ void HeatmapFilm::lit(const LitFrame& frame) {
 }
 
 void HeatmapFilm::coded(const encoder::CodedPicture& coded) {
-    if (subject_ == HeatSubject::quantiser) show(coded.plan.number, quantisers_of(coded));
+    if (subject_ == HeatSubject::quantiser) show(coded.plan.number, quantisers_of(codec_, coded));
 }
 
 void HeatmapFilm::take_up(std::size_t chunks) {

@@ -72,6 +72,7 @@ class HeatmapFilm : public LoopObserver {
     Film film_;  ///< the heatmap's, not the one that it shows
     std::vector<Chunk> grid_;
     std::vector<ChunkFile> chunks_;
+    encoder::Codec codec_;  ///< of the film itself
     perceptual::ColorMatrix matrix_;
     perceptual::HeatScale scale_;
     std::int64_t next_ = 0;
