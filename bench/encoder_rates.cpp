@@ -41,7 +41,7 @@ std::vector<Coded> code(const Clip& clip, const encoder::Settings& s,
         const auto take = [&](const std::vector<encoder::CodedPicture>& pictures) {
             for (const encoder::CodedPicture& c : pictures) {
                 all.push_back({c.plan.type, c.quantiser, 8.0 * static_cast<double>(c.bytes.size())});
-                if (pass) pass->push_back(encoder::first_pass_picture(c, c.plan.number == first));
+                if (pass) pass->push_back(encoder::first_pass_picture(s, c, c.plan.number == first));
             }
         };
         for (std::int64_t n = first; n < end; ++n) {

@@ -19,7 +19,7 @@ bl_info = {
     "version": (0, 1, 0),
     "blender": (3, 4, 0),
     "location": "Render menu; render properties",
-    "description": "Films with global illumination, rendered straight to MPEG-2",
+    "description": "Films with global illumination, rendered straight to MPEG",
     "category": "Render",
 }
 
@@ -60,6 +60,8 @@ def film_words(scene, blend):
     settings = scene.render2mpeg
     output = bpy.path.abspath(settings.output)
     words = [blend, "-o", output] + size_words(scene)
+    if settings.codec != "ENDING":
+        words += ["--codec", settings.codec]
     if settings.control == "QUANTISER":
         words = ["render"] + words + ["--quantiser", str(settings.quantiser), "--resume", "--overwrite"]
     elif settings.control == "SIZE":
@@ -243,7 +245,11 @@ class RENDER2MPEG_OT_folder(Working, bpy.types.Operator):
 
 class Render2mpegSettings(bpy.types.PropertyGroup):
     output: bpy.props.StringProperty(name="Film", subtype="FILE_PATH", default="//film.mpg",
-                                     description="The ending chooses the kind: .mpg, .vob, .ts, .m2v, .mkv, .mp4")
+                                     description="The ending chooses the kind: .mp4, .mov and .mkv H.264; .mpg, .vob, .ts, .m2v MPEG-2")
+    codec: bpy.props.EnumProperty(name="Codec", items=[
+        ("ENDING", "By the Ending", "H.264 in .mp4, .mov and .mkv, else MPEG-2"),
+        ("mpeg2", "MPEG-2", "DVDs and broadcasts"), ("h264", "H.264", "Plays everywhere"),
+        ("hevc", "HEVC", "10 bits"), ("av1", "AV1", "10 bits, smallest")])
     control: bpy.props.EnumProperty(name="Rate", items=[
         ("QUANTISER", "Quantiser", "The same fineness throughout"),
         ("SIZE", "Size", "The finest film that is not larger"),
@@ -278,6 +284,7 @@ class RENDER2MPEG_PT_panel(bpy.types.Panel):
         if program() is None:
             layout.label(text="render2mpeg is not installed", icon="ERROR")
         layout.prop(settings, "output")
+        layout.prop(settings, "codec")
         layout.prop(settings, "control")
         layout.prop(settings, {"QUANTISER": "quantiser", "SIZE": "megabytes", "QUALITY": "decibels"}[settings.control])
         layout.prop(settings, "percentage")

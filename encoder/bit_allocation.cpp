@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "core/numeric.h"
 #include "encoder/cadence.h"
+#include "encoder/codec.h"
 #include "encoder/mpeg2/bitstream/levels.h"
 #include "encoder/mpeg2/checks.h"
 #include "encoder/mpeg2/rate/rate_model.h"
@@ -119,11 +120,22 @@ struct Solution {
     double affordable;  ///< BitAllocation::affordable
 };
 
-/// Solves for the quantiser of a group of chunks that share their bits, and fixes underflows until there are none.
-Solution solve(Items group, std::span<const Items> chunks, const mpeg2::Channel& channel, bool film_ends) {
+/// The bits of a group that are wanted of it.
+double wanted_bits(Items group, std::int64_t rate) {
     double seconds = 0;
     for (const Item& item : group) seconds += item.seconds;
-    const double wanted = static_cast<double>(channel.average_rate) * seconds;
+    return static_cast<double>(rate) * seconds;
+}
+
+/// Where no buffer binds.
+Solution solve_freely(Items group, std::int64_t rate) {
+    const double wanted = wanted_bits(group, rate), base = base_for(group, wanted);
+    return {base, core::divide_or(wanted, sum_of_bits(group, base), 1.0)};
+}
+
+/// Solves for the quantiser of a group of chunks that share their bits, and fixes underflows until there are none.
+Solution solve(Items group, std::span<const Items> chunks, const mpeg2::Channel& channel, bool film_ends) {
+    const double wanted = wanted_bits(group, channel.average_rate);
     double base = base_for(group, wanted);
     // chosen: every fix frees bits for others, which may then underflow; films converge within 10 (5..200).
     for (int round = 0; round < 60; ++round) {
@@ -138,17 +150,29 @@ Solution solve(Items group, std::span<const Items> chunks, const mpeg2::Channel&
 
 }  // namespace
 
-FirstPassPicture first_pass_picture(const CodedPicture& coded, bool starts_chunk) {
-    return {coded.plan.number, coded.plan.type,
-            coded.quantiser,   8.0 * static_cast<double>(coded.bytes.size() - coded.stuffing_bytes),
-            starts_chunk,      mpeg2::ratio_of(coded.plan)};
+FirstPassPicture first_pass_picture(const Settings& pass, const CodedPicture& coded, bool starts_chunk) {
+    if (pass.codec != Codec::mpeg2)
+        return {coded.plan.number,
+                coded.plan.type,
+                mpeg2_quantiser_like(pass.codec, pass.quantiser),
+                8.0 * static_cast<double>(coded.bytes.size()),
+                starts_chunk,
+                1.0};
+    return {coded.plan.number,
+            coded.plan.type,
+            static_cast<double>(coded.quantiser),
+            8.0 * static_cast<double>(coded.bytes.size() - coded.stuffing_bytes),
+            starts_chunk,
+            mpeg2::ratio_of(coded.plan)};
 }
 
 std::vector<BitAllocation> allocate_bits(const Settings& settings, std::span<const FirstPassPicture> film,
                                          double scale) {
     EXPECTS(settings.rate_control.bit_rate > 0 && std::isfinite(scale) && scale > 0);
     mpeg2::check_film(film);
-    const mpeg2::Channel channel = mpeg2::channel_for(settings, mpeg2::level_for(settings));
+    const bool buffered = settings.codec == Codec::mpeg2;
+    const mpeg2::Channel channel =
+        buffered ? mpeg2::channel_for(settings, mpeg2::level_for(settings)) : mpeg2::Channel{};
     const double field = 0.5 / declared_rate(settings).hertz.value();
     std::vector<Item> items;
     for (std::size_t i = 0; i < film.size(); ++i) {
@@ -171,7 +195,9 @@ std::vector<BitAllocation> allocate_bits(const Settings& settings, std::span<con
 
     // A constant rate gives every chunk its own share; else all have one.
     std::vector<BitAllocation> allocated(items.size());
-    const Solution common = channel.constant || items.empty() ? Solution{} : solve(items, chunks, channel, true);
+    const Solution common = channel.constant || items.empty() ? Solution{}
+                            : buffered                        ? solve(items, chunks, channel, true)
+                                                              : solve_freely(items, settings.rate_control.bit_rate);
     for (std::size_t c = 0; c < chunks.size(); ++c) {
         const Items chunk = chunks[c];
         const auto [base, affordable] =

@@ -9,15 +9,19 @@ namespace render2mpeg::encoder {
 /// values, [v * 8 + u] with u the horizontal frequency, is the matrix times `scale`.
 struct StepSizes {
     core::Block8x8 intra{};  ///< matrix of intra macroblocks; [0] is not looked at
-    core::Block8x8 inter{};  ///< matrix of all others, whose levels keep clear of a dead zone of one step
+    core::Block8x8 inter{};  ///< matrix of all others
     float scale = 0;         ///< > 0
     float intra_dc = 0;      ///< step of the mean coefficient of intra blocks, whatever the scale
+    /// What part of a step the smallest coefficient has that does not vanish.
+    float intra_dead_zone = 0.5f, inter_dead_zone = 1.0f;
+    float hidden = 1;  ///< what share of errors as large as its steps coding hides, over MPEG-2's share
 };
 
-/// The steps of pictures with this quantiser, 1..31. [H262, 7.4.1 and 7.4.2]
-StepSizes step_sizes(Tune tune, int quantiser);
+/// The steps of a film's pictures with this quantiser. Codecs that transform 4x4 as well as 8x8 have the same step in
+/// both. [H262, 7.4.1 and 7.4.2], [H264, 8.5.9]
+StepSizes step_sizes(const Settings& settings, int quantiser);
 
 /// Their scale alone, also where a macroblock has another quantiser than its picture.
-float step_scale(int quantiser);
+float step_scale(Codec codec, int quantiser);
 
 }  // namespace render2mpeg::encoder

@@ -15,6 +15,9 @@ namespace render2mpeg::encoder {
 
 enum class PictureType : std::uint8_t { intra = 1, predicted = 2, bidirectional = 3 };  ///< picture_coding_type
 
+/// How a film is coded: by our own MPEG-2 encoder, or by one of libavcodec's (encoder/av/coders.h).
+enum class Codec : std::uint8_t { mpeg2, h264, hevc, av1 };
+
 /// How much is tried. `fast`: one prediction mode per macroblock in full, levels one by one. `quality`: several modes,
 /// levels of a whole block at once.
 enum class Effort : std::uint8_t { fast, quality };
@@ -48,14 +51,15 @@ struct RateControl {
 
 /// What a film is coded with; constant over the film.
 struct Settings {
+    Codec codec = Codec::mpeg2;
     int width = 0;  ///< any size that a level allows; padded to whole macroblocks inside
     int height = 0;
     core::FrameRate rate;  ///< pictures per second; the header says cadence.h's declared_rate()
     Cadence cadence = Cadence::frames;
     std::int64_t first_number = 0;  ///< display number of the film's first picture, where the cadence begins
-    int quantiser = 4;              ///< quantiser_scale_code 1..31, q_scale_type 0
+    int quantiser = 4;              ///< in the codec's scale (encoder/codec.h): quantiser_scale_code, QP, ...
     int gop = 15;                   ///< pictures from I picture to I picture, 1..100,000
-    bool closed_gops = false;       ///< no GOP begins with B pictures that refer to the one before
+    bool closed_gops = false;       ///< no GOP begins with B pictures that refer to the one before; MPEG-2 alone has any
     int b_pictures = 3;             ///< most B pictures in a row, 0..3
     Effort effort = Effort::quality;
     Tune tune = Tune::psnr;
@@ -76,7 +80,7 @@ struct Declaration {
 
 /// What a first, cheaper pass over the film allocates to a picture (encoder/bit_allocation.h).
 struct BitAllocation {
-    double quantiser = 4;  ///< 1..31, not rounded
+    double quantiser = 4;  ///< MPEG-2's 1..31, not rounded; in other codecs what is like it for P pictures
     double bits = 0;       ///< that the picture should take with it
     double bits_left = 0;  ///< sum of `bits` over this picture and all that follow it in its chunk, in display order
     /// The picture's type in the first pass. If it has another type now, its quantiser is adapted. None: the same type.
@@ -95,7 +99,7 @@ struct BitAllocation {
 struct FirstPassPicture {
     std::int64_t number = 0;  ///< display number
     PictureType type = PictureType::intra;
-    int quantiser = 1;
+    double quantiser = 1;  ///< or in other codecs the one of MPEG-2 that the film's is like
     double bits = 0;
     bool starts_chunk = false;
     /// Its quantiser, before rounding, divided by that of a P picture that nothing refers to. None: the usual ratio of
@@ -174,7 +178,7 @@ struct Hints {
 struct MacroblockRecord {
     bool intra = false;
     bool skipped = false;
-    std::uint8_t quantiser = 0;               ///< quantiser_scale_code in force
+    std::uint8_t quantiser = 0;               ///< in force, in the codec's scale
     std::int16_t motion_x = 0, motion_y = 0;  ///< forward, half pixels
     std::uint32_t bits = 0;
     bool forward = false, backward = false;       ///< which references it is predicted from
@@ -219,6 +223,7 @@ struct CodedPicture {
     std::vector<std::uint8_t> bytes;  ///< whole access unit: sequence and GOP headers where they stand before it
     core::Picture reconstruction;     ///< what a decoder shows: cropped to the display size
     core::Plane<MacroblockRecord> macroblocks;
+    bool tells_vectors = true;  ///< `macroblocks` say how each was predicted; else only its quantiser and mode
     std::uint64_t block_evaluations = 0;  ///< 16x16 differences computed to choose motion and modes, in all tries
     MotionWork motion;                    ///< part of these, in the last try
     int tries = 1;                        ///< codings until it fitted the buffer

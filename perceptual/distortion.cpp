@@ -13,8 +13,8 @@
 // several times what the case is there to limit. We *add* it, so that no error exceeds qs min(q) / 2, nor, since min(q)
 // <= q, what the quantiser itself can do.
 //
-// The paper has intra pictures only. Macroblocks that are predicted quantise the residual, with their own matrix and a
-// dead zone of a whole step: what vanishes is decided by the residual.
+// The paper has intra pictures only. Macroblocks that are predicted quantise the residual, with their own matrix and
+// dead zone: what vanishes is decided by the residual.
 //
 // DC of intra blocks has a step of its own; inter DC errors are capped at the intra one, or the mean of a block could
 // wander in predicted pictures and jump back in the next intra one.
@@ -39,9 +39,8 @@ core::Block8x8 worst_errors(const core::Block8x8& c, const core::Block8x8& m, co
     if (!coding.intra && coding.residual == nullptr) {
         for (std::size_t i = 0; i < 64; ++i) errors[i] = std::copysign(vanished, c[i] + 0.0f);
     } else {
-        // Intra levels round to the nearest, all others drop what is below one whole step.
         const core::Block8x8& quantised = coding.intra ? c : *coding.residual;
-        const float least = coding.intra ? half : coding.scale;
+        const float least = coding.scale * (coding.intra ? quantisation.intra_dead_zone : quantisation.inter_dead_zone);
         for (std::size_t i = 0; i < 64; ++i) {
             // m / q is the block's masking: of m alone the eye's own matrix would be in the step twice.
             const float kept = half * matrix[i] * (m[i] / sensitivity[i]);

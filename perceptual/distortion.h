@@ -10,9 +10,13 @@ namespace render2mpeg::perceptual {
 struct Quantisation {
     core::Block8x8
         intra{};  ///< matrix of intra macroblocks, > 0: the steps at scale 1. [0] is not looked at: see dc_step
-    core::Block8x8
-        inter{};  ///< matrix of all others, > 0, for the residual; levels keep clear of a dead zone of one step
-    float dc_step = 8.0f;  ///< of the mean coefficient of intra blocks, whatever the scale: 8, 4, 2 or 1
+    core::Block8x8 inter{};  ///< matrix of all others, > 0, for the residual
+    float dc_step = 8.0f;    ///< of the mean coefficient of intra blocks, whatever the scale
+    /// What part of a step a coefficient needs not to vanish: half where levels round to the nearest, more with a dead
+    /// zone.
+    float intra_dead_zone = 0.5f, inter_dead_zone = 1.0f;
+
+    bool operator==(const Quantisation&) const = default;
 };
 
 /// How one block was or will be quantised.

@@ -99,8 +99,7 @@ core::Picture difference(const core::Plane<float>& luma, const core::Plane<std::
 }  // namespace
 
 bool CodingPlan::operator==(const CodingPlan& other) const {
-    return intra == other.intra && scale == other.scale && quantisation.intra == other.quantisation.intra &&
-           quantisation.inter == other.quantisation.inter && quantisation.dc_step == other.quantisation.dc_step;
+    return intra == other.intra && scale == other.scale && quantisation == other.quantisation;
 }
 
 VisibilityModel::VisibilityModel(const Display& display, Strategy strategy) : light_(display), strategy_(strategy) {}

@@ -1,5 +1,6 @@
 #include "encoder/av/av.h"
 
+#include <algorithm>
 #include <array>
 #include <fstream>
 #include <string>
@@ -9,21 +10,48 @@
 #include "core/error.h"
 #include "core/module.h"
 #include "core/text.h"
+#include "encoder/av/access_unit.h"
 #include "encoder/av/backend.h"
 #include "encoder/av/inspect.h"
 #include "encoder/cadence.h"
+#include "encoder/codec.h"
 
 namespace render2mpeg::av {
 namespace {
 
 /// Endings and libavformat's names. Its own guess for .mpg is MPEG-1's system stream.
-constexpr std::array<std::pair<std::string_view, const char*>, 7> formats{{{".mpg", "vob"},
+constexpr std::array<std::pair<std::string_view, const char*>, 8> formats{{{".mpg", "vob"},
                                                                            {".mpeg", "vob"},
                                                                            {".vob", "vob"},
                                                                            {".ts", "mpegts"},
                                                                            {".m2v", "mpeg2video"},
                                                                            {".mkv", "matroska"},
-                                                                           {".mp4", "mp4"}}};
+                                                                           {".mp4", "mp4"},
+                                                                           {".mov", "mov"}}};
+
+/// Whether a container keeps what describes a stream apart from its pictures. Decoders of MPEG-2 and AV1 want both.
+bool keeps_headers_apart(std::string_view format, encoder::Codec codec) {
+    return (codec == encoder::Codec::h264 || codec == encoder::Codec::hevc) &&
+           (format == "matroska" || format == "mp4" || format == "mov");
+}
+
+/// What the first picture says of a stream.
+SequenceFacts sequence_of(const encoder::Settings& settings, std::span<const std::uint8_t> picture) {
+    if (settings.codec == encoder::Codec::mpeg2) return read_sequence(picture);
+    SequenceFacts facts;
+    facts.headers = taken_apart(settings.codec, picture).headers;
+    facts.width = settings.width;
+    facts.height = settings.height;
+    facts.aspect_ratio_code = settings.aspect_ratio_code;
+    facts.rate = settings.rate;
+    facts.progressive = true;
+    // B pictures that others refer to stand in the middle of two or more (encoder/library_offsets.h).
+    facts.decoding_delay = std::min(settings.b_pictures, 2);
+    facts.color_primaries = 1;
+    facts.transfer_characteristics = settings.transfer_characteristics;
+    facts.matrix_coefficients = settings.matrix_coefficients;
+    return facts;
+}
 
 /// Null where the ending is none of ours.
 const char* format_of(const std::filesystem::path& name) {
@@ -33,12 +61,22 @@ const char* format_of(const std::filesystem::path& name) {
     return nullptr;
 }
 
+}  // namespace
+
+void check_container(const std::filesystem::path& name, encoder::Codec codec) {
+    const char* known = format_of(name);
+    const std::string_view format = known != nullptr ? known : "";
+    const bool taken = codec == encoder::Codec::mpeg2 || format == "mp4" || format == "matroska" ||
+                       (codec != encoder::Codec::av1 && (format == "mov" || format == "mpegts"));
+    if (!taken)
+        throw core::Error("writing", name.string(),
+                          "such files have no " + std::string(encoder::facts_of(codec).name) + "; .mp4 and .mkv have");
+}
+
 const Backend& backend() {
     static const Backend* const backend = core::module_function<const Backend*()>("av", "render2mpeg_av_backend")();
     return *backend;
 }
-
-}  // namespace
 
 bool can_have_sound(const std::filesystem::path& film) {
     const char* format = format_of(film);
@@ -71,13 +109,15 @@ Muxer::Muxer(const std::filesystem::path& file, const std::filesystem::path& nam
     const char* format = format_of(name);
     if (format != nullptr && std::string_view(format) == "vob" && program_stream == ProgramStream::dvd) format = "dvd";
     if (format == nullptr)
-        throw core::Error("writing", name.string(), "its ending is none of mpg, mpeg, vob, ts, m2v, mkv, mp4");
+        throw core::Error("writing", name.string(), "its ending is none of mpg, mpeg, vob, ts, m2v, mkv, mp4, mov");
+    check_container(name, settings.codec);
     // Open the module and the file now, so that a film that cannot be written fails before it is rendered.
     backend();
     if (!std::ofstream(file, std::ios::binary | std::ios::trunc))
         throw core::Error("writing", file.string(), "cannot create the file");
     if (!sound.file.empty() && !can_have_sound(name))
-        throw core::Error("writing", name.string(), "an elementary stream has no sound; .mpg, .ts, .mkv and .mp4 have");
+        throw core::Error("writing", name.string(),
+                          "an elementary stream has no sound; .mpg, .ts, .mkv, .mp4 and .mov have");
     *impl_ = {file, {}, format, settings, largest_picture, sound, nullptr, 0};
 }
 
@@ -94,12 +134,12 @@ Muxer::~Muxer() = default;
 void Muxer::write(std::span<const std::uint8_t> bytes, std::int64_t display_number, std::int64_t coding_order,
                   bool starts_gop) {
     if (!impl_->container) {
-        SequenceFacts facts = read_sequence(bytes);
+        SequenceFacts facts = sequence_of(impl_->settings, bytes);
         EXPECTS(facts.width == impl_->settings.width && facts.height == impl_->settings.height);
         // Without the film's largest picture, take twice the first one's size: an I picture, and those are the large
         // ones.
         facts.largest_picture = impl_->largest_picture > 0 ? impl_->largest_picture : 2 * bytes.size();
-        impl_->decoding_delay = facts.low_delay ? 0 : 1;
+        impl_->decoding_delay = facts.decoding_delay;
         impl_->container =
             backend().create(impl_->file, impl_->sink, impl_->format, impl_->settings, facts, impl_->sound);
     }
@@ -108,8 +148,11 @@ void Muxer::write(std::span<const std::uint8_t> bytes, std::int64_t display_numb
     EXPECTS(decoding <= display_number);
     const auto fields = [&](std::int64_t number) { return encoder::fields_before(impl_->settings.cadence, number); };
     const std::int64_t presentation = fields(display_number);
-    impl_->container->write(bytes, {presentation, fields(decoding), fields(display_number + 1) - presentation},
-                            starts_gop);
+    const Times times{presentation, fields(decoding), fields(display_number + 1) - presentation};
+    if (keeps_headers_apart(impl_->format, impl_->settings.codec))
+        impl_->container->write(taken_apart(impl_->settings.codec, bytes).pictures, times, starts_gop);
+    else
+        impl_->container->write(bytes, times, starts_gop);
 }
 
 void Muxer::finish() {

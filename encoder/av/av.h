@@ -15,8 +15,11 @@
 namespace render2mpeg::av {
 
 /// Whether a file name's ending is a container or elementary stream that Muxer writes: mpg, mpeg, vob, ts, m2v, mkv,
-/// mp4. Case does not matter.
+/// mp4, mov. Case does not matter.
 bool is_film(const std::filesystem::path& file);
+
+/// Throws core::Error where players do not look for a codec in files of this ending.
+void check_container(const std::filesystem::path& name, encoder::Codec codec);
 
 /// Which program streams .mpg, .mpeg and .vob are. `dvd`: sectors of 2048 bytes at 10.08 Mb/s, with a navigation pack
 /// before each video object unit, as tools that make DVDs take them; for streams of at most 9.8 Mb/s.
@@ -25,8 +28,8 @@ enum class ProgramStream { plain, dvd };
 /// Takes the bytes of a film as they come, in order; false: it takes no more. Throws nothing.
 using ByteSink = std::function<bool(std::span<const std::uint8_t>)>;
 
-/// Writes coded pictures to a file of the kind that `name`'s ending tells: mpg, mpeg and vob are MPEG-2 program
-/// streams. The same pictures give the same bytes: no dates, no random identifiers.
+/// Writes coded pictures to a file of the kind that `name`'s ending tells: mpg, mpeg and vob are program
+/// streams of MPEG-2. The same pictures give the same bytes: no dates, no random identifiers.
 class Muxer {
   public:
     /// `file` is where bytes go; `name` (often the final name) chooses the format. `largest_picture` is the size in
@@ -46,8 +49,9 @@ class Muxer {
     Muxer& operator=(const Muxer&) = delete;
 
     /// One access unit in coding order. `display_number` and `coding_order` count from the film's first picture. The
-    /// first one begins with the sequence header, whose low_delay tells whether pictures are shown as they are decoded
-    /// (no B pictures) or one picture later. Throws core::Error if the disk is full.
+    /// first one begins with the stream's headers. Pictures are shown as they are decoded where the film has no B
+    /// pictures, else one picture later, or two where B pictures are referred to. Throws core::Error if the disk is
+    /// full.
     void write(std::span<const std::uint8_t> bytes, std::int64_t display_number, std::int64_t coding_order,
                bool starts_gop);
     /// Writes trailers and closes. Without it the file is not whole. Throws core::Error, also for a film without

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "core/picture.h"
 #include "encoder/av/av.h"
@@ -13,8 +14,8 @@
 #include "encoder/av/sound.h"
 #include "encoder/types.h"
 
-/// What the module render2mpeg_av_module.so offers to the light library in front of it (av.cpp). Nothing else includes
-/// this.
+/// What the module render2mpeg_av_module.so offers to the light library in front of it (av.cpp, library_coder.cpp).
+/// Nothing else includes this.
 namespace render2mpeg::av {
 
 /// When a coded picture is shown and decoded, in fields from the film's beginning (encoder/cadence.h).
@@ -30,6 +31,36 @@ class Container {
     virtual void finish() = 0;
 };
 
+/// How a library's encoder is to code a picture.
+struct LibraryOrder {
+    encoder::PictureType type = encoder::PictureType::intra;
+    bool starts_gop = true;
+    core::Plane<std::uint8_t> quantisers;  ///< of macroblocks; one alone where the codec has one for all
+};
+
+/// A picture that a library coded, and what its decoder shows of it.
+struct LibraryPicture {
+    std::int64_t number = 0;
+    encoder::PictureType type = encoder::PictureType::intra;
+    std::vector<std::uint8_t> bytes;
+    core::Picture reconstruction;
+    core::Plane<encoder::MacroblockRecord> macroblocks;  ///< empty: the decoder does not tell
+};
+
+/// An encoder of libavcodec with its decoder beside it, for pictures that depend on no others.
+class LibraryEncoder {
+  public:
+    virtual ~LibraryEncoder() = default;
+    /// What describes the stream, and belongs before each picture that starts a GOP.
+    virtual const std::vector<std::uint8_t>& headers() const = 0;
+    /// The next picture in display order.
+    virtual void send(const core::Picture& picture, const LibraryOrder& order) = 0;
+    /// No picture follows.
+    virtual void end() = 0;
+    /// Pictures that are complete, in coding order.
+    virtual std::vector<LibraryPicture> take() = 0;
+};
+
 class Backend {
   public:
     virtual ~Backend() = default;
@@ -38,10 +69,16 @@ class Backend {
     virtual std::unique_ptr<Container> create(const std::filesystem::path& file, const ByteSink& sink,
                                               const char* format, const encoder::Settings& settings,
                                               const SequenceFacts& facts, const Sound& sound) const = 0;
+    /// Throws core::Error where libavcodec has no encoder for the codec, or none with so many bits.
+    virtual void check_encoder(const encoder::Settings& settings) const = 0;
+    virtual std::unique_ptr<LibraryEncoder> open_encoder(const encoder::Settings& settings) const = 0;
     virtual double length_of_sound(const std::filesystem::path& file) const = 0;
     virtual void decode(const std::filesystem::path& file,
                         const std::function<void(const core::Picture&)>& picture) const = 0;
     virtual Inspection inspect(const std::filesystem::path& file) const = 0;
 };
+
+/// The module's functions; it is opened by the first call. Throws core::Error.
+const Backend& backend();
 
 }  // namespace render2mpeg::av

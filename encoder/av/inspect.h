@@ -1,21 +1,23 @@
 #pragma once
-// Reads how the pictures of any MPEG-2 film are coded.
+// Reads how the pictures of a film are coded.
 #include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "core/rational.h"
+#include "encoder/types.h"
 
 /// Tells how a film is coded: its stream and each picture, whoever made it.
 namespace render2mpeg::av {
 
-/// What a film file says of its MPEG-2 video stream.
+/// What a film file says of its video stream.
 struct StreamFacts {
+    encoder::Codec codec = encoder::Codec::mpeg2;
     std::string container;              ///< libavformat's long name
     int streams = 0;                    ///< in the container, this one included
     std::string profile;                ///< "Main", or empty where the stream says none that is known
-    std::string level;                  ///< "Main", "High-1440", ..., or empty likewise
+    std::string level;                  ///< "Main", "High-1440", "3.1", ..., or empty likewise
     int width = 0, height = 0;          ///< pixels
     core::Rational rate{0, 1};          ///< pictures per second as declared; 0: not said
     core::Rational pixel_aspect{0, 1};  ///< width by height of a pixel; 0: not said
@@ -44,8 +46,9 @@ struct PictureFacts {
     int repeated_fields = 0;     ///< fields shown beyond two
     std::int64_t bytes = 0;      ///< of the picture with the headers before it
     std::int64_t position = -1;  ///< of its first byte in the file; -1: not known
-    double mean_quantiser =
-        0;  ///< over macroblocks, in halves of quantiser_scale: quantiser_scale_code where it is linear
+    /// Over macroblocks: QP, or in MPEG-2 halves of quantiser_scale, which is quantiser_scale_code where it is linear.
+    /// 0: the decoder does not tell.
+    double mean_quantiser = 0;
     double min_quantiser = 0, max_quantiser = 0;
     double intra = 0;  ///< share of macroblocks without prediction, 0..1
     VectorFacts forward, backward;
@@ -62,7 +65,8 @@ struct Inspection {
 };
 
 /// Reads the first video stream of a film with libavcodec and tells how its pictures are coded. Damage is told, not
-/// thrown: what can be decoded is. Throws core::Error for a file that cannot be opened or has no MPEG-2 video.
+/// thrown: what can be decoded is. Throws core::Error for a file that cannot be opened or has no video of a codec that
+/// films are made with. Of HEVC and AV1 libavcodec tells no quantisers.
 Inspection inspect(const std::filesystem::path& file);
 
 }  // namespace render2mpeg::av

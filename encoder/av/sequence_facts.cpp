@@ -65,7 +65,7 @@ bool read_extension(Bits bits, SequenceFacts& facts) {
             facts.bit_rate |= static_cast<std::int64_t>(bits.read(12)) << 18;
             bits.skip(1);
             facts.buffer_bits |= static_cast<std::int64_t>(bits.read(8)) << 10;
-            facts.low_delay = bits.read(1) != 0;
+            facts.decoding_delay = bits.read(1) != 0 ? 0 : 1;  // low_delay
             return !bits.overrun();
         case sequence_display_extension:
             bits.skip(3);  // video_format

@@ -19,7 +19,7 @@ struct SequenceFacts {
     std::int64_t bit_rate = 0;     ///< bits per second
     std::int64_t buffer_bits = 0;  ///< vbv_buffer_size
     bool progressive = false;
-    bool low_delay = false;   ///< pictures are shown as soon as they are decoded: there are no B pictures
+    int decoding_delay = 1;   ///< pictures between decoding and showing; 0: there are no B pictures
     int color_primaries = 2;  ///< [H262, tables 6-7 to 6-9]; 2: not said
     int transfer_characteristics = 2;
     int matrix_coefficients = 2;

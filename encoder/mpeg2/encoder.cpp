@@ -270,6 +270,7 @@ void check(const Settings& settings) {
 }
 
 Declaration declaration_of(const Settings& settings) {
+    if (settings.codec != Codec::mpeg2) return {};
     check(settings);
     const mpeg2::Level& level = mpeg2::level_for(settings);
     const mpeg2::Channel channel = mpeg2::channel_for(settings, level);

@@ -64,7 +64,7 @@ TEST(SequenceFacts, JoinsHeaderAndExtensions) {
         EXPECT_EQ(facts.bit_rate, 2499999 * std::int64_t{400});
         EXPECT_EQ(facts.buffer_bits, 200000 * std::int64_t{16384});
         EXPECT_TRUE(facts.progressive);
-        EXPECT_EQ(facts.low_delay, low_delay);
+        EXPECT_EQ(facts.decoding_delay, low_delay ? 0 : 1);
         EXPECT_EQ(facts.color_primaries, 1);
         EXPECT_EQ(facts.transfer_characteristics, 6);
         EXPECT_EQ(facts.matrix_coefficients, 5);

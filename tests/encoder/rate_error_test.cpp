@@ -46,7 +46,7 @@ Coding coding_of(const Settings& s, Content content, std::int64_t count, bool en
                 coding.bits += 8.0 * static_cast<double>(c.bytes.size());
                 coding.quantisers += c.quantiser;
                 coding.squares += static_cast<double>(c.quantiser) * c.quantiser;
-                coding.pass.push_back(first_pass_picture(c, c.plan.number == first));
+                coding.pass.push_back(first_pass_picture(s, c, c.plan.number == first));
                 coding.film.coded.push_back(std::move(c));
             }
         };

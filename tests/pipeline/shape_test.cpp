@@ -144,7 +144,7 @@ TEST(Preset, GopsStayWithinTheirFields) {
     const auto coding = [&](const char* preset, const char* rate) {
         options.preset = preset;
         ShapeWishes wishes = scene({}, rate);
-        const encoder::Settings s = coding_settings(options, settle_shape(wishes, &preset_from(preset), true), 0);
+        const encoder::Settings s = coding_settings(options, settle_shape(wishes, &preset_from(preset), true), 0, {});
         EXPECT_NO_THROW(encoder::check(s));
         return s;
     };
@@ -189,7 +189,7 @@ TEST(Preset, GopsStayWithinTheirFields) {
 }
 
 TEST(Gops, AreLongWhereNobodySaysAndChunksAreNoLongerForIt) {
-    const encoder::Settings s = coding_settings({}, settle_shape(scene({}, "30"), nullptr, true), 0);
+    const encoder::Settings s = coding_settings({}, settle_shape(scene({}, "30"), nullptr, true), 0, {});
     EXPECT_EQ(s.gop, 60);
     const std::vector<Chunk> chunks = chunks_of({0, 129}, s.gop), of_short_gops = chunks_of({0, 129}, 15);
     ASSERT_EQ(chunks.size(), 3u);

@@ -4,6 +4,7 @@
 #include "encoder/av/module/container.h"
 #include "encoder/av/module/decoder.h"
 #include "encoder/av/module/inspector.h"
+#include "encoder/av/module/library_encoder.h"
 #include "encoder/av/module/sound_source.h"
 
 namespace render2mpeg::av {
@@ -19,6 +20,10 @@ class FfmpegBackend final : public Backend {
     void decode(const std::filesystem::path& file,
                 const std::function<void(const core::Picture&)>& picture) const override {
         decode_film(file, picture);
+    }
+    void check_encoder(const encoder::Settings& settings) const override { check_library_encoder(settings); }
+    std::unique_ptr<LibraryEncoder> open_encoder(const encoder::Settings& settings) const override {
+        return open_library_encoder(settings);
     }
     double length_of_sound(const std::filesystem::path& file) const override {
         SoundSource source(file.string());

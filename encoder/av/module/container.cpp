@@ -57,19 +57,34 @@ AVRational frame_of(const core::FrameRate& rate) {
     return {static_cast<int>(rate.hertz.den), static_cast<int>(rate.hertz.num)};
 }
 
+AVCodecID codec_of(encoder::Codec codec) {
+    switch (codec) {
+        case encoder::Codec::h264:
+            return AV_CODEC_ID_H264;
+        case encoder::Codec::hevc:
+            return AV_CODEC_ID_HEVC;
+        case encoder::Codec::av1:
+            return AV_CODEC_ID_AV1;
+        case encoder::Codec::mpeg2:
+            break;
+    }
+    return AV_CODEC_ID_MPEG2VIDEO;
+}
+
 class File final : public Container {
   public:
     File(const std::filesystem::path& file, const ByteSink& sink, const char* format, const encoder::Settings& settings,
          const SequenceFacts& facts, const Sound& sound)
         : file_(file.string()),
           sink_(sink),
+          is_isom_(std::strcmp(format, "mp4") == 0 || std::strcmp(format, "mov") == 0),
           is_plain_program_(std::strcmp(format, "vob") == 0),
           is_dvd_(std::strcmp(format, "dvd") == 0),
           frame_(frame_of(facts.rate)),
           field_(av_mul_q(frame_, {1, 2})) {
         const Messages messages;
         AVFormatContext* context = nullptr;
-        check(avformat_alloc_output_context2(&context, nullptr, format, file_.c_str()), messages);
+        check(avformat_alloc_output_context2(&context, nullptr, format, ("file:" + file_).c_str()), messages);
         context_.reset(context);
         context->flags |= AVFMT_FLAG_BITEXACT;  // no dates, no versions, no random identifiers
         context->max_delay = 700000;  // microseconds that data may wait before its decoding: ffmpeg's own choice
@@ -84,6 +99,8 @@ class File final : public Container {
         if (is_dvd_ || is_plain_program_)
             av_dict_set_int(&options, "muxrate",
                             is_dvd_ ? dvd_program_rate : program_rate(facts, sound_ ? sound_->bit_rate() : 0), 0);
+        // What tells where pictures lie comes before them, so that a film plays while it arrives.
+        if (is_isom_) av_dict_set(&options, "movflags", "+faststart", 0);
         if (sink_)
             open_sink(messages);
         else
@@ -167,8 +184,10 @@ class File final : public Container {
 
         AVCodecParameters& codec = *stream->codecpar;
         codec.codec_type = AVMEDIA_TYPE_VIDEO;
-        codec.codec_id = AV_CODEC_ID_MPEG2VIDEO;
-        codec.profile = FF_PROFILE_MPEG2_MAIN;
+        codec.codec_id = codec_of(settings.codec);
+        if (settings.codec == encoder::Codec::mpeg2) codec.profile = FF_PROFILE_MPEG2_MAIN;
+        // With its parameter sets in the header alone HEVC has this name, the one that Apple's players know.
+        if (settings.codec == encoder::Codec::hevc && is_isom_) codec.codec_tag = MKTAG('h', 'v', 'c', '1');
         codec.format = AV_PIX_FMT_YUV420P;
         codec.width = settings.width;
         codec.height = settings.height;
@@ -180,7 +199,7 @@ class File final : public Container {
         codec.color_primaries = static_cast<AVColorPrimaries>(facts.color_primaries);
         codec.color_trc = static_cast<AVColorTransferCharacteristic>(facts.transfer_characteristics);
         codec.color_space = static_cast<AVColorSpace>(facts.matrix_coefficients);
-        codec.video_delay = facts.low_delay ? 0 : 1;
+        codec.video_delay = facts.decoding_delay;
         codec.extradata = static_cast<std::uint8_t*>(av_mallocz(facts.headers.size() + AV_INPUT_BUFFER_PADDING_SIZE));
         if (codec.extradata == nullptr) check(AVERROR(ENOMEM), messages);
         std::copy(facts.headers.begin(), facts.headers.end(), codec.extradata);
@@ -208,7 +227,7 @@ class File final : public Container {
 
     std::string file_;
     ByteSink sink_;  ///< empty: into the file
-    bool is_plain_program_, is_dvd_;
+    bool is_isom_, is_plain_program_, is_dvd_;
     AVRational frame_, field_;  ///< seconds
     std::unique_ptr<AVFormatContext, Closed> context_;
     Packet packet_{av_packet_alloc()};

@@ -1,9 +1,8 @@
-#include <algorithm>
-
-#include "core/error.h"
 #include "encoder/av/module/decoder.h"
+#include "core/error.h"
 #include "encoder/av/module/ffmpeg.h"
 #include "encoder/av/module/input.h"
+#include "encoder/av/module/picture_copy.h"
 
 namespace render2mpeg::av {
 namespace {
@@ -66,24 +65,11 @@ class Film {
     }
 
     void deliver() {
-        if (frame_->format != AV_PIX_FMT_YUV420P) {
+        if (!is_4_2_0(*frame_)) {
             const char* name = av_get_pix_fmt_name(static_cast<AVPixelFormat>(frame_->format));
-            fail(std::string("pixels are ") + (name != nullptr ? name : "of an unknown kind") + ", not 8-bit 4:2:0");
+            fail(std::string("pixels are ") + (name != nullptr ? name : "of an unknown kind") + ", not 4:2:0");
         }
-        core::Picture picture;
-        picture.number = number_++;
-        picture.y = copy(0, frame_->width, frame_->height);
-        picture.cb = copy(1, (frame_->width + 1) / 2, (frame_->height + 1) / 2);
-        picture.cr = copy(2, (frame_->width + 1) / 2, (frame_->height + 1) / 2);
-        picture_(picture);
-    }
-
-    core::Plane<std::uint8_t> copy(int plane, int width, int height) const {
-        core::Plane<std::uint8_t> result(width, height);
-        for (int y = 0; y < height; ++y)
-            std::copy_n(frame_->data[plane] + static_cast<std::ptrdiff_t>(y) * frame_->linesize[plane], width,
-                        result.row(y));
-        return result;
+        picture_(picture_of(*frame_, number_++));
     }
 
     std::string file_;

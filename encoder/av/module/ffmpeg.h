@@ -106,6 +106,20 @@ inline AVSampleFormat first_sample_format(const AVCodec& codec) {
 #endif
 }
 
+/// Whether an encoder takes 4:2:0 with 10 bits.
+inline bool has_ten_bits(const AVCodec& codec) {
+#if LIBAVCODEC_VERSION_INT >= AV_VERSION_INT(61, 13, 100)
+    const void* formats = nullptr;
+    if (avcodec_get_supported_config(nullptr, &codec, AV_CODEC_CONFIG_PIX_FORMAT, 0, &formats, nullptr) < 0)
+        return false;
+    const auto* format = static_cast<const AVPixelFormat*>(formats);
+#else
+    const AVPixelFormat* format = codec.pix_fmts;
+#endif
+    while (format != nullptr && *format != AV_PIX_FMT_NONE && *format != AV_PIX_FMT_YUV420P10) ++format;
+    return format != nullptr && *format == AV_PIX_FMT_YUV420P10;
+}
+
 /// Catches what FFmpeg would print on the terminal, while it lives and on its own thread: FFmpeg is asked for no
 /// threads. Messages of threads that have no Messages are dropped.
 class Messages {

@@ -13,8 +13,35 @@
 namespace render2mpeg::av {
 namespace {
 
-/// Level codes of profile_and_level_indication [H262, table 8-3].
-std::string level_name(int level) {
+/// The codec of a stream; none: films are not made with it.
+std::optional<encoder::Codec> codec_of(AVCodecID id) {
+    switch (id) {
+        case AV_CODEC_ID_MPEG2VIDEO:
+            return encoder::Codec::mpeg2;
+        case AV_CODEC_ID_H264:
+            return encoder::Codec::h264;
+        case AV_CODEC_ID_HEVC:
+            return encoder::Codec::hevc;
+        case AV_CODEC_ID_AV1:
+            return encoder::Codec::av1;
+        default:
+            return {};
+    }
+}
+
+/// A level that is told as whole and tenth: 31 is "3.1".
+std::string tenths(int level) {
+    const std::string text = std::to_string(level);
+    return level < 10 ? text : text.substr(0, text.size() - 1) + "." + text.back();
+}
+
+/// Level codes of profile_and_level_indication [H262, table 8-3], level_idc [H264, A.3.1], thirtieths of a level [H265,
+/// A.4.1], or seq_level_idx [AV1, A.3].
+std::string level_name(encoder::Codec codec, int level) {
+    if (level <= 0) return {};
+    if (codec == encoder::Codec::h264) return tenths(level);
+    if (codec == encoder::Codec::hevc) return tenths(level / 3);
+    if (codec == encoder::Codec::av1) return tenths(20 + 10 * (level / 4) + level % 4);
     switch (level) {
         case 4:
             return "High";
@@ -33,8 +60,9 @@ core::Rational rational(AVRational r) {
     return r.num > 0 && r.den > 0 ? core::Rational{r.num, r.den} : core::Rational{0, 1};
 }
 
-/// Whether an access unit begins with a sequence header or a GOP's.
-bool begins_with_header(const AVPacket& packet) {
+/// Whether decoding can begin with an access unit; in MPEG-2: it begins with a sequence header or a GOP's.
+bool is_random_access(encoder::Codec codec, const AVPacket& packet) {
+    if (codec != encoder::Codec::mpeg2) return (packet.flags & AV_PKT_FLAG_KEY) != 0;
     const std::uint8_t* d = packet.data;
     return packet.size >= 4 && d[0] == 0 && d[1] == 0 && d[2] == 1 && (d[3] == 0xb3 || d[3] == 0xb8);
 }
@@ -78,15 +106,18 @@ class Film {
 
     void open_decoder() {
         const AVCodecID kind = film_.stream->codecpar->codec_id;
-        if (kind != AV_CODEC_ID_MPEG2VIDEO)
-            refuse(std::string("its video is ") + avcodec_get_name(kind) + ", not mpeg2video");
-        const AVCodec* codec = avcodec_find_decoder(AV_CODEC_ID_MPEG2VIDEO);
-        if (codec == nullptr) refuse("libavcodec has no decoder for MPEG-2");
+        const std::optional<encoder::Codec> known = codec_of(kind);
+        if (!known)
+            refuse(std::string("its video is ") + avcodec_get_name(kind) + ", not mpeg2video, h264, hevc or av1");
+        codec_ = *known;
+        const AVCodec* codec = avcodec_find_decoder(kind);
+        if (codec == nullptr) refuse(std::string("libavcodec has no decoder for ") + avcodec_get_name(kind));
         decoder_.reset(avcodec_alloc_context3(codec));
         if (!decoder_ || !packet_ || !frame_) refuse(cause_of(AVERROR(ENOMEM), messages_));
         avcodec_parameters_to_context(decoder_.get(), film_.stream->codecpar);
-        // Hand over every picture as soon as it is decoded: at the film's end libavcodec tells nothing of the last one.
-        decoder_->flags |= AV_CODEC_FLAG_LOW_DELAY;
+        // Hand over every picture as soon as it is decoded: at the end of MPEG-2 libavcodec tells nothing of the last
+        // one.
+        if (codec_ == encoder::Codec::mpeg2) decoder_->flags |= AV_CODEC_FLAG_LOW_DELAY;
         decoder_->export_side_data = AV_CODEC_EXPORT_DATA_MVS | AV_CODEC_EXPORT_DATA_VIDEO_ENC_PARAMS;
         decoder_->thread_count = 1;
         number_frames(*decoder_);
@@ -98,7 +129,7 @@ class Film {
         const Messages messages;  // what is said now concerns this picture
         if (packet != nullptr) {
             set_number(*decoder_, *packet, static_cast<std::int64_t>(coded_.size()));
-            coded_.push_back({packet->size, packet->pos, begins_with_header(*packet), false, {}});
+            coded_.push_back({packet->size, packet->pos, is_random_access(codec_, *packet), false, {}});
             if (packet->flags & AV_PKT_FLAG_CORRUPT) coded_.back().damage = "the container marks it as damaged";
         }
         int result = avcodec_send_packet(decoder_.get(), packet);
@@ -111,19 +142,20 @@ class Film {
     }
 
     void show() {
-        PictureFacts facts = facts_of(*frame_);
+        PictureFacts facts = facts_of(*frame_, codec_);
         facts.coded = number_of(*frame_);
         if (frame_->flags & AV_FRAME_FLAG_CORRUPT) facts.damage = "libavcodec marks it as damaged";
         if (frame_->decode_error_flags != 0) facts.damage = "parts of it are missing or broken";
         result_.pictures.push_back(facts);
     }
 
-    /// Pictures come as they were coded: an I or P picture is shown when the next one comes, a B picture at once.
+    /// Pictures of MPEG-2 come as they were coded: an I or P picture is shown when the next one comes, a B picture at
+    /// once. Others come as they are shown.
     void sort_for_display() {
         std::vector<PictureFacts> shown;
         std::optional<PictureFacts> waiting;
         for (const PictureFacts& picture : result_.pictures) {
-            if (picture.type == 'B') {
+            if (codec_ != encoder::Codec::mpeg2 || picture.type == 'B') {
                 shown.push_back(picture);
             } else {
                 if (waiting) shown.push_back(*waiting);
@@ -154,16 +186,17 @@ class Film {
                 result_.damage.push_back("coded picture " + std::to_string(i) + ": " + coded_[i].damage);
         }
         const AVCodecParameters& parameters = *film_.stream->codecpar;
-        const char* profile = avcodec_profile_name(AV_CODEC_ID_MPEG2VIDEO, decoder_->profile);
+        const char* profile = avcodec_profile_name(parameters.codec_id, decoder_->profile);
         StreamFacts& s = result_.stream;
         s.container =
             film_.input->iformat->long_name != nullptr ? film_.input->iformat->long_name : film_.input->iformat->name;
         s.streams = static_cast<int>(film_.input->nb_streams);
         s.profile = profile != nullptr ? profile : "";
-        s.level = level_name(decoder_->level);
+        s.codec = codec_;
+        s.level = level_name(codec_, decoder_->level);
         s.width = decoder_->width > 0 ? decoder_->width : parameters.width;
         s.height = decoder_->height > 0 ? decoder_->height : parameters.height;
-        s.rate = rational(decoder_->framerate);
+        s.rate = rational(codec_ == encoder::Codec::mpeg2 ? decoder_->framerate : film_.stream->avg_frame_rate);
         s.pixel_aspect = rational(decoder_->sample_aspect_ratio);
         s.matrix_coefficients = decoder_->colorspace == AVCOL_SPC_UNSPECIFIED ? 0 : decoder_->colorspace;
         s.transfer_characteristics = decoder_->color_trc == AVCOL_TRC_UNSPECIFIED ? 0 : decoder_->color_trc;
@@ -174,6 +207,7 @@ class Film {
     std::string file_;
     Messages messages_;
     OpenStream film_;
+    encoder::Codec codec_ = encoder::Codec::mpeg2;
     Decoder decoder_;
     Packet packet_{av_packet_alloc()};
     Frame frame_{av_frame_alloc()};

@@ -14,9 +14,9 @@ const AVFrameSideData* side_data(const AVFrame& frame, AVFrameSideDataType type)
     return av_frame_get_side_data(&frame, type);
 }
 
-/// Quantisers of the macroblocks that are shown. libavcodec tells quantiser_scale: twice the code where the scale is
-/// linear.
-void add_quantisers(const AVFrame& frame, PictureFacts& facts) {
+/// Quantisers of the macroblocks that are shown. Of MPEG-2 libavcodec tells quantiser_scale: twice the code where the
+/// scale is linear.
+void add_quantisers(const AVFrame& frame, double unit, PictureFacts& facts) {
     const AVFrameSideData* data = side_data(frame, AV_FRAME_DATA_VIDEO_ENC_PARAMS);
     if (data == nullptr) return;
     auto* parameters = reinterpret_cast<AVVideoEncParams*>(data->data);
@@ -25,7 +25,7 @@ void add_quantisers(const AVFrame& frame, PictureFacts& facts) {
     for (unsigned int i = 0; i < parameters->nb_blocks; ++i) {
         const AVVideoBlockParams& block = *av_video_enc_params_block(parameters, i);
         if (block.src_x >= frame.width || block.src_y >= frame.height) continue;
-        const double quantiser = 0.5 * (parameters->qp + block.delta_qp);
+        const double quantiser = unit * (parameters->qp + block.delta_qp);
         facts.min_quantiser = count == 0 ? quantiser : std::min(facts.min_quantiser, quantiser);
         facts.max_quantiser = std::max(facts.max_quantiser, quantiser);
         sum += quantiser;
@@ -96,13 +96,13 @@ class Vectors {
 
 }  // namespace
 
-PictureFacts facts_of(const AVFrame& frame) {
+PictureFacts facts_of(const AVFrame& frame, encoder::Codec codec) {
     PictureFacts facts;
     facts.type = av_get_picture_type_char(frame.pict_type);
     facts.interlaced = is_interlaced(frame);
     facts.top_field_first = is_top_field_first(frame);
     facts.repeated_fields = frame.repeat_pict;
-    add_quantisers(frame, facts);
+    add_quantisers(frame, codec == encoder::Codec::mpeg2 ? 0.5 : 1.0, facts);
     Vectors vectors(frame);
     if (const AVFrameSideData* data = side_data(frame, AV_FRAME_DATA_MOTION_VECTORS)) {
         const auto* first = reinterpret_cast<const AVMotionVector*>(data->data);
@@ -111,6 +111,34 @@ PictureFacts facts_of(const AVFrame& frame) {
     }
     vectors.tell(facts);
     return facts;
+}
+
+core::Plane<encoder::MacroblockRecord> macroblocks_of(const AVFrame& frame) {
+    const AVFrameSideData* data = side_data(frame, AV_FRAME_DATA_VIDEO_ENC_PARAMS);
+    if (data == nullptr) return {};
+    core::Plane<encoder::MacroblockRecord> records((frame.width + 15) / 16, (frame.height + 15) / 16);
+    for (encoder::MacroblockRecord& record : records.values()) record.intra = true;
+    const auto at = [&](int x, int y) -> encoder::MacroblockRecord* {
+        const int column = x / 16, row = y / 16;
+        const bool inside = x >= 0 && y >= 0 && column < records.width() && row < records.height();
+        return inside ? &records.at(column, row) : nullptr;
+    };
+    auto* parameters = reinterpret_cast<AVVideoEncParams*>(data->data);
+    for (unsigned int i = 0; i < parameters->nb_blocks; ++i) {
+        const AVVideoBlockParams& block = *av_video_enc_params_block(parameters, i);
+        if (encoder::MacroblockRecord* record = at(block.src_x, block.src_y))
+            record->quantiser = static_cast<std::uint8_t>(std::clamp(parameters->qp + block.delta_qp, 0, 255));
+    }
+    if (const AVFrameSideData* vectors = side_data(frame, AV_FRAME_DATA_MOTION_VECTORS)) {
+        const auto* first = reinterpret_cast<const AVMotionVector*>(vectors->data);
+        std::for_each(first, first + vectors->size / sizeof(AVMotionVector), [&](const AVMotionVector& vector) {
+            encoder::MacroblockRecord* record = at(vector.dst_x, vector.dst_y);
+            if (record == nullptr) return;
+            record->intra = false;
+            (vector.source < 0 ? record->forward : record->backward) = true;
+        });
+    }
+    return records;
 }
 
 }  // namespace render2mpeg::av

@@ -11,7 +11,7 @@ namespace {
 
 AVCodecID codec_for(const AVFormatContext& container, bool ac3) {
     const std::string format = container.oformat->name;
-    if (format == "matroska" || format == "mp4") return AV_CODEC_ID_AAC;
+    if (format == "matroska" || format == "mp4" || format == "mov") return AV_CODEC_ID_AAC;
     return ac3 || format == "dvd" ? AV_CODEC_ID_AC3 : AV_CODEC_ID_MP2;
 }
 

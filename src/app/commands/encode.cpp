@@ -41,8 +41,9 @@
 #include "app/system/terminal.h"
 #include "core/error.h"
 #include "core/text.h"
+#include "encoder/av/coders.h"
 #include "encoder/bit_allocation.h"
-#include "encoder/encoder.h"
+#include "encoder/codec.h"
 #include "parallel/loops.h"
 
 namespace render2mpeg::app {
@@ -112,7 +113,8 @@ std::unique_ptr<MotionSource> motion_files(const EncodeOptions& options, const F
 
 Job prepare(const EncodeOptions& options) {
     if (kind_of(options.output) != OutputKind::film)
-        throw core::Error("writing", options.output.string(), "a film is coded: .mpg, .vob, .ts, .m2v, .mkv or .mp4");
+        throw core::Error("writing", options.output.string(),
+                          "a film is coded: .mpg, .vob, .ts, .m2v, .mkv, .mp4 or .mov");
     if (!options.as) check_apart({Files(options.input)}, {Files(options.output), Files(options.stats.value_or(""))});
     Job job;
     const auto wanted = options.frames ? std::optional(frames_from(*options.frames)) : std::nullopt;
@@ -124,6 +126,9 @@ Job prepare(const EncodeOptions& options) {
         throw core::Error("view: the frames of " + options.input.string() + " are a film's signals already");
     if (options.input == "-" && options.coding.passes == 2)
         throw UsageError("--passes 2: standard input is read once; choose --passes 1, or encode a file");
+    if (options.input == "-" && options.coding.bitrate &&
+        codec_of(options.coding, options.output) != encoder::Codec::mpeg2)
+        throw UsageError("--bitrate: standard input is read once, but this codec needs two passes; encode a file");
     if (options.input == "-" && options.as && options.coding.audio && *options.coding.audio != "none")
         throw UsageError(
             "--audio: where standard input is encoded to standard output nobody knows where sound ends; "
@@ -139,11 +144,11 @@ Job prepare(const EncodeOptions& options) {
     if (preset != nullptr) preset->check_output(options.output);
     job.film.frames = job.frames->frames();
     coding = coding_settings(options.coding, settle_shape(wishes_of(options, *job.frames), preset, true),
-                             job.film.frames.first);
+                             job.film.frames.first, options.output);
     coding.transfer_characteristics = transfer_of(view);
     job.film.keyframes = keyframes_of(options.coding);
     job.film.disc = preset != nullptr && preset->disc;
-    encoder::check(coding);
+    av::check(coding);
     job.film.source = input_name(options);
     if (!options.as && options.input != "-") check_outputs(options, job.film.frames);
     // Finished frames are a film from their first one on, whatever their numbers.
@@ -197,11 +202,11 @@ struct Steps {
 };
 
 /// The film coded fast with one quantiser, without a rate or buffer that would make pictures fit.
-Film rough(const Film& film, int quantiser) {
+Film rough(const Film& film, double quantiser) {
     Film fast = film;
-    fast.coding.effort = encoder::Effort::fast;
+    if (fast.coding.codec == encoder::Codec::mpeg2) fast.coding.effort = encoder::Effort::fast;
     fast.coding.rate_control = {};
-    fast.coding.quantiser = quantiser;
+    fast.coding.quantiser = static_cast<int>(std::lround(encoder::quantiser_like(fast.coding.codec, quantiser)));
     return fast;
 }
 
@@ -254,8 +259,10 @@ bool encode_chunk(Job& job, const Film& film, const Chunk& chunk, RunStatistics&
     return whole;
 }
 
-/// Codes all frames roughly, only to learn what they come to. Empty where it was interrupted.
-std::vector<encoder::FirstPassPicture> code_roughly(Job& job, int quantiser, bool quiet) {
+/// Codes all frames with one quantiser of MPEG-2, or what is like it, without a rate or buffer that would make pictures
+/// fit, only to learn what they come to: fast, but where the film has no other way to correct what that tells. Empty
+/// where it was interrupted.
+std::vector<encoder::FirstPassPicture> code_roughly(Job& job, double quantiser, bool quiet) {
     const Film fast = rough(job.film, quantiser);
     Progress progress(job.film.frame_count(), quiet, "first pass", Counted::frames_of_step);
     std::vector<encoder::FirstPassPicture> film;
@@ -265,7 +272,7 @@ std::vector<encoder::FirstPassPicture> code_roughly(Job& job, int quantiser, boo
         encode_chunk(job, fast, chunk, statistics,
                      {[](const core::Picture&, const core::MotionField*) {},
                       [&](const encoder::CodedPicture& coded) {
-                          film.push_back(encoder::first_pass_picture(coded, starts_chunk));
+                          film.push_back(encoder::first_pass_picture(fast.coding, coded, starts_chunk));
                           starts_chunk = false;
                       },
                       [&] { progress.advance(); }});
@@ -286,15 +293,17 @@ double change_of(std::span<const encoder::BitAllocation> allocations, std::span<
 /// for, what it tells is off too, and it is made again with a nearer one.
 std::vector<encoder::BitAllocation> first_pass(Job& job, bool quiet) {
     // chosen: again beyond a factor of 1.5, and no more than twice (1.2..3): noise for which 2 was guessed and 18 is
-    // right was 28 % over its rate.
-    int quantiser = usual_quantiser(job.film.coding);
+    // right was 28 % over its rate. Other codecs than MPEG-2 have less to correct it by.
+    const bool is_whole = job.film.coding.codec == encoder::Codec::mpeg2;
+    const double far = is_whole ? 1.5 : 1.1;
+    double quantiser = usual_quantiser(job.film.coding);
     for (int again = 2;; --again) {
         const std::vector<encoder::FirstPassPicture> film = code_roughly(job, quantiser, quiet);
         if (film.empty()) return {};
         std::vector<encoder::BitAllocation> allocations = encoder::allocate_bits(job.film.coding, film, 1.0);
         const double change = change_of(allocations, film);
-        if (again == 0 || (change < 1.5 && change > 1 / 1.5)) return allocations;
-        const int nearer = std::clamp(static_cast<int>(std::lround(quantiser * change)), 1, 31);
+        if (again == 0 || (change < far && change > 1 / far)) return allocations;
+        const double nearer = std::clamp(is_whole ? std::round(quantiser * change) : quantiser * change, 1.0, 31.0);
         if (nearer == quantiser) return allocations;
         quantiser = nearer;
     }

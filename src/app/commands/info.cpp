@@ -15,6 +15,7 @@
 #include "core/numeric.h"
 #include "core/text.h"
 #include "encoder/av/inspect.h"
+#include "encoder/codec.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -44,7 +45,7 @@ std::string stream_lines(const std::string& name, const av::Inspection& film) {
     const av::StreamFacts& s = film.stream;
     const double seconds = duration_of(film);
     const auto bytes = static_cast<double>(coded_bytes(film));
-    std::string text = fmt::format("{}: MPEG-2", name);
+    std::string text = fmt::format("{}: {}", name, encoder::facts_of(s.codec).name);
     if (!s.profile.empty() || !s.level.empty())
         text += fmt::format(" {}@{}", s.profile.empty() ? "?" : s.profile, s.level.empty() ? "?" : s.level);
     text += fmt::format(", {}x{}{} at {:.5g} Hz, {}, {:.2f} s\n", s.width, s.height, shape_text(s), s.rate.value(),
@@ -69,6 +70,7 @@ std::string stream_lines(const std::string& name, const av::Inspection& film) {
 }
 
 std::string quantiser_text(double mean, double low, double high) {
+    if (mean == 0) return fmt::format("{:>5} {:>6}", "-", "");
     return fmt::format("{:>5.1f} {:>6}", mean, low == high ? "" : fmt::format("{:g}-{:g}", low, high));
 }
 
@@ -149,6 +151,7 @@ json json_of(const std::string& name, const av::Inspection& film, bool summary) 
     const double seconds = duration_of(film);
     const std::int64_t bytes = coded_bytes(film);
     json result{{"file", name},
+                {"codec", encoder::facts_of(s.codec).word},
                 {"container", s.container},
                 {"streams", s.streams},
                 {"profile", or_null(s.profile, !s.profile.empty())},

@@ -57,15 +57,19 @@ class Comparing {
 
 Comparing::Comparing(const CompareOptions& options, const RenderJob& film, const std::string& ffmpeg)
     : options_(options),
-      quantisers_(quantisers_from(options.quantisers)),
+      quantisers_(in_scale_of(film.coding.codec, quantisers_from(options.quantisers))),
       trials_(film, windows_of(film.frames, sample_from(options.sample)), options.references) {
     found_.windows = trials_.windows();
     if (options.kept_references) trials_.keep_references_in(ReferenceCache(*options.kept_references));
     trials_.mask_all();
     found_.ffmpeg = ffmpeg;
     print_memory_note(trials_.bytes_held(true), options.render.quiet);
-    const FfmpegWay usual = usual_ffmpeg(), strongest = strongest_ffmpeg(), free = strongest_free_ffmpeg();
-    const auto by_ffmpeg = [](const FfmpegWay& way) { return "fixed 2 %, ffmpeg -c:v mpeg2video " + way.options; };
+    const encoder::Codec codec = film.coding.codec;
+    const FfmpegWay usual = usual_ffmpeg(codec), strongest = strongest_ffmpeg(codec),
+                    free = strongest_free_ffmpeg(codec);
+    const auto by_ffmpeg = [](const FfmpegWay& way) {
+        return "fixed 2 %, ffmpeg -c:v " + way.encoder + " " + way.options;
+    };
     found_.ways = {{"coupled", "--tolerance coupled", {}, {}},
                    {"fixed 2 %, ours", "--tolerance fixed=2%", {}, {}},
                    {"fixed 2 %, ours, free", fmt::format("--tolerance fixed=2% --gop {}", free_gop), {}, {}},
@@ -126,9 +130,9 @@ bool Comparing::run_all() {
                 }));
             return !InterruptGuard::requested();
         };
-        if (!by_ffmpeg(usual_way, usual_ffmpeg(), film().coding.gop) ||
-            !by_ffmpeg(strongest_way, strongest_ffmpeg(), film().coding.gop) ||
-            !by_ffmpeg(strongest_free_way, strongest_free_ffmpeg(), free_gop))
+        if (!by_ffmpeg(usual_way, usual_ffmpeg(film().coding.codec), film().coding.gop) ||
+            !by_ffmpeg(strongest_way, strongest_ffmpeg(film().coding.codec), film().coding.gop) ||
+            !by_ffmpeg(strongest_free_way, strongest_free_ffmpeg(film().coding.codec), free_gop))
             return false;
     }
     found_.runs = ++runs_;

@@ -33,7 +33,7 @@ class Cost {
     Cost(const CostOptions& options, const RenderJob& film, const Sample& sample, double once,
          const std::optional<AskedFilm>& asked)
         : options_(options),
-          quantisers_(options.quantisers ? quantisers_from(*options.quantisers)
+          quantisers_(options.quantisers ? in_scale_of(film.coding.codec, quantisers_from(*options.quantisers))
                                          : std::vector<int>{film.coding.quantiser}),
           pairs_(!quantisers_.empty()),
           trials_(film, windows_of(film.frames, sample)) {

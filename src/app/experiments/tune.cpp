@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "app/experiments/trial_command.h"
@@ -22,8 +23,8 @@
 #include "core/error.h"
 #include "core/numeric.h"
 #include "encoder/av/av.h"
+#include "encoder/av/coders.h"
 #include "encoder/capabilities.h"
-#include "encoder/encoder.h"
 #include "parallel/loops.h"
 
 namespace render2mpeg::app {
@@ -52,8 +53,10 @@ Target target_of(const TuneOptions& o) {
 /// Refuses what contradicts the target, or leaves no film to be made.
 void check_options(const TuneOptions& o, const Target& target) {
     const CodingOptions& coding = o.render.coding;
-    if (target.kind != Kind::time && (coding.quality || coding.quantiser))
-        throw UsageError(std::string(coding.quality ? "--quality" : "--quantiser") +
+    if (target.kind != Kind::time && (coding.quality || coding.quantiser || coding.crf))
+        throw UsageError(std::string(coding.quality     ? "--quality"
+                                     : coding.quantiser ? "--quantiser"
+                                                        : "--crf") +
                          ": it is what is looked for; it goes with --max-time only");
     if (o.render.output.empty() && !o.render.dry_run)
         throw UsageError("tune: which film is to be made? Give -o film.mpg, or --dry-run");
@@ -74,11 +77,13 @@ void check_rate(const Target& target, const RenderJob& film) {
     encoder::Settings coding = film.coding;
     coding.rate_control.mode = encoder::RateMode::variable;
     coding.rate_control.bit_rate = std::llround(target.value);
-    encoder::check(coding);
+    av::check(coding);
 }
 
-/// Bits per second that the film as it was tried can have: more would make its level a higher one.
+/// Bits per second that the film as it was tried can have: more would make its level a higher one. Other codecs' levels
+/// bind nobody.
 double highest_rate(const RenderJob& film) {
+    if (film.coding.codec != encoder::Codec::mpeg2) return std::numeric_limits<double>::infinity();
     const std::int64_t wanted = film.coding.rate_control.max_rate;
     return static_cast<double>(wanted > 0 ? wanted : encoder::level_of(film.coding).bit_rate);
 }

@@ -8,15 +8,15 @@
 
 #include "core/error.h"
 #include "encoder/av/av.h"
-#include "encoder/encoder.h"
+#include "encoder/codec.h"
 
 namespace render2mpeg::app {
 namespace {
 
 /// Hands the access units of one chunk to the muxer, in coding order. The film's last picture carries the end code with
 /// it.
-void copy_chunk(const ChunkFile& chunk, av::Muxer& muxer, std::int64_t first_frame, std::int64_t coded_before,
-                bool last_chunk) {
+void copy_chunk(const ChunkFile& chunk, av::Muxer& muxer, encoder::Codec codec, std::int64_t first_frame,
+                std::int64_t coded_before, bool last_chunk) {
     std::ifstream stream(chunk.file(), std::ios::binary);
     std::vector<std::uint8_t> bytes;
     for (const PictureRecord& picture : chunk.pictures()) {
@@ -25,7 +25,7 @@ void copy_chunk(const ChunkFile& chunk, av::Muxer& muxer, std::int64_t first_fra
         if (!stream)
             throw core::Error("reading", chunk.file().string(), "the file is shorter than it was when it was written");
         if (last_chunk && &picture == &chunk.pictures().back())
-            for (const std::uint8_t byte : encoder::sequence_end()) bytes.push_back(byte);
+            for (const std::uint8_t byte : encoder::end_of_stream(codec)) bytes.push_back(byte);
         muxer.write(bytes, picture.number - first_frame, coded_before + picture.coding_order, picture.starts_gop);
     }
 }
@@ -46,7 +46,7 @@ void assemble(const std::vector<ChunkFile>& chunks, const Film& film, const std:
                     sound);
     std::int64_t coded_before = 0;
     for (const ChunkFile& chunk : chunks) {
-        copy_chunk(chunk, muxer, film.frames.first, coded_before, &chunk == &chunks.back());
+        copy_chunk(chunk, muxer, film.coding.codec, film.frames.first, coded_before, &chunk == &chunks.back());
         coded_before += static_cast<std::int64_t>(chunk.pictures().size());
     }
     muxer.finish();

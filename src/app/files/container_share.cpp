@@ -20,7 +20,7 @@ struct Overhead {
 Overhead overhead_of(const std::string& ending, bool disc) {
     if (ending == ".m2v") return {16, 0, 0};
     if (ending == ".ts") return {800, 290, 0.024};
-    if (ending == ".mkv" || ending == ".mp4") return {1000, 24, 0.004};
+    if (ending == ".mkv" || ending == ".mp4" || ending == ".mov") return {1000, 24, 0.004};
     return {2048, disc ? 400.0 : 32.0, 0.018};
 }
 

@@ -3,7 +3,7 @@
 #include <span>
 
 #include "core/error.h"
-#include "encoder/encoder.h"
+#include "encoder/codec.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -18,6 +18,7 @@ av::Sound stream_sound(const Film& film) {
 
 FilmStream::FilmStream(OutputStream& out, const std::filesystem::path& name, const Film& film)
     : out_(out),
+      codec_(film.coding.codec),
       first_frame_(film.frames.first),
       muxer_([&out](std::span<const std::uint8_t> bytes) { return out.put(bytes); }, name, film.coding,
              stream_sound(film)) {}
@@ -41,7 +42,7 @@ void FilmStream::write(const encoder::CodedPicture& picture) {
 
 void FilmStream::finish() {
     if (!waiting_) return;
-    for (const std::uint8_t byte : encoder::sequence_end()) waiting_->bytes.push_back(byte);
+    for (const std::uint8_t byte : encoder::end_of_stream(codec_)) waiting_->bytes.push_back(byte);
     pass_on();
     muxer_.finish();
 }

@@ -33,6 +33,7 @@ class FilmStream {
     void pass_on();
 
     OutputStream& out_;
+    encoder::Codec codec_;
     std::int64_t first_frame_;
     av::Muxer muxer_;
     std::int64_t coded_ = 0;  ///< pictures passed on

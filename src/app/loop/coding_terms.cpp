@@ -16,13 +16,15 @@ PictureRole role_of(encoder::PictureType type) {
 }  // namespace
 
 perceptual::CodingPlan CodingTerms::steps_of(encoder::PictureType type, int quantiser) const {
-    const encoder::StepSizes steps = encoder::step_sizes(tune_, quantiser);
-    return {type == encoder::PictureType::intra, steps.scale, {steps.intra, steps.inter, steps.intra_dc}};
+    const encoder::StepSizes steps = encoder::step_sizes(coding_, quantiser);
+    return {type == encoder::PictureType::intra,
+            steps.scale,
+            {steps.intra, steps.inter, steps.intra_dc, steps.intra_dead_zone, steps.inter_dead_zone}};
 }
 
 PlannedPicture CodingTerms::planned(const encoder::PicturePlan& plan) const {
     return {plan.number, role_of(plan.type), plan.horizon.value_or(plan.number) - plan.number,
-            steps_of(plan.type, plan.quantiser)};
+            steps_of(plan.type, plan.quantiser), encoder::step_sizes(coding_, plan.quantiser).hidden};
 }
 
 std::optional<JudgedPicture> CodingTerms::coded(const encoder::CodedPicture& coded) {
@@ -37,10 +39,11 @@ std::optional<JudgedPicture> CodingTerms::coded(const encoder::CodedPicture& cod
     for (std::size_t i = 0; i < coded.macroblocks.size(); ++i) {
         const encoder::MacroblockRecord& record = coded.macroblocks.values()[i];
         facts.intra.values()[i] = record.intra ? 1 : 0;
-        facts.scale.values()[i] = encoder::step_scale(record.quantiser);
+        facts.scale.values()[i] = encoder::step_scale(coding_.codec, record.quantiser);
     }
     facts.reconstruction = coded.reconstruction.y;
-    if (coded.plan.type == encoder::PictureType::predicted) facts.prediction = prediction_of(coded, reference);
+    if (coded.plan.type == encoder::PictureType::predicted && coded.tells_vectors)
+        facts.prediction = prediction_of(coded, reference);
     return JudgedPicture{role_of(coded.plan.type), std::move(facts)};
 }
 

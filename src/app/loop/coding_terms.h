@@ -8,12 +8,11 @@
 
 namespace render2mpeg::app {
 
-/// Says how pictures are coded in the terms of the coupling: step sizes, and which pictures depend on which. Another
-/// codec would have another such translation; this one follows a chunk in coding order.
+/// Says how pictures are coded in the terms of the coupling: step sizes, and which pictures depend on which. Follows a
+/// chunk in coding order.
 class CodingTerms {
   public:
-    /// `tune` decides the encoder's matrices.
-    explicit CodingTerms(encoder::Tune tune) : tune_(tune) {}
+    explicit CodingTerms(const encoder::Settings& coding) : coding_(coding) {}
 
     PlannedPicture planned(const encoder::PicturePlan& plan) const;
     /// None for pictures that no other refers to.
@@ -22,7 +21,7 @@ class CodingTerms {
   private:
     perceptual::CodingPlan steps_of(encoder::PictureType type, int quantiser) const;
 
-    encoder::Tune tune_;
+    encoder::Settings coding_;
     core::Plane<std::uint8_t> reference_;  ///< luma of the newest I or P picture that is coded
 };
 

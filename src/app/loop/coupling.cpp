@@ -23,7 +23,7 @@ void Coupling::imagine(const core::Picture& picture, const core::Radiance& radia
 }
 
 float Coupling::fraction_for(const PlannedPicture& plan) const {
-    return settings_.fraction.value_or(perceptual::default_tolerance_fraction) *
+    return settings_.fraction.value_or(perceptual::default_tolerance_fraction * plan.hidden) *
            perceptual::propagation_factor(plan.role == PictureRole::intra, plan.followers);
 }
 

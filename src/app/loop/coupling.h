@@ -32,6 +32,7 @@ struct PlannedPicture {
     PictureRole role = PictureRole::intra;
     std::int64_t followers = 0;  ///< pictures that depend on it, directly or not
     perceptual::CodingPlan steps;
+    float hidden = 1;  ///< factor of the share of errors as large as these steps that light may use, > 0
 };
 
 /// How it was coded.

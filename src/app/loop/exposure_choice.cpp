@@ -10,6 +10,7 @@
 #include "app/options/option_text.h"
 #include "app/options/usage_error.h"
 #include "core/text.h"
+#include "encoder/codec.h"
 #include "scene/preparation/traits.h"
 
 namespace render2mpeg::app {
@@ -53,15 +54,20 @@ bool has_focus(const scene::CameraLens& lens) {
 }
 
 // fit: docs/measurements.md#shutter-and-lens
-int samples_of_lens(int quantiser) {
+int samples_of_lens(double quantiser) {
     if (quantiser <= 6) return 64;
     return quantiser <= 12 ? 32 : 16;
 }
 
-int samples_of_shutter(int quantiser) {
+int samples_of_shutter(double quantiser) {
     if (quantiser <= 2) return 32;
     if (quantiser <= 6) return 16;
     return quantiser <= 12 ? 8 : 4;
+}
+
+/// What is not coded is as fine as with 4.
+double mpeg2_quantiser(const RenderJob& film, int quantiser) {
+    return film.kind == OutputKind::film ? encoder::mpeg2_quantiser_like(film.coding.codec, quantiser) : 4;
 }
 
 void set_f_stop(scene::Animation& animation, const RenderOptions& options) {
@@ -129,7 +135,7 @@ void tell_samples(RenderJob& film) {
 
 renderer::ExposureSamples exposure_samples(const RenderJob& film, int quantiser) {
     if (film.exposure_samples) return {*film.exposure_samples, *film.exposure_samples};
-    const int q = film.kind == OutputKind::film ? quantiser : 4;
+    const double q = mpeg2_quantiser(film, quantiser);
     const int most = film.plan.runs(renderer::Pass::lens) ? samples_of_lens(q) : samples_of_shutter(q);
     // chosen: as many as sharp edges get (SeeSettings::edge_samples); with 4 they were rougher than those.
     return {std::min(most, 16), most};
@@ -140,7 +146,7 @@ renderer::ExposureSamples exposure_samples(const RenderJob& film, int quantiser,
     if (film.exposure_samples) return samples;
     samples.shown = [display](float luminance) { return perceptual::luma_of(display, glm::vec3(luminance)); };
     // chosen: 0.15 code values for each unit of the quantiser, not tuned; rims of discs are few pixels.
-    samples.visible = 0.15f * static_cast<float>(film.kind == OutputKind::film ? quantiser : 4);
+    samples.visible = 0.15f * static_cast<float>(mpeg2_quantiser(film, quantiser));
     return samples;
 }
 

@@ -6,6 +6,7 @@
 #include "app/loop/pipeline.h"
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"
+#include "encoder/codec.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -22,18 +23,28 @@ constexpr double size_ratio = 7;
 /// Keeps what every picture comes to.
 class Collector : public LoopObserver {
   public:
+    explicit Collector(const encoder::Settings& coding) : coding_(coding) {}
     void coded(const encoder::CodedPicture& picture) override {
-        film.push_back(encoder::first_pass_picture(picture, starts_chunk));
+        film.push_back(encoder::first_pass_picture(coding_, picture, starts_chunk));
         starts_chunk = false;
     }
     std::vector<encoder::FirstPassPicture> film;  ///< in coding order
     bool starts_chunk = false;
+
+  private:
+    encoder::Settings coding_;
 };
+
+/// Other codecs than MPEG-2 take even sides alone, and none below 64 pixels.
+int side_of(encoder::Codec codec, int side) {
+    if (codec == encoder::Codec::mpeg2) return (side + shrink - 1) / shrink;
+    return std::min(side, std::max(64, 2 * ((side + 2 * shrink - 1) / (2 * shrink))));
+}
 
 RenderJob small(const RenderJob& film) {
     RenderJob pass = film;
-    pass.format.width = (film.format.width + shrink - 1) / shrink;
-    pass.format.height = (film.format.height + shrink - 1) / shrink;
+    pass.format.width = side_of(film.coding.codec, film.format.width);
+    pass.format.height = side_of(film.coding.codec, film.format.height);
     pass.rendering.format = pass.format;
     pass.rendering.samples = 1;
     pass.rendering.edge_samples = pass.rendering.most_samples = 0;
@@ -47,7 +58,8 @@ RenderJob small(const RenderJob& film) {
     pass.coding.height = pass.format.height;
     pass.coding.effort = encoder::Effort::fast;
     pass.coding.rate_control = {};
-    pass.coding.quantiser = usual_quantiser(film.coding);
+    pass.coding.quantiser =
+        static_cast<int>(std::lround(encoder::quantiser_like(film.coding.codec, usual_quantiser(film.coding))));
     return pass;
 }
 
@@ -65,7 +77,7 @@ std::vector<encoder::BitAllocation> first_pass(const RenderJob& film, bool quiet
     const RenderJob pass = small(film);
     renderer::Renderer renderer = renderer_of(pass);
     Progress progress(film.frame_count(), quiet, "first pass", Counted::frames_of_step);
-    Collector collector;
+    Collector collector(pass.coding);
     RunStatistics statistics;
     for (const Chunk& chunk : chunks_of(film.frames, film.coding.gop)) {
         collector.starts_chunk = true;

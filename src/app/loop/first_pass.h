@@ -13,7 +13,7 @@ namespace render2mpeg::app {
 /// (docs/model/rate-control.md).
 std::vector<encoder::BitAllocation> first_pass(const RenderJob& film, bool quiet);
 
-/// The quantiser that pictures of about this rate usually need: where a first pass is made.
+/// The quantiser of MPEG-2 that pictures of about this rate usually need: where a first pass is made.
 int usual_quantiser(const encoder::Settings& settings);
 
 }  // namespace render2mpeg::app

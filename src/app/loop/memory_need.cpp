@@ -10,6 +10,7 @@
 #include "app/system/memory_limit.h"
 #include "app/system/shown_images.h"
 #include "core/error.h"
+#include "encoder/codec.h"
 #include "image/image.h"
 #include "renderer/lights/anchors.h"
 
@@ -42,7 +43,9 @@ std::uint64_t triangles_of(const scene::Animation& film) {
 std::uint64_t most_exposure_samples(const RenderJob& film) {
     if (!film.plan.runs(renderer::Pass::shutter) && !film.plan.runs(renderer::Pass::lens)) return 0;
     const bool fixed = film.coding.rate_control.mode == encoder::RateMode::constant_quantiser;
-    return static_cast<std::uint64_t>(exposure_samples(film, fixed ? film.coding.quantiser : 1).most) +
+    return static_cast<std::uint64_t>(
+               exposure_samples(film, fixed ? film.coding.quantiser : encoder::facts_of(film.coding.codec).finest)
+                   .most) +
            (film.plan.runs(renderer::Pass::lens) ? samples_of_blurred_lamps : 0);
 }
 

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "encoder/av/coders.h"
 #include "encoder/bit_allocation.h"
+#include "encoder/codec.h"
 #include "encoder/motion_nonuniformity.h"
 #include "perceptual/hvs.h"
 #include "perceptual/pumping.h"
@@ -26,7 +28,7 @@ PictureCoder::PictureCoder(const Film& film, const Chunk& chunk, std::span<const
       statistics_(statistics),
       lights_change_(lights_change),
       ahead_(ahead),
-      encoder_(film.coding) {
+      coder_(av::make_coder(film.coding)) {
     const encoder::RateControl& rate = film.coding.rate_control;
     if (rate.mode == encoder::RateMode::constant_quality) quality_.emplace(rate.quality);
 }
@@ -68,16 +70,17 @@ encoder::PicturePlan PictureCoder::plan(std::int64_t number, bool cut_before, Mo
     constexpr double not_known = 1.0;
     if (lights_change_) facts.light_change = light_change_.value_or(not_known);
     if (ahead_ != nullptr) look_ahead(facts, number);
-    encoder::PicturePlan plan = encoder_.plan(number, facts, first);
+    encoder::PicturePlan plan = coder_->plan(number, facts, first);
     if (plan.starts_gop) gop_start_ = number;
     return plan;
 }
 
 namespace {
 
-/// The quantiser that a picture was coded with, without the ratio of its type and followers.
-double base_quantiser(const encoder::CodedPicture& coded) {
-    return coded.quantiser / encoder::first_pass_picture(coded, false).ratio.value_or(1.0);
+/// MPEG-2's quantiser that a picture's is like; its own is without the ratio of its type and followers.
+double base_quantiser(const encoder::Settings& settings, const encoder::CodedPicture& coded) {
+    if (settings.codec != encoder::Codec::mpeg2) return encoder::mpeg2_quantiser_like(settings.codec, coded.quantiser);
+    return coded.quantiser / encoder::first_pass_picture(settings, coded, false).ratio.value_or(1.0);
 }
 
 }  // namespace
@@ -85,10 +88,12 @@ double base_quantiser(const encoder::CodedPicture& coded) {
 void PictureCoder::try_quality(const core::Picture& picture) {
     encoder::Settings settings = film_.coding;
     settings.gop = 1;
-    encoder::Encoder trial(settings);
-    for (const encoder::CodedPicture& coded :
-         trial.push(picture, trial.plan(picture.number, {.quality_factor = quality_->factor()}, true), {}))
-        quality_->learn(coded.plan.type, base_quantiser(coded),
+    const std::unique_ptr<encoder::Coder> trial = av::make_coder(settings);
+    const encoder::PicturePlan plan = trial->plan(picture.number, {.quality_factor = quality_->factor()}, true);
+    std::vector<encoder::CodedPicture> complete = trial->push(picture, plan, {}, {});
+    for (encoder::CodedPicture& coded : trial->flush()) complete.push_back(std::move(coded));
+    for (const encoder::CodedPicture& coded : complete)
+        quality_->learn(coded.plan.type, base_quantiser(film_.coding, coded),
                         perceptual::masked_error(coded.reconstruction.y, picture.y), false);
 }
 
@@ -96,7 +101,7 @@ void PictureCoder::judge(const std::vector<encoder::CodedPicture>& pictures) {
     if (!quality_) return;
     for (const encoder::CodedPicture& coded : pictures) {
         const auto source = unjudged_.extract(coded.plan.number);
-        quality_->learn(coded.plan.type, base_quantiser(coded),
+        quality_->learn(coded.plan.type, base_quantiser(film_.coding, coded),
                         perceptual::masked_error(coded.reconstruction.y, source.mapped()));
     }
 }
@@ -129,14 +134,14 @@ std::vector<encoder::CodedPicture> PictureCoder::code(const core::Picture& pictu
     const core::MotionField* onward = plan.horizon ? motion.onward(*plan.horizon) : nullptr;
     const StageTimer timer(statistics_, Stage::encode);
     if (quality_) unjudged_.emplace(plan.number, picture.y);
-    std::vector<encoder::CodedPicture> complete = encoder_.push(picture, plan, fields, {onward});
+    std::vector<encoder::CodedPicture> complete = coder_->push(picture, plan, fields, {onward});
     judge(complete);
     return complete;
 }
 
 std::vector<encoder::CodedPicture> PictureCoder::flush() {
     const StageTimer timer(statistics_, Stage::encode);
-    return encoder_.flush();
+    return coder_->flush();
 }
 
 }  // namespace render2mpeg::app

@@ -2,6 +2,7 @@
 // Plans and codes the pictures of a chunk: the loop's way into the encoder.
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <utility>
@@ -14,7 +15,7 @@
 #include "app/options/film.h"
 #include "core/picture.h"
 #include "core/plane.h"
-#include "encoder/encoder.h"
+#include "encoder/coder.h"
 #include "encoder/look_ahead.h"
 #include "scene/model/animation.h"
 
@@ -29,7 +30,7 @@ class PictureCoder {
   public:
     /// `allocations`: one per frame of the film, or none. `shots`: frames with which shots begin. `lights_change`:
     /// lamps do, and how much is measured. `ahead`: knows each picture, and those to come, before it is planned; tells
-    /// of cuts and B pictures, and of motion where nobody else does; null: none. Throws as encoder::check() does.
+    /// of cuts and B pictures, and of motion where nobody else does; null: none. Throws as av::check() does.
     PictureCoder(const Film& film, const Chunk& chunk, std::span<const encoder::BitAllocation> allocations,
                  std::vector<std::int64_t> shots, RunStatistics& statistics, bool lights_change,
                  encoder::LookAhead* ahead = nullptr);
@@ -65,7 +66,7 @@ class PictureCoder {
     RunStatistics& statistics_;
     bool lights_change_;
     encoder::LookAhead* ahead_;
-    encoder::Encoder encoder_;
+    std::unique_ptr<encoder::Coder> coder_;
     std::vector<encoder::FirstPassPicture> trial_;
     std::int64_t gop_start_ = 0;
     bool continues_ = false;                 ///< the picture planned last goes on from the one before

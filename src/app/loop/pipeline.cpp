@@ -78,7 +78,7 @@ ChunkLoop::ChunkLoop(const RenderJob& job, renderer::Renderer& renderer, const C
       posed_(job),
       recorder_(statistics, job.kind == OutputKind::film),
       auditor_(renderer, display_, job.audit, statistics),
-      terms_(job.coding.tune) {
+      terms_(job.coding) {
     renderer.start_chunk(*posed_.at(chunk.first));
     if (job.kind == OutputKind::film)
         coder_.emplace(job.film(), chunk, job.allocations, shots_of(*job.animation), statistics,

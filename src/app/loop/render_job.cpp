@@ -17,7 +17,8 @@
 #include "core/color.h"
 #include "core/error.h"
 #include "core/text.h"
-#include "encoder/encoder.h"
+#include "encoder/av/coders.h"
+#include "encoder/codec.h"
 #include "parallel/loops.h"
 #include "perceptual/exposure.h"
 #include "scene/load.h"
@@ -48,7 +49,7 @@ void refuse_outside(const FrameRange& frames, const FrameRange& whole) {
 /// What the encoder refuses was asked for on the command line.
 void check_settings(const encoder::Settings& coding) {
     try {
-        encoder::check(coding);
+        av::check(coding);
     } catch (const core::Error& error) {
         throw UsageError(error.what());
     }
@@ -297,7 +298,7 @@ RenderJob prepare(const RenderOptions& wanted) {
     settle_display(film, options);
     film.audit = options.audit;
 
-    film.coding = coding_settings(options.coding, shape, film.frames.first);
+    film.coding = coding_settings(options.coding, shape, film.frames.first, options.output);
     film.coding.transfer_characteristics = transfer_of(film.view);
     film.keyframes = keyframes_of(options.coding);
     film.two_passes = film.kind == OutputKind::film && two_passes(options.coding);
@@ -331,7 +332,8 @@ RenderJob draft_of(const RenderJob& film) {
     draft.cache = {};
     draft.coding.effort = encoder::Effort::fast;
     draft.coding.b_pictures = *usual.coding.b_pictures;
-    draft.coding.quantiser = *usual.coding.quantiser;
+    draft.coding.quantiser =
+        static_cast<int>(std::lround(encoder::quantiser_like(film.coding.codec, *usual.coding.quantiser)));
     draft.coding.rate_control.mode = encoder::RateMode::constant_quantiser;
     settle_preview(draft);
     return draft;

@@ -10,16 +10,23 @@
 namespace render2mpeg::app {
 
 void add_coding_options(CLI::App& command, CodingOptions& options) {
-    const std::string coding = "MPEG-2";
+    const std::string coding = "Coding";
     add_option(command, coding, "--for", options.preset,
                "Where the film goes: dvd-ntsc, dvd-pal or atsc. Sets size, rate, shape, GOPs, rates and buffer "
                "(docs/coding.md); options that contradict are refused",
                "WORLD", CLI::IsMember(preset_names()));
     add_option(command, coding, "-q,--quantiser", options.quantiser,
                "quantiser_scale_code of P pictures: 1 is the finest, 31 the coarsest; what many pictures follow from\n"
-               "is a little finer, B pictures are coarser",
+               "is a little finer, B pictures are coarser. Other codecs code to about the same quality",
                CLI::Range(1, 31))
         ->default_str("4");
+    add_option(command, coding, "--codec", options.codec,
+               "`mpeg2`, `h264`, `hevc` or `av1` (default: h264 in .mp4, .mov and .mkv, else mpeg2)", "CODEC",
+               CLI::IsMember({"mpeg2", "h264", "hevc", "av1"}));
+    add_option(command, coding, "--crf", options.crf,
+               "Instead of --quantiser: QP of P pictures in the codec's own scale, 1 to 51 in H.264 and HEVC, to 63 in "
+               "AV1; 26, 26 and 33 are like quantiser 4",
+               "QP");
     add_rate_options(command, options);
     add_option(command, coding, "--gop", options.gop,
                "Pictures per closed group of pictures; with --for, its world's where not given", CLI::Range(1, 1000))
@@ -53,7 +60,7 @@ void add_sound_options(CLI::App& command, CodingOptions& options) {
     const std::string sound = "Sound";
     add_option(command, sound, "--audio", options.audio,
                "Sound of the film: whatever FFmpeg reads, or `none` (default: the scene's). MPEG audio layer II in "
-               ".mpg, .vob and .ts, AC-3 with --for, AAC in .mkv and .mp4; it ends with the film",
+               ".mpg, .vob and .ts, AC-3 with --for, AAC in .mkv, .mp4 and .mov; it ends with the film",
                "FILE|none");
     add_option(command, sound, "--audio-offset", options.audio_offset,
                "Seconds after frame 0 at which the sound begins; below 0 its beginning is cut off", "SECONDS",

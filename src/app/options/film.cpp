@@ -7,7 +7,10 @@
 
 #include "app/options/rate_options.h"
 #include "app/options/usage_error.h"
+#include "core/text.h"
+#include "encoder/av/av.h"
 #include "encoder/capabilities.h"
+#include "encoder/codec.h"
 #include "perceptual/display.h"
 
 namespace render2mpeg::app {
@@ -54,6 +57,29 @@ void apply(const Preset& preset, const CodingOptions& options, encoder::Settings
     apply_rates(preset, options, coding);
 }
 
+/// Refuses what was asked for on the command line.
+void check_container(const std::filesystem::path& output, encoder::Codec codec) {
+    try {
+        av::check_container(output, codec);
+    } catch (const core::Error& error) {
+        throw UsageError(error.what());
+    }
+}
+
+/// The quantiser in the codec's scale.
+int quantiser_of(const CodingOptions& options, encoder::Codec codec) {
+    const encoder::CodecFacts facts = encoder::facts_of(codec);
+    if (options.crf) {
+        const std::string asked = fmt::format("--crf {}", *options.crf);
+        if (codec == encoder::Codec::mpeg2)
+            throw UsageError(asked + ": MPEG-2's scale is that of --quantiser; say that, or choose --codec h264");
+        if (*options.crf < facts.finest || *options.crf > facts.coarsest)
+            throw UsageError(fmt::format("{}: {} has {} to {}", asked, facts.name, facts.finest, facts.coarsest));
+        return *options.crf;
+    }
+    return static_cast<int>(std::lround(encoder::quantiser_like(codec, options.quantiser.value_or(4))));
+}
+
 }  // namespace
 
 const Preset* preset_of(const CodingOptions& options) {
@@ -64,16 +90,42 @@ Keyframes keyframes_of(const CodingOptions& options) {
     return options.keyframes ? keyframes_from(*options.keyframes) : Keyframes{};
 }
 
-encoder::Settings coding_settings(const CodingOptions& options, const Shape& shape, std::int64_t first) {
+encoder::Codec codec_of(const CodingOptions& options, const std::filesystem::path& output) {
+    const std::string ending = core::ending_of(output);
+    encoder::Codec codec = encoder::Codec::mpeg2;
+    if (options.codec) {
+        for (const encoder::CodecFacts& facts : encoder::all_codecs())
+            if (*options.codec == facts.word) codec = facts.codec;
+    } else if (!options.preset && (ending == ".mp4" || ending == ".mov" || ending == ".mkv")) {
+        codec = encoder::Codec::h264;
+    }
+    if (options.preset && codec != encoder::Codec::mpeg2)
+        throw UsageError("--codec " + *options.codec + ": --for " + *options.preset + " is MPEG-2's world");
+    return codec;
+}
+
+std::vector<int> in_scale_of(encoder::Codec codec, std::vector<int> quantisers) {
+    for (int& q : quantisers) q = static_cast<int>(std::lround(encoder::quantiser_like(codec, q)));
+    return quantisers;
+}
+
+encoder::Settings coding_settings(const CodingOptions& options, const Shape& shape, std::int64_t first,
+                                  const std::filesystem::path& output) {
     encoder::Settings coding;
+    coding.codec = codec_of(options, output);
     coding.width = shape.size.width;
     coding.height = shape.size.height;
     coding.rate = shape.rate;
     coding.first_number = first;
-    coding.quantiser = options.quantiser.value_or(4);
+    if (av::is_film(output)) check_container(output, coding.codec);
+    coding.quantiser = quantiser_of(options, coding.codec);
     coding.rate_control = rate_control(options);
+    if (coding.codec != encoder::Codec::mpeg2 && options.bitrate && !two_passes(options))
+        throw UsageError(
+            fmt::format("--passes 1: a rate of {} needs two passes", encoder::facts_of(coding.codec).name));
     coding.gop = options.gop.value_or(usual_gop);
-    coding.b_pictures = options.b_pictures.value_or(coding.b_pictures);
+    coding.b_pictures =
+        std::min(options.b_pictures.value_or(coding.b_pictures), encoder::facts_of(coding.codec).most_b_pictures);
     coding.tune = options.tune == "perceptual" ? encoder::Tune::perceptual : encoder::Tune::psnr;
     coding.effort = options.encoder == "fast" ? encoder::Effort::fast : encoder::Effort::quality;
     coding.aspect_ratio_code = shape.aspect_ratio_code;

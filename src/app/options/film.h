@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
+#include <vector>
 
 #include "app/options/keyframes.h"
 #include "app/options/options.h"
@@ -30,9 +32,17 @@ struct Film {
 /// The preset that the options name, or null.
 const Preset* preset_of(const CodingOptions& options);
 
+/// The codec that the options name; else the one of the output's ending: H.264 for .mp4, .mov and .mkv, MPEG-2 for all
+/// others and for none. Throws UsageError where a preset has no such codec.
+encoder::Codec codec_of(const CodingOptions& options, const std::filesystem::path& output);
+
+/// MPEG-2's quantisers in a codec's own scale.
+std::vector<int> in_scale_of(encoder::Codec codec, std::vector<int> quantisers);
+
 /// The encoder's settings for pictures of this shape, with the matrix that their height asks for; `first` is the film's
-/// first frame. Throws core::Error where an option contradicts the preset.
-encoder::Settings coding_settings(const CodingOptions& options, const Shape& shape, std::int64_t first);
+/// first frame, `output` its file, or empty. Throws core::Error where an option contradicts the preset or the codec.
+encoder::Settings coding_settings(const CodingOptions& options, const Shape& shape, std::int64_t first,
+                                  const std::filesystem::path& output);
 
 /// transfer_characteristics of a film with this view: Blender's are none that MPEG-2 has a number for.
 inline int transfer_of(const core::View& view) {

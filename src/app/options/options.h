@@ -39,7 +39,9 @@ inline constexpr int usual_gop = 60;
 
 /// How pictures are coded: `render` and `encode` share these.
 struct CodingOptions {
-    std::optional<int> quantiser;        ///< none: 4, where neither quality nor bit rate are asked for
+    std::optional<std::string> codec;    ///< none: as the ending of the output's name says
+    std::optional<int> quantiser;        ///< MPEG-2's; none: 4, where neither quality nor bit rate are asked for
+    std::optional<int> crf;              ///< instead, in the codec's scale
     std::optional<double> quality;       ///< 0..100
     std::optional<std::string> bitrate;  ///< as bits_from reads it; likewise the next two
     std::optional<std::string> maxrate;

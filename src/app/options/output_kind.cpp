@@ -45,9 +45,10 @@ OutputKind kind_of(const std::filesystem::path& output) {
                              "an image sequence needs one frame number in its name, e.g. frames.%04d" + ending);
         return ending == ".exr" ? OutputKind::exr : OutputKind::png;
     }
-    throw UsageError("writing", output.string(),
-                     "the ending chooses what is written: .mpg, .vob, .ts, .m2v, .mkv, .mp4, .y4m, or images such as "
-                     "frames.%04d.exr or .png");
+    throw UsageError(
+        "writing", output.string(),
+        "the ending chooses what is written: .mpg, .vob, .ts, .m2v, .mkv, .mp4, .mov, .y4m, or images such as "
+        "frames.%04d.exr or .png");
 }
 
 void settle_stream(std::filesystem::path& output, std::optional<std::string>& as) {

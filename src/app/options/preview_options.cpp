@@ -43,7 +43,8 @@ RenderOptions preview_options(const RenderOptions& options) {
     // Nobody keeps it: it only must be there soon.
     if (!is_given("--encoder")) draft.coding.encoder = "fast";
     if (!options.coding.b_pictures) draft.coding.b_pictures = 0;
-    const bool has_rate = options.coding.quantiser || options.coding.quality || options.coding.bitrate;
+    const bool has_rate =
+        options.coding.quantiser || options.coding.crf || options.coding.quality || options.coding.bitrate;
     if (!has_rate) draft.coding.quantiser = 6;
     if (options.coding.bitrate && !options.coding.passes) draft.coding.passes = 1;
     return draft;

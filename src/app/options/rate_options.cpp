@@ -12,6 +12,9 @@ namespace {
 
 void refuse_conflicts(const CodingOptions& o) {
     const auto refuse = [](const char* text) { throw UsageError(text); };
+    if (o.crf && o.quantiser) refuse("--crf and --quantiser: each decides the quantisers; give one");
+    if (o.crf && o.quality) refuse("--crf and --quality: each decides the quantisers; give one");
+    if (o.crf && o.bitrate) refuse("--crf and --bitrate: each decides the quantisers; give one");
     if (o.quantiser && o.quality) refuse("--quantiser and --quality: each decides the quantisers; give one");
     if (o.quantiser && o.bitrate) refuse("--quantiser and --bitrate: each decides the quantisers; give one");
     if (o.quality && o.bitrate) refuse("--quality and --bitrate: each decides the quantisers; give one");
@@ -25,7 +28,7 @@ void refuse_conflicts(const CodingOptions& o) {
 }  // namespace
 
 void add_rate_options(CLI::App& command, CodingOptions& options) {
-    const std::string coding = "MPEG-2";
+    const std::string coding = "Coding";
     const auto bits = [](const char* what) {
         return checked([what](const std::string& text) { bits_from(text, what); }, "");
     };

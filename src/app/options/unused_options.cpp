@@ -31,8 +31,8 @@ std::vector<std::string> unused_options(const RenderOptions& options, OutputKind
     const std::string output = options.output.filename().string();
     if (kind != OutputKind::film)
         note(lines, options.given,
-             {"--quantiser", "--quality", "--bitrate", "--cbr", "--maxrate", "--vbv", "--passes", "--gop",
-              "--b-pictures", "--tune", "--encoder", "--keyframes", "--audio", "--audio-offset"},
+             {"--codec", "--quantiser", "--crf", "--quality", "--bitrate", "--cbr", "--maxrate", "--vbv", "--passes",
+              "--gop", "--b-pictures", "--tune", "--encoder", "--keyframes", "--audio", "--audio-offset"},
              output + " is not coded");
     // With a tolerance, the exposure says how dark a pixel is too dark to matter.
     if (kind == OutputKind::exr && (tolerance.reference || tolerance.relative == 0))

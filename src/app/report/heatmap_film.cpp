@@ -15,6 +15,8 @@
 #include "core/color.h"
 #include "core/error.h"
 #include "core/numeric.h"
+#include "encoder/av/coders.h"
+#include "encoder/codec.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -91,11 +93,13 @@ core::Plane<float> values_of(HeatSubject subject, const LitFrame& frame) {
     return values;
 }
 
-/// Macroblocks as pixels.
-core::Plane<float> quantisers_of(const encoder::CodedPicture& coded) {
+/// Macroblocks as pixels: what MPEG-2's quantiser of each pixel is, or would be for about the same quality.
+core::Plane<float> quantisers_of(encoder::Codec codec, const encoder::CodedPicture& coded) {
     core::Plane<float> values(coded.reconstruction.width(), coded.reconstruction.height());
     for (int y = 0; y < values.height(); ++y)
-        for (int x = 0; x < values.width(); ++x) values.at(x, y) = coded.macroblocks.at(x / 16, y / 16).quantiser;
+        for (int x = 0; x < values.width(); ++x)
+            values.at(x, y) = static_cast<float>(
+                encoder::mpeg2_quantiser_like(codec, coded.macroblocks.at(x / 16, y / 16).quantiser));
     return values;
 }
 
@@ -109,13 +113,14 @@ core::Plane<float> widened(const core::Plane<float>& values, int width) {
 
 /// How a heatmap of the film is coded: every picture by itself and finely, since edges of false colours are not to
 /// smear. In square pixels, whatever the film's are: with the legend the whole has a shape that MPEG-2 cannot say.
-encoder::Settings heatmap_settings(const RenderJob& film) {
+encoder::Settings heatmap_settings(const RenderJob& film, const std::filesystem::path& output) {
     encoder::Settings settings;
+    settings.codec = codec_of({}, output);
     settings.width =
         std::max(1, static_cast<int>(std::lround(static_cast<float>(film.format.width) * film.format.pixel_aspect)));
     settings.height = film.format.height + perceptual::legend_height;
     settings.rate = film.rate;
-    settings.quantiser = 2;
+    settings.quantiser = static_cast<int>(std::lround(encoder::quantiser_like(settings.codec, 2)));
     settings.gop = 1;
     settings.b_pictures = 0;
     settings.effort = encoder::Effort::fast;
@@ -146,9 +151,10 @@ HeatmapFilm::HeatmapFilm(HeatSubject subject, const std::filesystem::path& outpu
             earlier),
       film_(film.film()),
       grid_(film.chunks()),
+      codec_(film.coding.codec),
       matrix_(perceptual::matrix_for(film.format.height)),
       scale_(scale_of(subject)) {
-    film_.coding = heatmap_settings(film);
+    film_.coding = heatmap_settings(film, output);
     film_.disc = false;
 }
 
@@ -159,7 +165,7 @@ void HeatmapFilm::lit(const LitFrame& frame) {
 }
 
 void HeatmapFilm::coded(const encoder::CodedPicture& coded) {
-    if (subject_ == HeatSubject::quantiser) show(coded.plan.number, quantisers_of(coded));
+    if (subject_ == HeatSubject::quantiser) show(coded.plan.number, quantisers_of(codec_, coded));
 }
 
 void HeatmapFilm::take_up(std::size_t chunks) {
@@ -179,13 +185,14 @@ void HeatmapFilm::append(HeatmapFilm& part) {
 
 void HeatmapFilm::begins(const Chunk& chunk) {
     chunks_.push_back(work_.open(chunk));
-    encoder_ = std::make_unique<encoder::Encoder>(film_.coding);
+    encoder_ = av::make_coder(film_.coding);
     next_ = chunk.first;
     early_.clear();
 }
 
 void HeatmapFilm::ends(const Chunk&) {
     EXPECTS(early_.empty());
+    for (const encoder::CodedPicture& coded : encoder_->flush()) chunks_.back().append(coded);
     chunks_.back().finish({});
 }
 
@@ -228,7 +235,7 @@ void check_heatmaps(const RenderOptions& options, const RenderJob& film) {
         if (subject == HeatSubject::tolerance && film.tolerance.reference)
             throw core::Error("heatmap tolerance: `--tolerance reference` has none");
         try {
-            encoder::check(heatmap_settings(film));
+            av::check(heatmap_settings(film, output));
         } catch (const core::Error& error) {
             throw core::Error("heatmap " + name + ": the film with a legend of " +
                               std::to_string(perceptual::legend_height) +

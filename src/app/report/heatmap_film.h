@@ -12,7 +12,7 @@
 #include "app/loop/render_job.h"
 #include "app/system/error_collector.h"
 #include "core/plane.h"
-#include "encoder/encoder.h"
+#include "encoder/coder.h"
 #include "perceptual/heatmap.h"
 
 namespace render2mpeg::app {
@@ -72,11 +72,12 @@ class HeatmapFilm : public LoopObserver {
     Film film_;  ///< the heatmap's, not the one that it shows
     std::vector<Chunk> grid_;
     std::vector<ChunkFile> chunks_;
+    encoder::Codec codec_;  ///< of the film itself
     perceptual::ColorMatrix matrix_;
     perceptual::HeatScale scale_;
     std::int64_t next_ = 0;
     std::map<std::int64_t, core::Plane<float>> early_;
-    std::unique_ptr<encoder::Encoder> encoder_;  ///< of a chunk
+    std::unique_ptr<encoder::Coder> encoder_;  ///< of a chunk
 };
 
 /// All that --heatmap asks for. One that fails ends; the render and the others go on.

@@ -10,6 +10,7 @@
 #include "app/files/text_file.h"
 #include "app/report/effects.h"
 #include "core/numeric.h"
+#include "encoder/codec.h"
 #include "encoder/encoder.h"
 
 namespace render2mpeg::app {
@@ -209,6 +210,7 @@ json common_of(const Film& film, const RunStatistics& statistics, const RunFacts
             {"fps_exact", {coding.rate.hertz.num, coding.rate.hertz.den}},
             {"frames", statistics.frames.size()},
             {"bytes", facts.bytes},
+            {"codec", encoder::facts_of(coding.codec).word},
             {"quantiser", asked_quantiser(coding)},
             {"gop", coding.gop},
             {"seconds", seconds_of(statistics)},

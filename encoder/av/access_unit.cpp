@@ -1,0 +1,85 @@
+#include "encoder/av/access_unit.h"
+
+#include <algorithm>
+#include <cstddef>
+
+#include "core/error.h"
+
+namespace render2mpeg::av {
+namespace {
+
+enum class UnitKind { header, picture, comment };
+
+/// By nal_unit_type. [H264, table 7-1], [H265, table 7-1]
+UnitKind kind_of_nal(encoder::Codec codec, std::uint8_t first) {
+    if (codec == encoder::Codec::h264) {
+        const int type = first & 31;
+        if (type >= 1 && type <= 5) return UnitKind::picture;
+        return type == 7 || type == 8 ? UnitKind::header : UnitKind::comment;
+    }
+    const int type = (first >> 1) & 63;
+    if (type < 32) return UnitKind::picture;
+    return type <= 34 ? UnitKind::header : UnitKind::comment;
+}
+
+/// By obu_type. [AV1, 6.2.2]
+UnitKind kind_of_obu(std::uint8_t first) {
+    const int type = (first >> 3) & 15;
+    if (type == 1) return UnitKind::header;
+    return type == 3 || type == 4 || type == 6 || type == 7 ? UnitKind::picture : UnitKind::comment;
+}
+
+void put(AccessUnit& unit, UnitKind kind, std::span<const std::uint8_t> bytes, bool with_start_code) {
+    if (kind == UnitKind::comment) return;
+    std::vector<std::uint8_t>& out = kind == UnitKind::header ? unit.headers : unit.pictures;
+    if (with_start_code) out.insert(out.end(), {0, 0, 0, 1});
+    out.insert(out.end(), bytes.begin(), bytes.end());
+}
+
+/// The place of the next start code prefix, or the end.
+std::size_t next_start(std::span<const std::uint8_t> bytes, std::size_t from) {
+    for (std::size_t i = from; i + 3 <= bytes.size(); ++i)
+        if (bytes[i] == 0 && bytes[i + 1] == 0 && bytes[i + 2] == 1) return i;
+    return bytes.size();
+}
+
+AccessUnit nal_units_apart(encoder::Codec codec, std::span<const std::uint8_t> bytes) {
+    AccessUnit unit;
+    for (std::size_t start = next_start(bytes, 0); start < bytes.size();) {
+        const std::size_t begin = start + 3;
+        start = next_start(bytes, begin);
+        std::size_t end = start;
+        // A unit ends with a bit that is set: zeros belong to the next start code.
+        while (end > begin && bytes[end - 1] == 0) --end;
+        if (end > begin) put(unit, kind_of_nal(codec, bytes[begin]), bytes.subspan(begin, end - begin), true);
+    }
+    return unit;
+}
+
+AccessUnit obus_apart(std::span<const std::uint8_t> bytes) {
+    AccessUnit unit;
+    for (std::size_t at = 0; at < bytes.size();) {
+        const bool has_extension = (bytes[at] & 4) != 0, has_size = (bytes[at] & 2) != 0;
+        std::size_t place = at + (has_extension ? 2 : 1), size = 0;
+        for (int shift = 0; has_size && shift < 56 && place < bytes.size(); shift += 7) {
+            size |= static_cast<std::size_t>(bytes[place] & 127) << shift;
+            if ((bytes[place++] & 128) == 0) break;
+        }
+        if (!has_size || size > bytes.size() - std::min(place, bytes.size()))
+            throw core::Error("AV1: a unit of the stream has no size that fits");
+        put(unit, kind_of_obu(bytes[at]), bytes.subspan(at, place + size - at), false);
+        at = place + size;
+    }
+    return unit;
+}
+
+}  // namespace
+
+AccessUnit taken_apart(encoder::Codec codec, std::span<const std::uint8_t> bytes) {
+    AccessUnit unit = codec == encoder::Codec::av1 ? obus_apart(bytes) : nal_units_apart(codec, bytes);
+    if (unit.headers.empty() && unit.pictures.empty())
+        throw core::Error("coded picture: the stream has no units that are known");
+    return unit;
+}
+
+}  // namespace render2mpeg::av

@@ -1,0 +1,22 @@
+#pragma once
+// The units of a coded picture: what describes the stream apart from what describes the picture.
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "encoder/types.h"
+
+namespace render2mpeg::av {
+
+/// A coded picture taken apart.
+struct AccessUnit {
+    std::vector<std::uint8_t> headers;   ///< parameter sets or sequence headers
+    std::vector<std::uint8_t> pictures;  ///< the picture itself
+};
+
+/// Takes apart a picture of a byte stream [H264, annex B] or, for AV1, of units with sizes [AV1, 5.2]. What only
+/// comments on it (SEI messages, metadata, delimiters) is left out. Throws core::Error for what is none. Not for
+/// MPEG-2.
+AccessUnit taken_apart(encoder::Codec codec, std::span<const std::uint8_t> bytes);
+
+}  // namespace render2mpeg::av

@@ -1,0 +1,21 @@
+#pragma once
+// Coders of all codecs: our own, and those of libavcodec behind the same interface.
+#include <memory>
+
+#include "encoder/coder.h"
+#include "encoder/types.h"
+
+namespace render2mpeg::av {
+
+/// Throws core::Error, in one line, where a film cannot be coded with these settings: what the codec has no room for,
+/// what only MPEG-2 does, or an encoder that this machine's libavcodec lacks.
+void check(const encoder::Settings& settings);
+
+/// The coder of a film's codec. Throws as check() does.
+///
+/// Those of libavcodec hold pictures back until their decoder, which tells what became of each, shows them: an I or P
+/// picture comes when the next one is coded, its B pictures behind it. Their quantisers are as planned; so is what a
+/// macroblock record says of macroblocks that have nothing coded.
+std::unique_ptr<encoder::Coder> make_coder(const encoder::Settings& settings);
+
+}  // namespace render2mpeg::av

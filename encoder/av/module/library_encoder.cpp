@@ -1,0 +1,283 @@
+#include "encoder/av/module/library_encoder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <deque>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "core/error.h"
+#include "encoder/av/module/ffmpeg.h"
+#include "encoder/av/module/picture_copy.h"
+#include "encoder/av/module/picture_facts.h"
+#include "encoder/library_offsets.h"
+
+namespace render2mpeg::av {
+namespace {
+
+const char* library_of(encoder::Codec codec) {
+    switch (codec) {
+        case encoder::Codec::h264:
+            return "libx264";
+        case encoder::Codec::hevc:
+            return "libx265";
+        default:
+            return "libsvtav1";
+    }
+}
+
+const AVCodec& encoder_for(encoder::Codec codec) {
+    const AVCodec* found = avcodec_find_encoder_by_name(library_of(codec));
+    if (found == nullptr)
+        throw core::Error("coding with", library_of(codec),
+                          "this machine's libavcodec does not have it; install one that has, or choose --codec mpeg2");
+    return *found;
+}
+
+const AVCodec& decoder_for(encoder::Codec codec) {
+    const AVCodecID ids[] = {AV_CODEC_ID_MPEG2VIDEO, AV_CODEC_ID_H264, AV_CODEC_ID_HEVC, AV_CODEC_ID_AV1};
+    const AVCodec* found = codec == encoder::Codec::av1 ? avcodec_find_decoder_by_name("libdav1d") : nullptr;
+    if (found == nullptr) found = avcodec_find_decoder(ids[static_cast<int>(codec)]);
+    if (found == nullptr)
+        throw core::Error("coding with", library_of(codec), "this machine's libavcodec has no decoder for it");
+    return *found;
+}
+
+/// Quantisers are as asked for, whatever else these settings do: complexity counts nothing, no picture is looked at
+/// ahead, types make no difference. Adaptive quantisation is on, else offsets are ignored, but next to nothing.
+std::string x264_settings(const encoder::Settings& settings) {
+    return std::string("qcomp=1:aq-mode=1:aq-strength=0.0001:mbtree=0:rc-lookahead=0:sync-lookahead=0:force-cfr=1:") +
+           "ipratio=1:pbratio=1:scenecut=0:keyint=infinite:b-adapt=0:b-pyramid=normal:open-gop=0" +
+           (settings.tune == encoder::Tune::psnr ? ":no-psy=1" : "");
+}
+
+/// One quantiser for each type of picture, told by ratios of steps; nothing is looked at ahead but where B pictures
+/// wait.
+std::string x265_settings(const encoder::Settings& settings) {
+    const encoder::LibraryOffsets offsets = encoder::library_offsets(settings.codec);
+    const auto ratio = [](double quantisers) { return std::to_string(std::exp2(quantisers / 6)); };
+    return "qp=" + std::to_string(settings.quantiser) + ":ipratio=" + ratio(-offsets.intra) +
+           ":pbratio=" + ratio(offsets.bidirectional) + ":scenecut=0:keyint=-1:b-adapt=0:b-pyramid=1:open-gop=0:" +
+           "rc-lookahead=" + std::to_string(settings.b_pictures + 1) +
+           ":lookahead-slices=0:frame-threads=1:pools=none:wpp=0:info=0:log-level=error" +
+           (settings.tune == encoder::Tune::psnr ? ":psy-rd=0:psy-rdoq=0" : "");
+}
+
+AVPictureType type_of(encoder::PictureType type) {
+    if (type == encoder::PictureType::intra) return AV_PICTURE_TYPE_I;
+    return type == encoder::PictureType::predicted ? AV_PICTURE_TYPE_P : AV_PICTURE_TYPE_B;
+}
+
+encoder::PictureType type_of(AVPictureType type) {
+    if (type == AV_PICTURE_TYPE_I) return encoder::PictureType::intra;
+    return type == AV_PICTURE_TYPE_B ? encoder::PictureType::bidirectional : encoder::PictureType::predicted;
+}
+
+AVRational pixel_aspect(const encoder::Settings& settings) {
+    const AVRational display[] = {{0, 1}, {0, 1}, {4, 3}, {16, 9}, {221, 100}};  // [H262, table 6-3]
+    const AVRational shape = display[std::clamp(settings.aspect_ratio_code, 0, 4)];
+    return shape.num == 0 ? AVRational{1, 1} : av_mul_q(shape, {settings.height, settings.width});
+}
+
+/// An encoder with its decoder.
+class Library final : public LibraryEncoder {
+  public:
+    explicit Library(const encoder::Settings& settings) : settings_(settings) {
+        const Messages messages;
+        if (!packet_ || !frame_ || !shown_) check(AVERROR(ENOMEM), messages);
+        open_encoder(messages);
+        open_decoder(messages);
+    }
+
+    const std::vector<std::uint8_t>& headers() const override { return headers_; }
+
+    void send(const core::Picture& picture, const LibraryOrder& order) override {
+        const Messages messages;
+        av_frame_unref(frame_.get());
+        frame_->format = encoder_->pix_fmt;
+        frame_->width = encoder_->width;
+        frame_->height = encoder_->height;
+        check(av_frame_get_buffer(frame_.get(), 0), messages);
+        fill(*frame_, picture);
+        frame_->pts = picture.number;
+        // SVT-AV1 orders its pictures by itself.
+        frame_->pict_type = settings_.codec == encoder::Codec::av1 ? AV_PICTURE_TYPE_NONE : type_of(order.type);
+        if (settings_.codec == encoder::Codec::h264) add_offsets(order.quantisers, messages);
+        check(avcodec_send_frame(encoder_.get(), frame_.get()), messages);
+        receive(messages);
+    }
+
+    void end() override {
+        const Messages messages;
+        check(avcodec_send_frame(encoder_.get(), nullptr), messages);
+        receive(messages);
+        check(avcodec_send_packet(decoder_.get(), nullptr), messages);
+        show(messages);
+    }
+
+    std::vector<LibraryPicture> take() override {
+        std::vector<LibraryPicture> complete;
+        while (!waiting_.empty() && waiting_.front().shown) {
+            complete.push_back(std::move(waiting_.front().picture));
+            waiting_.pop_front();
+        }
+        return complete;
+    }
+
+  private:
+    struct Waiting {
+        LibraryPicture picture;
+        bool shown = false;
+    };
+
+    void check(int result, const Messages& messages) const {
+        if (result < 0) throw core::Error("coding with", library_of(settings_.codec), cause_of(result, messages));
+    }
+
+    void open_encoder(const Messages& messages) {
+        const AVCodec& codec = encoder_for(settings_.codec);
+        encoder_.reset(avcodec_alloc_context3(&codec));
+        if (!encoder_) check(AVERROR(ENOMEM), messages);
+        // It speaks on the terminal, whatever libavcodec is told, unless it is told not to.
+        if (settings_.codec == encoder::Codec::av1) setenv("SVT_LOG", "0", 0);
+        AVCodecContext& e = *encoder_;
+        e.width = settings_.width;
+        e.height = settings_.height;
+        e.pix_fmt =
+            settings_.codec != encoder::Codec::h264 && has_ten_bits(codec) ? AV_PIX_FMT_YUV420P10 : AV_PIX_FMT_YUV420P;
+        e.framerate = {static_cast<int>(settings_.rate.hertz.num), static_cast<int>(settings_.rate.hertz.den)};
+        e.time_base = av_inv_q(e.framerate);
+        e.sample_aspect_ratio = pixel_aspect(settings_);
+        e.color_range = AVCOL_RANGE_MPEG;
+        e.color_primaries = AVCOL_PRI_BT709;
+        // MPEG-2's numbers for these are FFmpeg's.
+        e.color_trc = static_cast<AVColorTransferCharacteristic>(settings_.transfer_characteristics);
+        e.colorspace = static_cast<AVColorSpace>(settings_.matrix_coefficients);
+        e.chroma_sample_location = AVCHROMA_LOC_LEFT;
+        e.max_b_frames = settings_.b_pictures;
+        e.gop_size = std::numeric_limits<int>::max();
+        e.thread_count = 1;  // with more of them, bytes would be others
+        e.flags |= AV_CODEC_FLAG_GLOBAL_HEADER | AV_CODEC_FLAG_CLOSED_GOP;
+        AVDictionary* options = library_options();
+        const int result = avcodec_open2(&e, &codec, &options);
+        av_dict_free(&options);
+        check(result, messages);
+        headers_.assign(e.extradata, e.extradata + e.extradata_size);
+    }
+
+    AVDictionary* library_options() const {
+        AVDictionary* options = nullptr;
+        const bool fast = settings_.effort == encoder::Effort::fast;
+        if (settings_.codec == encoder::Codec::av1) {
+            av_dict_set(&options, "preset", fast ? "10" : "6", 0);
+            av_dict_set_int(&options, "qp", settings_.quantiser, 0);
+            av_dict_set(&options, "svtav1-params", "lp=1:scd=0:keyint=-1:irefresh-type=2", 0);
+            return options;
+        }
+        av_dict_set_int(&options, "forced-idr", 1, 0);
+        if (settings_.codec == encoder::Codec::hevc) {
+            av_dict_set(&options, "preset", fast ? "veryfast" : "slow", 0);
+            av_dict_set(&options, "x265-params", x265_settings(settings_).c_str(), 0);
+        } else {
+            av_dict_set(&options, "preset", fast ? "veryfast" : "slow", 0);
+            av_dict_set_int(&options, "crf", settings_.quantiser, 0);
+            av_dict_set(&options, "x264-params", x264_settings(settings_).c_str(), 0);
+        }
+        return options;
+    }
+
+    void open_decoder(const Messages& messages) {
+        const AVCodec& codec = decoder_for(settings_.codec);
+        decoder_.reset(avcodec_alloc_context3(&codec));
+        const Parameters parameters(avcodec_parameters_alloc());
+        if (!decoder_ || !parameters) check(AVERROR(ENOMEM), messages);
+        check(avcodec_parameters_from_context(parameters.get(), encoder_.get()), messages);
+        check(avcodec_parameters_to_context(decoder_.get(), parameters.get()), messages);
+        decoder_->thread_count = 1;
+        decoder_->export_side_data = AV_CODEC_EXPORT_DATA_MVS | AV_CODEC_EXPORT_DATA_VIDEO_ENC_PARAMS;
+        check(avcodec_open2(decoder_.get(), &codec, nullptr), messages);
+    }
+
+    /// Tells x264 what each macroblock's quantiser is to be, run by run. Of regions that overlap the first one counts;
+    /// these do not.
+    void add_offsets(const core::Plane<std::uint8_t>& quantisers, const Messages& messages) {
+        constexpr int range = 51;  // libavcodec's unit: all of the scale
+        std::vector<AVRegionOfInterest> regions;
+        for (int row = 0; row < quantisers.height(); ++row)
+            for (int column = 0; column < quantisers.width();) {
+                const int first = column, quantiser = quantisers.at(column, row);
+                while (column < quantisers.width() && quantisers.at(column, row) == quantiser) ++column;
+                if (quantiser == settings_.quantiser) continue;
+                AVRegionOfInterest region{};
+                region.self_size = sizeof region;
+                region.top = 16 * row;
+                region.bottom = std::min(16 * row + 16, settings_.height);
+                region.left = 16 * first;
+                region.right = std::min(16 * column, settings_.width);
+                region.qoffset = {quantiser - settings_.quantiser, range};
+                regions.push_back(region);
+            }
+        if (regions.empty()) return;
+        const std::size_t bytes = regions.size() * sizeof(AVRegionOfInterest);
+        AVFrameSideData* data = av_frame_new_side_data(frame_.get(), AV_FRAME_DATA_REGIONS_OF_INTEREST, bytes);
+        if (data == nullptr) check(AVERROR(ENOMEM), messages);
+        std::memcpy(data->data, regions.data(), bytes);
+    }
+
+    /// Takes what the encoder has ready, and shows it to the decoder.
+    void receive(const Messages& messages) {
+        while (true) {
+            const int result = avcodec_receive_packet(encoder_.get(), packet_.get());
+            if (result == AVERROR(EAGAIN) || result == AVERROR_EOF) return;
+            check(result, messages);
+            LibraryPicture picture;
+            picture.number = packet_->pts;
+            picture.bytes.assign(packet_->data, packet_->data + packet_->size);
+            waiting_.push_back({std::move(picture)});
+            check(avcodec_send_packet(decoder_.get(), packet_.get()), messages);
+            av_packet_unref(packet_.get());
+            show(messages);
+        }
+    }
+
+    void show(const Messages& messages) {
+        while (true) {
+            const int result = avcodec_receive_frame(decoder_.get(), shown_.get());
+            if (result == AVERROR(EAGAIN) || result == AVERROR_EOF) return;
+            check(result, messages);
+            const auto found = std::find_if(waiting_.begin(), waiting_.end(),
+                                            [&](const Waiting& w) { return w.picture.number == shown_->pts; });
+            EXPECTS(found != waiting_.end());
+            LibraryPicture& picture = found->picture;
+            picture.type = type_of(shown_->pict_type);
+            picture.reconstruction = picture_of(*shown_, picture.number);
+            picture.macroblocks = macroblocks_of(*shown_);
+            found->shown = true;
+        }
+    }
+
+    using Parameters = std::unique_ptr<AVCodecParameters, Freed<AVCodecParameters, avcodec_parameters_free>>;
+
+    const encoder::Settings settings_;
+    Decoder encoder_, decoder_;
+    Packet packet_{av_packet_alloc()};
+    Frame frame_{av_frame_alloc()}, shown_{av_frame_alloc()};
+    std::vector<std::uint8_t> headers_;
+    std::deque<Waiting> waiting_;  ///< in coding order
+};
+
+}  // namespace
+
+void check_library_encoder(const encoder::Settings& settings) {
+    encoder_for(settings.codec);
+    decoder_for(settings.codec);
+}
+
+std::unique_ptr<LibraryEncoder> open_library_encoder(const encoder::Settings& settings) {
+    return std::make_unique<Library>(settings);
+}
+
+}  // namespace render2mpeg::av
