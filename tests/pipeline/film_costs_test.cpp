@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "app/experiments/comparison.h"
 #include "app/experiments/film_costs.h"
 #include "app/options/option_text.h"
 #include "app/report/answer.h"
@@ -15,29 +16,64 @@ namespace {
 
 using app::FilmCost;
 
-FilmCost row(const char* name, double clock, std::optional<double> added, double loss) {
-    return {name, clock, 1e5, added, loss, false};
+FilmCost row(const char* name, double cpu, std::optional<double> added, double loss) {
+    return {name, cpu / 2, cpu, 1e5, added, loss, false};
 }
 
-TEST(FilmCosts, TakeTheFastestRowWithoutADifferenceThatOneSees) {
+TEST(Offers, AreTakenByOneRule) {
+    EXPECT_FALSE(app::cheapest_alike({}).has_value());
+    const std::vector<app::Offer> offers{{1, false}, {9, true}, {4, true}, {5, true}};
+    EXPECT_EQ(app::cheapest_alike(offers), 2u) << "the cheapest that nobody can tell from the best";
+    EXPECT_EQ(app::time_text(75, 140.4), "1:15, 140 s of CPU");
+}
+
+TEST(FilmCosts, TakeTheCheapestRowThatNobodyCanTellFromTheBest) {
     const std::vector<FilmCost> costs{row("fixed=8%", 10, 43, 1.2), row("coupled", 14, 51, 0.1),
-                                      row("fixed=1%", 30, {}, 0)};
-    EXPECT_FALSE(app::is_free(costs));
-    EXPECT_FALSE(app::buys_nothing(costs));
+                                      row("fixed=1%", 14.2, {}, 0), row("reference", 99, {}, 0)};
     EXPECT_EQ(app::recommended(costs), 1u);
+    EXPECT_FALSE(app::recommended(std::vector<FilmCost>()).has_value());
     EXPECT_EQ(app::words_for(43), "slight in flat areas");
     EXPECT_EQ(app::words_for(30), "visible");
     EXPECT_EQ(app::words_for({}), "none you can see");
-    EXPECT_NE(app::film_cost_table(costs, {}).find("coupled"), std::string::npos);
+
+    // The table, the sentence and the rows of the page say the same.
+    app::RenderJob film;
+    film.frames = {0, 59};
+    const std::string table = app::film_cost_table(costs, {});
+    EXPECT_EQ(table.find("take this"), table.find("take this", table.find("coupled")));
+    EXPECT_TRUE(app::answer_of(costs, film).starts_with("Take coupled: your film of 60 frames takes about 0:07, "));
+    EXPECT_TRUE(app::answer_rows(costs, {})[1].recommended);
 }
 
-TEST(FilmCosts, SayWhereAccuracyIsFree) {
-    std::vector<FilmCost> costs{row("fixed=8%", 10, 30, 3), row("fixed=1%", 10.5, {}, 0),
-                                row("reference", 10.9, {}, 0)};
-    costs.back().is_reference = true;
-    EXPECT_TRUE(app::is_free(costs));
-    EXPECT_EQ(app::recommended(costs), 2u) << "then the most exact";
-    EXPECT_FALSE(app::recommended({}).has_value());
+/// Two rows by quantiser; bits at equal quality follow from `bytes`, times from `cpu`.
+app::Way way(const std::string& name, double bytes, double cpu) {
+    app::Way made{name, name, {}, "", {}, {}};
+    for (const int quantiser : {4, 8}) {
+        app::Trial trial;
+        trial.quantiser = quantiser;
+        trial.cpu = cpu;
+        trial.clock = cpu / 2;
+        trial.bytes = bytes / quantiser;
+        for (perceptual::FilmQuality* quality : {&trial.shown, &trial.shown_there, &trial.decoded})
+            quality->add(quantiser, 0.9);
+        made.rows.push_back(trial);
+        made.times.emplace_back();
+    }
+    return made;
+}
+
+TEST(Comparison, TakesTheFasterOfTwoWhoseFilmsAreAsLarge) {
+    app::Comparison found;
+    found.complete = true;
+    found.ways = {way("coupled", 1000, 10), way("fixed 2 %, ours", 999, 16), way("free", 900, 16),
+                  way("ffmpeg", 1300, 9),   way("strongest", 1100, 20),      way("ffmpeg, free", 1000, 20)};
+    const std::vector<app::WayCost> costs = app::way_costs(found, 60, 0);
+    ASSERT_EQ(costs.size(), 4u) << "longer groups of pictures are another comparison";
+    EXPECT_EQ(costs[0].way, app::fixed_way) << "it has 0.1 % fewer bits";
+    EXPECT_EQ(costs[*app::recommended(costs)].way, app::coupled_way) << "and takes longer";
+    EXPECT_NEAR(costs[0].bits, 0.999, 1e-6);
+    EXPECT_TRUE(app::answer_of(found, 60, 4).starts_with("Take coupled: your film of 60 frames takes about 5:00, 600"))
+        << app::answer_of(found, 60, 4);
 }
 
 TEST(FilmCosts, HaveSizeAndTimeOfTheFilmAsItWasAskedFor) {

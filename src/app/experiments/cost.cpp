@@ -204,14 +204,13 @@ int cost(const CostOptions& options, const std::vector<std::string>& words) {
 
     const std::vector<FilmCost> rows = sweep.film_rows();
     if (const auto taken = recommended(rows))
-        sweep.settle(render_command(words, options.render.input, rows[*taken].name));
+        sweep.settle(render_command(words, options.render.input, {{"--tolerance", rows[*taken].name}}));
     ErrorCollector errors;
     if (options.json) errors.attempt([&] { write_json(*options.json, cost_json(sweep.film(), found, rows, command)); });
     if (options.report) errors.attempt([&] { write_cost_report(*options.report, sweep.film(), found, rows, command); });
     if (!quiet)
         errors.attempt([&] {
             print(film_cost_table(rows, draft_cost(found, sweep.film())));
-            print_sentence(sentence_of(found, sweep.film().coding.quantiser));
             print_sentence(answer_of(rows, sweep.film()));
             if (!found.render.empty()) print("\n" + found.render + "\n");
         });

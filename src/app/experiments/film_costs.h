@@ -13,6 +13,7 @@ namespace render2mpeg::app {
 struct FilmCost {
     std::string name;             ///< "fixed=2%", as --tolerance takes it
     double clock = 0;             ///< seconds on this machine, as busy as it was
+    double cpu = 0;               ///< seconds of all threads
     double bytes = 0;             ///< of the film's pictures
     std::optional<double> added;  ///< dB of PSNR-HVS-M of what is added to the most exact row's error; none: nothing
     double psnr_loss = 0;         ///< dB of PSNR-Y below the most exact row; 0 where that is not known
@@ -33,15 +34,10 @@ std::vector<FilmCost> film_costs(const Sweep& sweep, const RenderJob& film);
 /// size follows the film as asked for likewise.
 std::optional<FilmCost> draft_cost(const Sweep& sweep, const RenderJob& film);
 
-/// Whether accuracy costs nothing: no row takes a tenth longer than the fastest; or buys nothing: all lie within half a
-/// decibel of PSNR-Y.
-bool is_free(const std::vector<FilmCost>& costs);
-bool buys_nothing(const std::vector<FilmCost>& costs);
-
-/// The row to take: the fastest without a difference that one sees; where accuracy is free, the most exact.
+/// The row to take (cheapest_alike).
 std::optional<std::size_t> recommended(const std::vector<FilmCost>& costs);
 
-/// The answer in two sentences; empty where there is no row.
+/// The answer in one sentence; empty where there is no row.
 std::string answer_of(const std::vector<FilmCost>& costs, const RenderJob& film);
 
 /// The rows as lines of a terminal, the draft first.

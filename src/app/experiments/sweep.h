@@ -44,13 +44,6 @@ struct Sweep {
     bool complete = false;  ///< false: interrupted
 };
 
-/// The fixed tolerance after which more time buys least of the decoded film's PSNR-Y (knee.h); none where that is
-/// nowhere in particular.
-std::optional<std::size_t> knee_of(const Sweep& sweep);
-
-/// What to take from it, in two or three sentences; empty where nothing was finished.
-std::string sentence_of(const Sweep& sweep, int quantiser);
-
 /// "0.25 %"
 std::string tolerance_text(float share);
 /// With three digits at most, as columns have room for.

@@ -223,6 +223,11 @@ double Trials::bytes_held(bool keeps_frames) const {
                      (keeps_frames ? (picture + visible) * frames() : 0.0));
 }
 
+Trial Trials::pooled(Trial trial) const {
+    if (worst_tenth_) trial.shown = trial.shown.worst_tenth();
+    return trial;
+}
+
 double Trials::share_of_chunk() const {
     return static_cast<double>(windows_.front().frames()) /
            static_cast<double>(chunks_of(film_.frames, film_.coding.gop).front().frames());
@@ -286,7 +291,7 @@ std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, const Coarse
                           statistics.pass_seconds[static_cast<std::size_t>(renderer::Pass::motion)]) /
                          trial.frames;
     if (keep != nullptr) keep->light = trial;
-    return trial;
+    return pooled(std::move(trial));
 }
 
 std::optional<Trial> Trials::draft(const std::function<bool()>& frame_done) const {
@@ -380,7 +385,7 @@ Trial Trials::coded_by(const Codec& codec, const LitWindows& lit, const Coarsene
     trial.bytes /= trial.frames;
     trial.surplus = starts.surplus(film_, windows_, trial.bytes);
     trial.code_seconds /= trial.frames;
-    return trial;
+    return pooled(std::move(trial));
 }
 
 double Trials::reference_seconds() const {

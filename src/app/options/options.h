@@ -180,6 +180,7 @@ struct TuneOptions : TrialOptions {      ///< `output` may be empty in a dry run
     std::optional<std::string> size;     ///< as size_in_bytes reads it
     std::optional<std::string> time;     ///< as time_in_seconds reads it
     std::optional<std::string> sample;   ///< none: by the target
+    std::string of = "film";             ///< "film" or "worst-tenth": whose quality is meant
     std::optional<int> references;       ///< of every window; none: by the target
 };
 
