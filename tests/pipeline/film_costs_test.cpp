@@ -17,7 +17,7 @@ namespace {
 using app::FilmCost;
 
 FilmCost row(const char* name, double cpu, std::optional<double> added, double loss) {
-    return {name, cpu / 2, cpu, 1e5, added, loss, false};
+    return {"--tolerance", name, cpu / 2, cpu, 1e5, added, loss};
 }
 
 TEST(Offers, AreTakenByOneRule) {
@@ -39,10 +39,10 @@ TEST(FilmCosts, TakeTheCheapestRowThatNobodyCanTellFromTheBest) {
     // The table, the sentence and the rows of the page say the same.
     app::RenderJob film;
     film.frames = {0, 59};
-    const std::string table = app::film_cost_table(costs, {});
-    EXPECT_EQ(table.find("take this"), table.find("take this", table.find("coupled")));
+    const std::string table = app::film_cost_table(costs);
+    EXPECT_EQ(table.find("<- take"), table.find("<- take", table.find("coupled")));
     EXPECT_TRUE(app::answer_of(costs, film).starts_with("Take coupled: your film of 60 frames takes about 0:07, "));
-    EXPECT_TRUE(app::answer_rows(costs, {})[1].recommended);
+    EXPECT_TRUE(app::answer_rows(costs)[1].recommended);
 }
 
 /// Two rows by quantiser; bits at equal quality follow from `bytes`, times from `cpu`.
@@ -94,24 +94,28 @@ TEST(FilmCosts, HaveSizeAndTimeOfTheFilmAsItWasAskedFor) {
     film.tolerance.coupled = true;
     const auto row_of = [](const std::vector<FilmCost>& rows, const std::string& name) {
         for (const FilmCost& r : rows)
-            if (r.name == name) return r;
+            if (r.name() == name) return r;
         return FilmCost{};
     };
-    sweep.draft = trial(0.5, 1000);
+    sweep.efforts.emplace_back("draft", trial(0.5, 1000));
     const std::vector<FilmCost> sampled = app::film_costs(sweep, film);
-    EXPECT_DOUBLE_EQ(app::draft_cost(sweep, film)->bytes, 60'000);
-    sweep.asked = {3, 50'000};
-    const std::vector<FilmCost> told = app::film_costs(sweep, film);
-    EXPECT_DOUBLE_EQ(app::draft_cost(sweep, film)->bytes, 12'500) << "as all rows are";
+    EXPECT_DOUBLE_EQ(row_of(sampled, "effort draft").bytes, 60'000);
     EXPECT_DOUBLE_EQ(row_of(sampled, "coupled").bytes, 240'000);
-    EXPECT_DOUBLE_EQ(row_of(told, "coupled").bytes, 50'000);
-    EXPECT_DOUBLE_EQ(row_of(told, "fixed=8%").bytes, 55'000);
-    EXPECT_DOUBLE_EQ(row_of(sampled, "coupled").clock, 120);
-    EXPECT_DOUBLE_EQ(row_of(told, "coupled").clock, 180) << "it is looked at closer, which the sample is not";
-    EXPECT_DOUBLE_EQ(row_of(told, "fixed=8%").clock, 60);
+    EXPECT_DOUBLE_EQ(row_of(sampled, "coupled").cpu, 120);
+    sweep.forecast.emplace();
+    sweep.forecast->cpu = 180;
+    sweep.forecast->clock = 90;
+    sweep.forecast->bytes = 50'000;
+    const std::vector<FilmCost> told = app::film_costs(sweep, film);
+    EXPECT_DOUBLE_EQ(row_of(told, "coupled").bytes, 50'000) << "one forecast for all that is told";
+    EXPECT_DOUBLE_EQ(row_of(told, "coupled").clock, 90);
+    EXPECT_DOUBLE_EQ(row_of(told, "coupled").cpu, 180);
+    EXPECT_DOUBLE_EQ(row_of(told, "fixed=8%").bytes, 55'000) << "others in proportion";
+    EXPECT_DOUBLE_EQ(row_of(told, "fixed=8%").cpu, 90);
+    EXPECT_DOUBLE_EQ(row_of(told, "effort draft").bytes, 12'500);
 }
 
-TEST(Estimate, IsWhatPlanBeginsWith) {
+TEST(Forecast, IsWhatPlanBeginsWith) {
     const std::string tiny = " --size 32x32 --samples 1 --indirect lightcuts --vpls 16 --frames 0:3 ";
     const auto told = run(program() + " plan " + plain_film() + tiny + "--within 2s 2>/dev/null");
     ASSERT_EQ(told.status, 0) << told.output;

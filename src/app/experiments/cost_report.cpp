@@ -174,19 +174,12 @@ std::string cards(const RenderJob& film, const Sweep& sweep) {
                      {"CPU time of one", short_figure(sweep.reference_seconds) + " s"}});
 }
 
-json draft_json(const std::optional<FilmCost>& draft) {
-    if (!draft) return nullptr;
-    return {{"clock", draft->clock},
-            {"bytes", draft->bytes},
-            {"difference", words_for(draft->added)},
-            {"psnr_y_loss", draft->psnr_loss}};
-}
-
 json film_json(const std::vector<FilmCost>& rows) {
     json film = json::array();
     const std::optional<std::size_t> taken = recommended(rows);
     for (std::size_t i = 0; i < rows.size(); ++i)
-        film.push_back({{"tolerance", rows[i].name},
+        film.push_back({{"option", rows[i].option},
+                        {"value", rows[i].value},
                         {"clock", rows[i].clock},
                         {"cpu", rows[i].cpu},
                         {"bytes", rows[i].bytes},
@@ -225,9 +218,9 @@ std::string first_screen(const RenderJob& film, const Sweep& sweep, const std::v
             fmt::format("Frame {}, before coding: the loosest light beside the most exact", own->frame),
             {"fixed=" + tolerance_text(sweep.fixed.front().tolerance.relative), own->lit}, {"exact", own->truth},
             perceptual::matrix_for(film.format.height));
-    return answer_screen(answer_table({"accuracy of light", "time, whole film", "difference", "film"},
-                                      answer_rows(rows, draft_cost(sweep, film)), note),
-                         figure, sweep.render);
+    return answer_screen(
+        answer_table({"accuracy of light", "time, whole film", "difference", "film"}, answer_rows(rows), note), figure,
+        sweep.render);
 }
 
 }  // namespace
@@ -245,7 +238,6 @@ json cost_json(const RenderJob& film, const Sweep& sweep, const std::vector<Film
                 {"quantiser", film.coding.quantiser},
                 {"fixed", fixed},
                 {"coupled", coupled},
-                {"draft", draft_json(draft_cost(sweep, film))},
                 {"film", film_json(rows)},
                 {"render", sweep.render.empty() ? json(nullptr) : json(sweep.render)},
                 {"effects", effects_json(sweep.effects)},

@@ -223,11 +223,6 @@ double Trials::bytes_held(bool keeps_frames) const {
                      (keeps_frames ? (picture + visible) * frames() : 0.0));
 }
 
-Trial Trials::pooled(Trial trial) const {
-    if (worst_tenth_) trial.shown = trial.shown.worst_tenth();
-    return trial;
-}
-
 double Trials::share_of_chunk() const {
     return static_cast<double>(windows_.front().frames()) /
            static_cast<double>(chunks_of(film_.frames, film_.coding.gop).front().frames());
@@ -294,8 +289,7 @@ std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, const Coarse
     return pooled(std::move(trial));
 }
 
-std::optional<Trial> Trials::draft(const std::function<bool()>& frame_done) const {
-    RenderJob film = draft_of(film_);
+std::optional<Trial> Trials::run_other(RenderJob film, const std::function<bool()>& frame_done) const {
     Trial trial;
     trial.tolerance = film.tolerance;
     set_coarseness(trial, film.coding.quantiser);

@@ -20,6 +20,7 @@
 #include "encoder/encoder.h"
 #include "parallel/loops.h"
 #include "perceptual/exposure.h"
+#include "perceptual/tolerance_fraction.h"
 #include "scene/load.h"
 #include "scene/preparation/framing.h"
 #include "scene/preparation/traits.h"
@@ -109,8 +110,9 @@ int edge_samples_of(const RenderOptions& options, const RenderJob& film) {
 /// Eye samples of pixels with edges, and of those whose edges would show all the same.
 void settle_edges(RenderJob& film, const RenderOptions& options) {
     film.rendering.edge_samples = edge_samples_of(options, film);
-    const bool by_hand = options.edge_samples || film.rendering.edge_samples == 0;
-    film.rendering.most_samples = film.tolerance.coupled && !by_hand ? 256 : 0;
+    const bool by_hand = (options.edge_samples && !options.effort) || film.rendering.edge_samples == 0;
+    const int most = effort_from(film.preview ? "low" : options.effort.value_or("default")).most_samples;
+    film.rendering.most_samples = film.tolerance.coupled && !by_hand ? most : 0;
 }
 
 CouplingSettings coupling_settings(const RenderOptions& options, const ToleranceRequest& tolerance) {
@@ -252,7 +254,7 @@ renderer::Renderer renderer_of(const RenderJob& film) {
 }
 
 RenderJob prepare(const RenderOptions& wanted) {
-    const RenderOptions options = wanted.preview ? preview_options(wanted) : wanted;
+    const RenderOptions asked = with_effort(wanted), options = asked.preview ? preview_options(asked) : asked;
     RenderJob film;
     film.preview = options.preview;
     film.kind = options.output.empty() ? OutputKind::film : kind_of(options.output);
@@ -270,7 +272,7 @@ RenderJob prepare(const RenderOptions& wanted) {
     const Preset* preset = preset_of(options.coding);
     if (preset != nullptr) preset->check_output(options.output);
     Shape shape = settle_shape(wishes_of(options, *loaded), preset, film.kind == OutputKind::film);
-    if (film.preview && !options.size && preset == nullptr)
+    if (film.preview && !options.size && !options.effort && preset == nullptr)
         shape = settle_shape(half_of(wishes_of(options, *loaded), shape), preset, film.kind == OutputKind::film);
     film.rate = shape.rate;
     scene::fit_automatic_camera(*loaded,
@@ -335,6 +337,20 @@ RenderJob draft_of(const RenderJob& film) {
     draft.coding.rate_control.mode = encoder::RateMode::constant_quantiser;
     settle_preview(draft);
     return draft;
+}
+
+RenderJob at_effort(const RenderJob& film, const Effort& effort) {
+    RenderJob changed = film;
+    if (film.tolerance.coupled)
+        changed.tolerance.fraction =
+            effort.fraction * film.tolerance.fraction.value_or(perceptual::default_tolerance_fraction);
+    else
+        changed.tolerance.relative = effort.fixed;
+    changed.coupling.fraction = changed.tolerance.fraction;
+    changed.rendering.samples = effort.samples;
+    if (effort.edge_samples > 0) changed.rendering.edge_samples = effort.edge_samples;
+    changed.rendering.most_samples = std::min(film.rendering.most_samples, effort.most_samples);
+    return changed;
 }
 
 float measure_exposure(const RenderJob& film) {

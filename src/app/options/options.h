@@ -97,6 +97,7 @@ struct RenderOptions {
     std::optional<std::filesystem::path> layers;                ///< --aov
     std::vector<std::pair<std::string, std::string>> heatmaps;  ///< subject, file
     bool preview = false;                                       ///< a draft
+    std::optional<std::string> effort;                          ///< "draft", or a name of `efforts`
     std::string player;                                         ///< of `watch`; empty: whichever is at hand
     bool dry_run = false;
     bool quiet = false;
