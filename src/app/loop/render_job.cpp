@@ -14,6 +14,7 @@
 #include "app/options/preview_options.h"
 #include "app/options/rate_options.h"
 #include "app/options/usage_error.h"
+#include "app/options/wrong_file.h"
 #include "core/color.h"
 #include "core/error.h"
 #include "core/text.h"
@@ -53,22 +54,6 @@ void check_settings(const encoder::Settings& coding) {
     } catch (const core::Error& error) {
         throw UsageError(error.what());
     }
-}
-
-/// Refuses a scene that is not there, with the name beside it that may have been meant.
-void check_there(const std::filesystem::path& input) {
-    std::error_code error;
-    if (std::filesystem::exists(input, error)) return;
-    const std::filesystem::path folder = input.has_parent_path() ? input.parent_path() : ".";
-    std::vector<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator(folder, error))
-        names.push_back(entry.path().filename().string());
-    std::sort(names.begin(), names.end());
-    const std::vector<std::string_view> views(names.begin(), names.end());
-    const std::string nearest = core::nearest_word(input.filename().string(), views);
-    throw core::Error("reading", input.string(),
-                      "there is no such file" +
-                          (nearest.empty() ? "" : "; did you mean " + (input.parent_path() / nearest).string() + "?"));
 }
 
 /// An animation file counts its shots and its range in frames of its own rate; another rate keeps their times.
@@ -253,6 +238,24 @@ renderer::Renderer renderer_of(const RenderJob& film) {
     return renderer::Renderer(*film.animation, film.rendering, film.plan);
 }
 
+void check_scene(const std::filesystem::path& input) {
+    std::error_code error;
+    if (std::filesystem::exists(input, error)) {
+        if (const std::string why = not_a_scene(input); !why.empty()) throw core::Error("reading", input.string(), why);
+        return;
+    }
+    const std::filesystem::path folder = input.has_parent_path() ? input.parent_path() : ".";
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, error))
+        names.push_back(entry.path().filename().string());
+    std::sort(names.begin(), names.end());
+    const std::vector<std::string_view> views(names.begin(), names.end());
+    const std::string nearest = core::nearest_word(input.filename().string(), views);
+    throw core::Error("reading", input.string(),
+                      "there is no such file" +
+                          (nearest.empty() ? "" : "; did you mean " + (input.parent_path() / nearest).string() + "?"));
+}
+
 RenderJob prepare(const RenderOptions& wanted) {
     const RenderOptions asked = with_effort(wanted), options = asked.preview ? preview_options(asked) : asked;
     RenderJob film;
@@ -266,7 +269,7 @@ RenderJob prepare(const RenderOptions& wanted) {
             options.output.string());
 
     // Read the scene.
-    check_there(options.input);
+    check_scene(options.input);
     auto loaded = std::make_shared<scene::Animation>(scene::load(
         options.input, {options.camera, options.animation, options.sky, options.variant, light_of(options.light)}));
     const Preset* preset = preset_of(options.coding);

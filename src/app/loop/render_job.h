@@ -85,6 +85,9 @@ RenderJob at_effort(const RenderJob& film, const Effort& effort);
 /// The film's renderer, its textures read.
 renderer::Renderer renderer_of(const RenderJob& film);
 
+/// Refuses what is no scene, or not there, with the name beside it that may have been meant. Throws core::Error.
+void check_scene(const std::filesystem::path& input);
+
 /// Loads the scene and settles every setting. Throws core::Error for all that cannot be rendered or coded.
 RenderJob prepare(const RenderOptions& options);
 

@@ -183,8 +183,9 @@ CLI::App* add_farm_command(CLI::App& app, FarmOptions& options) {
     return command;
 }
 
-/// `help COMMAND` is `COMMAND --help`.
+/// `help COMMAND` is `COMMAND --help`, `version` --version.
 std::vector<std::string> without_help_command(std::vector<std::string> words) {
+    if (words.size() == 2 && words[1] == "version") return {words[0], "--version"};
     if (words.size() < 2 || words[1] != "help") return words;
     words.erase(words.begin() + 1);
     words.resize(std::min<std::size_t>(words.size(), 2));

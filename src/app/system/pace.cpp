@@ -29,7 +29,13 @@ double Pace::recent() const {
     // One frame that takes much longer is not what is to come.
     for (double& seconds : last)
         if (seconds > 4 * *middle) seconds = *middle;
-    return std::accumulate(last.begin(), last.end(), 0.0) / static_cast<double>(last.size());
+    const auto mean = [](auto begin, auto end) {
+        return std::accumulate(begin, end, 0.0) / static_cast<double>(end - begin);
+    };
+    // Where light stands still, the last frames tell.
+    const auto half = last.begin() + static_cast<std::ptrdiff_t>(last.size() / 2);
+    if (last.size() >= 4 && mean(half, last.end()) < 0.5 * mean(last.begin(), half)) return mean(half, last.end());
+    return mean(last.begin(), last.end());
 }
 
 std::optional<double> Pace::left(std::int64_t total, double spent) const {
