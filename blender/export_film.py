@@ -150,7 +150,7 @@ def other_things(scene, lost):
             if system.settings.count == 0:
                 continue
             if settings.type == "HAIR" and settings.render_type == "PATH":
-                lost.add(thing, f"hair {system.name}")
+                lost.add(thing, f'hair (particle system "{system.name}")')
             elif settings.render_type in {"HALO", "LINE", "PATH"} and settings.type == "EMITTER":
                 lost.add(thing, f"particles {system.name} shown as {settings.render_type.lower()}")
         if thing.type not in {"MESH", "CURVE", "SURFACE", "FONT", "META"}:

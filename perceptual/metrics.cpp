@@ -1,7 +1,10 @@
 #include "perceptual/metrics.h"
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 #include "core/error.h"
@@ -56,6 +59,11 @@ void block_sums(const Plane& a, const Plane& b, int block_row, std::vector<Sums>
     }
 }
 
+double mean_of(const std::vector<double>& values, double of_none) {
+    if (values.empty()) return of_none;
+    return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
 }  // namespace
 
 double mean_squared_error(const Plane& a, const Plane& b) {
@@ -104,16 +112,30 @@ double ssim(const Plane& a, const Plane& b) {
 }
 
 void FilmQuality::add(const core::Picture& picture, const core::Picture& reference) {
-    error_ += mean_squared_error(picture.y, reference.y);
-    similarity_ += ssim(picture.y, reference.y);
-    ++pictures_;
+    add(mean_squared_error(picture.y, reference.y), ssim(picture.y, reference.y));
+}
+
+void FilmQuality::add(double error, double similarity) {
+    errors_.push_back(error);
+    similarities_.push_back(similarity);
 }
 
 double FilmQuality::psnr_y() const {
-    return psnr(pictures_ > 0 ? error_ / static_cast<double>(pictures_) : 0.0);
+    return psnr(mean_of(errors_, 0));
 }
+
 double FilmQuality::ssim_y() const {
-    return pictures_ > 0 ? similarity_ / static_cast<double>(pictures_) : 1.0;
+    return mean_of(similarities_, 1);
+}
+
+FilmQuality FilmQuality::worst_tenth() const {
+    FilmQuality worst = *this;
+    const std::size_t count = (errors_.size() + 9) / 10;
+    std::sort(worst.errors_.begin(), worst.errors_.end(), std::greater<>());
+    std::sort(worst.similarities_.begin(), worst.similarities_.end());
+    worst.errors_.resize(count);
+    worst.similarities_.resize(count);
+    return worst;
 }
 
 }  // namespace render2mpeg::perceptual

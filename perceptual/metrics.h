@@ -1,6 +1,7 @@
 #pragma once
 // PSNR and SSIM of pictures and films.
 #include <cstdint>
+#include <vector>
 
 #include "core/picture.h"
 #include "core/plane.h"
@@ -25,17 +26,20 @@ class FilmQuality {
   public:
     /// Both pictures have the same size.
     void add(const core::Picture& picture, const core::Picture& reference);
+    /// A picture by its mean squared error and SSIM.
+    void add(double error, double similarity);
 
     /// Of luma, dB; +infinity while every picture equals its reference. ffmpeg: `y` of psnr.
     double psnr_y() const;
     /// Of luma. ffmpeg: `Y` of ssim. 1 before the first picture.
     double ssim_y() const;
+    /// The same of the worst tenth of the pictures by each, at least of one.
+    FilmQuality worst_tenth() const;
 
-    std::int64_t pictures() const { return pictures_; }
+    std::int64_t pictures() const { return static_cast<std::int64_t>(errors_.size()); }
 
   private:
-    std::int64_t pictures_ = 0;
-    double error_ = 0, similarity_ = 0;  ///< sums over the pictures
+    std::vector<double> errors_, similarities_;  ///< of the pictures
 };
 
 }  // namespace render2mpeg::perceptual

@@ -5,6 +5,11 @@ import math
 from .nodes import incoming, number_of
 
 
+# Inputs that may be textures.
+CHANNELS = ("base", "metallic", "roughness", "emission", "strength", "alpha", "transmission", "coat", "coat_roughness", "sheen",
+            "specular_tint")
+
+
 class Constant:
     def __init__(self, value):
         self.value = value
@@ -31,6 +36,13 @@ class Look:
         self.emission, self.strength = Constant((0.0, 0.0, 0.0)), Constant(0.0)
         self.alpha, self.transmission = Constant(1.0), Constant(0.0)
         self.ior = 1.5
+        self.coat, self.coat_roughness = Constant(0.0), Constant(0.0)
+        self.sheen, self.sheen_roughness = Constant((0.0, 0.0, 0.0)), 0.5
+        self.specular_tint = Constant((1.0, 1.0, 1.0))
+        self.anisotropy, self.anisotropy_rotation = 0.0, 0.0  # glTF's strength, and radians from the tangent
+        self.film, self.film_ior = 0.0, 1.3                   # nanometres of a thin film; 0: none
+        self.leaf, self.leaf_color = 0.0, (1.0, 1.0, 1.0)     # diffuse light that leaves on the other side
+        self.attenuation = None                               # (colour, distance) of light in a body
         self.normal = None    # (Picture, strength), or a socket to bake
         self.surface = True   # False: reflects nothing
         self.refracts = False
@@ -165,12 +177,82 @@ class Reader:
         else:
             normal = 0.08 * self.constant(node, ["Specular"], 0.5)
             look.ior = (1 + math.sqrt(normal)) / (1 - math.sqrt(normal))
+        self.read_layers(node, look)
         for names, reason in ((["Subsurface Weight", "Subsurface"], "light below the surface (subsurface)"),
-                              (["Coat Weight", "Clearcoat"], "clear coat"), (["Sheen Weight", "Sheen"], "sheen"),
-                              (["Anisotropic"], "anisotropic highlights"), (["Thin Film Thickness"], "thin film")):
+                              (["Transmission Roughness"], "another roughness of what is seen through it")):
             if self.input(node, names, otherwise=0.0) != Constant(0.0):
                 self.lost.add(self.name, reason)
         return look
+
+    def read_layers(self, node, look):
+        """What lies on a Principled surface. Blender 3 has it in Disney's terms, 4 in OpenPBR's."""
+        is_old = "Clearcoat" in node.inputs
+        look.coat = self.scaled(self.input(node, ["Coat Weight", "Clearcoat"], otherwise=0.0), 0.25 if is_old else 1.0)
+        look.coat_roughness = self.input(node, ["Coat Roughness", "Clearcoat Roughness"], otherwise=0.0)
+        look.sheen = self.sheen_of(node, look, is_old)
+        look.sheen_roughness = self.constant_or(node, ["Sheen Roughness"], 0.5)
+        if look.transmission == Constant(0.0):
+            look.specular_tint = self.tinted(node, "Specular Tint", look.base)
+        self.brush(look, self.constant_or(node, ["Anisotropic"], 0.0), self.constant_or(node, ["Anisotropic Rotation"], 0.0))
+        look.film = self.constant_or(node, ["Thin Film Thickness"], 0.0)
+        look.film_ior = self.constant_or(node, ["Thin Film IOR"], 1.3)
+
+    def constant_or(self, node, names, otherwise):
+        return self.constant(node, names, otherwise) if any(n in node.inputs for n in names) else otherwise
+
+    def tinted(self, node, name, base):
+        """A colour as it is given, or white mixed with the base's by a share of it."""
+        if not hasattr(node.inputs[name].default_value, "__len__"):
+            share = self.constant(node, [name], 0.0)
+            if share == 0 or not isinstance(base, Constant):
+                return Constant((1.0, 1.0, 1.0))
+            luminance = sum(c * w for c, w in zip(base.value, (0.2126, 0.7152, 0.0722)))
+            hue = [c / luminance if luminance > 0 else 1.0 for c in base.value]
+            return Constant(tuple(1 - share + share * h for h in hue))
+        return self.input(node, [name], True)
+
+    def sheen_of(self, node, look, is_old):
+        # chosen: Disney's sheen of Blender 3 reflects about a third of what fibres of roughness 0.5 do (0.2 to 0.5).
+        weight = self.scaled(self.input(node, ["Sheen Weight", "Sheen"], otherwise=0.0), 0.3 if is_old else 1.0)
+        if weight == Constant(0.0):
+            return Constant((0.0, 0.0, 0.0))
+        tint = self.tinted(node, "Sheen Tint", look.base)
+        if isinstance(weight, Constant) and isinstance(tint, Constant):
+            return Constant(tuple(weight.value * c for c in tint.value))
+        mixed = self.tree.nodes.new("ShaderNodeMixRGB")
+        mixed.blend_type = "MULTIPLY"
+        mixed.inputs[0].default_value = 1.0
+        for value, entry in zip((weight, tint), mixed.inputs[1:]):
+            self.feed(value, entry)
+        return Baked(mixed.outputs[0])
+
+    def scaled(self, value, factor):
+        if isinstance(value, Constant) or factor == 1.0:
+            return Constant(value.value * factor) if isinstance(value, Constant) else value
+        node = self.tree.nodes.new("ShaderNodeMath")
+        node.operation = "MULTIPLY"
+        node.inputs[1].default_value = factor
+        self.tree.links.new(socket_of(self.tree, value), node.inputs[0])
+        return Baked(node.outputs[0])
+
+    def feed(self, value, entry):
+        if isinstance(value, Constant):
+            entry.default_value = (*value.value, 1.0) if isinstance(value.value, tuple) else (value.value,) * 3 + (1.0,)
+        else:
+            self.tree.links.new(socket_of(self.tree, value), entry)
+
+    def brush(self, look, strength, turns):
+        """Cycles' lobe is alpha / aspect by alpha * aspect wide, glTF's alpha + (1 - alpha) strength^2 by alpha."""
+        if not strength:
+            return
+        if not isinstance(look.roughness, Constant):
+            look.anisotropy = math.sqrt(abs(strength))
+        else:
+            alpha, aspect = look.roughness.value ** 2, math.sqrt(1 - 0.9 * min(abs(strength), 1.0))
+            narrow, wide = alpha * aspect, min(alpha / aspect, 1.0)
+            look.roughness = Constant(math.sqrt(narrow))
+            look.anisotropy = math.sqrt(max(wide - narrow, 0.0) / max(1 - narrow, 1e-6))
+        look.anisotropy_rotation = 2 * math.pi * turns + (math.pi / 2 if strength < 0 else 0.0)
 
     def read_bsdf_diffuse(self, node):
         return Look(base=self.input(node, ["Color"], True), ior=1.0, normal=self.normal(node))
@@ -178,7 +260,24 @@ class Reader:
     def read_bsdf_glossy(self, node):
         return Look(base=self.input(node, ["Color"], True), metallic=Constant(1.0), roughness=self.glossiness(node), normal=self.normal(node))
 
-    read_bsdf_anisotropic = read_bsdf_metallic = read_bsdf_glossy
+    def read_bsdf_anisotropic(self, node):
+        look = self.read_bsdf_glossy(node)
+        self.brush(look, self.constant_or(node, ["Anisotropy"], 0.0), self.constant_or(node, ["Rotation"], 0.0))
+        return look
+
+    read_bsdf_metallic = read_bsdf_glossy
+
+    def read_bsdf_translucent(self, node):
+        look = Look(base=self.input(node, ["Color"], True), ior=1.0, normal=self.normal(node), leaf=1.0)
+        if isinstance(look.base, Constant):
+            look.leaf_color = look.base.value
+        return look
+
+    def read_bsdf_sheen(self, node):
+        rough = self.constant_or(node, [n for n in ("Roughness", "Sigma") if n in node.inputs], 0.5)
+        return Look(base=Constant((0.0, 0.0, 0.0)), ior=1.0, sheen=self.input(node, ["Color"], True), sheen_roughness=rough)
+
+    read_bsdf_velvet = read_bsdf_sheen
 
     def glossiness(self, node):
         if getattr(node, "distribution", "") == "SHARP":
@@ -267,11 +366,18 @@ class Reader:
         total = self.value(factor)
         share = total.value if isinstance(total, Constant) else 0.5
         out.ior = first.ior * (1 - share) + second.ior * share
-        for name in ("base", "metallic", "roughness", "emission", "strength", "alpha", "transmission"):
+        for name in ("sheen_roughness", "anisotropy", "anisotropy_rotation", "film", "film_ior", "leaf"):
+            setattr(out, name, getattr(first, name) * (1 - share) + getattr(second, name) * share)
+        out.leaf_color = second.leaf_color if second.leaf else first.leaf_color
+        out.refracts, out.attenuation = first.refracts or second.refracts, first.attenuation or second.attenuation
+        for name in CHANNELS:
             a, b = getattr(first, name), getattr(second, name)
             # What only one of them has is that one's: black emits nothing, whatever its colour.
             if name == "emission":
                 a, b = (b, b) if first.strength == Constant(0.0) else (a, a) if second.strength == Constant(0.0) else (a, b)
+            if name == "base" and first.leaf != second.leaf:
+                out.base = a if first.leaf < second.leaf else b
+                continue
             if name in {"base", "roughness"} and first.surface != second.surface:
                 out.__dict__[name] = a if first.surface else b
                 continue
@@ -299,10 +405,7 @@ class Reader:
         else:
             node.inputs[0].default_value = factor.default_value
         for value, entry in zip((a, b), node.inputs[1:]):
-            if isinstance(value, Constant):
-                entry.default_value = (*value.value, 1.0) if isinstance(value.value, tuple) else (value.value,) * 3 + (1.0,)
-            else:
-                self.tree.links.new(socket_of(self.tree, value), entry)
+            self.feed(value, entry)
         return Baked(node.outputs[0])
 
 
@@ -324,14 +427,26 @@ def look_of(material, tree, lost):
     end = output_of(tree)
     if end is None:
         return Look(base=Constant((0.0, 0.0, 0.0)), ior=1.0)
-    if incoming(end.inputs["Volume"]) is not None:
-        lost.add(material, "volume")
+    volume = incoming(end.inputs["Volume"])
     if incoming(end.inputs["Displacement"]) is not None:
         lost.add(material, "displacement")
     surface = incoming(end.inputs["Surface"])
     if surface is None:
         return Look(base=Constant((0.0, 0.0, 0.0)), ior=1.0, alpha=Constant(0.0 if end.inputs["Volume"].is_linked else 1.0))
-    return reader.shader(surface)
+    look = reader.shader(surface)
+    look.attenuation = attenuation_of(reader, volume.node, look) if volume is not None else None
+    if volume is not None and look.attenuation is None:
+        lost.add(material, "volume")
+    return look
+
+
+def attenuation_of(reader, node, look):
+    """(colour, distance) of light in glass that absorbs; None where it does something else."""
+    color, density = reader.input(node, ["Color"], True), reader.input(node, ["Density"], otherwise=1.0)
+    plain = node.type == "VOLUME_ABSORPTION" and isinstance(color, Constant) and isinstance(density, Constant)
+    if not plain or density.value <= 0 or not look.refracts:
+        return None
+    return tuple(math.exp(-(1 - min(max(c, 0.0), 1.0))) for c in color.value), 1 / density.value
 
 
 def without_bakes(look):

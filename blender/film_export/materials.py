@@ -6,12 +6,29 @@ import bpy
 import numpy as np
 
 from . import png
-from .looks import Baked, Constant, Picture, look_of, without_bakes
+from .looks import CHANNELS, Baked, Constant, Picture, look_of, without_bakes
 from .nodes import inline_groups, number_of
 from .shapes import BAKE_UV
 from .walk import curves_of
 
-CHANNELS = ("base", "metallic", "roughness", "emission", "strength", "alpha", "transmission")
+# Where each field of the renderer's materials (src/scene/model/material.h) comes from; None: Blender has nothing like it.
+FIELDS = {
+    "name": "the material's", "base_color": "base, alpha", "base_color_texture": "base, alpha", "metallic": "metallic",
+    "roughness": "roughness", "metallic_roughness_texture": "metallic, roughness", "specular_glossiness": None, "specular": None,
+    "glossiness": None, "specular_glossiness_texture": None, "normal_texture": "normal", "normal_scale": "normal",
+    "emission": "emission, strength", "emission_texture": "emission, strength", "alpha_mode": "blend method",
+    "alpha_texture": "in base_color_texture", "alpha_cutoff": "alpha_threshold", "double_sided": "whether the shape is closed",
+    "unlit": None, "transmission": "transmission", "transmission_texture": "transmission", "ior": "ior",
+    "thickness": "refracts, where the shape is closed", "attenuation_color": "volume absorption",
+    "attenuation_distance": "volume absorption", "dispersion": None, "specular_weight": "in ior",
+    "specular_weight_texture": "in ior", "specular_tint": "specular_tint", "specular_tint_texture": "specular_tint", "coat": "coat",
+    "coat_texture": "coat", "coat_roughness": "coat_roughness", "coat_roughness_texture": "coat_roughness", "sheen": "sheen",
+    "sheen_texture": "sheen", "sheen_roughness": "sheen_roughness", "sheen_roughness_texture": None,
+    "iridescence": "film", "iridescence_texture": None, "film_ior": "film_ior", "film_thinnest": "film", "film_thickest": "film",
+    "film_texture": None, "anisotropy": "anisotropy", "anisotropy_rotation": "anisotropy_rotation", "anisotropy_texture": None,
+    "diffuse_transmission": "leaf", "diffuse_transmission_texture": None, "diffuse_transmission_color": "leaf_color",
+    "diffuse_transmission_color_texture": None,
+}
 READ_AS_THEY_ARE = {".png", ".jpg", ".jpeg", ".bmp", ".tga", ".tif", ".tiff", ".webp"}
 
 
@@ -117,9 +134,10 @@ class Materials:
             look = without_bakes(look)
         shines = look.strength != Constant(0.0) and look.emission != Constant((0.0, 0.0, 0.0))
         sides = closed and shines
-        key = (material.name_full, mesh_name if self.needs_bake(look) else None, sides)
+        body = closed and look.refracts
+        key = (material.name_full, mesh_name if self.needs_bake(look) else None, sides, body)
         if key not in self.made:
-            self.made[key] = self.make(material, look, baked or {}, not sides)
+            self.made[key] = self.make(material, look, baked or {}, not sides, body)
         return self.made[key]
 
     def plain(self):
@@ -132,7 +150,7 @@ class Materials:
         self.glb.extensions.add("KHR_materials_" + name)
         return {"extensions": {"KHR_materials_" + name: says}}
 
-    def make(self, material, look, baked, two_sided):
+    def make(self, material, look, baked, two_sided, body):
         layers = []
         name = material.name_full
         while any(m["name"] == name for m in self.glb.document["materials"]):
@@ -150,8 +168,13 @@ class Materials:
                 glass["transmissionFactor"] = self.constant(look.transmission, baked.get("transmission"))
             else:
                 glass["transmissionTexture"] = self.use(told, layers)
-            if look.refracts:
-                self.lost.add(material, "refraction: glass is a thin pane")
+            if body:
+                extensions["KHR_materials_volume"] = volume = {"thicknessFactor": 1.0}
+                if look.attenuation:
+                    volume["attenuationColor"], volume["attenuationDistance"] = list(look.attenuation[0]), look.attenuation[1]
+            elif look.refracts:
+                self.lost.add(material, "refraction on shapes that are open: their glass is a thin pane")
+        self.make_layers(look, baked, stem, extensions, layers)
         if abs(look.ior - 1.5) > 1e-4:
             extensions["KHR_materials_ior"] = {"ior": min(max(look.ior, 1.0), 10.0)}
         if isinstance(look.normal, tuple):
@@ -222,6 +245,44 @@ class Materials:
         source, pixels = sources[first]
         layer, transform = (BAKE_UV, None) if pixels is not None else (source.layer, source.transform)
         pbr["metallicRoughnessTexture"] = self.use(self.write(stem + "-roughness", packed, layer, transform), layers)
+
+    def make_layers(self, look, baked, stem, extensions, layers):
+        """What lies on the surface."""
+        def layer(extension, *parts):
+            says = {}
+            for name, factor, texture, is_color in parts:
+                source = getattr(look, name)
+                told = self.told(source, baked.get(name), f"{stem}-{name}", is_color)
+                if told is not None:
+                    says[texture] = self.use(told, layers)
+                    says[factor] = [1.0] * 3 if is_color else 1.0
+                elif is_color:
+                    value = source.value if isinstance(source, Constant) else baked[name][0, 0, :3]
+                    # Fibres reflect no more than comes; a tint may.
+                    says[factor] = [float(min(max(c, 0.0), 1.0 if name == "sheen" else 10.0)) for c in value]
+                else:
+                    says[factor] = min(max(self.constant(source, baked.get(name)), 0.0), 1.0)
+            extensions["KHR_materials_" + extension] = says
+
+        if look.coat != Constant(0.0):
+            layer("clearcoat", ("coat", "clearcoatFactor", "clearcoatTexture", False),
+                  ("coat_roughness", "clearcoatRoughnessFactor", "clearcoatRoughnessTexture", False))
+        if look.sheen != Constant((0.0, 0.0, 0.0)):
+            layer("sheen", ("sheen", "sheenColorFactor", "sheenColorTexture", True))
+            extensions["KHR_materials_sheen"]["sheenRoughnessFactor"] = min(max(look.sheen_roughness, 0.0), 1.0)
+        if look.specular_tint != Constant((1.0, 1.0, 1.0)):
+            layer("specular", ("specular_tint", "specularColorFactor", "specularColorTexture", True))
+        if look.anisotropy > 0:
+            extensions["KHR_materials_anisotropy"] = {"anisotropyStrength": min(look.anisotropy, 1.0),
+                                                      "anisotropyRotation": look.anisotropy_rotation}
+        if look.film > 0:
+            extensions["KHR_materials_iridescence"] = {
+                "iridescenceFactor": 1.0, "iridescenceIor": max(look.film_ior, 1.0),
+                "iridescenceThicknessMinimum": look.film, "iridescenceThicknessMaximum": look.film}
+        if look.leaf > 0:
+            extensions["KHR_materials_diffuse_transmission"] = {
+                "diffuseTransmissionFactor": min(look.leaf, 1.0),
+                "diffuseTransmissionColorFactor": [min(max(c, 0.0), 1.0) for c in look.leaf_color]}
 
     def make_emission(self, look, baked, stem, says, extensions, layers, material):
         color, strength = look.emission, look.strength
@@ -301,7 +362,8 @@ class Materials:
         if pixels is None and source.channel is None:
             return self.picture(source)
         layer, transform = (BAKE_UV, None) if pixels is not None else (source.layer, source.transform)
-        return self.write(stem, np.repeat(self.values(source, pixels, is_color), 3, axis=2), layer, transform)
+        values = self.values(source, pixels, is_color)
+        return self.write(stem, png.srgb(values[..., :3]) if is_color else np.repeat(values, 3, axis=2), layer, transform)
 
     def write(self, stem, pixels, layer=BAKE_UV, transform=None):
         name = f"{stem}.png"

@@ -21,6 +21,23 @@ class ThreadLimit {
 /// Threads that loops use now.
 int thread_count();
 
+/// Thrown by a loop that was asked to stop.
+struct Stopped {};
+
+/// While it lives, loops end with Stopped at the next call of a body once `asked` returns true, on any thread. The
+/// innermost of several counts; an empty function lets loops go on.
+class StopWhen {
+  public:
+    explicit StopWhen(std::function<bool()> asked);
+    ~StopWhen();
+    StopWhen(const StopWhen&) = delete;
+    StopWhen& operator=(const StopWhen&) = delete;
+
+  private:
+    std::function<bool()> asked_;
+    const std::function<bool()>* before_;
+};
+
 /// Calls body(i) for every i in [0, count), in any order, on any thread. What body throws is thrown here; the order of
 /// calls must not show in the result.
 void for_each(std::size_t count, const std::function<void(std::size_t)>& body);

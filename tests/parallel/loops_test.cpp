@@ -91,6 +91,19 @@ TEST(ThreadLimit, OfOneRunsEverythingOnTheCallersThread) {
     for_each(200, [&](std::size_t) { EXPECT_EQ(std::this_thread::get_id(), caller); });
 }
 
+TEST(StopWhen, EndsLoopsWhereItIsAsked) {
+    std::atomic<int> calls = 0;
+    const auto count = [&](std::size_t) { ++calls; };
+    {
+        const StopWhen stop([&] { return calls >= 10; });
+        EXPECT_THROW(for_each(100'000, count), Stopped);
+        EXPECT_LT(calls, 10 + 10 * thread_count());
+        const StopWhen never({});
+        EXPECT_NO_THROW(for_each(100, count)) << "the innermost counts";
+    }
+    EXPECT_NO_THROW(for_each(100, count));
+}
+
 TEST(ThreadLimit, IsNeverExceeded) {
     const ThreadLimit limit(2);
     std::atomic<int> running = 0, most = 0;

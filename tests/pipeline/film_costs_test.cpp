@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "app/experiments/comparison.h"
 #include "app/experiments/film_costs.h"
 #include "app/options/option_text.h"
 #include "app/report/answer.h"
@@ -15,29 +16,64 @@ namespace {
 
 using app::FilmCost;
 
-FilmCost row(const char* name, double clock, std::optional<double> added, double loss) {
-    return {name, clock, 1e5, added, loss, false};
+FilmCost row(const char* name, double cpu, std::optional<double> added, double loss) {
+    return {"--tolerance", name, cpu / 2, cpu, 1e5, added, loss};
 }
 
-TEST(FilmCosts, TakeTheFastestRowWithoutADifferenceThatOneSees) {
+TEST(Offers, AreTakenByOneRule) {
+    EXPECT_FALSE(app::cheapest_alike({}).has_value());
+    const std::vector<app::Offer> offers{{1, false}, {9, true}, {4, true}, {5, true}};
+    EXPECT_EQ(app::cheapest_alike(offers), 2u) << "the cheapest that nobody can tell from the best";
+    EXPECT_EQ(app::time_text(75, 140.4), "1:15, 140 s of CPU");
+}
+
+TEST(FilmCosts, TakeTheCheapestRowThatNobodyCanTellFromTheBest) {
     const std::vector<FilmCost> costs{row("fixed=8%", 10, 43, 1.2), row("coupled", 14, 51, 0.1),
-                                      row("fixed=1%", 30, {}, 0)};
-    EXPECT_FALSE(app::is_free(costs));
-    EXPECT_FALSE(app::buys_nothing(costs));
+                                      row("fixed=1%", 14.2, {}, 0), row("reference", 99, {}, 0)};
     EXPECT_EQ(app::recommended(costs), 1u);
+    EXPECT_FALSE(app::recommended(std::vector<FilmCost>()).has_value());
     EXPECT_EQ(app::words_for(43), "slight in flat areas");
     EXPECT_EQ(app::words_for(30), "visible");
     EXPECT_EQ(app::words_for({}), "none you can see");
-    EXPECT_NE(app::film_cost_table(costs, {}).find("coupled"), std::string::npos);
+
+    // The table, the sentence and the rows of the page say the same.
+    app::RenderJob film;
+    film.frames = {0, 59};
+    const std::string table = app::film_cost_table(costs);
+    EXPECT_EQ(table.find("<- take"), table.find("<- take", table.find("coupled")));
+    EXPECT_TRUE(app::answer_of(costs, film).starts_with("Take coupled: your film of 60 frames takes about 0:07, "));
+    EXPECT_TRUE(app::answer_rows(costs)[1].recommended);
 }
 
-TEST(FilmCosts, SayWhereAccuracyIsFree) {
-    std::vector<FilmCost> costs{row("fixed=8%", 10, 30, 3), row("fixed=1%", 10.5, {}, 0),
-                                row("reference", 10.9, {}, 0)};
-    costs.back().is_reference = true;
-    EXPECT_TRUE(app::is_free(costs));
-    EXPECT_EQ(app::recommended(costs), 2u) << "then the most exact";
-    EXPECT_FALSE(app::recommended({}).has_value());
+/// Two rows by quantiser; bits at equal quality follow from `bytes`, times from `cpu`.
+app::Way way(const std::string& name, double bytes, double cpu) {
+    app::Way made{name, name, {}, "", {}, {}};
+    for (const int quantiser : {4, 8}) {
+        app::Trial trial;
+        trial.quantiser = quantiser;
+        trial.cpu = cpu;
+        trial.clock = cpu / 2;
+        trial.bytes = bytes / quantiser;
+        for (perceptual::FilmQuality* quality : {&trial.shown, &trial.shown_there, &trial.decoded})
+            quality->add(quantiser, 0.9);
+        made.rows.push_back(trial);
+        made.times.emplace_back();
+    }
+    return made;
+}
+
+TEST(Comparison, TakesTheFasterOfTwoWhoseFilmsAreAsLarge) {
+    app::Comparison found;
+    found.complete = true;
+    found.ways = {way("coupled", 1000, 10), way("fixed 2 %, ours", 999, 16), way("free", 900, 16),
+                  way("ffmpeg", 1300, 9),   way("strongest", 1100, 20),      way("ffmpeg, free", 1000, 20)};
+    const std::vector<app::WayCost> costs = app::way_costs(found, 60, 0);
+    ASSERT_EQ(costs.size(), 4u) << "longer groups of pictures are another comparison";
+    EXPECT_EQ(costs[0].way, app::fixed_way) << "it has 0.1 % fewer bits";
+    EXPECT_EQ(costs[*app::recommended(costs)].way, app::coupled_way) << "and takes longer";
+    EXPECT_NEAR(costs[0].bits, 0.999, 1e-6);
+    EXPECT_TRUE(app::answer_of(found, 60, 4).starts_with("Take coupled: your film of 60 frames takes about 5:00, 600"))
+        << app::answer_of(found, 60, 4);
 }
 
 TEST(FilmCosts, HaveSizeAndTimeOfTheFilmAsItWasAskedFor) {
@@ -58,24 +94,28 @@ TEST(FilmCosts, HaveSizeAndTimeOfTheFilmAsItWasAskedFor) {
     film.tolerance.coupled = true;
     const auto row_of = [](const std::vector<FilmCost>& rows, const std::string& name) {
         for (const FilmCost& r : rows)
-            if (r.name == name) return r;
+            if (r.name() == name) return r;
         return FilmCost{};
     };
-    sweep.draft = trial(0.5, 1000);
+    sweep.efforts.emplace_back("draft", trial(0.5, 1000));
     const std::vector<FilmCost> sampled = app::film_costs(sweep, film);
-    EXPECT_DOUBLE_EQ(app::draft_cost(sweep, film)->bytes, 60'000);
-    sweep.asked = {3, 50'000};
-    const std::vector<FilmCost> told = app::film_costs(sweep, film);
-    EXPECT_DOUBLE_EQ(app::draft_cost(sweep, film)->bytes, 12'500) << "as all rows are";
+    EXPECT_DOUBLE_EQ(row_of(sampled, "effort draft").bytes, 60'000);
     EXPECT_DOUBLE_EQ(row_of(sampled, "coupled").bytes, 240'000);
-    EXPECT_DOUBLE_EQ(row_of(told, "coupled").bytes, 50'000);
-    EXPECT_DOUBLE_EQ(row_of(told, "fixed=8%").bytes, 55'000);
-    EXPECT_DOUBLE_EQ(row_of(sampled, "coupled").clock, 120);
-    EXPECT_DOUBLE_EQ(row_of(told, "coupled").clock, 180) << "it is looked at closer, which the sample is not";
-    EXPECT_DOUBLE_EQ(row_of(told, "fixed=8%").clock, 60);
+    EXPECT_DOUBLE_EQ(row_of(sampled, "coupled").cpu, 120);
+    sweep.forecast.emplace();
+    sweep.forecast->cpu = 180;
+    sweep.forecast->clock = 90;
+    sweep.forecast->bytes = 50'000;
+    const std::vector<FilmCost> told = app::film_costs(sweep, film);
+    EXPECT_DOUBLE_EQ(row_of(told, "coupled").bytes, 50'000) << "one forecast for all that is told";
+    EXPECT_DOUBLE_EQ(row_of(told, "coupled").clock, 90);
+    EXPECT_DOUBLE_EQ(row_of(told, "coupled").cpu, 180);
+    EXPECT_DOUBLE_EQ(row_of(told, "fixed=8%").bytes, 55'000) << "others in proportion";
+    EXPECT_DOUBLE_EQ(row_of(told, "fixed=8%").cpu, 90);
+    EXPECT_DOUBLE_EQ(row_of(told, "effort draft").bytes, 12'500);
 }
 
-TEST(Estimate, IsWhatPlanBeginsWith) {
+TEST(Forecast, IsWhatPlanBeginsWith) {
     const std::string tiny = " --size 32x32 --samples 1 --indirect lightcuts --vpls 16 --frames 0:3 ";
     const auto told = run(program() + " plan " + plain_film() + tiny + "--within 2s 2>/dev/null");
     ASSERT_EQ(told.status, 0) << told.output;

@@ -44,6 +44,9 @@ const std::vector<Mistake>& commands() {
         {"tune S --target-psnr 40", 2, {"which film is to be made?", "-o film.mpg", "--dry-run"}},
         {"render S S -o x.mpg", 2, {"what is this for?"}},
         {"render S x.mpg", 2, {"-o"}},
+        {"render S x.mpg -o y.mpg", 2, {"x.mpg", "the film by -o"}},
+        {"encode a.png b.png", 2, {"b.png", "one name with a number", "frames.%04d.png"}},
+        {"encode a.png b.png -o x.mpg", 2, {"b.png", "one name with a number", "frames.%04d.png"}},
     };
     return all;
 }
@@ -120,6 +123,7 @@ const std::vector<Mistake>& values() {
         {"render S -o x.mpg --gop 0", 2, {"--gop 0: expected a number from 1 to 1000"}},
         {"render S -o x.mpg --display-aspect wide", 2, {"--display-aspect wide: expected WIDTH:HEIGHT", "16:9"}},
         {"render S -o x.mpg --memory lots", 2, {"--memory lots: expected a size such as 8G"}},
+        {"render S -o x.mpg --memory 10M", 2, {"--memory 10M: no film is rendered in less than 16M"}},
         {"render S -o x.mpg --keyframes a,b", 2, {"--keyframes a,b: expected frame numbers", "0,48,96"}},
         {"render S -o x.mpg --audio-offset later", 2, {"--audio-offset later: expected a number from"}},
         {"cost S --tolerances 8,,2", 2, {"--tolerances 8,,2: expected per cent", "8,4,2,1"}},
@@ -146,9 +150,16 @@ const std::vector<Mistake>& contradictions() {
         {"render S -o f.%d.png --tolerance coupled", 2, {"--tolerance coupled:", "fixed=P%"}},
         {"tune S --target-psnr 40 --target-ssim 0.9 --dry-run", 2, {"Give one of --target-psnr"}},
         {"tune S --target-psnr 40 --quality 3 --dry-run", 2, {"--quality: it is what is looked for"}},
-        {"render S -o x.avi", 2, {"x.avi", ".mpg, .vob, .ts"}},
+        {"render S -o x.gif", 2, {"x.gif", "ffmpeg -i film.mpg film.gif"}},
+        {"render S -o x.wmv", 2, {"x.wmv", ".wmv is not written", ".mp4 or .mkv"}},
+        {"render S -o x.jpg", 2, {"x.jpg", "only .png and .exr"}},
+        {"render S -o x.mp3", 2, {"x.mp3", "it would be sound", "--audio"}},
+        {"render S -o x.glb", 2, {"x.glb", "it would be a scene", "-o film.mpg"}},
+        {"render S -o x.xyz", 2, {"x.xyz", ".mpg, .vob, .ts"}},
+        {"render S -o x.mpg --effort lots", 2, {"--effort lots: expected draft, low, default, high"}},
+        {"tune S --target-psnr 40 --of best --dry-run", 2, {"--of best: expected film, worst-tenth"}},
         {"render S -o x.png", 2, {"x.png", "frames.%04d.png"}},
-        {"render S -o empty", 2, {"empty", ".mpg, .vob, .ts"}},
+        {"render S -o empty", 2, {"empty", "needs an ending", "empty.mpg"}},
     };
     return all;
 }
@@ -157,8 +168,22 @@ const std::vector<Mistake>& files() {
     static const std::vector<Mistake> all{
         {"render ./plain_bx -o x.mpg", 1, {"./plain_bx", "there is no such file"}},
         {"render note.txt -o x.mpg", 1, {"note.txt", "did you mean notes.txt?"}},
-        {"render notes.txt -o x.mpg", 1, {"notes.txt", "No suitable reader"}},
-        {"render empty -o x.mpg", 1, {"empty/film.json", "there is no such file"}},
+        {"render notes.txt -o x.mpg", 1, {"notes.txt", "it is no scene", ".blend, .glb"}},
+        {"render notes.xyz -o x.mpg", 1, {"notes.xyz", "no kind of scene that is known"}},
+        {"render there.mpg -o x.mpg", 1, {"there.mpg", "it is a film already", ".blend, .glb"}},
+        {"render shot.png -o x.mpg", 1, {"shot.png", "it is a picture", "encode frames.%04d.png"}},
+        {"render song.wav -o x.mpg", 1, {"song.wav", "it is sound", "--audio"}},
+        {"render old.blend1 -o x.mpg", 1, {"old.blend1", "backup", "rename it to .blend"}},
+        {"render stage.usd -o x.mpg", 1, {"stage.usd", "USD is not read", ".glb"}},
+        {"render empty -o x.mpg", 1, {"empty", "neither a film.json nor a scene"}},
+        {"render . -o x.mpg", 1, {"this folder holds no film.json", "./room.blend"}},
+        {"plan notes.txt", 1, {"notes.txt", "it is no scene"}},
+        {"cost there.mpg", 1, {"there.mpg", "it is a film already"}},
+        {"watch nothing.glb", 1, {"nothing.glb", "there is no such file"}},
+        {"watch notes.txt -o d.mpg", 1, {"notes.txt", "it is no scene"}},
+        {"info room.blend", 1, {"room.blend", "it is a scene, not a film", "`plan`"}},
+        {"info shot.png", 1, {"shot.png", "it is a picture, not a film"}},
+        {"info empty", 1, {"empty", "it is a folder"}},
         {"render S -o none/x.mpg", 1, {"none/x.mpg", "there is no folder none", "-y makes it"}},
         {"render S -o x.mpg --stats none/x.json", 1, {"none/x.json", "there is no folder none", "-y makes it"}},
         {"render S -o there.mpg", 1, {"there.mpg", "is there already", "-y replaces it"}},
@@ -169,8 +194,8 @@ const std::vector<Mistake>& files() {
         {"render S -o x.mpg --camera nobody", 1, {"no camera \"nobody\"", "0 \"camera\""}},
         {"render S -o x.mpg --sky none.exr", 1, {"none.exr", "there is no such file"}},
         {"render S -o x.mpg --audio none.flac", 1, {"none.flac", "there is no such file"}},
-        {"info notes.txt", 1, {"notes.txt"}},
-        {"info nothing.mpg", 1, {"nothing.mpg", "No such file"}},
+        {"info notes.txt", 1, {"notes.txt", "no film that can be read"}},
+        {"info nothing.mpg", 1, {"nothing.mpg", "there is no such file"}},
         {"encode frames.png -o x.mpg", 1, {"frames.png", "frames.%04d.png"}},
         {"encode f.%d.png -o x.mpg", 1, {"f.%d.png", "no file has such a name"}},
     };
@@ -193,6 +218,8 @@ TEST_P(Mistakes, AreToldInOneLineWithTheirCure) {
     const support::Folder folder;
     std::ofstream(folder / "there.mpg") << "a film";
     std::ofstream(folder / "notes.txt") << "no scene\n";
+    for (const char* name : {"notes.xyz", "shot.png", "song.wav", "old.blend1", "stage.usd", "room.blend"})
+        std::ofstream(folder / name) << "not looked into\n";
     std::filesystem::create_directory(folder / "empty");
     const std::size_t before = folder.entries();
     for (const Mistake& mistake : *GetParam()) {

@@ -22,6 +22,17 @@ support::Outcome interrupted(const std::string& render, const std::string& file,
                " $job; wait $job");
 }
 
+TEST(Outputs, AreLookedAtBeforeTheSceneIsRead) {
+    const Folder folder;
+    std::ofstream(folder / "there.mpg") << "a film";
+    const auto said = [&](const std::string& options) {
+        return run(program() + " render " + path(folder, "no.blend") + " -o " + path(folder, options)).output;
+    };
+    EXPECT_NE(said("there.mpg").find("is there already; -y replaces it"), std::string::npos);
+    EXPECT_NE(said("none/f.mpg").find("there is no folder"), std::string::npos);
+    EXPECT_NE(said("new.mpg").find("there is no such file"), std::string::npos);
+}
+
 TEST(WorkFolder, IsAnotherForFilmsOfOneStemSlow) {
     const Folder folder;
     const std::string start = program() + " render " + plain_film() + endless + "-o ";

@@ -59,8 +59,9 @@ TEST(Pace, TellsTheTimeToGoAfterATenthOfAFilm) {
 TEST(Pace, CountsTheFirstFramesOfChunksApart) {
     Pace pace(10);
     EXPECT_FALSE(pace.left(30).has_value());
+    EXPECT_NEAR(*pace.left(30, 3), 3 + 2 * 6 + 27 * 0.6 * 6, 1e-9) << "half of the first frame, as likely as not";
     pace.add(8);
-    EXPECT_FALSE(pace.left(30).has_value()) << "the first tells nothing of the others";
+    EXPECT_NEAR(*pace.left(30), 2 * 8 + 27 * 0.6 * 8, 1e-9) << "others take less than the first";
     for (int i = 0; i < 4; ++i) pace.add(1);
     EXPECT_DOUBLE_EQ(*pace.left(30), 2 * 8 + 23 * 1);
     EXPECT_DOUBLE_EQ(*pace.left(5), 0);
@@ -73,6 +74,23 @@ TEST(Pace, CountsTheFirstFramesOfChunksApart) {
     resumed.add(5);
     resumed.add(1);
     EXPECT_DOUBLE_EQ(*resumed.left(30), 8);
+}
+
+TEST(Pace, NeverSaysThatNothingIsLeftWhileAFrameIs) {
+    Pace pace(10);
+    pace.add(8);
+    for (int i = 0; i < 8; ++i) pace.add(1);
+    for (const double spent : {0.0, 0.5, 1.0, 3.0, 60.0}) EXPECT_GE(*pace.left(10, spent), 0.2) << spent;
+    EXPECT_GE(*pace.left(10, 60), 10) << "one that takes long is not done at once";
+    EXPECT_DOUBLE_EQ(*pace.left(9, 5), 0);
+}
+
+TEST(Pace, KnowsThatPicturesTakeTurns) {
+    // A P picture takes twice as long as each of its three B pictures.
+    Pace pace(60);
+    pace.add(3);
+    for (int i = 0; i < 8; ++i) pace.add(i % 4 == 0 ? 2 : 1);
+    EXPECT_DOUBLE_EQ(*pace.left(49), 40 * 1.25);
 }
 
 }  // namespace

@@ -53,14 +53,13 @@ std::vector<Example> examples_of(const std::string& page) {
     return examples;
 }
 
-/// Without what depends on time: measured seconds, what is reckoned from them, and the sentence about the knee.
+/// Without what depends on time: measured seconds, and what is reckoned from them.
 std::string timeless(std::string text) {
     static const std::pair<std::regex, const char*> forms[] = {
         {std::regex("(^|\n)( *[0-9.]+ (?:%|coup\\.) +)[0-9.]+"), "$1$2T"},                         // cost: a row
         {std::regex("(?:saves |under )?[0-9]+ %(  (?:none|hardly|slight|visible))"), "T$1"},       // cost: an effect
         {std::regex("[0-9.]+ times the time"), "T times the time"},                                //
         {std::regex("\nThe whole film on this machine's[^]*"), "\n"},                              //
-        {std::regex("\nThe knee is[^]*"), "\n"},                                                   //
         {std::regex("\n( +[0-9.]+)( +[0-9.]+)? +[0-9.]+( +[0-9.]+ +[0-9.]+ +0\\.)"), "\n$1 T$3"},  // tune: a row
         {std::regex("[0-9.]+ s of CPU"), "T s of CPU"},                                            //
     };

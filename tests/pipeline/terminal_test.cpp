@@ -42,8 +42,9 @@ TEST(ProgressLine, SaysWhatIsKnown) {
     EXPECT_EQ(progress_line({"frame", 0, 250, 0, 3, true, {}}, 1000, false), "0:03 so far, ETA -  frame 0/250    0 %");
     EXPECT_EQ(progress_line({"frame", 250, 250, 2.0, 125, true, 0}, 1000, false),
               "done in 2:05  frame 250/250  100 %  2.00 frames/s");
-    EXPECT_EQ(app::progress_json({"frame", 50, 250, 2.0, 25, true, 100}),
-              R"({"work":"frame","done":50,"total":250,"seconds":25.000,"left":100.000,"whole":125.000})");
+    EXPECT_EQ(
+        app::progress_json({"frame", 50, 250, 2.0, 25, true, 100}),
+        R"({"work":"frame","done":50,"total":250,"seconds":25.000,"left":100.000,"whole":125.000,"activity":""})");
 }
 
 TEST(ProgressLine, OfMoreThanWasExpectedIsFull) {

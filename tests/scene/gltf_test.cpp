@@ -232,7 +232,9 @@ TEST_F(Gltf, AnimationsMoveNodesAndOneCanBeChosen) {
     EXPECT_EQ(x_after_one_second({}), 2);  // clips of one node: the first
     EXPECT_EQ(x_after_one_second({{}, "run", {}}), 4);
     EXPECT_EQ(x_after_one_second({{}, "0", {}}), 2);
-    EXPECT_TRUE(has_note(load_file(file), "\"walk\" and \"run\""));
+    EXPECT_TRUE(
+        has_note(load_file(file),
+                 "2 animations move the same nodes; \"walk\" is used; --animation NAME takes another: \"run\""));
     EXPECT_EQ(load_file(file).duration, 2);
     try {
         load_file(file, {{}, "fly", {}});

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "app/files/text_file.h"
+#include "app/options/wrong_file.h"
 #include "app/report/coded_types.h"
 #include "app/report/figures.h"
 #include "app/system/probes.h"
@@ -237,6 +238,8 @@ std::string probed(const InfoOptions& options) {
 }  // namespace
 
 int info(const InfoOptions& options) {
+    if (const std::string why = not_a_film(options.input); !why.empty())
+        throw core::Error("reading", options.input.string(), why);
     const std::string text = scene::Probe::is_possible() ? probed(options) : info_of(options, [] {});
     const std::size_t end = text.find(end_of_damage);
     const std::string damage = text.substr(0, end);

@@ -11,8 +11,8 @@
 #include "app/commands/render_stream.h"
 #include "app/files/consent.h"
 #include "app/files/text_file.h"
-#include "app/loop/estimate.h"
 #include "app/loop/film_identity.h"
+#include "app/loop/forecast.h"
 #include "app/loop/resume.h"
 #include "app/options/option_text.h"
 #include "app/production/outputs.h"
@@ -41,9 +41,9 @@ int interrupted_before_frames(const RenderOptions& options) {
 /// What the film will take, as far as the options leave time to find it out, and what runs. The film is settled by it.
 std::string plan_text(RenderJob& film, const RenderOptions& options, const std::filesystem::path& statistics = {}) {
     const double within = within_from(options.within);
-    const auto estimate = within > 0 ? estimate_film(film, options.output, within, options.quiet) : std::nullopt;
-    return film_text(film) + "\n" + (estimate ? text_of(*estimate) : "") + "\n" +
-           plan_table(film, statistics, estimate ? &estimate->sample : nullptr);
+    const auto found = within > 0 ? forecast(film, options.output, within, options.quiet) : std::nullopt;
+    return film_text(film) + "\n" + (found ? text_of(*found) : "") + "\n" +
+           plan_table(film, statistics, found ? &found->sample : nullptr);
 }
 
 std::string dry_run_text(RenderJob& film, const RenderOptions& options) {
@@ -81,6 +81,7 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
     const InterruptGuard guard(options.quiet);
 
     // Read and settle everything before anything is written.
+    check_before_reading(options);
     RunStatistics statistics;
     RenderJob film = timed(statistics, Stage::load, [&] { return prepare_within_memory(options); });
     if (InterruptGuard::requested()) return interrupted_before_frames(options);

@@ -189,6 +189,8 @@ int watch_in_file(const RenderOptions& options, const std::string& command) {
 
 int watch(const RenderOptions& options, const std::string& command) {
     if (options.resume) throw UsageError("--resume: what is watched is made anew whenever it changes");
+    // What is broken may be mended meanwhile; what is not there, or no scene, was mistyped.
+    check_scene(options.input);
     if (options.output.empty()) {
         Player::check(options.player);
         return watch_in_player(options);

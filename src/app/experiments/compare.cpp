@@ -31,7 +31,8 @@ class Comparing {
     /// Makes the times those of all runs.
     void conclude();
     void look_at_foreign_film();
-    void settle(const std::string& render) { found_.render = render; }
+    /// The command for the way to take.
+    void settle(const std::vector<std::string>& words, const std::filesystem::path& input);
 
     const Comparison& found() const { return found_; }
     const RenderJob& film() const { return trials_.film(); }
@@ -67,15 +68,29 @@ Comparing::Comparing(const CompareOptions& options, const RenderJob& film, const
     const encoder::Codec codec = film.coding.codec;
     const FfmpegWay usual = usual_ffmpeg(codec), strongest = strongest_ffmpeg(codec),
                     free = strongest_free_ffmpeg(codec);
-    const auto by_ffmpeg = [](const FfmpegWay& way) {
-        return "fixed 2 %, ffmpeg -c:v " + way.encoder + " " + way.options;
+    const std::string gop = std::to_string(film.coding.gop), longer = std::to_string(free_gop);
+    const auto ours = [](const std::string& name, const std::string& tolerance, const std::string& pictures) {
+        return Way{name,
+                   "--tolerance " + tolerance + " --gop " + pictures,
+                   {{"--tolerance", tolerance}, {"--gop", pictures}},
+                   "",
+                   {},
+                   {}};
     };
-    found_.ways = {{"coupled", "--tolerance coupled", {}, {}},
-                   {"fixed 2 %, ours", "--tolerance fixed=2%", {}, {}},
-                   {"fixed 2 %, ours, free", fmt::format("--tolerance fixed=2% --gop {}", free_gop), {}, {}},
-                   {usual.name, by_ffmpeg(usual), {}, {}},
-                   {strongest.name, by_ffmpeg(strongest), {}, {}},
-                   {free.name, by_ffmpeg(free), {}, {}}};
+    const auto by_ffmpeg = [](const FfmpegWay& way, const std::string& pictures) {
+        return Way{way.name,
+                   "fixed 2 %, ffmpeg -c:v " + way.encoder + " " + way.options,
+                   {{"--tolerance", "fixed=2%"}, {"--gop", pictures}},
+                   way.options,
+                   {},
+                   {}};
+    };
+    found_.ways = {ours("coupled", "coupled", gop),
+                   ours("fixed 2 %, ours", "fixed=2%", gop),
+                   ours("fixed 2 %, ours, free", "fixed=2%", longer),
+                   by_ffmpeg(usual, gop),
+                   by_ffmpeg(strongest, gop),
+                   by_ffmpeg(free, longer)};
 }
 
 bool Comparing::light_references() {
@@ -151,6 +166,28 @@ void Comparing::conclude() {
     if (found_.foreign) log(foreign_lines(found_));
 }
 
+void Comparing::settle(const std::vector<std::string>& words, const std::filesystem::path& input) {
+    if (!found_.complete || found_.ways[coupled_way].rows.empty()) return;
+    const std::size_t row = row_of(found_, film().coding.quantiser);
+    const std::vector<WayCost> costs = way_costs(found_, film().frame_count(), row);
+    const std::optional<std::size_t> taken = recommended(costs);
+    if (!taken) return;
+    const Way& way = found_.ways[costs[*taken].way];
+    const int quantiser = way.rows[row].quantiser;
+    auto options = way.options;
+    if (!way.ffmpeg) {
+        options.emplace_back("--quantiser", std::to_string(quantiser));
+        found_.render = render_command(words, input, options);
+        return;
+    }
+    const std::string pictures = options.back().second;
+    options.back() = {"-o", "-"};
+    options.emplace_back("--as", "y4m");
+    found_.render = render_command(words, input, options) + " | ffmpeg -i - -c:v " + way.ffmpeg->encoder + " " +
+                    options_of(*way.ffmpeg, quantiser, std::stoi(pictures)) + " " + input.stem().string() +
+                    (film().coding.codec == encoder::Codec::mpeg2 ? ".mpg" : ".mp4");
+}
+
 void Comparing::look_at_foreign_film() {
     if (!options_.film) return;
     found_.foreign = told("the other film", options_.render.quiet, [&] {
@@ -180,12 +217,12 @@ int compare(const CompareOptions& options, const std::vector<std::string>& words
     check_trial_outputs(film, options);
 
     Comparing comparing(options, film, ffmpeg);
-    comparing.settle(render_command(words, options.render.input, ""));
     comparing.look_at_foreign_film();
     if (comparing.light_references())
         for (int i = 0; i < options.runs && comparing.run_all(); ++i) {
         }
     comparing.conclude();
+    comparing.settle(words, options.render.input);
     const Comparison& found = comparing.found();
     if (found.ways[coupled_way].rows.empty()) return interrupted();
 
@@ -198,6 +235,8 @@ int compare(const CompareOptions& options, const std::vector<std::string>& words
         errors.attempt([&] {
             print(difference_table(found));
             print_sentence(sentence_of(found));
+            print_sentence(answer_of(found, comparing.film().frame_count(), comparing.film().coding.quantiser));
+            if (!found.render.empty()) print("\n" + found.render + "\n");
         });
     if (!found.complete && !quiet) print_line("interrupted: this is a part of the table");
     errors.rethrow();

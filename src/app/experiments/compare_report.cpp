@@ -132,59 +132,28 @@ std::string tables(const Comparison& found) {
                              differences);
 }
 
-/// Seconds on the clock of the whole film by a way, at its quantiser in that row.
-double film_clock(const RenderJob& film, const Comparison& found, std::size_t way, std::size_t row) {
-    const Trial& trial = found.ways[way].rows[row];
-    double frame = trial.clock;
-    // Light of a fixed tolerance was timed with our coding.
-    if (way != coupled_way && row < found.ways[fixed_way].rows.size())
-        frame += trial.code_seconds - found.ways[fixed_way].rows[row].code_seconds;
-    return frame * static_cast<double>(film.frame_count());
-}
-
-/// Who wins, and by how much: bits of every way at equal PSNR-Y, over those of coupled light, and the film's time with
-/// the quantiser of that row.
-std::vector<AnswerRow> winners(const RenderJob& film, const Comparison& found, std::size_t row) {
-    std::vector<std::pair<std::size_t, double>> ways{{coupled_way, 1.0}};
-    for (const std::size_t way : {fixed_way, usual_way, strongest_way, strongest_free_way}) {
-        const Difference d = difference_of(found.ways[coupled_way], found.ways[way]);
-        if (std::isfinite(d.psnr_y)) ways.emplace_back(way, 1 / (1 + d.psnr_y / 100));
-    }
-    std::stable_sort(ways.begin(), ways.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+/// Who wins, and by how much.
+std::vector<AnswerRow> winners(const Comparison& found, const std::vector<WayCost>& costs) {
+    const std::optional<std::size_t> taken = recommended(costs);
     std::vector<AnswerRow> rows;
-    for (const auto& [way, bits] : ways) {
-        const std::string change = way == coupled_way ? "the measure" : change_text(100 * (bits - 1)) + " bits";
-        const Grade grade = bits < 1.01 ? Grade::good : bits < 1.1 ? Grade::fair : Grade::poor;
-        rows.push_back({found.ways[way].name, bits / ways.back().second, fmt::format("{:.0f} %", 100 * bits), change,
-                        grade, "at equal PSNR-Y", clock_text(film_clock(film, found, way, row)),
-                        way == ways.front().first});
+    for (std::size_t i = 0; i < costs.size(); ++i) {
+        const WayCost& cost = costs[i];
+        const std::string change =
+            cost.way == coupled_way ? "the measure" : change_text(100 * (cost.bits - 1)) + " bits";
+        const double beyond = cost.bits / costs.front().bits;
+        const Grade grade = beyond < 1.01 ? Grade::good : beyond < 1.1 ? Grade::fair : Grade::poor;
+        rows.push_back({found.ways[cost.way].name, cost.bits / costs.back().bits,
+                        fmt::format("{:.0f} %", 100 * cost.bits), change, grade, "at equal PSNR-Y",
+                        time_text(cost.clock, cost.cpu), taken == i});
     }
     return rows;
-}
-
-/// The row of the film's own quantiser, or of the one nearest to it.
-std::size_t own_row(const RenderJob& film, const Comparison& found) {
-    const auto& rows = found.ways[coupled_way].rows;
-    const auto away = [&](const Trial& t) { return std::abs(t.quantiser - film.coding.quantiser); };
-    return static_cast<std::size_t>(
-        std::min_element(rows.begin(), rows.end(), [&](const Trial& a, const Trial& b) { return away(a) < away(b); }) -
-        rows.begin());
-}
-
-/// How long the film takes; empty where that is not known.
-std::string time_sentence(const RenderJob& film, const Comparison& found) {
-    if (!found.complete || found.ways[coupled_way].rows.empty()) return {};
-    const std::size_t row = own_row(film, found);
-    if (row >= found.ways[fixed_way].rows.size()) return {};
-    return fmt::format(" Your film of {} frames takes about {} coupled, {} with a fixed 2 %.", film.frame_count(),
-                       clock_text(film_clock(film, found, coupled_way, row)),
-                       clock_text(film_clock(film, found, fixed_way, row)));
 }
 
 std::string first_screen(const RenderJob& film, const Comparison& found) {
     if (!found.complete || found.ways[coupled_way].rows.empty()) return {};
     const auto& rows = found.ways[coupled_way].rows;
-    const std::size_t row = own_row(film, found);
+    const std::size_t row = row_of(found, film.coding.quantiser);
+    const std::vector<WayCost> costs = way_costs(found, film.frame_count(), row);
     std::string figure;
     const Way& other = found.ways[usual_way];
     if (row < other.rows.size() && rows[row].sample_frame && other.rows[row].sample_frame)
@@ -195,9 +164,9 @@ std::string first_screen(const RenderJob& film, const Comparison& found) {
         "Bits at equal PSNR-Y, over those of coupled light: means over quantisers {} to {}. Times are of this machine, "
         "as busy as it was, at quantiser {}. From {} sample frames.",
         rows.front().quantiser, rows.back().quantiser, rows[row].quantiser, rows.front().frames);
-    return answer_screen(answer_table({"way", "bits, coupled = 100 %", "difference", "time, whole film"},
-                                      winners(film, found, row), note),
-                         figure, found.render);
+    return answer_screen(
+        answer_table({"way", "bits, coupled = 100 %", "difference", "time, whole film"}, winners(found, costs), note),
+        figure, found.render);
 }
 
 std::string foreign_paragraph(const Comparison& found) {
@@ -233,6 +202,8 @@ json compare_json(const RenderJob& film, const Comparison& found, const std::str
                 {"foreign", foreign_json(found)},
                 {"differences", differences_json(found)},
                 {"summary", sentence_of(found)},
+                {"answer", answer_of(found, film.frame_count(), film.coding.quantiser)},
+                {"render", found.render.empty() ? json(nullptr) : json(found.render)},
                 {"complete", found.complete}});
     return all;
 }
@@ -256,7 +227,8 @@ void write_compare_report(const std::filesystem::path& html, const RenderJob& fi
                                                 "(Bjontegaard).</p>\n" +
                                                 commands(found));
     const std::string lead =
-        found.complete ? sentence_of(found) + time_sentence(film, found) : "Interrupted: this is a part of it.";
+        found.complete ? answer_of(found, film.frame_count(), film.coding.quantiser) + " " + sentence_of(found)
+                       : "Interrupted: this is a part of it.";
     write_trial_page(html, film, "coupled, or rendered first", lead, body, command, "docs/json.md",
                      compare_json(film, found, command));
 }

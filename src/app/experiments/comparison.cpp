@@ -10,6 +10,7 @@
 #include "app/experiments/quality.h"
 #include "app/experiments/reference_cache.h"
 #include "app/experiments/sweep.h"
+#include "app/report/answer.h"
 #include "app/report/figures.h"
 #include "core/numeric.h"
 
@@ -50,6 +51,56 @@ Difference difference_of(const Way& way, const Way& from) {
             change(way, from, bytes, [](const Trial& t) { return in_decibels(quality_of(t, true).ssim_y); }),
             change(way, from, bytes, [](const Trial& t) { return quality_of(t, true).psnr_hvs_m; }),
             change(way, from, total_seconds, psnr)};
+}
+
+std::vector<WayCost> way_costs(const Comparison& found, std::int64_t frames, std::size_t row) {
+    // One pace of all that was lit, so that a machine that is busy for a while favours none.
+    double clock = 0, cpu = 0;
+    for (const std::size_t way : {coupled_way, fixed_way})
+        for (const Trial& trial : found.ways[way].rows) clock += trial.clock, cpu += trial.cpu;
+    const double pace = core::divide_or(clock, cpu, 1.0);
+    std::vector<WayCost> costs;
+    for (const std::size_t way : {coupled_way, fixed_way, usual_way, strongest_way}) {
+        const Difference d = difference_of(found.ways[coupled_way], found.ways[way]);
+        if (row >= found.ways[way].rows.size() || (way != coupled_way && !std::isfinite(d.psnr_y))) continue;
+        const Trial& trial = found.ways[way].rows[row];
+        double frame = trial.cpu;
+        // Light of a fixed tolerance was timed with our coding.
+        if (way != coupled_way) frame += trial.code_seconds - found.ways[fixed_way].rows[row].code_seconds;
+        const double seconds = frame * static_cast<double>(frames);
+        costs.push_back({way, way == coupled_way ? 1 : 1 / (1 + d.psnr_y / 100), pace * seconds, seconds});
+    }
+    std::stable_sort(costs.begin(), costs.end(), [](const WayCost& a, const WayCost& b) { return a.bits < b.bits; });
+    return costs;
+}
+
+std::optional<std::size_t> recommended(const std::vector<WayCost>& costs) {
+    // chosen: bits by a few samples scatter by as much (0.5 to 2 %).
+    constexpr double same = 1.01;
+    std::vector<Offer> offers;
+    for (const WayCost& cost : costs) offers.push_back({cost.cpu, cost.bits <= same * costs.front().bits});
+    return cheapest_alike(offers);
+}
+
+std::size_t row_of(const Comparison& found, int quantiser) {
+    const auto& rows = found.ways[coupled_way].rows;
+    const auto away = [&](const Trial& t) { return std::abs(t.quantiser - quantiser); };
+    return static_cast<std::size_t>(
+        std::min_element(rows.begin(), rows.end(), [&](const Trial& a, const Trial& b) { return away(a) < away(b); }) -
+        rows.begin());
+}
+
+std::string answer_of(const Comparison& found, std::int64_t frames, int quantiser) {
+    if (!found.complete || found.ways[coupled_way].rows.empty()) return {};
+    const std::size_t row = row_of(found, quantiser);
+    const std::vector<WayCost> costs = way_costs(found, frames, row);
+    const std::optional<std::size_t> taken = recommended(costs);
+    if (!taken) return {};
+    const WayCost& cost = costs[*taken];
+    const double bytes = found.ways[cost.way].rows[row].bytes_in_film() * static_cast<double>(frames);
+    return fmt::format("Take {}: your film of {} frames takes about {} and has about {} at quantiser {}.",
+                       found.ways[cost.way].name, frames, time_text(cost.clock, cost.cpu), size_text(bytes),
+                       found.ways[coupled_way].rows[row].quantiser);
 }
 
 std::string sentence_of(const Comparison& found) {

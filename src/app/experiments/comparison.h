@@ -1,11 +1,13 @@
 #pragma once
 // The rows of `compare`: what each way costs and gives.
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "app/experiments/ffmpeg_program.h"
 #include "app/experiments/foreign_film.h"
 #include "app/experiments/trial.h"
 
@@ -24,9 +26,11 @@ double spread(const std::vector<double>& seconds);
 /// One way from a scene to a film, by quantiser.
 struct Way {
     std::string name;
-    std::string how;           ///< the command, or what stands for it
-    std::vector<Trial> rows;   ///< times are the runs' medians
-    std::vector<Times> times;  ///< of each row
+    std::string how;                                           ///< the command, or what stands for it
+    std::vector<std::pair<std::string, std::string>> options;  ///< of `render`, for its light and GOPs
+    std::optional<FfmpegWay> ffmpeg;                           ///< none: our own encoder
+    std::vector<Trial> rows;                                   ///< times are the runs' medians
+    std::vector<Times> times;                                  ///< of each row
 };
 
 /// All that `compare` finds out.
@@ -41,7 +45,7 @@ struct Comparison {
     /// strongest command, and with that one's for free GOPs.
     std::vector<Way> ways;
     std::optional<ForeignFilm> foreign;
-    std::string render;     ///< the command that makes the coupled film
+    std::string render;     ///< the command that makes the film to take; empty: none is known
     bool complete = false;  ///< false: interrupted
 };
 inline constexpr std::size_t coupled_way = 0, fixed_way = 1, free_way = 2, usual_way = 3, strongest_way = 4,
@@ -67,11 +71,27 @@ struct Difference {
 /// In bits, and in time.
 Difference difference_of(const Way& way, const Way& from);
 
+/// A way at equal quality, for the whole film.
+struct WayCost {
+    std::size_t way = 0;
+    double bits = 1;            ///< over those of coupled light, at equal PSNR-Y
+    double clock = 0, cpu = 0;  ///< seconds, at the quantiser of the row that was asked for
+};
+/// Those with coupled light's GOPs that can be held against it, from the fewest bits on. `row`: of each way.
+std::vector<WayCost> way_costs(const Comparison& found, std::int64_t frames, std::size_t row);
+/// The one to take (cheapest_alike): nobody can tell less than a hundredth of the bits.
+std::optional<std::size_t> recommended(const std::vector<WayCost>& costs);
+
 /// Bits of the coupled film over those of a foreign one at that one's PSNR-Y; NaN where ours does not reach it.
 double bits_beside(const Comparison& found);
 
-/// The comparison in a sentence or two; empty where it is not complete.
+/// The row of the coupled way whose quantiser is nearest to that one.
+std::size_t row_of(const Comparison& found, int quantiser);
+
+/// The comparison in a sentence; empty where it is not complete.
 std::string sentence_of(const Comparison& found);
+/// Which way to take, how long it takes and how large the film is beside others; likewise.
+std::string answer_of(const Comparison& found, std::int64_t frames, int quantiser);
 
 /// Lines of at most 80 columns, each with its end.
 std::string compare_heading(const RenderJob& film, const Comparison& found);

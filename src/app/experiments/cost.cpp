@@ -14,7 +14,7 @@
 #include "app/experiments/film_costs.h"
 #include "app/experiments/trial_command.h"
 #include "app/files/text_file.h"
-#include "app/loop/estimate.h"
+#include "app/loop/forecast.h"
 #include "app/options/command_words.h"
 #include "app/options/option_text.h"
 #include "app/system/error_collector.h"
@@ -29,28 +29,25 @@ namespace {
 /// One command in the making: rows are told as they come.
 class Cost {
   public:
-    /// `once`: seconds on the clock that a run takes before its first frame.
-    Cost(const CostOptions& options, const RenderJob& film, const Sample& sample, double once,
-         const std::optional<AskedFilm>& asked)
+    Cost(const CostOptions& options, const RenderJob& film, const Sample& sample, std::optional<Forecast> forecast)
         : options_(options),
           quantisers_(options.quantisers ? in_scale_of(film.coding.codec, quantisers_from(*options.quantisers))
                                          : std::vector<int>{film.coding.quantiser}),
           pairs_(!quantisers_.empty()),
           trials_(film, windows_of(film.frames, sample)) {
         sweep_.windows = trials_.windows();
-        sweep_.once = once;
-        sweep_.asked = asked;
+        sweep_.forecast = std::move(forecast);
         if (options.kept_references) trials_.keep_references_in(ReferenceCache(*options.kept_references));
         print_memory_note(trials_.bytes_held(pairs_), options.render.quiet);
     }
 
     /// Returns whether nobody interrupted.
     bool light_references();
-    bool try_draft();
+    bool try_efforts();
     bool try_fixed();
     bool try_coupled();
     /// The film, as it was asked for, without each of its effects.
-    bool try_effects(const RenderJob& asked, const EffectSample& sample, double limit);
+    bool try_effects(const RenderJob& asked, int frames, double limit);
     void settle(const std::string& render) { sweep_.render = render; }
     void complete() { sweep_.complete = true; }
 
@@ -88,13 +85,22 @@ bool Cost::light_references() {
     return true;
 }
 
-bool Cost::try_draft() {
-    Progress progress(trials_.frames(), is_quiet() || !shows_steps(), "draft", Counted::frames_of_step);
-    sweep_.draft = trials_.draft([&] {
-        progress.advance();
-        return !InterruptGuard::requested();
-    });
-    return sweep_.draft.has_value();
+bool Cost::try_efforts() {
+    const auto attempt = [&](const std::string& name, const RenderJob& job) {
+        Progress progress(trials_.frames(), is_quiet() || !shows_steps(), "effort " + name, Counted::frames_of_step);
+        const std::optional<Trial> trial = trials_.run_other(job, [&] {
+            progress.advance();
+            return !InterruptGuard::requested();
+        });
+        if (trial) sweep_.efforts.emplace_back(name, *trial);
+        return trial.has_value();
+    };
+    if (!attempt("draft", draft_of(film()))) return false;
+    // The default is the row of the film's own tolerance.
+    for (const Effort& effort : efforts)
+        if (std::string_view(effort.name) != "default" && !attempt(effort.name, at_effort(film(), effort)))
+            return false;
+    return true;
 }
 
 bool Cost::try_fixed() {
@@ -126,50 +132,44 @@ bool Cost::try_coupled() {
     return true;
 }
 
-bool Cost::try_effects(const RenderJob& asked, const EffectSample& sample, double limit) {
-    log(effects_heading());
-    sweep_.effects =
-        effect_costs(asked, sample, limit, is_quiet(), [&](const EffectCost& cost) { log(effect_row(cost)); });
+bool Cost::try_effects(const RenderJob& asked, int frames, double limit) {
+    sweep_.effects = effect_costs(asked, frames, limit, is_quiet(), [&](const EffectCost& cost, bool is_first) {
+        log((is_first ? effects_heading() : "") + effect_row(cost));
+    });
     if (sweep_.effects.left > 0 && !InterruptGuard::requested())
-        log(fmt::format("({} more: no time within --within)\n", sweep_.effects.left));
+        log(fmt::format("\n{} effects were not left out: --within {} has no time for them\n", sweep_.effects.left,
+                        options_.within));
     return !InterruptGuard::requested();
 }
 
 /// How much of the film is looked at, and of its effects.
 struct CostSample {
     Sample sweep;
-    EffectSample effects;
-    std::optional<AskedFilm> asked;
+    int effect_frames = 2;  ///< of the windows that effects are left out of
+    std::optional<Forecast> forecast;
 };
 
-/// Seconds on the clock until the film as asked for is told, with what was settled before, and what its frames get at
-/// least. chosen: ten in all are waited for.
-constexpr double first_seconds = 10, least_seconds = 3;
-
-/// The film as asked for, told within seconds, and the sample that there is time for. `spent`: seconds on the clock so
-/// far. None where it was interrupted.
-std::optional<CostSample> first_answer(const CostOptions& options, RenderJob& film, double spent) {
+/// The film as asked for, told within seconds, and the sample that there is time for. None where it was interrupted.
+std::optional<CostSample> first_answer(const CostOptions& options, RenderJob& film) {
     if (options.sample) {
         const Sample sample = sample_from(*options.sample);
-        return CostSample{sample, {std::min(sample.windows, 2), std::min(sample.frames, 3)}, {}};
+        return CostSample{sample, std::min(sample.frames, 3), {}};
     }
     const double within = time_in_seconds(options.within);
-    const double seconds = std::clamp(first_seconds - spent, least_seconds, 8.0);
-    const auto estimate = estimate_film(film, {}, std::min(seconds, 0.2 * within), options.render.quiet);
-    if (!estimate) return {};
-    if (!options.render.quiet) print(film_text(film) + "\n" + text_of(*estimate) + "\n");
+    // chosen: ten seconds are waited for.
+    std::optional<Forecast> found = forecast(film, {}, std::min(10.0, 0.2 * within), options.render.quiet);
+    if (!found) return {};
+    if (!options.render.quiet) print(film_text(film) + "\n" + text_of(*found) + "\n");
     // Each setting lights all frames of the sample, and every light point one of each window.
     // chosen: reference light takes some ten times a frame's.
-    const double frame = estimate->later * core::divide_or(estimate->clock, estimate->cpu, 1.0);
-    const double settings = static_cast<double>(percents_from(options.tolerances).size()) + 1;
-    const double pace = core::divide_or(estimate->clock, estimate->cpu, 1.0);
+    const double pace = core::divide_or(found->clock, found->cpu, 1.0), frame = found->later.seconds * pace,
+                 first = found->first.seconds * pace;
+    const double settings = static_cast<double>(percents_from(options.tolerances).size() + efforts.size()) + 1;
     const auto effects = static_cast<double>(left_out_of(film).size()) + 1;
-    CostSample chosen{{1, 1}, {1, 2}, AskedFilm{estimate->later, estimate->bytes}};
-    for (const Sample& sample : {Sample{1, 2}, Sample{1, 3}, Sample{2, 3}}) {
+    CostSample chosen{{1, 1}, 2, std::move(found)};
+    for (const Sample& sample : {Sample{1, 2}, Sample{1, 3}, Sample{2, 3}})
         if (sample.windows * (settings * sample.frames + 10) * frame < 0.6 * within) chosen.sweep = sample;
-        const double window = estimate->first + (sample.frames - 1) * estimate->later;
-        if (sample.windows * effects * window * pace < 0.3 * within) chosen.effects = {sample.windows, sample.frames};
-    }
+    if (effects * (first + 2 * frame) < 0.3 * within) chosen.effect_frames = 3;
     return chosen;
 }
 
@@ -189,29 +189,27 @@ int cost(const CostOptions& options, const std::vector<std::string>& words) {
     RenderJob film = prepare_trials(options.render);
     if (InterruptGuard::requested()) return interrupted();
     check_trial_outputs(film, options);
-    const double once = clock_seconds() - began;
-    const std::optional<CostSample> sample = first_answer(options, film, once);
+    const std::optional<CostSample> sample = first_answer(options, film);
     if (!sample) return interrupted();
 
-    Cost sweep(options, film, sample->sweep, once, sample->asked);
-    const bool whole = sweep.light_references() && sweep.try_draft() && sweep.try_fixed() && sweep.try_coupled();
+    Cost sweep(options, film, sample->sweep, sample->forecast);
+    const bool whole = sweep.light_references() && sweep.try_fixed() && sweep.try_coupled() && sweep.try_efforts();
     const Sweep& found = sweep.sweep();
     if (found.fixed.empty() && found.pairs.empty()) return interrupted();
     // Whoever says which sample gets all of it.
     const double limit = options.sample ? std::numeric_limits<double>::infinity()
                                         : std::max(began + time_in_seconds(options.within), clock_seconds() + 5);
-    if (whole && sweep.try_effects(film, sample->effects, limit)) sweep.complete();
+    if (whole && sweep.try_effects(film, sample->effect_frames, limit)) sweep.complete();
 
     const std::vector<FilmCost> rows = sweep.film_rows();
     if (const auto taken = recommended(rows))
-        sweep.settle(render_command(words, options.render.input, rows[*taken].name));
+        sweep.settle(render_command(words, options.render.input, {{rows[*taken].option, rows[*taken].value}}));
     ErrorCollector errors;
     if (options.json) errors.attempt([&] { write_json(*options.json, cost_json(sweep.film(), found, rows, command)); });
     if (options.report) errors.attempt([&] { write_cost_report(*options.report, sweep.film(), found, rows, command); });
     if (!quiet)
         errors.attempt([&] {
-            print(film_cost_table(rows, draft_cost(found, sweep.film())));
-            print_sentence(sentence_of(found, sweep.film().coding.quantiser));
+            print(film_cost_table(rows));
             print_sentence(answer_of(rows, sweep.film()));
             if (!found.render.empty()) print("\n" + found.render + "\n");
         });

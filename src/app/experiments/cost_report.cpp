@@ -68,14 +68,9 @@ const CurveAxis seconds_axis{"CPU seconds of light per frame", true};
 
 CurvePlot quality_plot(const Sweep& sweep, int quantiser) {
     CurvePlot plot{"Quality of the decoded film over time", seconds_axis, {"PSNR-Y, dB", false}, {}};
-    const std::optional<std::size_t> knee = knee_of(sweep);
     Curve fixed = curve_of("fixed tolerance", "one"), coupled = curve_of("coupled", "i");
-    for (std::size_t i = 0; i < sweep.fixed.size(); ++i) {
-        const Trial& t = sweep.fixed[i];
-        const bool marked = knee == i;
-        fixed.points.push_back(
-            {t.seconds, t.decoded.psnr_y(), tolerance_text(t.tolerance.relative) + (marked ? " (knee)" : ""), marked});
-    }
+    for (const Trial& t : sweep.fixed)
+        fixed.points.push_back({t.seconds, t.decoded.psnr_y(), tolerance_text(t.tolerance.relative), false});
     for (const CoupledPair& pair : sweep.pairs)
         if (pair.coupled.quantiser == quantiser)
             coupled.points.push_back({pair.coupled.seconds, pair.coupled.decoded.psnr_y(), "coupled", false});
@@ -119,13 +114,12 @@ std::string plots(const Sweep& sweep, int quantiser) {
     return text.empty() ? "" : "<h2>Curves</h2>\n" + text;
 }
 
-TableRow table_row(const std::string& name, const Trial& t, bool marked = false) {
-    return {
-        {marked ? name + ", knee" : name, short_figure(t.seconds), count_text(t.rays), count_text(t.cut),
-         short_figure(100 * t.errors.quantile(0.5)), short_figure(100 * t.errors.quantile(0.95)),
-         short_figure(100 * t.share_over()), short_figure(100 * t.share_over_twice()), psnr_text(t.decoded.psnr_y()),
-         fmt::format("{:.4f}", t.decoded.ssim_y()), psnr_text(t.psnr_hvs_m()), fmt::format("{:.0f}", t.bytes)},
-        marked};
+TableRow table_row(const std::string& name, const Trial& t) {
+    return {{name, short_figure(t.seconds), count_text(t.rays), count_text(t.cut),
+             short_figure(100 * t.errors.quantile(0.5)), short_figure(100 * t.errors.quantile(0.95)),
+             short_figure(100 * t.share_over()), short_figure(100 * t.share_over_twice()),
+             psnr_text(t.decoded.psnr_y()), fmt::format("{:.4f}", t.decoded.ssim_y()), psnr_text(t.psnr_hvs_m()),
+             fmt::format("{:.0f}", t.bytes)}};
 }
 
 std::string table_of(const std::string& title, const std::string& first, const std::vector<TableRow>& rows) {
@@ -138,9 +132,7 @@ std::string table_of(const std::string& title, const std::string& first, const s
 
 std::string tables(const Sweep& sweep, int quantiser) {
     std::vector<TableRow> fixed, pairs;
-    const std::optional<std::size_t> knee = knee_of(sweep);
-    for (std::size_t i = 0; i < sweep.fixed.size(); ++i)
-        fixed.push_back(table_row(tolerance_text(sweep.fixed[i].tolerance.relative), sweep.fixed[i], knee == i));
+    for (const Trial& t : sweep.fixed) fixed.push_back(table_row(tolerance_text(t.tolerance.relative), t));
     for (const CoupledPair& pair : sweep.pairs) {
         pairs.push_back(table_row(fmt::format("{}, coupled", pair.coupled.quantiser), pair.coupled));
         pairs.push_back(table_row(fmt::format("{}, 2 %", pair.fixed.quantiser), pair.fixed));
@@ -182,20 +174,14 @@ std::string cards(const RenderJob& film, const Sweep& sweep) {
                      {"CPU time of one", short_figure(sweep.reference_seconds) + " s"}});
 }
 
-json draft_json(const std::optional<FilmCost>& draft) {
-    if (!draft) return nullptr;
-    return {{"clock", draft->clock},
-            {"bytes", draft->bytes},
-            {"difference", words_for(draft->added)},
-            {"psnr_y_loss", draft->psnr_loss}};
-}
-
 json film_json(const std::vector<FilmCost>& rows) {
     json film = json::array();
     const std::optional<std::size_t> taken = recommended(rows);
     for (std::size_t i = 0; i < rows.size(); ++i)
-        film.push_back({{"tolerance", rows[i].name},
+        film.push_back({{"option", rows[i].option},
+                        {"value", rows[i].value},
                         {"clock", rows[i].clock},
+                        {"cpu", rows[i].cpu},
                         {"bytes", rows[i].bytes},
                         {"difference", words_for(rows[i].added)},
                         {"added_psnr_hvs_m", rows[i].added ? finite_or_null(*rows[i].added) : json(nullptr)},
@@ -232,9 +218,9 @@ std::string first_screen(const RenderJob& film, const Sweep& sweep, const std::v
             fmt::format("Frame {}, before coding: the loosest light beside the most exact", own->frame),
             {"fixed=" + tolerance_text(sweep.fixed.front().tolerance.relative), own->lit}, {"exact", own->truth},
             perceptual::matrix_for(film.format.height));
-    return answer_screen(answer_table({"accuracy of light", "time, whole film", "difference", "film"},
-                                      answer_rows(rows, draft_cost(sweep, film)), note),
-                         figure, sweep.render);
+    return answer_screen(
+        answer_table({"accuracy of light", "time, whole film", "difference", "film"}, answer_rows(rows), note), figure,
+        sweep.render);
 }
 
 }  // namespace
@@ -244,7 +230,6 @@ json cost_json(const RenderJob& film, const Sweep& sweep, const std::vector<Film
     json fixed = json::array(), coupled = json::array();
     for (const Trial& trial : sweep.fixed) fixed.push_back(row_json(trial));
     for (const CoupledPair& pair : sweep.pairs) coupled.push_back(pair_json(pair));
-    const std::optional<std::size_t> knee = knee_of(sweep);
     json all = trial_json(film, command, sweep.windows, sweep.references, sweep.reference_seconds);
     all.update(light_json(film));
     all.update({{"exposure", film.exposure.value_or(0)},
@@ -253,13 +238,10 @@ json cost_json(const RenderJob& film, const Sweep& sweep, const std::vector<Film
                 {"quantiser", film.coding.quantiser},
                 {"fixed", fixed},
                 {"coupled", coupled},
-                {"draft", draft_json(draft_cost(sweep, film))},
                 {"film", film_json(rows)},
                 {"render", sweep.render.empty() ? json(nullptr) : json(sweep.render)},
                 {"effects", effects_json(sweep.effects)},
-                {"answer", answer_of(rows, film)},
-                {"knee", knee ? json(plain(sweep.fixed[*knee].tolerance.relative)) : json(nullptr)},
-                {"summary", sentence_of(sweep, film.coding.quantiser)},
+                {"summary", answer_of(rows, film)},
                 {"complete", sweep.complete}});
     return all;
 }
@@ -270,11 +252,8 @@ void write_cost_report(const std::filesystem::path& html, const RenderJob& film,
     std::string body = first_screen(film, sweep, rows);
     body += effects_section(sweep.effects, perceptual::matrix_for(film.format.height));
     body += folded("All curves and tables: rays, cuts, percentiles, quantisers",
-                   "<p>" + escaped(sentence_of(sweep, quantiser)) + "</p>\n" + cards(film, sweep) +
-                       plots(sweep, quantiser) + views(film, sweep) + tables(sweep, quantiser));
-    const std::string answer = answer_of(rows, film);
-    const std::string lead = (sweep.complete ? "" : "Interrupted: this is a part of it. ") +
-                             (answer.empty() ? sentence_of(sweep, quantiser) : answer);
+                   cards(film, sweep) + plots(sweep, quantiser) + views(film, sweep) + tables(sweep, quantiser));
+    const std::string lead = (sweep.complete ? "" : "Interrupted: this is a part of it. ") + answer_of(rows, film);
     write_trial_page(html, film, "what accuracy costs", lead, body, command, "docs/json.md",
                      cost_json(film, sweep, rows, command));
 }

@@ -4,11 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
 #include "app/experiments/film_costs.h"
-#include "app/loop/film_sample.h"
+#include "app/loop/forecast.h"
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"
 #include "app/system/terminal.h"
@@ -46,16 +47,16 @@ struct Lit {
     std::map<std::int64_t, core::Picture> pictures;
 };
 
-std::optional<Lit> light(const RenderJob& film, const std::vector<Chunk>& windows, const AbruptFrames& abrupt,
-                         const std::string& name, bool quiet) {
+std::optional<Lit> light(const RenderJob& film, const std::vector<Chunk>& windows, const std::string& name,
+                         bool quiet) {
     const auto side = static_cast<double>(std::max(film.format.width, film.format.height));
     const RenderJob small = resized(film, std::min(1.0, longest_side / side));
     const auto frames = static_cast<std::int64_t>(windows.size()) * windows.front().frames();
     Progress progress(frames, quiet || !shows_steps(), name, Counted::frames_of_step);
     Pictures pictures(windows);
-    const auto sample = light_sample(small, windows, 1e30, pictures, progress);
+    const auto sample = sample_frames(small, windows, std::numeric_limits<double>::infinity(), pictures, progress);
     if (!sample) return {};
-    return Lit{film_by(*sample, film, small, abrupt).cpu, std::move(pictures.all)};
+    return Lit{film_by(film, *sample).seconds, std::move(pictures.all)};
 }
 
 /// How the pictures differ, and which of them most.
@@ -99,26 +100,26 @@ std::vector<LeftOut> left_out_of(const RenderJob& film) {
     return all;
 }
 
-EffectCosts effect_costs(const RenderJob& film, const EffectSample& sample, double limit, bool quiet,
-                         const std::function<void(const EffectCost&)>& row_done) {
+EffectCosts effect_costs(const RenderJob& film, int frames, double limit, bool quiet,
+                         const std::function<void(const EffectCost&, bool)>& row_done) {
     EffectCosts costs;
     std::vector<LeftOut> effects = left_out_of(film);
     costs.left = static_cast<int>(effects.size());
-    const AbruptFrames abrupt = abrupt_frames(film);
-    const std::vector<Chunk> windows = sample_windows(film, sample.windows, sample.frames, {});
-    const std::optional<Lit> whole = light(film, windows, abrupt, "all effects", quiet);
+    const std::vector<Chunk> windows = middle_windows(film, 1, frames);
+    if (clock_seconds() > limit) return costs;
+    const std::optional<Lit> whole = light(film, windows, "all effects", quiet);
     if (!whole) return costs;
     const core::Picture& picture = whole->pictures.begin()->second;
     costs.size = {picture.width(), picture.height()};
-    costs.frames = static_cast<int>(windows.size()) * sample.frames;
+    costs.frames = static_cast<int>(windows.front().frames());
     for (const LeftOut& effect : effects) {
         if (clock_seconds() > limit) break;
-        std::optional<Lit> less = light(effect.film, windows, abrupt, "without " + effect.name, quiet);
+        std::optional<Lit> less = light(effect.film, windows, "without " + effect.name, quiet);
         if (!less) break;
         EffectCost cost = difference_of(*whole, std::move(*less));
         cost.name = effect.name;
         cost.option = effect.option;
-        row_done(cost);
+        row_done(cost, costs.rows.empty());
         costs.rows.push_back(std::move(cost));
         --costs.left;
     }

@@ -39,15 +39,10 @@ struct EffectCosts {
     int left = 0;  ///< effects that there was no time for, or that an interruption left
 };
 
-/// Windows by frames, of which each effect is lit without.
-struct EffectSample {
-    int windows = 1, frames = 3;
-};
-
-/// Lights small frames of the film, and again without each effect. `row_done` is called with each row. After `limit`
-/// (clock_seconds()) no other one is begun.
-EffectCosts effect_costs(const RenderJob& film, const EffectSample& sample, double limit, bool quiet,
-                         const std::function<void(const EffectCost&)>& row_done);
+/// Lights so many small frames from the middle of the film, and again without each effect. `row_done` is called with
+/// each row, and whether it is the first. After `limit` (clock_seconds()) no other one is begun.
+EffectCosts effect_costs(const RenderJob& film, int frames, double limit, bool quiet,
+                         const std::function<void(const EffectCost&, bool is_first)>& row_done);
 
 /// "41 %", "saves 12 %", "under 3 %"
 std::string share_text(double share);

@@ -123,11 +123,14 @@ FfmpegWay strongest_free_ffmpeg(encoder::Codec codec) {
     return {"ffmpeg, free GOPs", std::string(strongest) + "-bf 3 -b_strategy 2"};
 }
 
+std::string options_of(const FfmpegWay& way, int quantiser, int gop) {
+    return replaced(replaced(replaced(way.options, "{q}", std::to_string(number_for(way, quantiser))), "{L}",
+                             std::to_string(118 * quantiser)),
+                    "{g}", std::to_string(gop));
+}
+
 Trials::Codec ffmpeg_codec(const FfmpegWay& way, int quantiser, int gop, const core::FrameRate& rate) {
-    const std::string options =
-        replaced(replaced(replaced(way.options, "{q}", std::to_string(number_for(way, quantiser))), "{L}",
-                          std::to_string(118 * quantiser)),
-                 "{g}", std::to_string(gop));
+    const std::string options = options_of(way, quantiser, gop);
     const std::string encoder = way.encoder;
     return [options, encoder, gop, rate](const Chunk& window, const std::vector<const core::Picture*>& pictures,
                                          const std::function<void(const core::Picture&)>& decoded) {

@@ -26,6 +26,9 @@ FfmpegWay strongest_ffmpeg(encoder::Codec codec);
 /// The strongest for free GOPs: longer ones, in which it chooses where B pictures pay.
 FfmpegWay strongest_free_ffmpeg(encoder::Codec codec);
 
+/// The options of a way with its values in place.
+std::string options_of(const FfmpegWay& way, int quantiser, int gop);
+
 /// Runs it on one thread for one window. What only reading the pictures takes is no part of its seconds. Where the
 /// stream has one I picture more than GOPs of `gop` pictures ask for, what that costs more than a P picture does not
 /// count, in ffmpeg's favour.

@@ -27,33 +27,6 @@ double difference(double loss) {
     return std::isfinite(loss) ? loss : 0;
 }
 
-/// Seconds on the clock for one of CPU: over all rows, so that a machine that is busy for a while favours none.
-double pace_of(const Sweep& sweep) {
-    double clock = 0, cpu = 0;
-    const auto add = [&](const Trial& trial) {
-        clock += trial.clock;
-        cpu += trial.cpu;
-    };
-    for (const Trial& trial : sweep.fixed) add(trial);
-    for (const CoupledPair& pair : sweep.pairs) add(pair.coupled);
-    return core::divide_or(clock, cpu, 1.0 / std::max(1, parallel::thread_count()));
-}
-
-FilmCost cost_of(const std::string& name, const Trial& trial, const Trial& best, const RenderJob& film, double once,
-                 double pace) {
-    const auto frames = static_cast<double>(film.frame_count());
-    FilmCost cost{name, once + pace * trial.cpu * frames, trial.bytes_in_film() * frames, {}, 0, false};
-    const double added = trial.masked_error - best.masked_error;
-    if (added > 0) cost.added = perceptual::psnr(added);
-    cost.psnr_loss = std::max(0.0, difference(best.decoded.psnr_y() - trial.decoded.psnr_y()));
-    return cost;
-}
-
-/// Seconds on the clock of a frame that every light point lights: as the most exact row, but for its light.
-double reference_clock(const Sweep& sweep, const Trial& best, double pace) {
-    return pace * std::max(best.cpu, best.cpu + sweep.reference_seconds - best.window_seconds);
-}
-
 /// The row that is lit as the film was asked for, or nearly so.
 const Trial& as_asked(const Sweep& sweep, const RenderJob& film) {
     if (film.tolerance.coupled)
@@ -65,11 +38,29 @@ const Trial& as_asked(const Sweep& sweep, const RenderJob& film) {
     });
 }
 
-/// By how much the film's size, where it is known, differs from what the sample comes to.
-double size_ratio(const Sweep& sweep, const RenderJob& film) {
-    if (!sweep.asked || sweep.asked->bytes <= 0) return 1;
-    return core::divide_or(sweep.asked->bytes,
-                           as_asked(sweep, film).bytes_in_film() * static_cast<double>(film.frame_count()), 1.0);
+/// The film as it was asked for.
+struct Base {
+    double cpu = 0, bytes = 0;  ///< of the film, for one of the sample's frame
+    double pace = 0;            ///< seconds on the clock for one of CPU
+};
+
+Base base_of(const Sweep& sweep, const RenderJob& film) {
+    const Trial& asked = as_asked(sweep, film);
+    const auto frames = static_cast<double>(film.frame_count());
+    if (!sweep.forecast) {
+        // Over all rows, so that a machine that is busy for a while favours none.
+        double clock = 0, cpu = 0;
+        for (const Trial& trial : sweep.fixed) clock += trial.clock, cpu += trial.cpu;
+        return {frames, frames, core::divide_or(clock, cpu, 1.0)};
+    }
+    const Forecast& f = *sweep.forecast;
+    return {core::divide_or(f.cpu, asked.cpu, frames), core::divide_or(f.bytes, asked.bytes_in_film(), frames),
+            core::divide_or(f.clock, f.cpu, 1.0)};
+}
+
+/// CPU seconds of a frame that every light point lights: as the most exact row, but for its light.
+double reference_cpu(const Sweep& sweep, const Trial& best) {
+    return std::max(best.cpu, best.cpu + sweep.reference_seconds - best.window_seconds);
 }
 
 }  // namespace
@@ -89,103 +80,70 @@ std::vector<FilmCost> film_costs(const Sweep& sweep, const RenderJob& film) {
     std::vector<FilmCost> costs;
     if (sweep.fixed.empty()) return costs;
     const Trial& best = sweep.fixed.back();
-    const double once = sweep.once, pace = pace_of(sweep);
+    const Base base = base_of(sweep, film);
+    const auto add = [&](const char* option, const std::string& value, const Trial& trial, double frame) {
+        const double added = trial.masked_error - best.masked_error;
+        costs.push_back({option, value, base.pace * base.cpu * frame, base.cpu * frame,
+                         base.bytes * trial.bytes_in_film(),
+                         added > 0 ? std::optional(perceptual::psnr(added)) : std::nullopt,
+                         std::max(0.0, difference(best.decoded.psnr_y() - trial.decoded.psnr_y()))});
+    };
     for (const Trial& trial : sweep.fixed)
-        costs.push_back(
-            cost_of(fmt::format("fixed={:.4g}%", 100 * trial.tolerance.relative), trial, best, film, once, pace));
+        add("--tolerance", fmt::format("fixed={:.4g}%", 100 * trial.tolerance.relative), trial, trial.cpu);
     for (const CoupledPair& pair : sweep.pairs)
-        if (pair.coupled.quantiser == film.coding.quantiser) {
-            Trial coupled = pair.coupled;
-            if (sweep.asked && film.tolerance.coupled) coupled.cpu = std::max(coupled.cpu, sweep.asked->later);
-            costs.push_back(cost_of("coupled", coupled, best, film, once, pace));
-        }
+        if (pair.coupled.quantiser == film.coding.quantiser)
+            add("--tolerance", "coupled", pair.coupled, pair.coupled.cpu);
+    for (const auto& [name, trial] : sweep.efforts) add("--effort", name, trial, trial.cpu);
     if (sweep.references > 0) {
-        FilmCost reference{"reference", 0, best.bytes_in_film() * static_cast<double>(film.frame_count()), {}, 0, true};
-        reference.clock = once + reference_clock(sweep, best, pace) * static_cast<double>(film.frame_count());
-        costs.push_back(reference);
+        add("--tolerance", "reference", best, reference_cpu(sweep, best));
+        costs.back().added.reset();
+        costs.back().psnr_loss = 0;
     }
-    const double ratio = size_ratio(sweep, film);
-    for (FilmCost& cost : costs) cost.bytes *= ratio;
-    std::stable_sort(costs.begin(), costs.end(),
-                     [](const FilmCost& a, const FilmCost& b) { return a.clock < b.clock; });
+    std::stable_sort(costs.begin(), costs.end(), [](const FilmCost& a, const FilmCost& b) { return a.cpu < b.cpu; });
     return costs;
 }
 
-std::optional<FilmCost> draft_cost(const Sweep& sweep, const RenderJob& film) {
-    if (!sweep.draft || sweep.fixed.empty()) return {};
-    FilmCost cost = cost_of("draft", *sweep.draft, sweep.fixed.back(), film, sweep.once, pace_of(sweep));
-    cost.bytes *= size_ratio(sweep, film);
-    return cost;
-}
-
-bool is_free(const std::vector<FilmCost>& costs) {
-    if (costs.size() < 2) return false;
-    return costs.back().clock <= 1.1 * costs.front().clock;
-}
-
-bool buys_nothing(const std::vector<FilmCost>& costs) {
-    return std::all_of(costs.begin(), costs.end(), [](const FilmCost& c) { return c.psnr_loss < 0.5; });
-}
-
 std::optional<std::size_t> recommended(const std::vector<FilmCost>& costs) {
-    if (costs.empty()) return {};
-    if (is_free(costs)) {
-        for (std::size_t i = 0; i < costs.size(); ++i)
-            if (costs[i].is_reference) return i;
-        return costs.size() - 1;
-    }
-    for (std::size_t i = 0; i < costs.size(); ++i)
-        if (!costs[i].added || *costs[i].added >= invisible) return i;
-    return costs.size() - 1;
+    std::vector<Offer> offers;
+    for (const FilmCost& cost : costs) offers.push_back({cost.cpu, !cost.added || *cost.added >= invisible});
+    return cheapest_alike(offers);
 }
 
 std::string answer_of(const std::vector<FilmCost>& costs, const RenderJob& film) {
     const std::optional<std::size_t> taken = recommended(costs);
     if (!taken) return {};
-    const FilmCost &here = costs[*taken], &slowest = costs.back();
-    const std::string frames = fmt::format("Your film of {} frames", film.frame_count());
-    if (is_free(costs))
-        return fmt::format("Accuracy is free here: {} takes about {} with {} as with any other setting.", frames,
-                           clock_text(here.clock), here.name);
-    std::string text = fmt::format("{} takes about {} with {}; the difference from the most exact light: {}.", frames,
-                                   clock_text(here.clock), here.name, words_for(here.added));
-    if (slowest.clock > here.clock)
-        text +=
-            fmt::format(" Finer settings take up to {} and buy {:.2f} dB.", clock_text(slowest.clock), here.psnr_loss);
-    else if (buys_nothing(costs))
-        text += fmt::format(" No setting is worth more than {:.2f} dB here.",
-                            std::max_element(costs.begin(), costs.end(), [](const FilmCost& a, const FilmCost& b) {
-                                return a.psnr_loss < b.psnr_loss;
-                            })->psnr_loss);
-    return text;
+    const FilmCost& here = costs[*taken];
+    return fmt::format(
+        "Take {}: your film of {} frames takes about {} and has about {}; the difference from exact light: {}.",
+        here.name(), film.frame_count(), time_text(here.clock, here.cpu), size_text(here.bytes), words_for(here.added));
 }
 
-std::string film_cost_table(const std::vector<FilmCost>& costs, const std::optional<FilmCost>& draft) {
+std::string film_cost_table(const std::vector<FilmCost>& costs) {
     const std::optional<std::size_t> taken = recommended(costs);
-    const auto line = [](const FilmCost& cost, const char* mark) {
-        return fmt::format("{:<14} {:>9} {:>10}  {}{}{}\n", cost.name, clock_text(cost.clock), size_text(cost.bytes),
-                           words_for(cost.added), loss_text(cost).empty() ? "" : " (" + loss_text(cost) + ")", mark);
-    };
     std::string text =
-        fmt::format("\nThe whole film on this machine's {} threads\n{:<14} {:>9} {:>10}  {}\n",
-                    parallel::thread_count(), "--tolerance", "time", "size", "difference from the most exact light");
-    if (draft) text += line(*draft, "");
-    for (std::size_t i = 0; i < costs.size(); ++i) text += line(costs[i], taken == i ? "  <- take this" : "");
+        fmt::format("\nThe whole film on this machine's {} threads\n{:<14} {:>7} {:>7} {:>9}  {}\n",
+                    parallel::thread_count(), "setting", "clock", "CPU, s", "size", "difference from exact light");
+    for (std::size_t i = 0; i < costs.size(); ++i) {
+        const FilmCost& cost = costs[i];
+        const std::string loss = loss_text(cost);
+        text += fmt::format("{:<14} {:>7} {:>7.0f} {:>9}  {}{}{}\n", cost.name(), clock_text(cost.clock), cost.cpu,
+                            size_text(cost.bytes), words_for(cost.added), loss.empty() ? "" : " (" + loss + ")",
+                            taken == i ? " <- take" : "");
+    }
     return text;
 }
 
-std::vector<AnswerRow> answer_rows(const std::vector<FilmCost>& costs, const std::optional<FilmCost>& draft) {
+std::vector<AnswerRow> answer_rows(const std::vector<FilmCost>& costs) {
     const std::optional<std::size_t> taken = recommended(costs);
     std::vector<AnswerRow> rows;
-    double longest = draft ? draft->clock : 0.0;
-    for (const FilmCost& c : costs) longest = std::max(longest, c.clock);
-    const auto add = [&](const FilmCost& c, const std::string& name, bool is_taken) {
-        rows.push_back({name, core::divide_or(c.clock, longest, 0.0), clock_text(c.clock), words_for(c.added),
-                        grade_of(c.added), loss_text(c), size_text(c.bytes), is_taken});
-    };
-    if (draft && !costs.empty()) add(*draft, "draft (--preview)", false);
-    for (std::size_t i = 0; i < costs.size(); ++i)
-        add(costs[i], costs[i].is_reference ? "reference (exact)" : costs[i].name, taken == i);
+    double longest = 0;
+    for (const FilmCost& c : costs) longest = std::max(longest, c.cpu);
+    for (std::size_t i = 0; i < costs.size(); ++i) {
+        const FilmCost& c = costs[i];
+        rows.push_back({c.value == "reference" ? "reference (exact)" : c.name(), core::divide_or(c.cpu, longest, 0.0),
+                        time_text(c.clock, c.cpu), words_for(c.added), grade_of(c.added), loss_text(c),
+                        size_text(c.bytes), taken == i});
+    }
     return rows;
 }
 

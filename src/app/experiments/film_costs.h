@@ -11,12 +11,14 @@ namespace render2mpeg::app {
 
 /// One setting for the whole film.
 struct FilmCost {
-    std::string name;             ///< "fixed=2%", as --tolerance takes it
+    std::string option, value;    ///< of `render`: "--tolerance", "fixed=2%"
     double clock = 0;             ///< seconds on this machine, as busy as it was
+    double cpu = 0;               ///< seconds of all threads
     double bytes = 0;             ///< of the film's pictures
     std::optional<double> added;  ///< dB of PSNR-HVS-M of what is added to the most exact row's error; none: nothing
     double psnr_loss = 0;         ///< dB of PSNR-Y below the most exact row; 0 where that is not known
-    bool is_reference = false;    ///< every light point
+
+    std::string name() const { return option == "--effort" ? "effort " + value : value; }
 };
 
 /// How an error that light adds looks, by its PSNR-HVS-M (perceptual/hvs.h): below some 42 dB it is seen
@@ -24,28 +26,19 @@ struct FilmCost {
 std::string words_for(const std::optional<double>& added);
 Grade grade_of(const std::optional<double>& added);
 
-/// All rows, from the fastest: fixed tolerances, coupled to the film's own quantiser where that was tried, and every
-/// light point. Samples of single frames are all I pictures, and none of them is looked at closer (look_closer.h), so
-/// that sizes, and the time of coupled light, follow the film as asked for where that is known.
+/// All rows, from the cheapest: fixed tolerances, coupled to the film's own quantiser where that was tried, efforts,
+/// and every light point. The film as it was asked for has the time and the size of its forecast, where there is one,
+/// and other rows have them in proportion.
 std::vector<FilmCost> film_costs(const Sweep& sweep, const RenderJob& film);
 
-/// A draft of the film (--preview), in the same size; none where it was not tried. It loads what the film does, and its
-/// size follows the film as asked for likewise.
-std::optional<FilmCost> draft_cost(const Sweep& sweep, const RenderJob& film);
-
-/// Whether accuracy costs nothing: no row takes a tenth longer than the fastest; or buys nothing: all lie within half a
-/// decibel of PSNR-Y.
-bool is_free(const std::vector<FilmCost>& costs);
-bool buys_nothing(const std::vector<FilmCost>& costs);
-
-/// The row to take: the fastest without a difference that one sees; where accuracy is free, the most exact.
+/// The row to take (cheapest_alike).
 std::optional<std::size_t> recommended(const std::vector<FilmCost>& costs);
 
-/// The answer in two sentences; empty where there is no row.
+/// The answer in one sentence; empty where there is no row.
 std::string answer_of(const std::vector<FilmCost>& costs, const RenderJob& film);
 
-/// The rows as lines of a terminal, the draft first.
-std::string film_cost_table(const std::vector<FilmCost>& costs, const std::optional<FilmCost>& draft);
-std::vector<AnswerRow> answer_rows(const std::vector<FilmCost>& costs, const std::optional<FilmCost>& draft);
+/// The rows as lines of a terminal.
+std::string film_cost_table(const std::vector<FilmCost>& costs);
+std::vector<AnswerRow> answer_rows(const std::vector<FilmCost>& costs);
 
 }  // namespace render2mpeg::app

@@ -8,6 +8,7 @@
 
 #include "app/experiments/effect_costs.h"
 #include "app/experiments/trial.h"
+#include "app/loop/forecast.h"
 
 namespace render2mpeg::app {
 
@@ -22,12 +23,6 @@ struct CoupledPair {
     double ssim_loss() const { return fixed.decoded.ssim_y() - coupled.decoded.ssim_y(); }
 };
 
-/// What is known of the film as it was asked for, by frames in a row (app/loop/estimate.h).
-struct AskedFilm {
-    double later = 0;  ///< CPU seconds of a frame that is no chunk's first
-    double bytes = 0;  ///< of the whole film; 0: not known
-};
-
 /// All that `cost` finds out.
 struct Sweep {
     std::vector<Chunk> windows;
@@ -36,20 +31,12 @@ struct Sweep {
     std::size_t direct_points = 0, indirect_points = 0;
     std::vector<Trial> fixed;  ///< from loose to tight
     std::vector<CoupledPair> pairs;
-    std::optional<Trial> draft;
-    double once = 0;  ///< seconds on the clock that a run takes beside its frames
-    std::optional<AskedFilm> asked;
+    std::vector<std::pair<std::string, Trial>> efforts;  ///< by name (app/options/effort.h)
+    std::optional<Forecast> forecast;                    ///< of the film as it was asked for
     EffectCosts effects;
     std::string render;     ///< the command for the row to take; empty: none is known
     bool complete = false;  ///< false: interrupted
 };
-
-/// The fixed tolerance after which more time buys least of the decoded film's PSNR-Y (knee.h); none where that is
-/// nowhere in particular.
-std::optional<std::size_t> knee_of(const Sweep& sweep);
-
-/// What to take from it, in two or three sentences; empty where nothing was finished.
-std::string sentence_of(const Sweep& sweep, int quantiser);
 
 /// "0.25 %"
 std::string tolerance_text(float share);

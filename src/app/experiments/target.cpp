@@ -36,8 +36,9 @@ std::string figure_text(Target::Kind kind, double value) {
 }
 
 std::string target_text(const Target& target) {
-    if (target.kind == Target::Kind::psnr) return fmt::format("{:g} dB PSNR-Y", target.value);
-    if (target.kind == Target::Kind::ssim) return fmt::format("{:g} SSIM", target.value);
+    const char* whose = target.worst_tenth ? " of the worst tenth" : "";
+    if (target.kind == Target::Kind::psnr) return fmt::format("{:g} dB PSNR-Y{}", target.value, whose);
+    if (target.kind == Target::Kind::ssim) return fmt::format("{:g} SSIM{}", target.value, whose);
     return figure_text(target.kind, target.value);
 }
 

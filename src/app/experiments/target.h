@@ -18,6 +18,7 @@ struct Target {
     };
     Kind kind = Kind::psnr;
     double value = 0;
+    bool worst_tenth = false;  ///< of the pictures: theirs is the quality that is meant
 
     bool is_quality() const { return kind == Kind::psnr || kind == Kind::ssim; }
     bool is_rate() const { return kind == Kind::bitrate || kind == Kind::size; }

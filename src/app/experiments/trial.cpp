@@ -287,11 +287,10 @@ std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, const Coarse
                           statistics.pass_seconds[static_cast<std::size_t>(renderer::Pass::motion)]) /
                          trial.frames;
     if (keep != nullptr) keep->light = trial;
-    return trial;
+    return pooled(std::move(trial));
 }
 
-std::optional<Trial> Trials::draft(const std::function<bool()>& frame_done) const {
-    RenderJob film = draft_of(film_);
+std::optional<Trial> Trials::run_other(RenderJob film, const std::function<bool()>& frame_done) const {
     Trial trial;
     trial.tolerance = film.tolerance;
     set_coarseness(trial, film.coding.quantiser);
@@ -382,7 +381,7 @@ Trial Trials::coded_by(const Codec& codec, const LitWindows& lit, const Coarsene
     trial.bytes /= trial.frames;
     trial.surplus = starts.surplus(film_, windows_, trial.bytes);
     trial.code_seconds /= trial.frames;
-    return trial;
+    return pooled(std::move(trial));
 }
 
 double Trials::reference_seconds() const {

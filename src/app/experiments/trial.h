@@ -121,12 +121,14 @@ class Trials {
     /// 0: none, and no error is known.
     Trials(const RenderJob& film, std::vector<Chunk> windows, int references = 1);
 
-    /// The windows as drafts (--preview), beside the truths that are known; of its costs `cpu`, `clock`, `bytes` and
-    /// `surplus` are told. `frame_done` as in run(); none: it ended it.
-    std::optional<Trial> draft(const std::function<bool()>& frame_done) const;
+    /// The windows of another film of the same scene and size, such as a draft, beside the truths that are known; of
+    /// its costs `cpu`, `clock`, `bytes` and `surplus` are told. `frame_done` as in run(); none: it ended it.
+    std::optional<Trial> run_other(RenderJob film, const std::function<bool()>& frame_done) const;
 
     /// From now on masked errors are told of all frames, which takes its time (Trial::shown_masked).
     void mask_all() { masks_all_ = true; }
+    /// From now on Trial::shown is that of the worst tenth of the frames.
+    void judge_worst_tenth() { worst_tenth_ = true; }
     /// From now on references are taken from there where they are, and kept there.
     void keep_references_in(const ReferenceCache& cache) { cache_ = cache; }
 
@@ -174,6 +176,11 @@ class Trials {
 
     /// Notes what a window's light takes before anything is gathered.
     void measure_start(const Chunk& window);
+    /// With the quality of those pictures that are judged.
+    Trial pooled(Trial trial) const {
+        if (worst_tenth_) trial.shown = trial.shown.worst_tenth();
+        return trial;
+    }
     /// Windows' frames over those of the chunks that the film would be rendered in.
     double share_of_chunk() const;
 
@@ -194,7 +201,7 @@ class Trials {
     double next_light_seconds_ = 0;   ///< and of the frames beside them: next to nothing where light stands still
     int references_ = 1;              ///< of each window
     ReferenceCache cache_;
-    bool masks_all_ = false;
+    bool masks_all_ = false, worst_tenth_ = false;
     RunStatistics shown_statistics_;
     std::unique_ptr<ShownLight> shown_;  ///< of references; made with the first
 };

@@ -27,14 +27,17 @@ void require_trial_consent(const TrialOptions& options) {
 }
 
 std::string render_command(const std::vector<std::string>& words, const std::filesystem::path& input,
-                           const std::string& tolerance) {
-    std::vector<std::pair<std::string, std::string>> with;
-    if (!tolerance.empty()) with.emplace_back("--tolerance", tolerance);
-    with.emplace_back("-o", std::filesystem::absolute(input).lexically_normal().stem().string() + ".mpg");
-    return line_of(changed_command(words, "render",
-                                   {"--sample", "--within", "--tolerances", "--quantisers", "--json", "--report",
-                                    "--keep-references", "--references", "--runs", "--film", "--reference"},
-                                   {"--quiet", "-y"}, with));
+                           std::vector<std::pair<std::string, std::string>> with) {
+    std::vector<std::string> without{"--sample", "--within", "--tolerances",      "--quantisers",
+                                     "--json",   "--report", "--keep-references", "--references",
+                                     "--runs",   "--film",   "--reference"};
+    for (const auto& [name, value] : with) {
+        without.push_back(name);
+        if (name == "--quantiser") without.emplace_back("-q");
+    }
+    if (std::none_of(with.begin(), with.end(), [](const auto& option) { return option.first == "-o"; }))
+        with.emplace_back("-o", std::filesystem::absolute(input).lexically_normal().stem().string() + ".mpg");
+    return line_of(changed_command(words, "render", without, {"--quiet", "-y"}, with));
 }
 
 void check_trial_outputs(const RenderJob& film, const TrialOptions& options) {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/experiments/trial.h"
@@ -16,9 +17,10 @@ namespace render2mpeg::app {
 /// Refuses to replace a film or make a folder without a word (require_consent).
 void require_trial_consent(const TrialOptions& options);
 
-/// The command that renders the film which `words` try, with the tolerance if any.
+/// The command that renders the film which `words` try, with these options in place of theirs; without one, `-o` names
+/// the film after the scene.
 std::string render_command(const std::vector<std::string>& words, const std::filesystem::path& input,
-                           const std::string& tolerance);
+                           std::vector<std::pair<std::string, std::string>> with);
 
 /// Refuses outputs that would take the place of other files, and such as cannot be written.
 void check_trial_outputs(const RenderJob& film, const TrialOptions& options);

@@ -33,13 +33,15 @@ namespace {
 using Kind = Target::Kind;
 
 /// Options that `render` has not, or that mean another file there.
-constexpr std::array tune_only{"--target-psnr", "--target-ssim", "--target-bitrate", "--max-size", "--max-time",
-                               "--sample",      "--references",  "--json",           "--report",   "--keep-references"};
+constexpr std::array tune_only{"--target-psnr", "--target-ssim", "--target-bitrate", "--max-size",
+                               "--max-time",    "--of",          "--sample",         "--references",
+                               "--json",        "--report",      "--keep-references"};
 
 Target target_of(const TuneOptions& o) {
     std::vector<Target> asked;
-    if (o.psnr) asked.push_back({Kind::psnr, *o.psnr});
-    if (o.ssim) asked.push_back({Kind::ssim, *o.ssim});
+    const bool worst = o.of == "worst-tenth";
+    if (o.psnr) asked.push_back({Kind::psnr, *o.psnr, worst});
+    if (o.ssim) asked.push_back({Kind::ssim, *o.ssim, worst});
     if (o.bitrate) asked.push_back({Kind::bitrate, static_cast<double>(bits_from(*o.bitrate, "target-bitrate"))});
     if (o.size) asked.push_back({Kind::size, size_in_bytes(*o.size)});
     if (o.time) asked.push_back({Kind::time, time_in_seconds(*o.time)});
@@ -130,6 +132,8 @@ Sample TuneCommand::sample_of(const RenderJob& film) const {
     // three times may not be more than an eighth of the film, so that tuning takes less than half its time.
     const auto eighth = static_cast<int>(std::clamp<std::int64_t>(film.frame_count() / 8, 4, 1000));
     constexpr int whole = 15;
+    // chosen: as many frames in windows of five, since the worst tenth is often one shot.
+    if (tuning_.target.worst_tenth) return {std::clamp(std::min(eighth, 2 * whole) / 5, 1, 6), 5};
     return eighth >= 2 * whole ? Sample{2, whole} : Sample{1, std::min(eighth, whole)};
 }
 
@@ -147,6 +151,7 @@ bool TuneCommand::search() {
     // Try the film: rates need no references.
     const Sample sample = sample_of(film);
     trials_.emplace(film, windows_of(film.frames, sample), options_.references.value_or(target.is_rate() ? 0 : 1));
+    if (target.worst_tenth) trials_->judge_worst_tenth();
     if (options_.kept_references) trials_->keep_references_in(ReferenceCache(*options_.kept_references));
     print_memory_note(trials_->bytes_held(target.kind != Kind::time), quiet());
     const double ready = clock_seconds();
@@ -222,8 +227,11 @@ void TuneCommand::look_at_film(const Rendered& rendered) {
     film.seconds = rendered.statistics.wall;
     film.bit_rate = core::divide_or(8 * static_cast<double>(rendered.statistics.rate_outcome().bytes) * hertz(),
                                     static_cast<double>(film.frames), 0.0);
-    film.psnr_y = rendered.statistics.psnr_y();
-    film.ssim_y = rendered.statistics.ssim_y();
+    perceptual::FilmQuality shown;
+    for (const FrameEntry& entry : rendered.statistics.frames) shown.add(entry.mse_y, entry.ssim_y);
+    if (tuning_.target.worst_tenth) shown = shown.worst_tenth();
+    film.psnr_y = shown.psnr_y();
+    film.ssim_y = shown.ssim_y();
 
     // Look at the same frames as in the sample, where what they should be is known.
     perceptual::FilmQuality decoded;
@@ -277,7 +285,7 @@ int tune(const TuneOptions& options, const std::vector<std::string>& words, cons
         command.write_reports();  // the search may have been dear; they are told of the film after it
         status = command.make(render_film);
         if (status != 0) return status;
-        if (!quiet) print_sentence(film_sentence(tuning, command.hertz()));
+        if (!quiet) print_sentence(film_sentence(tuning));
         status = film_is_near(tuning) ? 0 : 1;
         if (status != 0) print_error(target_text(tuning.target) + ": the film that was made missed it");
     }

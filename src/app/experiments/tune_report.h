@@ -16,9 +16,9 @@ std::string probe_row(const Tuning& tuning, const Probe& probe, double pictures_
 /// What was found, in a sentence or two; empty after an interruption.
 std::string sentence_of(const Tuning& tuning, double pictures_per_second);
 /// What became of the whole film beside its sample; empty where none was made.
-std::string film_sentence(const Tuning& tuning, double pictures_per_second);
-/// Whether the film that was made has the rate, size or time that was asked for; true where a quality was, which is
-/// one of the sample.
+std::string film_sentence(const Tuning& tuning);
+/// What the film that was made has of what was asked for, in the target's unit; and whether that is near enough.
+double film_value(const Tuning& tuning);
 bool film_is_near(const Tuning& tuning);
 
 /// Everything that `tune` found out (docs/choosing.md).

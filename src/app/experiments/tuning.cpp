@@ -8,6 +8,7 @@
 
 #include "app/experiments/quality_search.h"
 #include "app/experiments/trial_command.h"
+#include "app/report/answer.h"
 #include "app/system/interrupt.h"
 #include "perceptual/tolerance_fraction.h"
 
@@ -241,6 +242,8 @@ class TimeTuner {
   private:
     /// Whether the film would be done in time on that rung; none: interrupted.
     std::optional<bool> fits(std::size_t index);
+    /// Of those that are done in time by the rule of all pages (answer.h); else the fastest.
+    void choose();
 
     Trials& trials_;
     double once_;
@@ -248,6 +251,7 @@ class TimeTuner {
     Tuning& tuning_;
     const LogProbe& log_;
     std::vector<Rung> rungs_;
+    std::vector<std::size_t> rungs_of_;  ///< of the probes
     Coarseness coarseness_;
 };
 
@@ -265,33 +269,32 @@ std::optional<bool> TimeTuner::fits(std::size_t index) {
     tuning_.probes.push_back({rung.name, *trial, seconds, true});
     log_(tuning_.probes.back());
 
-    // Of those that are done in time, the best picture is taken.
-    const bool in_time = seconds <= tuning_.target.value;
-    const auto psnr = [&](std::size_t i) {
-        return quality_of(tuning_.probes[i].trial, tuning_.against_references()).psnr_y;
-    };
-    const std::size_t last = tuning_.probes.size() - 1;
-    const bool had_one = tuning_.chosen && tuning_.found == Found::near;
-    if (in_time ? !had_one || psnr(last) > psnr(*tuning_.chosen)
-                : !had_one && (!tuning_.chosen || seconds < tuning_.probes[*tuning_.chosen].value)) {
-        tuning_.chosen = last;
-        tuning_.options = rung.options;
-        tuning_.found = in_time ? Found::near : Found::stopped;
-    }
-    return in_time;
+    rungs_of_.push_back(index);
+    return seconds <= tuning_.target.value;
+}
+
+void TimeTuner::choose() {
+    const auto psnr = [&](const Probe& probe) { return quality_of(probe.trial, tuning_.against_references()).psnr_y; };
+    const auto in_time = [&](const Probe& probe) { return probe.value <= tuning_.target.value; };
+    double best = -1;
+    for (const Probe& probe : tuning_.probes)
+        if (in_time(probe)) best = std::max(best, psnr(probe));
+    std::vector<Offer> offers;
+    for (const Probe& probe : tuning_.probes)
+        offers.push_back({probe.value, best < 0 || (in_time(probe) && psnr(probe) >= best - near_psnr)});
+    tuning_.chosen = cheapest_alike(offers);
+    tuning_.options = rungs_[rungs_of_[*tuning_.chosen]].options;
+    tuning_.found = best < 0 ? Found::beyond : Found::near;
 }
 
 void TimeTuner::settle() {
     const auto stopped = [&] { tuning_.found = Found::stopped; };
     const std::optional<bool> whole = fits(0);
     if (!whole) return stopped();
-    if (*whole) return;
+    if (*whole) return choose();
     const std::optional<bool> least = rungs_.size() > 1 ? fits(rungs_.size() - 1) : std::optional(false);
     if (!least) return stopped();
-    if (!*least) {
-        tuning_.found = Found::beyond;
-        return;
-    }
+    if (!*least) return choose();
     std::size_t slow = 0, fast = rungs_.size() - 1;
     while (fast - slow > 1) {
         const std::size_t middle = (slow + fast) / 2;
@@ -299,6 +302,7 @@ void TimeTuner::settle() {
         if (!in_time) return stopped();
         (*in_time ? fast : slow) = middle;
     }
+    choose();
 }
 
 }  // namespace

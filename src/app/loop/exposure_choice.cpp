@@ -135,6 +135,8 @@ void tell_samples(RenderJob& film) {
 
 renderer::ExposureSamples exposure_samples(const RenderJob& film, int quantiser) {
     if (film.exposure_samples) return {*film.exposure_samples, *film.exposure_samples};
+    // chosen: a draft shows that something is blurred, and by how much (2 to 16).
+    if (film.preview) return {4, film.plan.runs(renderer::Pass::lens) ? 8 : 4};
     const double q = mpeg2_quantiser(film, quantiser);
     const int most = film.plan.runs(renderer::Pass::lens) ? samples_of_lens(q) : samples_of_shutter(q);
     // chosen: as many as sharp edges get (SeeSettings::edge_samples); with 4 they were rougher than those.

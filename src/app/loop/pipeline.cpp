@@ -12,6 +12,7 @@
 #include "app/loop/preview.h"
 #include "app/loop/shown_light.h"
 #include "app/loop/statistics_recorder.h"
+#include "parallel/loops.h"
 #include "perceptual/display.h"
 #include "scene/preparation/traits.h"
 
@@ -34,7 +35,6 @@ class ChunkLoop {
     renderer::Seen see(const scene::Snapshot& world);
     renderer::Seen complete(const scene::Snapshot& world, renderer::Seen seen, const core::ToleranceMap& tolerance,
                             int quantiser);
-    /// Takes as many samples of the shutter and of the lens as a picture of this quantiser shows.
     /// How the frame will be coded; nothing of it matters where it will not be.
     encoder::PicturePlan plan(const scene::Snapshot& world, Motion& motion);
     /// What the frame's light may be off by, before it is lit. Valid until the next frame.
@@ -110,6 +110,9 @@ void ChunkLoop::frame(std::int64_t n) {
         job_.preview ? draft(*world, seen, tolerance, motion) : shade(*world, tolerance, seen);
     const core::Radiance& shown = shown_.of(radiance, world->time);
     const core::Picture picture = develop(shown, n);
+
+    // A frame that is lit is kept, whatever stops.
+    const parallel::StopWhen never({});
     observers_.lit({*world, seen, tolerance, radiance, shown, picture, motion, before, renderer_.statistics()});
 
     // Code it with the renderer's own motion.
@@ -134,6 +137,7 @@ renderer::Seen ChunkLoop::complete(const scene::Snapshot& world, renderer::Seen 
 }
 
 encoder::PicturePlan ChunkLoop::plan(const scene::Snapshot& world, Motion& motion) {
+    const parallel::StopWhen never({});
     return coder_ ? coder_->plan(world.frame, world.cut_before, motion) : encoder::PicturePlan();
 }
 
@@ -204,15 +208,22 @@ void ChunkLoop::take(const std::vector<encoder::CodedPicture>& pictures) {
 }  // namespace
 
 bool render_chunk(const RenderJob& job, renderer::Renderer& renderer, const Chunk& chunk, LoopObserver& observer,
-                  RunStatistics& statistics, const std::function<bool()>& frame_done) {
+                  RunStatistics& statistics, const std::function<bool()>& frame_done,
+                  const std::function<bool()>& stops) {
     observer.begins(chunk);
-    ChunkLoop loop(job, renderer, chunk, observer, statistics);
+    std::optional<ChunkLoop> loop;
     bool whole = true;
-    for (std::int64_t n = chunk.first; n <= chunk.last && whole; ++n) {
-        loop.frame(n);
-        whole = frame_done() || n == chunk.last;
+    try {
+        const parallel::StopWhen stop(stops);
+        loop.emplace(job, renderer, chunk, observer, statistics);
+        for (std::int64_t n = chunk.first; n <= chunk.last && whole; ++n) {
+            loop->frame(n);
+            whole = frame_done() || n == chunk.last;
+        }
+    } catch (const parallel::Stopped&) {
+        whole = false;
     }
-    loop.finish();
+    if (loop) loop->finish();
     if (whole) observer.ends(chunk);
     return whole;
 }

@@ -14,6 +14,7 @@
 #include "app/options/preview_options.h"
 #include "app/options/rate_options.h"
 #include "app/options/usage_error.h"
+#include "app/options/wrong_file.h"
 #include "core/color.h"
 #include "core/error.h"
 #include "core/text.h"
@@ -21,6 +22,7 @@
 #include "encoder/codec.h"
 #include "parallel/loops.h"
 #include "perceptual/exposure.h"
+#include "perceptual/tolerance_fraction.h"
 #include "scene/load.h"
 #include "scene/preparation/framing.h"
 #include "scene/preparation/traits.h"
@@ -53,22 +55,6 @@ void check_settings(const encoder::Settings& coding) {
     } catch (const core::Error& error) {
         throw UsageError(error.what());
     }
-}
-
-/// Refuses a scene that is not there, with the name beside it that may have been meant.
-void check_there(const std::filesystem::path& input) {
-    std::error_code error;
-    if (std::filesystem::exists(input, error)) return;
-    const std::filesystem::path folder = input.has_parent_path() ? input.parent_path() : ".";
-    std::vector<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator(folder, error))
-        names.push_back(entry.path().filename().string());
-    std::sort(names.begin(), names.end());
-    const std::vector<std::string_view> views(names.begin(), names.end());
-    const std::string nearest = core::nearest_word(input.filename().string(), views);
-    throw core::Error("reading", input.string(),
-                      "there is no such file" +
-                          (nearest.empty() ? "" : "; did you mean " + (input.parent_path() / nearest).string() + "?"));
 }
 
 /// An animation file counts its shots and its range in frames of its own rate; another rate keeps their times.
@@ -110,8 +96,9 @@ int edge_samples_of(const RenderOptions& options, const RenderJob& film) {
 /// Eye samples of pixels with edges, and of those whose edges would show all the same.
 void settle_edges(RenderJob& film, const RenderOptions& options) {
     film.rendering.edge_samples = edge_samples_of(options, film);
-    const bool by_hand = options.edge_samples || film.rendering.edge_samples == 0;
-    film.rendering.most_samples = film.tolerance.coupled && !by_hand ? 256 : 0;
+    const bool by_hand = (options.edge_samples && !options.effort) || film.rendering.edge_samples == 0;
+    const int most = effort_from(film.preview ? "low" : options.effort.value_or("default")).most_samples;
+    film.rendering.most_samples = film.tolerance.coupled && !by_hand ? most : 0;
 }
 
 CouplingSettings coupling_settings(const RenderOptions& options, const ToleranceRequest& tolerance) {
@@ -252,8 +239,26 @@ renderer::Renderer renderer_of(const RenderJob& film) {
     return renderer::Renderer(*film.animation, film.rendering, film.plan);
 }
 
+void check_scene(const std::filesystem::path& input) {
+    std::error_code error;
+    if (std::filesystem::exists(input, error)) {
+        if (const std::string why = not_a_scene(input); !why.empty()) throw core::Error("reading", input.string(), why);
+        return;
+    }
+    const std::filesystem::path folder = input.has_parent_path() ? input.parent_path() : ".";
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, error))
+        names.push_back(entry.path().filename().string());
+    std::sort(names.begin(), names.end());
+    const std::vector<std::string_view> views(names.begin(), names.end());
+    const std::string nearest = core::nearest_word(input.filename().string(), views);
+    throw core::Error("reading", input.string(),
+                      "there is no such file" +
+                          (nearest.empty() ? "" : "; did you mean " + (input.parent_path() / nearest).string() + "?"));
+}
+
 RenderJob prepare(const RenderOptions& wanted) {
-    const RenderOptions options = wanted.preview ? preview_options(wanted) : wanted;
+    const RenderOptions asked = with_effort(wanted), options = asked.preview ? preview_options(asked) : asked;
     RenderJob film;
     film.preview = options.preview;
     film.kind = options.output.empty() ? OutputKind::film : kind_of(options.output);
@@ -265,13 +270,13 @@ RenderJob prepare(const RenderOptions& wanted) {
             options.output.string());
 
     // Read the scene.
-    check_there(options.input);
+    check_scene(options.input);
     auto loaded = std::make_shared<scene::Animation>(scene::load(
         options.input, {options.camera, options.animation, options.sky, options.variant, light_of(options.light)}));
     const Preset* preset = preset_of(options.coding);
     if (preset != nullptr) preset->check_output(options.output);
     Shape shape = settle_shape(wishes_of(options, *loaded), preset, film.kind == OutputKind::film);
-    if (film.preview && !options.size && preset == nullptr)
+    if (film.preview && !options.size && !options.effort && preset == nullptr)
         shape = settle_shape(half_of(wishes_of(options, *loaded), shape), preset, film.kind == OutputKind::film);
     film.rate = shape.rate;
     scene::fit_automatic_camera(*loaded,
@@ -337,6 +342,20 @@ RenderJob draft_of(const RenderJob& film) {
     draft.coding.rate_control.mode = encoder::RateMode::constant_quantiser;
     settle_preview(draft);
     return draft;
+}
+
+RenderJob at_effort(const RenderJob& film, const Effort& effort) {
+    RenderJob changed = film;
+    if (film.tolerance.coupled)
+        changed.tolerance.fraction =
+            effort.fraction * film.tolerance.fraction.value_or(perceptual::default_tolerance_fraction);
+    else
+        changed.tolerance.relative = effort.fixed;
+    changed.coupling.fraction = changed.tolerance.fraction;
+    changed.rendering.samples = effort.samples;
+    if (effort.edge_samples > 0) changed.rendering.edge_samples = effort.edge_samples;
+    changed.rendering.most_samples = std::min(film.rendering.most_samples, effort.most_samples);
+    return changed;
 }
 
 float measure_exposure(const RenderJob& film) {

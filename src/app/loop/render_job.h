@@ -8,6 +8,7 @@
 #include "app/loop/cache_choice.h"
 #include "app/loop/coupling.h"
 #include "app/options/chunk.h"
+#include "app/options/effort.h"
 #include "app/options/film.h"
 #include "app/options/options.h"
 #include "app/options/output_kind.h"
@@ -78,8 +79,14 @@ RenderJob without(const RenderJob& film, renderer::Pass effect);
 /// The film as --preview makes it where no option says more (app/options/preview_options.h), in the same size.
 RenderJob draft_of(const RenderJob& film);
 
+/// The film as --effort makes it where no option says more (app/options/effort.h).
+RenderJob at_effort(const RenderJob& film, const Effort& effort);
+
 /// The film's renderer, its textures read.
 renderer::Renderer renderer_of(const RenderJob& film);
+
+/// Refuses what is no scene, or not there, with the name beside it that may have been meant. Throws core::Error.
+void check_scene(const std::filesystem::path& input);
 
 /// Loads the scene and settles every setting. Throws core::Error for all that cannot be rendered or coded.
 RenderJob prepare(const RenderOptions& options);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/system/error_histogram.h"
+#include "app/system/progress.h"
 #include "encoder/types.h"
 #include "renderer/renderer.h"
 
@@ -17,6 +18,10 @@ namespace render2mpeg::app {
 enum class Stage { load, first_pass, see, preview, tolerate, shade, develop, encode, count };
 inline constexpr std::array stage_names{"load",     "first_pass", "see",     "preview",
                                         "tolerate", "shade",      "develop", "encode"};
+
+/// What is being done, for who waits.
+inline constexpr std::array stage_words{"reading",  "first pass",      "looking",    "a rough look",
+                                        "weighing", "gathering light", "developing", "coding"};
 
 /// CPU seconds of this process so far, summed over threads.
 double cpu_seconds();
@@ -115,7 +120,9 @@ struct Rendered {
 /// Adds the CPU time of its scope to a stage, or to a row of the plan.
 class StageTimer {
   public:
-    StageTimer(RunStatistics& statistics, Stage stage) : sum_(statistics.seconds[static_cast<std::size_t>(stage)]) {}
+    StageTimer(RunStatistics& statistics, Stage stage) : sum_(statistics.seconds[static_cast<std::size_t>(stage)]) {
+        tell_activity(stage_words[static_cast<std::size_t>(stage)]);
+    }
     StageTimer(RunStatistics& statistics, renderer::Pass pass)
         : sum_(statistics.pass_seconds[static_cast<std::size_t>(pass)]) {}
     ~StageTimer() { sum_ += cpu_seconds() - start_; }
@@ -127,18 +134,19 @@ class StageTimer {
     double start_ = cpu_seconds();
 };
 
-/// Says in the entry that was opened last what CPU time its scope took.
+/// Says in the entry that its scope opened what CPU time that took.
 class FrameTimer {
   public:
-    explicit FrameTimer(RunStatistics& statistics) : statistics_(statistics) {}
+    explicit FrameTimer(RunStatistics& statistics) : statistics_(statistics), before_(statistics.frames.size()) {}
     ~FrameTimer() {
-        if (!statistics_.frames.empty()) statistics_.frames.back().seconds = cpu_seconds() - start_;
+        if (statistics_.frames.size() > before_) statistics_.frames.back().seconds = cpu_seconds() - start_;
     }
     FrameTimer(const FrameTimer&) = delete;
     FrameTimer& operator=(const FrameTimer&) = delete;
 
   private:
     RunStatistics& statistics_;
+    std::size_t before_;
     double start_ = cpu_seconds();
 };
 

@@ -180,7 +180,14 @@ std::string mistake_text(const CLI::App& command, const CLI::Error& error) {
     std::replace(text.begin(), text.end(), '\n', ' ');
     const std::string help = help_of(command.get_name());
     std::smatch found;
-    if (std::regex_match(text, found, required)) return missing_text(found.str(1), command.get_name()) + help;
+    if (std::regex_match(text, found, required)) {
+        // Two names where one is a film: its -o is missing.
+        const std::vector<std::string> left = command.remaining(true);
+        if (found.str(1) == "--output" && command.get_name() == "encode" && !left.empty())
+            return left.front() +
+                   ": frames go by one name with a number in it, e.g. frames.%04d.png, and the film by -o" + help;
+        return missing_text(found.str(1), command.get_name()) + help;
+    }
     if (std::regex_match(text, found, needs)) return found.str(1) + ": give " + found.str(2) + " too" + help;
     if (std::regex_match(text, found, excludes))
         return found.str(1) + " and " + found.str(2) + " contradict each other: give one" + help;
@@ -188,6 +195,12 @@ std::string mistake_text(const CLI::App& command, const CLI::Error& error) {
         const std::vector<std::string> left = command.remaining(true);
         std::string extra;
         for (const std::string& word : left) extra += (extra.empty() ? "" : " ") + word;
+        if (command.get_name() == "encode")
+            return extra + ": frames go by one name with a number in it, e.g. frames.%04d.png, and the film by -o" +
+                   help;
+        std::error_code error;
+        if (command.get_name() == "render" && left.size() == 1 && !std::filesystem::exists(extra, error))
+            return extra + ": a scene goes without an option, and the film by -o: -o " + extra + help;
         return extra + ": what is this for? Only one name goes without an option" + help;
     }
     if (std::regex_match(text, found, convert)) {

@@ -54,6 +54,13 @@ void add_product_options(CLI::App& command, RenderOptions& options) {
         ->group(run_group);
 }
 
+void add_effort_option(CLI::App& command, RenderOptions& options) {
+    add_option(command, "Light", "--effort", options.effort,
+               "All settings of light by one name: `draft`, as --preview but in the film's size, `low`, `default` or "
+               "`high`; other options win over it; `cost` tells what each takes and loses",
+               CLI::IsMember({"draft", "low", "default", "high"}));
+}
+
 void add_whole_run_options(CLI::App& command, RenderOptions& options) {
     add_flag(command, run_group, "--resume", options.resume,
              "Go on where a run of the same film was interrupted or killed, after its last whole chunk: the same "
@@ -100,6 +107,7 @@ CLI::App* add_render_command(CLI::App& app, RenderOptions& options) {
              "A draft of every frame, in minutes: half the size unless --size is given, rough light, coded fast; "
              "timing, framing, light and cuts are the film's (docs/pictures.md)");
     add_picture_options(*command, options);
+    add_effort_option(*command, options);
     add_light_options(*command, options);
     add_coding_options(*command, options.coding);
     add_sound_options(*command, options.coding);
@@ -137,6 +145,7 @@ CLI::App* add_plan_command(CLI::App& app, PlanOptions& options) {
     command->add_option("-o,--output", options.render.output, "Only its ending counts (default: a film)")
         ->type_name("OUT");
     add_picture_options(*command, options.render);
+    add_effort_option(*command, options.render);
     add_light_options(*command, options.render);
     add_coding_options(*command, options.render.coding);
     add_option(*command, run_group, "--audit", options.render.audit,
@@ -166,6 +175,7 @@ CLI::App* add_farm_command(CLI::App& app, FarmOptions& options) {
         ->required();
     add_spreading_options(*command, options);
     add_picture_options(*command, options.render);
+    add_effort_option(*command, options.render);
     add_light_options(*command, options.render);
     add_coding_options(*command, options.render.coding);
     add_sound_options(*command, options.render.coding);
@@ -173,8 +183,9 @@ CLI::App* add_farm_command(CLI::App& app, FarmOptions& options) {
     return command;
 }
 
-/// `help COMMAND` is `COMMAND --help`.
+/// `help COMMAND` is `COMMAND --help`, `version` --version.
 std::vector<std::string> without_help_command(std::vector<std::string> words) {
+    if (words.size() == 2 && words[1] == "version") return {words[0], "--version"};
     if (words.size() < 2 || words[1] != "help") return words;
     words.erase(words.begin() + 1);
     words.resize(std::min<std::size_t>(words.size(), 2));

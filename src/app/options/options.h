@@ -99,6 +99,7 @@ struct RenderOptions {
     std::optional<std::filesystem::path> layers;                ///< --aov
     std::vector<std::pair<std::string, std::string>> heatmaps;  ///< subject, file
     bool preview = false;                                       ///< a draft
+    std::optional<std::string> effort;                          ///< "draft", or a name of `efforts`
     std::string player;                                         ///< of `watch`; empty: whichever is at hand
     bool dry_run = false;
     bool quiet = false;
@@ -182,6 +183,7 @@ struct TuneOptions : TrialOptions {      ///< `output` may be empty in a dry run
     std::optional<std::string> size;     ///< as size_in_bytes reads it
     std::optional<std::string> time;     ///< as time_in_seconds reads it
     std::optional<std::string> sample;   ///< none: by the target
+    std::string of = "film";             ///< "film" or "worst-tenth": whose quality is meant
     std::optional<int> references;       ///< of every window; none: by the target
 };
 

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "app/options/usage_error.h"
+#include "app/options/wrong_file.h"
 #include "core/error.h"
 #include "core/text.h"
 #include "encoder/av/av.h"
@@ -45,6 +46,8 @@ OutputKind kind_of(const std::filesystem::path& output) {
                              "an image sequence needs one frame number in its name, e.g. frames.%04d" + ending);
         return ending == ".exr" ? OutputKind::exr : OutputKind::png;
     }
+    if (const std::string instead = instead_of(output); !instead.empty())
+        throw UsageError("writing", output.string(), instead);
     throw UsageError(
         "writing", output.string(),
         "the ending chooses what is written: .mpg, .vob, .ts, .m2v, .mkv, .mp4, .mov, .y4m, or images such as "

@@ -19,6 +19,9 @@ void add_targets(CLI::App& command, TuneOptions& options) {
                CLI::Range(1.0, 99.0));
     add_option(command, target, "--target-ssim", options.ssim, "Their SSIM, to 0.002 on the sample: finds --quality",
                "SSIM", CLI::Range(0.01, 0.9999));
+    add_option(command, target, "--of", options.of,
+               "Whose PSNR or SSIM that is: the whole film's, or that of its worst-tenth of pictures",
+               CLI::IsMember({"film", "worst-tenth"}), shown);
     add_option(command, target, "--target-bitrate", options.bitrate,
                "Bits per second of pictures, to 2 %: --bitrate in two passes, and what quality that is", "RATE",
                [](const std::string& text) { bits_from(text, "target-bitrate"); });
@@ -49,8 +52,7 @@ CLI::App* add_tune_command(CLI::App& app, TuneOptions& options) {
     CLI::App* command = app.add_subcommand("tune", "Find the setting that reaches a quality, rate, size or time");
     command->footer(
         "Tries a sample of the film, each try a row of a table, then renders the film and tells what became of it "
-        "(docs/choosing.md). Exit status 1 where the target is out of reach, or the film missed its rate, size or "
-        "time.\n"
+        "(docs/choosing.md). Exit status 1 where the target is out of reach, or the film missed it.\n"
         "Example: render2mpeg tune scene.glb --target-psnr 40 --dry-run");
     add_scene_options(*command, options.render);
     command->add_option("-o,--output", options.render.output, "Film to make; with --dry-run not needed")

@@ -15,6 +15,18 @@ bool is_one_file(const RenderJob& film) {
     return film.kind == OutputKind::film || film.kind == OutputKind::y4m;
 }
 
+void check_before_reading(const RenderOptions& options) {
+    const OutputKind kind = kind_of(options.output);
+    Wishes wishes;
+    if (kind == OutputKind::film || kind == OutputKind::y4m) wishes.films.emplace_back(options.output);
+    for (const auto& [subject, file] : options.heatmaps) wishes.films.emplace_back(file);
+    for (const Files& film : wishes.films) check_reachable(film.name);
+    for (const auto& file : {options.stats, options.report})
+        if (file) check_reachable(*file);
+    if (options.report) check_report(*options.report);
+    if (!options.dry_run && !options.resume) require_consent(wishes, options.overwrite);
+}
+
 void check_outputs(const RenderJob& film, const RenderOptions& options) {
     std::vector<Files> outputs{is_one_file(film) ? Files(options.output) : Files(options.output, film.frames),
                                options.stats.value_or("")};

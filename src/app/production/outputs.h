@@ -13,6 +13,10 @@ namespace render2mpeg::app {
 /// Whether the output is one file, which is made in a work folder.
 bool is_one_file(const RenderJob& film);
 
+/// Refuses what needs no scene to be refused: outputs that nobody can write, and films that are there already. To be
+/// called before a scene is read, which may take minutes. Throws core::Error or Refusal.
+void check_before_reading(const RenderOptions& options);
+
 /// Refuses outputs that would take the place of other files, or show what there is none of. Writes nothing. Throws
 /// core::Error.
 void check_outputs(const RenderJob& film, const RenderOptions& options);

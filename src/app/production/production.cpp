@@ -50,16 +50,18 @@ bool render_whole_chunks(const OpenRender& open) {
     std::vector<ChunkFile>& files = open.files;
     const std::vector<Chunk> chunks = film.chunks();
     if (files.size() == chunks.size()) return true;
-    renderer::Renderer renderer = renderer_of(film);
     const std::int64_t frames = chunks.back().last + 1 - chunks.front().first;
+    tell_activity("building");
     Progress progress(frames, options.quiet, "frame", Counted::frames, open.clock.seconds(statistics),
                       chunks.front().frames());
     if (!files.empty()) progress.advance_to(static_cast<std::int64_t>(statistics.frames.size()), frames);
+    renderer::Renderer renderer = renderer_of(film);
     std::optional<LayersWriter> layers;
     if (options.layers) layers.emplace(*options.layers, film, statistics);
     bool whole = true;
     while (files.size() < chunks.size()) {
         const Chunk& chunk = chunks[files.size()];
+        const std::size_t before = statistics.frames.size();
         files.push_back(open.work.open(chunk));
         const std::unique_ptr<Sink> sink = make_sink(film, frames_of(film, options, open.work, chunk));
         ChunkWriter coded(files.back());
@@ -77,6 +79,8 @@ bool render_whole_chunks(const OpenRender& open) {
         if (sink) sink->finish();
         if (!whole) {
             files.back().abandon();
+            // What was stopped before its first frame is nothing.
+            if (statistics.frames.size() == before) files.pop_back();
             break;
         }
         RunStatistics so_far = totals_of(statistics, renderer);
@@ -165,13 +169,14 @@ bool publish_all(const OpenRender& open, bool complete, RunFacts& facts, const s
     const bool quiet = open.options.quiet;
     ErrorCollector errors;
     bool published = false;
-    errors.attempt([&] {
-        const Published film_file = publish_frames(open, complete);
-        facts.bytes = film_file.bytes;
-        facts.output = film_file.name.string();
-        facts.complete = complete;
-        published = true;
-    });
+    if (!open.files.empty())
+        errors.attempt([&] {
+            const Published film_file = publish_frames(open, complete);
+            facts.bytes = film_file.bytes;
+            facts.output = film_file.name.string();
+            facts.complete = complete;
+            published = true;
+        });
     bool all_written = complete && open.heatmaps.finish() && published;
     errors.attempt([&] { open.heatmaps.rethrow(); });
     open.statistics.wall = open.clock.seconds(open.statistics);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "app/report/figures.h"
+#include "app/system/progress.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -22,6 +23,17 @@ std::string row_of(const AnswerRow& row) {
 }
 
 }  // namespace
+
+std::optional<std::size_t> cheapest_alike(std::span<const Offer> offers) {
+    std::optional<std::size_t> taken;
+    for (std::size_t i = 0; i < offers.size(); ++i)
+        if (offers[i].is_like_best && (!taken || offers[i].cost < offers[*taken].cost)) taken = i;
+    return taken;
+}
+
+std::string time_text(double clock, double cpu) {
+    return fmt::format("{}, {:.{}f} s of CPU", clock_text(clock), cpu, cpu < 10 ? 1 : 0);
+}
 
 std::string answer_table(const AnswerHeads& heads, const std::vector<AnswerRow>& rows, const std::string& note) {
     if (rows.empty()) return {};

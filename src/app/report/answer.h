@@ -1,5 +1,8 @@
 #pragma once
 // What pages say first: a table of choices with bars, a large picture, the command to paste; all else behind a fold.
+#include <cstddef>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -21,6 +24,18 @@ struct AnswerRow {
     std::string size;
     bool recommended = false;
 };
+
+/// One of several ways to the same film, as the rule of all pages sees it.
+struct Offer {
+    double cost = 0;            ///< of any unit, the same for all
+    bool is_like_best = false;  ///< nobody can tell it from the best
+};
+
+/// The row to take: the cheapest that nobody can tell from the best. None where there is none.
+std::optional<std::size_t> cheapest_alike(std::span<const Offer> offers);
+
+/// "0:16, 28 s of CPU": by the clock, and of all threads.
+std::string time_text(double clock, double cpu);
 
 /// Names of the columns.
 struct AnswerHeads {

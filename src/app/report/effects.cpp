@@ -73,7 +73,7 @@ std::vector<Effect> effects_of(const RenderJob& film, const RunStatistics& stati
         effects.push_back({"transparent shadows", layers, {}, {}, "about: what layers let through of light"});
     if (film.tolerance.coupled && film.kind == OutputKind::film)
         effects.push_back({"what the eye misses",
-                           statistics.stage_seconds(Stage::preview) + statistics.stage_seconds(Stage::tolerate),
+                           statistics.stage_seconds(Stage::tolerate),
                            {},
                            {},
                            "tolerances from the pictures before"});

@@ -28,15 +28,12 @@ json read_statistics(const std::filesystem::path& file) {
 }
 
 /// What sample frames cost, as the statistics of a render say it.
-json sample_statistics(const RenderJob& film, const RunStatistics& sample) {
+json sample_statistics(const RenderJob& film, const FrameSample& sample) {
     json passes = json::object();
     for (const renderer::PlanRow& row : film.plan.rows())
-        passes[row.name] = sample.pass_seconds[static_cast<std::size_t>(row.pass)];
+        passes[row.name] = sample.statistics.pass_seconds[static_cast<std::size_t>(row.pass)];
     return {{"passes", passes},
-            {"seconds",
-             {{"cpu", sample.total_seconds()},
-              {"preview", sample.stage_seconds(Stage::preview)},
-              {"tolerate", sample.stage_seconds(Stage::tolerate)}}}};
+            {"seconds", {{"cpu", sample.cpu}, {"tolerate", sample.statistics.stage_seconds(Stage::tolerate)}}}};
 }
 
 /// CPU seconds of a row; 0 where it has none of its own.
@@ -49,7 +46,9 @@ double seconds_of(const json& statistics, const std::string& row) {
     // The film's own passes are told by stage; the renderer knows nothing of them.
     const json &seconds = statistics.at("seconds"), audit = statistics.value("audit", json());
     if (row == "first pass") return number(seconds, "first_pass");
-    if (row == "load" || row == "preview" || row == "tolerate") return number(seconds, row);
+    // The rough look of a preview is part of the rows that light it.
+    if (row == "preview") return 0;
+    if (row == "load" || row == "tolerate") return number(seconds, row);
     if (row == "audit") return audit.is_object() ? number(audit, "seconds") : 0.0;
     return number(statistics.at("passes"), row);
 }
@@ -114,7 +113,7 @@ json plan_of(const RenderJob& film, const json& statistics) {
     return plan;
 }
 
-std::string plan_table(const RenderJob& film, const std::filesystem::path& file, const RunStatistics* sample) {
+std::string plan_table(const RenderJob& film, const std::filesystem::path& file, const FrameSample* sample) {
     const json statistics = !file.empty()       ? read_statistics(file)
                             : sample != nullptr ? sample_statistics(film, *sample)
                                                 : json();

@@ -15,8 +15,8 @@ static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_alw
 std::atomic<int> interrupts{0}, last_signal{SIGINT};
 std::atomic<bool> silent{false};
 
-// A frame may take minutes: say at once that the wish was heard.
-constexpr const char* heard = "\nfinishing the frame at hand; interrupt again to stop at once\n";
+// What is lit is coded first: say at once that the wish was heard.
+constexpr const char* heard = "\nstopping; interrupt again to stop at once\n";
 
 void on_signal(int signal) {
     const int interrupted_errno = errno;  // of the call that the signal came into

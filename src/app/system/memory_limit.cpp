@@ -30,7 +30,9 @@ std::uint64_t memory_from(const std::string& text) {
     // chosen: below 16 MiB no program starts; above an exbibyte no machine does.
     if (read == 2 && power != std::string_view::npos && number > 0) {
         for (std::size_t i = 0; i <= power; ++i) number *= 1024;
-        if (number >= 16.0 * 1024 * 1024 && number < 1e18) return static_cast<std::uint64_t>(number);
+        if (number < 16.0 * 1024 * 1024)
+            throw core::Error("memory " + text + ": no film is rendered in less than 16M; small ones take some 300M");
+        if (number < 1e18) return static_cast<std::uint64_t>(number);
     }
     throw core::Error("memory " + text + ": expected a size such as 8G, 1.5G or 900M");
 }

@@ -18,8 +18,9 @@ class Pace {
     /// So many frames were done before, in a time that tells nothing.
     void skip(std::int64_t frames) { done_ += frames; }
 
-    /// Seconds for the frames up to `total`; none while none but a chunk's first is known.
-    std::optional<double> left(std::int64_t total) const;
+    /// Seconds for the frames up to `total`, of which the frame at hand has taken `spent` already; above 0 as long as
+    /// there are any. None where nothing is known at all.
+    std::optional<double> left(std::int64_t total, double spent = 0) const;
     /// Frames per second, of those that are no chunk's first; 0: not known.
     double per_second() const;
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <utility>
@@ -14,6 +15,7 @@ namespace render2mpeg::app {
 namespace {
 
 ProgressStyle style = ProgressStyle::line;  ///< set once, before any work
+std::atomic<const char*> activity{""};
 
 std::string bar_text(double share, int cells) {
     const int full = static_cast<int>(std::lround(share * cells));
@@ -38,9 +40,12 @@ std::string progress_line(const Standing& s, int columns, bool with_bar) {
     const std::string count = fmt::format("{} {}/{}", core::printable(s.work), s.done, s.total);
     const std::string percent = fmt::format("  {:3.0f} %", 100 * share);
 
+    // Before the first frame is done, tell what is being done to it.
+    const std::string doing = s.done > 0 || *s.activity == '\0' ? "" : std::string("  ") + s.activity;
+
     // Leave out what tells least until it fits; a bar needs ten cells to say anything.
     constexpr int fewest_cells = 10, most_cells = 24;
-    for (const std::string& text : {count + percent + rate, count + percent, count}) {
+    for (const std::string& text : {count + percent + rate + doing, count + percent + doing, count + percent, count}) {
         const int left = columns - static_cast<int>(time.size() + 2 + text.size());
         if (left < 0) continue;
         const int cells = std::min(most_cells, left - 3);
@@ -56,8 +61,8 @@ std::string progress_json(const Standing& s) {
     const auto or_null = [](const std::optional<double>& seconds, double more) {
         return seconds ? fmt::format("{:.3f}", *seconds + more) : std::string("null");
     };
-    return fmt::format(R"({{"work":"{}","done":{},"total":{},"seconds":{:.3f},"left":{},"whole":{}}})", work, s.done,
-                       s.total, s.seconds, or_null(s.left, 0), or_null(s.left, s.seconds));
+    return fmt::format(R"({{"work":"{}","done":{},"total":{},"seconds":{:.3f},"left":{},"whole":{},"activity":"{}"}})",
+                       work, s.done, s.total, s.seconds, or_null(s.left, 0), or_null(s.left, s.seconds), s.activity);
 }
 
 ProgressStyle progress_style_from(const std::string& name) {
@@ -67,6 +72,10 @@ ProgressStyle progress_style_from(const std::string& name) {
                                         {"none", ProgressStyle::none}})
         if (name == known) return wanted;
     return ProgressStyle::line;
+}
+
+void tell_activity(const char* words) {
+    activity = words;
 }
 
 void show_progress_as(ProgressStyle wanted) {
@@ -79,7 +88,7 @@ bool shows_steps() {
 
 Progress::Progress(std::int64_t total, bool quiet, const std::string& work, Counted counted, double seconds_ago,
                    std::int64_t chunk)
-    : standing_{work, 0, total, 0, seconds_ago, counted != Counted::parts_of_step, {}},
+    : standing_{work, 0, total, 0, seconds_ago, counted != Counted::parts_of_step, {}, ""},
       pace_(chunk),
       quiet_(quiet || style == ProgressStyle::none),
       terminal_(style == ProgressStyle::line && can_rewrite_errors()),
@@ -116,10 +125,9 @@ void Progress::tick() {
 void Progress::reckon(Clock::time_point now) {
     const auto seconds = [](Clock::duration d) { return std::chrono::duration<double>(d).count(); };
     standing_.seconds = before_ + seconds(now - start_);
-    standing_.left = pace_.left(standing_.total);
+    standing_.left = pace_.left(standing_.total, seconds(now - advanced_at_));
     standing_.per_second = pace_.per_second();
-    // What the frame at hand has taken already is not to come.
-    if (standing_.left) standing_.left = std::max(0.0, *standing_.left - seconds(now - advanced_at_));
+    standing_.activity = standing_.frames ? activity.load() : "";
 }
 
 void Progress::advance() {

@@ -20,13 +20,15 @@ struct Standing {
     double seconds = 0;          ///< since the beginning
     bool frames = true;          ///< they are counted: their rate is told
     std::optional<double> left;  ///< seconds to go; none: not known
+    const char* activity = "";   ///< what is being done to the frame at hand; empty: nothing is told
 };
 
 /// One line about it, at most `columns` characters (at least 20): the time of the whole run and to go, then what fits
 /// of a bar, counts and rate.
 std::string progress_line(const Standing& standing, int columns, bool with_bar);
 
-/// The same as a JSON object on one line: `work`, `done`, `total`, `seconds`, and `left` and `whole` or null.
+/// The same as a JSON object on one line: `work`, `done`, `total`, `seconds`, `left` and `whole` or null, and
+/// `activity`.
 std::string progress_json(const Standing& standing);
 
 /// How runs of this process tell how far they are: as a line for people, a line a minute for logs, as JSON for
@@ -35,6 +37,9 @@ enum class ProgressStyle { line, minute, json, openjd, none };
 /// The style of that name, as --progress has it.
 ProgressStyle progress_style_from(const std::string& name);
 void show_progress_as(ProgressStyle style);
+
+/// What is being done to the frame at hand, for all lines from now on. `words` live as long as the program.
+void tell_activity(const char* words);
 
 /// Whether steps on the way are told, too: a log has their results alone.
 bool shows_steps();

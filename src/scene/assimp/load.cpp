@@ -452,6 +452,8 @@ Animation load_with_assimp(const fs::path& file, const LoadOptions& options, con
     const aiScene* scene = importer.ReadFile(file.string(), 0);
     // What it cannot allocate it tells by the exception's own name, which helps nobody.
     if (!scene && std::string_view(importer.GetErrorString()) == "std::bad_alloc") throw std::bad_alloc();
+    if (!scene && std::string_view(importer.GetErrorString()).starts_with("No suitable reader"))
+        refuse("it is no kind of scene that is known: .blend, .glb, .gltf, .fbx, .obj and what else Assimp reads");
     if (!scene) refuse(importer.GetErrorString());
     if (!scene->mRootNode || scene->mNumMeshes == 0) refuse("has no mesh");
     take_turns(Turn::ours);

@@ -105,8 +105,9 @@ class AnimationReader {
     bool is_first(TrackTarget what, int index, const std::string& name) {
         const auto [first, is_new] = moved_.emplace(std::pair(what, index), name);
         if (!is_new)
-            note_once(animation_, "animations " + in_quotes(first->second) + " and " + in_quotes(name) +
-                                      " move the same nodes; there the first is used");
+            for (const std::string& other : {first->second, name})
+                if (std::find(overlapping_.begin(), overlapping_.end(), other) == overlapping_.end())
+                    overlapping_.push_back(other);
         return is_new;
     }
 
@@ -207,6 +208,19 @@ class AnimationReader {
         animation_.tracks.push_back(std::move(track));
     }
 
+  public:
+    /// Says once which animations move the same nodes, and how to see another one.
+    void tell_overlaps() {
+        if (overlapping_.size() < 2) return;
+        std::string others;
+        for (std::size_t i = 1; i < overlapping_.size(); ++i)
+            others += (i == 1 ? "" : ", ") + in_quotes(overlapping_[i]);
+        note_once(animation_, std::to_string(overlapping_.size()) + " animations move the same nodes; " +
+                                  in_quotes(overlapping_.front()) +
+                                  " is used; --animation NAME takes another: " + others);
+    }
+
+  private:
     void add_track(TrackTarget what, int node, const Element& sampler, const std::string& name) {
         if (!is_first(what, node, name)) return;
         Track track;
@@ -241,6 +255,7 @@ class AnimationReader {
     const Carried& carried_;
     Animation& animation_;
     std::map<std::pair<TrackTarget, int>, std::string> moved_;
+    std::vector<std::string> overlapping_;  ///< animations that move what another one does, the first of all first
 };
 
 }  // namespace
@@ -259,6 +274,7 @@ void read_animations(const Document& document, const LoadOptions& options, const
         return;
     }
     for (std::size_t i = 0; i < elements.size(); ++i) reader.read(elements[i], names[i]);
+    reader.tell_overlaps();
 }
 
 }  // namespace render2mpeg::scene::gltf

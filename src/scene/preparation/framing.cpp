@@ -29,6 +29,11 @@ constexpr int headings = 8;
 constexpr double share_of_halls = 0.12, share_of_one_sided = 0.5;
 // chosen: 1.45 .. 1.8 choose alike (docs/measurements.md#pictures).
 constexpr double gain_within = 1.6;
+// chosen: cells of 216 rays that the emptiest heading sees in a room that is open above (30 to 80 choose alike).
+constexpr double least_of_rooms = 40;
+// chosen: a room is high and wide enough to stand in, in metres, and several things are in it; bowls are neither.
+constexpr double least_height = 1.8, least_width = 2.0;
+constexpr std::size_t least_things = 6;
 // Of the radius that the middle 98 % of the triangles span. chosen: between scenes with a backdrop and without
 // (docs/measurements.md#pictures); below 0.1 they are too few to span anything.
 constexpr double least_trimmed = 0.1, most_trimmed = 0.5;
@@ -75,8 +80,9 @@ struct Framing {
     double distance = 0;
     double elevation = 0;
     double start_yaw = 0;
-    double facing = 0;       ///< mean cells in view that face the eye
-    double turned_away = 0;  ///< mean cells in view that do not
+    double facing = 0;        ///< mean cells in view that face the eye
+    double turned_away = 0;   ///< mean cells in view that do not
+    double least_facing = 0;  ///< as `facing`, of the emptiest heading; of a turn alone
 
     double share_turned_away() const { return core::divide_or(turned_away, facing + turned_away, 0.0); }
 };
@@ -125,11 +131,12 @@ Framing judge_turn(const Animation& animation, const Extent& whole) {
             for (const double z : across) {
                 const glm::dvec3 eye = extent.low + glm::dvec3(x, y, z) * (extent.high - extent.low);
                 if (!grid.is_free(eye)) continue;
-                double facing = 0, detail = 0, best_heading = -1, best_yaw = 0;
+                double facing = 0, least = 1e9, detail = 0, best_heading = -1, best_yaw = 0;
                 for (int k = 0; k < headings; ++k) {
                     const SurfaceGrid::Seen seen = grid.seen_from(eye, axes_for(heading_of(k), 0));
                     facing += seen.front / static_cast<double>(headings);
                     detail += seen.detail;
+                    least = std::min(least, static_cast<double>(seen.front));
                     if (seen.detail <= best_heading) continue;
                     best_heading = seen.detail;
                     best_yaw = heading_of(k);
@@ -137,10 +144,17 @@ Framing judge_turn(const Animation& animation, const Extent& whole) {
                 if (detail <= most_detail) continue;
                 most_detail = detail;
                 best.facing = facing;
+                best.least_facing = least;
                 best.pivot = eye;
                 best.start_yaw = best_yaw;
             }
     return best;
+}
+
+bool may_be_room(const Animation& animation, const Extent& extent) {
+    const glm::dvec3 size = extent.high - extent.low;
+    return animation.objects.size() >= least_things && size.y >= least_height &&
+           std::min(size.x, size.z) >= least_width;
 }
 
 Framing choose_framing(const Animation& animation) {
@@ -149,7 +163,13 @@ Framing choose_framing(const Animation& animation) {
         return {View::orbit, extent ? extent->centre() : glm::dvec3(0), 3, orbit_elevation, 0, 0, 0};
     SurfaceGrid grid(animation, 0, *extent);
     const Framing orbit = judge_orbit(grid, *extent);
-    if (orbit.share_turned_away() < share_of_halls) return orbit;
+    if (orbit.share_turned_away() < share_of_halls) {
+        // Walls with outer sides hide a room that is open above: from within there is something all around.
+        if (!may_be_room(animation, *extent)) return orbit;
+        const Framing within = judge_turn(animation, *extent);
+        const bool is_room = within.least_facing >= least_of_rooms && within.facing > gain_within * orbit.facing;
+        return is_room ? within : orbit;
+    }
     if (orbit.share_turned_away() > share_of_one_sided) {
         const Framing front = judge_front(grid, *extent);
         if (front.share_turned_away() < share_of_open_side) return front;

@@ -1,8 +1,9 @@
-#include "app/loop/film_sample.h"
+#include "app/loop/forecast.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <set>
@@ -17,9 +18,7 @@
 namespace render2mpeg {
 namespace {
 
-using app::AbruptFrames;
 using app::Chunk;
-using app::FilmSample;
 using app::RenderJob;
 
 RenderJob small_film(const std::string& scene, const std::string& size = "32x32",
@@ -41,61 +40,62 @@ const RenderJob& flash_cut() {
     return film;
 }
 
-TEST(FilmSample, CountsFirstFramesOnceAndTheRestAsTheLastOnes) {
-    EXPECT_DOUBLE_EQ(app::chunk_seconds({8, 3, 1, 1}, 10), 8 + 3 + 8 * 1);
-    EXPECT_DOUBLE_EQ(app::chunk_seconds({8, 2}, 5), 8 + 4 * 2);
-    EXPECT_DOUBLE_EQ(app::chunk_seconds({8}, 2), 16);
-}
-
-TEST(FilmSample, KnowsCutsAndLightsThatComeAndGo) {
-    const AbruptFrames abrupt = app::abrupt_frames(flash_cut());
-    EXPECT_EQ(abrupt.cuts, (std::vector<std::int64_t>{36}));
-    EXPECT_EQ(abrupt.switches, (std::vector<std::int64_t>{12, 20, 21, 23, 30, 32, 54, 60, 62}))
-        << "but not the sign that fades";
-    EXPECT_TRUE(abrupt.contains(36));
-    EXPECT_FALSE(abrupt.contains(37));
-    EXPECT_EQ(app::abrupt_frames(small_film(support::plain_film())).count(), 0u);
-}
-
-TEST(FilmSample, HasAbruptFramesInItsWindows) {
-    const RenderJob& film = flash_cut();
-    const AbruptFrames abrupt = app::abrupt_frames(film);
-    for (const int count : {1, 2, 4})
-        for (const int length : {3, 5}) {
-            const std::vector<Chunk> windows = app::sample_windows(film, count, length, abrupt);
-            ASSERT_EQ(windows.size(), static_cast<std::size_t>(count));
-            for (const Chunk& window : windows) {
-                EXPECT_EQ(window.frames(), length);
-                bool has = false;
-                for (std::int64_t n = window.first + 1; n <= window.last; ++n) has = has || abrupt.contains(n);
-                EXPECT_TRUE(has) << window.first;
-                // Within its part of the film, or from the frame before it.
-                EXPECT_GE(window.first, 72 * window.index / count - 1);
-                EXPECT_LE(window.last, 72 * (window.index + 1) / count - 1);
-            }
-        }
-    const std::vector<Chunk> even = app::sample_windows(film, 2, 4, {});
-    EXPECT_EQ(even[0].first, 16);
-    EXPECT_EQ(even[1].first, 52);
-}
-
-TEST(FilmSample, TellsTheFilmByItsKindsOfFrames) {
-    RenderJob film = flash_cut();  // 72 frames, chunks of 60
+TEST(Forecast, CountsFramesByTheirKinds) {
+    RenderJob film = flash_cut();  // 72 frames, chunks of 60, a cut at 36
     film.coding.gop = 15;
-    const AbruptFrames abrupt = app::abrupt_frames(film);
-    FilmSample sample;
-    // A window over the switch at 12, and one over the cut.
-    sample.windows.push_back({11, {8, 3, 1, 1}, {0, 0, 0, 0}, {1000, 900, 100, 100}});
-    sample.windows.push_back({35, {8, 2, 1, 1}, {0, 0, 0, 0}, {1000, 1000, 100, 100}});
-    const app::SampledFilm whole = app::film_by(sample, film, film, abrupt);
-    // Two chunks' first frames, ten abrupt ones that take 1.5 s more, and the rest.
-    EXPECT_DOUBLE_EQ(whole.cpu, 2 * 8 + 70 * 1 + 10 * 1.5);
-    // Groups of 0 to 35, 36 to 59 and 60 to 71; nine switches.
+    app::FrameSample sample;
+    sample.first = {8, 1000};
+    sample.later = {1, 100};
+    const app::FrameCost whole = app::film_by(film, sample);
+    // Two chunks' first frames and the cut's; groups of 0 to 35, 36 to 59 and 60 to 71.
     const double groups = 3 + 2 + 1;
-    EXPECT_DOUBLE_EQ(whole.bytes, groups * 1000 + 9 * 900 + (72 - groups - 9) * 100);
-    EXPECT_DOUBLE_EQ(whole.first, 8);
-    EXPECT_DOUBLE_EQ(whole.later, 1);
-    EXPECT_DOUBLE_EQ(whole.apart, 0);
+    EXPECT_NEAR(whole.seconds, 3 * 8 + 69 * 0.93, 1e-9);
+    EXPECT_NEAR(whole.bytes, groups * 1000 + (72 - groups) * 110, 1e-9);
+    film.frames = {0, 5};
+    EXPECT_NEAR(app::film_by(film, sample).seconds, 8 + 5, 1e-9) << "it was lit whole";
+}
+
+TEST(Forecast, GrowsByItsPowers) {
+    app::FrameSample sample;
+    sample.first = {8, 1000};
+    sample.later = {1, 100};
+    const app::FrameSample grown = sample.grown(4, 0.5);
+    EXPECT_NEAR(grown.first.seconds, 16, 1e-9);
+    // 32 rows of macroblocks for 16, and detail by its power.
+    sample.size = {256, 256};
+    sample.later.bytes = 1000;
+    EXPECT_NEAR(sample.grown(4, 0.5).later.bytes, 16 + 8 * 32 + (1000 - 16 - 8 * 16) * std::pow(4, 0.8), 1e-9);
+}
+
+TEST(Forecast, TakesWindowsFromTheMiddlesOfEqualParts) {
+    const std::vector<Chunk> two = app::middle_windows(flash_cut(), 2, 4);
+    ASSERT_EQ(two.size(), 2u);
+    EXPECT_EQ(two[0].first, 16);
+    EXPECT_EQ(two[1].first, 52);
+    EXPECT_EQ(app::middle_windows(flash_cut(), 1, 100).front().frames(), 72) << "no more than the film has";
+    EXPECT_EQ(app::resized(small_film(support::plain_film(), "64x64"), 0.5).format.width, 32);
+}
+
+TEST(Forecast, OfAShortFilmIsWhatItTakes) {
+    RenderJob film = small_film(support::plain_film());
+    film.frames = {0, 5};
+    const auto found = app::forecast(film, "film.mpg", 60, true);
+    ASSERT_TRUE(found.has_value());
+    EXPECT_EQ(found->sample.frames, 6);
+    EXPECT_EQ(found->sample.size.width, 32);
+    // All of its frames were lit and coded.
+    double bytes = 0;
+    for (const app::FrameEntry& entry : found->sample.statistics.frames) bytes += static_cast<double>(entry.bytes);
+    EXPECT_NEAR(found->bytes, bytes * 1.009 + 1024 + 6 * 16, 0.15 * found->bytes);
+    EXPECT_GT(found->memory, std::uint64_t{1} << 20);
+    EXPECT_DOUBLE_EQ(found->disk, 2 * found->bytes);
+}
+
+TEST(Forecast, StopsInTheMidstOfAFrame) {
+    RenderJob film = small_film(support::plain_film(), "64x64");
+    app::LoopObserver nobody;
+    app::Progress progress(1, true);
+    EXPECT_FALSE(app::sample_frames(film, {{0, 0, 3}}, 0, nobody, progress).has_value()) << "its time was over";
 }
 
 TEST(GopStarts, CountAsOftenAsTheFilmHasThem) {
@@ -116,21 +116,11 @@ TEST(GopStarts, CountAsOftenAsTheFilmHasThem) {
     EXPECT_NEAR(starts.surplus(film, windows, 160), 0, 1e-9);
 }
 
-TEST(FilmSample, GrowsWithThePixelsButForItsLightPoints) {
-    const RenderJob large = small_film(support::plain_film(), "64x64"), small = app::resized(large, 0.5);
-    EXPECT_EQ(small.format.width, 32);
-    FilmSample sample;
-    sample.windows.push_back({0, {5, 3, 3}, {4, 2, 2}, {100, 10, 10}});
-    const app::SampledFilm whole = app::film_by(sample, large, small, {});
-    EXPECT_DOUBLE_EQ(whole.first, 4 + 4 * 1);
-    EXPECT_DOUBLE_EQ(whole.later, 2 + 4 * 1);
-}
-
 TEST(Effects, LeaveOutTheOnlyLightOfMovingThings) {
     // The same as a lamp that goes out: no photon starts, and none can be kept.
     const RenderJob film = small_film(support::plain_film());
     const app::EffectCosts costs =
-        app::effect_costs(film, {1, 2}, std::numeric_limits<double>::infinity(), true, [](const app::EffectCost&) {});
+        app::effect_costs(film, 2, std::numeric_limits<double>::infinity(), true, [](const app::EffectCost&, bool) {});
     const auto lamps = std::find_if(costs.rows.begin(), costs.rows.end(),
                                     [](const app::EffectCost& cost) { return cost.name == "lamps"; });
     ASSERT_NE(lamps, costs.rows.end());
@@ -160,7 +150,7 @@ TEST(Effects, AreTheRowsOfThePlanThatRun) {
 TEST(Effects, ChangeThePicturesThatTheyAreLeftOutOfSlow) {
     RenderJob film = small_film(support::film("cornell"), "16x16", "rays");
     const app::EffectCosts costs =
-        app::effect_costs(film, {1, 2}, std::numeric_limits<double>::infinity(), true, [](const app::EffectCost&) {});
+        app::effect_costs(film, 2, std::numeric_limits<double>::infinity(), true, [](const app::EffectCost&, bool) {});
     EXPECT_EQ(costs.left, 0);
     EXPECT_EQ(costs.frames, 2);
     EXPECT_EQ(costs.size.width, 16);
@@ -189,7 +179,7 @@ TEST(Effects, ChangeThePicturesThatTheyAreLeftOutOfSlow) {
 
 TEST(Effects, NoneIsBegunAfterItsTime) {
     const RenderJob film = small_film(support::plain_film());
-    const app::EffectCosts costs = app::effect_costs(film, {1, 2}, 0, true, [](const app::EffectCost&) {});
+    const app::EffectCosts costs = app::effect_costs(film, 2, 0, true, [](const app::EffectCost&, bool) {});
     EXPECT_TRUE(costs.rows.empty());
     EXPECT_EQ(costs.left, static_cast<int>(app::left_out_of(film).size()));
 }

@@ -1,0 +1,357 @@
+#include "app/loop/forecast.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/files/container_share.h"
+#include "app/loop/counters.h"
+#include "app/loop/memory_need.h"
+#include "app/loop/pipeline.h"
+#include "app/system/interrupt.h"
+#include "app/system/probes.h"
+#include "core/numeric.h"
+#include "core/text.h"
+#include "parallel/loops.h"
+#include "scene/preparation/traits.h"
+
+namespace render2mpeg::app {
+namespace {
+
+/// Frames of a window: a first picture, and P and B pictures behind it in about the shares that a film has.
+/// chosen: 6 (3 to 9).
+constexpr int window_frames = 6;
+
+/// Longest side of the smallest pictures; each size after it has four times the pixels. chosen: 48 (32 to 96).
+constexpr double least_side = 48;
+
+/// Of pictures that are predicted, how many are P pictures. fit: bench/fits/forecast.jsonl
+constexpr double p_share = 0.4, p_share_weight = 6;
+
+/// Later frames of a chunk over those of a window at its beginning: light that is kept serves them. fit:
+/// bench/fits/forecast.jsonl
+constexpr double kept_later = 0.93, bytes_later = 1.1;
+
+/// CPU and bytes grow with these powers of the pixels where one size alone is known. fit: bench/fits/forecast.jsonl
+constexpr double time_power = 0.6, bits_power = 0.8;
+
+/// What a first pass takes of the film's time. chosen: a sixteenth of the pixels, roughly lit.
+constexpr double first_pass_share = 0.05;
+
+double pixels_of(const Size& size) {
+    return static_cast<double>(size.width) * size.height;
+}
+
+Size size_of(const RenderJob& film) {
+    return {film.format.width, film.format.height};
+}
+
+/// A mean that can be asked of nothing.
+struct Mean {
+    double sum = 0, count = 0;
+    void add(double value) {
+        sum += value;
+        ++count;
+    }
+    double or_else(double instead) const { return core::divide_or(sum, count, instead); }
+};
+
+/// Cuts of the film: each begins a group of pictures, and light is found anew.
+std::vector<std::int64_t> cuts_of(const RenderJob& film) {
+    std::vector<std::int64_t> cuts;
+    int camera = -1;
+    for (const scene::Shot& shot : film.animation->shots) {
+        if (shot.frame > film.frames.first && shot.frame <= film.frames.last && shot.camera != camera)
+            cuts.push_back(shot.frame);
+        camera = shot.camera;
+    }
+    return cuts;
+}
+
+/// Groups of pictures of the film, as chunks and cuts begin them.
+double groups_of(const RenderJob& film, const std::vector<std::int64_t>& cuts) {
+    double groups = 0;
+    for (const Chunk& chunk : chunks_of(film.frames, film.coding.gop)) {
+        std::int64_t begin = chunk.first;
+        const auto add = [&](std::int64_t end) {
+            groups += std::ceil(static_cast<double>(end - begin) / static_cast<double>(film.coding.gop));
+            begin = end;
+        };
+        for (const std::int64_t cut : cuts)
+            if (cut > chunk.first && cut <= chunk.last) add(cut);
+        add(chunk.last + 1);
+    }
+    return groups;
+}
+
+/// A frame behind the first, of the kinds that the film will have.
+FrameCost later_of(const RunStatistics& statistics, const std::vector<std::int64_t>& firsts) {
+    Mean seconds[2], bytes[2];  // of P pictures, and of B pictures or what is not coded
+    for (const FrameEntry& entry : statistics.frames) {
+        if (std::find(firsts.begin(), firsts.end(), entry.frame) != firsts.end()) continue;
+        const int kind = entry.type == 'P' || entry.type == 'I' ? 0 : 1;
+        seconds[kind].add(entry.seconds);
+        bytes[kind].add(static_cast<double>(entry.bytes));
+    }
+    if (seconds[0].count == 0 || seconds[1].count == 0) {
+        const int known = seconds[0].count == 0 ? 1 : 0;
+        return {seconds[known].or_else(0), bytes[known].or_else(0)};
+    }
+    const double all = seconds[0].count + seconds[1].count,
+                 p = (p_share * p_share_weight + seconds[0].count) / (p_share_weight + all);
+    return {p * seconds[0].or_else(0) + (1 - p) * seconds[1].or_else(0),
+            p * bytes[0].or_else(0) + (1 - p) * bytes[1].or_else(0)};
+}
+
+/// Settles what a film is lit by before its first frame. Whether nobody interrupted.
+bool settle(RenderJob& film) {
+    if (!probe_images(*film.animation, image_probes(false))) return false;
+    if (!film.exposure) film.exposure = measure_exposure(film);
+    return !InterruptGuard::requested();
+}
+
+/// The power of the pixels that one of two samples' seconds grow with.
+double power_between(double smaller, double larger, double times) {
+    if (!(smaller > 0 && larger > 0 && times > 1.5)) return time_power;
+    // chosen: no film takes less than a fifth more in four times the pixels, or more than they are (0 to 1.1).
+    return std::clamp(std::log(larger / smaller) / std::log(times), 0.15, 1.0);
+}
+
+/// Larger and larger pictures, as long as there is time.
+class Sampling {
+  public:
+    Sampling(const RenderJob& film, double limit, bool quiet) : film_(film), limit_(limit), quiet_(quiet) {}
+
+    /// Whether anything is known.
+    bool run();
+    const FrameSample& largest() const { return *largest_; }
+    /// The same in the film's size.
+    FrameSample grown() const;
+
+  private:
+    std::optional<FrameSample> sample(double scale, int windows);
+
+    const RenderJob& film_;
+    double limit_;
+    bool quiet_;
+    std::optional<FrameSample> smaller_, largest_;
+};
+
+std::optional<FrameSample> Sampling::sample(double scale, int windows) {
+    const RenderJob job = resized(film_, scale);
+    const std::vector<Chunk> chunks = middle_windows(job, windows, window_frames);
+    Progress progress(static_cast<std::int64_t>(chunks.size()) * chunks.front().frames(), quiet_, "sample",
+                      Counted::parts_of_step);
+    LoopObserver nobody;
+    // A first sample is needed: where light alone takes all of the time, it gets twice as much more.
+    const double limit = largest_ ? limit_ : limit_ + 2 * (limit_ - clock_seconds());
+    return sample_frames(job, chunks, limit, nobody, progress);
+}
+
+bool Sampling::run() {
+    const double longest = std::max(film_.format.width, film_.format.height);
+    double scale = std::min(1.0, least_side / longest), times = 1;
+    while (true) {
+        const double began = clock_seconds();
+        std::optional<FrameSample> found = sample(scale, 1);
+        if (!found) return largest_.has_value();
+        smaller_ = std::exchange(largest_, std::move(found));
+        const double took = clock_seconds() - began, left = limit_ - clock_seconds();
+        if (scale >= 1) break;
+        const double next = std::min(1.0, 2 * scale);
+        times = (next / scale) * (next / scale);
+        if (took * std::pow(times, time_power) > left) return true;
+        scale = next;
+    }
+    // In the film's own size, what is left of the time tells how frames differ.
+    const double window = std::max(largest_->clock, 1e-3);
+    const auto windows = static_cast<int>(std::clamp((limit_ - clock_seconds()) / window, 0.0, 8.0));
+    if (windows < 2) return true;
+    if (std::optional<FrameSample> more = sample(1, windows)) largest_ = std::move(more);
+    return !InterruptGuard::requested();
+}
+
+FrameSample Sampling::grown() const {
+    const double times = core::divide_or(pixels_of(size_of(film_)), pixels_of(largest_->size), 1.0);
+    if (!smaller_) return largest_->grown(times, time_power);
+    const double between = pixels_of(largest_->size) / pixels_of(smaller_->size);
+    const auto power = [&](double FrameCost::*part, const FrameCost& a, const FrameCost& b) {
+        return power_between(a.*part, b.*part, between);
+    };
+    FrameSample all = largest_->grown(times, power(&FrameCost::seconds, smaller_->later, largest_->later));
+    all.first = largest_->grown(times, power(&FrameCost::seconds, smaller_->first, largest_->first)).first;
+    return all;
+}
+
+/// Bytes of the film's file, or of all its images.
+double file_bytes(const RenderJob& film, const std::filesystem::path& output, double pictures) {
+    const auto frames = static_cast<double>(film.frame_count());
+    const double pixels = pixels_of(size_of(film));
+    // chosen: half floats that hardly compress; PNG of rendered pictures has 1.2 to 2.2 bytes a pixel.
+    if (film.kind == OutputKind::exr) return 6 * pixels * frames;
+    if (film.kind == OutputKind::png) return 1.7 * pixels * frames;
+    if (film.kind == OutputKind::y4m) return 1.5 * pixels * frames;
+    const std::int64_t rate = film.coding.rate_control.bit_rate;
+    const double bytes = rate > 0 ? static_cast<double>(rate) / 8 * frames / film.rate.hertz.value() : pictures;
+    // chosen: what containers take is told for films that must not be larger; half of it is usual.
+    return bytes + 0.5 * (file_of_pictures(bytes, film.frame_count(), output, film.disc) - bytes);
+}
+
+std::string range_text(const std::string& middle, const std::string& low, const std::string& high) {
+    return middle + " (" + low + " to " + high + ")";
+}
+
+std::string bytes_text(double bytes) {
+    return bytes < 1e6 ? fmt::format("{:.0f} kB", 1e-3 * bytes) : fmt::format("{:.3g} MB", 1e-6 * bytes);
+}
+
+}  // namespace
+
+FrameSample FrameSample::grown(double times, double power) const {
+    FrameSample grown = *this;
+    // Headers of a picture and its slices. fit: bench/fits/forecast.jsonl
+    const auto headers = [](double rows) { return 16 + 8 * rows; };
+    const double rows = std::ceil(size.height / 16.0), least = headers(rows), most = headers(rows * std::sqrt(times));
+    for (FrameCost* cost : {&grown.first, &grown.later}) {
+        cost->seconds *= std::pow(times, power);
+        if (cost->bytes > 0) cost->bytes = most + std::max(0.0, cost->bytes - least) * std::pow(times, bits_power);
+    }
+    return grown;
+}
+
+std::optional<FrameSample> sample_frames(const RenderJob& job, const std::vector<Chunk>& windows, double limit,
+                                         LoopObserver& observer, Progress& progress) {
+    FrameSample found;
+    found.size = size_of(job);
+    const double began = clock_seconds(), cpu_before = cpu_seconds();
+    renderer::Renderer renderer = renderer_of(job);
+    found.built = cpu_seconds() - cpu_before;
+    std::vector<std::int64_t> firsts;
+    Mean seconds, bytes;
+    for (const Chunk& window : windows) {
+        RunStatistics statistics;
+        const double before = cpu_seconds();
+        double first = 0;
+        render_chunk(
+            job, renderer, window, observer, statistics,
+            [&] {
+                if (statistics.frames.size() == 1) first = cpu_seconds() - before;
+                progress.advance();
+                return !InterruptGuard::requested();
+            },
+            [&] { return InterruptGuard::requested() || clock_seconds() > limit; });
+        if (InterruptGuard::requested()) return {};
+        if (statistics.frames.empty()) break;
+        firsts.push_back(window.first);
+        seconds.add(first);
+        bytes.add(static_cast<double>(statistics.frames.front().bytes));
+        found.statistics = sum_of(found.statistics, statistics);
+        found.frames += static_cast<int>(statistics.frames.size());
+        if (clock_seconds() > limit) break;
+    }
+    const bool lacks_later = found.frames == static_cast<int>(firsts.size()) && windows.front().frames() > 1;
+    if (firsts.empty() || lacks_later) return {};
+    found.cpu = cpu_seconds() - cpu_before - found.built;
+    found.clock = clock_seconds() - began;
+    found.first = {seconds.or_else(0), bytes.or_else(0)};
+    found.later = later_of(found.statistics, firsts);
+    found.statistics = totals_of(found.statistics, renderer);
+    return found;
+}
+
+RenderJob resized(const RenderJob& film, double scale) {
+    RenderJob job = film;
+    const auto side = [&](int pixels) {
+        return std::min(pixels, std::max(16, static_cast<int>(std::lround(scale * pixels / 2)) * 2));
+    };
+    job.format.width = side(film.format.width);
+    job.format.height = side(film.format.height);
+    job.rendering.format = job.format;
+    job.coding.width = job.format.width;
+    job.coding.height = job.format.height;
+    job.audit = 0;
+    job.two_passes = false;
+    return job;
+}
+
+std::vector<Chunk> middle_windows(const RenderJob& film, int count, int length) {
+    const std::int64_t all = film.frame_count();
+    if (all <= static_cast<std::int64_t>(count) * length) return {{0, film.frames.first, film.frames.last}};
+    std::vector<Chunk> windows;
+    for (int i = 0; i < count; ++i) {
+        const std::int64_t first = film.frames.first + (2 * i + 1) * all / (2 * count) - length / 2;
+        windows.push_back({i, first, first + length - 1});
+    }
+    return windows;
+}
+
+FrameCost film_by(const RenderJob& film, const FrameSample& sample) {
+    const std::vector<std::int64_t> cuts = cuts_of(film);
+    const auto frames = static_cast<double>(film.frame_count());
+    const auto starts =
+        std::min(frames, static_cast<double>(chunks_of(film.frames, film.coding.gop).size() + cuts.size()));
+    const double groups = std::min(frames, groups_of(film, cuts));
+    // A film as short as a window has no frames behind it.
+    const double kept = frames <= window_frames ? 1 : kept_later, more = frames <= window_frames ? 1 : bytes_later;
+    return {starts * sample.first.seconds + (frames - starts) * kept * sample.later.seconds,
+            groups * sample.first.bytes + (frames - groups) * more * sample.later.bytes};
+}
+
+std::optional<Forecast> forecast(RenderJob& film, const std::filesystem::path& output, double within, bool quiet) {
+    const double began = clock_seconds(), cpu_before = cpu_seconds();
+    if (!settle(film)) return {};
+    const double once = cpu_seconds() - cpu_before;
+    Sampling sampling(film, began + within, quiet);
+    if (!sampling.run()) return {};
+    Forecast forecast;
+    forecast.sample = sampling.largest();
+    const FrameSample grown = sampling.grown();
+    const FrameCost whole = film_by(film, grown);
+    forecast.first = grown.first;
+    forecast.later = grown.later;
+    forecast.cpu = whole.seconds * (film.two_passes ? 1 + first_pass_share : 1) + once + cpu_before + grown.built;
+    forecast.clock = forecast.cpu * core::divide_or(grown.clock, grown.cpu + grown.built, 1.0);
+    forecast.bytes = file_bytes(film, output, whole.bytes);
+    forecast.disk = film.kind == OutputKind::film || film.kind == OutputKind::y4m ? 2 * forecast.bytes : forecast.bytes;
+    forecast.memory = memory_need(film).total();
+    // fit: bench/fits/forecast.jsonl: nine of ten films; each four times the pixels that are not lit add as much again.
+    const double fours = std::log(pixels_of(size_of(film)) / pixels_of(grown.size)) / std::log(4.0);
+    forecast.spread = std::min(0.6, 0.15 + 0.1 * std::max(0.0, fours));
+    return forecast;
+}
+
+std::string film_text(const RenderJob& film) {
+    const scene::Animation& scene = *film.animation;
+    const scene::Traits traits = scene::traits_of(scene);
+    int camera = 0;
+    for (const scene::Shot& shot : scene.shots)
+        if (shot.frame <= film.frames.first) camera = shot.camera;
+    std::string lights;
+    const auto add = [&](const std::string& text) { lights += (lights.empty() ? "" : ", ") + text; };
+    if (!scene.lights.empty()) add(fmt::format("{} lamp{}", scene.lights.size(), scene.lights.size() == 1 ? "" : "s"));
+    if (traits.has_emissive_surfaces) add("surfaces that shine");
+    if (traits.has_shining_sky) add("the sky");
+    const std::string name = scene.cameras[static_cast<std::size_t>(camera)].name;
+    const auto shots = scene.shots.size();
+    return core::printable(
+        fmt::format("{}: {} frames ({} to {}; {:.2f} s) of {}x{} at {} Hz; camera {}{}; light: {}", scene.source,
+                    film.frame_count(), film.frames.first, film.frames.last,
+                    static_cast<double>(film.frame_count()) / film.rate.hertz.value(), film.format.width,
+                    film.format.height, film.rate.name, name.empty() ? std::to_string(camera) : "\"" + name + "\"",
+                    shots > 1 ? fmt::format(" first, {} shots", shots) : "", lights.empty() ? "none" : lights));
+}
+
+std::string text_of(const Forecast& f) {
+    const auto range = [&](double value, auto&& text) {
+        return range_text(text(value), text(value * (1 - f.spread)), text(value * (1 + f.spread)));
+    };
+    return fmt::format(
+        "Takes about {} on this machine's {} thread{}, {:.0f} s of CPU time; the film has about {}.\n"
+        "Memory: about {:.0f} MiB. Disk while it is made: about {}. From {} frames lit at {}x{}.\n",
+        range(f.clock, clock_text), parallel::thread_count(), parallel::thread_count() == 1 ? "" : "s", f.cpu,
+        range(f.bytes, bytes_text), static_cast<double>(f.memory) / (1 << 20), bytes_text(f.disk), f.sample.frames,
+        f.sample.size.width, f.sample.size.height);
+}
+
+}  // namespace render2mpeg::app
