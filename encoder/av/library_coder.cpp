@@ -96,7 +96,7 @@ class LibraryCoder final : public encoder::Coder {
         facts.light_change.reset();
         first_of_chunk = first_of_chunk || !order_.last();
         const bool starts_gop = first_of_chunk || order_.gop_is_over(number) || facts.cut_before || facts.keyframe;
-        PicturePlan plan = order_.plan(number, facts, starts_gop);
+        PicturePlan plan = order_.plan(number, facts, starts_gop, false);
         if (first_of_chunk) {
             rounding_ = 0;
             budget_ = facts.allocation ? Budget(facts.allocation->bits_left) : Budget();
@@ -150,10 +150,8 @@ class LibraryCoder final : public encoder::Coder {
         const encoder::RateControl& rate = settings_.rate_control;
         if (facts.allocation) return encoder::quantiser_like(settings_.codec, budget_.quantiser(*facts.allocation));
         if (rate.mode == encoder::RateMode::constant_quantiser) return settings_.quantiser;
-        // Only x264 is told each picture's quantiser.
-        const double seen = has_one_quantiser(settings_.codec) ? 1.0 : facts.sensitivity.value_or(1);
-        return encoder::quantiser_like(settings_.codec, std::exp2((100 - rate.quality) / 20) *
-                                                            facts.quality_factor.value_or(1.0) / std::min(seen, 1.0));
+        return encoder::quantiser_like(settings_.codec,
+                                       std::exp2((100 - rate.quality) / 20) * facts.quality_factor.value_or(1.0));
     }
 
     /// The same as a whole number, such that pictures come to it on average; where a group has one quantiser, groups

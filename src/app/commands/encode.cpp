@@ -216,10 +216,12 @@ std::vector<encoder::FirstPassPicture> try_first(Job& job, const Film& film, con
     const std::deque<core::Picture>& pictures = ahead.waiting(statistics);
     if (pictures.empty()) return {};
     const Chunk part{chunk.index, chunk.first, pictures.back().number};
-    PictureCoder coder(rough(film, usual_quantiser(film.coding)), part, {}, {}, statistics, false, &ahead.look());
+    const Film fast = rough(film, usual_quantiser(film.coding));
+    PictureCoder coder(fast, part, {}, {}, statistics, false, &ahead.look());
     std::vector<encoder::FirstPassPicture> trial;
     const auto take = [&](const std::vector<encoder::CodedPicture>& coded) {
-        for (const encoder::CodedPicture& c : coded) trial.push_back(encoder::first_pass_picture(c, trial.empty()));
+        for (const encoder::CodedPicture& c : coded)
+            trial.push_back(encoder::first_pass_picture(fast.coding, c, trial.empty()));
     };
     for (const core::Picture& picture : pictures) {
         FileMotion motion(job, picture.number, statistics);

@@ -73,7 +73,7 @@ Comparing::Comparing(const CompareOptions& options, const RenderJob& film, const
         return Way{name,
                    "--tolerance " + tolerance + " --gop " + pictures,
                    {{"--tolerance", tolerance}, {"--gop", pictures}},
-                   "",
+                   std::nullopt,
                    {},
                    {}};
     };
@@ -81,7 +81,7 @@ Comparing::Comparing(const CompareOptions& options, const RenderJob& film, const
         return Way{way.name,
                    "fixed 2 %, ffmpeg -c:v " + way.encoder + " " + way.options,
                    {{"--tolerance", "fixed=2%"}, {"--gop", pictures}},
-                   way.options,
+                   way,
                    {},
                    {}};
     };
