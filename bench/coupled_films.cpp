@@ -183,7 +183,7 @@ Outcome LitFilm::coded(int quantiser) const {
         app::RunStatistics statistics;
         app::PosedFrames posed(film);
         app::PictureCoder coder(film.film(), chunk, film.allocations, app::shots_of(*film.animation), statistics,
-                               scene::traits_of(*film.animation).lights_change);
+                                scene::traits_of(*film.animation).lights_change);
         for (std::int64_t n = chunk.first; n <= chunk.last; ++n) {
             const auto i = static_cast<std::size_t>(n - film.frames.first);
             const std::shared_ptr<const scene::Snapshot> world = posed.at(n);

@@ -102,6 +102,9 @@ void assemble(const ClipRequest& request, const fs::path& folder) {
         fs::copy(own, folder, fs::copy_options::recursive);
     }
     std::ofstream(folder / "film.json") << film;
+    if (film.find("\"plaster.png\"") != std::string::npos)
+        for (const char* name : {"floor.png", "plaster.png", "carpet.png"})
+            fs::copy_file(animations() / "still_room" / name, folder / name, fs::copy_options::skip_existing);
     for (const std::string& name : texture_names())
         if (film.find('"' + name + ".png\"") != std::string::npos && !fs::exists(folder / (name + ".png")))
             fs::copy_file(texture(request.cache, name), folder / (name + ".png"));

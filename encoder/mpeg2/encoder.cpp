@@ -100,7 +100,7 @@ struct Encoder::Impl {
     std::optional<Reference> earlier, later;  ///< the newest two I and P pictures
     std::vector<DelayedB> delayed;            ///< for the one after `later`
     core::Plane<float> means;                 ///< of macroblocks of the picture pushed last; empty: none
-    std::int64_t gop_start = 0;  ///< first picture of the GOP in display order
+    std::int64_t gop_start = 0;               ///< first picture of the GOP in display order
     std::int64_t coding_order = 0;
 
     /// By how much the means of macroblocks differ from those of the picture before; 0 where the session has none.

@@ -97,7 +97,7 @@ void write_gop(BitWriter& out, const Settings& settings, std::int64_t first_numb
     out.put(static_cast<std::uint32_t>(seconds % 60), 6);
     out.put(static_cast<std::uint32_t>(frame % per_second), 6);
     out.put(closed ? 1 : 0, 1);  // closed_gop
-    out.put(0, 1);  // broken_link
+    out.put(0, 1);               // broken_link
     out.align();
 }
 

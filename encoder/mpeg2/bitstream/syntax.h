@@ -19,8 +19,8 @@ inline constexpr int start_code_bits = 32;
 /// channel_for's; matrices other than the default ones are sent.
 void write_sequence(BitWriter& out, const Settings& settings, const Level& level, const Matrices& matrices);
 
-/// Header of a GOP whose first picture in display order is `first_number`: an I picture, if it is closed. The time code counts frames at the
-/// rounded declared rate (no drop frames).
+/// Header of a GOP whose first picture in display order is `first_number`: an I picture, if it is closed. The time code
+/// counts frames at the rounded declared rate (no drop frames).
 void write_gop(BitWriter& out, const Settings& settings, std::int64_t first_number, bool closed);
 
 /// What a picture's header and coding extension say; progressive frame pictures with frame prediction and frame DCT

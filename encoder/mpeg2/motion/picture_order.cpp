@@ -29,8 +29,9 @@ PicturePlan PictureOrder::plan(std::int64_t number, const PictureFacts& facts, b
     plan.starts_gop = starts_gop;
     if (starts_gop) {
         // B pictures may have been promised this picture as their later reference, but none beyond it.
-        EXPECTS(!last_ || later_ <= number);
-        if (!last_ || later_ != number) intra_place_ = number;
+        const bool is_promised = last_ && later_ > *last_;
+        EXPECTS(!is_promised || later_ == number);
+        if (!is_promised) intra_place_ = number;
         plan.type = PictureType::intra;
         gop_start_ = earlier_ = later_ = number;
     } else {
