@@ -47,7 +47,7 @@ TEST(FilmCosts, TakeTheCheapestRowThatNobodyCanTellFromTheBest) {
 
 /// Two rows by quantiser; bits at equal quality follow from `bytes`, times from `cpu`.
 app::Way way(const std::string& name, double bytes, double cpu) {
-    app::Way made{name, name, {}, "", {}, {}};
+    app::Way made{name, name, {}, std::nullopt, {}, {}};
     for (const int quantiser : {4, 8}) {
         app::Trial trial;
         trial.quantiser = quantiser;
