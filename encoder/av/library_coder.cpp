@@ -122,7 +122,8 @@ class LibraryCoder final : public encoder::Coder {
         LibraryOrder order{plan.type, plan.starts_gop, quantisers_of(picture, plan, hints)};
         library_->send(picture, order);
         sent_.push_back({plan, bits, std::move(order.quantisers)});
-        collect(complete);
+        // Threads of other libraries decide when their pictures come, and light must not depend on that.
+        if (!has_one_quantiser(settings_.codec)) collect(complete);
         return complete;
     }
 

@@ -64,6 +64,8 @@ TEST(Codecs, RefuseInOneLineWhatTheyDoNotHave) {
     refused(mp4 + "--bitrate 1M --cbr", "--cbr is MPEG-2's");
     refused(mp4 + "--bitrate 1M --passes 1", "--passes 1: a rate of H.264 needs two passes");
     refused("-o " + path(folder, "f.mov") + " --codec av1", "f.mov: such files have no AV1");
+    const auto watched = run(program() + " watch " + plain_film() + " --codec h264");
+    EXPECT_NE(watched.output.find("--codec h264: a player is sent bare MPEG-2"), std::string::npos) << watched.output;
     const auto disc = run(program() + " render --hold " + plain_film() + " --for dvd-pal --codec h264 " + mpg);
     EXPECT_NE(disc.output.find("--codec h264: --for dvd-pal is MPEG-2's world"), std::string::npos) << disc.output;
     EXPECT_EQ(folder.entries(), 1u) << "nothing was written";

@@ -13,6 +13,7 @@
 #include "app/files/watched_files.h"
 #include "app/loop/film_identity.h"
 #include "app/loop/resume.h"
+#include "app/options/film.h"
 #include "app/options/usage_error.h"
 #include "app/production/preparation.h"
 #include "app/system/interrupt.h"
@@ -192,6 +193,9 @@ int watch(const RenderOptions& options, const std::string& command) {
     // What is broken may be mended meanwhile; what is not there, or no scene, was mistyped.
     check_scene(options.input);
     if (options.output.empty()) {
+        if (codec_of(options.coding, {}) != encoder::Codec::mpeg2)
+            throw UsageError("--codec " + *options.coding.codec +
+                             ": a player is sent bare MPEG-2; watch into a file, -o");
         Player::check(options.player);
         return watch_in_player(options);
     }

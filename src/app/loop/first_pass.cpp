@@ -35,6 +35,13 @@ class Collector : public LoopObserver {
     encoder::Settings coding_;
 };
 
+/// Where the pass is not so small.
+double size_ratio_of(const RenderJob& film, const RenderJob& pass) {
+    if (film.coding.codec == encoder::Codec::mpeg2) return size_ratio;
+    const auto area = [](const RenderJob& job) { return static_cast<double>(job.format.width) * job.format.height; };
+    return std::pow(size_ratio, std::log(area(film) / area(pass)) / std::log(static_cast<double>(shrink * shrink)));
+}
+
 /// Other codecs than MPEG-2 take even sides alone, and none below 64 pixels.
 int side_of(encoder::Codec codec, int side) {
     if (codec == encoder::Codec::mpeg2) return (side + shrink - 1) / shrink;
@@ -56,7 +63,8 @@ RenderJob small(const RenderJob& film) {
     pass.tolerance.relative = 0.2f;
     pass.coding.width = pass.format.width;
     pass.coding.height = pass.format.height;
-    pass.coding.effort = encoder::Effort::fast;
+    // Other codecs' bits differ more between efforts than pictures of this size take time.
+    if (film.coding.codec == encoder::Codec::mpeg2) pass.coding.effort = encoder::Effort::fast;
     pass.coding.rate_control = {};
     pass.coding.quantiser =
         static_cast<int>(std::lround(encoder::quantiser_like(film.coding.codec, usual_quantiser(film.coding))));
@@ -87,7 +95,7 @@ std::vector<encoder::BitAllocation> first_pass(const RenderJob& film, bool quiet
         });
         if (InterruptGuard::requested()) return {};
     }
-    return encoder::allocate_bits(film.coding, collector.film, size_ratio);
+    return encoder::allocate_bits(film.coding, collector.film, size_ratio_of(film, pass));
 }
 
 }  // namespace render2mpeg::app
