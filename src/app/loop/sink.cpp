@@ -1,7 +1,9 @@
 #include "app/loop/sink.h"
 
 #include <algorithm>
+#include <system_error>
 
+#include "core/error.h"
 #include "encoder/av/y4m.h"
 #include "encoder/av/y4m_reader.h"
 #include "image/image.h"
@@ -68,6 +70,21 @@ void LayersWriter::lit(const LitFrame& frame) {
     const StageTimer timer(statistics_, renderer::Pass::layers);
     image::write_layers(numbered(layers_in(folder_), n), frame.seen.visible, frame.radiance, &before, &after,
                         facts_of(film_, frame), &frame.tolerance);
+}
+
+void LastFrameWriter::lit(const LitFrame& frame) {
+    if (clock_seconds() < written_ + 1) return;
+    // Whoever looks sees whole pictures alone; a disk that is full costs no film.
+    const std::filesystem::path part = std::filesystem::path(file_) += ".part";
+    std::error_code error;
+    try {
+        image::write_png(part, frame.picture.width(), frame.picture.height(), film_.display().develop_srgb(frame.shown),
+                         film_.format.pixel_aspect);
+        std::filesystem::rename(part, file_, error);
+    } catch (const core::Error&) {
+        std::filesystem::remove(part, error);
+    }
+    written_ = clock_seconds();
 }
 
 void join_y4m(const RenderJob& film, const std::vector<std::filesystem::path>& parts,
