@@ -10,6 +10,7 @@ import signal
 import subprocess
 import tempfile
 import threading
+import time
 
 import bpy
 
@@ -55,6 +56,30 @@ def size_words(scene):
     return ["--size", f"{width - width % 2}x{height - height % 2}"]
 
 
+def last_frame_file():
+    folder = os.path.join(tempfile.gettempdir(), f"render2mpeg-{os.getuid()}-{os.getpid()}")
+    os.makedirs(folder, mode=0o700, exist_ok=True)
+    return os.path.join(folder, "last_frame.png")
+
+
+def show_last_frame(seen):
+    """Shows the frame lit last in Blender's image editors, where it is newer than `seen`; returns how new it is."""
+    file = last_frame_file()
+    if not os.path.isfile(file) or os.stat(file).st_mtime_ns <= seen:
+        return seen
+    image = bpy.data.images.get("render2mpeg")
+    if image is None:
+        image = bpy.data.images.load(file)
+        image.name = "render2mpeg"
+    image.reload()
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "IMAGE_EDITOR":
+                area.spaces.active.image = image
+                area.tag_redraw()
+    return os.stat(file).st_mtime_ns
+
+
 def film_words(scene, blend):
     """What makes the film."""
     settings = scene.render2mpeg
@@ -63,7 +88,8 @@ def film_words(scene, blend):
     if settings.codec != "ENDING":
         words += ["--codec", settings.codec]
     if settings.control == "QUANTISER":
-        words = ["render"] + words + ["--quantiser", str(settings.quantiser), "--resume", "--overwrite"]
+        words = ["render"] + words + ["--quantiser", str(settings.quantiser), "--resume", "--overwrite",
+                                      "--last-frame", last_frame_file()]
     elif settings.control == "SIZE":
         words = ["tune"] + words + ["--overwrite", "--max-size", f"{settings.megabytes:g}M"]
     else:
@@ -116,7 +142,7 @@ class Run:
         return self.status()
 
     def stop(self):
-        """As Ctrl-C does: the frame at hand is finished, and what there is can be resumed."""
+        """As Ctrl-C does: what there is can be resumed."""
         if self.process.poll() is None:
             os.killpg(self.process.pid, signal.SIGINT)
 
@@ -138,6 +164,7 @@ class Working:
 
     running = None
     timer = None
+    seen = 0
 
     def words(self, context):
         raise NotImplementedError
@@ -150,6 +177,7 @@ class Working:
             self.report({"ERROR"}, "The program render2mpeg is missing: name it in the add-on's preferences")
             return False
         self.running = Run(self.words(context))
+        self.seen = time.time_ns()
         return True
 
     def end(self, context, status):
@@ -181,6 +209,7 @@ class Working:
             run.stop()
         status = run.status()
         if status is None:
+            self.seen = show_last_frame(self.seen)
             share = 100 * run.done // run.total if run.total else 0
             context.window_manager.progress_update(share)
             context.workspace.status_text_set(f"render2mpeg: frame {run.done} of {run.total}   (Esc stops)" if run.total
@@ -234,6 +263,9 @@ class RENDER2MPEG_OT_folder(Working, bpy.types.Operator):
         target = bpy.path.abspath(context.scene.render2mpeg.folder)
         shutil.copytree(newest, target, dirs_exist_ok=True, ignore=shutil.ignore_patterns("blender.log"))
         words = film_words(context.scene, ".")
+        if "--last-frame" in words:
+            at = words.index("--last-frame")
+            del words[at:at + 2]
         for option in {"-o", "--report"}.intersection(words):
             words[words.index(option) + 1] = os.path.basename(words[words.index(option) + 1])
         with open(os.path.join(target, "render.sh"), "w") as file:

@@ -22,6 +22,10 @@ bpy.ops.wm.save_mainfile()
 assert bpy.ops.render2mpeg.film() == {"FINISHED"}
 assert os.path.getsize(settings.output) > 1000
 assert os.path.isfile(os.path.join(folder, "film.html"))
+# The frame lit last is shown where Blender shows images.
+module = sys.modules["render2mpeg"]
+assert module.show_last_frame(0) > 0
+assert bpy.data.images["render2mpeg"].size[0] > 0
 said = bpy.data.texts["render2mpeg"].as_string()
 assert "not kept: Scene: render region" in said, said
 assert bpy.ops.render2mpeg.folder() == {"FINISHED"}

@@ -64,7 +64,7 @@ std::vector<Proof> file_proofs() {
          "nothing is left of it",
          {},
          {"Heatmap.ThatIsGivenUpLeavesNothingSlow"}},
-        {"Ctrl-C twice", "the end at once", {}, {"Interruption.OfAnInterruptedRunEndsItAtOnce"}},
+        {"Ctrl-C in a frame that takes minutes", "the end at once", {}, {"Interruption.EndsAFrameThatTakesMinutes"}},
         {"another run with --resume: version, options, inputs, instruction set",
          "refused, naming what differs",
          {},

@@ -24,7 +24,7 @@ TEST(Offers, AreTakenByOneRule) {
     EXPECT_FALSE(app::cheapest_alike({}).has_value());
     const std::vector<app::Offer> offers{{1, false}, {9, true}, {4, true}, {5, true}};
     EXPECT_EQ(app::cheapest_alike(offers), 2u) << "the cheapest that nobody can tell from the best";
-    EXPECT_EQ(app::time_text(75, 140.4), "1:15, 140 s of CPU");
+    EXPECT_EQ(app::time_text(75, 140.4), "1:15 (140 s of CPU)");
 }
 
 TEST(FilmCosts, TakeTheCheapestRowThatNobodyCanTellFromTheBest) {
@@ -41,7 +41,7 @@ TEST(FilmCosts, TakeTheCheapestRowThatNobodyCanTellFromTheBest) {
     film.frames = {0, 59};
     const std::string table = app::film_cost_table(costs);
     EXPECT_EQ(table.find("<- take"), table.find("<- take", table.find("coupled")));
-    EXPECT_TRUE(app::answer_of(costs, film).starts_with("Take coupled: your film of 60 frames takes about 0:07, "));
+    EXPECT_TRUE(app::answer_of(costs, film).starts_with("Take coupled: your film of 60 frames takes about 0:07 ("));
     EXPECT_TRUE(app::answer_rows(costs)[1].recommended);
 }
 
@@ -72,7 +72,7 @@ TEST(Comparison, TakesTheFasterOfTwoWhoseFilmsAreAsLarge) {
     EXPECT_EQ(costs[0].way, app::fixed_way) << "it has 0.1 % fewer bits";
     EXPECT_EQ(costs[*app::recommended(costs)].way, app::coupled_way) << "and takes longer";
     EXPECT_NEAR(costs[0].bits, 0.999, 1e-6);
-    EXPECT_TRUE(app::answer_of(found, 60, 4).starts_with("Take coupled: your film of 60 frames takes about 5:00, 600"))
+    EXPECT_TRUE(app::answer_of(found, 60, 4).starts_with("Take coupled: your film of 60 frames takes about 5:00 (600"))
         << app::answer_of(found, 60, 4);
 }
 

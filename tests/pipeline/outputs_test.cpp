@@ -33,6 +33,15 @@ TEST(Outputs, AreLookedAtBeforeTheSceneIsRead) {
     EXPECT_NE(said("new.mpg").find("there is no such file"), std::string::npos);
 }
 
+TEST(Outputs, ShowTheFrameLitLast) {
+    const Folder folder;
+    const auto outcome = run(program() + " render " + plain_film() + tiny + "--quiet -o " + path(folder, "f.mpg") +
+                             " --last-frame " + path(folder, "now.png"));
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_TRUE(support::contents(folder / "now.png").starts_with("\x89PNG"));
+    EXPECT_EQ(folder.entries(), 2u) << "nothing unfinished";
+}
+
 TEST(WorkFolder, IsAnotherForFilmsOfOneStemSlow) {
     const Folder folder;
     const std::string start = program() + " render " + plain_film() + endless + "-o ";

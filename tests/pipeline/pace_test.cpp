@@ -86,6 +86,10 @@ TEST(Pace, NeverSaysThatNothingIsLeftWhileAFrameIs) {
 }
 
 TEST(Pace, KnowsThatPicturesTakeTurns) {
+    Pace one(60, true);
+    one.add(3);
+    one.add(1);
+    EXPECT_DOUBLE_EQ(*one.left(12), 10 * 1.45) << "a B picture is all that is known of others";
     // A P picture takes twice as long as each of its three B pictures.
     Pace pace(60);
     pace.add(3);

@@ -9,6 +9,7 @@
 #include "app/loop/counters.h"
 #include "app/loop/pipeline.h"
 #include "app/loop/resume.h"
+#include "app/loop/sink.h"
 #include "app/options/output_kind.h"
 #include "app/options/usage_error.h"
 #include "app/production/preparation.h"
@@ -121,6 +122,8 @@ int render_stream(const RenderOptions& options, const std::string& command) {
     LoopObservers observers;
     observers.add(*stream);
     if (options.report) observers.add(sample);
+    std::optional<LastFrameWriter> last_frame;
+    if (options.last_frame) observers.add(last_frame.emplace(*options.last_frame, film));
     bool complete = false;
     {
         Progress progress(film.frame_count(), options.quiet);

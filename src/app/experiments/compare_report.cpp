@@ -30,7 +30,6 @@ json row_json(const Trial& t, const Times& times) {
             {"code_runs", times.code},
             {"flicker", t.flicker},
             {"light_seconds", t.seconds},
-            {"light_window_seconds", t.window_seconds},
             {"requantised", t.requantised},
             {"code_seconds", t.code_seconds},
             {"bytes", t.bytes},

@@ -33,7 +33,6 @@ json row_json(const Trial& t) {
     return {{"tolerance", t.tolerance.coupled ? json("coupled") : json(plain(t.tolerance.relative))},
             {"quantiser", t.quantiser},
             {"seconds", t.seconds},
-            {"window_seconds", t.window_seconds},
             {"requantised", t.requantised},
             {"points", t.points},
             {"rays_per_point", t.rays},

@@ -60,7 +60,7 @@ Base base_of(const Sweep& sweep, const RenderJob& film) {
 
 /// CPU seconds of a frame that every light point lights: as the most exact row, but for its light.
 double reference_cpu(const Sweep& sweep, const Trial& best) {
-    return std::max(best.cpu, best.cpu + sweep.reference_seconds - best.window_seconds);
+    return std::max(best.cpu, best.cpu + sweep.reference_seconds - best.seconds);
 }
 
 }  // namespace

@@ -9,8 +9,8 @@
 #include <set>
 #include <utility>
 
-#include "app/loop/cache_choice.h"
 #include "app/loop/exposure_choice.h"
+#include "app/loop/forecast.h"
 #include "app/loop/picture_coder.h"
 #include "app/loop/pipeline.h"
 #include "app/loop/run_statistics.h"
@@ -224,9 +224,9 @@ double Trials::bytes_held(bool keeps_frames) const {
                      (keeps_frames ? (picture + visible) * frames() : 0.0));
 }
 
-double Trials::share_of_chunk() const {
-    return static_cast<double>(windows_.front().frames()) /
-           static_cast<double>(chunks_of(film_.frames, film_.coding.gop).front().frames());
+void Trials::set_times(Trial& trial, const FrameSample& sample) const {
+    trial.cpu = film_by(film_, sample).seconds / static_cast<double>(film_.frame_count());
+    trial.clock = trial.cpu * core::divide_or(sample.clock, sample.cpu, 0.0);
 }
 
 std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, const Coarseness& coarseness,
@@ -242,47 +242,15 @@ std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, const Coarse
     coarseness.apply_to(film.coding);
     RunStatistics statistics;
     const renderer::Statistics before = renderer_.statistics();
-    // CPU for what a chunk takes once: making what light stands still (the rough first look does, if there is one),
-    // first looks, error scale. What frame after frame has to make is no start.
-    const double lights = (tolerance.coupled ? 0.0 : first_light_seconds_) - next_light_seconds_;
-    double once = lights, lit_first = 0;
-    const double began = clock_seconds(), cpu_began = cpu_seconds();
-    for (const Chunk& window : windows_) {
-        // Each is a film of its own: it owes the next one nothing of the decoder's buffer.
-        film.frames = {window.first, window.last};
-        bool goes_on = true, first = true;
-        const auto started = [&] {
-            return renderer_.statistics().calibration_seconds + statistics.stage_seconds(Stage::preview);
-        };
-        const auto shaded = [&] {
-            return statistics.stage_seconds(Stage::shade) - renderer_.statistics().calibration_seconds;
-        };
-        const double earlier = started(), unlit = shaded();
-        render_chunk(film, renderer_, window, judge, statistics, [&] {
-            if (std::exchange(first, false)) {
-                once += started() - earlier;
-                lit_first = shaded() - unlit;
-            }
-            return goes_on = frame_done();
-        });
-        if (!goes_on) return std::nullopt;
-        // Records are mostly made in a chunk's first frame.
-        if (kept_records(film.rendering, renderer_.statistics()) && window.frames() > 1) {
-            const double later = (shaded() - unlit - lit_first) / static_cast<double>(window.frames() - 1);
-            once += std::max(0.0, lit_first - later - lights / static_cast<double>(windows_.size()));
-        }
-    }
-    const double clock = clock_seconds() - began, cpu = cpu_seconds() - cpu_began;
+    const std::optional<FrameSample> sample = light_windows(film, renderer_, windows_, judge, statistics, frame_done);
+    if (!sample) return std::nullopt;
     set_counts(trial, before, renderer_.statistics());
     trial.seconds = statistics.stage_seconds(Stage::shade) + statistics.stage_seconds(Stage::preview);
     if (tolerance.coupled) trial.seconds += statistics.stage_seconds(Stage::tolerate);
-    const double spared = std::clamp(once, 0.0, trial.seconds) * (1 - share_of_chunk());
+    trial.seconds /= trial.frames;
     trial.bytes /= trial.frames;
     trial.surplus = judge.starts().surplus(film_, windows_, trial.bytes);
-    trial.window_seconds = trial.seconds / trial.frames;
-    trial.seconds = (trial.seconds - spared) / trial.frames;
-    trial.cpu = (cpu - spared) / trial.frames;
-    trial.clock = trial.cpu * core::divide_or(clock, cpu, 0.0);
+    set_times(trial, *sample);
     trial.code_seconds = (statistics.stage_seconds(Stage::encode) +
                           statistics.pass_seconds[static_cast<std::size_t>(renderer::Pass::motion)]) /
                          trial.frames;
@@ -298,27 +266,11 @@ std::optional<Trial> Trials::run_other(RenderJob film, const std::function<bool(
     Judge judge(*this, trial, nullptr);
     RunStatistics statistics;
     renderer::Renderer renderer(*film.animation, film.rendering, film.plan);
-    const double began = clock_seconds();
-    double firsts = 0, later = 0;  // CPU of the windows' first frames, which make what others use, and of those
-    for (const Chunk& window : windows_) {
-        film.frames = {window.first, window.last};
-        bool goes_on = true, is_first = true;
-        double since = cpu_seconds();
-        render_chunk(film, renderer, window, judge, statistics, [&] {
-            if (std::exchange(is_first, false)) firsts += cpu_seconds() - std::exchange(since, cpu_seconds());
-            return goes_on = frame_done();
-        });
-        if (!goes_on) return std::nullopt;
-        later += cpu_seconds() - since;
-    }
-    const double clock = clock_seconds() - began;
+    const std::optional<FrameSample> sample = light_windows(film, renderer, windows_, judge, statistics, frame_done);
+    if (!sample) return std::nullopt;
     trial.bytes /= trial.frames;
     trial.surplus = judge.starts().surplus(film_, windows_, trial.bytes);
-    const auto windows = static_cast<double>(windows_.size());
-    const double each = core::divide_or(later, trial.frames - windows, firsts / windows),
-                 start = std::max(0.0, firsts - windows * each) * share_of_chunk();
-    trial.cpu = each + start / trial.frames;
-    trial.clock = trial.cpu * core::divide_or(clock, firsts + later, 0.0);
+    set_times(trial, *sample);
     return trial;
 }
 
@@ -388,24 +340,10 @@ double Trials::reference_seconds() const {
     return core::divide_or(reference_seconds_, static_cast<double>(truths_.size()), 0.0);
 }
 
-void Trials::measure_start(const Chunk& window) {
-    renderer_.start_chunk(film_.snapshot(window.first));
-    const auto light = [&](std::int64_t frame, double& seconds) {
-        const scene::Snapshot world = film_.snapshot(frame);
-        renderer::Seen nothing = renderer_.see(world);
-        for (renderer::GatherTile& tile : nothing.tiles) tile.clear();
-        timed(seconds, [&] { return renderer_.sketch(world, nothing, core::ToleranceMap::reference()).combined; });
-    };
-    light(window.first, first_light_seconds_);
-    const std::int64_t beside = window.first < film_.frames.last ? window.first + 1 : window.first - 1;
-    light(std::max(beside, film_.frames.first), next_light_seconds_);
-}
-
 bool Trials::light_references(const std::function<bool(const ReferenceStanding&)>& part_done) {
     ReferenceStanding standing;
     int left = references_ * static_cast<int>(windows_.size());
     for (const Chunk& window : windows_) {
-        measure_start(window);
         renderer_.start_chunk(film_.snapshot(window.first));
         for (const std::int64_t frame : reference_frames(window, references_))
             if (!light_reference(frame, left--, standing, part_done)) return false;
@@ -414,7 +352,6 @@ bool Trials::light_references(const std::function<bool(const ReferenceStanding&)
 }
 
 void Trials::take_references(const Trials& other) {
-    for (const Chunk& window : windows_) measure_start(window);
     truths_ = other.truths_;
     reference_seconds_ = other.reference_seconds_;
     references_ = other.references_;

@@ -12,6 +12,7 @@
 #include "app/experiments/gop_starts.h"
 #include "app/experiments/reference_cache.h"
 #include "app/experiments/windows.h"
+#include "app/loop/forecast.h"
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
 #include "app/loop/shown_light.h"
@@ -62,17 +63,13 @@ struct Trial {
     int quantiser = 4;
     std::optional<double> quality;  ///< it was coded by this instead
     int frames = 0;
-    /// CPU per frame for light, with what coupling it to its coding takes: as in the film, which pays once in a chunk
-    /// for what every window pays for (the calibration of the error scale, the rough first look, light that stands
-    /// still).
-    double seconds = 0;
-    double window_seconds = 0;  ///< the same as it was measured in the windows
-    double rays = 0;            ///< shadow rays and gather rays per gather point
-    double cut = 0;             ///< clusters per gather point
-    double capped = 0;          ///< share of the gather points that the largest cut stopped
-    std::uint64_t points = 0;   ///< gathered for; 0: nothing is lit
-    ErrorHistogram errors;      ///< of luminance over what it should be, or over half a code value where that is more
-    std::uint64_t over = 0;     ///< pixels that err by more than their tolerance
+    double seconds = 0;        ///< CPU per frame for light, with what coupling it to its coding takes
+    double rays = 0;           ///< shadow rays and gather rays per gather point
+    double cut = 0;            ///< clusters per gather point
+    double capped = 0;         ///< share of the gather points that the largest cut stopped
+    std::uint64_t points = 0;  ///< gathered for; 0: nothing is lit
+    ErrorHistogram errors;     ///< of luminance over what it should be, or over half a code value where that is more
+    std::uint64_t over = 0;    ///< pixels that err by more than their tolerance
     std::uint64_t over_twice = 0;  ///< by more than twice of it
     perceptual::FilmQuality lit;   ///< before coding, against the truth
     perceptual::FilmQuality decoded;
@@ -83,8 +80,8 @@ struct Trial {
     double surplus = 0;       ///< of them for I pictures that windows begin with and the film, of longer GOPs, has not
     int requantised = 0;      ///< pictures that the decoder's buffer had no room for at their quantiser
     double code_seconds = 0;  ///< CPU per frame for coding, and for motion where that is not searched for
-    double cpu = 0;           ///< seconds per frame of all of it, seeing included; as in the film, too
-    double clock = 0;         ///< seconds on the clock per frame for all of it, seeing included; as in the film, too
+    double cpu = 0;           ///< seconds per frame of the film, of all of it (film_by)
+    double clock = 0;         ///< likewise on the clock
     std::shared_ptr<const SampleFrame> sample_frame;  ///< null without references
     perceptual::FilmQuality shown;                    ///< decoded, against the pictures as they were lit: of all frames
     perceptual::FilmQuality shown_there;              ///< the same of those that a truth is known of
@@ -174,15 +171,13 @@ class Trials {
   private:
     class Judge;
 
-    /// Notes what a window's light takes before anything is gathered.
-    void measure_start(const Chunk& window);
+    /// What the sample says of the film's time.
+    void set_times(Trial& trial, const FrameSample& sample) const;
     /// With the quality of those pictures that are judged.
     Trial pooled(Trial trial) const {
         if (worst_tenth_) trial.shown = trial.shown.worst_tenth();
         return trial;
     }
-    /// Windows' frames over those of the chunks that the film would be rendered in.
-    double share_of_chunk() const;
 
     /// Lights what a frame has to gather, in parts; false: `part_done` ended it.
     bool light_parts(const scene::Snapshot& world, renderer::Seen& seen, int left, ReferenceStanding& standing,
@@ -197,9 +192,7 @@ class Trials {
     float half_code_ = 0;  ///< luminance
     std::map<std::int64_t, Truth> truths_;
     double reference_seconds_ = 0;
-    double first_light_seconds_ = 0;  ///< CPU to make the lights of all windows' first frames
-    double next_light_seconds_ = 0;   ///< and of the frames beside them: next to nothing where light stands still
-    int references_ = 1;              ///< of each window
+    int references_ = 1;  ///< of each window
     ReferenceCache cache_;
     bool masks_all_ = false, worst_tenth_ = false;
     RunStatistics shown_statistics_;

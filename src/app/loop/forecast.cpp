@@ -4,12 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <utility>
 
 #include "app/files/container_share.h"
 #include "app/loop/counters.h"
 #include "app/loop/memory_need.h"
 #include "app/loop/pipeline.h"
-#include "app/system/interrupt.h"
 #include "app/system/probes.h"
 #include "core/numeric.h"
 #include "core/text.h"
@@ -86,9 +87,9 @@ double groups_of(const RenderJob& film, const std::vector<std::int64_t>& cuts) {
 }
 
 /// A frame behind the first, of the kinds that the film will have.
-FrameCost later_of(const RunStatistics& statistics, const std::vector<std::int64_t>& firsts) {
+FrameCost later_of(std::span<const FrameEntry> frames, const std::vector<std::int64_t>& firsts) {
     Mean seconds[2], bytes[2];  // of P pictures, and of B pictures or what is not coded
-    for (const FrameEntry& entry : statistics.frames) {
+    for (const FrameEntry& entry : frames) {
         if (std::find(firsts.begin(), firsts.end(), entry.frame) != firsts.end()) continue;
         const int kind = entry.type == 'P' || entry.type == 'I' ? 0 : 1;
         seconds[kind].add(entry.seconds);
@@ -220,43 +221,65 @@ FrameSample FrameSample::grown(double times, double power) const {
     return grown;
 }
 
-std::optional<FrameSample> sample_frames(const RenderJob& job, const std::vector<Chunk>& windows, double limit,
-                                         LoopObserver& observer, Progress& progress) {
+std::optional<FrameSample> light_windows(RenderJob film, renderer::Renderer& renderer,
+                                         const std::vector<Chunk>& windows, LoopObserver& observer,
+                                         RunStatistics& statistics, const std::function<bool()>& frame_done,
+                                         const std::function<bool()>& stops) {
     FrameSample found;
-    found.size = size_of(job);
+    found.size = size_of(film);
     const double began = clock_seconds(), cpu_before = cpu_seconds();
-    renderer::Renderer renderer = renderer_of(job);
-    found.built = cpu_seconds() - cpu_before;
+    const std::size_t frames_before = statistics.frames.size();
     std::vector<std::int64_t> firsts;
     Mean seconds, bytes;
     for (const Chunk& window : windows) {
-        RunStatistics statistics;
-        const double before = cpu_seconds();
+        // It owes the next one nothing of a decoder's buffer.
+        film.frames = {window.first, window.last};
+        const std::size_t before = statistics.frames.size();
+        const double start = cpu_seconds();
         double first = 0;
+        bool goes_on = true;
         render_chunk(
-            job, renderer, window, observer, statistics,
+            film, renderer, window, observer, statistics,
             [&] {
-                if (statistics.frames.size() == 1) first = cpu_seconds() - before;
-                progress.advance();
-                return !InterruptGuard::requested();
+                if (statistics.frames.size() == before + 1) first = cpu_seconds() - start;
+                return goes_on = frame_done();
             },
-            [&] { return InterruptGuard::requested() || clock_seconds() > limit; });
-        if (InterruptGuard::requested()) return {};
-        if (statistics.frames.empty()) break;
+            stops);
+        if (!goes_on || InterruptGuard::requested()) return {};
+        if (statistics.frames.size() == before) break;
         firsts.push_back(window.first);
         seconds.add(first);
-        bytes.add(static_cast<double>(statistics.frames.front().bytes));
-        found.statistics = sum_of(found.statistics, statistics);
-        found.frames += static_cast<int>(statistics.frames.size());
-        if (clock_seconds() > limit) break;
+        bytes.add(static_cast<double>(statistics.frames[before].bytes));
+        if (stops()) break;
     }
-    const bool lacks_later = found.frames == static_cast<int>(firsts.size()) && windows.front().frames() > 1;
-    if (firsts.empty() || lacks_later) return {};
-    found.cpu = cpu_seconds() - cpu_before - found.built;
+    if (firsts.empty()) return {};
+    found.frames = static_cast<int>(statistics.frames.size() - frames_before);
+    found.windows = static_cast<int>(firsts.size());
+    found.cpu = cpu_seconds() - cpu_before;
     found.clock = clock_seconds() - began;
     found.first = {seconds.or_else(0), bytes.or_else(0)};
-    found.later = later_of(found.statistics, firsts);
-    found.statistics = totals_of(found.statistics, renderer);
+    found.later = found.frames > found.windows ? later_of(std::span(statistics.frames).subspan(frames_before), firsts)
+                                               : found.first;
+    return found;
+}
+
+std::optional<FrameSample> sample_frames(const RenderJob& job, const std::vector<Chunk>& windows, double limit,
+                                         LoopObserver& observer, Progress& progress) {
+    const double cpu_before = cpu_seconds();
+    renderer::Renderer renderer = renderer_of(job);
+    const double built = cpu_seconds() - cpu_before;
+    RunStatistics statistics;
+    std::optional<FrameSample> found = light_windows(
+        job, renderer, windows, observer, statistics,
+        [&] {
+            progress.advance();
+            return !InterruptGuard::requested();
+        },
+        [&] { return InterruptGuard::requested() || clock_seconds() > limit; });
+    const bool is_enough = found && (found->frames > found->windows || windows.front().frames() == 1);
+    if (!is_enough) return {};
+    found->built = built;
+    found->statistics = totals_of(statistics, renderer);
     return found;
 }
 
@@ -292,8 +315,10 @@ FrameCost film_by(const RenderJob& film, const FrameSample& sample) {
     const auto starts =
         std::min(frames, static_cast<double>(chunks_of(film.frames, film.coding.gop).size() + cuts.size()));
     const double groups = std::min(frames, groups_of(film, cuts));
-    // A film as short as a window has no frames behind it.
-    const double kept = frames <= window_frames ? 1 : kept_later, more = frames <= window_frames ? 1 : bytes_later;
+    // Frames far behind a window's are unlike it; those of long windows, and of films as short as one, are not.
+    const double length = sample.windows > 0 ? static_cast<double>(sample.frames) / sample.windows : window_frames,
+                 unlike = frames <= length ? 0 : std::min(1.0, window_frames / length),
+                 kept = 1 + unlike * (kept_later - 1), more = 1 + unlike * (bytes_later - 1);
     return {starts * sample.first.seconds + (frames - starts) * kept * sample.later.seconds,
             groups * sample.first.bytes + (frames - groups) * more * sample.later.bytes};
 }

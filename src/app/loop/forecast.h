@@ -2,6 +2,7 @@
 // Time, size, memory and disk of a film, from a few of its frames that are lit now.
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
 #include "app/options/chunk.h"
+#include "app/system/interrupt.h"
 #include "app/system/progress.h"
 
 namespace render2mpeg::app {
@@ -23,18 +25,25 @@ struct FrameCost {
 /// behind it.
 struct FrameSample {
     FrameCost first, later;
-    int frames = 0;
+    int frames = 0, windows = 0;
     Size size;
     double cpu = 0, clock = 0;  ///< seconds of all of it
     double built = 0;           ///< CPU of what a run builds once
-    RunStatistics statistics;
+    RunStatistics statistics;   ///< of sample_frames() alone
 
     /// The same in pictures of so many times the pixels; `power` of the pixels for the seconds.
     FrameSample grown(double times, double power) const;
 };
 
-/// Lights and codes the windows; `frame_done` of `progress` counts. Stops in the midst of a frame at `limit`
-/// (clock_seconds()) or an interrupt: none where less than a frame of each kind is known.
+/// Lights and codes windows of a film, each as a film of its own, and adds to the statistics what that takes. None
+/// where `frame_done` said false, or where `stops`, which ends a frame in its midst, left not one of them.
+std::optional<FrameSample> light_windows(RenderJob film, renderer::Renderer& renderer,
+                                         const std::vector<Chunk>& windows, LoopObserver& observer,
+                                         RunStatistics& statistics, const std::function<bool()>& frame_done,
+                                         const std::function<bool()>& stops = &InterruptGuard::requested);
+
+/// The same with a renderer of its own, until `limit` (clock_seconds()) or an interrupt: none where less than a frame
+/// of each kind is known.
 std::optional<FrameSample> sample_frames(const RenderJob& job, const std::vector<Chunk>& windows, double limit,
                                          LoopObserver& observer, Progress& progress);
 

@@ -1,9 +1,11 @@
 #include "app/loop/sink.h"
 
 #include <algorithm>
+#include <system_error>
 
 #include "app/loop/motion_pipe.h"
 #include "app/options/output_kind.h"
+#include "core/error.h"
 #include "encoder/av/y4m.h"
 #include "encoder/av/y4m_reader.h"
 #include "image/image.h"
@@ -71,6 +73,21 @@ void LayersWriter::lit(const LitFrame& frame) {
     image::write_layers(numbered(layers_in(folder_), n), frame.seen.visible, frame.radiance, &before, &after,
                         facts_of(film_, frame), &frame.tolerance);
     write_motion_file(numbered(motion_in(folder_), n), before, after, frame.seen.visible.kind);
+}
+
+void LastFrameWriter::lit(const LitFrame& frame) {
+    if (clock_seconds() < written_ + 1) return;
+    // Whoever looks sees whole pictures alone; a disk that is full costs no film.
+    const std::filesystem::path part = std::filesystem::path(file_) += ".part";
+    std::error_code error;
+    try {
+        image::write_png(part, frame.picture.width(), frame.picture.height(), film_.display().develop_srgb(frame.shown),
+                         film_.format.pixel_aspect);
+        std::filesystem::rename(part, file_, error);
+    } catch (const core::Error&) {
+        std::filesystem::remove(part, error);
+    }
+    written_ = clock_seconds();
 }
 
 void join_y4m(const RenderJob& film, const std::vector<std::filesystem::path>& parts,

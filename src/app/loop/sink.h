@@ -43,6 +43,18 @@ class LayersWriter : public LoopObserver {
     RunStatistics& statistics_;
 };
 
+/// Shows how far a film is: the frame lit last as a PNG, in place of the one before, once a second.
+class LastFrameWriter : public LoopObserver {
+  public:
+    LastFrameWriter(std::filesystem::path file, const RenderJob& film) : file_(std::move(file)), film_(film) {}
+    void lit(const LitFrame& frame) override;
+
+  private:
+    std::filesystem::path file_;
+    const RenderJob& film_;
+    double written_ = 0;  ///< clock_seconds(); 0: not yet
+};
+
 /// The sink for an output that is not a film; null for one that is. `film` must outlive it.
 std::unique_ptr<Sink> make_sink(const RenderJob& film, const std::filesystem::path& output);
 

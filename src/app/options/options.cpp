@@ -39,6 +39,8 @@ void add_product_options(CLI::App& command, RenderOptions& options) {
                "Gather so many pixels of every frame again, by reference light, and find their true light by paths: "
                "say how well tolerances were kept, and how far the picture is off by which cause",
                "N", CLI::Range(0, 1 << 20), shown);
+    add_option(command, run_group, "--last-frame", options.last_frame,
+               "Show the frame lit last in this picture, in place of the one before, once a second", "FILE.png");
     add_option(command, run_group, "--aov", options.layers,
                "Write one multilayer OpenEXR per frame into this folder (docs/pictures.md)", "DIR");
     command

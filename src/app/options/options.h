@@ -97,6 +97,7 @@ struct RenderOptions {
     std::optional<std::filesystem::path> stats;
     std::optional<std::filesystem::path> report;                ///< HTML
     std::optional<std::filesystem::path> layers;                ///< --aov
+    std::optional<std::filesystem::path> last_frame;            ///< --last-frame
     std::vector<std::pair<std::string, std::string>> heatmaps;  ///< subject, file
     bool preview = false;                                       ///< a draft
     std::optional<std::string> effort;                          ///< "draft", or a name of `efforts`

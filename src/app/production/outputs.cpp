@@ -8,6 +8,7 @@
 #include "app/options/output_kind.h"
 #include "app/report/heatmap_film.h"
 #include "app/report/report.h"
+#include "core/text.h"
 
 namespace render2mpeg::app {
 
@@ -21,15 +22,17 @@ void check_before_reading(const RenderOptions& options) {
     if (kind == OutputKind::film || kind == OutputKind::y4m) wishes.films.emplace_back(options.output);
     for (const auto& [subject, file] : options.heatmaps) wishes.films.emplace_back(file);
     for (const Files& film : wishes.films) check_reachable(film.name);
-    for (const auto& file : {options.stats, options.report})
+    for (const auto& file : {options.stats, options.report, options.last_frame})
         if (file) check_reachable(*file);
     if (options.report) check_report(*options.report);
-    if (!options.dry_run && !options.resume) require_consent(wishes, options.overwrite);
+    // Where reading is quick, it is first seen whether an output is an input, too.
+    const bool is_slow = core::ending_of(options.input) == ".blend";
+    if (is_slow && !options.dry_run && !options.resume) require_consent(wishes, options.overwrite);
 }
 
 void check_outputs(const RenderJob& film, const RenderOptions& options) {
     std::vector<Files> outputs{is_one_file(film) ? Files(options.output) : Files(options.output, film.frames),
-                               options.stats.value_or("")};
+                               options.stats.value_or(""), options.last_frame.value_or("")};
     for (const auto& [subject, file] : options.heatmaps) outputs.emplace_back(file);
     if (options.report) {
         outputs.emplace_back(*options.report);

@@ -52,12 +52,15 @@ bool render_whole_chunks(const OpenRender& open) {
     if (files.size() == chunks.size()) return true;
     const std::int64_t frames = chunks.back().last + 1 - chunks.front().first;
     tell_activity("building");
+    const bool takes_turns = film.kind == OutputKind::film && film.coding.b_pictures > 0;
     Progress progress(frames, options.quiet, "frame", Counted::frames, open.clock.seconds(statistics),
-                      chunks.front().frames());
+                      chunks.front().frames(), takes_turns);
     if (!files.empty()) progress.advance_to(static_cast<std::int64_t>(statistics.frames.size()), frames);
     renderer::Renderer renderer = renderer_of(film);
     std::optional<LayersWriter> layers;
     if (options.layers) layers.emplace(*options.layers, film, statistics);
+    std::optional<LastFrameWriter> last_frame;
+    if (options.last_frame) last_frame.emplace(*options.last_frame, film);
     bool whole = true;
     while (files.size() < chunks.size()) {
         const Chunk& chunk = chunks[files.size()];
@@ -69,6 +72,7 @@ bool render_whole_chunks(const OpenRender& open) {
         if (film.kind == OutputKind::film) products.add(coded);
         if (sink) products.add(*sink);
         if (layers) products.add(*layers);
+        if (last_frame) products.add(*last_frame);
         if (!open.heatmaps.empty()) products.add(open.heatmaps);
         if (options.report) products.add(open.sample_frame);
         whole = render_chunk(film, renderer, chunk, products, statistics, [&] {

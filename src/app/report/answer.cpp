@@ -32,7 +32,7 @@ std::optional<std::size_t> cheapest_alike(std::span<const Offer> offers) {
 }
 
 std::string time_text(double clock, double cpu) {
-    return fmt::format("{}, {:.{}f} s of CPU", clock_text(clock), cpu, cpu < 10 ? 1 : 0);
+    return fmt::format("{} ({:.{}f} s of CPU)", clock_text(clock), cpu, cpu < 10 ? 1 : 0);
 }
 
 std::string answer_table(const AnswerHeads& heads, const std::vector<AnswerRow>& rows, const std::string& note) {

@@ -34,7 +34,7 @@ struct Offer {
 /// The row to take: the cheapest that nobody can tell from the best. None where there is none.
 std::optional<std::size_t> cheapest_alike(std::span<const Offer> offers);
 
-/// "0:16, 28 s of CPU": by the clock, and of all threads.
+/// "0:16 (28 s of CPU)": by the clock, and of all threads.
 std::string time_text(double clock, double cpu);
 
 /// Names of the columns.

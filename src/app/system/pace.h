@@ -10,8 +10,8 @@ namespace render2mpeg::app {
 /// ones use, so that it counts apart.
 class Pace {
   public:
-    /// `chunk`: frames of a chunk; 0: all are alike.
-    explicit Pace(std::int64_t chunk = 0) : chunk_(chunk) {}
+    /// `chunk`: frames of a chunk; 0: all are alike. `takes_turns`: the second frame of a chunk is a B picture.
+    explicit Pace(std::int64_t chunk = 0, bool takes_turns = false) : chunk_(chunk), takes_turns_(takes_turns) {}
 
     /// The next frame took so many seconds.
     void add(double seconds);
@@ -30,6 +30,7 @@ class Pace {
     double recent() const;
 
     std::int64_t chunk_, done_ = 0;
+    bool takes_turns_;
     std::vector<double> later_;
     double firsts_ = 0;  ///< seconds of chunks' first frames
     int first_count_ = 0;

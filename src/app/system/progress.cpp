@@ -87,9 +87,9 @@ bool shows_steps() {
 }
 
 Progress::Progress(std::int64_t total, bool quiet, const std::string& work, Counted counted, double seconds_ago,
-                   std::int64_t chunk)
+                   std::int64_t chunk, bool takes_turns)
     : standing_{work, 0, total, 0, seconds_ago, counted != Counted::parts_of_step, {}, ""},
-      pace_(chunk),
+      pace_(chunk, takes_turns),
       quiet_(quiet || style == ProgressStyle::none),
       terminal_(style == ProgressStyle::line && can_rewrite_errors()),
       stays_(counted == Counted::frames),

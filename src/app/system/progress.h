@@ -53,9 +53,9 @@ enum class Counted { frames, frames_of_step, parts_of_step };
 class Progress {
   public:
     /// `total` frames or parts. Silent when `quiet`. `work` names what is counted; it began `seconds_ago`. `chunk`:
-    /// frames of a chunk, whose first takes longer; 0: all are alike.
+    /// frames of a chunk, whose first takes longer; 0: all are alike. `takes_turns`: see Pace.
     Progress(std::int64_t total, bool quiet, const std::string& work = "frame", Counted counted = Counted::frames,
-             double seconds_ago = 0, std::int64_t chunk = 0);
+             double seconds_ago = 0, std::int64_t chunk = 0, bool takes_turns = false);
     ~Progress();
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
