@@ -352,7 +352,7 @@ RenderJob at_effort(const RenderJob& film, const Effort& effort) {
     else
         changed.tolerance.relative = effort.fixed;
     changed.coupling.fraction = changed.tolerance.fraction;
-    changed.rendering.samples = effort.samples;
+    changed.rendering.samples = std::min(film.rendering.samples, effort.samples);
     if (effort.edge_samples > 0)
         changed.rendering.edge_samples = std::min(film.rendering.edge_samples, effort.edge_samples);
     changed.rendering.most_samples = std::min(film.rendering.most_samples, effort.most_samples);

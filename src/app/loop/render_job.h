@@ -79,8 +79,8 @@ RenderJob without(const RenderJob& film, renderer::Pass effect);
 /// The film as --preview makes it where no option says more (app/options/preview_options.h), in the same size.
 RenderJob draft_of(const RenderJob& film);
 
-/// The film as --effort makes it where no option says more (app/options/effort.h), with no finer edges than it has:
-/// beside references with its own they would count as errors.
+/// The film as --effort makes it where no option says more (app/options/effort.h), with no more eye samples than it
+/// has: beside references with its own they would count as errors.
 RenderJob at_effort(const RenderJob& film, const Effort& effort);
 
 /// The film's renderer, its textures read.
