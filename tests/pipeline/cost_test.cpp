@@ -37,6 +37,9 @@ json timeless(json value) {
             value.erase(key);
     if (value.is_structured())
         for (json& part : value) part = timeless(part);
+    // Rows come in the order of their times.
+    if (value.is_object() && value.contains("film") && value.at("film").is_array())
+        std::sort(value["film"].begin(), value["film"].end());
     return value;
 }
 

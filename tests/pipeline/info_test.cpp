@@ -62,8 +62,9 @@ TEST_P(EveryContainer, TellsTypesAndSizesAsFfprobeDoesSlow) {
     EXPECT_EQ(told.at("damaged"), 0);
     EXPECT_EQ(told.at("not_shown"), 0);
     EXPECT_EQ(told.at("groups").at("count"), 2);
-    EXPECT_EQ(told.at("groups").at("longest"), 6);
     const bool mpeg2 = told.at("codec") == "mpeg2";
+    // The second group is open: its I picture comes after a B picture that refers to the first.
+    EXPECT_EQ(told.at("groups").at("longest"), mpeg2 ? 7 : 6);
     EXPECT_EQ(told.at("profile"), mpeg2 ? "Main" : "High");
     EXPECT_EQ(told.at("level"), mpeg2 ? "Main" : "1.0");
     EXPECT_EQ(told.at("fps"), 25);
@@ -162,7 +163,7 @@ TEST(Information, NeverCrashesWhereAFilmEndsEarlyOrIsNoneSlow) {
         EXPECT_NE(outcome.output.find(words), std::string::npos) << outcome.output;
         EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
     };
-    refused(path(folder, "absent.mpg"), "absent.mpg: No such file");
+    refused(path(folder, "absent.mpg"), "absent.mpg: there is no such file");
     ASSERT_EQ(
         run("ffmpeg -v error -f lavfi -i testsrc2=size=64x48 -frames:v 3 -c:v mpeg4 " + path(folder, "f.avi")).status,
         0);
