@@ -160,10 +160,10 @@ TEST_P(EveryCoder, CodesAChunkAlikeWhateverCameBefore) {
 std::vector<std::size_t> deliveries(const encoder::Settings& s, std::chrono::milliseconds pause) {
     const auto coder = av::make_coder(s);
     std::vector<std::size_t> counts;
-    for (int n = 0; n < 2 * s.gop; ++n) {
+    for (int n = 0; n < s.gop; ++n) {
         std::this_thread::sleep_for(pause);
         encoder::PictureFacts facts;
-        facts.frames_left = 2 * s.gop - 1 - n;
+        facts.frames_left = s.gop - 1 - n;
         const encoder::PicturePlan plan = coder->plan(n, facts, n == 0);
         counts.push_back(coder->push(textured(s.width, s.height, n), plan, {}).size());
     }
@@ -172,10 +172,11 @@ std::vector<std::size_t> deliveries(const encoder::Settings& s, std::chrono::mil
 }
 
 TEST_P(EveryCoder, GivesPicturesByCountAndNotByTime) {
-    const encoder::Settings s = settings_of(GetParam());
+    encoder::Settings s = settings_of(GetParam());
+    s.gop = 48;  // longer than any library holds pictures back
     const auto at_once = deliveries(s, std::chrono::milliseconds(0));
     EXPECT_EQ(at_once, deliveries(s, std::chrono::milliseconds(5)));
-    EXPECT_EQ(std::accumulate(at_once.begin(), at_once.end(), std::size_t{0}), static_cast<std::size_t>(2 * s.gop));
+    EXPECT_EQ(std::accumulate(at_once.begin(), at_once.end(), std::size_t{0}), static_cast<std::size_t>(s.gop));
 }
 
 TEST(Coders, OfOneQuantiserCodeGroupsWithTheirOwn) {
