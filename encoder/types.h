@@ -59,8 +59,8 @@ struct Settings {
     std::int64_t first_number = 0;  ///< display number of the film's first picture, where the cadence begins
     int quantiser = 4;              ///< in the codec's scale (encoder/codec.h): quantiser_scale_code, QP, ...
     int gop = 15;                   ///< pictures from I picture to I picture, 1..100,000
-    bool closed_gops = false;       ///< no GOP begins with B pictures that refer to the one before; MPEG-2 alone has any
-    int b_pictures = 3;             ///< most B pictures in a row, 0..3
+    bool closed_gops = false;  ///< no GOP begins with B pictures that refer to the one before; MPEG-2 alone has any
+    int b_pictures = 3;        ///< most B pictures in a row, 0..3
     Effort effort = Effort::quality;
     Tune tune = Tune::psnr;
     RateControl rate_control;
