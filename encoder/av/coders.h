@@ -15,8 +15,8 @@ void check(const encoder::Settings& settings);
 ///
 /// Those of libavcodec hold pictures back until their decoder, which tells what became of each, shows them: an I or P
 /// picture comes when the next one is coded, its B pictures behind it. Their quantisers are as planned; so is what a
-/// macroblock record says of macroblocks that have nothing coded. HEVC's and AV1's pictures come at their chunk's or
-/// group's end.
+/// macroblock record says of macroblocks that have nothing coded. HEVC's and AV1's pictures come when
+/// their group ends: by count, never by other libraries' threads.
 std::unique_ptr<encoder::Coder> make_coder(const encoder::Settings& settings);
 
 }  // namespace render2mpeg::av

@@ -45,12 +45,7 @@ double offset_of(encoder::Codec codec, const PicturePlan& plan) {
     return -strength * std::log2(1.0 + static_cast<double>(std::min(followers, most_followers)));
 }
 
-/// Whether nothing forces an I picture but a new encoder.
-bool begins_anew_with_gop(encoder::Codec codec) {
-    return codec == encoder::Codec::av1;
-}
-
-/// Whether one quantiser is told to an encoder for all its pictures.
+/// Whether one quantiser is told to an encoder for all its pictures: each group then has its own encoder.
 bool has_one_quantiser(encoder::Codec codec) {
     return codec != encoder::Codec::h264;
 }
@@ -99,11 +94,12 @@ class LibraryCoder final : public encoder::Coder {
         PicturePlan plan = order_.plan(number, facts, starts_gop, false);
         if (first_of_chunk) {
             rounding_ = 0;
+            ++chunk_;
             budget_ = facts.allocation ? Budget(facts.allocation->bits_left) : Budget();
         }
         plan.quantiser = limited(base_of(number, facts, starts_gop) + offset_of(settings_.codec, plan));
         plan.references.clear();  // these encoders look for vectors by themselves
-        planned_.push_back({plan, first_of_chunk, facts.allocation ? facts.allocation->bits : 0, group_base_});
+        planned_.push_back({plan, first_of_chunk, chunk_, facts.allocation ? facts.allocation->bits : 0, group_base_});
         return plan;
     }
 
@@ -111,17 +107,17 @@ class LibraryCoder final : public encoder::Coder {
                                    std::span<const core::MotionField>, const encoder::Hints& hints) override {
         EXPECTS(!planned_.empty() && plan == planned_.front().plan);
         std::vector<CodedPicture> complete;
-        if (planned_.front().first_of_chunk || (plan.starts_gop && begins_anew_with_gop(settings_.codec))) {
+        if (planned_.front().first_of_chunk || (plan.starts_gop && has_one_quantiser(settings_.codec))) {
             complete = close();
             encoder::Settings opened = settings_;
             if (has_one_quantiser(settings_.codec)) opened.quantiser = limited(planned_.front().group_base);
             library_ = backend().open_encoder(opened);
         }
-        const double bits = planned_.front().bits;
+        const Planned planned = std::move(planned_.front());
         planned_.pop_front();
         LibraryOrder order{plan.type, plan.starts_gop, quantisers_of(picture, plan, hints)};
         library_->send(picture, order);
-        sent_.push_back({plan, bits, std::move(order.quantisers)});
+        sent_.push_back({plan, planned.chunk, planned.bits, std::move(order.quantisers)});
         // Threads of other libraries decide when their pictures come, and light must not depend on that.
         if (!has_one_quantiser(settings_.codec)) collect(complete);
         return complete;
@@ -137,11 +133,13 @@ class LibraryCoder final : public encoder::Coder {
     struct Planned {
         PicturePlan plan;
         bool first_of_chunk;
+        int chunk;
         double bits;        ///< allocated
         double group_base;  ///< where a group has one quantiser
     };
     struct Sent {
         PicturePlan plan;
+        int chunk;
         double bits;
         core::Plane<std::uint8_t> quantisers;
     };
@@ -240,7 +238,8 @@ class LibraryCoder final : public encoder::Coder {
         coded.reconstruction = std::move(picture.reconstruction);
         coded.macroblocks = records_of(sent->quantisers, picture);
         coded.tells_vectors = false;
-        budget_.spend(sent->bits, 8.0 * static_cast<double>(coded.bytes.size()));
+        // Plans run ahead of pushes: a budget may be the next chunk's already.
+        if (sent->chunk == chunk_) budget_.spend(sent->bits, 8.0 * static_cast<double>(coded.bytes.size()));
         sent_.erase(sent);
         return coded;
     }
@@ -271,6 +270,7 @@ class LibraryCoder final : public encoder::Coder {
     std::deque<Planned> planned_;
     std::deque<Sent> sent_;                    ///< to the library and not come back
     std::unique_ptr<LibraryEncoder> library_;  ///< of a chunk
+    int chunk_ = 0;                            ///< of the picture planned last
     std::int64_t coding_order_ = 0;
     encoder::mpeg2::Frame source_;  ///< kept for its memory
     core::Plane<float> means_;      ///< of macroblocks of the picture pushed last

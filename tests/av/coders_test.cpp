@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
+#include <numeric>
 #include <set>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "av/coded_film.h"
@@ -151,6 +154,50 @@ class EveryCoder : public testing::TestWithParam<Codec> {
 
 TEST_P(EveryCoder, CodesAChunkAlikeWhateverCameBefore) {
     expect_chunk_alone(GetParam());
+}
+
+/// What each push gives, with a pause before each.
+std::vector<std::size_t> deliveries(const encoder::Settings& s, std::chrono::milliseconds pause) {
+    const auto coder = av::make_coder(s);
+    std::vector<std::size_t> counts;
+    for (int n = 0; n < s.gop; ++n) {
+        std::this_thread::sleep_for(pause);
+        encoder::PictureFacts facts;
+        facts.frames_left = s.gop - 1 - n;
+        const encoder::PicturePlan plan = coder->plan(n, facts, n == 0);
+        counts.push_back(coder->push(textured(s.width, s.height, n), plan, {}).size());
+    }
+    counts.push_back(coder->flush().size());
+    return counts;
+}
+
+TEST_P(EveryCoder, GivesPicturesByCountAndNotByTime) {
+    encoder::Settings s = settings_of(GetParam());
+    s.gop = 48;  // longer than any library holds pictures back
+    const auto at_once = deliveries(s, std::chrono::milliseconds(0));
+    EXPECT_EQ(at_once, deliveries(s, std::chrono::milliseconds(5)));
+    EXPECT_EQ(std::accumulate(at_once.begin(), at_once.end(), std::size_t{0}), static_cast<std::size_t>(s.gop));
+}
+
+TEST(Coders, OfOneQuantiserCodeGroupsWithTheirOwn) {
+    for (const Codec codec : {Codec::hevc, Codec::av1}) {
+        if (!is_there(codec)) continue;
+        encoder::Settings s = settings_of(codec);
+        s.rate_control.mode = encoder::RateMode::constant_quality;
+        // Between two quantisers, so that groups have now one and now the other.
+        s.rate_control.quality = 100 - 20 * std::log2(encoder::mpeg2_quantiser_like(codec, s.quantiser + 0.7));
+        CodedPictures whole, alone;
+        const auto coder = av::make_coder(s), other = av::make_coder(s);
+        code_chunk(*coder, s, 0, 2 * s.gop - 1, whole);
+        append(whole, coder->flush());
+        code_chunk(*other, s, s.gop, 2 * s.gop - 1, alone);
+        append(alone, other->flush());
+        const auto gop = static_cast<std::size_t>(s.gop);
+        ASSERT_EQ(whole.size(), 2 * gop);
+        EXPECT_NE(whole[0].quantiser, whole[gop].quantiser);
+        for (std::size_t i = 0; i < gop; ++i)
+            EXPECT_TRUE(whole[gop + i].bytes == alone[i].bytes) << encoder::facts_of(codec).word << " " << i;
+    }
 }
 
 TEST_P(EveryCoder, SaysWhatEveryContainerDecodesTo) {

@@ -58,7 +58,7 @@ const std::vector<Library>& libraries() {
         {"fmt", {"fmt/"}, "", any_number},
         {"nlohmann-json", {"nlohmann/"}, "", any_number},
         {"the processor's intrinsics", {"immintrin.h", "xmmintrin.h", "emmintrin.h"}, "", any_number},
-        {"the C library's heap", {"malloc.h"}, "src/app/", 1},
+        {"the C library's heap", {"malloc.h"}, "", 2},
         {"POSIX",
          {"unistd.h", "dlfcn.h", "elf.h", "fcntl.h", "link.h", "poll.h", "signal.h", "spawn.h", "sys/"},
          "",

@@ -1,5 +1,7 @@
 #include "encoder/av/module/library_encoder.h"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -82,13 +84,34 @@ AVRational pixel_aspect(const encoder::Settings& settings) {
     return shape.num == 0 ? AVRational{1, 1} : av_mul_q(shape, {settings.height, settings.width});
 }
 
+/// While it lives, memory that is handed out holds the same bytes whatever was there before: x265 reads some that it
+/// never wrote, and films must not depend on it.
+class SameMemory {
+  public:
+    explicit SameMemory(encoder::Codec codec) : on_(codec == encoder::Codec::hevc) { set(85); }
+    ~SameMemory() { set(0); }
+    SameMemory(const SameMemory&) = delete;
+    SameMemory& operator=(const SameMemory&) = delete;
+
+  private:
+    void set([[maybe_unused]] int byte) const {
+#ifdef M_PERTURB
+        if (on_) mallopt(M_PERTURB, byte);
+#endif
+    }
+    bool on_;
+};
+
 /// An encoder with its decoder.
 class Library final : public LibraryEncoder {
   public:
     explicit Library(const encoder::Settings& settings) : settings_(settings) {
         const Messages messages;
         if (!packet_ || !frame_ || !shown_) check(AVERROR(ENOMEM), messages);
-        open_encoder(messages);
+        {
+            const SameMemory same(settings.codec);
+            open_encoder(messages);
+        }
         open_decoder(messages);
     }
 
@@ -96,6 +119,7 @@ class Library final : public LibraryEncoder {
 
     void send(const core::Picture& picture, const LibraryOrder& order) override {
         const Messages messages;
+        const SameMemory same(settings_.codec);
         av_frame_unref(frame_.get());
         frame_->format = encoder_->pix_fmt;
         frame_->width = encoder_->width;
@@ -112,6 +136,7 @@ class Library final : public LibraryEncoder {
 
     void end() override {
         const Messages messages;
+        const SameMemory same(settings_.codec);
         check(avcodec_send_frame(encoder_.get(), nullptr), messages);
         receive(messages);
         check(avcodec_send_packet(decoder_.get(), nullptr), messages);
