@@ -258,7 +258,7 @@ std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, const Coarse
     return pooled(std::move(trial));
 }
 
-std::optional<Trial> Trials::run_other(RenderJob film, const std::function<bool()>& frame_done) const {
+std::optional<Trial> Trials::run_other(const RenderJob& film, const std::function<bool()>& frame_done) const {
     Trial trial;
     trial.tolerance = film.tolerance;
     set_coarseness(trial, film.coding.quantiser);

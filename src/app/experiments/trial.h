@@ -120,7 +120,7 @@ class Trials {
 
     /// The windows of another film of the same scene and size, such as a draft, beside the truths that are known; of
     /// its costs `cpu`, `clock`, `bytes` and `surplus` are told. `frame_done` as in run(); none: it ended it.
-    std::optional<Trial> run_other(RenderJob film, const std::function<bool()>& frame_done) const;
+    std::optional<Trial> run_other(const RenderJob& film, const std::function<bool()>& frame_done) const;
 
     /// From now on masked errors are told of all frames, which takes its time (Trial::shown_masked).
     void mask_all() { masks_all_ = true; }
