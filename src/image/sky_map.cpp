@@ -86,6 +86,16 @@ glm::vec3 SkyMap::radiance(glm::vec3 direction, float solid_angle) const {
     return glm::vec3(texture_.sample(uv, {{wide, 0}, {0, high}}));
 }
 
+glm::vec3 SkyMap::radiance_of_ray(glm::vec3 direction, float solid_angle) const {
+    constexpr float turn = 2 * std::numbers::pi_v<float>;
+    const glm::vec3 d = to_map(direction);
+    if (uniform() || !(solid_angle < 2 * turn)) return mean_;
+    const float sine = std::sqrt(d.x * d.x + d.z * d.z);
+    const glm::vec2 uv{0.5f + std::atan2(d.x, -d.z) / turn, std::atan2(sine, d.y) / (0.5f * turn)};
+    const float high = core::sqrt_or_zero(solid_angle) / (0.5f * turn);
+    return glm::vec3(texture_.probe(uv, high * static_cast<float>(texture_.height())));
+}
+
 std::vector<SkySample> SkyMap::samples(int count, const SkyImportance& importance) const {
     if (count <= 0 || !(core::luminance(mean_) > 0)) return {};
     std::vector<SkySample> samples;

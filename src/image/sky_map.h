@@ -27,6 +27,9 @@ class SkyMap {
     /// interpolated. Finite for any arguments.
     glm::vec3 radiance(glm::vec3 direction, float solid_angle) const;
 
+    /// About the same, unevenly blurred near the zenith and the nadir, in a third of the time.
+    glm::vec3 radiance_of_ray(glm::vec3 direction, float solid_angle) const;
+
     /// Mean radiance over the sphere.
     glm::vec3 mean() const { return mean_; }
 

@@ -297,7 +297,19 @@ glm::vec4 Texture::sample(glm::vec2 uv, const Footprint& footprint) const {
         !core::is_finite(footprint.dy) || !(reach < endless))
         return mean_;
 
-    const Probes probes = cover(uv, footprint);
+    return filter(cover(uv, footprint));
+}
+
+glm::vec4 Texture::probe(glm::vec2 uv, float texels) const {
+    if (levels_.size() < 2 || !core::is_finite(uv)) return mean_;
+    Probes probes{uv, {0, 0}, 1, 0, 0, {1, 1}};
+    while (probes.level + 1 < levels_.size() &&
+           texels * texels > levels_[probes.level].texel * levels_[probes.level + 1].texel)
+        ++probes.level;
+    return filter(probes);
+}
+
+glm::vec4 Texture::filter(const Probes& probes) const {
     const bool covered = alpha_ == AlphaMeaning::coverage;
     if (codes_.empty()) {
         const Floats texels{floats_.data()};

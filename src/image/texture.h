@@ -39,6 +39,10 @@ class Texture {
     /// footprint are not finite: mean().
     glm::vec4 sample(glm::vec2 uv, const Footprint& footprint) const;
 
+    /// One bilinear probe of the level whose texels are nearest to `texels` wide, in texels of the finest: for rays of
+    /// which many share the work.
+    glm::vec4 probe(glm::vec2 uv, float texels) const;
+
     /// Mean of the whole texture.
     glm::vec4 mean() const { return mean_; }
     int width() const { return levels_.empty() ? 0 : levels_.front().width; }
@@ -60,6 +64,7 @@ class Texture {
     Probes cover(glm::vec2 uv, const Footprint& footprint) const;
     template <class Texels>
     glm::vec4 filter(const Texels& texels, const Probes& probes) const;
+    glm::vec4 filter(const Probes& probes) const;
 
     std::vector<Level> levels_;
     std::vector<std::uint8_t> codes_;  ///< RGBA of all levels, in the encoding; empty where floats are kept

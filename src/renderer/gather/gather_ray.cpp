@@ -110,7 +110,7 @@ Sighting GatherRays::sighting(const RayQuery& ray, const Hit& hit, float distanc
 /// Radiance of the sky, and of suns that were asked.
 glm::vec3 GatherRays::escaped(glm::vec3 direction, const RayRules& rules, bool mirrored, float solid_angle) const {
     glm::vec3 sky(0);
-    if (sky_light_) sky = posed_scene_.sky()->radiance(direction, solid_angle);
+    if (sky_light_) sky = posed_scene_.sky()->radiance_of_ray(direction, solid_angle);
     sky *= std::min(core::divide_or(rules.brightest, core::luminance(sky), 1.0f), 1.0f);
     const AskedLights* asked = rules.asked;
     if (asked == nullptr || mirrored) return sky;

@@ -144,7 +144,7 @@ glm::vec3 SurfaceCache::lamps(const SurfacePoint& p, const LightQuery& query, st
     const auto pair = [&](Number use) { return glm::vec2(uniform(number, use, 1), uniform(number, use, 2)); };
     if (sources_->has_lamps()) add(sources_->to_lamp(query, uniform(number, lamp, 0), pair(lamp)));
     if (sources_->has_surfaces()) add(sources_->to_surface(query, uniform(number, surface, 0), pair(surface)));
-    if (sources_->has_sky()) add(sources_->to_sky(uniform(number, sky, 0), pair(sky)));
+    if (sources_->has_sky()) add(sources_->to_sky(query, uniform(number, sky, 0), pair(sky)));
     return sum;
 }
 

@@ -103,7 +103,7 @@ glm::vec3 LightPaths::asked(const Way& way, PathNumbers& numbers) const {
     }
     if (lights_.has_sky()) {
         const Three n = three(FirstNumber::sky, FirstNumber::sky_u, FirstNumber::sky_v);
-        sum += answer(way, lights_.to_sky(n.choice, {n.u, n.v}));
+        sum += answer(way, lights_.to_sky(way.query, n.choice, {n.u, n.v}));
     }
     return way.throughput * sum;
 }

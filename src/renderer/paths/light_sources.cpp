@@ -218,10 +218,9 @@ LightSample LightSources::to_surface(const LightQuery& query, float choice, glm:
 
     LightSample sample;
     sample.direction = core::normalize_or(at - query.position, query.normal);
+    if (!(glm::dot(sample.direction, query.normal) > 0.0f)) return {};
     sample.density = surface_density(query, address);
-    if (!(sample.density > 0.0f) || !std::isfinite(sample.density) ||
-        !(glm::dot(sample.direction, query.normal) > 0.0f))
-        return {};
+    if (!(sample.density > 0.0f) || !std::isfinite(sample.density)) return {};
     const SurfacePoint point = posed_scene_.surface_at(address, -sample.direction);
     sample.light = point.unlit ? glm::vec3(0) : point.emission / sample.density;
     const glm::vec3 way = offset_origin(point, -sample.direction) - query.origin;
@@ -245,17 +244,18 @@ float LightSources::surface_density(const LightQuery& query, const core::Surface
     return static_cast<float>(core::divide_or(by_area * distance2, cosine, 0.0));
 }
 
-LightSample LightSources::to_sky(float choice, glm::vec2 u) const {
+LightSample LightSources::to_sky(const LightQuery& query, float choice, glm::vec2 u) const {
     if (sky_.empty()) return {};
     const std::size_t cell = chosen(sky_, static_cast<double>(choice));
     const int row = static_cast<int>(cell) / sky_columns, column = static_cast<int>(cell) % sky_columns;
     LightSample sample;
     const float cosine = row_edge(row) + u.x * (row_edge(row + 1) - row_edge(row));
     sample.direction = sample.ray = sky_direction(cosine, two_pi * (static_cast<float>(column) + u.y) / sky_columns);
+    if (!(glm::dot(sample.direction, query.normal) > 0.0f)) return {};
     sample.far = unlimited;
     sample.density = static_cast<float>(share_of(sky_, cell)) / cell_angle(row);
     if (!(sample.density > 0.0f)) return {};
-    sample.light = posed_scene_.sky()->radiance(sample.direction, 0.0f) / sample.density;
+    sample.light = posed_scene_.sky()->radiance_of_ray(sample.direction, 0.0f) / sample.density;
     return sample;
 }
 

@@ -35,7 +35,7 @@ class LightSources {
     /// To a shining surface. What that emits is textured, and its coverage counts.
     LightSample to_surface(const LightQuery& query, float choice, glm::vec2 u) const;
     /// To the sky, where that is an image; one of one colour is met as often as it should.
-    LightSample to_sky(float choice, glm::vec2 u) const;
+    LightSample to_sky(const LightQuery& query, float choice, glm::vec2 u) const;
 
     /// Radiance of suns with a size that are in this direction, each times what `weight` makes of its density.
     template <class Weight>
