@@ -109,22 +109,25 @@ struct Renderer::Impl {
     }
 
     /// Lets the lights of the posed snapshot shine, and what light bounces off with them; nothing is done where nothing
-    /// that light touches has changed since the last time.
+    /// that light touches has changed since the last time, nor a cut the near field of what is seen.
     void shine(const scene::Snapshot& snapshot) {
-        if (shone_at && same_light(*shone_at, snapshot)) return;
+        const bool is_same = shone_at && same_light(*shone_at, snapshot);
+        if (is_same && !(by_rays() && snapshot.cut_before)) return;
+        std::vector<LightPoint> points;
         {
             const Stopwatch timer(row(Pass::emissive_lights));
-            shining = light_points.at(posed_scene);
+            points = light_points.at(posed_scene);
         }
+        const NearField near_field = by_rays() ? near_field_of(snapshot, points) : NearField();
+        if (is_same && near_field == rays_see.near_field) return;
+        shining = std::move(points);
         shone_at = snapshot;
         has_trees = false;
         const Stopwatch timer(row(by_rays() ? Pass::indirect_tree : Pass::photons));
         rays_see = {brightest_of_rays(posed_scene.sky()),
                     light_points.sky_part() * lobe::inverse_pi / lobe::lobe_rays_disc2, light_points.sky_importance()};
         if (by_rays()) {
-            const EyeLook look =
-                look_about(posed_scene, plan, snapshot.camera, {settings.format.width, settings.format.height});
-            rays_see.near_field = NearField(shining, look);
+            rays_see.near_field = near_field;
             lit_anchors.still =
                 near_light(posed_scene, shining, light_points.average(), rays_see.near_field, statistics.photon_rays);
         }
@@ -133,6 +136,11 @@ struct Renderer::Impl {
         statistics.photon_rays += lit_anchors.rays;
         statistics.photon_energy += lit_anchors.landed;
         statistics.photon_energy_lost += lit_anchors.lost;
+    }
+
+    NearField near_field_of(const scene::Snapshot& snapshot, std::span<const LightPoint> lights) const {
+        return NearField(
+            lights, look_about(posed_scene, plan, snapshot.camera, {settings.format.width, settings.format.height}));
     }
 
     bool by_rays() const { return settings.indirect == Indirect::rays && settings.vpls > 0; }

@@ -13,6 +13,7 @@
 #include "renderer/gather/near_light.h"
 #include "renderer/paths/light_paths.h"
 #include "renderer/tree/light_tree.h"
+#include "tests/renderer/film_stage.h"
 #include "tests/renderer/lighting.h"
 #include "tests/renderer/stage.h"
 
@@ -276,6 +277,27 @@ TEST(NearLight, AndRaysTogetherGiveWhatRaysGive) {
     const float all = by_rays({}), rest = by_rays(field);
     EXPECT_GT(by_points, 0.1f * all);
     EXPECT_NEAR(rest + by_points, all, 0.02f * all);
+}
+
+TEST(NearLight, IsOfTheViewBehindACut) {
+    renderer::Settings settings = test::small_frame(16, 16);
+    settings.indirect = Indirect::rays;
+    const auto room_from = [&](glm::vec3 eye, glm::vec3 target) {
+        SceneBuilder b = shaded_room();
+        b.add_box({3, 0, -2}, {7, 3, 2}, b.add_material(glm::vec3(0.6f)), true);
+        b.add_camera(eye, target);
+        return test::FilmStage(b, settings);
+    };
+    test::FilmStage dark = room_from({6, 1, 1}, {4, 1, 0}), lit = room_from({1, 1, 1.5f}, {0, 1.5f, 0});
+    lit.cut(0.3f);
+    dark.cut(0.3f);
+    ASSERT_NE(dark.renderer().statistics().indirect_points, lit.renderer().statistics().indirect_points);
+    scene::Snapshot world = dark.at(1);
+    world.camera = lit.at(1).camera;
+    world.cut_before = true;
+    const core::ToleranceMap tolerance = core::ToleranceMap::uniform(16, 16, {0.0f, 0.3f});
+    dark.renderer().shade(world, dark.renderer().see(world), tolerance);
+    EXPECT_EQ(dark.renderer().statistics().indirect_points, lit.renderer().statistics().indirect_points);
 }
 
 TEST(FinalGather, OfAnEmptyWorldIsNothing) {

@@ -41,12 +41,14 @@ class NearField {
     bool empty() const { return spheres_.empty(); }
     Part at(glm::vec3 place) const;
     float share(glm::vec3 place) const { return at(place).share; }
+    bool operator==(const NearField&) const = default;
 
   private:
     struct Sphere {
         glm::vec3 centre{0};
         float inverse2 = 0;   ///< 1 / r^2
         float intensity = 0;  ///< luminance
+        bool operator==(const Sphere&) const = default;
     };
     std::vector<Sphere> spheres_;
 };
