@@ -168,6 +168,9 @@ enum class Force : std::uint8_t {
 struct Hints {
     /// Motion to the plan's horizon: what stands still until then gets finer quantisers. Null: not known.
     const core::MotionField* onward = nullptr;
+    /// By macroblock what the picture before does not show (encoder/innovation.h): the more that is, the less fine is
+    /// what `onward` asks for. Null: not known, and taken for nothing.
+    const core::Plane<float>* innovation = nullptr;
     /// Factors of each macroblock's quantiser, finite and above 0, before it is rounded into 1..31: below 1 where a
     /// viewer looks, say. Null: 1.
     const core::Plane<float>* quantiser_factors = nullptr;

@@ -6,6 +6,7 @@
 #include "encoder/av/coders.h"
 #include "encoder/bit_allocation.h"
 #include "encoder/codec.h"
+#include "encoder/innovation.h"
 #include "encoder/motion_nonuniformity.h"
 #include "perceptual/hvs.h"
 #include "perceptual/pumping.h"
@@ -115,17 +116,19 @@ void PictureCoder::look_ahead(encoder::PictureFacts& facts, std::int64_t number)
     facts.b_pictures = ahead_->b_pictures(number - 1, last);
 }
 
-void PictureCoder::watch_light(const core::Picture& picture, Motion& motion) {
-    if (!lights_change_) return;
+core::Plane<float> PictureCoder::compare_with_last(const core::Picture& picture, bool innovation, Motion& motion) {
     const core::MotionField* moved = continues_ ? motion.to(picture.number - 1) : nullptr;
     const StageTimer timer(statistics_, Stage::encode);
-    if (continues_) light_change_ = perceptual::light_change(moved, picture.y, last_luma_);
+    core::Plane<float> shown_anew;
+    if (continues_ && lights_change_) light_change_ = perceptual::light_change(moved, picture.y, last_luma_);
+    if (continues_ && innovation) shown_anew = encoder::innovation(moved, picture.y, last_luma_);
     last_luma_ = picture.y;
+    return shown_anew;
 }
 
 std::vector<encoder::CodedPicture> PictureCoder::code(const core::Picture& picture, const encoder::PicturePlan& plan,
                                                       Motion& motion) {
-    watch_light(picture, motion);
+    const core::Plane<float> innovation = compare_with_last(picture, plan.horizon.has_value(), motion);
     std::vector<core::MotionField> fields = motion.take(plan.references);
     if (fields.empty() && ahead_ != nullptr) {
         const StageTimer timer(statistics_, Stage::encode);
@@ -134,7 +137,8 @@ std::vector<encoder::CodedPicture> PictureCoder::code(const core::Picture& pictu
     const core::MotionField* onward = plan.horizon ? motion.onward(*plan.horizon) : nullptr;
     const StageTimer timer(statistics_, Stage::encode);
     if (quality_) unjudged_.emplace(plan.number, picture.y);
-    std::vector<encoder::CodedPicture> complete = coder_->push(picture, plan, fields, {onward});
+    std::vector<encoder::CodedPicture> complete =
+        coder_->push(picture, plan, fields, {onward, innovation.empty() ? nullptr : &innovation});
     judge(complete);
     return complete;
 }

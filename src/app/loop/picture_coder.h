@@ -49,8 +49,9 @@ class PictureCoder {
   private:
     /// Pictures after this one before another shot begins, a keyframe comes or the chunk ends.
     std::int64_t frames_left(std::int64_t number) const;
-    /// Measures how much light has changed since the picture before.
-    void watch_light(const core::Picture& picture, Motion& motion);
+    /// Learns how much light has changed since the picture before. Gives its encoder::innovation where that is asked
+    /// for and the picture before is there.
+    core::Plane<float> compare_with_last(const core::Picture& picture, bool innovation, Motion& motion);
     encoder::PictureFacts facts_of(std::int64_t number, bool cut_before) const;
     /// Learns what quality the picture has where it is coded by itself.
     void try_quality(const core::Picture& picture);
