@@ -18,8 +18,7 @@ enum class PictureType : std::uint8_t { intra = 1, predicted = 2, bidirectional 
 /// How a film is coded: by our own MPEG-2 encoder, or by one of libavcodec's (encoder/av/coders.h).
 enum class Codec : std::uint8_t { mpeg2, h264, hevc, av1 };
 
-/// How much is tried. `fast`: one prediction mode per macroblock in full, levels one by one. `quality`: several modes,
-/// levels of a whole block at once.
+/// How much is tried: one prediction mode per macroblock in full, or several.
 enum class Effort : std::uint8_t { fast, quality };
 
 /// What errors are weighed by: all alike, or by what the eye sees of their frequency.

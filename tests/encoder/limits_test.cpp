@@ -155,8 +155,8 @@ TEST(Evaluations, OfNoMacroblockExceedTheLimit) {
     };
     for (const auto& [type, effort, least, most] : {Bounds{PictureType::predicted, Effort::quality, 27, 30},
                                                     {PictureType::bidirectional, Effort::quality, 72, 77},
-                                                    {PictureType::predicted, Effort::fast, 9, 11},
-                                                    {PictureType::bidirectional, Effort::fast, 19, 21}}) {
+                                                    {PictureType::predicted, Effort::fast, 13, 15},
+                                                    {PictureType::bidirectional, Effort::fast, 26, 28}}) {
         PictureTask task = noise_task(source, reference);
         task.type = type;
         task.effort = effort;

@@ -54,17 +54,16 @@ inline constexpr float lambda_intra = 0.35f;
 inline constexpr float lambda_bidirectional = 0.85f;
 
 /// Lagrangian of the choice of vectors: Hadamard sum (Kernels::satd_16x16) per bit = lambda_motion * q.
-/// chosen: 2.6 of 1 to 4.
-inline constexpr float lambda_motion = 2.6f;
+/// chosen: 3.5 of 1 to 4.5.
+inline constexpr float lambda_motion = 3.5f;
 
 /// Vectors whose cost is within this factor of the best, at most BestVectors::most, are tried in full.
 /// chosen: 1.1 of 1.05 to 1.2, with at most three vectors.
 inline constexpr float shortlist_reach = 1.1f;
 
-/// Effort::fast tries no more vectors for a macroblock whose Hadamard sum is at most this times q: coefficients of a
-/// third of q on average, of which next to none reach the step of 2q.
-/// chosen: 640 of 384 to 640: time against bits.
-inline constexpr int enough_fast = 640;
+/// Effort::fast tries no more vectors for a macroblock whose Hadamard sum is at most this times q.
+/// chosen: 300 of 200 to 640: time against bits.
+inline constexpr int enough_fast = 300;
 
 /// Whole pixels to each side of the best vector so far that are searched (motion_search.h); multiples of 4.
 /// chosen: 16 of 8 to 24 for Effort::quality, 8 of 0 to 24 for Effort::fast: time against bits.
@@ -80,8 +79,8 @@ inline constexpr float skip_fast = 30;
 
 /// Effort::fast leaves out blocks of an inter macroblock whose squared error is below this times the smallest step's
 /// square; below 1 none of its coefficients reaches a step.
-/// chosen: 3 of 2 to 6: time against bits.
-inline constexpr float energy_fast = 3;
+/// chosen: 2 of 1.5 to 6: time against bits.
+inline constexpr float energy_fast = 2;
 
 /// Effort::fast tries intra only where inter coding comes to the cost of this many bits.
 /// chosen: 100 of 29 (the least that intra can take) to 100: time against bits.
