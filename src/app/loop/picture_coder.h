@@ -37,9 +37,10 @@ class PictureCoder {
 
     /// The chunk's first pictures as they were coded roughly (encoder::PictureFacts::trial).
     void expect(std::vector<encoder::FirstPassPicture> trial) { trial_ = std::move(trial); }
-    /// How the next picture in display order will be coded. `picture`: it, where it is there already, else null.
+    /// How the next picture in display order will be coded. `pictures`: it and those that follow, as far as they are
+    /// there already.
     encoder::PicturePlan plan(std::int64_t number, bool cut_before, Motion& motion,
-                              const core::Picture* picture = nullptr);
+                              std::span<const core::Picture* const> pictures = {});
     /// Codes the next of the planned pictures and returns those that became complete. Takes fields out of `motion`.
     std::vector<encoder::CodedPicture> code(const core::Picture& picture, const encoder::PicturePlan& plan,
                                             Motion& motion);
@@ -53,8 +54,8 @@ class PictureCoder {
     /// for and the picture before is there.
     core::Plane<float> compare_with_last(const core::Picture& picture, bool innovation, Motion& motion);
     encoder::PictureFacts facts_of(std::int64_t number, bool cut_before) const;
-    /// Learns what quality the picture has where it is coded by itself.
-    void try_quality(const core::Picture& picture);
+    /// Learns from a shot's first pictures, coded roughly, what quality they have with which quantiser.
+    void try_quality(std::span<const core::Picture* const> pictures);
     /// Learns what quality pictures came to.
     void judge(const std::vector<encoder::CodedPicture>& pictures);
     /// Adds what the look-ahead tells.
