@@ -148,7 +148,7 @@ Job prepare(const EncodeOptions& options) {
     coding.transfer_characteristics = transfer_of(view);
     job.film.keyframes = keyframes_of(options.coding);
     job.film.disc = preset != nullptr && preset->disc;
-    av::check(coding);
+    check_settings(coding);
     job.film.source = input_name(options);
     if (!options.as && options.input != "-") check_outputs(options, job.film.frames);
     // Finished frames are a film from their first one on, whatever their numbers.
