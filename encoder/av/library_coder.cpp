@@ -116,7 +116,7 @@ class LibraryCoder final : public encoder::Coder {
         }
         const Planned planned = std::move(planned_.front());
         planned_.pop_front();
-        LibraryOrder order{plan.type, plan.starts_gop, quantisers_of(picture, plan, hints)};
+        LibraryOrder order{plan.type, plan.starts_gop, quantisers_of(plan, hints)};
         library_->send(picture, order);
         sent_.push_back({plan, planned.chunk, planned.bits, std::move(order.quantisers)});
         // Threads of other libraries decide when their pictures come, and light must not depend on that.
@@ -177,8 +177,7 @@ class LibraryCoder final : public encoder::Coder {
 
     /// By macroblock: what later pictures are predicted from is finer. In steps of two, since x264 gives a macroblock
     /// whose quantiser differs by one from its neighbour's that one's.
-    core::Plane<std::uint8_t> quantisers_of(const core::Picture& picture, const PicturePlan& plan,
-                                            const encoder::Hints& hints) {
+    core::Plane<std::uint8_t> quantisers_of(const PicturePlan& plan, const encoder::Hints& hints) {
         const auto nominal = static_cast<std::uint8_t>(plan.quantiser);
         if (has_one_quantiser(settings_.codec)) return {1, 1, nominal};
         core::Plane<std::uint8_t> quantisers(columns_, rows_, nominal);
