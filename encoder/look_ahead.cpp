@@ -264,15 +264,20 @@ std::optional<std::int64_t> LookAhead::frames_left(std::int64_t number) {
     return last - number;
 }
 
+bool LookAhead::light_changes(std::int64_t reference, std::int64_t last) {
+    Impl& m = *impl_;
+    std::int64_t far = std::min(last, reference + m.most_b + 1);
+    while (!m.is_there(far)) --far;
+    return far > reference + 1 && m.is_lit(far, reference);
+}
+
 int LookAhead::b_pictures(std::int64_t reference, std::int64_t last) {
     Impl& m = *impl_;
     last = std::min(last, reference + depth - 1);
     while (!m.is_there(last)) --last;
     const std::int64_t count = last - reference;
-    // Where light changes, the mean of two references is right in the middle between them alone; costs do not tell,
-    // since a block's mean takes as few bits over two pictures as over one.
-    const std::int64_t far = std::min(last, reference + m.most_b + 1);
-    if (count > 1 && m.is_lit(far, reference)) return std::min(1, m.most_b);
+    // Costs do not tell of light, since a block's mean takes as few bits over two pictures as over one.
+    if (light_changes(reference, last)) return std::min(1, m.most_b);
     // The least cost of the pictures up to each P picture, and the first run's length there.
     std::array<double, depth + 1> least{};
     std::array<int, depth + 1> first{};

@@ -32,6 +32,9 @@ class LookAhead {
     bool cut_before(std::int64_t number);
     /// Pictures that follow before the next cut or the end; none where neither is seen.
     std::optional<std::int64_t> frames_left(std::int64_t number);
+    /// Whether light changes along motion from the I or P picture `reference` on, so that one B picture should stand
+    /// alone: the mean of two references is right in the middle between them alone.
+    bool light_changes(std::int64_t reference, std::int64_t last);
     /// How many B pictures should follow the I or P picture `reference` where a P picture or none comes at last at
     /// `last` > `reference`.
     int b_pictures(std::int64_t reference, std::int64_t last);

@@ -18,8 +18,7 @@ enum class PictureType : std::uint8_t { intra = 1, predicted = 2, bidirectional 
 /// How a film is coded: by our own MPEG-2 encoder, or by one of libavcodec's (encoder/av/coders.h).
 enum class Codec : std::uint8_t { mpeg2, h264, hevc, av1 };
 
-/// How much is tried. `fast`: one prediction mode per macroblock in full, levels one by one. `quality`: several modes,
-/// levels of a whole block at once.
+/// How much is tried: one prediction mode per macroblock in full, or several.
 enum class Effort : std::uint8_t { fast, quality };
 
 /// What errors are weighed by: all alike, or by what the eye sees of their frequency.
@@ -168,6 +167,9 @@ enum class Force : std::uint8_t {
 struct Hints {
     /// Motion to the plan's horizon: what stands still until then gets finer quantisers. Null: not known.
     const core::MotionField* onward = nullptr;
+    /// By macroblock what the picture before does not show (encoder/innovation.h): the more that is, the less fine is
+    /// what `onward` asks for. Null: not known, and taken for nothing.
+    const core::Plane<float>* innovation = nullptr;
     /// Factors of each macroblock's quantiser, finite and above 0, before it is rounded into 1..31: below 1 where a
     /// viewer looks, say. Null: 1.
     const core::Plane<float>* quantiser_factors = nullptr;

@@ -68,7 +68,10 @@ struct Run {
         ToldMotion motion(clip, told, n);
         if (n > 0) motion.to(n - 1);
         const bool cut = ahead && look(clip, n);
-        const encoder::PicturePlan plan = coder->plan(n, cut, motion, ahead ? &picture : nullptr);
+        std::vector<const core::Picture*> pictures;
+        for (std::int64_t i = n; ahead && i < std::min(looked, n + 1 + encoder::LookAhead::depth); ++i)
+            pictures.push_back(&clip.pictures[static_cast<std::size_t>(i)]);
+        const encoder::PicturePlan plan = coder->plan(n, cut, motion, pictures);
         if (codec.search > 0) {
             SearchedMotion searched(clip, picture, measured.quantiser, codec.search, evaluations);
             return take(clip, coder->code(picture, plan, searched));

@@ -81,7 +81,8 @@ class LibraryCoder final : public encoder::Coder {
         : settings_(settings),
           facts_(encoder::facts_of(settings.codec)),
           order_(settings.gop, settings.b_pictures),
-          source_((settings.width + 15) / 16, (settings.height + 15) / 16) {}
+          columns_((settings.width + 15) / 16),
+          rows_((settings.height + 15) / 16) {}
 
     PicturePlan plan(std::int64_t number, const encoder::PictureFacts& told, bool first_of_chunk) override {
         // chosen: runs as long as may be; what shortens them in MPEG-2 (uneven motion, light that changes) does not pay
@@ -115,7 +116,7 @@ class LibraryCoder final : public encoder::Coder {
         }
         const Planned planned = std::move(planned_.front());
         planned_.pop_front();
-        LibraryOrder order{plan.type, plan.starts_gop, quantisers_of(picture, plan, hints)};
+        LibraryOrder order{plan.type, plan.starts_gop, quantisers_of(plan, hints)};
         library_->send(picture, order);
         sent_.push_back({plan, planned.chunk, planned.bits, std::move(order.quantisers)});
         // Threads of other libraries decide when their pictures come, and light must not depend on that.
@@ -176,33 +177,20 @@ class LibraryCoder final : public encoder::Coder {
 
     /// By macroblock: what later pictures are predicted from is finer. In steps of two, since x264 gives a macroblock
     /// whose quantiser differs by one from its neighbour's that one's.
-    core::Plane<std::uint8_t> quantisers_of(const core::Picture& picture, const PicturePlan& plan,
-                                            const encoder::Hints& hints) {
+    core::Plane<std::uint8_t> quantisers_of(const PicturePlan& plan, const encoder::Hints& hints) {
         const auto nominal = static_cast<std::uint8_t>(plan.quantiser);
         if (has_one_quantiser(settings_.codec)) return {1, 1, nominal};
-        core::Plane<std::uint8_t> quantisers(source_.columns(), source_.rows(), nominal);
-        const core::Plane<float> change = light_change(picture, plan);
+        core::Plane<std::uint8_t> quantisers(columns_, rows_, nominal);
         const core::Plane<float> factors =
-            encoder::mpeg2::overrides_from(hints, source_.columns(), source_.rows(), &change).quantiser_factors;
+            encoder::mpeg2::overrides_from(hints, columns_, rows_,
+                                           encoder::mpeg2_quantiser_like(settings_.codec, plan.quantiser))
+                .quantiser_factors;
         for (std::size_t i = 0; i < factors.size(); ++i) {
             const double offset = quantisers_for_doubling(settings_.codec) * std::log2(factors.values()[i]);
             quantisers.values()[i] =
                 static_cast<std::uint8_t>(limited(plan.quantiser + 2.0 * std::round(0.5 * offset)));
         }
         return quantisers;
-    }
-
-    /// By how much the means of macroblocks differ from those of the picture before; 0 where a chunk begins.
-    core::Plane<float> light_change(const core::Picture& picture, const PicturePlan& plan) {
-        encoder::mpeg2::pad(picture, source_);
-        core::Plane<float> now = encoder::mpeg2::macroblock_means(source_);
-        core::Plane<float> change(now.width(), now.height(), 0.0f);
-        if (plan.number > 0 && last_pushed_ == plan.number - 1)
-            for (std::size_t i = 0; i < change.size(); ++i)
-                change.values()[i] = std::abs(now.values()[i] - means_.values()[i]);
-        means_ = std::move(now);
-        last_pushed_ = plan.number;
-        return change;
     }
 
     std::vector<CodedPicture> close() {
@@ -212,7 +200,6 @@ class LibraryCoder final : public encoder::Coder {
         collect(complete);
         EXPECTS(sent_.empty());
         library_.reset();
-        last_pushed_ = -1;
         return complete;
     }
 
@@ -248,7 +235,7 @@ class LibraryCoder final : public encoder::Coder {
     /// whatever was asked for, and uses none: it keeps what was planned.
     core::Plane<encoder::MacroblockRecord> records_of(const core::Plane<std::uint8_t>& planned,
                                                       const LibraryPicture& picture) const {
-        core::Plane<encoder::MacroblockRecord> records(source_.columns(), source_.rows());
+        core::Plane<encoder::MacroblockRecord> records(columns_, rows_);
         std::uint8_t before = 0;
         for (std::size_t i = 0; i < records.size(); ++i) {
             encoder::MacroblockRecord& record = records.values()[i];
@@ -272,9 +259,7 @@ class LibraryCoder final : public encoder::Coder {
     std::unique_ptr<LibraryEncoder> library_;  ///< of a chunk
     int chunk_ = 0;                            ///< of the picture planned last
     std::int64_t coding_order_ = 0;
-    encoder::mpeg2::Frame source_;  ///< kept for its memory
-    core::Plane<float> means_;      ///< of macroblocks of the picture pushed last
-    std::int64_t last_pushed_ = -1;
+    int columns_, rows_;     ///< of macroblocks
     double rounding_ = 0;    ///< of the bases of pictures so far
     double group_base_ = 0;  ///< of the pictures of a group
     Budget budget_;

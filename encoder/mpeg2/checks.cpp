@@ -83,6 +83,10 @@ void check_pushed(const Settings& settings, const core::Picture& picture, const 
         EXPECTS(std::all_of(hints.quantiser_factors->values().begin(), hints.quantiser_factors->values().end(),
                             [](float factor) { return std::isfinite(factor) && factor > 0; }));
     }
+    if (hints.innovation) {
+        check_map(settings, *hints.innovation);
+        EXPECTS(std::all_of(hints.innovation->values().begin(), hints.innovation->values().end(), is_amount));
+    }
     if (hints.forced) check_map(settings, *hints.forced);
     if (!hints.onward) return;
     EXPECTS(plan.horizon.has_value());

@@ -13,7 +13,6 @@
 #include "encoder/mpeg2/checks.h"
 #include "encoder/mpeg2/kernels/frame.h"
 #include "encoder/mpeg2/macroblock/intra_refresh.h"
-#include "encoder/mpeg2/macroblock/macroblock_tree.h"
 #include "encoder/mpeg2/macroblock/overrides.h"
 #include "encoder/mpeg2/macroblock/weighting_matrices.h"
 #include "encoder/mpeg2/motion/candidates.h"
@@ -99,12 +98,9 @@ struct Encoder::Impl {
     // Where push() stands.
     std::optional<Reference> earlier, later;  ///< the newest two I and P pictures
     std::vector<DelayedB> delayed;            ///< for the one after `later`
-    core::Plane<float> means;                 ///< of macroblocks of the picture pushed last; empty: none
     std::int64_t gop_start = 0;               ///< first picture of the GOP in display order
     std::int64_t coding_order = 0;
 
-    /// By how much the means of macroblocks differ from those of the picture before; 0 where the session has none.
-    core::Plane<float> light_change(const mpeg2::Frame& picture, std::int64_t number);
     void enter(std::int64_t number, const PictureFacts& facts, bool first_of_chunk);
     Session& session_of(std::int64_t number);
     void write_headers(mpeg2::BitWriter& out, const PicturePlan& plan) const;
@@ -118,17 +114,6 @@ struct Encoder::Impl {
     void keep(const PicturePlan& plan, mpeg2::PictureResult result, CodedPicture& coded);
     void code_delayed(std::vector<CodedPicture>& complete);
 };
-
-core::Plane<float> Encoder::Impl::light_change(const mpeg2::Frame& picture, std::int64_t number) {
-    const bool begins =
-        std::any_of(sessions.begin(), sessions.end(), [&](const Session& s) { return s.first == number; });
-    core::Plane<float> now = mpeg2::macroblock_means(picture), change(now.width(), now.height(), 0.0f);
-    if (!begins && !means.empty())
-        std::transform(now.values().begin(), now.values().end(), means.values().begin(), change.values().begin(),
-                       [](float a, float b) { return std::abs(a - b); });
-    means = std::move(now);
-    return change;
-}
 
 /// Finds the session that a picture to be planned belongs to, or begins one.
 void Encoder::Impl::enter(std::int64_t number, const PictureFacts& facts, bool first_of_chunk) {
@@ -320,9 +305,8 @@ std::vector<CodedPicture> Encoder::push(const core::Picture& picture, const Pict
     mpeg2::Frame waiting = delays ? mpeg2::Frame(m.source.columns(), m.source.rows()) : mpeg2::Frame();
     mpeg2::Frame& padded = delays ? waiting : m.source;
     mpeg2::pad(picture, padded);
-    const core::Plane<float> light_change = m.light_change(padded, plan.number);
     mpeg2::MacroblockOverrides overrides =
-        mpeg2::overrides_from(hints, m.source.columns(), m.source.rows(), &light_change);
+        mpeg2::overrides_from(hints, m.source.columns(), m.source.rows(), plan.quantiser);
     std::vector<CodedPicture> complete;
     if (delays) {
         m.delayed.push_back(DelayedB{plan, std::move(waiting), std::move(exact), std::move(overrides)});

@@ -153,10 +153,10 @@ TEST(Evaluations, OfNoMacroblockExceedTheLimit) {
         Effort effort;
         std::uint64_t least, most;  ///< per macroblock
     };
-    for (const auto& [type, effort, least, most] : {Bounds{PictureType::predicted, Effort::quality, 27, 30},
-                                                    {PictureType::bidirectional, Effort::quality, 72, 77},
-                                                    {PictureType::predicted, Effort::fast, 9, 11},
-                                                    {PictureType::bidirectional, Effort::fast, 19, 21}}) {
+    for (const auto& [type, effort, least, most] : {Bounds{PictureType::predicted, Effort::quality, 20, 23},
+                                                    {PictureType::bidirectional, Effort::quality, 64, 69},
+                                                    {PictureType::predicted, Effort::fast, 13, 15},
+                                                    {PictureType::bidirectional, Effort::fast, 26, 28}}) {
         PictureTask task = noise_task(source, reference);
         task.type = type;
         task.effort = effort;

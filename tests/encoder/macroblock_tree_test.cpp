@@ -4,11 +4,23 @@
 
 #include <cmath>
 
+#include "encoder/innovation.h"
 #include "encoder/mpeg2/bitstream/tuning.h"
 #include "film.h"
 
 namespace render2mpeg::encoder::testing {
 namespace {
+
+/// The factor of a macroblock whose quality `heirs` pictures inherit, where `followers` depend on its picture.
+float factor_of(double followers, double heirs) {
+    return static_cast<float>(std::pow(1 + followers, mpeg2::propagation_strength) *
+                              std::pow(1 + heirs, -mpeg2::inheritance_strength));
+}
+
+/// 1/2 + 1/4 + ...: what is predicted between pixels keeps a half each time.
+double halves(int count) {
+    return 1 - std::pow(0.5, count);
+}
 
 TEST(MacroblockTree, OnlyMacroblocksThatStandStillThroughoutAreFinerThanTheirPicture) {
     core::MotionField onward = uniform_motion(50, 32, 3, {0, 0});
@@ -17,32 +29,61 @@ TEST(MacroblockTree, OnlyMacroblocksThatStandStillThroughoutAreFinerThanTheirPic
     onward.kind.at(36, 0) = core::PixelClass::none;  // (2, 0)
     onward.vector.at(0, 16) = {0.1f, -0.1f};         // (0, 1): a rounding error's worth
     onward.vector.at(48, 30) = {std::nanf(""), 0};   // (3, 1), which hangs over the side
-    const core::Plane<float> factors = mpeg2::quantiser_factors(onward, 4, 2);
-    const auto whole = static_cast<float>(mpeg2::propagation_strength);
-    const float finer = std::pow(8.0f, whole - mpeg2::static_propagation_strength);
+    const core::Plane<float> factors = mpeg2::quantiser_factors(onward, nullptr, 4, 2, 4);
+    const float finer = factor_of(7, 7), moving = factor_of(7, halves(7));
     ASSERT_LT(finer, 0.75f);
-    const float part = std::pow(8.0f / (1 + 7 * 15 / 16.0f), whole);  // a sixteenth of (2, 0) is not there later
-    const float expected[2][4] = {{finer, 1, part, finer}, {finer, finer, finer, 1}};
+    ASSERT_NEAR(moving, 1, 0.05f);
+    const float part = factor_of(7, halves(7) * 15 / 16);  // a sixteenth of (2, 0) is not there later
+    const float expected[2][4] = {{finer, moving, part, finer}, {finer, finer, finer, moving}};
     for (int row = 0; row < 2; ++row)
         for (int column = 0; column < 4; ++column)
             EXPECT_NEAR(factors.at(column, row), expected[row][column], 1e-6f) << column << ", " << row;
 }
 
-TEST(MacroblockTree, WhatStandsStillInLightThatChangesIsLessFine) {
+TEST(MacroblockTree, WhatIsShownAnewIsInheritedByNobody) {
     core::MotionField onward = uniform_motion(64, 16, 3, {0, 0});
     onward.reference = 10;
-    core::Plane<float> light_change(4, 1, 0.0f);
-    light_change.at(1, 0) = 0.2f;
-    light_change.at(2, 0) = 1.0f;
-    light_change.at(3, 0) = 40.0f;
-    const core::Plane<float> factors = mpeg2::quantiser_factors(onward, 4, 1, &light_change);
-    const auto whole = static_cast<float>(mpeg2::propagation_strength);
-    const float still = std::pow(8.0f, whole - mpeg2::static_propagation_strength),
-                lit = std::pow(8.0f, whole - mpeg2::lit_propagation_strength);
-    EXPECT_NEAR(factors.at(0, 0), still, 1e-6f);
-    EXPECT_NEAR(factors.at(1, 0), still, 1e-6f);
-    EXPECT_NEAR(factors.at(2, 0), lit, 1e-6f);
-    EXPECT_NEAR(factors.at(3, 0), still, 1e-6f) << "the first picture of another scene";
+    core::Plane<float> innovation(4, 1, 0.0f);
+    innovation.at(1, 0) = 1;
+    innovation.at(2, 0) = 16 * static_cast<float>(mpeg2::unseen_innovation);
+    innovation.at(3, 0) = 1e6f;
+    const core::Plane<float> factors = mpeg2::quantiser_factors(onward, &innovation, 4, 1, 4);
+    EXPECT_NEAR(factors.at(0, 0), factor_of(7, 7), 1e-6f);
+    EXPECT_NEAR(factors.at(1, 0), factor_of(7, 7), 0.02f);
+    EXPECT_NEAR(factors.at(2, 0), factor_of(7, halves(7)), 1e-6f) << "the half of it is quantised away";
+    EXPECT_NEAR(factors.at(3, 0), factor_of(7, 0), 1e-4f);
+}
+
+TEST(Innovation, IsWhatMotionDoesNotExplain) {
+    // A texture slides by 2.5 pixels; in the third macroblock a lamp adds 6, the last one shows what came in.
+    const core::Picture before = paint(64, 16, 0, [](int plane, double x, double y) { return texture(plane, x, y); });
+    core::Plane<std::uint8_t> now(64, 16);
+    for (int y = 0; y < 16; ++y)
+        for (int x = 0; x < 64; ++x) {
+            const int left = std::min(x + 2, 63), right = std::min(x + 3, 63);
+            now.at(x, y) = static_cast<std::uint8_t>((before.y.at(left, y) + before.y.at(right, y) + 1) / 2 +
+                                                     (x / 16 == 2 ? 6 : 0));
+        }
+    core::MotionField motion = uniform_motion(64, 16, 1, {2.5f, 0});
+    motion.kind.at(0, 0) = core::PixelClass::none;
+    const core::Plane<float> means = innovation(&motion, now, before.y);
+    ASSERT_EQ(means.width(), 4);
+    EXPECT_NEAR(means.at(0, 0), 400.0f / 64, 0.26f) << "one of 64 samples";
+    EXPECT_LT(means.at(1, 0), 0.26f);
+    EXPECT_NEAR(means.at(2, 0), 36, 4);
+    EXPECT_NEAR(means.at(3, 0), 400.0f / 8, 0.3f) << "a column of eight";
+    EXPECT_GT(innovation(nullptr, now, before.y).at(1, 0), 4) << "it has moved";
+    motion.vector.at(16, 0) = {std::nanf(""), 0};
+    EXPECT_GT(innovation(&motion, now, before.y).at(1, 0), 6);
+}
+
+/// Mean luma of each macroblock, code values.
+core::Plane<float> macroblock_means(const core::Picture& picture) {
+    core::Plane<float> means(picture.width() / 16, picture.height() / 16, 0.0f);
+    for (int y = 0; y < picture.height(); ++y)
+        for (int x = 0; x < picture.width(); ++x)
+            means.at(x / 16, y / 16) += static_cast<float>(picture.y.at(x, y)) / 256;
+    return means;
 }
 
 /// How much the mean errors of macroblocks change from picture to picture, root mean square.
@@ -50,11 +91,8 @@ double pumping_of(const std::vector<CodedPicture>& coded, const std::vector<core
     std::vector<core::Plane<float>> errors(film.size());
     for (const CodedPicture& c : coded) {
         const auto n = static_cast<std::size_t>(c.plan.number);
-        mpeg2::Frame decoded(4, 4), source(4, 4);
-        mpeg2::pad(c.reconstruction, decoded);
-        mpeg2::pad(film[n], source);
-        errors[n] = mpeg2::macroblock_means(decoded);
-        const core::Plane<float> means = mpeg2::macroblock_means(source);
+        errors[n] = macroblock_means(c.reconstruction);
+        const core::Plane<float> means = macroblock_means(film[n]);
         for (std::size_t i = 0; i < means.size(); ++i) errors[n].values()[i] -= means.values()[i];
     }
     double sum = 0, count = 0;
@@ -97,20 +135,20 @@ TEST(MacroblockTree, LightThatRisesEvenlyIsNoStair) {
 TEST(MacroblockTree, WhatLeavesThePictureIsCoarserThanWhatStays) {
     core::MotionField onward = uniform_motion(64, 16, 0, {-24, 0});
     onward.reference = 4;
-    const core::Plane<float> factors = mpeg2::quantiser_factors(onward, 4, 1);
-    const float all = std::pow(5.0f, static_cast<float>(mpeg2::propagation_strength));
-    EXPECT_NEAR(factors.at(0, 0), all, 1e-6f);
-    EXPECT_GT(factors.at(1, 0), 1.0f);
-    EXPECT_LT(factors.at(1, 0), all);
-    EXPECT_EQ(factors.at(2, 0), 1.0f);
-    EXPECT_EQ(factors.at(3, 0), 1.0f);
+    const core::Plane<float> factors = mpeg2::quantiser_factors(onward, nullptr, 4, 1, 4);
+    const float none = factor_of(4, 0), all = factor_of(4, halves(4));
+    EXPECT_NEAR(factors.at(0, 0), none, 1e-6f);
+    EXPECT_GT(factors.at(1, 0), all);
+    EXPECT_LT(factors.at(1, 0), none);
+    EXPECT_NEAR(factors.at(2, 0), all, 1e-6f);
+    EXPECT_NEAR(factors.at(3, 0), all, 1e-6f);
 }
 
 TEST(MacroblockTree, MacroblocksBeyondThePictureAreWorthNothing) {
     // 40 lines shown as fields are coded as 64: whole macroblocks in each field.
     core::MotionField onward = uniform_motion(16, 40, 0, {0, 0});
     onward.reference = 7;
-    const core::Plane<float> factors = mpeg2::quantiser_factors(onward, 1, 4);
+    const core::Plane<float> factors = mpeg2::quantiser_factors(onward, nullptr, 1, 4, 4);
     EXPECT_LT(factors.at(0, 2), 0.7f) << "half of it is seen";
     EXPECT_GE(factors.at(0, 3), 1.0f);
 }

@@ -47,6 +47,9 @@ TEST(QualityControl, BeginsWithTheUsualQuantiserAndForgetsAFilmAtACut) {
     EXPECT_EQ(control.factor(), 1);
     control.learn(PictureType::intra, 4, 0.01);
     EXPECT_GT(control.factor(), 1.2) << "this film can be coarser";
+    QualityControl next(60);
+    next.expect(control);
+    EXPECT_GT(next.factor(), 1.2) << "known, but not shown";
     control.forget();
     EXPECT_EQ(control.factor(), 1);
 }

@@ -15,9 +15,8 @@ inline constexpr double quantiser_ratio_bidirectional = 1.5;
 /// distance of P pictures, in pixels. chosen: 1.8, which takes the best of distances 2 to 4 for each clip.
 inline constexpr double nonuniform_reach = 1.8;
 
-/// Light that changes by more than this has one B picture between two others, and its macroblocks are no longer as fine
-/// as what is copied unchanged: code values per picture. chosen: 0.25: a lamp that crosses a room has 1, ordinary films
-/// less than 0.2.
+/// Light that changes by more than this has one B picture between two others: code values per picture. chosen: 0.25: a
+/// lamp that crosses a room has 1, ordinary films less than 0.2.
 inline constexpr double steady_light = 0.25;
 
 /// Weight of an error of a block's mean in P and B pictures: that of luma as a whole is seen to step.
@@ -32,13 +31,15 @@ inline constexpr double propagation_strength = 0.08;
 /// chosen: 24; without a limit GOPs of 60 begin with quantiser 1 where 2 was asked for.
 inline constexpr std::int64_t most_followers = 24;
 
-/// Exponent of the quantiser of what later pictures copy unchanged (macroblock_tree.h).
-/// chosen: 0.26 of 0 to 0.5.
-inline constexpr float static_propagation_strength = 0.26f;
+/// Exponent of a macroblock's quantiser by the pictures that inherit its quality (macroblock_tree.h).
+/// chosen: 0.26 of 0.16 to 0.33.
+inline constexpr double inheritance_strength = 0.26;
 
-/// The same of what stands still in light that changes: later pictures copy its detail, not its brightness.
-/// chosen: 0.16 of 0.08 to 0.26.
-inline constexpr float lit_propagation_strength = 0.16f;
+/// Share of a macroblock's quality that is left after prediction between pixels. chosen: 0.5 of 0.5 to 1.
+inline constexpr double kept_by_interpolation = 0.5;
+
+/// Mean squared innovation of which quantisation leaves out half, in q^2. chosen: 3 of 0.1 to 10.
+inline constexpr double unseen_innovation = 3;
 
 /// Lagrangian of modes and levels in predicted pictures: squared code values per bit = lambda_predicted * q^2.
 /// chosen: 1 of 0.7 to 1.2. (High-rate theory gives 0.46.)
@@ -53,17 +54,16 @@ inline constexpr float lambda_intra = 0.35f;
 inline constexpr float lambda_bidirectional = 0.85f;
 
 /// Lagrangian of the choice of vectors: Hadamard sum (Kernels::satd_16x16) per bit = lambda_motion * q.
-/// chosen: 2.6 of 1 to 4.
-inline constexpr float lambda_motion = 2.6f;
+/// chosen: 3.5 of 1 to 4.5.
+inline constexpr float lambda_motion = 3.5f;
 
 /// Vectors whose cost is within this factor of the best, at most BestVectors::most, are tried in full.
 /// chosen: 1.1 of 1.05 to 1.2, with at most three vectors.
 inline constexpr float shortlist_reach = 1.1f;
 
-/// Effort::fast tries no more vectors for a macroblock whose Hadamard sum is at most this times q: coefficients of a
-/// third of q on average, of which next to none reach the step of 2q.
-/// chosen: 640 of 384 to 640: time against bits.
-inline constexpr int enough_fast = 640;
+/// Effort::fast tries no more vectors for a macroblock whose Hadamard sum is at most this times q.
+/// chosen: 300 of 200 to 640: time against bits.
+inline constexpr int enough_fast = 300;
 
 /// Whole pixels to each side of the best vector so far that are searched (motion_search.h); multiples of 4.
 /// chosen: 16 of 8 to 24 for Effort::quality, 8 of 0 to 24 for Effort::fast: time against bits.
@@ -79,8 +79,8 @@ inline constexpr float skip_fast = 30;
 
 /// Effort::fast leaves out blocks of an inter macroblock whose squared error is below this times the smallest step's
 /// square; below 1 none of its coefficients reaches a step.
-/// chosen: 3 of 2 to 6: time against bits.
-inline constexpr float energy_fast = 3;
+/// chosen: 2 of 1.5 to 6: time against bits.
+inline constexpr float energy_fast = 2;
 
 /// Effort::fast tries intra only where inter coding comes to the cost of this many bits.
 /// chosen: 100 of 29 (the least that intra can take) to 100: time against bits.

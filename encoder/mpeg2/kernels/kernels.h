@@ -20,9 +20,8 @@ struct QuantTable {
     std::int32_t reconstruction;           ///< 0 intra, 1 non-intra
 };
 
-/// Magnitude of the coefficient that a level of this magnitude stands for. Always inlined: sources for several
-/// instruction sets include this.
-[[gnu::always_inline]] inline int dequantised_magnitude(const QuantTable& table, int place, int magnitude) {
+/// Magnitude of the coefficient that a level of this magnitude stands for.
+inline int dequantised_magnitude(const QuantTable& table, int place, int magnitude) {
     return magnitude == 0 ? 0 : ((2 * magnitude + table.reconstruction) * table.weight[place]) >> 4;
 }
 
@@ -30,24 +29,6 @@ struct Quantised {
     std::uint64_t nonzero;  ///< bit [v * 8 + u] (raster order) set where the level is not 0
     float distortion;       ///< sum over (coefficient - dequantised)^2
     float energy;           ///< sum over coefficient^2: the distortion of the block not coded
-};
-
-/// Lengths of coefficient codes, sign included, escapes resolved.
-struct CodeLengthTables {
-    const std::uint8_t* length;         ///< [run * 64 + magnitude], 63 standing for all magnitudes above
-    const std::uint8_t* first;          ///< [magnitude] of a non-intra block's coefficient without any before
-    const std::uint8_t* place_of_scan;  ///< coefficient at each place of the scan
-    int end_of_block;
-};
-
-/// A block whose levels may yet be lowered.
-struct QuantisedBlock {
-    const float* coefficients;
-    std::int16_t* levels;
-    std::int16_t* dequantised;
-    const float* weights;     ///< of squared errors; null: all 1
-    std::uint64_t scan_mask;  ///< bit i: the i-th level of the scan is not 0
-    float distortion;
 };
 
 /// The pixel and coefficient loops, in one variant per instruction set; all give the same numbers, bit for bit.
@@ -85,10 +66,6 @@ struct Kernels {
 
     /// `nonzero` aside, what `quantise` says, with the square of each coefficient's error weighted.
     Quantised (*weigh)(const float* coefficients, const std::int16_t* dequantised, const float* weights);
-
-    /// block_coding.h
-    int (*greedy_rdoq)(QuantisedBlock& block, const QuantTable& table, const CodeLengthTables& tables, bool intra,
-                       float lambda);
 
     /// The inverse DCT of libavcodec's `simple` decoder, clipped into `out`, or added to what is there.
     void (*inverse_dct_put)(const std::int16_t* coefficients, std::uint8_t* out, std::ptrdiff_t stride);

@@ -15,9 +15,10 @@
 namespace render2mpeg::encoder::mpeg2 {
 namespace {
 
-constexpr Kernels all_kernels = {satd_16x16,    activity_16x16, ssd_16x16,   ssd_8x8,         sad_16x16,
-                                 predict_16x16, predict_8x8,    average,     forward_dct,     forward_dct_of_difference,
-                                 quantise,      weigh,          greedy_rdoq, inverse_dct_put, inverse_dct_add};
+constexpr Kernels all_kernels = {
+    satd_16x16,    activity_16x16, ssd_16x16,       ssd_8x8,        sad_16x16,
+    predict_16x16, predict_8x8,    average,         forward_dct,    forward_dct_of_difference,
+    quantise,      weigh,          inverse_dct_put, inverse_dct_add};
 
 #undef R2M_INLINE
 

@@ -46,10 +46,6 @@ CoefficientLengths::CoefficientLengths(const CoefficientCodes& codes) : end_of_b
                 run < CoefficientCodes::runs && level < CoefficientCodes::levels && codes.code[run][level].length > 0;
             length_[run][level] = static_cast<std::uint8_t>(tabled ? codes.code[run][level].length + 1 : escape_bits);
         }
-    static_assert(levels == 64);  // what CodeLengthTables says
-    std::copy_n(length_[0], levels, first_);
-    first_[1] = 2;
-    tables_ = {length_[0], first_, place_of_scan.data(), end_of_block_};
 }
 
 const CoefficientLengths& CoefficientLengths::zero() {
@@ -75,16 +71,6 @@ void quantise_intra(Block& block, const QuantTable& table, int dc_bits) {
     block.dequantised[0] = static_cast<std::int16_t>(block.dc * step);
     const float error = dc - static_cast<float>(block.dequantised[0]);
     block.distortion += loss_of(block, 0, error);
-}
-
-int greedy_rdoq(Block& block, const QuantTable& table, const CoefficientLengths& lengths, bool intra, float lambda) {
-    QuantisedBlock quantised{block.coefficients, block.levels,
-                             block.dequantised,  block.weights ? block.weights->of : nullptr,
-                             block.scan_mask,    block.distortion};
-    const int bits = kernels().greedy_rdoq(quantised, table, lengths.tables(), intra, lambda);
-    block.scan_mask = quantised.scan_mask;
-    block.distortion = quantised.distortion;
-    return bits;
 }
 
 int coefficient_bits(const Block& block, const CoefficientLengths& lengths, bool intra) {

@@ -30,7 +30,6 @@ class CoefficientLengths {
         return bits(scan - before - 1, magnitude);
     }
     int end_of_block() const { return end_of_block_; }
-    const CodeLengthTables& tables() const { return tables_; }
 
     static const CoefficientLengths& zero();  ///< table B-14
     static const CoefficientLengths& one();   ///< table B-15
@@ -38,9 +37,7 @@ class CoefficientLengths {
   private:
     static constexpr int levels = 64;
     std::uint8_t length_[64][levels];  ///< [run][magnitude 1..]
-    std::uint8_t first_[levels];       ///< likewise, of a non-intra block's first coefficient without a run
     int end_of_block_;
-    CodeLengthTables tables_;
 };
 
 /// Weights of the squares of coefficients' errors, in the encoder's order.
@@ -65,10 +62,6 @@ struct Block {
 void quantise_non_intra(Block& block, const QuantTable& table);
 /// Likewise; DC by its own step of 8, 4 or 2 with 8, 9 or 10 bits of precision.
 void quantise_intra(Block& block, const QuantTable& table, int dc_bits);
-
-/// Lowers levels by one where the bits saved are worth the distortion: J = distortion + lambda * bits, by real code
-/// lengths. Gives what coefficient_bits() then would.
-int greedy_rdoq(Block& block, const QuantTable& table, const CoefficientLengths& lengths, bool intra, float lambda);
 
 /// Bits of the coefficients and the end of the block; of the AC coefficients only for an intra block.
 int coefficient_bits(const Block& block, const CoefficientLengths& lengths, bool intra);

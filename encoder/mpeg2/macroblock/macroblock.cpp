@@ -35,9 +35,8 @@ std::ptrdiff_t prediction_stride(const Place& p) {
 }
 
 /// Lowers the levels of a quantised block where that is worth it; gives its coefficients' bits with table B-14.
-int rdoq(const PictureCoding& picture, Block& block, const QuantTable& table, bool intra, float lambda) {
+int rdoq(Block& block, const QuantTable& table, bool intra, float lambda) {
     const CoefficientLengths& lengths = CoefficientLengths::zero();
-    if (picture.effort == Effort::fast) return greedy_rdoq(block, table, lengths, intra, lambda);
     trellis_rdoq(block, table, lengths, intra, lambda);
     return coefficient_bits(block, lengths, intra);
 }
@@ -80,7 +79,7 @@ void code_difference(const PictureCoding& picture, int column, int row, int i, c
     k.forward_dct_of_difference(block.coefficients, source, stride, predicted, prediction_stride(p));
     quantise_non_intra(block, table);
     if (block.scan_mask == 0) return;
-    block.bits = rdoq(picture, block, table, false, lambda);
+    block.bits = rdoq(block, table, false, lambda);
     if (block.energy <= block.distortion + lambda * static_cast<float>(block.bits)) block.scan_mask = 0;
 }
 
@@ -167,7 +166,7 @@ void try_intra(const PictureCoding& picture, int column, int row, int quantiser,
                       stride_of(picture.source, places[i].plane));
         block.weights = weights_of(picture, places[i]);
         quantise_intra(block, table, picture.dc_bits);
-        block.bits = rdoq(picture, block, table, true, lambda);
+        block.bits = rdoq(block, table, true, lambda);
     }
     out.rd = rd_cost_intra(picture, state, out);
 }

@@ -13,11 +13,8 @@ namespace {
 /// precision adds to zero.
 constexpr float standstill = 0.125f;
 
-/// chosen: 8 code values per picture: a lamp that comes on in a third of a second changes its room by less.
-constexpr float another_scene = 8;
-
 /// Share of the macroblock's pixels, every fourth of every fourth row, that are still in the picture at the end.
-float staying_share(const core::MotionField& onward, int column, int row) {
+double staying_share(const core::MotionField& onward, int column, int row) {
     constexpr int step = 4;
     const auto width = static_cast<float>(onward.vector.width()), height = static_cast<float>(onward.vector.height());
     int staying = 0, all = 0;
@@ -28,7 +25,7 @@ float staying_share(const core::MotionField& onward, int column, int row) {
             staying += onward.kind.at(x, y) != core::PixelClass::none && at.x >= 0 && at.y >= 0 && at.x <= width - 1 &&
                        at.y <= height - 1;
         }
-    return static_cast<float>(staying) / static_cast<float>(std::max(1, all));
+    return static_cast<double>(staying) / std::max(1, all);
 }
 
 /// Whether every second pixel of every second row stands still. Macroblocks beyond the field, which are there where
@@ -49,44 +46,27 @@ bool stands_still(const core::MotionField& onward, int column, int row) {
 
 }  // namespace
 
-core::Plane<float> quantiser_factors(const core::MotionField& onward, int columns, int rows,
-                                     const core::Plane<float>* light_change) {
+core::Plane<float> quantiser_factors(const core::MotionField& onward, const core::Plane<float>* innovation, int columns,
+                                     int rows, double quantiser) {
     EXPECTS(onward.reference > onward.picture);
     core::Plane<float> factors(columns, rows, 1.0f);
-    const std::int64_t all = onward.reference - onward.picture;
-    const auto following = static_cast<float>(std::min(all, most_followers));
-    constexpr auto propagation = static_cast<float>(propagation_strength);
-    const auto finer_by = [&](float strength) {
-        return std::pow(1.0f + following, propagation) * std::pow(1.0f + static_cast<float>(all), -strength);
-    };
-    const float finer = finer_by(static_propagation_strength), finer_in_light = finer_by(lit_propagation_strength);
-    parallel::for_each(static_cast<std::size_t>(rows), [&](std::size_t row) {
-        for (int column = 0; column < columns; ++column)
-            if (stands_still(onward, column, static_cast<int>(row))) {
-                const float change = light_change ? light_change->at(column, static_cast<int>(row)) : 0.0f;
-                const bool lit = change > static_cast<float>(steady_light) && change < another_scene;
-                factors.at(column, static_cast<int>(row)) = lit ? finer_in_light : finer;
-            } else {
-                const float staying = following * staying_share(onward, column, static_cast<int>(row));
-                factors.at(column, static_cast<int>(row)) =
-                    std::pow((1.0f + following) / (1.0f + staying), propagation);
-            }
+    const auto followers = static_cast<double>(onward.reference - onward.picture);
+    const double picture = std::pow(1 + std::min(followers, static_cast<double>(most_followers)), propagation_strength);
+    const double unseen = unseen_innovation * quantiser * quantiser;
+    parallel::for_each(static_cast<std::size_t>(rows), [&](std::size_t r) {
+        const int row = static_cast<int>(r);
+        for (int column = 0; column < columns; ++column) {
+            const float fresh = innovation ? innovation->at(std::min(column, innovation->width() - 1),
+                                                            std::min(row, innovation->height() - 1))
+                                           : 0.0f;
+            const double kept =
+                unseen / (unseen + fresh) * (stands_still(onward, column, row) ? 1.0 : kept_by_interpolation);
+            const double heirs = kept < 1 ? kept * (1 - std::pow(kept, followers)) / (1 - kept) : followers;
+            factors.at(column, row) = static_cast<float>(
+                picture * std::pow(1 + heirs * staying_share(onward, column, row), -inheritance_strength));
+        }
     });
     return factors;
-}
-
-core::Plane<float> macroblock_means(const Frame& picture) {
-    core::Plane<float> means(picture.columns(), picture.rows());
-    for (int row = 0; row < picture.rows(); ++row)
-        for (int column = 0; column < picture.columns(); ++column) {
-            int sum = 0;
-            for (int y = 0; y < 16; ++y) {
-                const std::uint8_t* samples = picture.y.row(16 * row + y) + 16 * column;
-                for (int x = 0; x < 16; ++x) sum += samples[x];
-            }
-            means.at(column, row) = static_cast<float>(sum) / 256;
-        }
-    return means;
 }
 
 }  // namespace render2mpeg::encoder::mpeg2

@@ -2,29 +2,23 @@
 // MB-tree: finer quantisers for macroblocks that later pictures are predicted from.
 #include "core/motion_field.h"
 #include "core/plane.h"
-#include "encoder/mpeg2/kernels/frame.h"
 
 /// Quantiser factors of macroblocks by what later pictures take from them: propagation as in MB-tree, from exact
 /// motion.
 namespace render2mpeg::encoder::mpeg2 {
 
 /// Factors of the quantiser of each macroblock of a reference, `columns` x `rows`. The picture as a whole has
-/// (1 + n)^-propagation_strength already, where n pictures depend on it, at most most_followers.
+/// (1 + n)^-propagation_strength already, where n pictures depend on it, at most most_followers; with its factor a
+/// macroblock has (1 + s (k + k^2 + ... + k^n))^-inheritance_strength.
 ///
-/// What stands still until the last of them, where `onward` leads, is coded once and then skipped, so that its quality
-/// is that of all: with its factor it has (1 + n)^-static_propagation_strength.
-///
-/// All else is predicted between pixels and loses detail each time; what leaves the picture counts for fewer: with its
-/// factor it has (1 + s n)^-propagation_strength, s being the share of it that stays.
-///
-/// Where its light changes by more than steady_light, but not to another scene, the exponent of what stands still is
-/// lit_propagation_strength: `light_change`, code values per picture and macroblock; null: nowhere.
+/// k is the share of its quality that each picture hands to the next. What stands still until the last of them, where
+/// `onward` leads, is skipped and loses nothing; what is predicted between pixels loses detail; where pictures show
+/// anew what the one before does not, to a mean square that quantisation does not hide, that is coded again:
+/// `innovation` (encoder/innovation.h), null: 0 everywhere. s is the share of the macroblock that stays in the picture.
+/// `quantiser`: quantiser_scale_code of the picture, or what is like it.
 ///
 /// Macroblocks may hang over the field's right and lower side.
-core::Plane<float> quantiser_factors(const core::MotionField& onward, int columns, int rows,
-                                     const core::Plane<float>* light_change = nullptr);
-
-/// Mean luma of each macroblock, code values.
-core::Plane<float> macroblock_means(const Frame& picture);
+core::Plane<float> quantiser_factors(const core::MotionField& onward, const core::Plane<float>* innovation, int columns,
+                                     int rows, double quantiser);
 
 }  // namespace render2mpeg::encoder::mpeg2

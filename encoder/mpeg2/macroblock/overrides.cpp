@@ -15,9 +15,10 @@ T nearest(const core::Plane<T>& map, int column, int row) {
 
 }  // namespace
 
-MacroblockOverrides overrides_from(const Hints& hints, int columns, int rows, const core::Plane<float>* light_change) {
+MacroblockOverrides overrides_from(const Hints& hints, int columns, int rows, double quantiser) {
     MacroblockOverrides overrides;
-    if (hints.onward) overrides.quantiser_factors = quantiser_factors(*hints.onward, columns, rows, light_change);
+    if (hints.onward)
+        overrides.quantiser_factors = quantiser_factors(*hints.onward, hints.innovation, columns, rows, quantiser);
     if (hints.quantiser_factors && !hints.onward) overrides.quantiser_factors = core::Plane<float>(columns, rows, 1.0f);
     if (hints.forced) overrides.forced = core::Plane<Force>(columns, rows, Force::none);
     for (int row = 0; row < rows; ++row)

@@ -13,8 +13,7 @@ struct MacroblockOverrides {
 };
 
 /// Takes what follows from onward motion (macroblock_tree.h) together with what the caller wants. Rows and columns that
-/// only pad the picture are treated like the last one. `light_change`: by macroblock, or null (macroblock_tree.h).
-MacroblockOverrides overrides_from(const Hints& hints, int columns, int rows,
-                                   const core::Plane<float>* light_change = nullptr);
+/// only pad the picture are treated like the last one. `quantiser`: MPEG-2's, of the picture.
+MacroblockOverrides overrides_from(const Hints& hints, int columns, int rows, double quantiser);
 
 }  // namespace render2mpeg::encoder::mpeg2

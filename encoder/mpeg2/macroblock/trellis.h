@@ -6,7 +6,7 @@
 namespace render2mpeg::encoder::mpeg2 {
 
 /// Makes each level what quantisation made it, one less, or 0, so that distortion + lambda * bits of the whole block,
-/// with real code lengths, is the least there is. Dearer and better than `greedy_rdoq`.
+/// with real code lengths, is the least there is.
 void trellis_rdoq(Block& block, const QuantTable& table, const CoefficientLengths& lengths, bool intra, float lambda);
 
 }  // namespace render2mpeg::encoder::mpeg2

@@ -32,8 +32,8 @@ constexpr float intra_power = 1.2f;
 /// chosen: 0.7 of 0.35 to 1.1, times 16 of 14 to 18: the flat 16 at low frequencies.
 constexpr float non_intra_power = 0.7f, non_intra_scale = 16.0f;
 
-/// chosen: 1.2 of 1 to 2.
-constexpr float weight_power = 1.2f;
+/// chosen: 1.2 of 1 to 2, times 1.3 of 1 to 1.5.
+constexpr float weight_power = 1.2f, weight_scale = 1.3f;
 
 std::uint8_t to_entry(float value) {
     return static_cast<std::uint8_t>(std::clamp(std::lround(value), 1l, 255l));
@@ -55,7 +55,7 @@ Weights make_weights() {
     Weights weights;
     for (std::size_t v = 0; v < 8; ++v)
         for (std::size_t u = 0; u < 8; ++u)
-            weights.of[u * 8 + v] = std::pow(coarse_detail / luminance_steps[v * 8 + u], weight_power);
+            weights.of[u * 8 + v] = weight_scale * std::pow(coarse_detail / luminance_steps[v * 8 + u], weight_power);
     return weights;
 }
 

@@ -87,10 +87,11 @@ void FastMotionSearch::refine(Found& found, int direction, int column, int row, 
     if (searched.vectors.size() > 0) consider(found, side, column, row, searched.vectors[0], predictor);
     if (is_enough(found.difference)) return;
     const Vector middle = found.vector;
-    for (const auto& [dx, dy] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
-        const Vector v{static_cast<std::int16_t>(middle.x + dx), static_cast<std::int16_t>(middle.y + dy)};
-        if (allowed.contains(v)) consider(found, side, column, row, v, predictor);
-    }
+    for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx) {
+            const Vector v{static_cast<std::int16_t>(middle.x + dx), static_cast<std::int16_t>(middle.y + dy)};
+            if (allowed.contains(v)) consider(found, side, column, row, v, predictor);
+        }
 }
 
 FastMotionSearch::Result FastMotionSearch::best_mode(int column, int row, const Vector (&predictors)[2],

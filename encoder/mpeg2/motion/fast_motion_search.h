@@ -43,14 +43,14 @@ class FastMotionSearch {
         std::uint32_t difference = 0;                    ///< Hadamard sum of luma
         float cost = std::numeric_limits<float>::max();  ///< with the vector's bits
         int evaluations = 0;                             ///< 16x16 differences computed
-        std::array<Vector, 12> tried;                    ///< the first `evaluations`
+        std::array<Vector, 16> tried;                    ///< the first `evaluations`
         int searches = 0;                                ///< sums of absolute differences computed
     };
 
     /// The cheapest of the exact vectors; where there are none, of zero and `predictor`.
     Found begin(int direction, int column, int row, Vector predictor) const;
     /// Tries zero, `predictor` and the vector of the picture before too, then what a search about the best finds, then
-    /// the four half pixels around the best; each only where more than next to nothing is left to code.
+    /// the half pixels around the best; each only where more than next to nothing is left to code.
     void refine(Found& found, int direction, int column, int row, Vector predictor) const;
     void consider(Found& found, const Side& side, int column, int row, Vector v, Vector predictor) const;
     VectorRange range(const Side& side, int column, int row) const;

@@ -1,8 +1,6 @@
 #include "encoder/mpeg2/motion/motion_estimation.h"
 
 #include <algorithm>
-#include <cstdlib>
-#include <optional>
 #include <vector>
 
 #include "core/smallest.h"
@@ -124,7 +122,7 @@ class MotionEstimator {
         bits_ = VectorBits(f_code_for(low.x, high.x), f_code_for(low.y, high.y), s_.zero_is_implicit);
     }
 
-    /// Second pass: the neighbours' vectors, then half pixels about the best two.
+    /// Second pass: the neighbours' vectors, then half pixels about the best.
     void refine(int row) {
         Vector left;  // prediction of the vector in the stream
         for (int column = 0; column < columns_; ++column) {
@@ -136,9 +134,7 @@ class MotionEstimator {
                 evaluate(column, row, allowed.clamp(v), VectorSource::predicted);
 
             const TriedVectors& t = trials(column, row);
-            const Vector summit = climb(column, row, *cheapest(t, left), left);
-            if (const TriedVectors::Trial* other = cheapest(t, left, summit)) climb(column, row, *other, left);
-            const TriedVectors::Trial best = *cheapest(t, left);
+            const TriedVectors::Trial best = climb(column, row, cheapest(t, left), left);
             chosen_.at(column, row) = shortlist(t, left);
             work_[static_cast<std::size_t>(row)].chosen.of(best.source) += 1;
             left = best.vector();
@@ -146,7 +142,7 @@ class MotionEstimator {
     }
 
     /// At most two rounds of half-pel neighbours, each about the cheapest one so far; returns that.
-    Vector climb(int column, int row, TriedVectors::Trial best, Vector prediction) {
+    TriedVectors::Trial climb(int column, int row, TriedVectors::Trial best, Vector prediction) {
         const VectorRange allowed = range(column, row);
         for (int round = 0; round < 2; ++round) {
             const TriedVectors::Trial middle = best;
@@ -160,7 +156,7 @@ class MotionEstimator {
                 }
             if (best.vector() == middle.vector()) break;
         }
-        return best.vector();
+        return best;
     }
 
     /// What the first pass chose, zero outside the picture.
@@ -169,20 +165,10 @@ class MotionEstimator {
         return inside ? first_.at(column, row) : Vector{};
     }
 
-    /// The cheapest vector; with `other_than`, of those that lie more than a pixel from there. Null: none.
-    const TriedVectors::Trial* cheapest(const TriedVectors& t, Vector prediction,
-                                        std::optional<Vector> other_than = {}) const {
-        const TriedVectors::Trial* best = nullptr;
-        float best_cost = 0.0f;
-        for (const TriedVectors::Trial& trial : t) {
-            if (other_than && std::abs(trial.x - other_than->x) <= 2 && std::abs(trial.y - other_than->y) <= 2)
-                continue;
-            const float cost = cost_of(trial, prediction);
-            if (best && cost >= best_cost) continue;
-            best = &trial;
-            best_cost = cost;
-        }
-        return best;
+    TriedVectors::Trial cheapest(const TriedVectors& t, Vector prediction) const {
+        return *std::min_element(t.begin(), t.end(), [&](const auto& a, const auto& b) {
+            return cost_of(a, prediction) < cost_of(b, prediction);
+        });
     }
 
     /// The cheapest ones that come within reach of the best.

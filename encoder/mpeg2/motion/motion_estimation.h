@@ -66,7 +66,7 @@ static_assert(2 * evaluation_limit_per_direction + evaluation_limit_of_means + e
 /// Chooses a vector for every macroblock by Hadamard difference plus the price of the vector's bits: among the
 /// renderer's exact vectors, predictors (left, above, above right, their median, the picture before) and zero; where
 /// none of the exact vectors, zero, left and the picture before is good enough, among those of a sparse search about
-/// the best of them; then among half-pel neighbours of the two best, in at most two rounds.
+/// the best of them; then among half-pel neighbours of the best, in at most two rounds.
 MotionEstimate estimate_motion(const MotionSources& sources);
 
 }  // namespace render2mpeg::encoder::mpeg2

@@ -148,7 +148,7 @@ Job prepare(const EncodeOptions& options) {
     coding.transfer_characteristics = transfer_of(view);
     job.film.keyframes = keyframes_of(options.coding);
     job.film.disc = preset != nullptr && preset->disc;
-    av::check(coding);
+    check_settings(coding);
     job.film.source = input_name(options);
     if (!options.as && options.input != "-") check_outputs(options, job.film.frames);
     // Finished frames are a film from their first one on, whatever their numbers.
@@ -250,7 +250,9 @@ bool encode_chunk(Job& job, const Film& film, const Chunk& chunk, RunStatistics&
             if (!next) break;  // an open-ended source has ended
             const core::Picture& picture = *next;
             FileMotion motion(job, n, statistics);
-            const encoder::PicturePlan coding = coder.plan(n, ahead.look().cut_before(n), motion, &picture);
+            std::vector<const core::Picture*> pictures{&picture};
+            for (const core::Picture& later : ahead.later()) pictures.push_back(&later);
+            const encoder::PicturePlan coding = coder.plan(n, ahead.look().cut_before(n), motion, pictures);
             steps.read(picture, n > chunk.first ? motion.to(n - 1) : nullptr);
             take(coder.code(picture, coding, motion));
         }

@@ -177,15 +177,15 @@ void Comparing::settle(const std::vector<std::string>& words, const std::filesys
     auto options = way.options;
     if (!way.ffmpeg) {
         options.emplace_back("--quantiser", std::to_string(quantiser));
-        found_.render = render_command(words, input, options);
+        found_.render = render_command(words, input, film().coding.codec, options);
         return;
     }
     const std::string pictures = options.back().second;
     options.back() = {"-o", "-"};
     options.emplace_back("--as", "y4m");
-    found_.render = render_command(words, input, options) + " | ffmpeg -i - -c:v " + way.ffmpeg->encoder + " " +
-                    options_of(*way.ffmpeg, quantiser, std::stoi(pictures)) + " " + input.stem().string() +
-                    (film().coding.codec == encoder::Codec::mpeg2 ? ".mpg" : ".mp4");
+    found_.render = render_command(words, input, film().coding.codec, options) + " | ffmpeg -i - -c:v " +
+                    way.ffmpeg->encoder + " " + options_of(*way.ffmpeg, quantiser, std::stoi(pictures)) + " " +
+                    input.stem().string() + usual_ending(film().coding.codec);
 }
 
 void Comparing::look_at_foreign_film() {

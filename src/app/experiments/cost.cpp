@@ -203,7 +203,8 @@ int cost(const CostOptions& options, const std::vector<std::string>& words) {
 
     const std::vector<FilmCost> rows = sweep.film_rows();
     if (const auto taken = recommended(rows))
-        sweep.settle(render_command(words, options.render.input, {{rows[*taken].option, rows[*taken].value}}));
+        sweep.settle(render_command(words, options.render.input, sweep.film().coding.codec,
+                                    {{rows[*taken].option, rows[*taken].value}}));
     ErrorCollector errors;
     if (options.json) errors.attempt([&] { write_json(*options.json, cost_json(sweep.film(), found, rows, command)); });
     if (options.report) errors.attempt([&] { write_cost_report(*options.report, sweep.film(), found, rows, command); });

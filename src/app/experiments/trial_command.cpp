@@ -27,7 +27,7 @@ void require_trial_consent(const TrialOptions& options) {
 }
 
 std::string render_command(const std::vector<std::string>& words, const std::filesystem::path& input,
-                           std::vector<std::pair<std::string, std::string>> with) {
+                           encoder::Codec codec, std::vector<std::pair<std::string, std::string>> with) {
     std::vector<std::string> without{"--sample", "--within", "--tolerances",      "--quantisers",
                                      "--json",   "--report", "--keep-references", "--references",
                                      "--runs",   "--film",   "--reference"};
@@ -36,7 +36,8 @@ std::string render_command(const std::vector<std::string>& words, const std::fil
         if (name == "--quantiser") without.emplace_back("-q");
     }
     if (std::none_of(with.begin(), with.end(), [](const auto& option) { return option.first == "-o"; }))
-        with.emplace_back("-o", std::filesystem::absolute(input).lexically_normal().stem().string() + ".mpg");
+        with.emplace_back("-o",
+                          std::filesystem::absolute(input).lexically_normal().stem().string() + usual_ending(codec));
     return line_of(changed_command(words, "render", without, {"--quiet", "-y"}, with));
 }
 

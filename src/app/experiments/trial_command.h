@@ -20,7 +20,7 @@ void require_trial_consent(const TrialOptions& options);
 /// The command that renders the film which `words` try, with these options in place of theirs; without one, `-o` names
 /// the film after the scene.
 std::string render_command(const std::vector<std::string>& words, const std::filesystem::path& input,
-                           std::vector<std::pair<std::string, std::string>> with);
+                           encoder::Codec codec, std::vector<std::pair<std::string, std::string>> with);
 
 /// Refuses outputs that would take the place of other files, and such as cannot be written.
 void check_trial_outputs(const RenderJob& film, const TrialOptions& options);

@@ -195,8 +195,8 @@ void TuneCommand::settle_options() {
     for (const auto& [name, value] : tuning_.options) without.push_back(name);
     std::vector<std::pair<std::string, std::string>> with = tuning_.options;
     if (options_.render.output.empty())
-        with.emplace_back("-o",
-                          std::filesystem::absolute(options_.render.input).lexically_normal().stem().string() + ".mpg");
+        with.emplace_back("-o", std::filesystem::absolute(options_.render.input).lexically_normal().stem().string() +
+                                    usual_ending(trials_->film().coding.codec));
     tuning_.command = line_of(changed_command(words_, "render", without, {"--dry-run"}, with));
 }
 

@@ -26,6 +26,8 @@ class FramesAhead {
     std::optional<core::Picture> next(RunStatistics& statistics);
     /// Those that next() will give, as far as they are read now; so many that look() needs them for the first.
     const std::deque<core::Picture>& waiting(RunStatistics& statistics);
+    /// Those that are read and not given.
+    const std::deque<core::Picture>& later() const { return read_; }
     encoder::LookAhead& look() { return look_; }
 
   private:

@@ -37,9 +37,10 @@ class PictureCoder {
 
     /// The chunk's first pictures as they were coded roughly (encoder::PictureFacts::trial).
     void expect(std::vector<encoder::FirstPassPicture> trial) { trial_ = std::move(trial); }
-    /// How the next picture in display order will be coded. `picture`: it, where it is there already, else null.
+    /// How the next picture in display order will be coded. `pictures`: it and those that follow, as far as they are
+    /// there already.
     encoder::PicturePlan plan(std::int64_t number, bool cut_before, Motion& motion,
-                              const core::Picture* picture = nullptr);
+                              std::span<const core::Picture* const> pictures = {});
     /// Codes the next of the planned pictures and returns those that became complete. Takes fields out of `motion`.
     std::vector<encoder::CodedPicture> code(const core::Picture& picture, const encoder::PicturePlan& plan,
                                             Motion& motion);
@@ -49,11 +50,12 @@ class PictureCoder {
   private:
     /// Pictures after this one before another shot begins, a keyframe comes or the chunk ends.
     std::int64_t frames_left(std::int64_t number) const;
-    /// Measures how much light has changed since the picture before.
-    void watch_light(const core::Picture& picture, Motion& motion);
+    /// Learns how much light has changed since the picture before. Gives its encoder::innovation where that is asked
+    /// for and the picture before is there.
+    core::Plane<float> compare_with_last(const core::Picture& picture, bool innovation, Motion& motion);
     encoder::PictureFacts facts_of(std::int64_t number, bool cut_before) const;
-    /// Learns what quality the picture has where it is coded by itself.
-    void try_quality(const core::Picture& picture);
+    /// Learns from a shot's first pictures, coded roughly, what quality they have with which quantiser.
+    void try_quality(std::span<const core::Picture* const> pictures);
     /// Learns what quality pictures came to.
     void judge(const std::vector<encoder::CodedPicture>& pictures);
     /// Adds what the look-ahead tells.

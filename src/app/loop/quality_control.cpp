@@ -41,14 +41,18 @@ double QualityControl::factor() const {
     return std::clamp(base / usual_, 0.2, 5.0);
 }
 
-void QualityControl::learn(encoder::PictureType type, double base, double masked_error, bool counts) {
+void QualityControl::learn(encoder::PictureType type, double base, double masked_error) {
     EXPECTS(base > 0 && masked_error >= 0);
     density_ = fading * density_ +
                masked_error * mean_over_type[static_cast<std::size_t>(type) - 1] / std::pow(base, error_slope);
     weight_ = fading * weight_ + 1;
-    if (!counts) return;
     shown_ = fading_of_shown * shown_ + masked_error;
     pictures_ = fading_of_shown * pictures_ + 1;
+}
+
+void QualityControl::expect(const QualityControl& trial) {
+    density_ = trial.density_;
+    weight_ = trial.weight_;
 }
 
 void QualityControl::forget() {

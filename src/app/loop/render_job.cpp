@@ -48,15 +48,6 @@ void refuse_outside(const FrameRange& frames, const FrameRange& whole) {
                     frames.first, frames.last, whole.first, whole.last));
 }
 
-/// What the encoder refuses was asked for on the command line.
-void check_settings(const encoder::Settings& coding) {
-    try {
-        av::check(coding);
-    } catch (const core::Error& error) {
-        throw UsageError(error.what());
-    }
-}
-
 /// An animation file counts its shots and its range in frames of its own rate; another rate keeps their times.
 void change_rate(scene::Animation& animation, const core::FrameRate& from, const core::FrameRate& to) {
     if (from.hertz == to.hertz) return;

@@ -9,6 +9,7 @@
 #include "app/options/usage_error.h"
 #include "core/text.h"
 #include "encoder/av/av.h"
+#include "encoder/av/coders.h"
 #include "encoder/capabilities.h"
 #include "encoder/codec.h"
 #include "perceptual/display.h"
@@ -57,10 +58,11 @@ void apply(const Preset& preset, const CodingOptions& options, encoder::Settings
     apply_rates(preset, options, coding);
 }
 
-/// Refuses what was asked for on the command line.
-void check_container(const std::filesystem::path& output, encoder::Codec codec) {
+/// What is refused here was asked for on the command line.
+template <class Check>
+void refuse_as_usage(const Check& check) {
     try {
-        av::check_container(output, codec);
+        check();
     } catch (const core::Error& error) {
         throw UsageError(error.what());
     }
@@ -81,6 +83,10 @@ int quantiser_of(const CodingOptions& options, encoder::Codec codec) {
 }
 
 }  // namespace
+
+void check_settings(const encoder::Settings& coding) {
+    refuse_as_usage([&] { av::check(coding); });
+}
 
 const Preset* preset_of(const CodingOptions& options) {
     return options.preset ? &preset_from(*options.preset) : nullptr;
@@ -117,7 +123,7 @@ encoder::Settings coding_settings(const CodingOptions& options, const Shape& sha
     coding.height = shape.size.height;
     coding.rate = shape.rate;
     coding.first_number = first;
-    if (av::is_film(output)) check_container(output, coding.codec);
+    if (av::is_film(output)) refuse_as_usage([&] { av::check_container(output, coding.codec); });
     coding.quantiser = quantiser_of(options, coding.codec);
     coding.rate_control = rate_control(options);
     if (coding.codec != encoder::Codec::mpeg2 && options.bitrate && !two_passes(options))

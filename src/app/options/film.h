@@ -36,6 +36,14 @@ const Preset* preset_of(const CodingOptions& options);
 /// others and for none. Throws UsageError where a preset has no such codec.
 encoder::Codec codec_of(const CodingOptions& options, const std::filesystem::path& output);
 
+/// Throws UsageError where a film cannot be coded with these settings, or not here (encoder/av/coders.h).
+void check_settings(const encoder::Settings& coding);
+
+/// The ending that films of a codec usually have.
+inline const char* usual_ending(encoder::Codec codec) {
+    return codec == encoder::Codec::mpeg2 ? ".mpg" : ".mp4";
+}
+
 /// MPEG-2's quantisers in a codec's own scale.
 std::vector<int> in_scale_of(encoder::Codec codec, std::vector<int> quantisers);
 

@@ -20,6 +20,7 @@
 #include "core/error.h"
 #include "core/numeric.h"
 #include "core/text.h"
+#include "encoder/codec.h"
 #include "perceptual/metrics.h"
 
 namespace render2mpeg::app {
@@ -30,6 +31,18 @@ using nlohmann::json;
 std::string kilobits(const json& s) {
     const double seconds = core::divide_or(s.at("frames").get<double>(), s.at("fps").get<double>(), 0.0);
     return fmt::format("{:.0f} kb/s", core::divide_or(8e-3 * s.at("bytes").get<double>(), seconds, 0.0));
+}
+
+/// What the codec calls its quantisers.
+std::string scale_of(const json& s) {
+    for (const encoder::CodecFacts& facts : encoder::all_codecs())
+        if (s.at("codec") == facts.word) return std::string(facts.scale);
+    return "quantiser";
+}
+
+std::string capitalised(std::string text) {
+    text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+    return text;
 }
 
 double number(const json& s, const char* object, const char* key) {
@@ -86,7 +99,7 @@ std::string cards(const json& s) {
     if (s.contains("rate")) {
         all.emplace_back("Film", size_text(s.at("bytes").get<double>()));
         all.emplace_back("Bit rate", kilobits(s));
-        all.emplace_back("Quantiser",
+        all.emplace_back(capitalised(scale_of(s)),
                          fmt::format("{:.1f} ({}..{})", number(s, "quantisers", "mean"),
                                      s.at("quantisers").at("min").get<int>(), s.at("quantisers").at("max").get<int>()));
         if (s.at("psnr_y").is_number())
@@ -133,17 +146,18 @@ std::string plots(const json& s) {
     if (s.at("per_frame").empty()) return {};
     const auto field = [](const char* key) { return [key](const json& f) { return f.at(key).get<double>(); }; };
     const auto cut = [](const char* key) { return [key](const json& f) { return f.at("cut").at(key).get<double>(); }; };
-    const auto plot = [](const char* title, const char* unit, std::vector<Curve> curves) {
+    const auto plot = [](const std::string& title, const std::string& unit, std::vector<Curve> curves) {
         return figure_of({title, {"frame", false}, {unit, false}, std::move(curves)});
     };
     const auto psnr = [](const json& f) {
         const double error = f.at("mse_y").get<double>();
         return error > 0 ? perceptual::psnr(error) : 100.0;  // chosen: beyond any 8-bit error
     };
+    const std::string scale = scale_of(s);
     std::string text = "<h2>Frame by frame</h2>\n";
     if (s.contains("rate"))
         text += plot("Size of the coded pictures", "bytes", by_type(s, field("bytes"))) +
-                plot("Quantiser, mean over macroblocks", "quantiser", by_type(s, field("mean_quantiser"))) +
+                plot(capitalised(scale) + ", mean over macroblocks", scale, by_type(s, field("mean_quantiser"))) +
                 plot("PSNR-Y of the decoded picture", "dB", by_type(s, psnr));
     return text +
            plot("Cut: clusters of lights per point", "clusters",
@@ -213,10 +227,10 @@ std::string plain(const json& value) {
 /// All that decides the film besides its scene.
 std::string settings_table(const json& s) {
     std::vector<TableRow> rows{{{"command", s.at("command").get<std::string>()}}};
-    for (const char* key : {"version", "isa", "input", "exposure", "view", "tolerance", "quantiser", "gop", "rate",
-                            "light_points", "aspect_ratio_code", "cadence"}) {
+    for (const char* key : {"version", "isa", "input", "exposure", "view", "tolerance", "codec", "quantiser", "gop",
+                            "rate", "light_points", "aspect_ratio_code", "cadence"}) {
         if (!s.contains(key) || s.at(key).is_null()) continue;
-        std::string name = key;
+        std::string name = key == std::string_view("quantiser") ? scale_of(s) : key;
         std::replace(name.begin(), name.end(), '_', ' ');
         rows.push_back({{name, plain(s.at(key))}});
     }

@@ -68,7 +68,7 @@ svg .grid { stroke: var(--line); stroke-width: 1; }
 details { margin: 1.4rem 0; } summary { cursor: pointer; font-weight: 600; }
 table { border-collapse: collapse; width: 100%; font-size: .92rem; }
 th, td { text-align: left; padding: .25rem .8rem .25rem 0; border-bottom: 1px solid var(--line); vertical-align: top; }
-td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
+td:nth-child(2):last-child { overflow-wrap: anywhere; } td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
 tr.off td { color: var(--soft); }
 td.bar { width: 35%; min-width: 6rem; }
 td.bar div { height: .8rem; border-radius: 2px; }

@@ -8,11 +8,14 @@
 #include "app/report/heatmap_film.h"
 #include "core/color.h"
 #include "core/numeric.h"
+#include "encoder/codec.h"
 
 namespace render2mpeg::app {
 
 SampleFrameObserver::SampleFrameObserver(const RenderJob& film)
-    : frame_(film.frames.first + (film.frame_count() - 1) / 2), matrix_(perceptual::matrix_for(film.format.height)) {}
+    : frame_(film.frames.first + (film.frame_count() - 1) / 2),
+      codec_(film.coding.codec),
+      matrix_(perceptual::matrix_for(film.format.height)) {}
 
 void SampleFrameObserver::lit(const LitFrame& frame) {
     if (frame.world.frame != frame_) return;
@@ -37,8 +40,9 @@ void SampleFrameObserver::lit(const LitFrame& frame) {
 void SampleFrameObserver::coded(const encoder::CodedPicture& coded) {
     if (coded.plan.number != frame_) return;
     decoded_ = part_of(coded.reconstruction, view_of(coded.reconstruction.width(), coded.reconstruction.height()));
-    coding_ = fmt::format("{} picture, quantiser {}, {}", "-IPB"[static_cast<int>(coded.plan.type)], coded.quantiser,
-                          size_text(static_cast<double>(coded.bytes.size())));
+    coding_ =
+        fmt::format("{} picture, {} {}, {}", "-IPB"[static_cast<int>(coded.plan.type)], encoder::facts_of(codec_).scale,
+                    coded.quantiser, size_text(static_cast<double>(coded.bytes.size())));
 }
 
 std::string SampleFrameObserver::figures() const {

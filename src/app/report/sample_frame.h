@@ -31,6 +31,7 @@ class SampleFrameObserver : public LoopObserver {
 
   private:
     std::int64_t frame_;
+    encoder::Codec codec_;
     perceptual::ColorMatrix matrix_;
     std::optional<core::Picture> lit_, decoded_;
     core::Plane<float> tolerance_, error_;  ///< over luminance; empty: not known

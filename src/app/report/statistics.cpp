@@ -156,15 +156,15 @@ json rate_of(const Film& film, const RunStatistics& statistics) {
     const encoder::RateControl& asked = film.coding.rate_control;
     const encoder::Declaration declared = encoder::declaration_of(film.coding);
     const RateOutcome outcome = statistics.rate_outcome();
-    json rate{{"mode", modes[static_cast<int>(asked.mode)]},
-              {"level", declared.level},
-              {"max_rate", declared.bit_rate},
-              {"vbv_bits", declared.buffer_bits},
-              {"chunk_fullness", declared.chunk_fullness},
-              {"requantised", outcome.requantised},
-              {"minimal", outcome.minimal},
-              {"off_plan", outcome.off_plan},
-              {"stuffing", outcome.stuffing}};
+    json rate{{"mode", modes[static_cast<int>(asked.mode)]}, {"off_plan", outcome.off_plan}};
+    if (film.coding.codec == encoder::Codec::mpeg2)
+        rate.update({{"level", declared.level},
+                     {"max_rate", declared.bit_rate},
+                     {"vbv_bits", declared.buffer_bits},
+                     {"chunk_fullness", declared.chunk_fullness},
+                     {"requantised", outcome.requantised},
+                     {"minimal", outcome.minimal},
+                     {"stuffing", outcome.stuffing}});
     const double seconds = static_cast<double>(statistics.frames.size()) / film.coding.rate.hertz.value();
     rate["average"] = core::divide_or(8.0 * static_cast<double>(outcome.bytes), seconds, 0.0);
     if (asked.bit_rate > 0) rate["bit_rate"] = asked.bit_rate;

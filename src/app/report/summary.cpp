@@ -13,6 +13,7 @@
 #include "core/numeric.h"
 #include "core/text.h"
 #include "encoder/cadence.h"
+#include "encoder/codec.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -97,14 +98,15 @@ std::string rate_lines(const Film& film, const RunStatistics& statistics) {
 /// The quantisers, where they were not one number that the user gave, and what the buffer did to them.
 std::string quantiser_lines(const Film& film, const RunStatistics& statistics) {
     const RateOutcome rate = statistics.rate_outcome();
+    const std::string_view scale = encoder::facts_of(film.coding.codec).scale;
     std::string text;
     if (film.coding.rate_control.mode != encoder::RateMode::constant_quantiser) {
         const QuantiserRange range = statistics.quantisers();
-        text += range.min == range.max ? fmt::format("  quantiser  {} in all pictures\n", range.min)
-                                       : fmt::format("  quantiser  {:.1f} on average, pictures from {} to {}\n",
+        text += range.min == range.max ? fmt::format("  {:<9}  {} in all pictures\n", scale, range.min)
+                                       : fmt::format("  {:<9}  {:.1f} on average, pictures from {} to {}\n", scale,
                                                      range.mean, range.min, range.max);
     }
-    const char* label = text.empty() ? "quantiser" : "";
+    const std::string_view label = text.empty() ? scale : "";
     if (rate.off_plan > 0)
         text +=
             fmt::format("  {:<9}  {} of {} {} coded with another than made for\n", label, rate.off_plan,
