@@ -8,7 +8,6 @@
 #include "core/color.h"
 #include "core/error.h"
 #include "core/numeric.h"
-#include "perceptual/signal_curve.h"
 
 namespace render2mpeg::perceptual {
 namespace {

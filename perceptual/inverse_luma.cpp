@@ -1,8 +1,5 @@
 #include "perceptual/inverse_luma.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "core/color.h"
 #include "core/error.h"
 #include "core/numeric.h"

@@ -1,14 +1,20 @@
 #pragma once
-
 #include <cstdint>
 
 #include "core/dct.h"
 #include "core/picture.h"
 #include "core/plane.h"
-#include "perceptual/threshold_map.h"
 
 /// Thresholds of DCT coefficients by luminance and contrast masking [Render2MPEG, eq. 7.1 and 7.2].
 namespace render2mpeg::perceptual {
+
+/// How far each DCT coefficient of a picture's luma may be off before the eye sees it.
+struct ThresholdMap {
+    std::int64_t picture = 0;  ///< display number
+    /// One per 8x8 block of luma, (width + 7) / 8 by (height + 7) / 8 of them: thresholds of the orthonormal DCT's
+    /// coefficients in code values, > 0 and finite, [v * 8 + u] with u the horizontal frequency.
+    core::Plane<core::Block8x8> blocks;
+};
 
 /// The thresholds of a picture by luminance and contrast masking (docs/model/tolerance.md), from its unrounded luma,
 /// or from `y` where it has none. Blocks that hang over the right or lower side are filled up by repeating the edge.

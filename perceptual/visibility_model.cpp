@@ -7,8 +7,6 @@
 #include "core/error.h"
 #include "core/isa_clones.h"
 #include "core/sampling.h"
-#include "perceptual/masking.h"
-#include "perceptual/warp.h"
 
 namespace render2mpeg::perceptual {
 namespace {

@@ -13,7 +13,7 @@
 #include "perceptual/display.h"
 #include "perceptual/distortion.h"
 #include "perceptual/inverse_luma.h"
-#include "perceptual/threshold_map.h"
+#include "perceptual/masking.h"
 #include "perceptual/tolerance.h"
 #include "perceptual/warp.h"
 

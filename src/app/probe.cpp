@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "app/commands/info.h"
+#include "app/commands/commands.h"
 #include "app/options/options.h"
 #include "app/system/probes.h"
 #include "core/error.h"

@@ -18,6 +18,9 @@ std::filesystem::path program_file(const std::filesystem::path& link = "/proc/se
 /// (the build folder), the installed place relative to the executable, the installed place as configured.
 std::vector<std::filesystem::path> module_folders();
 
+/// The first file, or folder, of this name in one of these. Throws Error where there is none.
+std::filesystem::path installed_file(const std::string& name);
+
 /// Address of the function `symbol` of the file render2mpeg_<part>_module.so. The file is opened at the first call and
 /// stays open until the program ends. Safe to call from any thread. Throws Error if the file is missing, cannot be
 /// opened (a library it needs is missing: the loader's own words are kept) or lacks the function.

@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 /// Text that comes from outside: names of files, and what stands in them.
 namespace render2mpeg::core {
@@ -25,5 +26,13 @@ std::string printable_lines(std::string_view text);
 /// Of the words that one may have meant by `word`, the one that takes the fewest insertions, deletions, changes and
 /// swaps of neighbouring letters to become, or that begins with it; empty where none is near.
 std::string nearest_word(std::string_view word, std::span<const std::string_view> words);
+
+/// `; did you mean WORD?` with that word between `before` and `after`; empty where none is near.
+template <class Words>
+std::string did_you_mean(std::string_view word, const Words& words, const std::string& before = "",
+                         const std::string& after = "") {
+    const std::string nearest = nearest_word(word, std::vector<std::string_view>(words.begin(), words.end()));
+    return nearest.empty() ? "" : "; did you mean " + before + nearest + after + "?";
+}
 
 }  // namespace render2mpeg::core

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace render2mpeg::image {
 
@@ -28,5 +29,15 @@ bool is_cut_off_jpeg(std::span<const std::byte> bytes);
 /// Whether the pixels of a BMP file are packed in runs: nobody writes such files for scenes, and OpenImageIO 2.4
 /// crashes on those whose runs and depth do not agree.
 bool is_packed_bmp(std::span<const std::byte> bytes);
+
+/// A PNG file with nothing but its pixels and their shape: the chunks IHDR, PLTE, tRNS, IDAT and IEND, and pHYs where
+/// it is sound. What a file says about colours is ignored by decree [glTF2, 3.8.3], and libpng prints to the terminal
+/// what it thinks of profiles and of damage. Throws core::Error, naming the file, where a chunk is cut off, its check
+/// sum is wrong, or a chunk is needed that nobody knows.
+std::vector<std::byte> essential_png(std::span<const std::byte> bytes, const std::string& name);
+
+/// Refuses an OpenEXR file one of whose headers has an attribute that is larger than what is left of the file: the
+/// library makes room for it first, 2 GiB for four bytes that say so. Throws core::Error, naming the attribute.
+void check_exr_attributes(std::span<const std::byte> bytes, const std::string& name);
 
 }  // namespace render2mpeg::image

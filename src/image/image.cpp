@@ -9,10 +9,8 @@
 #include "core/error.h"
 #include "core/module.h"
 #include "image/channels.h"
-#include "image/exr_attributes.h"
 #include "image/format.h"
 #include "image/module/codec.h"
-#include "image/png_chunks.h"
 
 namespace render2mpeg::image {
 namespace {

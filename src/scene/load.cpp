@@ -11,7 +11,6 @@
 #include "scene/blender/export.h"
 #include "scene/gltf/load.h"
 #include "scene/isolation/probe.h"
-#include "scene/model/choice.h"
 #include "scene/model/wording.h"
 #include "scene/preparation/complete.h"
 

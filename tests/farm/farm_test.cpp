@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "app/farm/farm_plan.h"
-#include "app/farm/part_list.h"
 #include "app/options/farm_options.h"
 #include "core/error.h"
 #include "farm/farm_film.h"

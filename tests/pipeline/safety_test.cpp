@@ -9,7 +9,6 @@
 #include <thread>
 #include <vector>
 
-#include "app/files/output_lock.h"
 #include "app/files/work_folder.h"
 #include "app/loop/film_identity.h"
 #include "core/error.h"

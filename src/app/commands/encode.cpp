@@ -1,4 +1,4 @@
-#include "app/commands/encode.h"
+#include "app/commands/commands.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -13,25 +13,22 @@
 #include <span>
 #include <vector>
 
-#include "app/files/consent.h"
-#include "app/files/film_stream.h"
+#include "app/files/file_io.h"
 #include "app/files/output_stream.h"
 #include "app/files/publish.h"
-#include "app/files/sound.h"
-#include "app/files/text_file.h"
 #include "app/loop/film_identity.h"
 #include "app/loop/first_pass.h"
 #include "app/loop/frame_source.h"
-#include "app/loop/frames_ahead.h"
 #include "app/loop/motion.h"
 #include "app/loop/motion_pipe.h"
 #include "app/loop/picture_coder.h"
+#include "app/loop/render_job.h"
 #include "app/loop/statistics_recorder.h"
 #include "app/loop/vector_layers.h"
+#include "app/options/mistakes.h"
 #include "app/options/option_text.h"
 #include "app/options/output_kind.h"
 #include "app/options/rate_options.h"
-#include "app/options/unused_options.h"
 #include "app/options/usage_error.h"
 #include "app/report/statistics.h"
 #include "app/report/summary.h"

@@ -1,4 +1,4 @@
-#include "app/commands/info.h"
+#include "app/commands/commands.h"
 
 #include <fmt/format.h>
 
@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "app/files/text_file.h"
-#include "app/options/wrong_file.h"
+#include "app/files/file_io.h"
+#include "app/options/mistakes.h"
 #include "app/report/coded_types.h"
 #include "app/report/figures.h"
 #include "app/system/probes.h"

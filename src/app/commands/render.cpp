@@ -1,4 +1,4 @@
-#include "app/commands/render.h"
+#include "app/commands/commands.h"
 
 #include <fmt/format.h>
 
@@ -9,14 +9,12 @@
 #include <optional>
 
 #include "app/commands/render_stream.h"
-#include "app/files/consent.h"
-#include "app/files/text_file.h"
+#include "app/files/file_io.h"
+#include "app/files/publish.h"
 #include "app/loop/film_identity.h"
 #include "app/loop/forecast.h"
 #include "app/loop/resume.h"
 #include "app/options/option_text.h"
-#include "app/production/outputs.h"
-#include "app/production/preparation.h"
 #include "app/production/production.h"
 #include "app/report/heatmap_film.h"
 #include "app/report/plan_table.h"

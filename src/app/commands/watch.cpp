@@ -1,4 +1,4 @@
-#include "app/commands/watch.h"
+#include "app/commands/commands.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,6 @@
 #include <optional>
 #include <thread>
 
-#include "app/commands/render.h"
 #include "app/commands/render_stream.h"
 #include "app/files/output_stream.h"
 #include "app/files/publish.h"
@@ -15,9 +14,9 @@
 #include "app/loop/resume.h"
 #include "app/options/film.h"
 #include "app/options/usage_error.h"
-#include "app/production/preparation.h"
+#include "app/production/production.h"
 #include "app/system/interrupt.h"
-#include "app/system/player.h"
+#include "app/system/program.h"
 #include "app/system/terminal.h"
 #include "core/error.h"
 #include "encoder/encoder.h"

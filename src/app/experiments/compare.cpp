@@ -1,15 +1,15 @@
-#include "app/experiments/compare.h"
+#include "app/experiments/experiments.h"
 
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
-#include "app/experiments/compare_report.h"
+#include "app/experiments/comparison.h"
 #include "app/experiments/ffmpeg_program.h"
 #include "app/experiments/trial_command.h"
-#include "app/files/text_file.h"
-#include "app/options/command_words.h"
+#include "app/files/file_io.h"
 #include "app/options/option_text.h"
+#include "app/options/options.h"
 #include "app/system/error_collector.h"
 #include "app/system/interrupt.h"
 #include "app/system/terminal.h"

@@ -2,6 +2,8 @@
 // The rows of `compare`: what each way costs and gives.
 #include <array>
 #include <cstdint>
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -63,7 +65,8 @@ inline constexpr std::array<std::pair<std::size_t, std::size_t>, 6> held_against
                                                                                   {coupled_way, strongest_free_way},
                                                                                   {free_way, strongest_free_way}}};
 
-/// How a way differs from another at equal quality, in per cent; NaN where they have no quality in common (bd_rate.h).
+/// How a way differs from another at equal quality, in per cent; NaN where they have no quality in common
+/// (quality_search.h).
 struct Difference {
     double psnr_y = 0, ssim_y = 0, psnr_hvs_m = 0;  ///< of bits, at equal quality by each
     double seconds = 0;                             ///< CPU for light, motion and coding, at equal PSNR-Y
@@ -105,5 +108,12 @@ std::string foreign_lines(const Comparison& found);
 
 /// "-12.3 %", or "-" where it is not known.
 std::string change_text(double per_cent);
+
+/// Everything that `compare` found out (docs/choosing.md).
+nlohmann::json compare_json(const RenderJob& film, const Comparison& found, const std::string& command);
+
+/// The same as a page with plots, and report_json_of() it.
+void write_compare_report(const std::filesystem::path& html, const RenderJob& film, const Comparison& found,
+                          const std::string& command);
 
 }  // namespace render2mpeg::app

@@ -1,4 +1,4 @@
-#include "app/experiments/cost.h"
+#include "app/experiments/experiments.h"
 
 #include <fmt/format.h>
 
@@ -9,14 +9,13 @@
 #include <vector>
 
 #include "app/experiments/cost_report.h"
-#include "app/experiments/cost_table.h"
 #include "app/experiments/effect_costs.h"
 #include "app/experiments/film_costs.h"
 #include "app/experiments/trial_command.h"
-#include "app/files/text_file.h"
+#include "app/files/file_io.h"
 #include "app/loop/forecast.h"
-#include "app/options/command_words.h"
 #include "app/options/option_text.h"
+#include "app/options/options.h"
 #include "app/system/error_collector.h"
 #include "app/system/interrupt.h"
 #include "app/system/terminal.h"

@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <string>
 
-#include "app/experiments/effect_table.h"
+#include "app/experiments/effect_costs.h"
 #include "app/experiments/trial_page.h"
-#include "app/files/text_file.h"
+#include "app/files/file_io.h"
 #include "app/report/answer.h"
 #include "app/report/curve_plot.h"
 #include "app/report/figures.h"

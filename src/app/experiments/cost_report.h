@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "app/experiments/film_costs.h"
-#include "app/experiments/sweep.h"
 
 namespace render2mpeg::app {
 

@@ -8,6 +8,7 @@
 
 #include "app/loop/render_job.h"
 #include "core/picture.h"
+#include "perceptual/display.h"
 
 namespace render2mpeg::app {
 
@@ -50,5 +51,9 @@ std::string share_text(double share);
 /// The rows as lines of a terminal.
 std::string effects_heading();
 std::string effect_row(const EffectCost& cost);
+
+/// The table with a small picture of each, and a large one in which they can be seen beside the whole. Empty where
+/// there are no rows.
+std::string effects_section(const EffectCosts& effects, perceptual::ColorMatrix matrix);
 
 }  // namespace render2mpeg::app

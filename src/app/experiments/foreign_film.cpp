@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cctype>
-#include <optional>
 #include <set>
 #include <utility>
 
@@ -15,7 +14,6 @@
 #include "core/text.h"
 #include "encoder/av/av.h"
 #include "encoder/av/inspect.h"
-#include "perceptual/hvs.h"
 #include "perceptual/metrics.h"
 
 namespace render2mpeg::app {

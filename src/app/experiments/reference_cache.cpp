@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "app/files/checksum.h"
+#include "app/files/file_io.h"
 #include "core/error.h"
 #include "renderer/gather/final_gather.h"
 #include "renderer/surface/gather_point.h"

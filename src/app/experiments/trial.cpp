@@ -5,23 +5,18 @@
 #include <cmath>
 #include <iterator>
 #include <numeric>
-#include <optional>
-#include <set>
 #include <utility>
 
 #include "app/loop/exposure_choice.h"
-#include "app/loop/forecast.h"
 #include "app/loop/picture_coder.h"
 #include "app/loop/pipeline.h"
-#include "app/loop/run_statistics.h"
 #include "app/report/frame_view.h"
 #include "core/color.h"
 #include "core/numeric.h"
 #include "core/sampling.h"
 #include "encoder/encoder.h"
 #include "parallel/loops.h"
-#include "perceptual/flicker.h"
-#include "perceptual/hvs.h"
+#include "perceptual/pumping.h"
 #include "renderer/calibration/audit.h"
 #include "scene/pose/motion.h"
 #include "scene/preparation/traits.h"

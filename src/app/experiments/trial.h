@@ -9,14 +9,13 @@
 #include <set>
 #include <vector>
 
-#include "app/experiments/gop_starts.h"
 #include "app/experiments/reference_cache.h"
 #include "app/experiments/windows.h"
 #include "app/loop/forecast.h"
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
 #include "app/loop/shown_light.h"
-#include "app/options/chunk.h"
+#include "app/options/film.h"
 #include "app/system/error_histogram.h"
 #include "perceptual/metrics.h"
 

@@ -5,11 +5,9 @@
 
 #include <algorithm>
 
-#include "app/files/consent.h"
+#include "app/files/file_io.h"
 #include "app/files/publish.h"
-#include "app/files/text_file.h"
 #include "app/loop/film_identity.h"
-#include "app/options/command_words.h"
 #include "app/options/help_format.h"
 #include "app/report/report.h"
 #include "app/system/interrupt.h"

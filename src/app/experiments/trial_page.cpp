@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "app/files/text_file.h"
+#include "app/files/file_io.h"
 #include "app/report/figures.h"
 #include "app/report/frame_view.h"
 #include "app/report/heatmap_film.h"

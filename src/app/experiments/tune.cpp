@@ -1,4 +1,4 @@
-#include "app/experiments/tune.h"
+#include "app/experiments/experiments.h"
 
 #include <fmt/format.h>
 
@@ -10,11 +10,11 @@
 
 #include "app/experiments/trial_command.h"
 #include "app/experiments/tune_report.h"
-#include "app/files/container_share.h"
+#include "app/files/file_io.h"
 #include "app/files/publish.h"
-#include "app/files/text_file.h"
-#include "app/options/command_words.h"
 #include "app/options/option_text.h"
+#include "app/options/options.h"
+#include "app/options/output_kind.h"
 #include "app/options/rate_options.h"
 #include "app/options/usage_error.h"
 #include "app/system/error_collector.h"

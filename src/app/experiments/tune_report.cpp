@@ -6,9 +6,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "app/experiments/sweep.h"
+#include "app/experiments/film_costs.h"
 #include "app/experiments/trial_page.h"
-#include "app/files/text_file.h"
+#include "app/files/file_io.h"
 #include "app/report/answer.h"
 #include "app/report/curve_plot.h"
 #include "app/report/figures.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "app/loop/render_job.h"
-#include "app/options/chunk.h"
+#include "app/options/film.h"
 #include "app/options/options.h"
 
 namespace render2mpeg::app {
@@ -73,5 +73,8 @@ nlohmann::json farm_identity(const FarmPlan& plan, const RenderJob& film, Render
 void refuse_other_machine(const FarmPlan& plan);
 /// Throws Refusal, naming what has changed, where the film is not the plan's.
 void refuse_other_film(const FarmPlan& plan, const RenderJob& film, const RenderOptions& options);
+
+/// Ascending numbers as schedulers read them: "1,3-5".
+std::string part_list(const std::vector<int>& numbers);
 
 }  // namespace render2mpeg::app

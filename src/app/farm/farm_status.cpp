@@ -1,4 +1,4 @@
-#include "app/farm/farm_status.h"
+#include "app/farm/farm.h"
 
 #include <fmt/format.h>
 
@@ -8,9 +8,8 @@
 #include <vector>
 
 #include "app/farm/farm_plan.h"
-#include "app/farm/part_list.h"
 #include "app/farm/part_status.h"
-#include "app/files/text_file.h"
+#include "app/files/file_io.h"
 #include "app/system/progress.h"
 #include "core/text.h"
 

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "app/files/text_file.h"
+#include "app/files/file_io.h"
 
 namespace render2mpeg::app {
 

@@ -7,8 +7,6 @@
 #include <system_error>
 #include <utility>
 
-#include "app/files/disk.h"
-#include "app/files/text_file.h"
 #include "core/error.h"
 
 namespace render2mpeg::app {

@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "app/files/checksum.h"
-#include "app/options/chunk.h"
+#include "app/files/file_io.h"
+#include "app/options/film.h"
 #include "encoder/types.h"
 
 namespace render2mpeg::app {

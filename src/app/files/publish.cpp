@@ -1,6 +1,7 @@
 #include "app/files/publish.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -10,13 +11,31 @@
 #include <string>
 #include <system_error>
 
-#include "app/files/assembly.h"
-#include "app/files/disk.h"
+#include "app/files/file_io.h"
 #include "app/options/output_kind.h"
 #include "core/error.h"
+#include "encoder/av/av.h"
+#include "encoder/codec.h"
 
 namespace render2mpeg::app {
 namespace {
+
+/// Hands the access units of one chunk to the muxer, in coding order. The film's last picture carries the end code with
+/// it.
+void copy_chunk(const ChunkFile& chunk, av::Muxer& muxer, encoder::Codec codec, std::int64_t first_frame,
+                std::int64_t coded_before, bool last_chunk) {
+    std::ifstream stream(chunk.file(), std::ios::binary);
+    std::vector<std::uint8_t> bytes;
+    for (const PictureRecord& picture : chunk.pictures()) {
+        bytes.resize(picture.bytes);
+        stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+        if (!stream)
+            throw core::Error("reading", chunk.file().string(), "the file is shorter than it was when it was written");
+        if (last_chunk && &picture == &chunk.pictures().back())
+            for (const std::uint8_t byte : encoder::end_of_stream(codec)) bytes.push_back(byte);
+        muxer.write(bytes, picture.number - first_frame, coded_before + picture.coding_order, picture.starts_gop);
+    }
+}
 
 /// A pipe or a device of characters such as /dev/null, which is written to and not replaced.
 bool is_written_to(const std::filesystem::path& file) {
@@ -80,7 +99,82 @@ void write_into(const std::filesystem::path& file, const std::filesystem::path& 
         throw core::Error("writing", output.string(), errno != 0 ? std::strerror(errno) : "it cannot be written");
 }
 
+/// Something that is not to be done without a word.
+struct Doubt {
+    std::filesystem::path file;
+    std::string text;  ///< what is so, and what -y does
+};
+
+bool holds_a_film(const std::filesystem::path& file) {
+    std::error_code error;
+    return std::filesystem::is_regular_file(file, error) && std::filesystem::file_size(file, error) > 0 && !error;
+}
+
+std::vector<Doubt> doubts_of(const Wishes& wishes) {
+    std::vector<Doubt> doubts;
+    std::vector<std::filesystem::path> all = wishes.beside;
+    for (const Files& film : wishes.films) {
+        all.push_back(film.name);
+        if (!film.frames && holds_a_film(film.name)) doubts.push_back({film.name, "is there already; -y replaces it"});
+        if (!film.frames) continue;
+        const std::vector<std::int64_t> there = numbers_on_disk(film.name);
+        const auto count = std::count_if(there.begin(), there.end(), [&](std::int64_t n) {
+            return n >= film.frames->first && n <= film.frames->last;
+        });
+        if (count > 0)
+            doubts.push_back({film.name, fmt::format("{} of these images are there already; -y replaces them", count)});
+    }
+    std::vector<std::filesystem::path> folders;
+    for (const std::filesystem::path& file : all) {
+        std::error_code error;
+        const std::filesystem::path folder = file.parent_path();
+        if (file.empty() || folder.empty() || std::filesystem::exists(folder, error)) continue;
+        if (std::find(folders.begin(), folders.end(), folder) != folders.end()) continue;
+        folders.push_back(folder);
+        doubts.push_back({file, "there is no folder " + folder.string() + "; -y makes it"});
+    }
+    return doubts;
+}
+
 }  // namespace
+
+void assemble(const std::vector<ChunkFile>& chunks, const Film& film, const std::filesystem::path& file,
+              const std::filesystem::path& name) {
+    std::size_t largest = 0;
+    for (const ChunkFile& chunk : chunks)
+        for (const PictureRecord& picture : chunk.pictures()) largest = std::max<std::size_t>(largest, picture.bytes);
+
+    std::size_t pictures = 0;
+    for (const ChunkFile& chunk : chunks) pictures += chunk.pictures().size();
+    av::Sound sound = film.sound;
+    sound.seconds = static_cast<double>(pictures) / film.coding.rate.hertz.value();
+    av::Muxer muxer(file, name, film.coding, largest, film.disc ? av::ProgramStream::dvd : av::ProgramStream::plain,
+                    sound);
+    std::int64_t coded_before = 0;
+    for (const ChunkFile& chunk : chunks) {
+        copy_chunk(chunk, muxer, film.coding.codec, film.frames.first, coded_before, &chunk == &chunks.back());
+        coded_before += static_cast<std::int64_t>(chunk.pictures().size());
+    }
+    muxer.finish();
+}
+
+void verify(const std::filesystem::path& film, const std::vector<ChunkFile>& chunks) {
+    std::vector<PictureRecord> expected;
+    for (const ChunkFile& chunk : chunks)
+        expected.insert(expected.end(), chunk.pictures().begin(), chunk.pictures().end());
+    std::sort(expected.begin(), expected.end(), [](const auto& a, const auto& b) { return a.number < b.number; });
+
+    std::size_t decoded = 0;
+    av::decode(film, [&](const core::Picture& picture) {
+        if (decoded >= expected.size() || checksum_of(picture) != expected[decoded].checksum)
+            throw core::Error("verifying", film.string(),
+                              fmt::format("picture {} does not decode to what was encoded", decoded));
+        ++decoded;
+    });
+    if (decoded != expected.size())
+        throw core::Error("verifying", film.string(),
+                          fmt::format("{} of {} pictures decode", decoded, expected.size()));
+}
 
 void check_reachable(const std::filesystem::path& file) {
     std::error_code error;
@@ -152,6 +246,17 @@ Published give_name(const std::filesystem::path& file, WorkFolder& work, const s
     if (error) throw core::Error("writing", output.string(), error.message());
     bring_name_to_disk(output);
     return {output, bytes};
+}
+
+void require_consent(const Wishes& wishes, bool agreed) {
+    if (agreed) return;
+    for (const Doubt& doubt : doubts_of(wishes)) throw core::Error("writing", doubt.file.string(), doubt.text);
+}
+
+std::vector<std::string> doubts_about(const Wishes& wishes) {
+    std::vector<std::string> lines;
+    for (const Doubt& doubt : doubts_of(wishes)) lines.push_back(doubt.file.string() + ": " + doubt.text);
+    return lines;
 }
 
 }  // namespace render2mpeg::app

@@ -13,6 +13,13 @@
 
 namespace render2mpeg::app {
 
+/// Joins chunks to one film `file`, whose format the ending of `name` tells.
+void assemble(const std::vector<ChunkFile>& chunks, const Film& film, const std::filesystem::path& file,
+              const std::filesystem::path& name);
+
+/// Decodes the film and throws core::Error unless every picture equals its recorded reconstruction bit for bit.
+void verify(const std::filesystem::path& film, const std::vector<ChunkFile>& chunks);
+
 /// A file, or the files of a numbered sequence. An empty name is passed over.
 struct Files {
     Files(std::filesystem::path file) : name(std::move(file)) {}
@@ -47,5 +54,18 @@ Published publish(const std::vector<ChunkFile>& chunks, const Film& film, WorkFo
 /// The same for a file of the work folder that is put together already.
 Published give_name(const std::filesystem::path& file, WorkFolder& work, const std::filesystem::path& output,
                     bool complete);
+
+/// What a run is going to write.
+struct Wishes {
+    std::vector<Files> films;                   ///< what took long to make: not to be replaced without a word
+    std::vector<std::filesystem::path> beside;  ///< figures, pages, folders of frames; an empty name is passed over
+};
+
+/// Throws core::Error where a film is there already or a folder is missing, unless it was `agreed`. Empty files, pipes
+/// and devices are no films. Writes nothing.
+void require_consent(const Wishes& wishes, bool agreed);
+
+/// Lines about all that it would refuse; for runs that write nothing.
+std::vector<std::string> doubts_about(const Wishes& wishes);
 
 }  // namespace render2mpeg::app

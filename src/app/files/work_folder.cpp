@@ -1,24 +1,79 @@
 #include "app/files/work_folder.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <system_error>
+#include <thread>
 
-#include "app/files/identity_difference.h"
-#include "app/files/text_file.h"
+#include "app/files/file_io.h"
 #include "app/options/output_kind.h"
-#include "core/error.h"
 
 namespace render2mpeg::app {
 namespace {
 
 using nlohmann::json;
+
+/// A value of the manifest in a message.
+std::string shown(const json& value) {
+    return value.is_string() ? value.get<std::string>() : value.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+std::string difference_of_options(const json& before, const json& now) {
+    for (const auto& [name, value] : now.items()) {
+        if (!before.contains(name)) return fmt::format("{} was not given and is {}", name, shown(value));
+        if (before[name] != value) return fmt::format("{} was {} and is {}", name, shown(before[name]), shown(value));
+    }
+    for (const auto& [name, value] : before.items())
+        if (!now.contains(name)) return fmt::format("{} was {} and is not given", name, shown(value));
+    return {};
+}
+
+std::string difference_of_inputs(const json& before, const json& now) {
+    for (std::size_t i = 0; i < std::max(before.size(), now.size()); ++i) {
+        if (i >= now.size()) return fmt::format("the input {} is gone", shown(before[i].value("file", json())));
+        const std::string file = shown(now[i].value("file", json()));
+        if (i >= before.size()) return fmt::format("the input {} is new", file);
+        if (before[i].value("checksum", json()) != now[i].value("checksum", json()))
+            return fmt::format("the input {} has changed", file);
+    }
+    return {};
+}
+
+[[noreturn]] void refuse(const std::filesystem::path& file, const std::filesystem::path& output) {
+    std::string process;
+    std::ifstream(file) >> process;
+    throw OutputInUse("writing", output.string(),
+                      "another run is writing it" + (process.empty() ? "" : " (process " + process + ")"));
+}
+
+/// Whether the name still is that of the file that is open: the run that held it may have removed it since.
+bool is_current(int descriptor, const std::filesystem::path& file) {
+    struct stat opened {
+    }, named{};
+    return fstat(descriptor, &opened) == 0 && lstat(file.c_str(), &named) == 0 && opened.st_dev == named.st_dev &&
+           opened.st_ino == named.st_ino;
+}
+
+/// Whether a file has this name alone, and is no pipe or the like: what is written to it changes nothing else.
+bool is_plain(int descriptor) {
+    struct stat opened {};
+    return fstat(descriptor, &opened) == 0 && S_ISREG(opened.st_mode) && opened.st_nlink <= 1;
+}
+
+std::string why_not_opened(int failure) {
+    return failure == ELOOP ? "it is a link, which is not followed" : std::strerror(failure);
+}
 
 constexpr const char *lock_name = "lock", *manifest_name = "manifest.json";
 
@@ -78,6 +133,72 @@ void refuse_other(const std::filesystem::path& output, const json& identity) {
 }
 
 }  // namespace
+
+std::string difference_of(const json& before, const json& now) {
+    if (before == now) return {};
+    if (!before.is_object()) return "what was left is of no known version";
+    for (const char* name : {"version", "isa"})
+        if (before.value(name, json()) != now.value(name, json()))
+            return fmt::format("the {} was {} and is {}",
+                               std::string_view(name) == "isa" ? "instruction set" : "version of render2mpeg",
+                               shown(before.value(name, json())), shown(now.value(name, json())));
+    if (before.value("build", json()) != now.value("build", json())) return "render2mpeg was built anew since";
+    const auto part = [](const json& of, const char* name, const json& otherwise) {
+        return of.contains(name) && of[name].type() == otherwise.type() ? of[name] : otherwise;
+    };
+    std::string text =
+        difference_of_options(part(before, "options", json::object()), part(now, "options", json::object()));
+    if (text.empty())
+        text = difference_of_inputs(part(before, "inputs", json::array()), part(now, "inputs", json::array()));
+    if (text.empty() && before.value("frames", json()) != now.value("frames", json()))
+        text = fmt::format("the frames were {} and are {}", shown(before.value("frames", json())),
+                           shown(now.value("frames", json())));
+    return text.empty() ? "it is another film" : text;
+}
+
+OutputLock::OutputLock(const std::filesystem::path& file, const std::filesystem::path& output) {
+    // chosen: a dry run looks at the lock for some microseconds, and a run that ends removes its folder in
+    // milliseconds; tries for 0.2 s bridge both.
+    constexpr int tries = 20;
+    constexpr auto pause = std::chrono::milliseconds(10);
+    for (int left = tries; descriptor_ < 0; --left) {
+        if (left < tries) std::this_thread::sleep_for(pause);
+        std::error_code error;
+        std::filesystem::create_directories(file.parent_path(), error);
+        if (error) throw core::Error("writing", output.string(), error.message());
+        descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
+        if (descriptor_ < 0 && errno == ENOENT && left > 0) continue;  // the folder went with the run before
+        if (descriptor_ < 0) throw core::Error("writing", file.string(), why_not_opened(errno));
+        const int failure = flock(descriptor_, LOCK_EX | LOCK_NB) == 0 ? 0 : errno;
+        if (failure == 0 && is_current(descriptor_, file)) break;
+        close(descriptor_);
+        descriptor_ = -1;
+        if (left > 0 && (failure == 0 || failure == EWOULDBLOCK)) continue;
+        if (failure == 0 || failure == EWOULDBLOCK) refuse(file, output);
+        throw core::Error("writing", output.string(), std::string("it cannot be locked: ") + std::strerror(failure));
+    }
+
+    if (!is_plain(descriptor_)) {
+        close(descriptor_);
+        throw core::Error("writing", file.string(), "it is no file of ours: another name leads to it, too");
+    }
+    // Say who holds it; a lock that does not say so is one all the same.
+    const std::string process = std::to_string(getpid()) + "\n";
+    const bool told = ftruncate(descriptor_, 0) == 0 && ::write(descriptor_, process.data(), process.size()) > 0;
+    static_cast<void>(told);
+}
+
+OutputLock::~OutputLock() {
+    close(descriptor_);
+}
+
+void OutputLock::check(const std::filesystem::path& file, const std::filesystem::path& output) {
+    const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    if (descriptor < 0) return;
+    const bool held = flock(descriptor, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    close(descriptor);
+    if (held) refuse(file, output);
+}
 
 WorkFolder::WorkFolder(const std::filesystem::path& output, const json& identity, Earlier earlier)
     : output_(output),

@@ -1,5 +1,4 @@
 #pragma once
-
 #include <cstddef>
 #include <filesystem>
 #include <memory>
@@ -8,10 +7,38 @@
 #include <vector>
 
 #include "app/files/chunk_file.h"
-#include "app/files/output_lock.h"
-#include "app/options/chunk.h"
+#include "app/options/film.h"
+#include "core/error.h"
 
 namespace render2mpeg::app {
+
+/// What differs first between two films' identities, in words a user can act on ("--quantiser was 4 and is 6"); empty
+/// where nothing does.
+std::string difference_of(const nlohmann::json& before, const nlohmann::json& now);
+
+/// Another run holds the output.
+class OutputInUse : public core::Error {
+  public:
+    using core::Error::Error;
+};
+
+/// Excludes other runs from an output while it lives. The system releases it with the process, however that ends.
+class OutputLock {
+  public:
+    /// Locks `file`, which is made where there is none, in a folder that is made likewise. `output` is for messages.
+    /// Throws OutputInUse where another run holds it, naming that run's process, and core::Error where it is a link or
+    /// has another name besides: what that leads to may be anybody's. Waits for 0.2 s at most.
+    OutputLock(const std::filesystem::path& file, const std::filesystem::path& output);
+    ~OutputLock();
+    OutputLock(const OutputLock&) = delete;
+    OutputLock& operator=(const OutputLock&) = delete;
+
+    /// Throws as the constructor does, and changes nothing.
+    static void check(const std::filesystem::path& file, const std::filesystem::path& output);
+
+  private:
+    int descriptor_ = -1;
+};
 
 /// `OUT.partial/`, e.g. `film.mpg.partial/`: what there is of a film that is not whole yet, with a manifest of what it
 /// belongs to. No other run can have the same one meanwhile.

@@ -1,5 +1,5 @@
 #pragma once
-
+#include <cstdint>
 #include <optional>
 
 #include "app/loop/coupling.h"
@@ -7,6 +7,11 @@
 #include "encoder/types.h"
 
 namespace render2mpeg::app {
+
+/// What the macroblocks of a P picture were predicted from: luma of `reference` (the decoded picture that it refers to)
+/// displaced by their vectors [H262, 7.6.4]. Intra macroblocks are 0. Beyond the reference's sides its edges are
+/// repeated.
+core::Plane<std::uint8_t> prediction_of(const encoder::CodedPicture& coded, const core::Plane<std::uint8_t>& reference);
 
 /// Says how pictures are coded in the terms of the coupling: step sizes, and which pictures depend on which. Follows a
 /// chunk in coding order.

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "core/error.h"
-#include "perceptual/tolerance_fraction.h"
+#include "perceptual/tolerance.h"
 
 namespace render2mpeg::app {
 

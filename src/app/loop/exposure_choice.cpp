@@ -25,9 +25,8 @@ std::vector<int> objects_named(const scene::Animation& animation, const std::str
         if (animation.objects[i].name == name) found.push_back(static_cast<int>(i));
     }
     if (!found.empty()) return found;
-    const std::string nearest = core::nearest_word(name, names);
     throw UsageError(fmt::format("--focus {}: neither a distance above 0 nor an object{}", name,
-                                 nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?"));
+                                 core::did_you_mean(name, names, "\"", "\"")));
 }
 
 void forget_tracks(scene::Animation& animation, scene::TrackTarget target) {

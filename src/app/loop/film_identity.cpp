@@ -6,8 +6,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "app/files/checksum.h"
-#include "app/files/disk.h"
+#include "app/files/file_io.h"
 
 namespace render2mpeg::app {
 namespace {

@@ -7,10 +7,10 @@
 #include <span>
 #include <utility>
 
-#include "app/files/container_share.h"
 #include "app/loop/counters.h"
 #include "app/loop/memory_need.h"
 #include "app/loop/pipeline.h"
+#include "app/options/output_kind.h"
 #include "app/system/probes.h"
 #include "core/numeric.h"
 #include "core/text.h"

@@ -10,7 +10,7 @@
 #include "app/loop/observer.h"
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
-#include "app/options/chunk.h"
+#include "app/options/film.h"
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"
 

@@ -8,7 +8,7 @@
 
 #include "app/loop/exposure_choice.h"
 #include "app/system/memory_limit.h"
-#include "app/system/shown_images.h"
+#include "app/system/probes.h"
 #include "core/error.h"
 #include "encoder/codec.h"
 #include "image/image.h"

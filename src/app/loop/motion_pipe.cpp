@@ -15,10 +15,9 @@
 #include <limits>
 #include <memory>
 #include <optional>
-#include <utility>
 #include <vector>
 
-#include "app/files/text_file.h"
+#include "app/files/file_io.h"
 #include "app/options/output_kind.h"
 #include "core/error.h"
 #include "core/numeric.h"
@@ -33,7 +32,7 @@ static_assert(std::endian::native == std::endian::little, "motion streams are li
 /// Frames behind the one asked for that may be asked for again: references lie four back at most.
 constexpr std::int64_t kept_behind = 8;
 
-/// Frames that are read ahead: pictures are looked at so far, and two more are being read (frames_ahead.cpp).
+/// Frames that are read ahead: pictures are looked at so far, and two more are being read (frame_source.cpp).
 constexpr std::int64_t kept_ahead = encoder::LookAhead::depth + 3;
 
 constexpr std::uint32_t mark = 0x564d3252u;  ///< "R2MV"

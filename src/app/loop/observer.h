@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "app/loop/motion.h"
-#include "app/options/chunk.h"
+#include "app/options/film.h"
 #include "core/picture.h"
 #include "core/radiance.h"
 #include "core/tolerance_map.h"

@@ -1,13 +1,12 @@
 #include "app/loop/picture_coder.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "encoder/av/coders.h"
 #include "encoder/bit_allocation.h"
 #include "encoder/codec.h"
 #include "encoder/motion_nonuniformity.h"
-#include "perceptual/hvs.h"
+#include "perceptual/metrics.h"
 #include "perceptual/pumping.h"
 
 namespace render2mpeg::app {

@@ -11,7 +11,6 @@
 #include "app/loop/motion.h"
 #include "app/loop/quality_control.h"
 #include "app/loop/run_statistics.h"
-#include "app/options/chunk.h"
 #include "app/options/film.h"
 #include "core/picture.h"
 #include "core/plane.h"

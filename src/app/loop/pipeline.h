@@ -5,7 +5,7 @@
 #include "app/loop/observer.h"
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
-#include "app/options/chunk.h"
+#include "app/options/film.h"
 #include "app/system/interrupt.h"
 
 namespace render2mpeg::app {

@@ -8,21 +8,21 @@
 #include <string_view>
 #include <system_error>
 
-#include "app/files/sound.h"
 #include "app/loop/exposure_choice.h"
+#include "app/options/mistakes.h"
 #include "app/options/option_text.h"
-#include "app/options/preview_options.h"
 #include "app/options/rate_options.h"
 #include "app/options/usage_error.h"
-#include "app/options/wrong_file.h"
+#include "app/system/probes.h"
 #include "core/color.h"
 #include "core/error.h"
 #include "core/text.h"
+#include "encoder/av/av.h"
 #include "encoder/av/coders.h"
 #include "encoder/codec.h"
 #include "parallel/loops.h"
 #include "perceptual/exposure.h"
-#include "perceptual/tolerance_fraction.h"
+#include "perceptual/tolerance.h"
 #include "scene/load.h"
 #include "scene/preparation/framing.h"
 #include "scene/preparation/traits.h"
@@ -250,11 +250,9 @@ void check_scene(const std::filesystem::path& input) {
     for (const auto& entry : std::filesystem::directory_iterator(folder, error))
         names.push_back(entry.path().filename().string());
     std::sort(names.begin(), names.end());
-    const std::vector<std::string_view> views(names.begin(), names.end());
-    const std::string nearest = core::nearest_word(input.filename().string(), views);
+    const std::string before = (input.parent_path() / "").string();
     throw core::Error("reading", input.string(),
-                      "there is no such file" +
-                          (nearest.empty() ? "" : "; did you mean " + (input.parent_path() / nearest).string() + "?"));
+                      "there is no such file" + core::did_you_mean(input.filename().string(), names, before));
 }
 
 RenderJob prepare(const RenderOptions& wanted) {
@@ -398,6 +396,23 @@ float measure_exposure(const RenderJob& film) {
     }
     const float exposure = perceptual::auto_exposure(surfaces, sky);
     return stage < 0 ? exposure : studio_exposure(exposure);
+}
+
+av::Sound sound_of(const CodingOptions& options, const std::optional<std::filesystem::path>& scenes,
+                   const std::filesystem::path& output, const FrameRange& frames, const core::FrameRate& rate) {
+    const bool none = options.audio && *options.audio == "none";
+    if (none || !av::is_film(output) || (!options.audio && !scenes)) return {};
+    if (!av::can_have_sound(output)) {
+        if (!options.audio) return {};
+        throw core::Error("--audio: " + output.string() +
+                          " is an elementary stream, which has no sound; .mpg, .ts, .mkv and .mp4 have");
+    }
+    av::Sound sound;
+    sound.file = options.audio ? std::filesystem::path(*options.audio) : *scenes;
+    sound.offset = options.audio_offset - static_cast<double>(frames.first) / rate.hertz.value();
+    sound.ac3 = options.preset.has_value();
+    probe_sound(sound.file);
+    return sound;
 }
 
 }  // namespace render2mpeg::app

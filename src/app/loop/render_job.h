@@ -1,19 +1,20 @@
 #pragma once
 // Everything that decides a film, with the options' gaps filled, and its making.
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "app/loop/cache_choice.h"
 #include "app/loop/coupling.h"
-#include "app/options/chunk.h"
 #include "app/options/effort.h"
 #include "app/options/film.h"
 #include "app/options/options.h"
 #include "app/options/output_kind.h"
 #include "core/rational.h"
 #include "core/tolerance_map.h"
+#include "encoder/av/sound.h"
 #include "encoder/types.h"
 #include "perceptual/display.h"
 #include "renderer/base/plan.h"
@@ -45,7 +46,7 @@ struct RenderJob {
     std::optional<float> exposure;   ///< EV; none: to be measured
     bool measures_exposure = false;  ///< nobody says it
     core::View view;
-    bool preview = false;     ///< a draft (app/options/preview_options.h)
+    bool preview = false;     ///< a draft (app/options/effort.h)
     bool rough = false;       ///< a first pass: its light is too rough to tell whether it changes
     bool two_passes = false;  ///< the first one finds `allocations`
     std::vector<encoder::BitAllocation> allocations;  ///< one per frame, or none
@@ -76,7 +77,7 @@ struct RenderJob {
 /// The film without what a row of its plan gives (renderer::PlanRow::effect).
 RenderJob without(const RenderJob& film, renderer::Pass effect);
 
-/// The film as --preview makes it where no option says more (app/options/preview_options.h), in the same size.
+/// The film as --preview makes it where no option says more (app/options/effort.h), in the same size.
 RenderJob draft_of(const RenderJob& film);
 
 /// The film as --effort makes it where no option says more (app/options/effort.h), with no more eye samples than it
@@ -94,5 +95,10 @@ RenderJob prepare(const RenderOptions& options);
 
 /// One exposure for the film, in EV: a few small, coarse frames spread over it are lit and their luminances judged.
 float measure_exposure(const RenderJob& film);
+
+/// The sound of a film of these frames: that of the options, else `scenes`, the scene's own. Decodes it once, in a
+/// probe. Throws core::Error where it cannot be read, or where `output` is a film that cannot have any.
+av::Sound sound_of(const CodingOptions& options, const std::optional<std::filesystem::path>& scenes,
+                   const std::filesystem::path& output, const FrameRange& frames, const core::FrameRate& rate);
 
 }  // namespace render2mpeg::app

@@ -10,9 +10,7 @@
 #include <system_error>
 #include <utility>
 
-#include "app/files/checksum.h"
-#include "app/files/disk.h"
-#include "app/files/text_file.h"
+#include "app/files/file_io.h"
 #include "app/loop/counters.h"
 #include "app/loop/first_pass.h"
 #include "app/system/interrupt.h"

@@ -5,16 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <optional>
-#include <string>
-#include <utility>
 #include <vector>
 
 #include "app/loop/motion_pipe.h"
 #include "app/options/output_kind.h"
 #include "core/error.h"
 #include "core/numeric.h"
-#include "image/image.h"
 #include "parallel/loops.h"
 
 namespace render2mpeg::app {

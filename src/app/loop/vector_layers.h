@@ -1,17 +1,40 @@
 #pragma once
-
 #include <cstdint>
 #include <filesystem>
 #include <future>
 #include <map>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <string>
+#include <utility>
 
-#include "app/loop/shared_channels.h"
 #include "core/motion_field.h"
 #include "encoder/look_ahead.h"
+#include "image/image.h"
 
 namespace render2mpeg::app {
+
+/// Channels of numbered files, read together with their frames by another thread. Each is taken once.
+class SharedChannels {
+  public:
+    void put(std::int64_t frame, image::ExrChannels channels) {
+        const std::lock_guard lock(mutex_);
+        waiting_.insert_or_assign(frame, std::move(channels));
+    }
+    /// None where they were not read, or taken before. Those of frames more than `behind` before this one are
+    /// forgotten.
+    std::optional<image::ExrChannels> take(std::int64_t frame, std::int64_t behind) {
+        const std::lock_guard lock(mutex_);
+        std::erase_if(waiting_, [&](const auto& entry) { return entry.first < frame - behind; });
+        auto found = waiting_.extract(frame);
+        return found.empty() ? std::nullopt : std::optional(std::move(found.mapped()));
+    }
+
+  private:
+    std::mutex mutex_;
+    std::map<std::int64_t, image::ExrChannels> waiting_;
+};
 
 /// How compositing files write motion (docs/coding.md).
 enum class MotionConvention { blender, nuke };

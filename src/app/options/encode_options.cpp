@@ -1,6 +1,5 @@
 #include "app/options/encode_options.h"
 
-#include "app/options/coding_options.h"
 #include "app/options/option_text.h"
 #include "core/rational.h"
 #include "core/view.h"
@@ -15,7 +14,7 @@ void add_motion_options(CLI::App& command, EncodeOptions& options) {
                "beside their pictures: fd:N, an open descriptor, or PIPE.motion",
                "PATTERN|fd:N|PIPE.motion");
     add_option(command, "Motion", "--motion-convention", options.motion_convention,
-               "What their channels mean: blender or nuke", CLI::IsMember({"blender", "nuke"}), shown);
+               "What their channels mean: blender or nuke", one_of({"blender", "nuke"}), shown);
 }
 
 }  // namespace
@@ -35,7 +34,7 @@ CLI::App* add_encode_command(CLI::App& app, EncodeOptions& options) {
                      "Film to write: .mpg, .vob, .ts, .m2v, .mkv or .mp4; `-`: standard output")
         ->type_name("OUT")
         ->required();
-    add_as_option(*command, options.as, "ts|m2v");
+    add_as_option(*command, options.as, {"ts", "m2v"});
     const std::string picture = "Picture and time", run = "Run";
     add_option(*command, picture, "-r,--fps", options.rate, "Pictures per second (default: the Y4M file's, or 25)",
                "23.976|24|25|29.97|30|50|59.94|60", core::frame_rate_from);
@@ -45,7 +44,7 @@ CLI::App* add_encode_command(CLI::App& app, EncodeOptions& options) {
                "A:B", frames_from);
     add_shape_options(*command, options.coding);
     add_option(*command, picture, "--exposure", options.exposure, "EV for scene-linear frames (default: 0)", "EV",
-               CLI::Range(-64.0f, 64.0f));
+               range(-64.0f, 64.0f));
     add_option(*command, picture, "--view", options.view,
                "As for render; PNG frames of Blender's views keep their code values (default: neutral)", "NAME",
                core::view_from);
@@ -53,7 +52,7 @@ CLI::App* add_encode_command(CLI::App& app, EncodeOptions& options) {
     add_coding_options(*command, options.coding);
     add_sound_options(*command, options.coding);
     add_option(*command, run, "-j,--threads", options.threads,
-               "Threads; 0: one per core. The film's bytes do not depend on it", CLI::Range(0, 1024), shown);
+               "Threads; 0: one per core. The film's bytes do not depend on it", range(0, 1024), shown);
     add_option(*command, run, "--stats", options.stats, "Write statistics as JSON (docs/json.md)", "FILE.json");
     add_consent_option(*command, options.overwrite);
     add_flag(*command, run, "--quiet", options.quiet, "Print nothing but errors");

@@ -1,7 +1,7 @@
 #include "app/options/experiment_options.h"
 
-#include "app/options/coding_options.h"
 #include "app/options/option_text.h"
+#include "app/options/rate_options.h"
 #include "app/options/scene_options.h"
 #include "core/isa.h"
 
@@ -41,12 +41,49 @@ void add_foreign_film(CLI::App& command, CompareOptions& options) {
     film->needs("--reference");
 }
 
+/// What is found out instead, or would make it another film than the sample.
+constexpr const char* decided_by_tune[] = {"--bitrate", "--cbr", "--passes"};
+
+void add_targets(CLI::App& command, TuneOptions& options) {
+    const std::string target = "What is to be reached (one of these)";
+    add_option(command, target, "--target-psnr", options.psnr,
+               "PSNR-Y in dB of the decoded pictures, to 0.1 dB on the sample: finds --quality", "DB",
+               range(1.0, 99.0));
+    add_option(command, target, "--target-ssim", options.ssim, "Their SSIM, to 0.002 on the sample: finds --quality",
+               "SSIM", range(0.01, 0.9999));
+    add_option(command, target, "--of", options.of,
+               "Whose PSNR or SSIM that is: the whole film's, or that of its worst-tenth of pictures",
+               one_of({"film", "worst-tenth"}), shown);
+    add_option(command, target, "--target-bitrate", options.bitrate,
+               "Bits per second of pictures, to 2 %: --bitrate in two passes, and what quality that is", "RATE",
+               [](const std::string& text) { bits_from(text, "target-bitrate"); });
+    add_option(command, target, "--max-size", options.size, "Bytes of the file at most, e.g. 700M: likewise", "SIZE",
+               size_in_bytes);
+    add_option(command, target, "--max-time", options.time,
+               "Time on the clock at most, e.g. 2h or 90m: loosens --tolerance, --samples and --vpls as far as "
+               "needed",
+               "TIME", time_in_seconds);
+}
+
+void add_tried(CLI::App& command, TuneOptions& options) {
+    const std::string tried = "What is tried";
+    add_option(command, tried, "--sample", options.sample,
+               "Windows spread over the film, by consecutive frames of each (default: an eighth of the film, at most "
+               "2x15; with --max-time 2x3)",
+               "WINDOWSxFRAMES", sample_from);
+    add_option(command, tried, "--references", options.references,
+               "Frames of each window that are also lit as the reference, which is dear: they tell what light adds "
+               "to the errors of all frames. 0: quality is told against the pictures as they were lit (default: 1; "
+               "with --target-bitrate and --max-size 0)",
+               "N", range(0, 1000));
+}
+
 }  // namespace
 
 void add_trial_run_options(CLI::App& command, TrialOptions& options) {
     const std::string run = "Run";
     add_option(command, run, "-j,--threads", options.render.threads,
-               "Threads; 0: one per core. Nothing but the clock depends on it", CLI::Range(0, 1024), shown);
+               "Threads; 0: one per core. Nothing but the clock depends on it", range(0, 1024), shown);
     add_option(command, run, "--isa", options.render.isa, "Instruction set (default: the best there is)",
                "sse2|sse4.2|avx|avx2|avx512", core::isa_from);
     add_option(command, run, "--keep-references", options.kept_references,
@@ -93,13 +130,13 @@ CLI::App* add_compare_command(CLI::App& app, CompareOptions& options) {
     add_option(*command, tried, "--references", options.references,
                "Frames of each window that are also lit as the reference, in adjacent pairs where there are "
                "several: they tell what light adds to the errors of all frames, and their pairs flicker",
-               CLI::Range(1, 1000), shown);
+               range(1, 1000), shown);
     add_option(*command, tried, "--quantisers", options.quantisers, "Quantisers to code with, two or more", "Q,Q,...",
                quantisers_from, shown);
     add_option(*command, tried, "--runs", options.runs,
                "Runs of everything that is timed, one way after the other and over again; times are their "
                "medians, told with their spread",
-               CLI::Range(1, 100), shown);
+               range(1, 100), shown);
     add_foreign_film(*command, options);
     add_picture_options(*command, options.render);
     add_light_options(*command, options.render);
@@ -108,6 +145,28 @@ CLI::App* add_compare_command(CLI::App& app, CompareOptions& options) {
     for (const char* name : {"--quantiser", "--for", "--keyframes"}) command->remove_option(command->get_option(name));
     command->get_option("--gop")->default_str("15");  // short_gop
     add_trial_run_options(*command, options);
+    return command;
+}
+
+CLI::App* add_tune_command(CLI::App& app, TuneOptions& options) {
+    CLI::App* command = app.add_subcommand("tune", "Find the setting that reaches a quality, rate, size or time");
+    command->footer(
+        "Tries a sample of the film, each try a row of a table, then renders the film and tells what became of it "
+        "(docs/choosing.md). Exit status 1 where the target is out of reach, or the film missed it.\n"
+        "Example: render2mpeg tune scene.glb --target-psnr 40 --dry-run");
+    add_scene_options(*command, options.render);
+    command->add_option("-o,--output", options.render.output, "Film to make; with --dry-run not needed")
+        ->type_name("OUT");
+    add_targets(*command, options);
+    add_tried(*command, options);
+    add_picture_options(*command, options.render);
+    add_light_options(*command, options.render);
+    add_coding_options(*command, options.render.coding);
+    add_sound_options(*command, options.render.coding);
+    for (const char* name : decided_by_tune) command->remove_option(command->get_option(name));
+    add_trial_run_options(*command, options);
+    add_flag(*command, "Run", "--dry-run", options.render.dry_run,
+             "Render nothing in the end: print the command that would do it");
     return command;
 }
 

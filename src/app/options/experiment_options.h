@@ -10,4 +10,6 @@ CLI::App* add_compare_command(CLI::App& app, CompareOptions& options);
 /// Threads, JSON, report, folder of references, and silence of such a command.
 void add_trial_run_options(CLI::App& command, TrialOptions& options);
 
+CLI::App* add_tune_command(CLI::App& app, TuneOptions& options);
+
 }  // namespace render2mpeg::app

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "app/options/command_words.h"
+#include "app/options/options.h"
 #include "app/options/usage_error.h"
 #include "app/system/memory_limit.h"
 
@@ -20,7 +20,7 @@ void add_plan_argument(CLI::App& command, std::filesystem::path& plan) {
 
 void add_threads_option(CLI::App& command, int& threads) {
     add_option(command, farm_run_group, "-j,--threads", threads,
-               "Threads; 0: one per core. The film's bytes do not depend on it", CLI::Range(0, 1024), shown);
+               "Threads; 0: one per core. The film's bytes do not depend on it", range(0, 1024), shown);
 }
 
 }  // namespace
@@ -28,14 +28,14 @@ void add_threads_option(CLI::App& command, int& threads) {
 void add_spreading_options(CLI::App& command, FarmOptions& options) {
     add_option(command, farm_group, "--to", options.scheduler,
                "Who spreads the parts: job files for it are written beside the plan (docs/machines.md)",
-               CLI::IsMember(std::vector<std::string>(scheduler_names.begin(), scheduler_names.end())))
+               one_of(std::vector<std::string>(scheduler_names.begin(), scheduler_names.end())))
         ->required();
     CLI::Option* parts =
         add_option(command, farm_group, "--parts", options.parts,
                    "Parts to make, at most (default: one per chunk of some 60 frames, the least that a part has)", "N",
-                   CLI::Range(1, 1'000'000));
+                   range(1, 1'000'000));
     add_option(command, farm_group, "--frames-per-part", options.frames_per_part,
-               "Instead: frames of a part, to the nearest chunk", "N", CLI::Range(1, 1'000'000'000))
+               "Instead: frames of a part, to the nearest chunk", "N", range(1, 1'000'000'000))
         ->excludes(parts);
     add_flag(command, farm_group, "--pack", options.pack,
              "Copy all inputs into the folder, and the folder into one file, OUT.farm.tar: for machines that do "
@@ -53,7 +53,7 @@ CLI::App* add_part_command(CLI::App& app, PartOptions& options) {
         "Example: render2mpeg part film.mpg.farm 3");
     add_plan_argument(*command, options.plan);
     CLI::Option* number =
-        command->add_option("I", options.number, "Which part, from 1")->check(CLI::Range(1, 1'000'000));
+        command->add_option("I", options.number, "Which part, from 1")->check(range(1, 1'000'000).check);
     add_option(*command, farm_run_group, "--frames", options.frames,
                "Instead: all parts that begin with one of these frames", "A-B", contiguous_from)
         ->excludes(number);

@@ -1,13 +1,11 @@
 #pragma once
-
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
 
-#include "app/options/keyframes.h"
 #include "app/options/options.h"
-#include "app/options/preset.h"
 #include "app/options/shape.h"
 #include "core/rational.h"
 #include "core/view.h"
@@ -15,6 +13,39 @@
 #include "encoder/types.h"
 
 namespace render2mpeg::app {
+
+/// A run of frames that shares state and depends on no other: the unit of resuming and of parallel rendering.
+struct Chunk {
+    int index = 0;
+    std::int64_t first = 0, last = 0;  ///< frames, both inclusive
+
+    std::int64_t frames() const { return last - first + 1; }
+};
+
+/// Chunks that follow each other, by their index.
+struct ChunkRange {
+    std::size_t first = 0, last = 0;  ///< both inclusive
+
+    std::size_t count() const { return last - first + 1; }
+};
+
+/// Cuts a film into chunks of a whole number of closed GOPs on a fixed grid from its first frame. A function of the
+/// film alone, never of threads or machines.
+std::vector<Chunk> chunks_of(FrameRange frames, int gop);
+
+/// Frames at which a GOP begins whatever is seen (`--keyframes`), ascending.
+struct Keyframes {
+    std::vector<std::int64_t> frames;
+
+    bool begins_at(std::int64_t frame) const;
+    /// How many frames follow `frame` before the next one begins a GOP; at most `left`.
+    std::int64_t frames_left(std::int64_t frame, std::int64_t left) const;
+};
+
+/// Reads "0,48,96", or the name of a file with frame numbers between spaces, commas and line ends, where `#` begins a
+/// comment. Frames that a film does not have are allowed: a part of a film is cut as the whole. Throws core::Error,
+/// also where there is no number at all.
+Keyframes keyframes_from(const std::string& text);
 
 /// What a coded film is, wherever its pictures come from.
 struct Film {

@@ -33,7 +33,7 @@ struct GlareRequest {
 };
 
 /// Pictures of a GOP where nobody says.
-/// chosen: 60, two seconds: players find a place in one, and chunks (chunk.h) are no longer. Against 15 that takes 7.3
+/// chosen: 60, two seconds: players find a place in one, and chunks (film.h) are no longer. Against 15 that takes 7.3
 /// to 29 % fewer bits, against 30 2.7 to 3.2 % where much moves (docs/measurements.md#encoder).
 inline constexpr int usual_gop = 60;
 
@@ -259,5 +259,14 @@ struct Size {
 struct FrameRange {
     std::int64_t first = 0, last = 0;  ///< both inclusive
 };
+
+/// The words of another command of this program with the same options, but for those of `without`, and with those of
+/// `with` at its end: each a name and a value (empty: none). Of `without`, names in `flags` take no value.
+std::vector<std::string> changed_command(const std::vector<std::string>& words, const std::string& command,
+                                         const std::vector<std::string>& without, const std::vector<std::string>& flags,
+                                         const std::vector<std::pair<std::string, std::string>>& with);
+
+/// The words as a line for a shell.
+std::string line_of(const std::vector<std::string>& words);
 
 }  // namespace render2mpeg::app

@@ -21,9 +21,6 @@ void settle_stream(std::filesystem::path& output, std::optional<std::string>& as
 /// Throws UsageError where a film would be written to a terminal.
 void check_pipe(int descriptor);
 
-/// Throws UsageError for a word that is not one of `kinds`, which have bars between them.
-void check_stream_kind(const std::string& kind, const std::string& kinds);
-
 /// What messages call standard output.
 inline constexpr const char* stream_name = "standard output";
 
@@ -48,5 +45,12 @@ std::filesystem::path motion_in(const std::filesystem::path& folder);
 /// `film.partial-2.mpg` and so on.
 std::filesystem::path work_folder_of(const std::filesystem::path& output);
 std::filesystem::path partial_film_of(const std::filesystem::path& output, int which = 1);
+
+/// Bytes that the pictures of a film may have so that a file of `bytes` with so many of them is surely large enough,
+/// by what its container, which its ending names, takes for itself (more for a DVD's `disc`); at least 1.
+double pictures_in_file(double bytes, std::int64_t pictures, const std::filesystem::path& file, bool disc);
+
+/// Bytes of the file that so many pictures of `bytes` make, about.
+double file_of_pictures(double bytes, std::int64_t pictures, const std::filesystem::path& file, bool disc);
 
 }  // namespace render2mpeg::app

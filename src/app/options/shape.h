@@ -1,13 +1,53 @@
 #pragma once
-
+#include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "app/options/options.h"
-#include "app/options/preset.h"
 #include "core/rational.h"
 
 namespace render2mpeg::app {
+
+/// One size of picture that a world takes, and what it may be.
+struct PresetPicture {
+    Size size;
+    std::vector<core::Rational> display_aspects;  ///< the first is taken where nobody says
+    std::vector<const char*> rates;               ///< pictures per second
+};
+
+/// A world that films go to, and what it asks of them (`--for`).
+struct Preset {
+    const char* name;
+    std::vector<PresetPicture> pictures;  ///< the first is taken where nobody says
+    /// Each picture as two fields, and 23.976 with repeated fields; else as whole frames.
+    bool fields = false;
+    int b_pictures = 3;            ///< most in a row
+    int gop_fields = 0;            ///< longest GOP; 0: no limit
+    double gop_seconds = 0.5;      ///< of the GOPs where nobody says
+    std::int64_t bit_rate = 0;     ///< most, bits per second
+    std::int64_t usual_rate = 0;   ///< most, where nobody says: leaves room for sound
+    std::int64_t buffer_bits = 0;  ///< VBV size
+    double longest_delay = 0;      ///< seconds that bits may wait in the buffer at the highest rate; 0: any
+    bool disc = false;             ///< program streams are a DVD's
+    std::vector<const char*> endings;
+
+    /// As `--for` names it, for messages.
+    std::string option() const { return std::string("--for ") + name; }
+    const PresetPicture* picture_of(Size size) const;
+    /// Pictures per GOP at a rate: where nobody says, and at most (0: any number).
+    int usual_gop(const core::FrameRate& rate) const;
+    int longest_gop(const core::FrameRate& rate) const;
+    /// Throws core::Error for a film that these worlds do not take by its container.
+    void check_output(const std::filesystem::path& output) const;
+};
+
+/// Names of all presets, for the command line.
+std::vector<std::string> preset_names();
+
+/// The preset of that name. Throws core::Error with the list of names.
+const Preset& preset_from(const std::string& name);
 
 /// Size, rate and shape of a film's pictures.
 struct Shape {

@@ -1,10 +1,12 @@
 #include "app/system/memory_limit.h"
 
+#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <string_view>
 
 #include "core/error.h"
@@ -52,6 +54,12 @@ void hold_to(std::uint64_t limit, int threads) {
     const rlimit memory{limit, limit};
     setrlimit(RLIMIT_DATA, &memory);
 #endif
+}
+
+void keep_freed_memory() {
+    // From the heap whatever its size, and kept there. chosen: 1 GB, more than any picture takes.
+    mallopt(M_MMAP_THRESHOLD, 1 << 30);
+    mallopt(M_TRIM_THRESHOLD, 1 << 30);
 }
 
 }  // namespace render2mpeg::app

@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "app/system/interrupt.h"
-#include "app/system/shown_images.h"
 #include "core/error.h"
 #include "image/image.h"
 #include "parallel/loops.h"
@@ -77,6 +76,17 @@ void finish(std::unique_ptr<ImageProbe> probe, Sources* large) {
 }
 
 }  // namespace
+
+std::set<int> images_of(const scene::Animation& film) {
+    std::set<int> images;
+    for (const scene::Object& object : film.objects) {
+        const scene::Material& m = film.materials[static_cast<std::size_t>(object.material)];
+        for (const auto use : scene::texture_uses)
+            if ((m.*use).present()) images.insert((m.*use).image);
+    }
+    if (film.sky.image >= 0) images.insert(film.sky.image);
+    return images;
+}
 
 ImageProbes image_probes(bool held_to_limit) {
     if (held_to_limit) return {1, image_limits.memory, image_limits.memory};

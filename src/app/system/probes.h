@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <set>
 #include <string>
 
 #include "scene/isolation/probed.h"
@@ -10,6 +11,9 @@
 
 /// What is read with libraries that are not ours is read by probes first (scene/isolation/probe.h).
 namespace render2mpeg::app {
+
+/// The images that surfaces or the sky show, by their numbers.
+std::set<int> images_of(const scene::Animation& film);
 
 /// How many processes look at images side by side, what each image may take while others are looked at, and one by
 /// itself, which one that needs more is tried once more; in bytes.

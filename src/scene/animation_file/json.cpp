@@ -38,13 +38,9 @@ std::string shown(std::string_view name) {
     return out + (name.size() > 60 ? "...\"" : "\"");
 }
 
-/// The word that may have been meant; where none is near, nothing, or all that there are.
-std::string meant(std::string_view said, std::span<const std::string_view> words) {
-    const std::string nearest = core::nearest_word(said, words);
-    return nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?";
-}
+/// The word that may have been meant; where none is near, all that there are.
 std::string meant_or_all(std::string_view said, std::span<const std::string_view> words) {
-    const std::string near = meant(said, words);
+    const std::string near = core::did_you_mean(said, words, "\"", "\"");
     return near.empty() ? "; there are " + joined(words) : near;
 }
 
@@ -153,7 +149,8 @@ std::size_t JsonValue::word(std::span<const std::string_view> words) const {
     if (!value_->is_string()) expected("one of " + joined(words));
     const auto& said = value_->get_ref<const std::string&>();
     const auto at = std::find(words.begin(), words.end(), said);
-    if (at == words.end()) fail("knows no " + shown(said) + meant(said, words) + "; there are " + joined(words));
+    if (at == words.end())
+        fail("knows no " + shown(said) + core::did_you_mean(said, words, "\"", "\"") + "; there are " + joined(words));
     return static_cast<std::size_t>(at - words.begin());
 }
 

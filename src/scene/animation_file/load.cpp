@@ -12,10 +12,9 @@
 #include "core/rational.h"
 #include "core/text.h"
 #include "core/view.h"
-#include "scene/animation_file/cameras.h"
+#include "scene/animation_file/cameras_and_lights.h"
 #include "scene/animation_file/json.h"
 #include "scene/animation_file/keys.h"
-#include "scene/animation_file/lights.h"
 #include "scene/animation_file/looks.h"
 #include "scene/animation_file/objects.h"
 

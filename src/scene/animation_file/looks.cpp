@@ -200,9 +200,7 @@ int Looks::material_of(const JsonValue& value, int base) {
             }
             names.emplace_back(film_.materials[i].name);
         }
-        const std::string nearest = core::nearest_word(name, names);
-        value.fail("there is no material \"" + name + "\"" +
-                   (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?"));
+        value.fail("there is no material \"" + name + "\"" + core::did_you_mean(name, names, "\"", "\""));
     }
     const std::string place = value.place() + "/" + std::to_string(base);
     if (const auto known = made_.find(place); known != made_.end()) return known->second;
@@ -289,8 +287,7 @@ void Looks::refuse_unused() const {
     std::vector<std::string_view> others;
     for (const Material& m : film_.materials)
         if (m.name != name) others.emplace_back(m.name);
-    const std::string nearest = core::nearest_word(name, others);
-    value.fail("nothing has this material" + (nearest.empty() ? std::string() : "; did you mean \"" + nearest + "\"?"));
+    value.fail("nothing has this material" + core::did_you_mean(name, others, "\"", "\""));
 }
 
 }  // namespace render2mpeg::scene

@@ -6,7 +6,6 @@
 #include "core/text.h"
 #include "scene/animation_file/keys.h"
 #include "scene/animation_file/shapes.h"
-#include "scene/animation_file/sizes.h"
 
 namespace render2mpeg::scene {
 namespace {
@@ -205,11 +204,8 @@ void Objects::read_changes(const JsonValue& changes) {
             if (nodes.empty() && object.name == name && object.node >= 0) nodes.push_back(object.node);
             names.emplace_back(object.name);
         }
-        if (nodes.empty()) {
-            const std::string nearest = core::nearest_word(name, names);
-            value.fail("the scene has no object of this name" +
-                       (nearest.empty() ? std::string() : "; did you mean \"" + nearest + "\"?"));
-        }
+        if (nodes.empty())
+            value.fail("the scene has no object of this name" + core::did_you_mean(name, names, "\"", "\""));
         for (const int node : nodes) place(film_, node, value, clock_, keys::object_key);
         if (const auto material = value.find("material")) repaint(*material, nodes, name);
     }

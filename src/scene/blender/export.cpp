@@ -50,19 +50,6 @@ fs::path find_blender() {
     return {};
 }
 
-/// Our script, beside the modules.
-fs::path find_script() {
-    std::string searched;
-    std::error_code failure;
-    for (const fs::path& folder : core::module_folders()) {
-        const fs::path script = folder / "blender" / "export_film.py";
-        if (fs::is_regular_file(script, failure)) return script;
-        searched += (searched.empty() ? "" : ", ") + folder.string();
-    }
-    throw core::Error("opening", "blender/export_film.py",
-                      "not found in " + searched + "; RENDER2MPEG_MODULES can name its folder");
-}
-
 /// Size and time of last change, as the script writes them; null where there is no file.
 nlohmann::json state_of(const fs::path& file) {
     struct stat state {};
@@ -190,7 +177,7 @@ BlenderExport export_blend(const fs::path& blend) {
         throw core::Error("reading", blend.string(),
                           "a .blend needs Blender, and there is no `blender` on the PATH: install it, or name it in "
                           "RENDER2MPEG_BLENDER, or export the scene as glTF with cameras and punctual lights");
-    const fs::path script = find_script();
+    const fs::path script = core::installed_file("blender/export_film.py");
     const fs::path cache = cache_of(blend);
     const fs::path folder = cache / name_of(blend, script, blender);
     if (std::optional<BlenderExport> known = finished(folder)) return *known;

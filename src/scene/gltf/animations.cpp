@@ -7,7 +7,6 @@
 #include "core/error.h"
 #include "scene/gltf/accessor.h"
 #include "scene/gltf/parts.h"
-#include "scene/model/choice.h"
 #include "scene/model/wording.h"
 
 namespace render2mpeg::scene::gltf {

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "scene/gltf/element.h"
+#include "scene/gltf/accessor.h"
 
 namespace render2mpeg::scene::gltf {
 

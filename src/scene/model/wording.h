@@ -1,7 +1,8 @@
 #pragma once
-
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "scene/model/animation.h"
 
@@ -22,5 +23,11 @@ void note_once(Animation& animation, const std::string& line);
 
 /// For what is wrong with a loaded film: always throws core::Error.
 [[noreturn]] void refuse(const Animation& animation, const std::string& object, const std::string& cause);
+
+/// The first thing of that name, else the one of that index (from 0).
+std::optional<std::size_t> choose(const std::string& wanted, const std::vector<std::string>& names);
+
+/// `no camera "x"; there are 0 "a", 1 "b"`.
+std::string no_such(const std::string& kind, const std::string& wanted, const std::vector<std::string>& names);
 
 }  // namespace render2mpeg::scene
