@@ -28,7 +28,7 @@ void choose_camera(Animation& animation, const std::string& wanted) {
 Animation load_blend(const std::filesystem::path& file, const LoadOptions& options) {
     const BlenderExport exported = export_blend(file);
     Animation animation = load_animation_file(exported.film, options, load_as_is);
-    // Blender's renderers bend light at every glass; open meshes are its films.
+    // Blender bends light at every glass; open meshes are thin.
     for (Material& material : animation.materials)
         if (material.transmission > 0 && material.thickness == Thickness::thin)
             material.thickness = Thickness::solid_where_closed;
@@ -47,7 +47,7 @@ Animation load_as_is(const std::filesystem::path& file, const LoadOptions& optio
     const std::string ending = core::ending_of(file);
     if (ending == ".gltf" || ending == ".glb")
         return load_gltf(file, options, [&](std::uintmax_t bytes) {
-            // Decoders of compressed meshes are not ours either.
+            // Decoders of compressed meshes are outside code.
             if (!Probe::is_possible()) return;
             const ProbeLimits limits = limits_for(bytes);
             text_of(Probe(limits, {"gltf", file.string()}).end(), file.string(), limits);
@@ -55,7 +55,7 @@ Animation load_as_is(const std::filesystem::path& file, const LoadOptions& optio
     if (ending == ".json") return load_animation_file(file, options, load_as_is);
     if (ending == ".blend") return load_blend(file, options);
     if (options.variant) throw core::Error("reading", file.string(), no_such("variant", *options.variant, {}));
-    // Assimp is not ours, and some of its parsers trust what a file says.
+    // Assimp's parsers are outside code.
     if (Probe::is_possible()) {
         std::vector<std::string> words{"scene", file.string()};
         if (options.animation) words.push_back(*options.animation);

@@ -59,7 +59,6 @@ class Y4mStream : public StreamObserver {
     OutputStream& out_;
 };
 
-/// Refuses what a stream cannot have.
 void check_stream(const RenderOptions& options) {
     const auto refuse = [](const std::string& option, const std::string& why) {
         throw UsageError(option + ": with -o - " + why);

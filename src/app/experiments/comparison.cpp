@@ -24,7 +24,7 @@
 namespace render2mpeg::app {
 namespace {
 
-/// SSIM as decibels, so that equal steps mean about as much everywhere.
+/// SSIM in decibels.
 double in_decibels(double ssim) {
     return -10 * std::log10(std::max(1 - ssim, 1e-9));
 }
@@ -103,7 +103,7 @@ json foreign_json(const Comparison& found) {
             {"bits_of_coupled", finite_or_null(bits_beside(found))}};
 }
 
-/// What the last reference shows at the coarsest quantiser, and what becomes of it.
+/// The last reference at the coarsest quantiser, by each way.
 std::string views(const RenderJob& film, const Comparison& found) {
     const std::vector<Trial>& rows = found.ways[coupled_way].rows;
     const std::size_t row = rows.size() - 1;
@@ -159,7 +159,6 @@ std::string tables(const Comparison& found) {
                              differences);
 }
 
-/// Who wins, and by how much.
 std::vector<AnswerRow> winners(const Comparison& found, const std::vector<WayCost>& costs) {
     const std::optional<std::size_t> taken = recommended(costs);
     std::vector<AnswerRow> rows;
@@ -222,7 +221,7 @@ Difference difference_of(const Way& way, const Way& from) {
 }
 
 std::vector<WayCost> way_costs(const Comparison& found, std::int64_t frames, std::size_t row) {
-    // One pace of all that was lit, so that a machine that is busy for a while favours none.
+    // Mean pace of all that was lit, since the machine's load changes.
     double clock = 0, cpu = 0;
     for (const std::size_t way : {coupled_way, fixed_way})
         for (const Trial& trial : found.ways[way].rows) clock += trial.clock, cpu += trial.cpu;
@@ -333,7 +332,7 @@ std::string time_table(const Comparison& found) {
         "\nTimes: medians of {} runs, and how far these are apart\n{:<23}{:>2} {:>8} {:>6} "
         "{:>8} {:>6}\n",
         found.runs, "", "q", "light", "", "code", "");
-    // Of what no clock shows nothing is told.
+    // Times below the clock's resolution have no spread.
     const auto apart = [](double middle, const std::vector<double>& runs) {
         return middle < 0.0005 ? std::string("-") : fmt::format("{:.0f} %", 100 * spread(runs));
     };
@@ -354,7 +353,7 @@ double bits_beside(const Comparison& found) {
         if (const double psnr = quality_of(t, true).psnr_y; std::isfinite(psnr)) ours.push_back({t.bytes, psnr});
     const RatePoint theirs{found.foreign->bytes, found.foreign->psnr_y};
     if (!std::isfinite(theirs.psnr)) return std::numeric_limits<double>::quiet_NaN();
-    // A curve from that point alone: over next to nothing it has one rate.
+    // A very short curve, whose rate is constant.
     return 1 + bd_rate({theirs, {theirs.bits, theirs.psnr + 1e-6}}, ours) / 100;
 }
 

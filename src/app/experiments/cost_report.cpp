@@ -21,7 +21,7 @@ namespace {
 
 using nlohmann::json;
 
-/// A share as it was given: a float has digits that nobody wrote.
+/// The share as typed, without a float's further digits.
 double plain(float share) {
     return std::stod(fmt::format("{:.6g}", share));
 }
@@ -88,7 +88,7 @@ CurvePlot error_plot(const Sweep& sweep) {
     return plot;
 }
 
-/// One figure of coupled light and of a fixed 2 %, over another.
+/// Coupled light and a fixed 2 %, one figure over another.
 template <class X, class Y>
 CurvePlot pair_plot(const Sweep& sweep, CurvePlot plot, X&& x, Y&& y) {
     Curve coupled = curve_of("coupled", "i"), fixed = curve_of("fixed 2 %", "one");
@@ -144,8 +144,7 @@ std::string tables(const Sweep& sweep, int quantiser) {
            "reference light that are not coded. Bytes per frame.</p>\n";
 }
 
-/// The frame that is looked at: as the film's own quantiser has it, or the nearest that was tried, and by the loosest
-/// fixed tolerance.
+/// The film's own quantiser (or the nearest tried) beside the loosest fixed tolerance.
 std::string views(const RenderJob& film, const Sweep& sweep) {
     const auto nearest =
         std::min_element(sweep.pairs.begin(), sweep.pairs.end(), [&](const CoupledPair& a, const CoupledPair& b) {
@@ -200,7 +199,6 @@ json effects_json(const EffectCosts& effects) {
     return {{"width", effects.size.width}, {"height", effects.size.height}, {"frames", effects.frames}, {"rows", rows}};
 }
 
-/// The table, the loosest light beside the most exact, and the command to paste.
 std::string first_screen(const RenderJob& film, const Sweep& sweep, const std::vector<FilmCost>& rows) {
     const std::optional<std::size_t> taken = recommended(rows);
     if (!taken) return {};

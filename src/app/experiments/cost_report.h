@@ -9,7 +9,7 @@
 
 namespace render2mpeg::app {
 
-/// Everything that `cost` found out (docs/choosing.md).
+/// All results (docs/choosing.md).
 nlohmann::json cost_json(const RenderJob& film, const Sweep& sweep, const std::vector<FilmCost>& rows,
                          const std::string& command);
 

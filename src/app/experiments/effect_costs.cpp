@@ -43,7 +43,6 @@ class Pictures : public LoopObserver {
     const std::vector<Chunk>& windows_;
 };
 
-/// The film lit once, as it is or without something.
 struct Lit {
     double cpu = 0;  ///< for the whole film
     std::map<std::int64_t, core::Picture> pictures;
@@ -61,7 +60,6 @@ std::optional<Lit> light(const RenderJob& film, const std::vector<Chunk>& window
     return Lit{film_by(film, *sample).seconds, std::move(pictures.all)};
 }
 
-/// How the pictures differ, and which of them most.
 EffectCost difference_of(const Lit& whole, const Lit& less) {
     EffectCost cost;
     double masked = 0, most = -1;
@@ -82,7 +80,7 @@ EffectCost difference_of(const Lit& whole, const Lit& less) {
     return cost;
 }
 
-/// Of a row's button: puts its picture, and the whole of the same frame, into the large figure.
+/// Handler of a row's button: shows its picture and the whole frame in the large figure.
 constexpr const char* show_effect =
     "const large = document.querySelector('#effects .pair'), chosen = this.querySelector('img'), both = "
     "large.querySelectorAll('.upon img'); both[0].src = chosen.src; both[1].src = "
@@ -94,7 +92,6 @@ constexpr const char* grades[] = {"good", "fair", "poor", "plain"};
 std::string row_of(const EffectCost& cost, double longest, perceptual::ColorMatrix matrix) {
     const std::string option =
         cost.option.empty() ? "" : "<br/><small>" + escaped(cost.option) + " leaves it out</small>";
-    // What saves time has no bar.
     const std::string bar =
         cost.share > 0 && longest > 0
             ? fmt::format("<div class=\"len\" style=\"width:{:.1f}%\"></div>", 100 * cost.share / longest)
@@ -108,7 +105,7 @@ std::string row_of(const EffectCost& cost, double longest, perceptual::ColorMatr
         cost.whole.number, show_effect, image_of("without " + cost.name, cost.without, matrix));
 }
 
-/// The wholes that rows ask for, each once.
+/// Whole pictures of the rows, each once.
 std::string whole_images(const EffectCosts& effects, perceptual::ColorMatrix matrix) {
     std::map<std::int64_t, const core::Picture*> wholes;
     for (const EffectCost& cost : effects.rows) wholes.emplace(cost.whole.number, &cost.whole);

@@ -28,7 +28,7 @@ double difference(double loss) {
     return std::isfinite(loss) ? loss : 0;
 }
 
-/// The row that is lit as the film was asked for, or nearly so.
+/// The row with the film's own settings, or the nearest.
 const Trial& as_asked(const Sweep& sweep, const RenderJob& film) {
     if (film.tolerance.coupled)
         for (const CoupledPair& pair : sweep.pairs)
@@ -39,7 +39,6 @@ const Trial& as_asked(const Sweep& sweep, const RenderJob& film) {
     });
 }
 
-/// The film as it was asked for.
 struct Base {
     double cpu = 0, bytes = 0;  ///< of the film, for one of the sample's frame
     double pace = 0;            ///< seconds on the clock for one of CPU
@@ -49,7 +48,7 @@ Base base_of(const Sweep& sweep, const RenderJob& film) {
     const Trial& asked = as_asked(sweep, film);
     const auto frames = static_cast<double>(film.frame_count());
     if (!sweep.forecast) {
-        // Over all rows, so that a machine that is busy for a while favours none.
+        // Mean pace of all rows, since the machine's load changes.
         double clock = 0, cpu = 0;
         for (const Trial& trial : sweep.fixed) clock += trial.clock, cpu += trial.cpu;
         return {frames, frames, core::divide_or(clock, cpu, 1.0)};
@@ -59,7 +58,7 @@ Base base_of(const Sweep& sweep, const RenderJob& film) {
             core::divide_or(f.clock, f.cpu, 1.0)};
 }
 
-/// CPU seconds of a frame that every light point lights: as the most exact row, but for its light.
+/// CPU seconds of a reference frame: the most exact row's, with the reference's light.
 double reference_cpu(const Sweep& sweep, const Trial& best) {
     return std::max(best.cpu, best.cpu + sweep.reference_seconds - best.seconds);
 }
@@ -68,7 +67,6 @@ std::string percent(double share) {
     return short_figure(100 * share);
 }
 
-/// As the columns below.
 std::string columns(const std::string& name, const char* first) {
     return fmt::format("{:<9}{}\n{:<9}{:>7} {:>6} {:>6} {:>6} {:>6} {:>5} {:>5} {:>6} {:>6} {:>8}\n", "",
                        "  light           cut  error, %     pixels over, %", name, first, "rays", "size", "median",
@@ -76,7 +74,7 @@ std::string columns(const std::string& name, const char* first) {
 }
 
 std::string row(const std::string& name, const Trial& t) {
-    // Its quantiser says less than it seems to.
+    // The quantiser of a rate-controlled film says little.
     const std::string note = t.requantised == 0
                                  ? ""
                                  : fmt::format("{:<9}{} of {} pictures coded coarser than that, to fit the buffer\n",
@@ -199,7 +197,6 @@ std::string cost_heading(const RenderJob& film, const Sweep& sweep) {
     int count = 0;
     for (const Chunk& window : sweep.windows) {
         count += static_cast<int>(window.frames());
-        // Where there are many, the first ones tell how they lie.
         if (&window - sweep.windows.data() < 4)
             frames += (frames.empty() ? "" : ", ") + (window.first == window.last
                                                           ? fmt::format("{}", window.first)

@@ -49,35 +49,33 @@ class Pchip {
     std::vector<double> x_, y_, slope_;
 };
 
-/// Mean difference of rate at equal quality in per cent, over the qualities both curves reach; negative: `test` needs
-/// fewer bits. NaN where no quality is reached by both, or a curve has fewer than two. [Bjontegaard2001] with piecewise
-/// cubics of log rate over quality.
+/// Mean difference of rate at equal quality, per cent, over the common qualities; negative: `test` needs fewer bits.
+/// NaN without common quality or with fewer than two points. [Bjontegaard2001] with piecewise cubics of log rate.
 double bd_rate(std::vector<RatePoint> anchor, std::vector<RatePoint> test);
 
-/// Searches the quality (--quality, 0..100) at which a figure that rises with it, of pictures coded with it, meets a
-/// target, with few probes: a monotone cubic through what is known, turned around, as target-quality tools do
-/// [Fritsch1980]. Since quantisers are whole numbers the figure rises in steps: between two of them the target may lie.
+/// Searches the --quality (0..100) at which a rising figure meets a target, with few probes, by a monotone cubic
+/// through the known points [Fritsch1980]. The figure rises in steps, since quantisers are integers.
 class QualitySearch {
   public:
     struct Known {
         double quality = 0, figure = 0;
     };
 
-    /// `slope`: by how much the figure rises for each unit of quality, about, while one point only is known; > 0.
+    /// `slope`: expected rise of the figure per unit of quality, > 0.
     QualitySearch(double target, double slope) : target_(target), slope_(slope) {}
 
-    /// What a probe found; of the same quality the last counts. Figures are finite.
+    /// Result of a probe; replaces an earlier one of the same quality. Figures are finite.
     void add(double quality, double figure);
 
-    /// Where to probe next, a multiple of `step` that was not probed; none where nothing is known, where the target
-    /// lies between neighbours, or beyond what 0 and 100 give.
+    /// Next probe, a multiple of `step`; none where nothing is known, the target lies between neighbours, or beyond 0
+    /// and 100.
     std::optional<double> next() const;
 
-    /// Of what is known, that nearest to the target; only after add().
+    /// Nearest to the target; after add() only.
     const Known& nearest() const;
-    /// The coarsest whose figure is the target's or more; none where there is none.
+    /// Coarsest with at least the target.
     std::optional<Known> coarsest_above() const;
-    /// The finest whose figure is the target's or less; none where there is none.
+    /// Finest with at most the target.
     std::optional<Known> finest_below() const;
     const std::vector<Known>& known() const { return known_; }
 

@@ -17,7 +17,7 @@
 namespace render2mpeg::app {
 namespace {
 
-/// Pixels of each frame whose light is in its name: by every light point, so that no light changes unnoticed.
+/// Pixels of each frame whose light is part of the key, so that no change of light goes unnoticed.
 constexpr int probed = 256;
 
 template <class T>
@@ -33,7 +33,7 @@ void add_text(Checksum& sum, const std::string& text) {
     sum.add({reinterpret_cast<const std::uint8_t*>(text.c_str()), text.size() + 1});
 }
 
-/// All that the light of a gather point depends on but the lights.
+/// All members that a gather point's light depends on.
 void add(Checksum& sum, const renderer::GatherPoint& p) {
     const renderer::Bsdf& bsdf = p.point.bsdf;
     for (const glm::vec3& v :
@@ -44,7 +44,6 @@ void add(Checksum& sum, const renderer::GatherPoint& p) {
     add(sum, p.pixel);
 }
 
-/// What a file begins with.
 struct Header {
     char mark[8] = {'r', '2', 'm', 'r', 'e', 'f', '1', '\n'};
     std::int32_t width = 0, height = 0;

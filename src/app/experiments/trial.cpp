@@ -28,8 +28,7 @@ RenderJob plainly_coded(RenderJob film, int references) {
     film.coding.rate_control.mode = encoder::RateMode::constant_quantiser;
     film.two_passes = false;
     film.audit = 0;
-    // References know no tolerance, so they would not look closer at edges: what light does is to be compared, not
-    // that.
+    // References have no tolerance, and so no supersampled edges: light alone is compared.
     if (references > 0) film.rendering.most_samples = 0;
     return film;
 }
@@ -39,7 +38,7 @@ void set_coarseness(Trial& trial, const Coarseness& coarseness) {
     trial.quality = coarseness.quality;
 }
 
-/// Sets what the renderer has counted from `before` to `after`, per gather point.
+/// Sets counts per gather point from the renderer's growth.
 void set_counts(Trial& trial, const renderer::Statistics& before, const renderer::Statistics& after) {
     trial.points = after.gather_points - before.gather_points;
     const auto points = static_cast<double>(trial.points);
@@ -54,7 +53,7 @@ void set_counts(Trial& trial, const renderer::Statistics& before, const renderer
 
 constexpr std::uint64_t parting_seed = 0x7a97;
 
-/// Tiles that have anything to gather, in random order: any stretch of them is like all others.
+/// Non-empty tiles in random order, so that any stretch of them is like all others.
 std::vector<std::size_t> lit_tiles(const renderer::Seen& seen) {
     std::vector<std::pair<float, std::size_t>> dice;
     for (std::size_t t = 0; t < seen.tiles.size(); ++t)
@@ -97,7 +96,7 @@ double Trial::share_over_twice() const {
     return core::divide_or(static_cast<double>(over_twice), static_cast<double>(errors.count()), 0.0);
 }
 
-/// Holds what is lit and coded against the truth, where that is known.
+/// Compares lit and coded pictures with the truth, where that is known.
 class Trials::Judge : public LoopObserver {
   public:
     Judge(const Trials& trials, Trial& trial, LitWindows* keep) : trials_(trials), trial_(trial), keep_(keep) {}
@@ -150,7 +149,6 @@ class Trials::Judge : public LoopObserver {
     const GopStarts& starts() const { return starts_; }
 
   private:
-    /// Keeps what the frame looks like, and what its light is and may be off by.
     void keep_sample_frame(const LitFrame& frame, const Truth& truth) {
         const ViewBox box = view_of(frame.picture.width(), frame.picture.height());
         const core::Plane<glm::vec3>& light = frame.radiance.combined;
@@ -171,7 +169,7 @@ class Trials::Judge : public LoopObserver {
                                                                         part_of(tolerance, box)});
     }
 
-    /// Adds what a pair changes along motion, once both are decoded.
+    /// Adds the change along motion of a pair once both are decoded.
     void watch_change(std::int64_t number, const core::Plane<std::uint8_t>& luma) {
         decoded_.insert_or_assign(number, luma);
         for (const std::int64_t later : {number, number + 1}) {
@@ -355,7 +353,7 @@ void Trials::take_references(const Trials& other) {
 bool Trials::light_reference(std::int64_t frame, int left, ReferenceStanding& standing,
                              const std::function<bool(const ReferenceStanding&)>& part_done) {
     const scene::Snapshot world = film_.snapshot(frame);
-    // Twice what the finest pictures get: errors are halved and more.
+    // Twice the samples of the finest pictures halve errors at least.
     renderer::ExposureSamples samples = exposure_samples(film_, 1, film_.display());
     samples.fewest = samples.most = 2 * samples.most;
     const core::ToleranceMap none = core::ToleranceMap::reference();
@@ -392,7 +390,7 @@ bool Trials::light_reference(std::int64_t frame, int left, ReferenceStanding& st
 
 bool Trials::light_parts(const scene::Snapshot& world, renderer::Seen& seen, int left, ReferenceStanding& standing,
                          const std::function<bool(const ReferenceStanding&)>& part_done, KeptReference& reference) {
-    // Without anything to gather first: what it takes to have light at all is no measure of the rest.
+    // Make the lights first: their time is no measure of the rest.
     renderer::Seen part{seen.visible, {}, seen.emitted, seen.emitted_specular};
     part.tiles.resize(seen.tiles.size());
     if (seen.exposure) {

@@ -79,7 +79,7 @@ void print_memory_note(double bytes, bool quiet) {
 }
 
 bool light_references(Trials& trials, bool quiet) {
-    // The first part takes what making the lights takes: a terminal shows that it is at work.
+    // The first part includes making the lights.
     auto progress = std::make_unique<Progress>(1, quiet || !shows_steps(), "reference", Counted::parts_of_step);
     bool begun = false;
     return trials.light_references([&](const ReferenceStanding& standing) {

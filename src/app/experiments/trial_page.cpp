@@ -44,7 +44,7 @@ json quality_json(double psnr_y, double ssim_y) {
 std::string sample_frame_figures(const std::string& name, const Trial& trial, const RenderJob& film) {
     if (!trial.sample_frame) return {};
     const SampleFrame& own = *trial.sample_frame;
-    // One scale for both: they are to be compared.
+    // Both figures share one scale.
     perceptual::HeatScale error = scale_of(HeatSubject::tolerance);
     error.title = "TRUE ERROR / LUMINANCE";
     return slider_figure(fmt::format("Frame {}: {} decoded, beside reference light, not coded", own.frame, name),

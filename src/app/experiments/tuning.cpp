@@ -19,7 +19,7 @@
 namespace render2mpeg::app {
 namespace {
 
-/// PSNR that stands for pictures that are the same: beyond any 8-bit error.
+/// PSNR of equal pictures: beyond any 8-bit error.
 constexpr double same = 100;
 
 /// chosen: light coupled to another quantiser errs by less than a probe's steps after the second time; more than four
@@ -27,7 +27,7 @@ constexpr double same = 100;
 constexpr int most_lightings = 5;
 /// chosen: eight probes halve what is left to less than two roundings of quantisers (6..12).
 constexpr int most_codings = 10;
-/// Where the search begins: quantiser 4, which is the usual one.
+/// First quality of the search: quantiser 4, the default.
 constexpr double first_quality = 60;
 /// chosen: what is coded again aims closer than what is asked for, so that light made for it may still differ
 /// (0.2..0.7).
@@ -52,17 +52,15 @@ class CodingTuner {
   private:
     double figure(const Probe& probe) const { return even_figure(target_, probe.value); }
     const Probe& add(double quality, Trial trial, bool lit);
-    /// The quality to be taken, what it comes to with light made for another one, and whether steps of the quantisers
-    /// keep it from the target.
+    /// A quality, its figure by light for another one, and whether quantiser steps bar the target.
     struct Aim {
         QualitySearch::Known known;
         bool at_step = false;
     };
-    /// Codes one light again until that meets the target.
     Aim coded_again(const LitWindows& light, QualitySearch search);
-    /// Whether light made for its quality came to what was aimed at, so that another one would end at the same step.
+    /// Whether light of its own quality confirmed the aim.
     bool confirms(const Aim& aim, const Probe& probe) const;
-    /// Takes what is known when no quality is left to be lit.
+    /// Concludes where no quality is left to be lit.
     void conclude();
 
     Trials& trials_;
@@ -90,7 +88,7 @@ CodingTuner::Aim CodingTuner::coded_again(const LitWindows& light, QualitySearch
                 told("coding", quiet_, [&] { return trials_.coded_again(light, Coarseness::of_quality(*quality)); }),
                 false);
         search.add(*quality, figure(probe));
-        // After three tries a step of the quantisers is in the way: near enough is near.
+        // After three tries a quantiser step is in the way.
         if (is_near(target_, probe.value, i < 3 ? close : 0.8)) break;
     }
     // Between two steps: a rate is not exceeded, a quality is reached.
@@ -128,7 +126,7 @@ void CodingTuner::settle() {
         const double next = aim.known.quality;
         if (InterruptGuard::requested()) return;
         if (!coupled) break;
-        // What was lit for its own coding already is not lit again: then by what such light came to.
+        // A quality that was lit for is not lit again.
         bool known = false;
         for (const QualitySearch::Known& k : lit_.known())
             known = known || std::abs(k.quality - next) < 0.5 * QualitySearch::step;
@@ -141,7 +139,7 @@ void CodingTuner::settle() {
 }
 
 void CodingTuner::conclude() {
-    // Of a fixed tolerance every coding has the light it would have.
+    // Light of a fixed tolerance is right for every coding.
     const bool coupled = trials_.film().tolerance.coupled;
     std::optional<std::size_t> nearest, side;
     const auto distance = [&](std::size_t i) {
@@ -150,23 +148,22 @@ void CodingTuner::conclude() {
     for (std::size_t i = 0; i < tuning_.probes.size(); ++i) {
         const Probe& probe = tuning_.probes[i];
         if (coupled && !probe.lit) continue;
-        // Of several that are as near the last, which is nearest to the end that the search went to.
+        // Of equally near ones the last, which the search approached.
         if (!nearest || distance(i) <= distance(*nearest)) nearest = i;
         const bool right = target_.is_rate() ? probe.value <= target_.value : probe.value >= target_.value;
         if (right && (!side || distance(i) <= distance(*side))) side = i;
     }
     const bool near = is_near(target_, tuning_.probes[*nearest].value);
     tuning_.chosen = near || !side ? nearest : side;
-    // Beyond reach is only what the finest and the coarsest do not reach.
+    // Only the finest and the coarsest can be beyond reach.
     const double quality = *tuning_.probes[*tuning_.chosen].trial.quality;
     const bool finer = figure(tuning_.probes[*tuning_.chosen]) < even_figure(target_, target_.value);
-    // Where even the coarsest loses nothing, as of a black film, there is nothing to be looked for.
+    // A film that loses nothing even at the coarsest, such as a black one.
     const bool at_end =
         finer ? quality >= 100 : quality <= 0 && !is_lossless(target_, tuning_.probes[*tuning_.chosen].value);
     tuning_.found = near ? Found::near : at_end ? Found::beyond : Found::between;
 }
 
-/// One way to light the film: the less, the less it takes.
 struct Rung {
     ToleranceRequest tolerance;
     int samples = 0, vpls = 0;
@@ -219,7 +216,6 @@ std::vector<Rung> ladder_of(const ToleranceRequest& tolerance, int samples, int 
     return rungs;
 }
 
-/// The film as a rung has it.
 RenderJob on_rung(const RenderJob& film, const Rung& rung) {
     RenderJob changed = film;
     changed.tolerance = rung.tolerance;
@@ -247,9 +243,9 @@ class TimeTuner {
     void settle();
 
   private:
-    /// Whether the film would be done in time on that rung; none: interrupted.
+    /// Whether the film is done in time on that rung; none: interrupted.
     std::optional<bool> fits(std::size_t index);
-    /// Of those that are done in time by the rule of all pages (answer.h); else the fastest.
+    /// The cheapest of those that look alike (answer.h) and are done in time; else the fastest.
     void choose();
 
     Trials& trials_;

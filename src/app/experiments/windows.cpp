@@ -24,7 +24,7 @@ std::set<std::int64_t> reference_frames(const Chunk& window, int count) {
         const std::int64_t last = window.first + window.frames() * i / spots - 1;
         frames.insert({last, std::max(last - 1, window.first)});
     }
-    // An odd one, and pairs that would overlap in a short window, have their frames where there are some left.
+    // An odd frame, and those of overlapping pairs, go to the remaining places.
     std::int64_t next = window.first + window.frames() / 2;
     for (std::int64_t i = 0; static_cast<std::int64_t>(frames.size()) < count && i < window.frames(); ++i) {
         frames.insert(next);

@@ -17,7 +17,6 @@ namespace {
 
 using nlohmann::json;
 
-/// Why a stream could not be written.
 std::string reason() {
     return errno != 0 ? std::strerror(errno) : "the disk is full";
 }

@@ -20,12 +20,12 @@
 namespace render2mpeg::app {
 namespace {
 
-/// Writes all of it and closes the stream. Returns 0, or what went wrong as in errno.
+/// Returns 0, or errno.
 int write_and_close(std::FILE* stream, const std::string& text) {
     errno = 0;
     const bool written = std::fwrite(text.data(), 1, text.size(), stream) == text.size();
     int failure = written ? 0 : errno;
-    // A name must not outlive what it is for when the power fails.
+    // A name must not outlive its content when the power fails.
     if (std::fflush(stream) != 0) {
         if (failure == 0) failure = errno;
     } else if (fsync(fileno(stream)) != 0 && (errno == EIO || errno == ENOSPC || errno == EDQUOT) && failure == 0) {
@@ -35,11 +35,9 @@ int write_and_close(std::FILE* stream, const std::string& text) {
     return failure;
 }
 
-/// What stands between a file's name and the process that is writing it.
 constexpr const char* temporary_mark = ".render2mpeg-";
 
-/// Removes what runs left that were killed while they wrote this file: names that begin so and go on with the number of
-/// a process that is none any more.
+/// Removes temporary files of killed processes: this beginning, and a number that is no process any more.
 void remove_abandoned(const std::filesystem::path& start) {
     const std::filesystem::path folder = start.has_parent_path() ? start.parent_path() : ".";
     const std::string name = start.filename().string();
@@ -83,7 +81,7 @@ void write_whole(const std::filesystem::path& file, const std::string& text) {
         return;
     }
 
-    // A link stays one; what it leads to is replaced.
+    // A link stays; its target is replaced.
     std::filesystem::path target = file;
     if (std::filesystem::is_symlink(file, error) && std::filesystem::exists(status))
         target = std::filesystem::canonical(file, error);

@@ -10,49 +10,43 @@
 
 namespace render2mpeg::app {
 
-/// Writes a file that is there whole or not at all, in place of what has its name. What is no ordinary file, such as a
-/// pipe, is written to. What a run that was killed left of the same file goes. Throws core::Error.
+/// Writes a file atomically, or into a pipe or device. Removes temporary files of killed runs. Throws core::Error.
 void write_whole(const std::filesystem::path& file, const std::string& text);
 
 /// All of a file. Throws core::Error.
 std::string file_text(const std::filesystem::path& file);
 
-/// JSON as lines of text. Names of files are bytes, which JSON need not hold: what is no UTF-8 is replaced.
+/// JSON as lines of text; invalid UTF-8 is replaced.
 std::string json_text(const nlohmann::json& value);
 
-/// JSON that a file holds; `discarded` (nlohmann) where it cannot be read.
+/// JSON of a file; `discarded` (nlohmann) where it cannot be read.
 nlohmann::json read_json(const std::filesystem::path& file);
 
-/// Writes such text whole or not at all. Throws core::Error.
 void write_json(const std::filesystem::path& file, const nlohmann::json& value);
 
-/// JSON has neither infinity, the PSNR of a film that lost nothing, nor what is no number.
+/// JSON has neither infinities nor NaN.
 nlohmann::json finite_or_null(double value);
 
-/// A name as it comes back out of such text.
+/// A name as it is read back from such text.
 std::string as_json_keeps(const std::string& name);
 
-/// Writes lines of text to standard output; whatever they hold does nothing to a terminal (core::printable). Throws
-/// core::Error where that fails.
+/// Prints safe lines (core::printable) to standard output. Throws core::Error.
 void print(const std::string& text);
 
-/// Waits until a file's bytes are on the disk, so that nothing that is written later survives them when the power
-/// fails. Throws core::Error where they cannot be kept; that a file system knows no such thing is no failure.
+/// Waits until a file is on the disk. Throws core::Error where it cannot be; unsupported file systems are no failure.
 void bring_to_disk(const std::filesystem::path& file);
 
-/// Likewise for the names in the folder that `file` is in.
 void bring_name_to_disk(const std::filesystem::path& file);
 
-/// A file's full name with all links followed, whether it is there or not.
+/// Absolute name with links followed; the file may be missing.
 std::filesystem::path canonical_of(const std::filesystem::path& file);
 
 using core::Checksum;
 using core::checksum_of;
 
-/// Of a picture's three planes.
 std::uint64_t checksum_of(const core::Picture& picture);
 
-/// Of this program: two builds that differ have two. Empty where it cannot be read.
+/// Checksum of this program; empty where it cannot be read.
 std::string build_identity();
 
 /// 16 hexadecimal digits.

@@ -27,7 +27,6 @@ constexpr std::chrono::milliseconds beat{100};
 /// Beats without a byte taken after which an interrupted stream is given up.
 constexpr int patience = 10;
 
-/// Whether nobody reads any more.
 bool is_abandoned(int descriptor) {
     pollfd state{descriptor, 0, 0};
     return poll(&state, 1, 0) > 0 && (state.revents & (POLLERR | POLLNVAL)) != 0;
@@ -123,7 +122,7 @@ void OutputStream::check() {
 void OutputStream::finish() {
     {
         std::unique_lock lock(mutex_);
-        // What was taken and has nobody to wait for is written all the same.
+        // Taken bytes are written all the same.
         wait_for_less_than(1, lock);
         if (failure_ == EPIPE && taken_ == written_) return;
     }

@@ -18,30 +18,27 @@
 
 namespace render2mpeg::app {
 
-/// Hands bytes to whoever reads a descriptor, in a thread of its own. Whoever is quicker than the reader waits. While
-/// it lives, SIGPIPE is ignored. One at a time.
+/// Writes to a descriptor in a thread; fast writers wait. SIGPIPE is ignored meanwhile. One at a time.
 class OutputStream {
   public:
-    /// `name` is what messages call it. The descriptor stays open.
+    /// `name` is for messages. The descriptor stays open.
     explicit OutputStream(int descriptor, std::string name);
-    /// Gives up what is not written.
+    /// Drops unwritten bytes.
     ~OutputStream();
     OutputStream(const OutputStream&) = delete;
     OutputStream& operator=(const OutputStream&) = delete;
 
-    /// Takes bytes, once most of those before are written. False where they will never be: the reader has gone, or
-    /// takes nothing any more after an interruption.
+    /// Queues bytes. False where they will never be written: the reader has gone, or hangs after an interruption.
     bool put(std::span<const std::uint8_t> bytes);
     bool has_lost_reader();
-    /// Throws core::Error where the reader has gone, also if nothing was put since.
+    /// Throws core::Error where the reader has gone.
     void check();
-    /// Waits until all is written. Throws core::Error where it cannot be; an interruption is no error.
+    /// Waits until all is written. Throws core::Error; an interruption is none.
     void finish();
     std::uint64_t bytes() const { return taken_; }
 
   private:
     void write_all();
-    /// Waits for room, a beat at a time; false where none comes.
     bool wait_for_less_than(std::size_t waiting, std::unique_lock<std::mutex>& lock);
 
     int descriptor_;
@@ -56,16 +53,15 @@ class OutputStream {
     std::thread writer_;
 };
 
-/// Hands coded pictures on as they come: a transport stream or an elementary one. The last picture carries the end code
-/// with it, so that each waits for the next one to come. Throws core::Error where nobody takes them.
+/// Writes coded pictures as a transport or elementary stream, each when the next one comes, since the last carries the
+/// end code. Throws core::Error.
 class FilmStream {
   public:
-    /// `name`'s ending, .ts or .m2v, says which.
+    /// `name`'s ending: .ts or .m2v.
     FilmStream(OutputStream& out, const std::filesystem::path& name, const Film& film);
 
-    /// Pictures in coding order.
     void write(const encoder::CodedPicture& picture);
-    /// After the last picture; there was one.
+    /// After the last picture, at least one.
     void finish();
 
   private:

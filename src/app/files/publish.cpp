@@ -20,8 +20,7 @@
 namespace render2mpeg::app {
 namespace {
 
-/// Hands the access units of one chunk to the muxer, in coding order. The film's last picture carries the end code with
-/// it.
+/// Muxes the access units of one chunk; the film's last picture carries the end code.
 void copy_chunk(const ChunkFile& chunk, av::Muxer& muxer, encoder::Codec codec, std::int64_t first_frame,
                 std::int64_t coded_before, bool last_chunk) {
     std::ifstream stream(chunk.file(), std::ios::binary);
@@ -37,19 +36,19 @@ void copy_chunk(const ChunkFile& chunk, av::Muxer& muxer, encoder::Codec codec, 
     }
 }
 
-/// A pipe or a device of characters such as /dev/null, which is written to and not replaced.
+/// Pipes and character devices are written to, not replaced.
 bool is_written_to(const std::filesystem::path& file) {
     std::error_code error;
     const std::filesystem::file_status status = std::filesystem::status(file, error);
     return std::filesystem::is_fifo(status) || std::filesystem::is_character_file(status);
 }
 
-/// Whether files can be made in a folder; why not, as in errno, else 0.
+/// Whether files can be made in a folder: errno, or 0.
 int failure_to_write_in(const std::filesystem::path& folder) {
-    // A file without a name goes with the process, however that ends.
+    // An unnamed file goes with the process.
     const int descriptor = open(folder.c_str(), O_WRONLY | O_TMPFILE | O_CLOEXEC, 0600);
     if (descriptor >= 0) return close(descriptor) == 0 ? 0 : errno;
-    // Not every file system knows such files; that the rights are there has been seen already.
+    // Not every file system has unnamed files; access rights were seen before.
     return errno == EOPNOTSUPP || errno == EISDIR || errno == EINVAL || errno == ENOENT ? 0 : errno;
 }
 
@@ -67,14 +66,13 @@ bool holds(const FrameRange& frames, const std::optional<std::int64_t>& number) 
     return number && *number >= frames.first && *number <= frames.last;
 }
 
-/// Whether a file is one of a sequence's, by its own name or by where it leads.
+/// Whether a file is one of a sequence's, by name or link.
 bool is_of(const Files& sequence, const std::filesystem::path& file) {
     const std::filesystem::path led = canonical_of(file), folder = folder_of(sequence.name);
     return (folder_of(file) == folder && holds(*sequence.frames, number_in(sequence.name, file))) ||
            (led.parent_path() == folder && holds(*sequence.frames, number_in(sequence.name, led)));
 }
 
-/// Whether two have a file in common.
 bool meet(const Files& a, const Files& b) {
     if (!a.frames && !b.frames) return same(a.name, b.name);
     if (!a.frames) return is_of(b, a.name);
@@ -88,7 +86,6 @@ bool meet(const Files& a, const Files& b) {
     return false;
 }
 
-/// Hands all of a file to a pipe or the like.
 void write_into(const std::filesystem::path& file, const std::filesystem::path& output) {
     errno = 0;
     std::ifstream from(file, std::ios::binary);
@@ -99,7 +96,6 @@ void write_into(const std::filesystem::path& file, const std::filesystem::path& 
         throw core::Error("writing", output.string(), errno != 0 ? std::strerror(errno) : "it cannot be written");
 }
 
-/// Something that is not to be done without a word.
 struct Doubt {
     std::filesystem::path file;
     std::string text;  ///< what is so, and what -y does
@@ -179,17 +175,17 @@ void verify(const std::filesystem::path& film, const std::vector<ChunkFile>& chu
 void check_reachable(const std::filesystem::path& file) {
     std::error_code error;
     const std::filesystem::file_status status = std::filesystem::status(file, error);
-    // Such as links that lead to one another.
+    // Such as links in a circle.
     if (error && status.type() == std::filesystem::file_type::none)
         throw core::Error("writing", file.string(), error.message());
     if (std::filesystem::is_directory(status)) throw core::Error("writing", file.string(), "it is a folder");
     if (std::filesystem::is_block_file(status) || std::filesystem::is_socket(status))
         throw core::Error("writing", file.string(), "it is no file");
-    // It would be replaced, which its own protection does not prevent.
+    // A protected file is not replaced.
     if (std::filesystem::exists(status) && access(file.c_str(), W_OK) != 0)
         throw core::Error("writing", file.string(), std::strerror(errno));
     if (is_written_to(file)) return;
-    // The folders that are there already; the others will be made in the last of them.
+    // Missing folders will be made in the last existing one.
     std::filesystem::path folder = std::filesystem::absolute(file, error).lexically_normal().parent_path();
     while (!std::filesystem::exists(folder, error) && folder.has_relative_path()) folder = folder.parent_path();
     if (!std::filesystem::is_directory(folder, error))
@@ -240,7 +236,6 @@ Published give_name(const std::filesystem::path& file, WorkFolder& work, const s
         write_into(file, output);
         return {output, bytes};
     }
-    // What it was made of may go once it is there for good.
     bring_to_disk(file);
     if (!error) std::filesystem::rename(file, output, error);
     if (error) throw core::Error("writing", output.string(), error.message());

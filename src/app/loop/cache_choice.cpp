@@ -3,8 +3,7 @@
 namespace render2mpeg::app {
 namespace {
 
-/// Smaller pictures have too few pixels from one edge of light to the next for records to tell of what lies between
-/// them. chosen: docs/measurements.md#irradiance-cache.
+/// In smaller pictures too few pixels lie between edges of light. chosen: docs/measurements.md#irradiance-cache.
 constexpr std::int64_t least_pixels = 160 * 160;
 
 }  // namespace
@@ -19,7 +18,7 @@ CacheChoice choose_cache(const std::string& asked, const scene::Traits& traits, 
     if (rays) return {static_light, "pixels and frames share what gather rays found"};
     if (frames == 1) return {off, "would not pay: there is no later frame to keep light for"};
     if (pixels < least_pixels) return {off, "would not pay: the picture is small"};
-    // A change of light forgets what is kept: only the frame's own pixels would gain.
+    // A change of light discards all records: only the frame's own pixels would gain.
     if (traits.lights_change) return {off, "would not pay: lights change"};
     if (traits.changes_light()) return {off, "would not pay: what moves changes light"};
     return {static_light, traits.camera_moves ? "only the camera moves: light stays for later frames"

@@ -22,7 +22,7 @@ void predict(const core::Plane<std::uint8_t>& reference, const encoder::Macroblo
         const std::uint8_t* lower = reference.row(std::clamp(y + y_whole + y_half, 0, last_y));
         for (int x = left; x < std::min(left + side, out.width()); ++x) {
             const int a = std::clamp(x + x_whole, 0, last_x), b = std::clamp(x + x_whole + x_half, 0, last_x);
-            // With a half missing, samples are counted twice or four times, which leaves their rounded mean as it is.
+            // Full-pixel samples are counted two or four times, which keeps their rounded mean.
             out.at(x, y) = static_cast<std::uint8_t>((upper[a] + upper[b] + lower[a] + lower[b] + 2) >> 2);
         }
     }

@@ -8,13 +8,11 @@
 
 namespace render2mpeg::app {
 
-/// What the macroblocks of a P picture were predicted from: luma of `reference` (the decoded picture that it refers to)
-/// displaced by their vectors [H262, 7.6.4]. Intra macroblocks are 0. Beyond the reference's sides its edges are
-/// repeated.
+/// Prediction of a P picture's macroblocks: luma of its decoded `reference` displaced by their vectors [H262, 7.6.4],
+/// edges repeated. Intra macroblocks are 0.
 core::Plane<std::uint8_t> prediction_of(const encoder::CodedPicture& coded, const core::Plane<std::uint8_t>& reference);
 
-/// Says how pictures are coded in the terms of the coupling: step sizes, and which pictures depend on which. Follows a
-/// chunk in coding order.
+/// A chunk's coding in the terms of the coupling: step sizes and dependencies. Follows coding order.
 class CodingTerms {
   public:
     explicit CodingTerms(const encoder::Settings& coding) : coding_(coding) {}

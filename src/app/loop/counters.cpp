@@ -15,7 +15,7 @@ using nlohmann::json;
 /// Rule for the sum of a counter over two parts of one film.
 enum class How { added, largest, apart };
 
-/// Names every member of an entry, for writing and reading alike.
+/// Lists the members of an entry, for writing and reading.
 template <class Entry, class Visit>
 void each_member(Entry& e, Visit&& visit) {
     visit("frame", e.frame);
@@ -48,7 +48,7 @@ void each_member(Entry& e, Visit&& visit) {
     visit("seconds", e.seconds);
 }
 
-/// Names every count of the renderer, of one run or of two.
+/// Lists the renderer's counts, of one run or of two.
 template <class Visit, class... Counts>
 void each_count(Visit&& visit, Counts&... s) {
     using enum How;
@@ -98,7 +98,6 @@ void each_count(Visit&& visit, Counts&... s) {
     visit("records_most", largest, s.cache.most...);
 }
 
-/// Sums over the film so far.
 template <class Visit, class... Sums>
 void each_sum(Visit&& visit, Sums&... l) {
     using enum How;
@@ -111,7 +110,6 @@ void each_sum(Visit&& visit, Sums&... l) {
     visit("audit_seconds", added, l.audit.seconds...);
 }
 
-/// Errors against the truth, by cause.
 template <class Sums, class Visit>
 void each_split_sum(Sums& s, Visit&& visit) {
     visit("pixels", s.pixels);
@@ -132,7 +130,6 @@ void each_split_sum(Sums& s, Visit&& visit) {
     }
 }
 
-/// Writes each member that it is shown.
 struct Writer {
     json& to;
     template <class Value>
@@ -145,7 +142,7 @@ struct Writer {
     }
 };
 
-/// Reads each member that it is shown; throws json::exception where one is missing or of another kind.
+/// Throws json::exception where a member is missing or of another kind.
 struct Reader {
     const json& from;
     template <class Value>
@@ -158,7 +155,6 @@ struct Reader {
     }
 };
 
-/// Adds the counters of an earlier run.
 struct Adder {
     template <class Value>
     void operator()(const char*, How how, Value& sum, const Value& earlier) const {
@@ -176,7 +172,7 @@ renderer::Statistics sum_of(const renderer::Statistics& earlier, const renderer:
     each_count(Adder{}, sum, earlier);
     if (!earlier.first_non_finite.empty()) sum.first_non_finite = earlier.first_non_finite;
 
-    // What was lit decides whose means count how much; without later frames the earlier ones are all there is.
+    // Means are weighted by what was lit; without later frames the earlier ones stay.
     const auto frames = static_cast<double>(earlier.frames_calibrated),
                all = static_cast<double>(sum.frames_calibrated);
     sum.mean_error_scale += core::divide_or(frames, all, 0.0) * (earlier.mean_error_scale - later.mean_error_scale);

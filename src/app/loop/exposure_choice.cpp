@@ -16,7 +16,6 @@
 namespace render2mpeg::app {
 namespace {
 
-/// Objects of a name.
 std::vector<int> objects_named(const scene::Animation& animation, const std::string& name) {
     std::vector<int> found;
     std::vector<std::string_view> names;
@@ -64,7 +63,7 @@ int samples_of_shutter(double quantiser) {
     return quantiser <= 12 ? 8 : 4;
 }
 
-/// What is not coded is as fine as with 4.
+/// Uncoded frames count as quantiser 4.
 double mpeg2_quantiser(const RenderJob& film, int quantiser) {
     return film.kind == OutputKind::film ? encoder::mpeg2_quantiser_like(film.coding.codec, quantiser) : 4;
 }
@@ -108,7 +107,7 @@ void set_glare(scene::Animation& animation, const RenderOptions& options) {
     core::Glare& glare = animation.glare;
     glare.kind = asked.kind;
     if (asked.strength) glare.strength = *asked.strength;
-    // Who asks for glare wants some, whatever the film would have.
+    // An explicit --glare is never of strength 0.
     if (asked.kind == core::GlareKind::off || asked.strength || glare.strength > 0) return;
     glare.strength = core::Glare{}.strength;
     animation.notes.push_back(

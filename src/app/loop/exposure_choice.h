@@ -1,27 +1,27 @@
 #pragma once
-// How frames are exposed: what the command line says of shutter and lens, and how many samples a picture shows.
+// Exposure by command line and scene, and samples per pixel.
 #include "app/loop/render_job.h"
 #include "perceptual/display.h"
 
 namespace render2mpeg::app {
 
-/// Lets --shutter, --f-stop and --focus win over what the scene says. Throws UsageError for what cannot be meant.
+/// --shutter, --f-stop and --focus win over the scene. Throws UsageError for contradictions.
 void set_exposure(scene::Animation& animation, const RenderOptions& options);
 
-/// Lets --fog win over how far one sees by what the scene says.
+/// --fog wins over the scene.
 void set_fog(scene::Animation& animation, const RenderOptions& options);
 
-/// Lets --glare win over what the scene says.
+/// --glare wins over the scene.
 void set_glare(scene::Animation& animation, const RenderOptions& options);
 
-/// Lets the rows of the film's plan tell how many samples pixels get.
+/// Adds samples per pixel to the reasons of the plan's rows.
 void tell_samples(RenderJob& film);
 
-/// Samples of a pixel that shutter or lens blur, for a picture to be coded with this quantiser: as many as make a
-/// difference after coding (docs/measurements.md#shutter-and-lens). What is not coded gets as many as quantiser 4.
+/// Samples of a pixel blurred by shutter or lens: as many as survive this quantiser
+/// (docs/measurements.md#shutter-and-lens), uncoded frames as with quantiser 4.
 renderer::ExposureSamples exposure_samples(const RenderJob& film, int quantiser);
 
-/// The same for a picture that is shown like this: where lamps show, more of them if they are not told by hand.
+/// The same for a picture on this display: more where lamps show, unless given by hand.
 renderer::ExposureSamples exposure_samples(const RenderJob& film, int quantiser, const perceptual::Display& display);
 
 }  // namespace render2mpeg::app

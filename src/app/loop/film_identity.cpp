@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Options that change no byte of the film, or that are told otherwise: heatmaps have work folders of their own.
+/// Options that change no byte of the film; heatmaps have work folders of their own.
 constexpr std::array<std::string_view, 15> idle{"--output", "--threads",   "--quiet",   "--stats",  "--report",
                                                 "--hold",   "--overwrite", "--verbose", "--within", "--progress",
                                                 "--resume", "--dry-run",   "--heatmap", "--memory", "--isa"};
@@ -22,7 +22,7 @@ json options_of(const RenderOptions& options) {
     json words = json::object();
     for (const auto& [name, value] : options.said)
         if (std::find(idle.begin(), idle.end(), name) == idle.end()) words[name] = value;
-    // The frames' layers that are there already are there alone.
+    // Layers already written lie in this folder alone.
     if (options.layers) words["--aov"] = canonical_of(*options.layers).string();
     return words;
 }
@@ -42,7 +42,7 @@ json identity_of(const RenderJob& film, const RenderOptions& options) {
     json inputs = json::array();
     for (const Files& input : inputs_of(film, options)) {
         std::error_code error;
-        // An image that is missing is shown as missing; a list of keyframes is no file.
+        // A missing image is shown as missing; a list of keyframes is no file.
         if (!std::filesystem::is_regular_file(input.name, error)) continue;
         const std::string file = canonical_of(input.name).string();
         const auto known = [&](const json& other) { return other["file"] == file; };

@@ -48,7 +48,7 @@ Size size_of(const RenderJob& film) {
     return {film.format.width, film.format.height};
 }
 
-/// A mean that can be asked of nothing.
+/// A mean with a default.
 struct Mean {
     double sum = 0, count = 0;
     void add(double value) {
@@ -58,7 +58,7 @@ struct Mean {
     double or_else(double instead) const { return core::divide_or(sum, count, instead); }
 };
 
-/// Cuts of the film: each begins a group of pictures, and light is found anew.
+/// Cuts begin a group of pictures and find light anew.
 std::vector<std::int64_t> cuts_of(const RenderJob& film) {
     std::vector<std::int64_t> cuts;
     int camera = -1;
@@ -70,7 +70,7 @@ std::vector<std::int64_t> cuts_of(const RenderJob& film) {
     return cuts;
 }
 
-/// Groups of pictures of the film, as chunks and cuts begin them.
+/// Groups of pictures, begun by chunks and cuts.
 double groups_of(const RenderJob& film, const std::vector<std::int64_t>& cuts) {
     double groups = 0;
     for (const Chunk& chunk : chunks_of(film.frames, film.coding.gop)) {
@@ -86,7 +86,7 @@ double groups_of(const RenderJob& film, const std::vector<std::int64_t>& cuts) {
     return groups;
 }
 
-/// A frame behind the first, of the kinds that the film will have.
+/// Mean cost of later frames, by the film's shares of P and B pictures.
 FrameCost later_of(std::span<const FrameEntry> frames, const std::vector<std::int64_t>& firsts) {
     Mean seconds[2], bytes[2];  // of P pictures, and of B pictures or what is not coded
     for (const FrameEntry& entry : frames) {
@@ -105,14 +105,14 @@ FrameCost later_of(std::span<const FrameEntry> frames, const std::vector<std::in
             p * bytes[0].or_else(0) + (1 - p) * bytes[1].or_else(0)};
 }
 
-/// Settles what a film is lit by before its first frame. Whether nobody interrupted.
+/// Settles the film's exposure. Whether nobody interrupted.
 bool settle(RenderJob& film) {
     if (!probe_images(*film.animation, image_probes(false))) return false;
     if (!film.exposure) film.exposure = measure_exposure(film);
     return !InterruptGuard::requested();
 }
 
-/// The power of the pixels that one of two samples' seconds grow with.
+/// Exponent of seconds over pixels between two samples.
 double power_between(double smaller, double larger, double times) {
     if (!(smaller > 0 && larger > 0 && times > 1.5)) return time_power;
     // chosen: no film takes less than a fifth more in four times the pixels, or more than they are (0 to 1.1).
@@ -124,10 +124,8 @@ class Sampling {
   public:
     Sampling(const RenderJob& film, double limit, bool quiet) : film_(film), limit_(limit), quiet_(quiet) {}
 
-    /// Whether anything is known.
     bool run();
     const FrameSample& largest() const { return *largest_; }
-    /// The same in the film's size.
     FrameSample grown() const;
 
   private:
@@ -145,7 +143,7 @@ std::optional<FrameSample> Sampling::sample(double scale, int windows) {
     Progress progress(static_cast<std::int64_t>(chunks.size()) * chunks.front().frames(), quiet_, "sample",
                       Counted::parts_of_step);
     LoopObserver nobody;
-    // A first sample is needed: where light alone takes all of the time, it gets twice as much more.
+    // The first sample is needed, and may take three times as long.
     const double limit = largest_ ? limit_ : limit_ + 2 * (limit_ - clock_seconds());
     return sample_frames(job, chunks, limit, nobody, progress);
 }
@@ -165,7 +163,7 @@ bool Sampling::run() {
         if (took * std::pow(times, time_power) > left) return true;
         scale = next;
     }
-    // In the film's own size, what is left of the time tells how frames differ.
+    // At full size, further windows tell how frames differ.
     const double window = std::max(largest_->clock, 1e-3);
     const auto windows = static_cast<int>(std::clamp((limit_ - clock_seconds()) / window, 0.0, 8.0));
     if (windows < 2) return true;
@@ -185,7 +183,6 @@ FrameSample Sampling::grown() const {
     return all;
 }
 
-/// Bytes of the film's file, or of all its images.
 double file_bytes(const RenderJob& film, const std::filesystem::path& output, double pictures) {
     const auto frames = static_cast<double>(film.frame_count());
     const double pixels = pixels_of(size_of(film));
@@ -232,7 +229,7 @@ std::optional<FrameSample> light_windows(RenderJob film, renderer::Renderer& ren
     std::vector<std::int64_t> firsts;
     Mean seconds, bytes;
     for (const Chunk& window : windows) {
-        // It owes the next one nothing of a decoder's buffer.
+        // It owes the next window nothing of a decoder's buffer.
         film.frames = {window.first, window.last};
         const std::size_t before = statistics.frames.size();
         const double start = cpu_seconds();
@@ -315,7 +312,7 @@ FrameCost film_by(const RenderJob& film, const FrameSample& sample) {
     const auto starts =
         std::min(frames, static_cast<double>(chunks_of(film.frames, film.coding.gop).size() + cuts.size()));
     const double groups = std::min(frames, groups_of(film, cuts));
-    // Frames far behind a window's are unlike it; those of long windows, and of films as short as one, are not.
+    // Frames far behind a short window differ from it.
     const double length = sample.windows > 0 ? static_cast<double>(sample.frames) / sample.windows : window_frames,
                  unlike = frames <= length ? 0 : std::min(1.0, window_frames / length),
                  kept = 1 + unlike * (kept_later - 1), more = 1 + unlike * (bytes_later - 1);

@@ -49,7 +49,7 @@ class Y4mFrames : public FrameSource {
     FrameRange frames_;
 };
 
-/// Y4M from standard input. Whoever asks first reads for those who ask for later frames, too.
+/// Y4M from standard input. A reader keeps the frames that others asked for.
 class PipedFrames : public FrameSource {
   public:
     explicit PipedFrames(const std::optional<FrameRange>& wanted)
@@ -82,7 +82,7 @@ class PipedFrames : public FrameSource {
     bool ended_ = false;
 };
 
-/// The numbers of the files that a pattern names, which must follow one another.
+/// Numbers of existing files, which must be consecutive.
 FrameRange frames_on_disk(const std::filesystem::path& pattern) {
     const std::vector<std::int64_t> numbers = numbers_on_disk(pattern);
     if (numbers.empty()) throw core::Error("reading", pattern.string(), "no file has such a name");
@@ -102,7 +102,6 @@ class ImageFrames : public FrameSource {
           frames_(wanted ? *wanted : frames_on_disk(pattern)),
           keeps_codes_(film.keeps_codes),
           shared_(std::move(shared)) {
-        // Look at the first frame for what all have in common; see that the others are there.
         for (std::int64_t n = frames_.first; n <= frames_.last; ++n)
             if (!std::filesystem::exists(numbered(pattern_, n)))
                 throw core::Error("reading", numbered(pattern_, n).string(), "no such file");
@@ -118,7 +117,7 @@ class ImageFrames : public FrameSource {
     Size size() const override { return size_; }
     FrameRange frames() const override { return frames_; }
     std::uint64_t non_finite() const override { return non_finite_; }
-    /// Square pixels are what files say that know of no other.
+    /// Files that know no other shape say square pixels.
     std::optional<core::Rational> pixel_aspect() const override {
         if (pixel_aspect_ == 1) return {};
         return core::product({std::lround(10000 * pixel_aspect_), 10000}, {1, 1});
@@ -153,7 +152,7 @@ class ImageFrames : public FrameSource {
         if (shared_) shared_->put(frame, std::move(read.others));
         return std::move(read.image);
     }
-    /// Alpha does not count: what a renderer writes is the colour over black.
+    /// Alpha is ignored: colours are premultiplied over black.
     core::Plane<glm::vec3> finite_colors(const image::Image& image) {
         std::uint64_t found = 0;
         core::Plane<glm::vec3> colors(image.pixels.width(), image.pixels.height());

@@ -29,7 +29,7 @@ constexpr std::uint64_t samples_of_blurred_lamps = 32;  ///< of a pixel on the a
 constexpr std::uint64_t per_decoded_pixel = 48;
 constexpr std::uint64_t always = std::uint64_t{24} << 20;
 
-/// Triangles as rays meet them: those of an object that never moves by object, others by mesh.
+/// Triangles in Embree: rigid objects share their mesh's, others have their own.
 std::uint64_t triangles_of(const scene::Animation& film) {
     std::uint64_t count = 0;
     std::set<int> shared;
@@ -39,7 +39,7 @@ std::uint64_t triangles_of(const scene::Animation& film) {
     return count;
 }
 
-/// Samples over shutter and lens of a pixel of the finest picture; 0: none is exposed.
+/// Samples over shutter and lens of a pixel of the finest picture; 0: none.
 std::uint64_t most_exposure_samples(const RenderJob& film) {
     if (!film.plan.runs(renderer::Pass::shutter) && !film.plan.runs(renderer::Pass::lens)) return 0;
     const bool fixed = film.coding.rate_control.mode == encoder::RateMode::constant_quantiser;
@@ -66,7 +66,7 @@ MemoryNeed memory_need(const RenderJob& film) {
         const image::ImageHeader header = image::read_image_header(source.path, source.bytes, source.name);
         const std::uint64_t pixels =
             static_cast<std::uint64_t>(header.width) * static_cast<std::uint64_t>(header.height);
-        // Halves of halves: a third more.
+        // Mip levels take a third more.
         need.textures += pixels * (header.bytes ? 4 : 16) * 4 / 3;
         need.decoding = std::max(need.decoding, per_decoded_pixel * pixels);
     }

@@ -6,8 +6,7 @@
 
 namespace render2mpeg::app {
 
-/// What rendering takes of memory, in bytes, by what takes it: reckoned before anything of it is allocated
-/// (docs/measurements.md#memory).
+/// Estimated memory in bytes, before anything is allocated (docs/measurements.md#memory).
 struct MemoryNeed {
     std::uint64_t held = 0;       ///< by this process now: program, scene as it was read
     std::uint64_t triangles = 0;  ///< trees of rays, and what chooses anchors
@@ -22,8 +21,8 @@ struct MemoryNeed {
 /// Reads the headers of all images. Throws core::Error.
 MemoryNeed memory_need(const RenderJob& film);
 
-/// Whether a render of such a need may decode its images side by side in `threads` threads, or one after the other to
-/// keep the limit. Throws core::Error where even that is too much, and says what takes how much.
+/// Whether `threads` may decode images at once within `limit`, else one after the other. Throws core::Error where even
+/// that is too much.
 bool may_decode_at_once(const RenderJob& film, const MemoryNeed& need, std::uint64_t limit, int threads);
 
 }  // namespace render2mpeg::app

@@ -32,7 +32,7 @@ static_assert(std::endian::native == std::endian::little, "motion streams are li
 /// Frames behind the one asked for that may be asked for again: references lie four back at most.
 constexpr std::int64_t kept_behind = 8;
 
-/// Frames that are read ahead: pictures are looked at so far, and two more are being read (frame_source.cpp).
+/// Frames that are read ahead: look-ahead, and two more being read (frame_source.cpp).
 constexpr std::int64_t kept_ahead = encoder::LookAhead::depth + 3;
 
 constexpr std::uint32_t mark = 0x564d3252u;  ///< "R2MV"
@@ -54,13 +54,13 @@ int open_motion(const std::string& name) {
         if (fcntl(*number, F_GETFD) < 0) throw core::Error("reading", name, "this descriptor is not open");
         return *number;
     }
-    // Who writes may open it before a picture is written, and may not wait for us then.
+    // The writer may open it before its first picture, and may not wait for us.
     const int descriptor = open(name.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
     if (descriptor < 0) throw core::Error("reading", name, std::strerror(errno));
     return descriptor;
 }
 
-/// Makes what is no number `none`, and a field of the vectors of a frame.
+/// Turns non-finite vectors to `none`, and sets a field's frames.
 void settle_field(core::MotionField& field, const core::Plane<core::PixelClass>& kinds, std::int64_t number, int step) {
     field.picture = number;
     field.reference = number + step;
@@ -129,7 +129,7 @@ bool MotionBytes::frame(const MotionHeader& header, std::int64_t number, FrameMo
     back = on = core::Plane<glm::vec2>(header.width, header.height);
     if (!vectors(header, back)) return false;
     if (header.fields == 1) {
-        // What moves evenly goes on as it came.
+        // Even motion goes on as it came.
         for (std::size_t i = 0; i < on.size(); ++i) on.values()[i] = -back.values()[i];
     } else if (!vectors(header, on)) {
         refuse("it is cut off");

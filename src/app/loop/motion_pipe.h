@@ -1,5 +1,5 @@
 #pragma once
-// Motion that another program writes beside its pictures, as it makes them.
+// Motion streamed by another program beside its pictures.
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
@@ -14,36 +14,33 @@
 
 namespace render2mpeg::app {
 
-/// Writes one frame's motion as a stream of one frame, version 2. `kinds` tells what its pixels are. Throws
-/// core::Error.
+/// Writes one frame's motion as a stream of version 2. `kinds`: pixel classes. Throws core::Error.
 void write_motion_file(const std::filesystem::path& file, const core::MotionField& to_previous,
                        const core::MotionField& to_next, const core::Plane<core::PixelClass>& kinds);
 
-/// Reads such a file of frame `number`, or any stream of one frame. Throws core::Error.
+/// Reads a stream of one frame. Throws core::Error.
 FrameMotion read_motion_file(const std::filesystem::path& file, std::int64_t number, int width, int height);
 
-/// What the first 32 bytes of a motion stream say (docs/coding.md).
+/// Header of a motion stream, 32 bytes (docs/coding.md).
 struct MotionHeader {
     int width = 0, height = 0;
     int fields = 1;        ///< of each frame: 1, to the frame before; 2, and to the frame after
     bool compact = false;  ///< vectors are 16-bit steps, else floats
 };
 
-/// Reads from a descriptor; the bytes it has read are counted for messages.
+/// Reads a stream from a descriptor and counts bytes for messages.
 class MotionBytes {
   public:
-    /// `name` is what messages call it.
     MotionBytes(int descriptor, std::string name) : descriptor_(descriptor), name_(std::move(name)) {}
 
-    /// Throws core::Error for what is no header, or of another size.
+    /// Throws core::Error for no header, or another size.
     MotionHeader header(int width, int height);
-    /// The next frame's; false where the stream ends behind a whole one. Throws core::Error.
+    /// The next frame; false at the stream's end. Throws core::Error.
     bool frame(const MotionHeader& header, std::int64_t number, FrameMotion& motion);
-    /// Whoever waits in another thread gives up.
     void stop() { stopped_ = true; }
 
   private:
-    /// Fills all of it; false where the stream had ended before. Throws core::Error where it ends within.
+    /// Fills all of it; false at the stream's end. Throws core::Error within.
     bool read(void* into, std::size_t size);
     bool vectors(const MotionHeader& header, core::Plane<glm::vec2>& vectors);
     [[noreturn]] void refuse(const std::string& cause) const;
@@ -54,16 +51,14 @@ class MotionBytes {
     std::atomic<bool> stopped_{false};
 };
 
-/// Motion from a descriptor ("fd:3") or a pipe ("x.motion"). It is read ahead of the pictures, since who writes both
-/// may wait for either; as far as pictures are looked at ahead, and no further.
+/// Motion from a descriptor ("fd:3") or a pipe ("x.motion"), read ahead as far as pictures are, since the writer of
+/// both may wait for either.
 class MotionPipe : public MotionSource {
   public:
-    /// Whether --motion names such a stream.
     static bool is_one(const std::filesystem::path& name);
 
-    /// Opens it. Throws core::Error.
     explicit MotionPipe(const std::filesystem::path& name);
-    /// Waits for the header. Throws core::Error. To be called before anything is asked.
+    /// Waits for the header, first of all calls. Throws core::Error.
     void start(int width, int height);
     ~MotionPipe() override;
 

@@ -65,7 +65,7 @@ encoder::PicturePlan PictureCoder::plan(std::int64_t number, bool cut_before, Mo
         if (!continues_ && picture != nullptr) try_quality(*picture);
         facts.quality_factor = quality_->factor();
     }
-    // Nothing is known of a chunk's or a shot's first pictures: one B picture shows no stair, and costs little.
+    // A chunk's or shot's first pictures: one B picture shows no stair and costs little.
     constexpr double not_known = 1.0;
     if (lights_change_) facts.light_change = light_change_.value_or(not_known);
     if (ahead_ != nullptr) look_ahead(facts, number);
@@ -76,7 +76,7 @@ encoder::PicturePlan PictureCoder::plan(std::int64_t number, bool cut_before, Mo
 
 namespace {
 
-/// MPEG-2's quantiser that a picture's is like; its own is without the ratio of its type and followers.
+/// Equivalent MPEG-2 quantiser without the ratio of type and followers.
 double base_quantiser(const encoder::Settings& settings, const encoder::CodedPicture& coded) {
     if (settings.codec != encoder::Codec::mpeg2) return encoder::mpeg2_quantiser_like(settings.codec, coded.quantiser);
     return coded.quantiser / encoder::first_pass_picture(settings, coded, false).ratio.value_or(1.0);

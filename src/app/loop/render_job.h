@@ -1,5 +1,5 @@
 #pragma once
-// Everything that decides a film, with the options' gaps filled, and its making.
+// All settings of a film.
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -24,8 +24,7 @@
 
 namespace render2mpeg::app {
 
-/// Everything that decides a film: the scene and all settings, with the options' gaps filled. Constant while it is
-/// rendered.
+/// All settings of a film, with the options' gaps filled. Constant while it is rendered.
 struct RenderJob {
     std::shared_ptr<const scene::Animation> animation;
     core::FrameRate rate;
@@ -56,7 +55,6 @@ struct RenderJob {
     std::optional<ChunkRange> part;  ///< chunks that this run makes of it; none: all
 
     std::int64_t frame_count() const { return frames.last - frames.first + 1; }
-    /// The chunks that are to be made.
     std::vector<Chunk> chunks() const;
     scene::Snapshot snapshot(std::int64_t frame) const {
         return scene::snapshot_at(*animation, frame, core::time_of(frame, rate), format, shutter());
@@ -74,30 +72,29 @@ struct RenderJob {
     }
 };
 
-/// The film without what a row of its plan gives (renderer::PlanRow::effect).
+/// The film without a row of its plan (renderer::PlanRow::effect).
 RenderJob without(const RenderJob& film, renderer::Pass effect);
 
-/// The film as --preview makes it where no option says more (app/options/effort.h), in the same size.
+/// The film as by --preview (app/options/effort.h), in the same size.
 RenderJob draft_of(const RenderJob& film);
 
-/// The film as --effort makes it where no option says more (app/options/effort.h), with no more eye samples than it
-/// has: beside references with its own they would count as errors.
+/// The film as by --effort (app/options/effort.h), with no more eye samples than it has, since references have the
+/// film's own.
 RenderJob at_effort(const RenderJob& film, const Effort& effort);
 
-/// The film's renderer, its textures read.
 renderer::Renderer renderer_of(const RenderJob& film);
 
-/// Refuses what is no scene, or not there, with the name beside it that may have been meant. Throws core::Error.
+/// Refuses missing files and other kinds, with the nearest name beside it. Throws core::Error.
 void check_scene(const std::filesystem::path& input);
 
-/// Loads the scene and settles every setting. Throws core::Error for all that cannot be rendered or coded.
+/// Loads the scene and settles every setting. Throws core::Error.
 RenderJob prepare(const RenderOptions& options);
 
-/// One exposure for the film, in EV: a few small, coarse frames spread over it are lit and their luminances judged.
+/// Exposure of the film in EV, by a few small, coarse frames.
 float measure_exposure(const RenderJob& film);
 
-/// The sound of a film of these frames: that of the options, else `scenes`, the scene's own. Decodes it once, in a
-/// probe. Throws core::Error where it cannot be read, or where `output` is a film that cannot have any.
+/// Sound of the frames by the options, else `scenes`, the scene's own; decoded once in a probe. Throws core::Error for
+/// unreadable sound, or an `output` without sound.
 av::Sound sound_of(const CodingOptions& options, const std::optional<std::filesystem::path>& scenes,
                    const std::filesystem::path& output, const FrameRange& frames, const core::FrameRate& rate);
 

@@ -22,7 +22,7 @@ namespace {
 
 using nlohmann::json;
 
-/// The files that a chunk's frames become beside the coded stream.
+/// Files of a chunk's frames beside the coded stream.
 std::vector<std::filesystem::path> products_of(const RenderJob& film, const RenderOptions& options,
                                                const WorkFolder& work, const Chunk& chunk) {
     std::vector<std::filesystem::path> files;
@@ -36,7 +36,6 @@ std::vector<std::filesystem::path> products_of(const RenderJob& film, const Rend
     return files;
 }
 
-/// Their checksums; null for one that is not there.
 json sums_of(const std::vector<std::filesystem::path>& files) {
     json sums = json::array();
     for (const std::filesystem::path& file : files) {
@@ -47,8 +46,7 @@ json sums_of(const std::vector<std::filesystem::path>& files) {
     return sums;
 }
 
-/// Takes in what a chunk's record says. Whether it says all and its products are there; else they stay as they
-/// are.
+/// Takes in a chunk's record and returns true, if it is whole and its products are there.
 bool take_in(const RenderJob& film, const RenderOptions& options, const WorkFolder& work, const ChunkFile& chunk,
              RunStatistics& statistics) {
     try {
@@ -65,7 +63,7 @@ bool take_in(const RenderJob& film, const RenderOptions& options, const WorkFold
     }
 }
 
-/// All that the options ask a render to leave, the film or its first image before others.
+/// All files of a render, the film or its first image first.
 std::vector<std::filesystem::path> products_of(const RenderJob& film, const RenderOptions& options) {
     std::vector<std::filesystem::path> files;
     const bool images = film.kind == OutputKind::exr || film.kind == OutputKind::png;
@@ -84,8 +82,7 @@ std::vector<std::filesystem::path> products_of(const RenderJob& film, const Rend
 
 constexpr const char* mark_name = "user.render2mpeg.film";
 
-/// Checksum of a film's identity and of its files as they are: names, sizes and times of writing. Empty where one is
-/// missing.
+/// Checksum of identity, and of all files' names, sizes and times. Empty where one is missing.
 std::string mark_of(const std::vector<std::filesystem::path>& files, const json& identity) {
     std::string text = json_text(identity);
     for (const std::filesystem::path& file : files) {
@@ -107,7 +104,6 @@ json json_of(const encoder::BitAllocation& a) {
             {"left_by_type", a.left_by_type}};
 }
 
-/// Throws json::exception for what json_of() would not write.
 encoder::BitAllocation allocation_from(const json& written) {
     encoder::BitAllocation a;
     written.at("quantiser").get_to(a.quantiser);
@@ -120,7 +116,7 @@ encoder::BitAllocation allocation_from(const json& written) {
     return a;
 }
 
-/// The allocations that an earlier run found; none where it did not come so far.
+/// Allocations of an earlier run; none where there are none.
 std::vector<encoder::BitAllocation> allocations_from(const RenderJob& film, const json& written) {
     if (!written.is_array() || static_cast<std::int64_t>(written.size()) != film.frame_count()) return {};
     std::vector<encoder::BitAllocation> allocations;
@@ -132,7 +128,7 @@ std::vector<encoder::BitAllocation> allocations_from(const RenderJob& film, cons
     return allocations;
 }
 
-/// Heatmaps that an earlier run began and this one does not go on with; they go when the film is whole.
+/// Heatmaps of an earlier run that are not wanted any more; they go when the film is whole.
 void print_given_up(const RenderOptions& options, const WorkFolder& work) {
     for (const std::filesystem::path& file : work.companions()) {
         std::error_code error;
@@ -172,7 +168,7 @@ bool is_done_already(const RenderJob& film, const RenderOptions& options, const 
     try {
         WorkFolder(options.output, identity, WorkFolder::Earlier::resumed).clear_away();
     } catch (const core::Error& refusal) {
-        // What somebody else has begun there, or is at work on, is no part of this film.
+        // Another run's folder is left alone.
         if (!options.quiet) print_line(fmt::format("{}: what lies beside it is left alone ({})", name, refusal.what()));
     }
     return true;
@@ -195,7 +191,7 @@ std::vector<ChunkFile> take_up(const RenderJob& film, const RenderOptions& optio
         if (!take_in(film, options, work, chunk, earlier)) break;
         chunks.push_back(std::move(chunk));
     }
-    // Reading the scene is all that this run has done yet.
+    // This run has read the scene so far.
     for (std::size_t i = 0; i < statistics.seconds.size(); ++i) earlier.seconds[i] += statistics.seconds[i];
     statistics = std::move(earlier);
     kept(chunks.size());

@@ -22,8 +22,7 @@ class SharedChannels {
         const std::lock_guard lock(mutex_);
         waiting_.insert_or_assign(frame, std::move(channels));
     }
-    /// None where they were not read, or taken before. Those of frames more than `behind` before this one are
-    /// forgotten.
+    /// None where they were not read, or taken before. Forgets frames more than `behind` before this one.
     std::optional<image::ExrChannels> take(std::int64_t frame, std::int64_t behind) {
         const std::lock_guard lock(mutex_);
         std::erase_if(waiting_, [&](const auto& entry) { return entry.first < frame - behind; });
@@ -39,46 +38,44 @@ class SharedChannels {
 /// How compositing files write motion (docs/coding.md).
 enum class MotionConvention { blender, nuke };
 
-/// What one file says of where a frame's pixels come from and go to.
+/// Motion of one frame to its neighbours.
 struct FrameMotion {
     core::MotionField to_previous, to_next;  ///< to the frames `frame - 1` and `frame + 1`
 };
 
-/// Reads a frame's motion from its OpenEXR file. Throws core::Error where the file has no such channels, or another
-/// size.
+/// Reads motion from an OpenEXR file. Throws core::Error without such channels, or for another size.
 FrameMotion read_motion(const std::filesystem::path& file, std::int64_t frame, int width, int height,
                         MotionConvention convention);
 
-/// Whether a channel tells of motion, or of what kind of thing moves.
+/// Whether a channel holds motion or pixel classes.
 bool is_motion(const std::string& channel);
 
-/// Motion between any two frames, from whatever leads from a frame to its neighbours: over several frames the way is
-/// put together from steps, and ends (class `none`) where it leaves the picture or meets another class of thing. Over
-/// several frames only every second pixel of every second row has one, and the last: the encoder looks at no others.
+/// Motion between any two frames from steps between neighbours; a path ends (class `none`) outside the picture or at
+/// another class. Over several frames only every second pixel and row has one, and the last: the encoder reads no
+/// others.
 class MotionSource {
   public:
     virtual ~MotionSource() = default;
 
-    /// Reads what it needs of the frames from `picture` to `reference`, which differ. Throws core::Error.
+    /// The frames differ. Throws core::Error.
     core::MotionField between(std::int64_t picture, std::int64_t reference);
 
-    /// Frames onward from the one that is coded over which it may be asked: those that are read anyway.
+    /// Longest motion onward, over frames that are read anyway.
     static constexpr std::int64_t reach_onward = encoder::LookAhead::depth;
 
   private:
-    /// Valid until it is asked for another.
+    /// Valid until the next call.
     virtual const FrameMotion& frame(std::int64_t number) = 0;
 };
 
-/// Motion of numbered files, which are read ahead: OpenEXR, or motion alone (motion_pipe.h).
+/// Motion of numbered files, read ahead: OpenEXR, or motion streams (motion_pipe.h).
 class VectorLayers : public MotionSource {
   public:
-    /// `shared`: where channels of these files may have been left by whoever reads the frames; null: nowhere.
+    /// `shared`: channels left by the reader of the frames; null: none.
     VectorLayers(std::filesystem::path pattern, MotionConvention convention, int width, int height,
                  std::shared_ptr<SharedChannels> shared = nullptr);
 
-    /// Refuses what would only fail after minutes: throws core::Error where a file of these frames is missing, or where
-    /// the first of them has no motion.
+    /// Throws core::Error where a file of these frames is missing, or the first has no motion.
     void check(std::int64_t first, std::int64_t last);
 
     /// Frames over which a way is put together without reading a file twice. chosen: reach_onward and the references

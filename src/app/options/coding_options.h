@@ -12,7 +12,7 @@
 
 namespace render2mpeg::app {
 
-/// Runs a parser of ours as a CLI11 check, so that a mistake is told as soon as the command line is read.
+/// A parser of ours as a CLI11 check.
 template <class Parser>
 CLI::Validator checked(Parser parser) {
     return CLI::Validator(
@@ -27,7 +27,7 @@ CLI::Validator checked(Parser parser) {
         "");
 }
 
-/// The values that an option takes, as --help names them, and their check.
+/// Values of an option as --help names them, and their check.
 struct Values {
     std::string names;
     CLI::Validator check;
@@ -71,17 +71,17 @@ inline CLI::Option* add_flag(CLI::App& command, const std::string& group, const 
     return command.add_flag(names, value, text)->group(group);
 }
 
-/// How pictures are coded, and for whom: `render` and `encode` share these.
+/// Coding options of `render` and `encode`.
 void add_coding_options(CLI::App& command, CodingOptions& options);
-/// What is heard: `render`, `encode` and `tune` share these.
+/// Sound options of `render`, `encode` and `tune`.
 void add_sound_options(CLI::App& command, CodingOptions& options);
-/// What goes to standard output, of these kinds.
+/// --as of these kinds.
 void add_as_option(CLI::App& command, std::optional<std::string>& as, const std::vector<std::string>& kinds);
-/// Whether films may be replaced, and missing folders made.
+/// --overwrite.
 void add_consent_option(CLI::App& command, bool& overwrite);
-/// How long sample frames may take that tell what a film takes.
+/// --within.
 void add_within_option(CLI::App& command, std::string& within, const std::string& group);
-/// What shape pictures are shown in: likewise.
+/// --display-aspect and --pixel-aspect.
 void add_shape_options(CLI::App& command, CodingOptions& options);
 
 }  // namespace render2mpeg::app

@@ -72,7 +72,7 @@ RenderOptions preview_options(const RenderOptions& options) {
     draft.indirect = "lightcuts";
     draft.cache = "off";
 
-    // Nobody keeps it: it only must be there soon.
+    // A draft only must be there soon.
     if (!is_given("--encoder")) draft.coding.encoder = "fast";
     if (!options.coding.b_pictures) draft.coding.b_pictures = 0;
     const bool has_rate =

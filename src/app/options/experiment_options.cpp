@@ -8,7 +8,7 @@
 namespace render2mpeg::app {
 namespace {
 
-/// What a sweep sets itself, or what says nothing of a film's sample.
+/// Options that a sweep sets itself.
 constexpr const char* unwanted[] = {"--tolerance", "--quality", "--bitrate", "--cbr", "--maxrate", "--vbv", "--passes"};
 
 void add_sweep_options(CLI::App& command, CostOptions& options) {
@@ -41,7 +41,7 @@ void add_foreign_film(CLI::App& command, CompareOptions& options) {
     film->needs("--reference");
 }
 
-/// What is found out instead, or would make it another film than the sample.
+/// Options that `tune` decides, or that would change the film.
 constexpr const char* decided_by_tune[] = {"--bitrate", "--cbr", "--passes"};
 
 void add_targets(CLI::App& command, TuneOptions& options) {

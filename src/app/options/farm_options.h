@@ -7,20 +7,20 @@
 
 namespace render2mpeg::app {
 
-/// What `farm --to` knows.
+/// Schedulers of `farm --to`.
 inline constexpr std::array<std::string_view, 7> scheduler_names{"slurm",  "parallel",  "sge",     "kubernetes",
                                                                  "openjd", "snakemake", "flamenco"};
 
-/// How a film is spread, for `farm`.
+/// Options of `farm`'s spreading.
 void add_spreading_options(CLI::App& command, FarmOptions& options);
 CLI::App* add_part_command(CLI::App& app, PartOptions& options);
 CLI::App* add_join_command(CLI::App& app, JoinOptions& options);
 CLI::App* add_farm_status_command(CLI::App& app, FarmStatusOptions& options);
 
-/// The words of the `render` that a `farm` with these words stands for: without how it is spread and run.
+/// Words of the `render` that a `farm` stands for.
 std::vector<std::string> render_words(const std::vector<std::string>& farm);
 
-/// "A-B" as OpenJD writes a chunk of frames. Throws core::Error for anything else.
+/// "A-B" as in OpenJD's chunks. Throws core::Error.
 FrameRange contiguous_from(const std::string& text);
 
 }  // namespace render2mpeg::app

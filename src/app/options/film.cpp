@@ -23,7 +23,6 @@ namespace {
 // chosen: as for --frames, 2^31 frames are 2.7 years at 25 Hz.
 constexpr std::int64_t frame_limit = std::int64_t{1} << 31;
 
-/// What separates the numbers; all else must be digits.
 constexpr const char* separators = ", \t\r\n";
 
 bool is_list(const std::string& text) {
@@ -42,7 +41,7 @@ std::string read_file(const std::string& name) {
     return text;
 }
 
-/// Rates and buffer. A level may allow less than the world does: 704x480 at 24 Hz is of Main level.
+/// Rates and buffer; a level may allow less than the preset.
 void apply_rates(const Preset& preset, const CodingOptions& options, encoder::Settings& coding) {
     const encoder::LevelLimits level = encoder::level_of(coding);
     encoder::RateControl& rate = coding.rate_control;
@@ -67,7 +66,7 @@ void apply_rates(const Preset& preset, const CodingOptions& options, encoder::Se
     if (rate.buffer_bits == 0) rate.buffer_bits = buffer;
 }
 
-/// Refuses what the preset's world does not take, and fills in what nobody said.
+/// Checks settings against the preset and fills the gaps.
 void apply(const Preset& preset, const CodingOptions& options, encoder::Settings& coding) {
     if (preset.fields) coding.cadence = coding.rate.code == 1 ? encoder::Cadence::pulldown : encoder::Cadence::fields;
     if (!options.gop) coding.gop = preset.usual_gop(coding.rate);
@@ -83,7 +82,6 @@ void apply(const Preset& preset, const CodingOptions& options, encoder::Settings
     apply_rates(preset, options, coding);
 }
 
-/// Refuses what was asked for on the command line.
 void check_container(const std::filesystem::path& output, encoder::Codec codec) {
     try {
         av::check_container(output, codec);
@@ -92,7 +90,6 @@ void check_container(const std::filesystem::path& output, encoder::Codec codec) 
     }
 }
 
-/// The quantiser in the codec's scale.
 int quantiser_of(const CodingOptions& options, encoder::Codec codec) {
     const encoder::CodecFacts facts = encoder::facts_of(codec);
     if (options.crf) {

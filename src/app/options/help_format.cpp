@@ -22,7 +22,7 @@ class HelpFormat : public CLI::Formatter {
 
     std::string make_option_opts(const CLI::Option* option) const override {
         std::string text;
-        // Flags take no value, and the names of positionals say what they are.
+        // Flags take no value, and positionals name theirs.
         if (option->get_type_size() != 0 && !option->get_type_name().empty() && !option->get_positional())
             text += " " + option->get_type_name();
         if (!option->get_default_str().empty()) text += " [=" + option->get_default_str() + "]";
@@ -41,7 +41,7 @@ class HelpFormat : public CLI::Formatter {
     }
 
     std::string make_footer(const CLI::App* app) const override {
-        // CLI11 leaves a line before it empty up to version 2.3; two that are empty become one.
+        // CLI11 up to 2.3 adds an empty line; doubled ones are merged.
         return app->get_footer().empty() ? "" : "\n" + wrapped(app->get_footer(), columns()) + "\n";
     }
 
@@ -54,7 +54,7 @@ class HelpFormat : public CLI::Formatter {
     /// chosen: longer lines than 110 columns are hard to follow; below 60 descriptions would have no room.
     static int columns() { return std::clamp(columns_of_output(), 60, 110); }
 
-    /// Lines of descriptions end where the terminal's do, wherever they end in the source.
+    /// Descriptions are wrapped to the terminal.
     static std::string described(std::string text) {
         std::replace(text.begin(), text.end(), '\n', ' ');
         return wrapped(text, columns() - name_columns);

@@ -42,7 +42,7 @@ bool has(const std::vector<std::string>& names, const std::string& name) {
     return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-/// Why an option of this name is none of the command's, and what is.
+/// Explains an unknown option.
 std::string advice_for(const CLI::App& program, const CLI::App& command, const std::string& name) {
     const std::string here = ": `" + command.get_name() + "` has no such option";
     const std::vector<std::string> names = names_of(command);
@@ -51,7 +51,7 @@ std::string advice_for(const CLI::App& program, const CLI::App& command, const s
     std::vector<std::string> others;
     for (const CLI::App* other : commands_in(program))
         if (other != &command && has(names_of(*other), name)) others.push_back(other->get_name());
-    // Bare hyphens are in all of them and say nothing.
+    // Compare without hyphens.
     std::vector<std::string> long_names;
     for (const std::string& other : names)
         if (other.starts_with("--")) long_names.push_back(other.substr(2));
@@ -66,15 +66,14 @@ std::string help_of(const std::string& command) {
     return " (see render2mpeg " + (command.empty() ? "" : command + " ") + "--help)";
 }
 
-/// What a check of ours says: "size 640: expected ...", with the option's name in place of the noun.
+/// Message of a check, its noun replaced by the option's name.
 std::string checked_text(const std::string& name, const std::string& value, const std::string& said) {
     const std::size_t at = value.empty() ? std::string::npos : said.find(value);
     if (at == std::string::npos) return name + ": " + said;
-    // Frame numbers and the like are parts of what was said.
     return name + " " + said.substr(at);
 }
 
-/// What is missing where a positional or a required option is.
+/// Explains a missing positional or required option.
 std::string missing_text(const std::string& name, const std::string& command) {
     if (name == "INPUT")
         return "INPUT is missing: which scene? For example: render2mpeg " + command + " scene.glb" +
@@ -96,7 +95,6 @@ const CLI::Option* option_named(const CLI::App& command, const std::string& name
 
 using Names = std::vector<std::string>;
 
-/// Adds a line if any of these options was given.
 void note(Names& lines, const Names& given, const Names& names, const std::string& reason) {
     Names found;
     for (const std::string& name : names)
@@ -215,7 +213,7 @@ std::vector<std::string> unused_options(const RenderOptions& options, OutputKind
              {"--codec", "--quantiser", "--crf", "--quality", "--bitrate", "--cbr", "--maxrate", "--vbv", "--passes",
               "--gop", "--b-pictures", "--tune", "--encoder", "--keyframes", "--audio", "--audio-offset"},
              output + " is not coded");
-    // With a tolerance, the exposure says how dark a pixel is too dark to matter.
+    // With a tolerance, the exposure tells which pixels are too dark to matter.
     if (kind == OutputKind::exr && (tolerance.reference || tolerance.relative == 0))
         note(lines, options.given, {"--exposure"},
              output + " holds the scene's own light, and no light is too dark for this tolerance");

@@ -26,7 +26,6 @@ namespace {
 
 constexpr const char* run_group = "Run";  ///< a group of options
 
-/// What is written beside the film.
 void add_product_options(CLI::App& command, RenderOptions& options) {
     add_option(command, run_group, "--stats", options.stats, "Write statistics as JSON (docs/json.md)", "FILE.json");
     add_option(command, run_group, "--report", options.report,
@@ -192,7 +191,7 @@ std::vector<std::string> without_help_command(std::vector<std::string> words) {
     return words;
 }
 
-/// Reads all words. Returns the exit status where a text was asked for, which is printed. Throws UsageError.
+/// Returns the exit status where --help or --version was printed. Throws UsageError.
 std::optional<int> read(CLI::App& app, const std::vector<std::string>& words) {
     const std::vector<std::string> said(words.begin() + std::min<std::ptrdiff_t>(1, std::ssize(words)), words.end());
     refuse_unknown_command(app, said);
@@ -208,7 +207,6 @@ std::optional<int> read(CLI::App& app, const std::vector<std::string>& words) {
     return {};
 }
 
-/// Long names of the options that were given.
 std::vector<std::string> given_of(const CLI::App& command) {
     std::vector<std::string> names;
     for (const CLI::Option* option : command.get_options())
@@ -216,7 +214,6 @@ std::vector<std::string> given_of(const CLI::App& command) {
     return names;
 }
 
-/// What was said of each of them.
 std::map<std::string, std::string> said_of(const CLI::App& command) {
     std::map<std::string, std::string> said;
     for (const CLI::Option* option : command.get_options()) {
@@ -227,7 +224,6 @@ std::map<std::string, std::string> said_of(const CLI::App& command) {
     return said;
 }
 
-/// Both, for options that are read again.
 void keep_words(const CLI::App& command, RenderOptions& options) {
     options.given = given_of(command);
     options.said = said_of(command);
@@ -243,7 +239,7 @@ std::string quoted(const std::string& word) {
         for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
         return text + "'";
     }
-    // What would not be shown is written as numbers; every shell but the oldest reads them.
+    // Unprintable bytes become octal escapes.
     std::string text = "$'";
     for (const char c : word) {
         const auto byte = static_cast<unsigned char>(c);
@@ -290,7 +286,7 @@ CommandLine parse(int argc, char** argv) {
                    one_of({"line", "minute", "json", "openjd", "none"}), shown);
     line.exit_code = read(app, without_help_command(line.words));
     if (line.exit_code) return line;
-    // Parts run where nobody looks on.
+    // Parts run without a terminal.
     if (part->parsed() && part->get_option("--progress")->empty()) line.progress = "minute";
     if (render->parsed()) settle_stream(line.render.output, line.render.as);
     if (encode->parsed()) settle_stream(line.encode.output, line.encode.as);

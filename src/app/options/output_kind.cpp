@@ -15,7 +15,6 @@
 namespace render2mpeg::app {
 namespace {
 
-/// The one `%d`, `%4d` or `%04d` of an image sequence's name.
 struct NumberField {
     std::size_t begin = 0, length = 0;
     int digits = 0;
@@ -32,7 +31,6 @@ std::optional<NumberField> number_field(const std::string& name) {
     return NumberField{begin, end + 1 - begin, digits};
 }
 
-/// What a container takes beside pictures.
 struct Overhead {
     double file = 0;     ///< bytes
     double picture = 0;  ///< bytes for each
@@ -103,7 +101,7 @@ std::optional<std::int64_t> number_in(const std::filesystem::path& pattern, cons
     const std::string before = name.substr(0, field->begin), after = name.substr(field->begin + field->length);
     if (found.size() <= before.size() + after.size() || !found.starts_with(before) || !found.ends_with(after))
         return {};
-    // Take only what `numbered` would write: "7" is no name of %04d.
+    // Only names of numbered(): "7" is none of %04d.
     const char* end = found.data() + found.size() - after.size();
     std::int64_t number = -1;
     const auto [stop, failure] = std::from_chars(found.data() + before.size(), end, number);

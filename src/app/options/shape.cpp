@@ -16,10 +16,9 @@ namespace {
 
 constexpr core::Rational wide{16, 9}, narrow{4, 3};
 
-/// DVD-Video [DVDVideo]: MPEG-2 at Main level as fields. A GOP has at most 36 fields at 525 lines, 30 at 625. Narrower
-/// pictures than these fit too, but nobody renders a film for them.
-/// chosen: 9 Mb/s of the 9.8 that video may take, since sound shares the 10.08 Mb/s of the disc (448 kb/s of AC-3 and
-/// headers of 2 %).
+/// DVD-Video [DVDVideo]: MPEG-2 at Main level as fields, at most 36 fields a GOP at 525 lines, 30 at 625. chosen: 9
+/// Mb/s of the 9.8 that video may take, since sound shares the 10.08 Mb/s of the disc (448 kb/s of AC-3 and headers of
+/// 2 %).
 Preset dvd(const char* name, int lines, const std::vector<const char*>& rates, int gop_fields) {
     Preset preset;
     preset.name = name;
@@ -86,7 +85,7 @@ std::string listed(const List& list, Text text) {
     return all;
 }
 
-/// How far two shapes or rates are apart, as the logarithm of their ratio.
+/// Absolute logarithm of the ratio.
 double distance(double a, double b) {
     return std::abs(std::log(a / b));
 }
@@ -152,7 +151,7 @@ core::FrameRate settle_rate(const ShapeWishes& wishes, const PresetPicture* pict
         return taken(*wishes.source_rate,
                      fmt::format("{} has {} frames per second", wishes.source, wishes.source_rate->name));
 
-    // A scene moves in time, not in frames: take the nearest rate.
+    // A scene has no frames of its own: take the nearest rate.
     const core::FrameRate wished = wishes.source_rate.value_or(core::frame_rate_from("25"));
     if (picture == nullptr) return wished;
     core::FrameRate nearest = core::frame_rate_from(picture->rates.front());
@@ -164,7 +163,6 @@ core::FrameRate settle_rate(const ShapeWishes& wishes, const PresetPicture* pict
     return nearest;
 }
 
-/// The shape that a preset's picture is shown in.
 core::Rational display_for(const ShapeWishes& wishes, const PresetPicture& picture, const Preset& preset) {
     const auto& shapes = picture.display_aspects;
     const auto complaint = [&](const std::string& who, const std::string& advice) {
@@ -181,7 +179,7 @@ core::Rational display_for(const ShapeWishes& wishes, const PresetPicture& pictu
         throw complaint("--display-aspect " + text_of(*said), "");
     }
 
-    // Frames that say their shape must have the right one; a scene is framed anew in the nearest.
+    // Finished frames must have a preset's shape; a scene is framed anew in the nearest.
     const std::optional<core::Rational>& source = wishes.source_display_aspect;
     if (!source) {
         if (wishes.finished && shapes.size() > 1)

@@ -30,7 +30,7 @@ std::string player_at_hand(const std::string& wanted) {
     throw core::Error("player: neither ffplay nor mpv is installed; name one with --player, or a file with -o");
 }
 
-/// What shows the first picture at once, and the last one until another comes.
+/// Shows the first picture at once, and keeps the last.
 std::vector<std::string> words_of(const std::string& program, const std::string& title, const std::string& rate) {
     const std::string name = std::filesystem::path(program).filename();
     if (name == "mpv")
@@ -111,7 +111,7 @@ Player::Player(const std::string& program, const std::string& title, const std::
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
 
-    // Ctrl-C is for this program; the player ends with its pipe.
+    // Ctrl-C is for this program alone.
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, ends[0], STDIN_FILENO);

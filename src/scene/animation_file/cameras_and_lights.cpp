@@ -17,7 +17,7 @@ namespace {
 
 namespace keys = animation_file_keys;
 
-/// A curve as the value that it has throughout, or at first, and as a track where it has more.
+/// Value of a curve at first, and a track where it changes.
 float add_curve(const Curve& curve, TrackTarget target, std::size_t camera, Animation& film) {
     double first = 0;
     curve.sample(curve.times.front(), {&first, 1});
@@ -25,7 +25,7 @@ float add_curve(const Curve& curve, TrackTarget target, std::size_t camera, Anim
     return static_cast<float>(first);
 }
 
-/// What is blurred by the lens. `focus` by an object's name waits for the objects (focus_on_objects).
+/// Aperture and focus; an object's name waits for the objects (focus_on_objects).
 void read_aperture(const JsonValue& value, std::size_t index, CameraLens& lens, Animation& film,
                    const FilmClock& clock) {
     const auto f_stop = value.find("f_stop");
@@ -88,7 +88,7 @@ void read_camera(const JsonValue& value, const std::string& name, std::size_t in
     }
     if (const auto v = value.find("near")) lens.near = static_cast<float>(v->number(0, 1e6));
 
-    // An orthographic camera is told by the height that it shows.
+    // An orthographic camera has a height instead.
     const Curve fov = curve_of(value, {"fov", 1, 0.1, 175, true}, clock, keys::camera_key);
     if (const auto v = value.find("height")) {
         if (!fov.empty()) value.fail("has both `fov` (perspective) and `height` (parallel projection)");
@@ -118,7 +118,7 @@ Mesh flat_panel(glm::dvec2 size) {
     return mesh;
 }
 
-/// An octagon of the ellipse's area: with no more corners than these a lamp is lit by as a whole.
+/// An octagon of the ellipse's area, since few corners allow light by the whole lamp.
 Mesh round_panel(glm::dvec2 diameters) {
     const double radius = std::sqrt(std::numbers::pi / std::sqrt(8.0)) / 2;
     Mesh mesh = disc_mesh(1, 8, TextureLayout::fit);
@@ -130,7 +130,6 @@ Mesh round_panel(glm::dvec2 diameters) {
     return mesh;
 }
 
-/// Builds the lights of one file.
 class Lights {
   public:
     Lights(Animation& film, const FilmClock& clock) : film_(film), clock_(clock) {}

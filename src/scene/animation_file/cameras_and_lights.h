@@ -6,16 +6,16 @@
 
 namespace render2mpeg::scene {
 
-/// Puts the file's cameras before those of the scene: one under `camera`, or several by name under `cameras`.
+/// Adds `camera`, or the named `cameras`, before those of the scene.
 void read_cameras(const JsonValue& film_value, Animation& film, const FilmClock& clock);
 
-/// Focuses cameras on the objects that they name, once all are read.
+/// Resolves objects that cameras focus on, after these are read.
 void focus_on_objects(const JsonValue& film_value, Animation& film);
 
-/// Which camera the film shows from when on. Cameras of the scene file can be named too.
+/// Reads shots; cameras of the scene file count too.
 void read_shots(const JsonValue& shots, Animation& film, const FilmClock& clock);
 
-/// Adds the lights of the key `lights`: punctual ones, and panels and spheres, which are objects that shine.
+/// Adds `lights`: punctual ones, and panels and spheres, which are objects.
 void read_lights(const JsonValue& lights, Animation& film, const FilmClock& clock);
 
 }  // namespace render2mpeg::scene

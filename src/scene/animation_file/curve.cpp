@@ -13,20 +13,20 @@ double value_at(const Curve& c, std::size_t key, int component) {
     return c.values[key * static_cast<std::size_t>(c.width) + static_cast<std::size_t>(component)];
 }
 
-/// Slope of the straight way from one key to the next.
+/// Slope between two keys.
 double secant(const Curve& c, std::size_t key, int component) {
     return (value_at(c, key + 1, component) - value_at(c, key, component)) / (c.times[key + 1] - c.times[key]);
 }
 
-/// Derivative at a key: that of the parabola through it and its neighbours (Catmull-Rom for uneven times); the straight
-/// way at the ends. [Catmull1974]
+/// Derivative of the parabola through a key and its neighbours (Catmull-Rom for uneven times), or the secant at the
+/// ends. [Catmull1974]
 double tangent(const Curve& c, std::size_t key, int component) {
     const std::size_t n = c.times.size();
     if (n < 2 || c.passage == Passage::ease) return 0;
     if (key == 0) return secant(c, 0, component);
     if (key + 1 == n) return secant(c, n - 2, component);
     const double before = secant(c, key - 1, component), after = secant(c, key, component);
-    // What is the same at two keys stays so between them: a thing that rests before it leaps must not swing back first.
+    // Equal keys stay equal between them: a thing at rest must not swing back before it leaps.
     if (before == 0 || after == 0) return 0;
     const double h0 = c.times[key] - c.times[key - 1], h1 = c.times[key + 1] - c.times[key];
     const double slope = (before * h1 + after * h0) / (h0 + h1);

@@ -31,14 +31,14 @@ std::string joined(std::span<const std::string_view> words) {
     return all;
 }
 
-/// A name out of the file, fit to stand on one line.
+/// A name on one line.
 std::string shown(std::string_view name) {
     std::string out = "\"";
     for (const char c : name.substr(0, 60)) out += static_cast<unsigned char>(c) < 32 ? '?' : c;
     return out + (name.size() > 60 ? "...\"" : "\"");
 }
 
-/// The word that may have been meant; where none is near, all that there are.
+/// The nearest word; where none is near, all of them.
 std::string meant_or_all(std::string_view said, std::span<const std::string_view> words) {
     const std::string near = core::did_you_mean(said, words, "\"", "\"");
     return near.empty() ? "; there are " + joined(words) : near;
@@ -58,8 +58,7 @@ JsonValue JsonValue::read(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
     if (!in) refuse("cannot be opened");
 
-    // The parser itself does not recurse, but what reads its result does. A key said twice is a mistake that the parser
-    // would hide.
+    // The parser does not recurse, but readers of its result do; and it hides repeated keys.
     std::vector<std::set<std::string>> seen;
     const auto watch = [&](int depth, Json::parse_event_t event, Json& value) {
         if (depth > deepest) refuse("is nested deeper than " + std::to_string(deepest) + " levels");

@@ -15,18 +15,16 @@
 
 namespace render2mpeg::scene {
 
-/// A value of an animation file that knows where it stands, so that every complaint names the place:
-/// `camera.keys[3].position`. Whatever does not have the type or range asked for is a core::Error.
+/// A JSON value with its place (`camera.keys[3].position`) for messages. Wrong types and ranges throw core::Error.
 class JsonValue {
   public:
-    /// Reads a file: JSON with comments. Refuses what is larger than 16 MiB, nested deeper than 32, or says a key
-    /// twice.
+    /// Reads JSON with comments. Refuses files over 16 MiB, nested deeper than 32, or with repeated keys.
     static JsonValue read(const std::filesystem::path& file);
 
     /// `file: camera.keys[3].position: <cause>`
     [[noreturn]] void fail(const std::string& cause) const;
 
-    /// Where it stands in the file; empty for the whole.
+    /// Place in the file; empty for the whole.
     const std::string& place() const { return path_; }
 
     bool is_number() const;
@@ -38,16 +36,16 @@ class JsonValue {
     std::int64_t integer(std::int64_t at_least, std::int64_t at_most) const;
     bool boolean() const;
     std::string text() const;
-    /// One of these words; an unknown one is told the nearest. Returns its place in the list.
+    /// Index of one of these words; errors name the nearest.
     std::size_t word(std::span<const std::string_view> words) const;
 
     std::vector<JsonValue> list(std::size_t at_least, std::size_t at_most) const;
     std::vector<double> numbers(std::size_t count) const;
     glm::dvec3 position() const;  ///< [x, y, z], each within 1e7
-    /// A linear colour: "#rrggbb" (sRGB code values), [r, g, b] or one number for grey, each 0..`at_most`.
+    /// Linear colour: "#rrggbb" (sRGB), [r, g, b] or one number for grey, each 0..`at_most`.
     glm::vec3 color(double at_most) const;
 
-    /// Throws for the first key that is none of these, and names the nearest.
+    /// Throws for another key and names the nearest.
     void allow_only(std::span<const std::string_view> keys) const;
     std::optional<JsonValue> find(std::string_view key) const;
     JsonValue need(std::string_view key) const;
@@ -66,16 +64,14 @@ class JsonValue {
     std::string file_, path_;
 };
 
-// What has a size at all, and what still fits single precision beside its neighbours.
 inline constexpr double smallest_size = 1e-6, largest_size = 1e6;
 
-/// A size by its key.
 inline double size_or(const JsonValue& value, std::string_view key, double otherwise) {
     const auto v = value.find(key);
     return v ? v->number(smallest_size, largest_size) : otherwise;
 }
 
-/// n sizes by their key, or one number for all of them.
+/// n sizes, or one number for all of them.
 template <std::size_t n>
 std::array<double, n> sizes_or(const JsonValue& value, std::string_view key, double otherwise) {
     std::array<double, n> out;

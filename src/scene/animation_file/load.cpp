@@ -1,5 +1,4 @@
-// Our own format: docs/scenes.md describes it for those who write it, docs/animation-file.schema.json for their
-// editors.
+// Our own format: docs/scenes.md, docs/animation-file.schema.json.
 #include "scene/animation_file/load.h"
 
 #include <algorithm>
@@ -23,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The scene that the film builds on; nothing but what is built in where it names none.
+/// The scene that the film builds on, or an empty one.
 Animation base_scene(const JsonValue& value, const fs::path& folder, const LoadOptions& options,
                      const LoadScene& load_scene) {
     const auto scene = value.find("scene");
@@ -192,7 +191,7 @@ Animation load_animation_file(const fs::path& given, const LoadOptions& options,
         if (const auto v = value.find(words)) v->text();  // for people and editors, but text
     const fs::path folder = file.parent_path().empty() ? fs::path(".") : file.parent_path();
 
-    // What changes the scene goes by the names that the scene has, so it comes before the film's own things.
+    // Changes go by the scene's names, and so come first.
     Animation film = base_scene(value, folder, options, load_scene);
     film.source = file.string();
     film.files.insert(film.files.begin(), file);

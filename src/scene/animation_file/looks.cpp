@@ -19,8 +19,7 @@ namespace keys = animation_file_keys;
 // Radiances of suns and welding arcs stay below; larger numbers are mistakes.
 constexpr double brightest = 1e6;
 
-/// What has no highlight unless roughness, metallic or transmission is said: light from all sides, and nothing to
-/// mirror.
+/// Without roughness, metallic or transmission a surface has no highlight.
 Material matt(const std::string& name, glm::vec3 color) {
     Material material;
     material.name = name;
@@ -34,7 +33,7 @@ Material matt(const std::string& name, glm::vec3 color) {
 // chosen: the reflectance of light stone or paint; with 0.5 rooms look dim, with 0.9 washed out.
 constexpr glm::vec3 light_grey(0.7f);
 
-/// A texture shows as it is, and glass is clear, unless a colour says otherwise.
+/// White beside a texture or for glass, else light grey.
 glm::vec3 first_color(const JsonValue& value) {
     return value.is_object() && (value.has("texture") || value.has("transmission")) ? glm::vec3(1) : light_grey;
 }
@@ -46,7 +45,6 @@ glm::u8vec4 code_values(glm::vec3 linear) {
     return out;
 }
 
-/// What bodies of glass are.
 void change_body(const JsonValue& value, Material& material) {
     if (const auto v = value.find("solid")) material.thickness = v->boolean() ? Thickness::solid : Thickness::thin;
     if (const auto v = value.find("attenuation")) {
@@ -118,7 +116,6 @@ void Looks::change(const JsonValue& value, int index) {
         }
     };
 
-    // Surface.
     if (const auto v = value.find("base_color"))
         material().base_color = glm::vec4(v->color(1), material().base_color.a);
     texture("texture", &Material::base_color_texture);
@@ -147,7 +144,6 @@ void Looks::change(const JsonValue& value, int index) {
         }
     }
 
-    // Light.
     if (const auto v = value.find("emission")) material().emission = v->color(brightest);
     const Curve power = curve_of(value, {"power", 1, 0, brightest, true}, clock_, keys::material_key);
     if (!power.empty()) {
@@ -156,7 +152,6 @@ void Looks::change(const JsonValue& value, int index) {
         film_.tracks.push_back(track_of(power, TrackTarget::emission, index));
     }
 
-    // One scale for all of the material's textures.
     if (const auto v = value.find("texture_scale")) {
         const std::vector<double> scale = v->is_number() ? std::vector<double>(2, v->number(-1e4, 1e4)) : v->numbers(2);
         for (TextureUse Material::*use :

@@ -14,8 +14,7 @@ constexpr std::array<std::string_view, 4> passages{"smooth", "ease", "linear", "
 // chosen: a hand writes tens of keys, a program thousands; each may become 2^14 rotations at worst.
 constexpr std::size_t most_keys = 10000;
 
-/// A quantity's numbers as the file writes them: a list, one number for all three where that is plain (a turn about y,
-/// an even scale), or a truth.
+/// A list of numbers, one number for all three where that is plain, or a truth.
 std::vector<double> read_value(const JsonValue& value, const Quantity& q) {
     if (q.steps) return {value.boolean() ? 1.0 : 0.0};
     if (q.width == 1) return {value.number(q.at_least, q.at_most)};
@@ -38,7 +37,7 @@ void loop(Curve& curve, const Quantity& q, const JsonValue& where, const FilmClo
     for (int n = 1; curve.times.back() < clock.end; ++n) {
         for (std::size_t i = 0; i < width && q.accumulates; ++i)
             offset[i] += curve.values[(round - 1) * width + i] - curve.values[i];
-        // The first key of a round is the last of the round before.
+        // A round's first key is the last of the round before.
         for (std::size_t k = 1; k < round; ++k) {
             std::vector<double> value(width);
             for (std::size_t i = 0; i < width; ++i) value[i] = curve.values[k * width + i] + offset[i];
@@ -72,8 +71,7 @@ void turn(Animation& film, int node, const JsonValue& thing, const FilmClock& cl
     if (!rotate.empty() && !look_at.empty())
         thing.fail("has both `rotate` and `look_at`; one of them says where it looks");
 
-    // Rolling turns about the axis of sight: clockwise as the camera's holder sees it, so that the horizon tilts the
-    // other way.
+    // Rolling turns clockwise about the axis of sight, so that the horizon tilts the other way.
     const auto rotation_at = [&](double seconds) {
         const auto p = sampled(position, seconds), l = sampled(look_at, seconds), r = sampled(rotate, seconds);
         const glm::dquat axis_turn = glm::angleAxis(glm::radians(-sampled(roll, seconds)[0]), glm::dvec3(0, 0, 1));
@@ -180,8 +178,7 @@ void place(Animation& film, int node, const JsonValue& thing, const FilmClock& c
               });
     if (!knows(names, "visible")) return;
 
-    // Nodes have no visibility of their own: a constant is a track of one key. Before its first key a thing is what it
-    // becomes there.
+    // Nodes have no visibility: a constant is a track of one key.
     const Curve visible = curve_of(thing, {"visible", 1, 0, 1, false, false, true}, clock, names);
     if (visible.empty()) return;
     drop_tracks(film, node, TrackTarget::visibility);
@@ -201,7 +198,7 @@ std::vector<Node> copies_of(const JsonValue& thing) {
         const auto count = ring->need("count").integer(1, 100000);
         const double radius = ring->need("radius").number(0, 1e6);
         const double from = ring->has("from") ? ring->need("from").number(-1e4, 1e4) : 0;
-        // A full turn ends where it began: its last copy lies one step before. A part of a turn has one at either end.
+        // A full turn's last copy lies one step before its end.
         const bool full = !ring->has("to");
         const double to = full ? from + 360 : ring->need("to").number(-1e4, 1e4);
         for (std::int64_t i = 0; i < count; ++i) {

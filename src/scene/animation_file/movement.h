@@ -11,17 +11,15 @@
 
 namespace render2mpeg::scene {
 
-/// What times mean in one animation file.
 struct FilmClock {
     double rate = 25;        ///< frames per second
     bool in_frames = false;  ///< times are frame numbers, not seconds
     double end = 0;          ///< seconds at which the last frame ends; 0: the file does not say
 
-    /// Seconds of a time as the file writes it.
     double seconds(const JsonValue& time) const;
 };
 
-/// How one quantity of a thing is read.
+/// Reading of one animated quantity.
 struct Quantity {
     std::string_view name;
     int width = 1;
@@ -31,24 +29,21 @@ struct Quantity {
     bool steps = false;        ///< true or false: never in between
 };
 
-/// The values of a quantity over time: from the thing's `keys` that mention it, else its own constant value, else
-/// empty. Throws where both say it, and where times do not rise. A quantity of width 3 may be one number where `spread`
-/// says what that means.
+/// A quantity over time: from `keys` that mention it, else the constant, else empty. Throws where both say it, and
+/// where times do not rise.
 Curve curve_of(const JsonValue& thing, const Quantity& quantity, const FilmClock& clock,
                std::span<const std::string_view> key_names);
 
-/// Where and how a thing stands: position, rotate or look_at, roll, scale, visible, as far as its keys may say them.
-/// Sets the node, or adds tracks in place of those that it has. A thing that looks at something shows it its -z.
+/// Reads position, rotate or look_at, roll, scale and visible; sets the node, or replaces its tracks. Things look along
+/// -z.
 void place(Animation& film, int node, const JsonValue& thing, const FilmClock& clock,
            std::span<const std::string_view> key_names);
 
-/// One more node.
 int add_node(Animation& film, const std::string& name, int parent);
 
-/// One more object: a mesh at a node.
 void add_object(Animation& film, const std::string& name, int node, int mesh, int material);
 
-/// The copies that a thing's `repeat` asks for, as nodes without name or parent: one at the origin where there is none.
+/// Nodes of a thing's `repeat`, without name or parent; one at the origin without it.
 std::vector<Node> copies_of(const JsonValue& thing);
 
 }  // namespace render2mpeg::scene

@@ -19,7 +19,7 @@ enum Shape { box, plane, quad, sphere, cylinder, cone, disc, torus, lathe, arch,
 constexpr std::size_t most_objects = 500000;
 constexpr double largest = largest_size;
 
-/// Which of the shape's own keys each shape has; the others would be ignored in silence.
+/// Keys of each shape; others would be ignored in silence.
 std::vector<std::string_view> own_keys(Shape shape) {
     switch (shape) {
         case box:
@@ -155,7 +155,6 @@ void Objects::build(const JsonValue& value, int parent) {
     const int own_material =
         shape == group ? -1 : (material ? looks_.material_of(*material, -1) : looks_.default_material());
 
-    // One thing that is not repeated needs no second node.
     const bool repeated = value.has("repeat");
     std::size_t number = 0;
     for (Node& copy : copies_of(value)) {

@@ -12,7 +12,7 @@ float largest(glm::vec3 v) {
     return std::max({v.x, v.y, v.z});
 }
 
-/// Values that a file may have spoilt: not a number becomes 0, reflectances end at 1.
+/// NaN becomes 0; at most 1.
 glm::vec3 reflectance(glm::vec3 v) {
     return core::is_finite(v) ? glm::clamp(v, glm::vec3(0), glm::vec3(1)) : glm::vec3(0);
 }
@@ -73,8 +73,7 @@ void apply(const PhongLook& look, Material& material) {
     material.base_color = glm::vec4(reflectance(look.diffuse), opacity);
     if (opacity < 1) material.alpha_mode = AlphaMode::blend;
     if (look.metallic >= 0 || look.roughness >= 0) {
-        // Blender's FBX says metalness as the share of reflection, in the surface's own colour; what others say there
-        // is a clear coat's.
+        // Blender's FBX says metalness as reflection in the surface's own colour; otherwise it is a clear coat's.
         const bool metal = look.metallic < 0 && look.reflection == look.diffuse;
         material.metallic = std::clamp(metal ? look.reflectivity : look.metallic, 0.0f, 1.0f);
         material.roughness =

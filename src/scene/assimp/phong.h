@@ -6,7 +6,7 @@
 
 namespace render2mpeg::scene {
 
-/// A surface in the terms of the older formats (MTL, 3DS, COLLADA, FBX), before it is turned into glTF's.
+/// A surface in the terms of MTL, 3DS, COLLADA and FBX.
 struct PhongLook {
     glm::vec3 diffuse{0.6f};      ///< Kd, reflectance 0..1
     glm::vec3 specular{0};        ///< Ks times the format's own strength of the highlight
@@ -26,7 +26,7 @@ struct PhongLook {
 /// sqrt(alpha). 1 for n <= 0. [Walter2007, 5.2]
 float roughness_of_exponent(float exponent);
 
-/// Sets base colour, reflection, transmission, alpha and emission of `material`; textures and sides are the caller's.
+/// Sets base colour, reflection, transmission, alpha and emission, but no textures or sides.
 void apply(const PhongLook& look, Material& material);
 
 }  // namespace render2mpeg::scene

@@ -53,7 +53,7 @@ std::vector<std::byte> read_scene_file(const fs::path& path) {
     }
 }
 
-/// The parser's own words without their prefix in brackets, on one line.
+/// The parser's words on one line, without prefix.
 std::string message_of(const nlohmann::json::exception& error) {
     std::string text = error.what();
     if (const std::size_t end = text.find("] "); end != std::string::npos) text = text.substr(end + 2);
@@ -82,7 +82,7 @@ const nlohmann::json* Element::find(const char* key) const {
 double Element::number_of(const nlohmann::json& value, const std::string& what) const {
     if (!value.is_number()) refuse(what + " is not a number");
     const double number = value.get<double>();
-    // Single precision is what all numbers end in, except transforms; they too must fit.
+    // All but transforms end in single precision; transforms must fit, too.
     if (!std::isfinite(number) || !std::isfinite(static_cast<float>(number))) refuse(what + " is too large");
     return number;
 }
@@ -302,7 +302,7 @@ void Document::read_buffers() {
         std::vector<std::byte> bytes;
         const std::optional<Element> compressed = buffer.extension("EXT_meshopt_compression");
         if (!buffer.has("uri") && compressed && compressed->boolean("fallback", false)) {
-            // Nothing but a place for what is decompressed: nobody asks for its bytes.
+            // A placeholder for decompressed bytes.
             buffers_.emplace_back();
             continue;
         }

@@ -15,18 +15,17 @@ namespace render2mpeg::scene::gltf {
 
 class Document;
 
-/// The word for one of a top-level array, for messages: "bufferViews" to "buffer view".
+/// Singular for messages: "bufferViews" to "buffer view".
 std::string singular(const std::string& kind);
 
-/// A JSON object of the document that knows its name for messages. Every function throws core::Error if a property has
-/// the wrong type, is not finite or refers to what is not there.
+/// JSON object with its name for messages. Throws core::Error for wrong types, non-finite numbers and dangling indices.
 class Element {
   public:
     Element(const Document& document, const nlohmann::json& json, std::string where)
         : document_(&document), json_(&json), where_(std::move(where)) {}
 
     const std::string& where() const { return where_; }
-    /// The same element, named after what refers to it in messages: `mesh 3, POSITION (accessor 7)`.
+    /// The same element, named by its user: `mesh 3, POSITION (accessor 7)`.
     Element seen_from(const std::string& user) const { return Element(*document_, *json_, user + " (" + where_ + ")"); }
     bool has(const char* key) const { return json_->contains(key); }
     [[noreturn]] void refuse(const std::string& cause) const;
@@ -41,14 +40,13 @@ class Element {
     int index(const char* key, const char* kind) const;
     int required_index(const char* key, const char* kind) const;
     std::vector<int> indices(const char* key, const char* kind) const;
-    /// Exactly `count` numbers, or none at all where absent; count 0: any number of them.
+    /// `count` numbers (0: any), none where absent.
     std::vector<double> numbers(const char* key, std::size_t count) const;
 
     std::optional<Element> object(const char* key) const;
     std::vector<Element> objects(const char* key) const;  ///< an array of objects; empty where absent
-    /// The object of one extension of this one.
     std::optional<Element> extension(const char* name) const;
-    /// Name and value of each property, in the order of their names, that is an index into `kind`.
+    /// Properties that are indices into `kind`, sorted by name.
     std::vector<std::pair<std::string, int>> index_map(const char* key, const char* kind) const;
 
   private:
@@ -61,39 +59,35 @@ class Element {
     std::string where_;
 };
 
-/// Called before bytes of a file are first given to a decoder that is not ours, with how many bytes the file has in
-/// all; may throw.
+/// Called with the bytes of all files before an outside decoder runs; may throw.
 using BeforeDecoding = std::function<void(std::uintmax_t bytes)>;
 
 /// A whole glTF file: its JSON, and the bytes of its buffers. [glTF2]
 class Document {
   public:
-    /// Reads a .gltf or .glb file with its buffers. Throws core::Error for what is not glTF 2.0, is truncated, needs an
-    /// extension that is missing here, or has a buffer that is not as long as it says.
+    /// Reads a .gltf or .glb file with its buffers. Throws core::Error for other versions, truncation, or a missing
+    /// extension.
     explicit Document(const std::filesystem::path& file, BeforeDecoding before_decoding = {});
 
     const std::filesystem::path& file() const { return file_; }
     std::filesystem::path folder() const { return file_.parent_path(); }
     Element root() const { return Element(*this, json_, ""); }
     std::size_t count(const char* kind) const;
-    /// Entry of a top-level array; the index must be valid (Element::index).
     Element at(const char* kind, int index) const;
     std::vector<Element> all(const char* kind) const;
     [[noreturn]] void refuse(const std::string& where, const std::string& cause) const;
 
-    /// Bytes of a buffer view.
     struct Bytes {
         const std::byte* first = nullptr;
         std::size_t size = 0;
         std::size_t stride = 0;  ///< 0: tightly packed
     };
     Bytes view(int buffer_view, const std::string& where) const;
-    /// To be called before a decoder is; see BeforeDecoding.
     void before_decoding() const;
 
     /// Every file that was read, itself first.
     const std::vector<std::filesystem::path>& files() const { return files_; }
-    /// What the file says that is not understood; one line each.
+    /// Notes on ignored parts.
     const std::vector<std::string>& notes() const { return notes_; }
 
   private:

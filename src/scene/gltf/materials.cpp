@@ -24,9 +24,8 @@ core::Wrap wrap_of(const Element& sampler, const char* key) {
     }
 }
 
-/// uv' = T R S uv with angles counter-clockwise as seen on the image, whose v points down [KHR_texture_transform]. The
-/// printed shader of the extension's early drafts turns the other way; its own example (the lower left quadrant, turned
-/// clockwise) and exporters agree with this.
+/// uv' = T R S uv with counter-clockwise angles on the image (v down) [KHR_texture_transform]; early drafts' shaders
+/// turned the other way, against their own example.
 void set_transform(const Element& extension, TextureUse& use) {
     const std::vector<double> offset = extension.numbers("offset", 2), scale = extension.numbers("scale", 2);
     const double rotation = extension.number("rotation", 0);
@@ -55,7 +54,7 @@ class MaterialReader {
         if (const auto old = element.extension("KHR_materials_pbrSpecularGlossiness"))
             read_specular_glossiness(*old, material);
 
-        // Occlusion textures stand in for the light between surfaces, which is computed here.
+        // Occlusion is computed, not read.
         material.normal_texture = texture(element, "normalTexture");
         if (const auto normal = element.object("normalTexture"))
             material.normal_scale = static_cast<float>(normal->number("scale", 1));
@@ -79,14 +78,13 @@ class MaterialReader {
         read_layers(element, material);
         if (const auto ior = element.extension("KHR_materials_ior"))
             material.ior = static_cast<float>(ior->number("ior", 1.5));
-        // 0 asks for reflection without Fresnel, as older specular workflows have it; the nearest real surface is the
-        // densest.
+        // 0 means reflection without Fresnel: the densest surface is nearest.
         if (material.ior == 0) material.ior = 100;
         read_volume(element, material);
         return material;
     }
 
-    /// The number of the thickness is for rasterisers; rays know where a body ends.
+    /// Thickness is for rasterisers.
     static void read_volume(const Element& element, Material& material) {
         if (const auto volume = element.extension("KHR_materials_volume")) {
             if (volume->number("thicknessFactor", 0) > 0) material.thickness = Thickness::solid;
@@ -217,7 +215,6 @@ class MaterialReader {
         return use;
     }
 
-    /// Index into Animation::images of one of the file's images; added at the first use.
     int image_source(int image) {
         int& known = image_of_[static_cast<std::size_t>(image)];
         if (known >= 0) return known;

@@ -8,8 +8,7 @@
 
 namespace render2mpeg::scene::gltf {
 
-/// What a compressed buffer view holds. `extension` is its EXT_meshopt_compression object, `bytes` the part of the
-/// buffer that it names. Refuses what does not decode, and sizes that the bytes cannot hold.
+/// Decodes a buffer view. `extension`: its object; `bytes`: the compressed part. Refuses damage and impossible sizes.
 /// [EXT_meshopt_compression]
 std::vector<std::byte> decode_meshopt(const Element& extension, std::span<const std::byte> bytes);
 

@@ -37,7 +37,7 @@ fs::path program() {
     return {};
 }
 
-/// A descriptor that is closed in the end, and that no other program inherits by chance.
+/// A descriptor, closed in the end and not inherited.
 struct Descriptor {
     explicit Descriptor(int number) : value(number) {}
     ~Descriptor() {
@@ -54,7 +54,7 @@ struct Descriptor {
     throw core::Error("starting", program().string(), std::strerror(failure));
 }
 
-/// A file in memory that holds `bytes`, to be read from its beginning.
+/// A memory file with `bytes`.
 int file_of(std::span<const std::byte> bytes) {
     Descriptor file(memfd_create("input", MFD_CLOEXEC));
     if (file.value < 0) fail(errno);
@@ -71,7 +71,7 @@ rlim_t limit_of(int resource) {
     return getrlimit(static_cast<__rlimit_resource>(resource), &both) == 0 ? both.rlim_cur : RLIM_INFINITY;
 }
 
-/// Whether this process, and so its children, may not even take as much memory as a probe: `ulimit`, `--memory`.
+/// Whether this process itself is limited to less memory than a probe (`ulimit`, `--memory`).
 bool is_short_of(std::uintmax_t memory) {
     const rlim_t all = limit_of(RLIMIT_AS), own = limit_of(RLIMIT_DATA);
     return (all != RLIM_INFINITY && all < memory + address_space_now()) || (own != RLIM_INFINITY && own < memory);
@@ -84,7 +84,7 @@ int wait_for(pid_t child) {
     return status;
 }
 
-/// Reads until the other end is closed. Returns whether it came so far.
+/// Reads to the end; false where `give_up` said so.
 bool read_all(int pipe, std::string& text, const std::function<bool()>& give_up) {
     constexpr int look_every_ms = 50;
     std::array<char, 4096> buffer;
@@ -116,7 +116,7 @@ ProbeEnd::How how_ended(int status) {
     }
 }
 
-/// Starts the program with these descriptors as its 0, 1 and 3.
+/// Starts the program with these descriptors as 0, 1 and 3.
 pid_t spawn(std::vector<std::string> words, int input, int text, int turns) {
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
@@ -127,7 +127,7 @@ pid_t spawn(std::vector<std::string> words, int input, int text, int turns) {
     posix_spawn_file_actions_adddup2(&actions, text, STDOUT_FILENO);
     posix_spawn_file_actions_adddup2(&actions, turns, probe_turns);
     posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-    // Interrupts are the parent's business, from the first instant on.
+    // Interrupts are the parent's.
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
     sigset_t blocked, usual;
@@ -174,7 +174,7 @@ Probe::Probe(const ProbeLimits& limits, const std::vector<std::string>& words, s
     Descriptor text_end(text[0]), text_begin(text[1]);
     if (pipe2(turns, O_CLOEXEC) != 0) fail(errno);
     Descriptor turns_end(turns[0]), turns_begin(turns[1]);
-    // What a dup2 must not overwrite before it is used itself.
+    // High numbers, which dup2 does not overwrite.
     const Descriptor read_from(file_of(input)), high_turns(fcntl(turns[1], F_DUPFD_CLOEXEC, 10));
     std::vector<std::string> all = probe_words(limits);
     all.insert(all.begin(), program().string());
@@ -211,7 +211,7 @@ std::string text_of(ProbeEnd end, const std::string& name, const ProbeLimits& li
     using How = ProbeEnd::How;
     if (end.how == How::read || end.how == How::given_up) return std::move(end.text);
     if (end.how == How::refused) throw core::Error(end.text);
-    // No limit of ours does that, but the system does where memory runs out.
+    // Our limits do not kill, but the system's lack of memory does.
     if (end.how == How::killed)
         throw OutOfMemory("reading", name, "the process that read it was killed (out of memory?)");
     const bool no_memory = end.how == How::out_of_memory, no_time = end.how == How::out_of_time;

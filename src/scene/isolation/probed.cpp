@@ -18,14 +18,13 @@ namespace {
 
 constexpr std::string_view flag = "--probe";
 
-/// Time of this process so far, processor seconds.
 rlim_t seconds_now() {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
     return static_cast<rlim_t>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec);
 }
 
-/// Limits of what is taken from now on, turn by turn, within those that the process has from others.
+/// Limits turn by turn, within those of the process.
 class TurnLimits {
   public:
     explicit TurnLimits(const ProbeLimits& limits) : limits_(limits) {}
@@ -57,7 +56,6 @@ class TurnLimits {
     rlim_t memory_ = limit_of(RLIMIT_AS), seconds_ = limit_of(RLIMIT_CPU);
 };
 
-/// Where the parent reads.
 int text_pipe = -1;
 
 bool write_all(std::string_view text) {
@@ -103,7 +101,7 @@ void live_as_probe(int argc, char** argv, const std::map<std::string, ProbedRead
     const auto reading = readings.find(words[own_words - 1]);
     if (reading == readings.end()) _exit(probe_crashed);
 
-    // Libraries print what they like.
+    // Libraries print to standard output.
     text_pipe = dup(STDOUT_FILENO);
     dup2(STDERR_FILENO, STDOUT_FILENO);
     const TurnLimits limits({std::strtoumax(argv[3], nullptr, 10),
@@ -118,7 +116,7 @@ void live_as_probe(int argc, char** argv, const std::map<std::string, ProbedRead
             limits.begin_turn();
         });
     } catch (const core::Error& error) {
-        // Libraries refuse files for want of memory in as many words as there are libraries; malloc() has but one.
+        // Libraries report a lack of memory in many ways; malloc() has one.
         status = errno == ENOMEM ? probe_out_of_memory : probe_refused;
         text = error.what();
     } catch (const std::bad_alloc&) {

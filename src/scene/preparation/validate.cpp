@@ -33,8 +33,7 @@ std::string range_text(const char* kind, int index, std::size_t count) {
            (count == 1 ? "is " : "are ") + std::to_string(count);
 }
 
-/// Whether a material shows nothing, whatever its textures and colours of corners say: they multiply its alpha. What
-/// shines is kept, since its light does not ask for alpha.
+/// Whether a material is invisible whatever its textures; emission needs no alpha.
 bool is_invisible(const Material& material) {
     const bool covers_nothing = material.alpha_mode == AlphaMode::blend ||
                                 (material.alpha_mode == AlphaMode::mask && material.alpha_cutoff > 0);
@@ -57,14 +56,14 @@ void validate_nodes(Animation& animation) {
         const double length = glm::length(node.rotation);
         if (!std::isfinite(length)) refuse(animation, name, "its rotation is not finite");
         if (length == 0) note_once(animation, name + ": its rotation is zero; taken as none");
-        // Leave what is unit to within rounding alone, so that completing twice changes nothing.
+        // Unit vectors stay as they are, so that completing twice changes nothing.
         if (length == 0)
             node.rotation = {1, 0, 0, 0};
         else if (std::abs(length - 1) > 1e-15)
             node.rotation = glm::normalize(node.rotation);
     }
 
-    // Find a node that no root reaches: it is in or below a cycle. Name one of the cycle itself.
+    // A node without a root is in or below a cycle; name one of the cycle.
     const std::vector<int> order = parents_first(nodes);
     if (order.size() == nodes.size()) return;
     std::vector<char> reached(nodes.size(), 0);
