@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "core/picture.h"
@@ -79,5 +80,19 @@ core::Picture picture_of_srgb(const core::Plane<glm::vec3>& codes, ColorMatrix m
 inline ColorMatrix matrix_for(int height) {
     return height < 720 ? ColorMatrix::bt601 : ColorMatrix::bt709;
 }
+
+/// The exposure in EV that brings the middle of these luminances to mid grey (0.18), for a whole film from samples of
+/// some of its frames. Scene-linear luminances in any order, which does not change the result by a bit. `surfaces`
+/// decide; `sky`, what was seen past them, only where surfaces are next to nothing of what is lit: a view through a
+/// window is not to darken the room. Samples that are black, or ten stops below the bright ones and so black on the
+/// display, do not count, nor do non-finite ones; of the rest only the middle half does, so that a lamp does not
+/// decide. 0 if nothing is left.
+/// Its size is at most Display::max_exposure.
+float auto_exposure(std::span<const float> surfaces, std::span<const float> sky = {});
+
+/// What a screen shows of a picture: full-range R'G'B' code values 0..255, 3 per pixel, row by row; chroma interpolated
+/// linearly from where MPEG-2 samples it. The inverse of picture_of_signals() but for roundings and for the detail that
+/// chroma has lost.
+std::vector<std::uint8_t> shown_rgb(const core::Picture& picture, ColorMatrix matrix);
 
 }  // namespace render2mpeg::perceptual

@@ -6,7 +6,7 @@
 
 #include "core/glare.h"
 #include "core/plane.h"
-#include "perceptual/fourier.h"
+#include "perceptual/eye.h"
 
 namespace render2mpeg::perceptual {
 

@@ -1,6 +1,5 @@
 #pragma once
 // False-colour pictures with a legend.
-#include <cstdint>
 #include <string>
 #include <vector>
 

@@ -1,7 +1,6 @@
 #pragma once
 // The display's inverse: how far a pixel's light may move for a given change of luma.
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <vector>

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "perceptual/along_motion.h"
+#include "perceptual/warp.h"
 
 namespace render2mpeg::perceptual {
 namespace {

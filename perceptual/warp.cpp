@@ -1,6 +1,5 @@
 #include "perceptual/warp.h"
 
-#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <vector>

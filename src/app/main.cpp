@@ -16,7 +16,7 @@
 #include "app/system/memory_limit.h"
 #include "app/system/progress.h"
 #include "app/system/terminal.h"
-#include "scene/isolation/probed.h"
+#include "scene/isolation/probe.h"
 
 namespace {
 

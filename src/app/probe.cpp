@@ -15,7 +15,7 @@
 #include "scene/assimp/load.h"
 #include "scene/blender/export.h"
 #include "scene/gltf/load.h"
-#include "scene/isolation/probed.h"
+#include "scene/isolation/probe.h"
 
 namespace render2mpeg::app {
 namespace {

@@ -1,6 +1,5 @@
 #include "core/checksum.h"
 
-#include <array>
 #include <cerrno>
 #include <cstring>
 #include <fstream>

@@ -1,5 +1,6 @@
 #pragma once
 // Tells image files apart and reads their sizes, before a library does.
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -39,5 +40,21 @@ std::vector<std::byte> essential_png(std::span<const std::byte> bytes, const std
 /// Refuses an OpenEXR file one of whose headers has an attribute that is larger than what is left of the file: the
 /// library makes room for it first, 2 GiB for four bytes that say so. Throws core::Error, naming the attribute.
 void check_exr_attributes(std::span<const std::byte> bytes, const std::string& name);
+
+/// Which of a file's channels become red, green, blue and alpha; -1: none. A grey image has red only.
+struct ChannelChoice {
+    std::array<int, 4> channel{-1, -1, -1, -1};
+
+    bool is_grey() const { return channel[1] < 0; }
+    int count() const;
+    /// Whether they follow one another in the file in the order of their components, so that they are read at once.
+    bool consecutive() const;
+};
+
+/// Takes R, G, B and A (also red, green, blue, alpha, in any case) of the unnamed layer, else of the first layer that
+/// has colours
+/// ("ViewLayer.Combined.R"); else Y, else the first three channels of at least three, else the first alone as grey.
+/// `alpha_channel`: what the file calls its alpha, or -1. There is at least one channel.
+ChannelChoice choose_channels(const std::vector<std::string>& names, int alpha_channel);
 
 }  // namespace render2mpeg::image

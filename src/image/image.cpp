@@ -1,6 +1,5 @@
 #include "image/image.h"
 
-#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <set>
@@ -8,7 +7,6 @@
 
 #include "core/error.h"
 #include "core/module.h"
-#include "image/channels.h"
 #include "image/format.h"
 #include "image/module/codec.h"
 

@@ -1,6 +1,5 @@
 #include "scene/load.h"
 
-#include <algorithm>
 #include <cstdint>
 #include <system_error>
 

@@ -14,7 +14,7 @@
 
 #include "app/files/file_io.h"
 #include "app/files/work_folder.h"
-#include "app/loop/film_identity.h"
+#include "app/loop/resume.h"
 #include "app/options/options.h"
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "app/experiments/quality.h"
 #include "app/experiments/quality_search.h"
+#include "app/experiments/trial.h"
 #include "app/experiments/tuning.h"
 #include "app/options/option_text.h"
 #include "app/options/options.h"

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <memory>
 #include <new>
 #include <nlohmann/json.hpp>
@@ -11,7 +10,6 @@
 #include "app/commands/render_stream.h"
 #include "app/files/file_io.h"
 #include "app/files/publish.h"
-#include "app/loop/film_identity.h"
 #include "app/loop/forecast.h"
 #include "app/loop/resume.h"
 #include "app/options/option_text.h"

@@ -5,7 +5,6 @@
 
 #include <chrono>
 
-#include "app/loop/counters.h"
 #include "app/loop/pipeline.h"
 #include "app/loop/resume.h"
 #include "app/loop/sink.h"

@@ -10,7 +10,6 @@
 #include "app/files/output_stream.h"
 #include "app/files/publish.h"
 #include "app/files/watched_files.h"
-#include "app/loop/film_identity.h"
 #include "app/loop/resume.h"
 #include "app/options/film.h"
 #include "app/options/usage_error.h"

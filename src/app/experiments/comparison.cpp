@@ -8,10 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "app/experiments/film_costs.h"
-#include "app/experiments/quality.h"
 #include "app/experiments/quality_search.h"
 #include "app/experiments/reference_cache.h"
-#include "app/experiments/trial_page.h"
+#include "app/experiments/trial_command.h"
 #include "app/files/file_io.h"
 #include "app/report/answer.h"
 #include "app/report/curve_plot.h"

@@ -8,7 +8,6 @@
 #include <optional>
 #include <vector>
 
-#include "app/experiments/cost_report.h"
 #include "app/experiments/effect_costs.h"
 #include "app/experiments/film_costs.h"
 #include "app/experiments/trial_command.h"

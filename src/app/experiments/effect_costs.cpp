@@ -15,7 +15,6 @@
 #include "app/report/frame_view.h"
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"
-#include "app/system/terminal.h"
 #include "core/numeric.h"
 #include "perceptual/metrics.h"
 

@@ -1,6 +1,5 @@
 #pragma once
 // Cost of each effect of a film, and pictures without it.
-#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>

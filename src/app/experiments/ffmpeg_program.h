@@ -1,7 +1,6 @@
 #pragma once
 // Runs the program ffmpeg as the baseline encoder.
 #include <string>
-#include <vector>
 
 #include "app/experiments/trial.h"
 #include "encoder/types.h"

@@ -1,6 +1,7 @@
 #pragma once
 // Cost and quality of each setting of a sweep for the whole film.
-#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -76,5 +77,13 @@ std::string fixed_heading(int quantiser);
 std::string fixed_row(const Trial& trial);
 std::string pair_heading();
 std::string pair_rows(const CoupledPair& pair);
+
+/// All results (docs/choosing.md).
+nlohmann::json cost_json(const RenderJob& film, const Sweep& sweep, const std::vector<FilmCost>& rows,
+                         const std::string& command);
+
+/// The same as a page with plots, and report_json_of() it.
+void write_cost_report(const std::filesystem::path& html, const RenderJob& film, const Sweep& sweep,
+                       const std::vector<FilmCost>& rows, const std::string& command);
 
 }  // namespace render2mpeg::app

@@ -7,7 +7,6 @@
 #include <fstream>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include "app/files/file_io.h"
 #include "core/error.h"

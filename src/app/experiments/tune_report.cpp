@@ -3,11 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "app/experiments/film_costs.h"
-#include "app/experiments/trial_page.h"
+#include "app/experiments/trial_command.h"
 #include "app/files/file_io.h"
 #include "app/report/answer.h"
 #include "app/report/curve_plot.h"

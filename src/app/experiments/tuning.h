@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "app/experiments/quality.h"
 #include "app/experiments/trial.h"
 
 namespace render2mpeg::app {

@@ -10,7 +10,7 @@
 
 #include "app/files/file_io.h"
 #include "app/files/work_folder.h"
-#include "app/loop/film_identity.h"
+#include "app/loop/resume.h"
 #include "app/options/usage_error.h"
 #include "core/error.h"
 #include "core/isa.h"

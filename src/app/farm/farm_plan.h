@@ -29,7 +29,7 @@ struct FarmPlan {
     std::string scheduler;
     std::string output_name;  ///< the film's, without its folder
     std::vector<FilmPart> parts;
-    /// `identity` as in film_identity.h, names of inputs in `folder` without it; `settled` what settle() finds out;
+    /// `identity` as in resume.h, names of inputs in `folder` without it; `settled` what settle() finds out;
     /// `cost` seconds that the plan took; `vbv` bits in the decoder's buffer where a chunk begins and where the film
     /// is no stream, null.
     std::shared_ptr<nlohmann::json> facts;

@@ -42,7 +42,7 @@ class WorkFolder {
   public:
     enum class Earlier { removed, resumed };
 
-    /// Creates the folder, or takes it over. `identity`: the film (film_identity.h). Earlier content is removed, or
+    /// Creates the folder, or takes it over. `identity`: the film (resume.h). Earlier content is removed, or
     /// resumed if it is of the same film. Throws core::Error, and removes nothing, where it is another film's, in use,
     /// or not ours to empty (a link, another user's).
     WorkFolder(const std::filesystem::path& output, const nlohmann::json& identity, Earlier earlier = Earlier::removed);

@@ -16,6 +16,25 @@
 
 namespace render2mpeg::app {
 
+/// Estimated memory in bytes, before anything is allocated (docs/measurements.md#memory).
+struct MemoryNeed {
+    std::uint64_t held = 0;       ///< by this process now: program, scene as it was read
+    std::uint64_t triangles = 0;  ///< trees of rays, and what chooses anchors
+    std::uint64_t textures = 0;   ///< with their smaller copies
+    std::uint64_t decoding = 0;   ///< of the largest image, while it is read
+    std::uint64_t lights = 0;     ///< light points and their trees
+    std::uint64_t frames = 0;     ///< what is seen, lit and coded at a time
+
+    std::uint64_t total() const { return held + triangles + textures + decoding + lights + frames; }
+};
+
+/// Reads the headers of all images. Throws core::Error.
+MemoryNeed memory_need(const RenderJob& film);
+
+/// Whether `threads` may decode images at once within `limit`, else one after the other. Throws core::Error where even
+/// that is too much.
+bool may_decode_at_once(const RenderJob& film, const MemoryNeed& need, std::uint64_t limit, int threads);
+
 /// CPU seconds and coded bytes of one frame, by its place in a film.
 struct FrameCost {
     double seconds = 0, bytes = 0;

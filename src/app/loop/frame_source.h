@@ -5,10 +5,9 @@
 #include <future>
 #include <memory>
 #include <optional>
-#include <string>
 
+#include "app/loop/motion_source.h"
 #include "app/loop/run_statistics.h"
-#include "app/loop/vector_layers.h"
 #include "app/options/film.h"
 #include "app/options/options.h"
 #include "core/picture.h"

@@ -7,9 +7,9 @@
 
 #include "app/loop/coding_terms.h"
 #include "app/loop/coupling.h"
-#include "app/loop/exposure_choice.h"
 #include "app/loop/picture_coder.h"
 #include "app/loop/preview.h"
+#include "app/loop/scene_settings.h"
 #include "app/loop/shown_light.h"
 #include "app/loop/statistics_recorder.h"
 #include "parallel/loops.h"

@@ -5,10 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <string_view>
 #include <system_error>
 
-#include "app/loop/exposure_choice.h"
+#include "app/loop/scene_settings.h"
 #include "app/options/mistakes.h"
 #include "app/options/option_text.h"
 #include "app/options/rate_options.h"
@@ -21,7 +20,6 @@
 #include "encoder/av/coders.h"
 #include "encoder/codec.h"
 #include "parallel/loops.h"
-#include "perceptual/exposure.h"
 #include "perceptual/tolerance.h"
 #include "scene/load.h"
 #include "scene/preparation/framing.h"

@@ -6,7 +6,6 @@
 #include <optional>
 #include <vector>
 
-#include "app/loop/cache_choice.h"
 #include "app/loop/coupling.h"
 #include "app/options/effort.h"
 #include "app/options/film.h"
@@ -23,6 +22,21 @@
 #include "scene/pose/snapshot.h"
 
 namespace render2mpeg::app {
+
+struct CacheChoice {
+    renderer::CacheUse use = renderer::CacheUse::off;
+    std::string reason;  ///< for the plan's table
+
+    bool keeps() const { return use != renderer::CacheUse::off; }
+};
+
+/// For reports: off, on, or static (records live while light stays).
+std::string cache_word(const renderer::Settings& rendering);
+
+/// Whether a run with these counts used the cache.
+inline bool kept_records(const renderer::Settings& rendering, const renderer::Statistics& found) {
+    return rendering.cache == renderer::CacheUse::on || found.cache.created > 0;
+}
 
 /// All settings of a film, with the options' gaps filled. Constant while it is rendered.
 struct RenderJob {

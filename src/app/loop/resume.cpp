@@ -4,14 +4,15 @@
 #include <sys/xattr.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
 #include "app/files/file_io.h"
-#include "app/loop/counters.h"
 #include "app/loop/first_pass.h"
 #include "app/system/interrupt.h"
 #include "app/system/terminal.h"
@@ -21,6 +22,20 @@ namespace render2mpeg::app {
 namespace {
 
 using nlohmann::json;
+
+/// Options that change no byte of the film; heatmaps have work folders of their own.
+constexpr std::array<std::string_view, 15> idle{"--output", "--threads",   "--quiet",   "--stats",  "--report",
+                                                "--hold",   "--overwrite", "--verbose", "--within", "--progress",
+                                                "--resume", "--dry-run",   "--heatmap", "--memory", "--isa"};
+
+json options_of(const RenderOptions& options) {
+    json words = json::object();
+    for (const auto& [name, value] : options.said)
+        if (std::find(idle.begin(), idle.end(), name) == idle.end()) words[name] = value;
+    // Layers already written lie in this folder alone.
+    if (options.layers) words["--aov"] = canonical_of(*options.layers).string();
+    return words;
+}
 
 /// Files of a chunk's frames beside the coded stream.
 std::vector<std::filesystem::path> products_of(const RenderJob& film, const RenderOptions& options,
@@ -141,6 +156,40 @@ void print_given_up(const RenderOptions& options, const WorkFolder& work) {
 }
 
 }  // namespace
+
+std::vector<Files> inputs_of(const RenderJob& film, const RenderOptions& options) {
+    std::vector<Files> inputs{Files(options.input)};
+    for (const std::filesystem::path& file : film.animation->files) inputs.emplace_back(file);
+    for (const scene::ImageSource& image : film.animation->images) inputs.emplace_back(image.path);
+    inputs.emplace_back(options.coding.keyframes.value_or(""));
+    inputs.emplace_back(film.sound.file);
+    return inputs;
+}
+
+json identity_of(const RenderJob& film, const RenderOptions& options) {
+    json inputs = json::array();
+    for (const Files& input : inputs_of(film, options)) {
+        std::error_code error;
+        // A missing image is shown as missing; a list of keyframes is no file.
+        if (!std::filesystem::is_regular_file(input.name, error)) continue;
+        const std::string file = canonical_of(input.name).string();
+        const auto known = [&](const json& other) { return other["file"] == file; };
+        if (std::none_of(inputs.begin(), inputs.end(), known))
+            inputs.push_back({{"file", file}, {"checksum", text_of(checksum_of(input.name))}});
+    }
+    return {{"version", RENDER2MPEG_VERSION},           {"build", build_identity()},
+            {"isa", core::name_of(film.rendering.isa)}, {"frames", {film.frames.first, film.frames.last}},
+            {"options", options_of(options)},           {"inputs", inputs}};
+}
+
+json identity_of(const Film& film, const std::string& command) {
+    std::error_code error;
+    return {{"version", RENDER2MPEG_VERSION},
+            {"command", command},
+            {"folder", std::filesystem::current_path(error).string()},
+            {"input", film.source},
+            {"frames", {film.frames.first, film.frames.last}}};
+}
 
 std::filesystem::path frames_of(const RenderJob& film, const RenderOptions& options, const WorkFolder& work,
                                 const Chunk& chunk) {

@@ -1,5 +1,4 @@
 #pragma once
-
 #include <cstddef>
 #include <filesystem>
 #include <functional>
@@ -8,12 +7,23 @@
 #include <vector>
 
 #include "app/files/chunk_file.h"
+#include "app/files/publish.h"
 #include "app/files/work_folder.h"
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
+#include "app/options/film.h"
 #include "app/options/options.h"
 
 namespace render2mpeg::app {
+
+/// All that decides a film's bytes: version, build, instruction set, frames, options and inputs' checksums. Throws
+/// core::Error where an input cannot be read.
+nlohmann::json identity_of(const RenderJob& film, const RenderOptions& options);
+
+/// The same for a film of finished frames, which cannot be resumed: its command and folder.
+nlohmann::json identity_of(const Film& film, const std::string& command);
+
+std::vector<Files> inputs_of(const RenderJob& film, const RenderOptions& options);
 
 /// Place of a chunk's uncoded frames: its Y4M part in the work folder, or numbered images.
 std::filesystem::path frames_of(const RenderJob& film, const RenderOptions& options, const WorkFolder& work,

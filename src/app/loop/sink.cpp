@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <system_error>
 
-#include "app/loop/motion_pipe.h"
+#include "app/loop/motion_source.h"
 #include "app/options/output_kind.h"
 #include "core/error.h"
 #include "encoder/av/y4m.h"

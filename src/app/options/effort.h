@@ -2,7 +2,6 @@
 // Names for whole settings of light.
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <string>
 
 #include "app/options/options.h"

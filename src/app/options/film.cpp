@@ -6,7 +6,6 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
-#include <sstream>
 
 #include "app/options/rate_options.h"
 #include "app/options/usage_error.h"

@@ -7,7 +7,6 @@
 
 #include "app/options/options.h"
 #include "app/options/shape.h"
-#include "core/rational.h"
 #include "core/view.h"
 #include "encoder/av/sound.h"
 #include "encoder/types.h"

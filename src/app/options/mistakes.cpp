@@ -8,8 +8,6 @@
 #include <array>
 #include <cctype>
 #include <cstdint>
-#include <cstdlib>
-#include <string_view>
 #include <system_error>
 
 #include "app/options/help_format.h"

@@ -1,6 +1,5 @@
 #pragma once
 // Parsers of sizes, ranges, tolerances.
-#include <optional>
 #include <string>
 #include <vector>
 

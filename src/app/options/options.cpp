@@ -6,9 +6,7 @@
 #include <iterator>
 
 #include "app/options/coding_options.h"
-#include "app/options/encode_options.h"
-#include "app/options/experiment_options.h"
-#include "app/options/farm_options.h"
+#include "app/options/command_options.h"
 #include "app/options/help_format.h"
 #include "app/options/mistakes.h"
 #include "app/options/output_kind.h"

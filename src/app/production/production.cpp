@@ -8,9 +8,7 @@
 #include <system_error>
 
 #include "app/files/file_io.h"
-#include "app/loop/counters.h"
-#include "app/loop/film_identity.h"
-#include "app/loop/memory_need.h"
+#include "app/loop/forecast.h"
 #include "app/loop/pipeline.h"
 #include "app/loop/resume.h"
 #include "app/loop/sink.h"

@@ -6,7 +6,7 @@
 #include <set>
 #include <string>
 
-#include "scene/isolation/probed.h"
+#include "scene/isolation/probe.h"
 #include "scene/model/animation.h"
 
 namespace render2mpeg::app {

@@ -2,7 +2,6 @@
 // Runs other programs.
 #include <sys/types.h>
 
-#include <filesystem>
 #include <string>
 #include <vector>
 

@@ -3,7 +3,6 @@
 
 #include <map>
 #include <string>
-#include <utility>
 
 #include "scene/animation_file/json.h"
 #include "scene/animation_file/looks.h"

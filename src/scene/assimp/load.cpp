@@ -17,7 +17,7 @@
 #include "core/numeric.h"
 #include "core/rational.h"
 #include "core/text.h"
-#include "scene/assimp/lights.h"
+#include "scene/assimp/classic_shading.h"
 #include "scene/assimp/parts.h"
 #include "scene/assimp/rest_pose.h"
 #include "scene/model/node.h"

@@ -10,7 +10,7 @@
 #include "core/error.h"
 #include "core/numeric.h"
 #include "core/text.h"
-#include "scene/assimp/phong.h"
+#include "scene/assimp/classic_shading.h"
 #include "scene/assimp/rest_pose.h"
 #include "scene/model/png.h"
 

@@ -4,7 +4,6 @@
 #include <array>
 #include <set>
 #include <string_view>
-#include <utility>
 
 #include "scene/model/wording.h"
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "scene/gltf/accessor.h"
 #include "scene/gltf/document.h"
 #include "scene/model/animation.h"
 #include "scene/model/load_options.h"

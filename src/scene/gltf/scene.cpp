@@ -1,6 +1,5 @@
 // Nodes, cameras and lights of a glTF file.
 #include <algorithm>
-#include <cmath>
 #include <glm/gtc/type_ptr.hpp>
 #include <map>
 #include <set>

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,7 +12,7 @@
 #include "core/error.h"
 
 /// Outside parsers may crash, loop or take all memory on hostile files. Such a file is first read by another process of
-/// this program (`--probe`, probed.h) with limits of memory and time.
+/// this program (`--probe`) with limits of memory and time.
 namespace render2mpeg::scene {
 
 enum class Turn { parser, ours };
@@ -49,7 +50,7 @@ class Probe {
     /// or one folder above. Without it files are read unprobed.
     static bool is_possible();
 
-    /// `words`: kind of reading, and arguments (probed.h); `input`: standard input. Throws core::Error without a
+    /// `words`: kind of reading, and arguments; `input`: standard input. Throws core::Error without a
     /// process.
     Probe(const ProbeLimits& limits, const std::vector<std::string>& words, std::span<const std::byte> input = {});
     ~Probe();
@@ -66,5 +67,30 @@ class Probe {
 /// Output of the probe of `name`. Throws core::Error for refusals and crashes of the parser, OutOfMemory where it
 /// lacked memory, and std::logic_error for a crash of our own code.
 std::string text_of(ProbeEnd end, const std::string& name, const ProbeLimits& limits);
+
+/// Reads as `words` say, with the Probe's input as standard input, and returns the output. Limits hold from the first
+/// turn.
+using ProbedReading = std::function<std::string(const std::vector<std::string>& words, const TakeTurns& take_turns)>;
+
+bool is_probe(int argc, char** argv);
+
+/// Writes a part of the output at once.
+void write_from_probe(const std::string& text);
+
+/// Runs the reading that the command line asks for.
+[[noreturn]] void live_as_probe(int argc, char** argv, const std::map<std::string, ProbedReading>& readings);
+
+/// Exit statuses; libraries and sanitizers exit with small ones.
+constexpr int probe_refused = 61, probe_out_of_memory = 62, probe_crashed = 63;
+/// Descriptor of turns, one character each.
+constexpr int probe_turns = 3;
+constexpr char turn_mark(Turn turn) {
+    return turn == Turn::ours ? 'o' : 'p';
+}
+
+std::vector<std::string> probe_words(const ProbeLimits& limits);
+
+/// Address space of this process in bytes; 0: unknown.
+std::uintmax_t address_space_now();
 
 }  // namespace render2mpeg::scene

@@ -3,8 +3,6 @@
 #include <glm/glm.hpp>
 #include <string>
 
-#include "scene/model/image_source.h"
-
 namespace render2mpeg::scene {
 
 enum class LightKind { point, spot, directional };

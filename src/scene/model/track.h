@@ -3,7 +3,6 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <span>
-#include <string>
 #include <vector>
 
 namespace render2mpeg::scene {

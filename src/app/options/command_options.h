@@ -1,11 +1,22 @@
 #pragma once
-// Options of the commands that spread a film over many machines.
+// Options of commands that try a film.
 #include <array>
 #include <string_view>
 
 #include "app/options/coding_options.h"
 
 namespace render2mpeg::app {
+
+CLI::App* add_cost_command(CLI::App& app, CostOptions& options);
+CLI::App* add_compare_command(CLI::App& app, CompareOptions& options);
+
+/// Options of the run: threads, JSON, report, references.
+void add_trial_run_options(CLI::App& command, TrialOptions& options);
+
+CLI::App* add_tune_command(CLI::App& app, TuneOptions& options);
+
+CLI::App* add_encode_command(CLI::App& app, EncodeOptions& options);
+CLI::App* add_info_command(CLI::App& app, InfoOptions& options);
 
 /// Schedulers of `farm --to`.
 inline constexpr std::array<std::string_view, 7> scheduler_names{"slurm",  "parallel",  "sge",     "kubernetes",

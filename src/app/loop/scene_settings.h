@@ -1,7 +1,12 @@
 #pragma once
-// Exposure by command line and scene, and samples per pixel.
+// Exposure, effects and cache by command line and scene.
+#include <cstdint>
+#include <string>
+
 #include "app/loop/render_job.h"
 #include "perceptual/display.h"
+#include "renderer/renderer.h"
+#include "scene/preparation/traits.h"
 
 namespace render2mpeg::app {
 
@@ -23,5 +28,10 @@ renderer::ExposureSamples exposure_samples(const RenderJob& film, int quantiser)
 
 /// The same for a picture on this display: more where lamps show, unless given by hand.
 renderer::ExposureSamples exposure_samples(const RenderJob& film, int quantiser, const perceptual::Display& display);
+
+/// `asked`: on, off or auto, which caches where that pays in pictures of `pixels`. `reference`: nothing is cached.
+/// `rays`: renderer::Indirect::rays.
+CacheChoice choose_cache(const std::string& asked, const scene::Traits& traits, bool rays, bool reference,
+                         std::int64_t frames, std::int64_t pixels);
 
 }  // namespace render2mpeg::app

@@ -1,9 +1,8 @@
-#include "app/loop/exposure_choice.h"
+#include "app/loop/scene_settings.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <string_view>
 
@@ -11,7 +10,6 @@
 #include "app/options/usage_error.h"
 #include "core/text.h"
 #include "encoder/codec.h"
-#include "scene/preparation/traits.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -78,6 +76,9 @@ void set_f_stop(scene::Animation& animation, const RenderOptions& options) {
                              ": nothing says what is in focus; give --focus a distance or an object's name");
     }
 }
+
+/// In smaller pictures too few pixels lie between edges of light. chosen: docs/measurements.md#irradiance-cache.
+constexpr std::int64_t least_pixels = 160 * 160;
 
 }  // namespace
 
@@ -148,6 +149,28 @@ renderer::ExposureSamples exposure_samples(const RenderJob& film, int quantiser,
     // chosen: 0.15 code values for each unit of the quantiser, not tuned; rims of discs are few pixels.
     samples.visible = 0.15f * static_cast<float>(mpeg2_quantiser(film, quantiser));
     return samples;
+}
+
+CacheChoice choose_cache(const std::string& asked, const scene::Traits& traits, bool rays, bool reference,
+                         std::int64_t frames, std::int64_t pixels) {
+    using enum renderer::CacheUse;
+    if (asked == "off") return {off, "not wanted: --cache off"};
+    if (reference) return {off, "no cause: every pixel is lit by itself"};
+    if (asked == "on") return {on, "--cache on asks for it"};
+    if (!traits.has_diffuse_surfaces) return {off, "would not pay: no surface shows one light from all sides"};
+    if (rays) return {static_light, "pixels and frames share what gather rays found"};
+    if (frames == 1) return {off, "would not pay: there is no later frame to keep light for"};
+    if (pixels < least_pixels) return {off, "would not pay: the picture is small"};
+    // A change of light discards all records: only the frame's own pixels would gain.
+    if (traits.lights_change) return {off, "would not pay: lights change"};
+    if (traits.changes_light()) return {off, "would not pay: what moves changes light"};
+    return {static_light, traits.camera_moves ? "only the camera moves: light stays for later frames"
+                                              : "nothing moves: light stays for later frames"};
+}
+
+std::string cache_word(const renderer::Settings& rendering) {
+    constexpr const char* words[] = {"off", "static", "on"};
+    return words[static_cast<int>(rendering.cache)];
 }
 
 }  // namespace render2mpeg::app

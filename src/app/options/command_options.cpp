@@ -1,9 +1,18 @@
-#include "app/options/experiment_options.h"
+#include "app/options/command_options.h"
+
+#include <regex>
+#include <string>
+#include <vector>
 
 #include "app/options/option_text.h"
+#include "app/options/options.h"
 #include "app/options/rate_options.h"
 #include "app/options/scene_options.h"
+#include "app/options/usage_error.h"
+#include "app/system/memory_limit.h"
 #include "core/isa.h"
+#include "core/rational.h"
+#include "core/view.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -76,6 +85,27 @@ void add_tried(CLI::App& command, TuneOptions& options) {
                "to the errors of all frames. 0: quality is told against the pictures as they were lit (default: 1; "
                "with --target-bitrate and --max-size 0)",
                "N", range(0, 1000));
+}
+
+void add_motion_options(CLI::App& command, EncodeOptions& options) {
+    add_option(command, "Motion", "--motion", options.motion,
+               "Numbered OpenEXR files with the frames' exact motion; or a motion stream, which other programs write "
+               "beside their pictures: fd:N, an open descriptor, or PIPE.motion",
+               "PATTERN|fd:N|PIPE.motion");
+    add_option(command, "Motion", "--motion-convention", options.motion_convention,
+               "What their channels mean: blender or nuke", one_of({"blender", "nuke"}), shown);
+}
+
+constexpr const char* farm_group = "Farm";
+constexpr const char* farm_run_group = "Run";
+
+void add_plan_argument(CLI::App& command, std::filesystem::path& plan) {
+    command.add_option("PLAN", plan, "The folder that `farm` wrote, e.g. film.mpg.farm, or its plan.json")->required();
+}
+
+void add_threads_option(CLI::App& command, int& threads) {
+    add_option(command, farm_run_group, "-j,--threads", threads,
+               "Threads; 0: one per core. The film's bytes do not depend on it", range(0, 1024), shown);
 }
 
 }  // namespace
@@ -168,6 +198,139 @@ CLI::App* add_tune_command(CLI::App& app, TuneOptions& options) {
     add_flag(*command, "Run", "--dry-run", options.render.dry_run,
              "Render nothing in the end: print the command that would do it");
     return command;
+}
+
+CLI::App* add_encode_command(CLI::App& app, EncodeOptions& options) {
+    CLI::App* command = app.add_subcommand("encode", "Encode frames and motion of any renderer");
+    command->footer(
+        "Motion: OpenEXR files with the number of their frame, as `render --aov` writes them (docs/coding.md).\n"
+        "Example: render2mpeg encode shot.%04d.exr -o shot.mpg --motion shot.%04d.exr --exposure 0.5");
+    command
+        ->add_option("FRAMES", options.input,
+                     "A .y4m file (8-bit 4:2:0), numbered images: frames.%04d.exr (scene-linear) or .png; or `-`: Y4M "
+                     "from standard input, as another program makes it")
+        ->required();
+    command
+        ->add_option("-o,--output", options.output,
+                     "Film to write: .mpg, .vob, .ts, .m2v, .mkv or .mp4; `-`: standard output")
+        ->type_name("OUT")
+        ->required();
+    add_as_option(*command, options.as, {"ts", "m2v"});
+    const std::string picture = "Picture and time", run = "Run";
+    add_option(*command, picture, "-r,--fps", options.rate, "Pictures per second (default: the Y4M file's, or 25)",
+               "23.976|24|25|29.97|30|50|59.94|60", core::frame_rate_from);
+    add_option(*command, picture, "--frames", options.frames,
+               "First and last frame, both included: numbers of the images, or places in the Y4M file from 0 "
+               "(default: all)",
+               "A:B", frames_from);
+    add_shape_options(*command, options.coding);
+    add_option(*command, picture, "--exposure", options.exposure, "EV for scene-linear frames (default: 0)", "EV",
+               range(-64.0f, 64.0f));
+    add_option(*command, picture, "--view", options.view,
+               "As for render; PNG frames of Blender's views keep their code values (default: neutral)", "NAME",
+               core::view_from);
+    add_motion_options(*command, options);
+    add_coding_options(*command, options.coding);
+    add_sound_options(*command, options.coding);
+    add_option(*command, run, "-j,--threads", options.threads,
+               "Threads; 0: one per core. The film's bytes do not depend on it", range(0, 1024), shown);
+    add_option(*command, run, "--stats", options.stats, "Write statistics as JSON (docs/json.md)", "FILE.json");
+    add_consent_option(*command, options.overwrite);
+    add_flag(*command, run, "--quiet", options.quiet, "Print nothing but errors");
+    return command;
+}
+
+CLI::App* add_info_command(CLI::App& app, InfoOptions& options) {
+    CLI::App* command = app.add_subcommand("info", "Show how the pictures of an MPEG-2 file are coded");
+    command->footer(
+        "Whose encoder made the file does not matter. Exit status 1 where pictures are damaged (docs/first-film.md).\n"
+        "Example: render2mpeg info film.mpg --summary");
+    command->add_option("FILE", options.input, "Film in any container, or a bare MPEG-2 video stream")->required();
+    command->add_flag("--json", options.json, "Print JSON instead of tables");
+    command->add_flag("--summary", options.summary, "Leave out the pictures one by one");
+    return command;
+}
+
+void add_spreading_options(CLI::App& command, FarmOptions& options) {
+    add_option(command, farm_group, "--to", options.scheduler,
+               "Who spreads the parts: job files for it are written beside the plan (docs/machines.md)",
+               one_of(std::vector<std::string>(scheduler_names.begin(), scheduler_names.end())))
+        ->required();
+    CLI::Option* parts =
+        add_option(command, farm_group, "--parts", options.parts,
+                   "Parts to make, at most (default: one per chunk of some 60 frames, the least that a part has)", "N",
+                   range(1, 1'000'000));
+    add_option(command, farm_group, "--frames-per-part", options.frames_per_part,
+               "Instead: frames of a part, to the nearest chunk", "N", range(1, 1'000'000'000))
+        ->excludes(parts);
+    add_flag(command, farm_group, "--pack", options.pack,
+             "Copy all inputs into the folder, and the folder into one file, OUT.farm.tar: for machines that do "
+             "not see this one's files");
+    add_flag(command, farm_group, "--submit", options.submit,
+             "Hand the parts that are not made yet to the scheduler, and the join behind them");
+}
+
+CLI::App* add_part_command(CLI::App& app, PartOptions& options) {
+    CLI::App* command = app.add_subcommand("part", "Make one part of a film that `farm` has planned");
+    command->footer(
+        "Goes on where a try before was ended, and waits while another one makes the same part. Exit status: 0 the "
+        "part is whole; 1 it failed, and another try may do better; 3 this machine, this version or the inputs are "
+        "not those of the plan: another try here fails alike.\n"
+        "Example: render2mpeg part film.mpg.farm 3");
+    add_plan_argument(*command, options.plan);
+    CLI::Option* number =
+        command->add_option("I", options.number, "Which part, from 1")->check(range(1, 1'000'000).check);
+    add_option(*command, farm_run_group, "--frames", options.frames,
+               "Instead: all parts that begin with one of these frames", "A-B", contiguous_from)
+        ->excludes(number);
+    add_threads_option(*command, options.threads);
+    add_option(*command, farm_run_group, "--memory", options.memory,
+               "Most memory to take, e.g. 8G: refuse what would need more (default: as `farm` was told)", "SIZE",
+               memory_from);
+    add_flag(*command, farm_run_group, "--quiet", options.quiet, "Print nothing but errors");
+    return command;
+}
+
+CLI::App* add_join_command(CLI::App& app, JoinOptions& options) {
+    CLI::App* command = app.add_subcommand("join", "Put the parts of a film together");
+    command->footer(
+        "Proves that all parts are whole and of one film, puts them together, decodes the film to see that it holds "
+        "what was made, and writes all that one run would have written beside it.\n"
+        "Example: render2mpeg join film.mpg.farm");
+    add_plan_argument(*command, options.plan);
+    add_option(*command, farm_run_group, "--into", options.folder,
+               "Write film, heatmaps, statistics, report and images into this folder (default: where `farm` was "
+               "told)",
+               "DIR");
+    add_threads_option(*command, options.threads);
+    add_flag(*command, farm_run_group, "--quiet", options.quiet, "Print nothing but errors");
+    return command;
+}
+
+CLI::App* add_farm_status_command(CLI::App& app, FarmStatusOptions& options) {
+    CLI::App* command = app.add_subcommand("farm-status", "Show how far the parts of a film are");
+    command->footer("Example: render2mpeg farm-status film.mpg.farm");
+    add_plan_argument(*command, options.plan);
+    add_flag(*command, farm_run_group, "--left", options.left,
+             "Print nothing but the numbers of parts that are not whole, as 1,3-5: for scripts");
+    return command;
+}
+
+std::vector<std::string> render_words(const std::vector<std::string>& farm) {
+    const std::vector<std::string> flags{"--submit", "--pack", "--quiet", "-v", "--verbose"};
+    std::vector<std::string> without{"--to", "--parts", "--frames-per-part", "-j", "--threads", "--progress"};
+    without.insert(without.end(), flags.begin(), flags.end());
+    return changed_command(farm, "render", without, flags, {});
+}
+
+FrameRange contiguous_from(const std::string& text) {
+    static const std::regex form("([0-9]{1,15})-([0-9]{1,15})");
+    std::smatch found;
+    FrameRange frames;
+    if (std::regex_match(text, found, form)) frames = {std::stoll(found.str(1)), std::stoll(found.str(2))};
+    if (found.empty() || frames.first > frames.last)
+        throw UsageError(text + ": expected two frames with a dash between, as in 60-119");
+    return frames;
 }
 
 }  // namespace render2mpeg::app
