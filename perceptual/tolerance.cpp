@@ -72,10 +72,13 @@ core::Plane<float> distances(int width, int height, const BlockErrors& errors) {
 
 void to_tolerances(core::Plane<float>& distances, const PixelLight& light, const InverseLuma& display) {
     EXPECTS(distances.width() == light.width() && distances.height() == light.height());
-    for (float& d : distances.values()) d = d < half_a_code_value ? half_a_code_value : d;
-    for (int y = 0; y < distances.height(); ++y)
-        display.differences(light.luma.row(y), light.luminance.row(y), light.exponent.row(y), least_relative,
-                            distances.row(y), distances.width());
+    for (std::size_t i = 0; i < distances.size(); ++i) {
+        float& d = distances.values()[i];
+        const float luminance = light.luminance.values()[i];
+        d = std::max(least_relative * luminance,
+                     display.difference(light.luma.values()[i], luminance, light.exponent.values()[i],
+                                        std::max(d, half_a_code_value)));
+    }
 }
 
 void blend(core::Plane<float>& errors, const core::Plane<float>& before) {

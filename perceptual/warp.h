@@ -1,7 +1,6 @@
 #pragma once
 // Warps what is known of one picture to another along exact motion.
 #include <algorithm>
-#include <cstdint>
 #include <glm/glm.hpp>
 #include <optional>
 
@@ -23,20 +22,6 @@ inline constexpr float no_partner = -1.0f;
 template <class T>
 core::Plane<T> warp(const core::Plane<T>& values, const core::Visible& there, const core::Visible& here,
                     const core::MotionField* motion);
-
-/// What each pixel of a picture has in common with the ones to its right, below and below to the right: most pixels
-/// that are fetched need to know no more. Made once of a picture that is asked for several others.
-struct Quads {
-    core::Plane<std::uint32_t> triangle;   ///< a hash of the one that all four show; 0 where they differ
-    core::Plane<std::uint32_t> surface;    ///< the same of their object, material and normal
-    core::Plane<float> nearest, farthest;  ///< of the four
-};
-Quads quads_of(const core::Visible& picture);
-
-/// The same with the quads of `there`.
-template <class T>
-core::Plane<T> warp(const core::Plane<T>& values, const core::Visible& there, const Quads& quads,
-                    const core::Visible& here, const core::MotionField* motion);
 
 /// What the point at (x, y) had in the picture before, by bilinear lookup; none where it has no place there, or one
 /// outside the picture. `motion` leads there.

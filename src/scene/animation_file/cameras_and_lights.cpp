@@ -55,7 +55,7 @@ void read_aperture(const JsonValue& value, std::size_t index, CameraLens& lens, 
     }
     if (const auto v = value.find("blade_rotation"))
         lens.blade_rotation = static_cast<float>(glm::radians(v->number(-360, 360)));
-    if (const auto v = value.find("squeeze")) lens.squeeze = static_cast<float>(v->number(0.1, 10));
+    value.set("squeeze", lens.squeeze, 0.1, 10);
 }
 
 void focus_on_object(const JsonValue& camera, CameraLens& lens, const Animation& film) {
@@ -86,7 +86,7 @@ void read_camera(const JsonValue& value, const std::string& name, std::size_t in
         const std::vector<JsonValue> shift = v->list(2, 2);
         lens.shift = glm::vec2(shift[0].number(-10, 10), shift[1].number(-10, 10));
     }
-    if (const auto v = value.find("near")) lens.near = static_cast<float>(v->number(0, 1e6));
+    value.set("near", lens.near, 0, 1e6);
 
     // An orthographic camera has a height instead.
     const Curve fov = curve_of(value, {"fov", 1, 0.1, 175, true}, clock, keys::camera_key);
@@ -162,18 +162,18 @@ void Lights::build_punctual(const JsonValue& value, const std::string& name, int
     light.name = name;
     light.node = node;
     light.kind = kind_of[kind];
-    light.intensity = static_cast<float>(value.has("intensity") ? value.need("intensity").number(0, 1e9) : usual[kind]);
+    light.intensity = static_cast<float>(value.number_or("intensity", 0, 1e9, usual[kind]));
     if (const auto v = value.find("color")) light.color = v->color(1);
     if (const auto v = value.find("colors")) {
         const std::vector<JsonValue> colors = v->list(1, 1000);
         light.color = colors[copy % colors.size()].color(1);
     }
-    if (const auto v = value.find("range")) light.range = static_cast<float>(v->number(0, 1e7));
+    value.set("range", light.range, 0, 1e7);
     if (light.kind == LightKind::directional && value.has("angle"))
         light.angle = static_cast<float>(glm::radians(value.need("angle").number(0, 180) / 2));
     if (light.kind == LightKind::spot) {
-        const double angle = value.has("angle") ? value.need("angle").number(0.1, 180) : 60;
-        const double softness = value.has("softness") ? value.need("softness").number(0, 1) : 0.3;
+        const double angle = value.number_or("angle", 0.1, 180, 60);
+        const double softness = value.number_or("softness", 0, 1, 0.3);
         light.outer_cone = static_cast<float>(glm::radians(angle / 2));
         // The two cones must not coincide.
         light.inner_cone = static_cast<float>(glm::radians(angle / 2) * std::min(1 - softness, 0.999));
@@ -193,7 +193,7 @@ void Lights::build_lamp(const JsonValue& value, const std::string& name, int nod
             const auto round = value.find("round");
             mesh = round && round->boolean() ? round_panel({s[0], s[1]}) : flat_panel({s[0], s[1]});
         } else {
-            mesh = lamp_mesh(size_or(value, "radius", 0.1));
+            mesh = lamp_mesh(value.number_or("radius", smallest_size, largest_size, 0.1));
         }
         mesh.name = value.place();
         film_.meshes.push_back(std::move(mesh));
@@ -218,7 +218,7 @@ void Lights::build_lamp(const JsonValue& value, const std::string& name, int nod
         material.specular = glm::vec3(0);
         material.glossiness = 0;
         material.emission =
-            color * static_cast<float>(value.has("intensity") ? value.need("intensity").number(0, 1e6) : 10);
+            color * static_cast<float>(value.number_or("intensity", 0, 1e6, 10));
         if (const auto v = value.find("seen"); v && !v->boolean()) {
             // Alpha hides what is seen of a surface, not what it shines.
             material.base_color.a = 0;
@@ -258,7 +258,7 @@ void Lights::build(const JsonValue& value, std::size_t number) {
         if (value.has("rotate") || value.has("look_at"))
             value.fail("say either `elevation` and `azimuth`, or `rotate`, or `look_at`");
         const double up = value.need("elevation").number(-90, 90),
-                     round = value.has("azimuth") ? value.need("azimuth").number(-360, 360) : 0;
+                     round = value.number_or("azimuth", -360, 360, 0);
         // Not turned, it shines along -z, out of +z: azimuth 0.
         film_.nodes[static_cast<std::size_t>(placed)].rotation = rotation_of({-up, round, 0});
     }

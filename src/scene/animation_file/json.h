@@ -33,6 +33,15 @@ class JsonValue {
     bool is_object() const;
 
     double number(double at_least, double at_most) const;
+    /// The number of a key, or `otherwise`.
+    double number_or(std::string_view key, double at_least, double at_most, double otherwise) const {
+        const auto value = find(key);
+        return value ? value->number(at_least, at_most) : otherwise;
+    }
+    /// Replaces a value where the key is there.
+    void set(std::string_view key, float& into, double at_least, double at_most) const {
+        into = static_cast<float>(number_or(key, at_least, at_most, static_cast<double>(into)));
+    }
     std::int64_t integer(std::int64_t at_least, std::int64_t at_most) const;
     bool boolean() const;
     std::string text() const;
@@ -66,20 +75,13 @@ class JsonValue {
 
 inline constexpr double smallest_size = 1e-6, largest_size = 1e6;
 
-inline double size_or(const JsonValue& value, std::string_view key, double otherwise) {
-    const auto v = value.find(key);
-    return v ? v->number(smallest_size, largest_size) : otherwise;
-}
-
 /// n sizes, or one number for all of them.
 template <std::size_t n>
 std::array<double, n> sizes_or(const JsonValue& value, std::string_view key, double otherwise) {
     std::array<double, n> out;
-    out.fill(otherwise);
     const auto v = value.find(key);
-    if (!v) return out;
-    if (v->is_number()) {
-        out.fill(v->number(smallest_size, largest_size));
+    if (!v || v->is_number()) {
+        out.fill(value.number_or(key, smallest_size, largest_size, otherwise));
         return out;
     }
     const std::vector<JsonValue> items = v->list(n, n);

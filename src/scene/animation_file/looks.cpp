@@ -51,9 +51,8 @@ void change_body(const JsonValue& value, Material& material) {
         material.attenuation_color = v->color(1);
         if (!(material.attenuation_distance > 0)) material.attenuation_distance = 1;
     }
-    if (const auto v = value.find("attenuation_distance"))
-        material.attenuation_distance = static_cast<float>(v->number(1e-6, 1e6));
-    if (const auto v = value.find("dispersion")) material.dispersion = static_cast<float>(v->number(0, 20));
+    value.set("attenuation_distance", material.attenuation_distance, 1e-6, 1e6);
+    value.set("dispersion", material.dispersion, 0, 20);
 }
 
 }  // namespace
@@ -106,9 +105,6 @@ TextureUse Looks::texture_of(const JsonValue& value) {
 void Looks::change(const JsonValue& value, int index) {
     value.allow_only(keys::material);
     const auto material = [&]() -> Material& { return film_.materials[static_cast<std::size_t>(index)]; };
-    const auto fraction = [&](std::string_view key, float& into, double at_most = 1) {
-        if (const auto v = value.find(key)) into = static_cast<float>(v->number(0, at_most));
-    };
     const auto texture = [&](std::string_view key, TextureUse Material::*into) {
         if (const auto v = value.find(key)) {
             const TextureUse use = texture_of(*v);
@@ -121,11 +117,11 @@ void Looks::change(const JsonValue& value, int index) {
     texture("texture", &Material::base_color_texture);
     texture("normal_texture", &Material::normal_texture);
     texture("emission_texture", &Material::emission_texture);
-    fraction("metallic", material().metallic);
-    fraction("roughness", material().roughness);
-    fraction("normal_scale", material().normal_scale, 10);
-    fraction("transmission", material().transmission);
-    if (const auto v = value.find("ior")) material().ior = static_cast<float>(v->number(1, 5));
+    value.set("metallic", material().metallic, 0, 1);
+    value.set("roughness", material().roughness, 0, 1);
+    value.set("normal_scale", material().normal_scale, 0, 10);
+    value.set("transmission", material().transmission, 0, 1);
+    value.set("ior", material().ior, 1, 5);
     change_body(value, material());
     const bool derived = value.has("metallic") || value.has("roughness") || value.has("transmission");
     if (material().specular_glossiness && derived) material().specular_glossiness = false;
@@ -133,7 +129,7 @@ void Looks::change(const JsonValue& value, int index) {
     if (const auto v = value.find("unlit")) material().unlit = v->boolean();
 
     // Coverage: a number below 1 blends, a word chooses how the texture's alpha is taken.
-    fraction("alpha_cutoff", material().alpha_cutoff);
+    value.set("alpha_cutoff", material().alpha_cutoff, 0, 1);
     if (const auto v = value.find("alpha")) {
         constexpr std::array<std::string_view, 3> modes{"opaque", "mask", "blend"};
         if (v->is_text()) {
@@ -254,7 +250,7 @@ void Looks::read_sky(const JsonValue& value) {
         return;
     }
     value.allow_only(keys::sky);
-    const double strength = value.has("strength") ? value.need("strength").number(0, brightest) : 1;
+    const double strength = value.number_or("strength", 0, brightest, 1);
     sky.color = glm::vec3(1);
     if (const auto v = value.find("rotation")) sky.rotation = static_cast<float>(glm::radians(v->number(-1e4, 1e4)));
     if (const auto v = value.find("color")) sky.color = v->color(brightest);

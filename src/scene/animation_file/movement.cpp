@@ -328,7 +328,7 @@ std::vector<Node> copies_of(const JsonValue& thing) {
         ring->allow_only(animation_file_keys::ring);
         const auto count = ring->need("count").integer(1, 100000);
         const double radius = ring->need("radius").number(0, 1e6);
-        const double from = ring->has("from") ? ring->need("from").number(-1e4, 1e4) : 0;
+        const double from = ring->number_or("from", -1e4, 1e4, 0);
         // A full turn's last copy lies one step before its end.
         const bool full = !ring->has("to");
         const double to = full ? from + 360 : ring->need("to").number(-1e4, 1e4);

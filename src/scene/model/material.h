@@ -96,23 +96,29 @@ struct Material {
     bool emits() const { return emission.x > 0 || emission.y > 0 || emission.z > 0; }
 };
 
-inline constexpr TextureUse Material::*texture_uses[] = {&Material::base_color_texture,
-                                                         &Material::metallic_roughness_texture,
-                                                         &Material::specular_glossiness_texture,
-                                                         &Material::normal_texture,
-                                                         &Material::emission_texture,
-                                                         &Material::alpha_texture,
-                                                         &Material::transmission_texture,
-                                                         &Material::specular_weight_texture,
-                                                         &Material::specular_tint_texture,
-                                                         &Material::coat_texture,
-                                                         &Material::coat_roughness_texture,
-                                                         &Material::sheen_texture,
-                                                         &Material::sheen_roughness_texture,
-                                                         &Material::iridescence_texture,
-                                                         &Material::film_texture,
-                                                         &Material::anisotropy_texture,
-                                                         &Material::diffuse_transmission_texture,
-                                                         &Material::diffuse_transmission_color_texture};
+struct NamedTexture {
+    TextureUse Material::*use;
+    const char* name;  ///< for messages
+};
+inline constexpr NamedTexture texture_uses[] = {
+    {&Material::base_color_texture, "base colour texture"},
+    {&Material::metallic_roughness_texture, "metallic-roughness texture"},
+    {&Material::specular_glossiness_texture, "specular-glossiness texture"},
+    {&Material::normal_texture, "normal texture"},
+    {&Material::emission_texture, "emission texture"},
+    {&Material::alpha_texture, "alpha texture"},
+    {&Material::transmission_texture, "transmission texture"},
+    {&Material::specular_weight_texture, "specular texture"},
+    {&Material::specular_tint_texture, "specular colour texture"},
+    {&Material::coat_texture, "clearcoat texture"},
+    {&Material::coat_roughness_texture, "clearcoat roughness texture"},
+    {&Material::sheen_texture, "sheen colour texture"},
+    {&Material::sheen_roughness_texture, "sheen roughness texture"},
+    {&Material::iridescence_texture, "iridescence texture"},
+    {&Material::film_texture, "thin film's texture"},
+    {&Material::anisotropy_texture, "anisotropy texture"},
+    {&Material::diffuse_transmission_texture, "diffuse transmission texture"},
+    {&Material::diffuse_transmission_color_texture, "diffuse transmission colour texture"},
+};
 
 }  // namespace render2mpeg::scene

@@ -80,25 +80,7 @@ class MaterialCheck {
         clamp(material_.alpha_cutoff, 0, largest, "alpha cutoff");
         clamp(material_.normal_scale, -largest, largest, "normal scale");
         for (int k = 0; k < 3; ++k) clamp(material_.emission[k], 0, largest, "emission");
-
-        check(material_.base_color_texture, "base colour texture");
-        check(material_.metallic_roughness_texture, "metallic-roughness texture");
-        check(material_.specular_glossiness_texture, "specular-glossiness texture");
-        check(material_.normal_texture, "normal texture");
-        check(material_.emission_texture, "emission texture");
-        check(material_.alpha_texture, "alpha texture");
-        check(material_.transmission_texture, "transmission texture");
-        check(material_.specular_weight_texture, "specular texture");
-        check(material_.specular_tint_texture, "specular colour texture");
-        check(material_.coat_texture, "clearcoat texture");
-        check(material_.coat_roughness_texture, "clearcoat roughness texture");
-        check(material_.sheen_texture, "sheen colour texture");
-        check(material_.sheen_roughness_texture, "sheen roughness texture");
-        check(material_.iridescence_texture, "iridescence texture");
-        check(material_.film_texture, "thin film's texture");
-        check(material_.anisotropy_texture, "anisotropy texture");
-        check(material_.diffuse_transmission_texture, "diffuse transmission texture");
-        check(material_.diffuse_transmission_color_texture, "diffuse transmission colour texture");
+        for (const auto& [use, name] : texture_uses) check(material_.*use, name);
     }
 
   private:
