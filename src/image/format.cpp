@@ -5,6 +5,7 @@
 #include <map>
 #include <string_view>
 
+#include "core/checksum.h"
 #include "core/error.h"
 #include "core/text.h"
 
@@ -53,23 +54,6 @@ bool is_tga(std::string_view text, const std::string& name) {
 }
 
 constexpr std::size_t signature_bytes = 8;
-
-/// The check sum's table for one byte. [PNG, annex D]
-constexpr std::array<std::uint32_t, 256> crc_table = [] {
-    std::array<std::uint32_t, 256> table{};
-    for (std::uint32_t n = 0; n < 256; ++n) {
-        std::uint32_t c = n;
-        for (int k = 0; k < 8; ++k) c = c & 1 ? 0xedb88320u ^ (c >> 1) : c >> 1;
-        table[n] = c;
-    }
-    return table;
-}();
-
-std::uint32_t crc_of(std::span<const std::byte> bytes) {
-    std::uint32_t crc = 0xffffffffu;
-    for (const std::byte b : bytes) crc = crc_table[(crc ^ std::to_integer<std::uint32_t>(b)) & 0xff] ^ (crc >> 8);
-    return ~crc;
-}
 
 std::uint32_t big_endian(std::span<const std::byte> bytes) {
     std::uint32_t value = 0;
@@ -209,7 +193,7 @@ std::vector<std::byte> essential_png(std::span<const std::byte> bytes, const std
         const std::string type(reinterpret_cast<const char*>(chunk.data()) + 4, 4);
         rest = rest.subspan(chunk.size());
 
-        const bool sound = crc_of(chunk.subspan(4, length + 4)) == big_endian(chunk.subspan(length + 8));
+        const bool sound = core::crc_of(chunk.subspan(4, length + 4)) == big_endian(chunk.subspan(length + 8));
         if (type == "pHYs" && sound && length == 9 && !has_pixels && !has_shape) {
             kept.insert(kept.end(), chunk.begin(), chunk.end());
             has_shape = true;

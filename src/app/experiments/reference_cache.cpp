@@ -28,10 +28,6 @@ template <class T>
 void add_plane(Checksum& sum, const core::Plane<T>& plane) {
     sum.add({reinterpret_cast<const std::uint8_t*>(plane.values().data()), plane.size() * sizeof(T)});
 }
-void add_text(Checksum& sum, const std::string& text) {
-    sum.add({reinterpret_cast<const std::uint8_t*>(text.c_str()), text.size() + 1});
-}
-
 /// All members that a gather point's light depends on.
 void add(Checksum& sum, const renderer::GatherPoint& p) {
     const renderer::Bsdf& bsdf = p.point.bsdf;
@@ -74,8 +70,8 @@ std::uint64_t ReferenceCache::key_of(const RenderJob& film, renderer::Renderer& 
     if (folder_.empty()) return 0;
     Checksum sum;
     const renderer::Settings& s = film.rendering;
-    add_text(sum, RENDER2MPEG_VERSION);
-    add_text(sum, std::string(core::name_of(s.isa)));
+    sum.add(std::string_view(RENDER2MPEG_VERSION));
+    sum.add(std::string_view(core::name_of(s.isa)));
     for (const std::int64_t value :
          {world.frame, std::int64_t{s.format.width}, std::int64_t{s.format.height}, std::int64_t{s.samples},
           std::int64_t{s.edge_samples}, std::int64_t{s.most_samples}, std::int64_t{s.vpls},

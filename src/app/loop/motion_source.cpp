@@ -104,15 +104,15 @@ core::Plane<core::PixelClass> classes(const Layers& layers) {
     return kinds;
 }
 
-/// Follows `step`, a field of the frame where the way stands, one frame on.
-void extend(core::MotionField& way, const core::MotionField& step) {
-    const int width = way.vector.width(), height = way.vector.height();
+/// Extends a trajectory by `step`, the field of the frame where it ends.
+void extend(core::MotionField& trajectory, const core::MotionField& step) {
+    const int width = trajectory.vector.width(), height = trajectory.vector.height();
     const core::PixelClass* kinds_there = step.kind.row(0);
     const glm::vec2* vectors_there = step.vector.row(0);
     parallel::for_each(static_cast<std::size_t>(height), [&](std::size_t row) {
         const int y = static_cast<int>(row);
-        core::PixelClass* kinds = way.kind.row(y);
-        glm::vec2* vectors = way.vector.row(y);
+        core::PixelClass* kinds = trajectory.kind.row(y);
+        glm::vec2* vectors = trajectory.vector.row(y);
         const bool looked_at = y % 2 == 0 || y + 1 == height;
         for (int x = 0; x < width; ++x) {
             if (kinds[x] == core::PixelClass::none) continue;
@@ -244,10 +244,10 @@ core::MotionField MotionSource::between(std::int64_t picture, std::int64_t refer
     const auto step = [&](std::int64_t n) -> const core::MotionField& {
         return direction > 0 ? frame(n).to_next : frame(n).to_previous;
     };
-    core::MotionField way = step(picture);
-    for (std::int64_t n = picture + direction; n != reference; n += direction) extend(way, step(n));
-    way.reference = reference;
-    return way;
+    core::MotionField trajectory = step(picture);
+    for (std::int64_t n = picture + direction; n != reference; n += direction) extend(trajectory, step(n));
+    trajectory.reference = reference;
+    return trajectory;
 }
 
 FrameMotion VectorLayers::read(std::int64_t number) const {

@@ -81,8 +81,8 @@ class VectorLayers : public MotionSource {
     /// Throws core::Error where a file of these frames is missing, or the first has no motion.
     void check(std::int64_t first, std::int64_t last);
 
-    /// Frames over which a way is put together without reading a file twice. chosen: reach_onward and the references
-    /// behind; each frame takes 18 MB of memory at 1280x720.
+    /// Frames over which a trajectory is put together without reading a file twice. chosen: reach_onward and the
+    /// references behind; each frame takes 18 MB of memory at 1280x720.
     static constexpr std::int64_t reach = 16;
 
   private:

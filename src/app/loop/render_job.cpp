@@ -83,8 +83,7 @@ renderer::Settings rendering_settings(const RenderOptions& options, const scene:
 
 int edge_samples_of(const RenderOptions& options, const RenderJob& film) {
     if (options.edge_samples) return *options.edge_samples;
-    const bool by_hand = std::find(options.given.begin(), options.given.end(), "--samples") != options.given.end();
-    if (by_hand || options.samples != RenderOptions().samples) return 0;
+    if (options.is_given("--samples") || options.samples != RenderOptions().samples) return 0;
     // fit: docs/measurements.md#edges
     return film.kind == OutputKind::film ? 16 : 64;
 }

@@ -108,7 +108,7 @@ std::string mark_of(const std::vector<std::filesystem::path>& files, const json&
         text += fmt::format("{}\n{}\n{}\n", canonical_of(file).string(), bytes, static_cast<std::int64_t>(written));
     }
     Checksum sum;
-    sum.add(std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
+    sum.add(text);
     return text_of(sum.value());
 }
 

@@ -9,6 +9,7 @@
 #include "app/options/output_kind.h"
 #include "app/options/rate_options.h"
 #include "app/options/shape.h"
+#include "core/isa.h"
 #include "core/rational.h"
 #include "core/text.h"
 
@@ -78,6 +79,17 @@ void add_sound_options(CLI::App& command, CodingOptions& options) {
     add_option(command, sound, "--audio-offset", options.audio_offset,
                "Seconds after frame 0 at which the sound begins; below 0 its beginning is cut off", "SECONDS",
                range(-1e5, 1e5), shown);
+}
+
+void add_threads_option(CLI::App& command, int& threads) {
+    add_option(command, "Run", "-j,--threads", threads,
+               "Threads; 0: one per core. The film's bytes do not depend on it", range(0, 1024), shown);
+}
+
+void add_isa_option(CLI::App& command, std::optional<std::string>& isa) {
+    add_option(command, "Run", "--isa", isa,
+               "Instruction set (default: the best there is). Films differ in a few roundings between them",
+               "sse2|sse4.2|avx|avx2|avx512", core::isa_from);
 }
 
 void add_consent_option(CLI::App& command, bool& overwrite) {

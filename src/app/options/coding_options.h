@@ -77,6 +77,10 @@ void add_coding_options(CLI::App& command, CodingOptions& options);
 void add_sound_options(CLI::App& command, CodingOptions& options);
 /// --as of these kinds.
 void add_as_option(CLI::App& command, std::optional<std::string>& as, const std::vector<std::string>& kinds);
+/// --threads.
+void add_threads_option(CLI::App& command, int& threads);
+/// --isa.
+void add_isa_option(CLI::App& command, std::optional<std::string>& isa);
 /// --overwrite.
 void add_consent_option(CLI::App& command, bool& overwrite);
 /// --within.

@@ -10,7 +10,6 @@
 #include "app/options/scene_options.h"
 #include "app/options/usage_error.h"
 #include "app/system/memory_limit.h"
-#include "core/isa.h"
 #include "core/rational.h"
 #include "core/view.h"
 
@@ -103,19 +102,12 @@ void add_plan_argument(CLI::App& command, std::filesystem::path& plan) {
     command.add_option("PLAN", plan, "The folder that `farm` wrote, e.g. film.mpg.farm, or its plan.json")->required();
 }
 
-void add_threads_option(CLI::App& command, int& threads) {
-    add_option(command, farm_run_group, "-j,--threads", threads,
-               "Threads; 0: one per core. The film's bytes do not depend on it", range(0, 1024), shown);
-}
-
 }  // namespace
 
 void add_trial_run_options(CLI::App& command, TrialOptions& options) {
     const std::string run = "Run";
-    add_option(command, run, "-j,--threads", options.render.threads,
-               "Threads; 0: one per core. Nothing but the clock depends on it", range(0, 1024), shown);
-    add_option(command, run, "--isa", options.render.isa, "Instruction set (default: the best there is)",
-               "sse2|sse4.2|avx|avx2|avx512", core::isa_from);
+    add_threads_option(command, options.render.threads);
+    add_isa_option(command, options.render.isa);
     add_option(command, run, "--keep-references", options.kept_references,
                "Keep frames lit as the reference in this folder, and take them from there where nothing has "
                "changed",
@@ -232,8 +224,7 @@ CLI::App* add_encode_command(CLI::App& app, EncodeOptions& options) {
     add_motion_options(*command, options);
     add_coding_options(*command, options.coding);
     add_sound_options(*command, options.coding);
-    add_option(*command, run, "-j,--threads", options.threads,
-               "Threads; 0: one per core. The film's bytes do not depend on it", range(0, 1024), shown);
+    add_threads_option(*command, options.threads);
     add_option(*command, run, "--stats", options.stats, "Write statistics as JSON (docs/json.md)", "FILE.json");
     add_consent_option(*command, options.overwrite);
     add_flag(*command, run, "--quiet", options.quiet, "Print nothing but errors");

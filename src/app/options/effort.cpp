@@ -33,15 +33,12 @@ RenderOptions with_effort(const RenderOptions& options) {
         return changed;
     }
     const Effort& effort = effort_from(*options.effort);
-    const auto is_given = [&](const char* name) {
-        return std::find(options.given.begin(), options.given.end(), name) != options.given.end();
-    };
     const bool coded = options.output.empty() || kind_of(options.output) == OutputKind::film;
     if (!options.tolerance)
         changed.tolerance = coded
                                 ? fmt::format("coupled={:g}", effort.fraction * perceptual::default_tolerance_fraction)
                                 : fmt::format("fixed={:g}%", 100 * effort.fixed);
-    if (is_given("--samples") || options.edge_samples) return changed;
+    if (options.is_given("--samples") || options.edge_samples) return changed;
     changed.samples = effort.samples;
     changed.edge_samples = effort.edge_samples;
     return changed;
@@ -49,9 +46,6 @@ RenderOptions with_effort(const RenderOptions& options) {
 
 RenderOptions preview_options(const RenderOptions& options) {
     RenderOptions draft = options;
-    const auto is_given = [&](const char* name) {
-        return std::find(options.given.begin(), options.given.end(), name) != options.given.end();
-    };
     if (options.tolerance) {
         const ToleranceRequest tolerance = tolerance_from(*options.tolerance);
         if (tolerance.coupled || tolerance.reference)
@@ -66,14 +60,14 @@ RenderOptions preview_options(const RenderOptions& options) {
 
     // fit: docs/measurements.md#drafts, by PSNR for CPU time.
     if (!options.tolerance) draft.tolerance = "fixed=30%";
-    if (!is_given("--samples")) draft.samples = 1;
-    if (!is_given("--edge-samples")) draft.edge_samples = is_given("--samples") ? options.samples : 4;
-    if (!is_given("--vpls")) draft.vpls = 2048;
+    if (!options.is_given("--samples")) draft.samples = 1;
+    if (!options.is_given("--edge-samples")) draft.edge_samples = options.is_given("--samples") ? options.samples : 4;
+    if (!options.is_given("--vpls")) draft.vpls = 2048;
     draft.indirect = "lightcuts";
     draft.cache = "off";
 
     // A draft only must be there soon.
-    if (!is_given("--encoder")) draft.coding.encoder = "fast";
+    if (!options.is_given("--encoder")) draft.coding.encoder = "fast";
     if (!options.coding.b_pictures) draft.coding.b_pictures = 0;
     const bool has_rate =
         options.coding.quantiser || options.coding.crf || options.coding.quality || options.coding.bitrate;

@@ -14,7 +14,6 @@
 #include "app/options/usage_error.h"
 #include "app/system/memory_limit.h"
 #include "app/system/progress.h"
-#include "core/isa.h"
 #include "core/rational.h"
 #include "core/text.h"
 #include "core/view.h"
@@ -69,12 +68,8 @@ void add_whole_run_options(CLI::App& command, RenderOptions& options) {
 
 /// `whole`: of a command that renders by itself.
 void add_run_options(CLI::App& command, RenderOptions& options, bool whole) {
-    add_option(command, run_group, "-j,--threads", options.threads,
-               "Threads; 0: one per core. The film's bytes do not depend on it", range(0, 1024), shown);
-    add_option(command, run_group, "--isa", options.isa,
-               "Instruction set (default: the best there is). Films differ in a few "
-               "roundings between them",
-               "sse2|sse4.2|avx|avx2|avx512", core::isa_from);
+    add_threads_option(command, options.threads);
+    add_isa_option(command, options.isa);
     add_product_options(command, options);
     add_option(command, run_group, "--memory", options.memory,
                "Most memory to take, e.g. 8G: refuse what would need more before it is begun, and never swap "
@@ -126,7 +121,7 @@ CLI::App* add_watch_command(CLI::App& app, RenderOptions& options) {
     add_picture_options(*command, options);
     add_light_options(*command, options);
     add_coding_options(*command, options.coding);
-    add_option(*command, run_group, "-j,--threads", options.threads, "Threads; 0: one per core", range(0, 1024), shown);
+    add_threads_option(*command, options.threads);
     add_flag(*command, run_group, "--quiet", options.quiet, "Print nothing but errors");
     options.preview = true;
     options.overwrite = true;
@@ -149,10 +144,8 @@ CLI::App* add_plan_command(CLI::App& app, PlanOptions& options) {
     add_option(*command, run_group, "--aov", options.render.layers, "Folder of multilayer OpenEXR files", "DIR");
     add_within_option(*command, options.render.within, run_group);
     add_flag(*command, run_group, "--quiet", options.render.quiet, "Show no progress");
-    add_option(*command, run_group, "-j,--threads", options.render.threads, "Threads; 0: one per core", range(0, 1024),
-               shown);
-    add_option(*command, run_group, "--isa", options.render.isa, "Instruction set (default: the best there is)",
-               "sse2|sse4.2|avx|avx2|avx512", core::isa_from);
+    add_threads_option(*command, options.render.threads);
+    add_isa_option(*command, options.render.isa);
     add_option(*command, run_group, "--stats", options.statistics,
                "Statistics of a render of this scene: adds what each pass cost", "FILE.json");
     return command;

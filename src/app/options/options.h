@@ -1,10 +1,12 @@
 #pragma once
 // Options of all commands.
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -107,6 +109,8 @@ struct RenderOptions {
     std::optional<std::string> memory;        ///< as memory_from() reads it; none: all that there is
     std::vector<std::string> given;           ///< long names of the options on the command line
     std::map<std::string, std::string> said;  ///< with these: the words behind each
+
+    bool is_given(std::string_view name) const { return std::find(given.begin(), given.end(), name) != given.end(); }
 };
 
 struct PlanOptions {

@@ -56,10 +56,6 @@ nlohmann::json state_of(const fs::path& file) {
     return {file.string(), state.st_size, std::int64_t{state.st_mtim.tv_sec} * 1'000'000'000 + state.st_mtim.tv_nsec};
 }
 
-void add_text(core::Checksum& sum, const std::string& text) {
-    sum.add({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
-}
-
 /// Key of an export's inputs.
 std::string name_of(const fs::path& blend, const fs::path& script, const fs::path& blender) {
     core::Checksum sum;
@@ -69,7 +65,7 @@ std::string name_of(const fs::path& blend, const fs::path& script, const fs::pat
         if (entry.path().extension() == ".py") parts.push_back(entry.path());
     std::sort(parts.begin(), parts.end());
     for (const fs::path& part : parts) sum.add_file(part);
-    add_text(sum, state_of(fs::canonical(blender)).dump() + std::to_string(texture_size));
+    sum.add(state_of(fs::canonical(blender)).dump() + std::to_string(texture_size));
     return core::checksum_text(sum.value());
 }
 
@@ -85,7 +81,7 @@ fs::path cache_of(const fs::path& blend) {
                       : home != nullptr                  ? fs::path(home) / ".cache"
                                                          : fs::path("/tmp");
     core::Checksum sum;
-    add_text(sum, fs::absolute(blend).string());
+    sum.add(fs::absolute(blend).string());
     folder = folder / "render2mpeg" / (blend.filename().string() + "-" + core::checksum_text(sum.value()));
     fs::create_directories(folder, failure);
     if (failure) throw core::Error("writing", folder.string(), failure.message());
