@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <string_view>
 
-/// What bright light does in the eye, as animation files and the command line ask for it.
 namespace render2mpeg::core {
 
 enum class GlareKind : std::uint8_t {

@@ -19,16 +19,13 @@ const char* name_of(Format format);
 /// The most pixels that a byte of such a file can hold; files that claim more are cut off, or a trap.
 std::uint64_t max_pixels_per_byte(Format format);
 
-/// What a file is by its first bytes. TGA has no such mark: it is what ends in .tga or carries TGA's footer. Nothing
-/// for all others.
+/// Format by first bytes; TGA by its ending or footer. None for others.
 std::optional<Format> format_of(std::span<const std::byte> bytes, const std::string& name);
 
-/// Whether a JPEG file ends before its picture does, which decoders answer with grey pixels instead of an error: there
-/// is no end marker behind the first scan.
+/// Whether a JPEG lacks its end marker behind the first scan; decoders would answer with grey pixels.
 bool is_cut_off_jpeg(std::span<const std::byte> bytes);
 
-/// Whether the pixels of a BMP file are packed in runs: nobody writes such files for scenes, and OpenImageIO 2.4
-/// crashes on those whose runs and depth do not agree.
+/// Whether a BMP is run-length packed: no scene has such, and OpenImageIO 2.4 crashes on inconsistent ones.
 bool is_packed_bmp(std::span<const std::byte> bytes);
 
 /// A PNG file with nothing but its pixels and their shape: the chunks IHDR, PLTE, tRNS, IDAT and IEND, and pHYs where
@@ -37,8 +34,8 @@ bool is_packed_bmp(std::span<const std::byte> bytes);
 /// sum is wrong, or a chunk is needed that nobody knows.
 std::vector<std::byte> essential_png(std::span<const std::byte> bytes, const std::string& name);
 
-/// Refuses an OpenEXR file one of whose headers has an attribute that is larger than what is left of the file: the
-/// library makes room for it first, 2 GiB for four bytes that say so. Throws core::Error, naming the attribute.
+/// Refuses an OpenEXR with an attribute larger than the rest of the file, for which the library would allocate up to 2
+/// GiB. Throws core::Error.
 void check_exr_attributes(std::span<const std::byte> bytes, const std::string& name);
 
 /// Which of a file's channels become red, green, blue and alpha; -1: none. A grey image has red only.

@@ -22,9 +22,8 @@ struct SkySample {
 /// How much light from a direction (unit) counts, > 0, relative to other directions.
 using SkyImportance = std::function<float(glm::vec3)>;
 
-/// A latitude-longitude image as cells of light: what is divided into lights. A cell is a pixel, or as many pixels as
-/// are not more than a quarter of a degree (half the sun), or a piece of a pixel where the image has only a few.
-/// Directions are in the map's own space.
+/// A latitude-longitude image as cells to be divided into lights: pixels, groups of at most a quarter of a degree (half
+/// the sun), or pieces of large pixels. Directions in the map's space.
 class SkyGrid {
   public:
     SkyGrid() = default;

@@ -217,8 +217,7 @@ void Lights::build_lamp(const JsonValue& value, const std::string& name, int nod
         material.specular_glossiness = true;
         material.specular = glm::vec3(0);
         material.glossiness = 0;
-        material.emission =
-            color * static_cast<float>(value.number_or("intensity", 0, 1e6, 10));
+        material.emission = color * static_cast<float>(value.number_or("intensity", 0, 1e6, 10));
         if (const auto v = value.find("seen"); v && !v->boolean()) {
             // Alpha hides what is seen of a surface, not what it shines.
             material.base_color.a = 0;
@@ -257,8 +256,7 @@ void Lights::build(const JsonValue& value, std::size_t number) {
     if (value.has("elevation") || value.has("azimuth")) {
         if (value.has("rotate") || value.has("look_at"))
             value.fail("say either `elevation` and `azimuth`, or `rotate`, or `look_at`");
-        const double up = value.need("elevation").number(-90, 90),
-                     round = value.number_or("azimuth", -360, 360, 0);
+        const double up = value.need("elevation").number(-90, 90), round = value.number_or("azimuth", -360, 360, 0);
         // Not turned, it shines along -z, out of +z: azimuth 0.
         film_.nodes[static_cast<std::size_t>(placed)].rotation = rotation_of({-up, round, 0});
     }

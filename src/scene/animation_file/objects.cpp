@@ -54,7 +54,8 @@ Mesh lathe_of(const JsonValue& value, int segments, TextureLayout layout) {
 }
 
 Mesh torus_of(const JsonValue& value, int segments, TextureLayout layout) {
-    const double radius = value.number_or("radius", smallest_size, largest_size, 0.5), tube = value.number_or("tube_radius", smallest_size, largest_size, radius / 4);
+    const double radius = value.number_or("radius", smallest_size, largest_size, 0.5),
+                 tube = value.number_or("tube_radius", smallest_size, largest_size, radius / 4);
     if (tube >= radius) value.fail("`tube_radius` must be smaller than `radius`");
     return torus_mesh(radius, tube, segments, layout);
 }
@@ -99,12 +100,13 @@ int Objects::mesh_of(const JsonValue& value) {
             break;
         case cylinder: {
             const double radius = value.number_or("radius", smallest_size, largest_size, 0.5);
-            mesh = cylinder_mesh(radius, value.number_or("top_radius", smallest_size, largest_size, radius), value.number_or("height", smallest_size, largest_size, 1), segments,
-                                 layout);
+            mesh = cylinder_mesh(radius, value.number_or("top_radius", smallest_size, largest_size, radius),
+                                 value.number_or("height", smallest_size, largest_size, 1), segments, layout);
             break;
         }
         case cone:
-            mesh = cylinder_mesh(value.number_or("radius", smallest_size, largest_size, 0.5), 0, value.number_or("height", smallest_size, largest_size, 1), segments, layout);
+            mesh = cylinder_mesh(value.number_or("radius", smallest_size, largest_size, 0.5), 0,
+                                 value.number_or("height", smallest_size, largest_size, 1), segments, layout);
             break;
         case torus:
             mesh = torus_of(value, segments, layout);
