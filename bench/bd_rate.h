@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/experiments/bd_rate.h"
+#include "app/experiments/quality_search.h"
 
 namespace render2mpeg::bench {
 

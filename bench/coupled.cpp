@@ -18,7 +18,7 @@
 
 #include "app/options/option_text.h"
 #include "app/options/options.h"
-#include "app/system/allocator.h"
+#include "app/system/memory_limit.h"
 #include "bench/coupled_films.h"
 #include "core/error.h"
 #include "parallel/loops.h"

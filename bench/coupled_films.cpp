@@ -8,9 +8,8 @@
 #include "app/loop/picture_coder.h"
 #include "core/color.h"
 #include "perceptual/display.h"
-#include "perceptual/flicker.h"
-#include "perceptual/hvs.h"
 #include "perceptual/metrics.h"
+#include "perceptual/pumping.h"
 #include "scene/preparation/traits.h"
 
 namespace render2mpeg::bench {

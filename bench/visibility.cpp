@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "app/system/allocator.h"
+#include "app/system/memory_limit.h"
 #include "core/sampling.h"
 #include "perceptual/masking.h"
 #include "perceptual/visibility_model.h"

@@ -10,6 +10,8 @@ endif()
 # The scripts that Blender runs lie beside the modules, and are found like them.
 file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/modules)
 file(CREATE_LINK ${PROJECT_SOURCE_DIR}/blender ${PROJECT_BINARY_DIR}/modules/blender SYMBOLIC)
+file(CREATE_LINK ${PROJECT_SOURCE_DIR}/src/app/farm/templates ${PROJECT_BINARY_DIR}/modules/farm SYMBOLIC)
+install(DIRECTORY src/app/farm/templates/ DESTINATION ${CMAKE_INSTALL_LIBDIR}/render2mpeg/farm)
 install(DIRECTORY blender DESTINATION ${CMAKE_INSTALL_LIBDIR}/render2mpeg FILES_MATCHING PATTERN "*.py")
 
 # Manual pages and completion are made from what the program's --help says.

@@ -5,8 +5,6 @@
 #include <cstdint>
 #include <functional>
 
-#include "core/isa_clones.h"
-
 namespace render2mpeg::perceptual {
 
 /// A rising curve from exposed light to signal, as 128 parabolas per octave from 2^first_octave to 2^last_octave: ten
@@ -48,22 +46,6 @@ class CurveTable {
             std::bit_cast<float>((std::bit_cast<std::uint32_t>(exposed) & 0x007fffffu) | 0x3f800000u);
         return {p.segment.a + p.t * (p.segment.b + p.t * p.segment.c),
                 (p.segment.b + 2.0f * p.t * p.segment.c) * (mantissa * segments_per_octave)};
-    }
-
-    /// point(exposed).log_slope, right to 1e-4 of it and to 1e-6 next to white, without branches: for loops over
-    /// pixels. Finite.
-    RENDER2MPEG_ALWAYS_INLINED float log_slope(float exposed) const {
-        const float within = core::inlined::min(core::inlined::max(exposed, first), brightest);
-        const auto bits = __builtin_bit_cast(std::uint32_t, within);
-        constexpr std::uint32_t rest = (1u << (23 - segment_bits)) - 1;
-        const float t =
-            static_cast<float>(static_cast<std::int32_t>(bits & rest)) * (1.0f / static_cast<float>(rest + 1));
-        const auto i = static_cast<std::int32_t>((bits >> (23 - segment_bits)) - first_segment);
-        const Segment* const segments = segments_.data();
-        const float mantissa = __builtin_bit_cast(float, (bits & 0x007fffffu) | 0x3f800000u);
-        // On the straight line the slope is in proportion to the light.
-        const float share = core::inlined::min(core::inlined::max(exposed, 0.0f) * (1.0f / first), 1.0f);
-        return (segments[i].b + 2.0f * t * segments[i].c) * (mantissa * segments_per_octave) * share;
     }
 
   private:

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "core/picture.h"
@@ -11,17 +12,16 @@
 #include "perceptual/signal_curve.h"
 #include "perceptual/view_transform.h"
 
-/// The way from light to code values: exposure, tone curve, transfer function and matrix.
 namespace render2mpeg::perceptual {
 
-/// Which luma weights a film uses; MPEG-2's matrix_coefficients.
+/// MPEG-2's matrix_coefficients.
 enum class ColorMatrix { bt601 = 6, bt709 = 1 };
 
 /// Weights of R', G', B' in luma: [BT709, 3.2] and [BT601, 2.5.1].
 glm::vec3 luma_weights(ColorMatrix matrix);
 
-/// The display: exposure, view (tone curve and transfer function) and matrix, each with an inverse
-/// (docs/model/display.md). Immutable; all functions may run in several threads at once.
+/// Exposure, view (tone curve and transfer function) and matrix, each with an inverse (docs/model/display.md).
+/// Immutable and thread-safe.
 class Display {
   public:
     /// Exposures beyond +-`max_exposure` EV are a broken contract.
@@ -33,12 +33,10 @@ class Display {
     /// Scene-linear radiance to a picture. Non-finite input is a broken contract; negative light counts as none.
     core::Picture develop(const core::Radiance& radiance) const;
 
-    /// The same to sRGB code values 0..255, 3 per pixel, for still images: the light that the film stands for;
-    /// Blender's views' own signals.
+    /// The same to sRGB code values 0..255, 3 per pixel; Blender's views have their own signals.
     std::vector<std::uint8_t> develop_srgb(const core::Radiance& radiance) const;
 
-    /// The tone curve by itself: scene-linear, exposed, >= 0, to display-linear in [0, 1]; monotone; and its inverse,
-    /// for values below `tone_curve(infinity)`.
+    /// Monotone tone curve from exposed light >= 0 to [0, 1], and its inverse below `tone_curve(infinity)`.
     static float tone_curve(float exposed);
     static float inverse_tone_curve(float display_linear);
 
@@ -67,17 +65,29 @@ class Display {
 /// Unrounded luma in code values, 16..235, of one radiance: what Display::develop makes of a pixel.
 float luma_of(const Display& display, glm::vec3 radiance);
 
-/// A picture of a film's own full-range signals R', G', B', clamped to [0, 1], with BT.709's primaries. The matrix and
-/// chroma are those of Display::develop. Finite values.
+/// A picture of full-range signals R', G', B', clamped to [0, 1], with BT.709's primaries. Finite values.
 core::Picture picture_of_signals(const core::Plane<glm::vec3>& signals, ColorMatrix matrix);
 
-/// A picture of the light that sRGB code values in [0, 1] stand for (as PNG files hold them, over 255), with BT.709's
-/// transfer function: one that went through develop_srgb comes back but for its rounding. Finite values.
+/// A picture of sRGB code values in [0, 1], with BT.709's transfer function: inverts develop_srgb but for rounding.
+/// Finite values.
 core::Picture picture_of_srgb(const core::Plane<glm::vec3>& codes, ColorMatrix matrix);
 
 /// The matrix for a picture of so many lines.
 inline ColorMatrix matrix_for(int height) {
     return height < 720 ? ColorMatrix::bt601 : ColorMatrix::bt709;
 }
+
+/// The exposure in EV that brings the middle of these luminances to mid grey (0.18), for a whole film from samples of
+/// some of its frames. Scene-linear luminances in any order, which does not change the result by a bit. `surfaces`
+/// decide; `sky`, what was seen past them, only where surfaces are next to nothing of what is lit: a view through a
+/// window is not to darken the room. Samples that are black, or ten stops below the bright ones and so black on the
+/// display, do not count, nor do non-finite ones; of the rest only the middle half does, so that a lamp does not
+/// decide. 0 if nothing is left.
+/// Its size is at most Display::max_exposure.
+float auto_exposure(std::span<const float> surfaces, std::span<const float> sky = {});
+
+/// Full-range R'G'B' code values 0..255, 3 per pixel, with linearly interpolated chroma: inverts picture_of_signals()
+/// but for rounding and lost chroma detail.
+std::vector<std::uint8_t> shown_rgb(const core::Picture& picture, ColorMatrix matrix);
 
 }  // namespace render2mpeg::perceptual

@@ -2,18 +2,16 @@
 // How far quantisation can move a block's coefficients: the worst case of eq. 7.3.
 #include "core/dct.h"
 
-/// The largest error of each coefficient that coding does or hides [Render2MPEG, eq. 7.3].
 namespace render2mpeg::perceptual {
 
-/// How an encoder quantises luma: all that the eye knows of it. A step is the distance between two levels of a
-/// coefficient of the orthonormal 8x8 DCT, in code values, [v * 8 + u] with u the horizontal frequency.
+/// Quantiser of luma: steps of the orthonormal 8x8 DCT's coefficients in code values, [v * 8 + u] with u the horizontal
+/// frequency.
 struct Quantisation {
     core::Block8x8
         intra{};  ///< matrix of intra macroblocks, > 0: the steps at scale 1. [0] is not looked at: see dc_step
     core::Block8x8 inter{};  ///< matrix of all others, > 0, for the residual
     float dc_step = 8.0f;    ///< of the mean coefficient of intra blocks, whatever the scale
-    /// What part of a step a coefficient needs not to vanish: half where levels round to the nearest, more with a dead
-    /// zone.
+    /// Share of a step below which a coefficient vanishes: half where levels are rounded, more with a dead zone.
     float intra_dead_zone = 0.5f, inter_dead_zone = 1.0f;
 
     bool operator==(const Quantisation&) const = default;
@@ -27,13 +25,12 @@ struct BlockCoding {
     const core::Block8x8* residual = nullptr;
 };
 
-/// The error that coding can do to each coefficient of a block, or hide in it, with the coefficient's sign (0 counts as
-/// positive): what [Render2MPEG, eq. 7.3] adds to the block `c` whose thresholds are `m` (docs/model/tolerance.md).
-/// Never 0.
+/// Largest error of each coefficient that coding does or hides, with the coefficient's sign (0 counts as positive), for
+/// the block `c` with thresholds `m` [Render2MPEG, eq. 7.3] (docs/model/tolerance.md). Never 0.
 core::Block8x8 worst_errors(const core::Block8x8& c, const core::Block8x8& m, const Quantisation& quantisation,
                             const BlockCoding& coding);
 
-/// Root mean square over the block's 64 samples of errors of its coefficients: the transform keeps energy.
+/// RMS over the block's 64 samples, since the transform keeps energy.
 float root_mean_square(const core::Block8x8& errors);
 
 }  // namespace render2mpeg::perceptual

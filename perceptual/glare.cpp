@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "core/error.h"
-#include "perceptual/eye.h"
 
 namespace render2mpeg::perceptual {
 namespace {

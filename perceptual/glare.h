@@ -6,22 +6,19 @@
 
 #include "core/glare.h"
 #include "core/plane.h"
-#include "perceptual/fourier.h"
+#include "perceptual/eye.h"
 
 namespace render2mpeg::perceptual {
 
-/// Scatters a share of a picture's light as an eye does (docs/model/display.md): half of it in a smooth veil, half in
-/// the pattern that an aperture with particles and fibres diffracts light into [Ritschel2009]. No light comes from
-/// beyond the picture's borders, and what would leave it stays where it is: an even picture stays as it is, and the sum
-/// of all light, too. Not for several threads at once.
+/// Scatters a share of the light as an eye does (docs/model/display.md), half in a smooth veil, half in the aperture's
+/// diffraction pattern [Ritschel2009]. Energy is kept and nothing crosses the borders, so that an even picture stays as
+/// it is. Not thread-safe.
 class Glare {
   public:
-    /// For pictures of this size, with pixels `pixel_aspect` > 0 times as wide as high. `exposure`, EV, tells how wide
-    /// the pupil is. Settings that show, size > 0.
+    /// `pixel_aspect` > 0: width over height of a pixel. `exposure`, EV, gives the pupil. Settings that show, size > 0.
     Glare(const core::Glare& settings, int width, int height, float pixel_aspect, float exposure);
 
-    /// Scene-linear radiance, >= 0 and finite, as the eye gets it at this time. What is above 4096 times white scatters
-    /// as if it were that bright.
+    /// The light at this time, from radiance >= 0 and finite. Above 4096 times white it scatters like that.
     core::Plane<glm::vec3> over(const core::Plane<glm::vec3>& radiance, double seconds);
 
   private:

@@ -1,6 +1,5 @@
 #pragma once
 // False-colour pictures with a legend.
-#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -8,7 +7,6 @@
 #include "core/plane.h"
 #include "perceptual/display.h"
 
-/// False-colour pictures with a legend.
 namespace render2mpeg::perceptual {
 
 /// What a false-colour picture shows, and how its legend reads.
@@ -26,12 +24,12 @@ struct HeatScale {
 /// Lines that the legend adds below a picture.
 inline constexpr int legend_height = 32;
 
-/// The colour of a value: from black over blue, red and yellow to white, its luma rising all the way, so that the
-/// order of values shows without colour, too. Not finite: grey. R', G', B' in 0..1.
+/// Black over blue, red and yellow to white, with rising luma, so that the order shows without colour. Not finite:
+/// grey. R', G', B' in 0..1.
 glm::vec3 heat_color(float value, const HeatScale& scale);
 
-/// The values in false colours with the legend below: width by height + legend_height. Of a title the words are written
-/// that fit; a first one that does not is cut off at the right.
+/// The values with a legend below: width by height + legend_height. Words of the title that do not fit are dropped; a
+/// long first one is cut.
 core::Picture heatmap(const core::Plane<float>& values, const HeatScale& scale, ColorMatrix matrix);
 
 }  // namespace render2mpeg::perceptual

@@ -2,11 +2,9 @@
 // The display's inverse: how far a pixel's light may move for a given change of luma.
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <memory>
 #include <vector>
 
-#include "core/isa_clones.h"
 #include "core/picture.h"
 #include "core/plane.h"
 #include "core/radiance.h"
@@ -48,20 +46,15 @@ class InverseLuma {
         const float from = std::clamp(luma - black, darkest, range);
         const float here = at(log_light_, from);
         if (from - distance >= darkest)
-            return luminance * (1.0f - power_of_two(exponent * (at(log_light_, from - distance) - here)));
+            return luminance * (1.0f - std::exp2(exponent * (at(log_light_, from - distance) - here)));
         const float to = std::min(distance + darkest, range);
         const float upper = at(log_light_, to), lower = at(log_light_, darkest);
         // What is black has no light to multiply, and is taken for grey.
         const float light = from > darkest ? luminance : std::max(luminance, darkest_light_);
-        const float change =
-            light * (power_of_two(exponent * (upper - here)) - power_of_two(exponent * (lower - here)));
+        const float change = light * (std::exp2(exponent * (upper - here)) - std::exp2(exponent * (lower - here)));
         if (from <= darkest) return change;
-        return std::min(change, std::max(luminance, (power_of_two(upper) - power_of_two(lower)) / gain_));
+        return std::min(change, std::max(luminance, (std::exp2(upper) - std::exp2(lower)) / gain_));
     }
-
-    /// difference() for a row of pixels, in place of their distances; at least `least` of their luminance.
-    void differences(const float* luma, const float* luminance, const float* exponent, float least, float* distance,
-                     int count) const;
 
     /// Luminance of a grey pixel half a code value above black: below this no film shows anything.
     float darkest_step() const { return darkest_step_; }
@@ -78,30 +71,13 @@ class InverseLuma {
     static constexpr auto entries = static_cast<std::size_t>(range * entries_per_code) + 1;
 
     /// Reads one of the tables below.
-    RENDER2MPEG_ALWAYS_INLINED static float at(const float* table, float above_black) {
+    static float at(const std::vector<float>& table, float above_black) {
         const float place = above_black * entries_per_code;
-        const auto i = static_cast<std::int32_t>(place);
-        const float t = place - static_cast<float>(i);
-        return table[i] + t * (table[i + 1] - table[i]);
+        const auto i = static_cast<std::size_t>(place);
+        return table[i] + (place - static_cast<float>(i)) * (table[i + 1] - table[i]);
     }
-    static float at(const std::vector<float>& table, float above_black) { return at(table.data(), above_black); }
-
-    /// 2^x by its exponent and a polynomial for the rest, right to 3e-7: std::exp2 costs five times as much.
-    /// chosen: the polynomial that meets (2^t - 1) / t in five Chebyshev points of [0, 1].
-    RENDER2MPEG_ALWAYS_INLINED static float power_of_two(float x) {
-        const float clamped = core::inlined::min(core::inlined::max(x, -120.0f), 120.0f);
-        const auto whole = static_cast<std::int32_t>(clamped + 128.0f) - 128;
-        const float t = clamped - static_cast<float>(whole);
-        const float p =
-            1.0f + t * (0.69314757f + t * (0.24020719f + t * (0.055657054f + t * (0.0091993876f + t * 0.0017883687f))));
-        return p * __builtin_bit_cast(float, (whole + 127) << 23);
-    }
-
-    /// Luminance and exponent of a row of pixels; `slopes`: of luma by the logarithm of their light, from 0 to 1.
-    void weigh(const glm::vec3* colors, const float* luma, const float* slopes, float* luminance, float* exponent,
-               int count) const;
-    void slopes_of(const glm::vec3* colors, float* slopes, int count) const;
-    void neutral_slopes_of(const glm::vec3* colors, float* slopes, int count) const;
+    /// Of luma by the logarithm of a pixel's light, from 0 to 1.
+    float slope_of(glm::vec3 color) const;
 
     glm::vec3 weights_;
     float gain_;

@@ -1,10 +1,7 @@
 #include "perceptual/masking.h"
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
-#include <cstdint>
 
 #include "core/error.h"
 
@@ -38,52 +35,6 @@ constexpr float contrast_exponent = 0.7f;
 /// where nothing is seen (0..4 code values tried).
 constexpr float black = 8.0f * 16.0f, darkest = 8.0f * 1.0f;
 
-/// x^0.7 by a table over a float's mantissa, quadratic in each segment, and one over its exponent. std::pow costs ten
-/// times as much, a quarter of a million times a picture. Relative error below 1e-6 (test).
-class ContrastPower {
-  public:
-    static const ContrastPower& instance() {
-        static const ContrastPower only;
-        return only;
-    }
-
-    /// x in [2^-14, 2^15): coefficients of 8-bit samples are below 2^11.
-    float operator()(float x) const {
-        const auto bits = std::bit_cast<std::uint32_t>(x);
-        const Segment& s = segments_[(bits >> (23 - segment_bits)) & (segment_count - 1)];
-        constexpr std::uint32_t rest = (1u << (23 - segment_bits)) - 1;
-        const float t = static_cast<float>(bits & rest) * (1.0f / static_cast<float>(rest + 1));
-        return octaves_[(bits >> 23) - first_exponent] * (s.a + t * (s.b + t * s.c));
-    }
-
-    static constexpr float smallest = 1.0f / 16384.0f;
-
-  private:
-    static constexpr int segment_bits = 6;
-    static constexpr std::uint32_t segment_count = 1u << segment_bits;
-    static constexpr std::uint32_t first_exponent = 127 - 14;
-
-    struct Segment {
-        float a, b, c;  ///< a + t (b + t c), t in [0, 1)
-    };
-
-    ContrastPower() {
-        const auto power = [](double x) { return std::pow(x, static_cast<double>(contrast_exponent)); };
-        for (std::uint32_t i = 0; i < segment_count; ++i) {
-            // Through both ends and the middle.
-            const double low = power(1.0 + i / 64.0), middle = power(1.0 + (i + 0.5) / 64.0),
-                         high = power(1.0 + (i + 1.0) / 64.0);
-            const double c = 2.0 * (low + high - 2.0 * middle);
-            segments_[i] = {static_cast<float>(low), static_cast<float>(high - low - c), static_cast<float>(c)};
-        }
-        for (std::size_t e = 0; e < octaves_.size(); ++e)
-            octaves_[e] = static_cast<float>(power(std::exp2(static_cast<double>(e) - 14.0)));
-    }
-
-    std::array<Segment, segment_count> segments_;
-    std::array<float, 30> octaves_;
-};
-
 /// Luma of block (column, row); what lies outside repeats the edge.
 core::Block8x8 samples_of(const core::Picture& picture, int column, int row) {
     core::Block8x8 block;
@@ -105,13 +56,12 @@ float above_black(const core::Block8x8& coefficients) {
 
 /// Turns a block's coefficients into its thresholds. `brightness`: [Render2MPEG, eq. 7.1]'s factor of q_ij.
 void apply_masking(core::Block8x8& block, float brightness, const core::Block8x8& sensitivity_rest) {
-    const ContrastPower& power = ContrastPower::instance();
     const float rest = std::pow(brightness, 1.0f - contrast_exponent);
     block[0] = sensitivity[0] * brightness;
     for (std::size_t i = 1; i < 64; ++i) {
         // [Render2MPEG, eq. 7.2]: t max(1, |c / t|^0.7) = max(t, |c|^0.7 t^0.3).
-        const float t = sensitivity[i] * brightness, c = std::max(std::abs(block[i]), ContrastPower::smallest);
-        block[i] = std::max(t, power(c) * (sensitivity_rest[i] * rest));
+        const float t = sensitivity[i] * brightness, c = std::abs(block[i]);
+        block[i] = std::max(t, std::pow(c, contrast_exponent) * (sensitivity_rest[i] * rest));
     }
 }
 

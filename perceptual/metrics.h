@@ -6,22 +6,20 @@
 #include "core/picture.h"
 #include "core/plane.h"
 
-/// The metrics PSNR and SSIM, of pictures and of films.
 namespace render2mpeg::perceptual {
 
 /// Mean squared difference of two planes of the same size, in code values squared.
 double mean_squared_error(const core::Plane<std::uint8_t>& a, const core::Plane<std::uint8_t>& b);
 
-/// Peak signal-to-noise ratio in dB for 8-bit planes (peak 255); +infinity for equal ones. Films are averaged by their
-/// mean squared error, as ffmpeg's `psnr` filter does.
+/// PSNR in dB for 8-bit planes; +infinity for equal ones. Films are averaged by their mean squared error, as in
+/// ffmpeg's `psnr`.
 double psnr(double mean_squared_error);
 
-/// Structural similarity in [-1, 1] [Wang2004] with the block sums of ffmpeg's `ssim` filter: 8x8 windows every 4
-/// pixels. Films are averaged arithmetically. 1 for planes too small for one window that are equal.
+/// SSIM in [-1, 1] [Wang2004] with the block sums of ffmpeg's `ssim`: 8x8 windows every 4 pixels. Films are averaged
+/// arithmetically. 1 for equal planes without a window.
 double ssim(const core::Plane<std::uint8_t>& a, const core::Plane<std::uint8_t>& b);
 
-/// Quality of a film's luma, picture by picture, averaged as ffmpeg's `psnr` and `ssim` filters do
-/// (docs/model/metrics.md).
+/// Luma quality of a film, averaged as by ffmpeg's `psnr` and `ssim` (docs/model/metrics.md).
 class FilmQuality {
   public:
     /// Both pictures have the same size.
@@ -41,5 +39,12 @@ class FilmQuality {
   private:
     std::vector<double> errors_, similarities_;  ///< of the pictures
 };
+
+/// Mean squared error of two planes of the same size as the eye sees it: differences of DCT coefficients are weighted
+/// by contrast sensitivity, after what the block's own contrast hides was taken off (docs/model/metrics.md). In
+/// code values squared, to be averaged over a film and then given to psnr(). 0 for equal planes, and where the eye sees
+/// no difference. Like the original it looks at whole 8x8 blocks only; a plane too small for one is filled up to one by
+/// repeating its edges. Symmetric.
+double masked_error(const core::Plane<std::uint8_t>& a, const core::Plane<std::uint8_t>& b);
 
 }  // namespace render2mpeg::perceptual

@@ -6,7 +6,6 @@
 #include "core/motion_field.h"
 #include "core/plane.h"
 
-/// Measures how coding errors of brightness change over time.
 namespace render2mpeg::perceptual {
 
 /// What coding did to luma: decoded minus source, code values.
@@ -20,9 +19,14 @@ core::Plane<std::int16_t> luma_error(const core::Plane<std::uint8_t>& decoded, c
 std::optional<double> pumping(const core::MotionField* motion, const core::Plane<std::int16_t>& now,
                               const core::Plane<std::int16_t>& before);
 
-/// How much light changes from the picture before: by how much the means of such blocks of luma do along motion, mean
-/// over the blocks, code values. A block that changes by more than 8 shows something else and does not count.
+/// Mean change of such blocks' mean luma along motion, code values. A change by more than 8 shows something else and
+/// does not count.
 std::optional<double> light_change(const core::MotionField* motion, const core::Plane<std::uint8_t>& now,
                                    const core::Plane<std::uint8_t>& before);
+
+/// Mean absolute change of luma along motion (from `now` to `before`), code values; points outside do not count, 0
+/// without any. A film's flicker is the excess over its reference's.
+double change_along(const core::MotionField& motion, const core::Plane<std::uint8_t>& now,
+                    const core::Plane<std::uint8_t>& before);
 
 }  // namespace render2mpeg::perceptual

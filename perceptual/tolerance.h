@@ -1,5 +1,6 @@
 #pragma once
 // Tolerances of pixels from the errors of their blocks, in space and time: eqs. 7.4 and 7.5.
+#include <cstdint>
 #include <functional>
 
 #include "core/dct.h"
@@ -7,26 +8,33 @@
 #include "perceptual/distortion.h"
 #include "perceptual/inverse_luma.h"
 
-/// From blocks' errors to tolerances of pixels' luminance [Render2MPEG, eq. 7.4 and 7.5].
 namespace render2mpeg::perceptual {
+
+/// k: the share of what coding hides that gathering light may use so that a film loses 0.05 dB of PSNR-Y by it at most
+/// against the truth: half of what `--loss` gives to all parts. Beyond it errors of lighting add to those of coding; at
+/// 1 the eye's model alone would find them. In (0, 1]; of pictures that nothing is predicted from. fit:
+/// docs/measurements.md#tolerance-fraction. The same for every quantiser: a power of it gains nothing.
+inline constexpr float default_tolerance_fraction = 0.5f;
+
+/// Share of k for a picture that `followers` >= 0 later ones depend on, since coding hands errors on: 1 without any,
+/// less in I pictures than in P pictures. In (0, 1].
+float propagation_factor(bool intra, std::int64_t followers);
 
 /// Blocks' errors: coefficient by coefficient, with signs, for block (column, row).
 using BlockErrors = std::function<core::Block8x8(int column, int row)>;
 
-/// Distances of luma in code values, > 0, for a picture of this size: the root mean squares of its blocks' errors,
-/// interpolated between blocks (docs/decisions.md#told-by-blocks).
+/// RMS of the blocks' errors, interpolated between blocks, > 0, code values (docs/decisions.md#told-by-blocks).
 core::Plane<float> distances(int width, int height, const BlockErrors& errors);
 
 /// The share of its luminance that a pixel may be off where nothing else is known. [Render2MPEG, 4.2]
 inline constexpr float least_relative = 0.02f;
 
-/// Turns distances of luma into tolerances of luminance, in place: e = max(0.02 Y, |Y^ - Y|)
-/// [Render2MPEG, eq. 7.4] with a distance of at least half a code value, which no 8-bit film tells apart; in the dark
-/// that is more than 2 % of nearly nothing.
+/// Luma distances to luminance tolerances in place: e = max(0.02 Y, |Y^ - Y|) [Render2MPEG, eq. 7.4], with at least
+/// half a code value.
 void to_tolerances(core::Plane<float>& distances, const PixelLight& light, const InverseLuma& display);
 
-/// dY(t) = (1 - w) e + w dY(t - 1) [Render2MPEG, eq. 7.5], in place of e: with w = 0.5 where `before`, warped along
-/// motion, is > 0, and w = 0 elsewhere. An empty `before` changes nothing.
+/// dY(t) = (1 - w) e + w dY(t - 1) [Render2MPEG, eq. 7.5] in place of e; w = 0.5 where the warped `before` is > 0, else
+/// 0. An empty `before` changes nothing.
 void blend(core::Plane<float>& errors, const core::Plane<float>& before);
 
 }  // namespace render2mpeg::perceptual

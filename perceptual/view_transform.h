@@ -1,5 +1,5 @@
 #pragma once
-// Blender's views: what they make of exposed light, how that follows the light, and which grey light stands behind it.
+// Blender's views: signals of exposed light, their slope, and their inverse for grey.
 #include <glm/glm.hpp>
 
 #include "core/view.h"
@@ -10,14 +10,13 @@ namespace render2mpeg::perceptual {
 /// Signals R', G', B' in [0, 1].
 struct ShownLight {
     glm::vec3 signal;
-    /// Derivative of the signals by the natural logarithm of the light, its colour kept. Where a channel is cut off at
-    /// white: what keeps tolerances from letting it fall too far (docs/model/display.md).
+    /// Derivative by the logarithm of the light, its colour kept. Where a channel is clipped at white it limits
+    /// tolerances (docs/model/display.md).
     glm::vec3 log_slope;
 };
 
-/// A view other than `neutral`, in four steps: channels mix, a curve for each channel, channels mix again, gamma
-/// (docs/model/display.md). Steps that a view has not are the identity. Its signals are sRGB code values over 255.
-/// Immutable; all functions may run in several threads at once.
+/// A view other than `neutral`: mix channels, curve, mix again, gamma (docs/model/display.md). Signals are sRGB code
+/// values over 255. Immutable and thread-safe.
 class ViewTransform {
   public:
     /// A view of the name `neutral` is a broken contract.

@@ -7,8 +7,6 @@
 #include "core/error.h"
 #include "core/isa_clones.h"
 #include "core/sampling.h"
-#include "perceptual/masking.h"
-#include "perceptual/warp.h"
 
 namespace render2mpeg::perceptual {
 namespace {
@@ -142,7 +140,6 @@ TemporalState VisibilityModel::judge(Observation observation, const CodedFacts& 
         observation.thresholds = mask(observation.coefficients, observation.number);
     }
     state.visible = std::move(observation.visible);
-    if (strategy_ == Strategy::warped) state.quads = quads_of(*state.visible);
     state.coefficients = std::move(observation.coefficients);
     state.thresholds = std::move(observation.thresholds);
     state.light = std::move(observation.light);
@@ -165,7 +162,6 @@ TemporalState VisibilityModel::assume_coded(Observation observation, const Codin
                                             macroblocks(observation.light.height()), plan.intra ? 1 : 0);
     state.emphasis = core::Plane<float>(state.intra.width(), state.intra.height(), 1.0f);
     state.visible = std::move(observation.visible);
-    if (strategy_ == Strategy::warped) state.quads = quads_of(*state.visible);
     state.coefficients = std::move(observation.coefficients);
     state.thresholds = std::move(observation.thresholds);
     state.light = std::move(observation.light);
@@ -220,9 +216,8 @@ Tolerated VisibilityModel::tolerate(const core::Visible& visible, const Requanti
     EXPECTS(fraction > 0.0f);
     EXPECTS(motion == nullptr || motion->reference == state.number);
     Tolerated tolerated;
-    tolerated.warped = strategy_ == Strategy::warped
-                           ? warp(requantised.masked, *state.visible, state.quads, visible, motion)
-                           : requantised.masked;
+    tolerated.warped =
+        strategy_ == Strategy::warped ? warp(requantised.masked, *state.visible, visible, motion) : requantised.masked;
     tolerated.map.pixels = core::Plane<core::Tolerance>(visible.width(), visible.height());
     const float darkest = light_.darkest_step();
     // What nobody saw before is as likely to hide errors as the rest: held to 2 % it would stand out as bands.

@@ -13,7 +13,7 @@
 #include "perceptual/display.h"
 #include "perceptual/distortion.h"
 #include "perceptual/inverse_luma.h"
-#include "perceptual/threshold_map.h"
+#include "perceptual/masking.h"
 #include "perceptual/tolerance.h"
 #include "perceptual/warp.h"
 
@@ -64,7 +64,6 @@ struct Observation {
 struct TemporalState {
     std::int64_t number = 0;
     std::shared_ptr<const core::Visible> visible;
-    Quads quads;                               ///< of `visible`; empty where nothing is warped
     core::Plane<core::Block8x8> coefficients;  ///< of what masks: the picture, or its decoded version
     core::Plane<core::Block8x8> residual;      ///< of the picture minus its prediction; empty: not known
     ThresholdMap thresholds;

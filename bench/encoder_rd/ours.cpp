@@ -3,13 +3,12 @@
 #include <memory>
 #include <optional>
 
-#include "app/loop/frames_ahead.h"
+#include "app/loop/frame_source.h"
 #include "app/loop/picture_coder.h"
 #include "core/numeric.h"
 #include "encoder/encoder.h"
 #include "encoder_rd/codecs.h"
 #include "encoder_rd/full_search.h"
-#include "perceptual/hvs.h"
 #include "perceptual/metrics.h"
 
 namespace render2mpeg::bench {

@@ -1,7 +1,6 @@
 #include "encoder/av/sequence_facts.h"
 
 #include <algorithm>
-#include <cstddef>
 
 #include "core/error.h"
 

@@ -4,7 +4,6 @@
 #include <cerrno>
 #include <cstring>
 #include <sstream>
-#include <string>
 #include <system_error>
 
 #include "core/error.h"

@@ -7,24 +7,16 @@
 #include <new>
 #include <string>
 
-#include "app/commands/encode.h"
-#include "app/commands/info.h"
-#include "app/commands/render.h"
-#include "app/commands/watch.h"
-#include "app/experiments/compare.h"
-#include "app/experiments/cost.h"
-#include "app/experiments/tune.h"
-#include "app/farm/farm_status.h"
-#include "app/farm/join.h"
-#include "app/farm/part.h"
-#include "app/farm/planning.h"
+#include "app/commands/commands.h"
+#include "app/experiments/experiments.h"
+#include "app/farm/farm.h"
 #include "app/options/options.h"
 #include "app/options/usage_error.h"
 #include "app/probe.h"
-#include "app/system/allocator.h"
+#include "app/system/memory_limit.h"
 #include "app/system/progress.h"
 #include "app/system/terminal.h"
-#include "scene/isolation/probed.h"
+#include "scene/isolation/probe.h"
 
 namespace {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "app/commands/info.h"
+#include "app/commands/commands.h"
 #include "app/options/options.h"
 #include "app/system/probes.h"
 #include "core/error.h"
@@ -15,7 +15,7 @@
 #include "scene/assimp/load.h"
 #include "scene/blender/export.h"
 #include "scene/gltf/load.h"
-#include "scene/isolation/probed.h"
+#include "scene/isolation/probe.h"
 
 namespace render2mpeg::app {
 namespace {

@@ -27,6 +27,21 @@ std::uint64_t checksum_of(const std::filesystem::path& file) {
     return sum.value();
 }
 
+std::uint32_t crc_of(std::span<const std::byte> bytes) {
+    static constexpr std::array<std::uint32_t, 256> table = [] {
+        std::array<std::uint32_t, 256> values{};
+        for (std::uint32_t n = 0; n < 256; ++n) {
+            std::uint32_t c = n;
+            for (int k = 0; k < 8; ++k) c = c & 1 ? 0xedb88320u ^ (c >> 1) : c >> 1;
+            values[n] = c;
+        }
+        return values;
+    }();
+    std::uint32_t crc = 0xffffffffu;
+    for (const std::byte b : bytes) crc = table[(crc ^ std::to_integer<std::uint32_t>(b)) & 0xff] ^ (crc >> 8);
+    return ~crc;
+}
+
 std::string checksum_text(std::uint64_t checksum) {
     std::string text(16, '0');
     for (std::size_t k = 0; k < text.size(); ++k) text[k] = "0123456789abcdef"[(checksum >> (60 - 4 * k)) & 15];

@@ -7,8 +7,8 @@ namespace render2mpeg::core {
 /// An 8x8 block, row by row: samples [y * 8 + x], or coefficients [v * 8 + u] with u the horizontal frequency.
 using Block8x8 = std::array<float, 64>;
 
-/// The orthonormal two-dimensional DCT-II of the eye's model (docs/model/tolerance.md): coefficient 0 is 8 times the
-/// mean. The encoder has its own integer transform.
+/// Orthonormal DCT-II of the eye's model (docs/model/tolerance.md): coefficient 0 is 8 times the mean. The encoder has
+/// an integer transform.
 Block8x8 forward_dct(const Block8x8& samples);
 
 /// Its inverse.

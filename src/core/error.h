@@ -6,12 +6,10 @@
 
 namespace render2mpeg::core {
 
-/// What went wrong, as one line a user can act on: `<what was being done> <file>[: <object>]: <cause>`.
-/// Thrown at the edges only (files, outside libraries, options); caught once, in main.
+/// One line a user can act on: `<doing> <file>[: <object>]: <cause>`. Thrown at the edges only; caught in main.
 class Error : public std::runtime_error {
   public:
-    /// `doing` is a present participle ("reading", "writing"), `file` the path as the user gave it, `cause` says what
-    /// is wrong and, where it can, what would be right.
+    /// `doing`: a present participle; `file`: as the user gave it; `cause`: the error and, if possible, its cure.
     Error(std::string_view doing, std::string_view file, std::string_view cause);
     /// The same for one object within the file, e.g. `mesh "Chair", primitive 2`.
     Error(std::string_view doing, std::string_view file, std::string_view object, std::string_view cause);

@@ -2,10 +2,8 @@
 // Glare: what bright light does in the eye, as a film asks for it.
 #include <array>
 #include <cstdint>
-#include <string>
 #include <string_view>
 
-/// What bright light does in the eye, as animation files and the command line ask for it.
 namespace render2mpeg::core {
 
 enum class GlareKind : std::uint8_t {

@@ -21,19 +21,10 @@ std::string loader_message() {
 }
 
 void* open_module(const std::string& file) {
-    std::string searched;
-    for (const fs::path& folder : module_folders()) {
-        const fs::path path = folder / file;
-        std::error_code failure;
-        if (!fs::exists(path, failure)) {
-            searched += (searched.empty() ? "" : ", ") + folder.string();
-            continue;
-        }
-        void* handle = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
-        if (handle == nullptr) throw Error("opening", path.string(), loader_message());
-        return handle;
-    }
-    throw Error("opening", file, "not found in " + searched + "; RENDER2MPEG_MODULES can name its folder");
+    const fs::path path = installed_file(file);
+    void* handle = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (handle == nullptr) throw Error("opening", path.string(), loader_message());
+    return handle;
 }
 
 }  // namespace
@@ -56,6 +47,16 @@ std::vector<fs::path> module_folders() {
     }
     folders.emplace_back(RENDER2MPEG_MODULES_INSTALLED);
     return folders;
+}
+
+fs::path installed_file(const std::string& name) {
+    std::string searched;
+    for (const fs::path& folder : module_folders()) {
+        std::error_code failure;
+        if (fs::exists(folder / name, failure)) return folder / name;
+        searched += (searched.empty() ? "" : ", ") + folder.string();
+    }
+    throw Error("opening", name, "not found in " + searched + "; RENDER2MPEG_MODULES can name its folder");
 }
 
 void* module_symbol(const std::string& part, const std::string& symbol) {

@@ -12,8 +12,7 @@ namespace render2mpeg::core {
 struct MotionField {
     std::int64_t picture = 0;    ///< display number
     std::int64_t reference = 0;  ///< display number; before or after `picture`
-    /// Position in the reference minus position here, in pixels, y down. Meaningless where the class is `none`; may
-    /// point outside the picture.
+    /// Position in the reference minus position here, pixels, y down; may point outside. Meaningless for class `none`.
     Plane<glm::vec2> vector;
     /// Depth that the pixel's point has in the reference's camera; +infinity for the sky. Empty where nobody needs it.
     Plane<float> depth_in_reference;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <glm/glm.hpp>
 
-/// Divisions, roots and inverse functions that can meet the edge of their domain go through here.
 namespace render2mpeg::core {
 
 /// a / b, or `otherwise` where b is 0 or the quotient is not finite.
@@ -45,8 +44,7 @@ inline bool is_finite(const glm::mat4& m) {
     return true;
 }
 
-/// v / |v|, or `otherwise` where v has no direction (zero, not finite). Scaled first, so that neither 1e-30 nor 1e30
-/// under- or overflows in the square.
+/// v / |v|, or `otherwise` where v has no direction. Scaled first, so that 1e-30 and 1e30 neither under- nor overflow.
 inline glm::vec3 normalize_or(glm::vec3 v, glm::vec3 otherwise) {
     const float m = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
     if (!is_finite(v) || m == 0.0f) return otherwise;

@@ -6,9 +6,8 @@
 
 namespace render2mpeg::core {
 
-/// One picture in display order: Y'CbCr 4:2:0, 8 bit, limited range (luma 16..235, chroma 16..240), chroma sited as in
-/// MPEG-2 (horizontally on the even luma columns, vertically between two rows). Chroma planes have (w + 1) / 2 by (h +
-/// 1) / 2 samples.
+/// A picture in display order: 8-bit Y'CbCr 4:2:0, limited range (luma 16..235, chroma 16..240), chroma sited as in
+/// MPEG-2; chroma planes have (w + 1) / 2 by (h + 1) / 2 samples.
 struct Picture {
     std::int64_t number = 0;  ///< display number, from 0
     Plane<std::uint8_t> y, cb, cr;

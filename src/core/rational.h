@@ -15,8 +15,7 @@ struct Rational {
     bool operator==(const Rational&) const = default;
 };
 
-/// The ratio a user means by "16:9" or "2.21:1": two positive numbers with at most three decimals, up to 10000. In
-/// lowest terms. Throws Error otherwise.
+/// "16:9" or "2.21:1": positive numbers with at most three decimals, up to 10000, in lowest terms. Throws Error.
 Rational ratio_from(const std::string& text);
 
 /// In lowest terms.

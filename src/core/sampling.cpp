@@ -1,5 +1,6 @@
 #include "core/sampling.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -12,17 +13,10 @@
 namespace render2mpeg::core {
 namespace {
 
-/// Bases of the sequence: the first `halton_dimensions` primes. Digits are mirrored several at a time, by tables of all
-/// the numbers that so many digits can make.
 struct HaltonBase {
-    std::uint64_t block = 0;       ///< the largest power of the prime that is at most `most_entries`, or the prime
-    std::uint64_t reciprocal = 0;  ///< floor(2^64 / block) + 1
-    double inverse = 0;            ///< 1 / block
-    std::vector<std::uint16_t> mirrored;  ///< of each number below `block`: its digits, permuted, the first one last
+    std::uint32_t prime = 2;
+    std::vector<std::uint32_t> permutation;  ///< of its digits
 };
-constexpr std::uint64_t most_entries = 4096;
-/// Below, the reciprocal's rounding (at most block / 2^64 of the index) does not reach the quotient.
-constexpr std::uint64_t exact_below = std::uint64_t{1} << 52;
 
 /// A permutation of the digits 0..prime-1: of all but 0, so that the infinite tail of zeros adds nothing. Bases 2 and 3
 /// stay plain.
@@ -37,43 +31,19 @@ std::vector<std::uint32_t> permutation_of(std::uint32_t prime, int dimension) {
     return permutation;
 }
 
-HaltonBase base_of(std::uint32_t prime, int dimension) {
-    const std::vector<std::uint32_t> permutation = permutation_of(prime, dimension);
-    HaltonBase base;
-    base.block = prime;
-    while (base.block * prime <= most_entries) base.block *= prime;
-    base.reciprocal = ~std::uint64_t{0} / base.block + 1;
-    base.inverse = 1.0 / static_cast<double>(base.block);
-    for (std::uint64_t number = 0; number < base.block; ++number) {
-        std::uint64_t mirrored = 0, rest = number;
-        for (std::uint64_t place = 1; place < base.block; place *= prime, rest /= prime)
-            mirrored = mirrored * prime + permutation[rest % prime];
-        base.mirrored.push_back(static_cast<std::uint16_t>(mirrored));
-    }
-    return base;
-}
-
 const std::array<HaltonBase, halton_dimensions>& bases() {
     static const std::array<HaltonBase, halton_dimensions> instance = [] {
         std::array<HaltonBase, halton_dimensions> all;
-        std::array<std::uint32_t, halton_dimensions> prime{};
         int found = 0;
         for (std::uint32_t n = 2; found < halton_dimensions; ++n) {
-            bool composite = false;
-            for (int i = 0; i < found && prime[i] * prime[i] <= n; ++i) composite = composite || n % prime[i] == 0;
-            if (composite) continue;
-            all[static_cast<std::size_t>(found)] = base_of(n, found);
-            prime[found++] = n;
+            if (std::any_of(all.begin(), all.begin() + found, [&](const HaltonBase& b) { return n % b.prime == 0; }))
+                continue;
+            all[static_cast<std::size_t>(found)] = {n, permutation_of(n, found)};
+            ++found;
         }
         return all;
     }();
     return instance;
-}
-
-/// index / base.block
-std::uint64_t blocks_in(std::uint64_t index, const HaltonBase& base) {
-    if (index >= exact_below) return index / base.block;
-    return static_cast<std::uint64_t>(static_cast<unsigned __int128>(index) * base.reciprocal >> 64);
 }
 
 constexpr float below_one = 0x1.fffffep-1f;
@@ -94,13 +64,11 @@ float uniform(std::uint64_t seed, std::uint64_t a, std::uint64_t b, std::uint64_
 
 float halton(int dimension, std::uint64_t index) {
     EXPECTS(dimension >= 0 && dimension < halton_dimensions);
-    const HaltonBase& base = bases()[static_cast<std::size_t>(dimension)];
+    const auto& [prime, permutation] = bases()[static_cast<std::size_t>(dimension)];
     double value = 0.0, unit = 1.0;
-    while (index > 0) {
-        const std::uint64_t rest = blocks_in(index, base);
-        value = value * static_cast<double>(base.block) + base.mirrored[index - rest * base.block];
-        unit *= base.inverse;
-        index = rest;
+    for (; index > 0; index /= prime) {
+        value = value * prime + permutation[index % prime];
+        unit /= prime;
     }
     return std::min(static_cast<float>(value * unit), below_one);
 }

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 
-/// Random numbers without state: the same counters give the same numbers in any order and on any thread.
 namespace render2mpeg::core {
 
 /// A well-mixed 64-bit hash of a 64-bit counter. [Steele2014, SplitMix64 finaliser]

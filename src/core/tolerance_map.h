@@ -6,8 +6,8 @@
 
 namespace render2mpeg::core {
 
-/// How far a pixel's luminance may be from the truth: the larger of an absolute part, in proportion less where the
-/// pixel gets less light than the background that it was found for, and a part of its own luminance.
+/// Tolerance of a pixel's luminance: the larger of an absolute part, scaled down below its background, and a relative
+/// part.
 struct Tolerance {
     float absolute = 0;    ///< scene-linear luminance, >= 0
     float relative = 0;    ///< share of the pixel's own luminance, >= 0

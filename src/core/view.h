@@ -4,7 +4,6 @@
 #include <string>
 #include <string_view>
 
-/// Views by name, as animation files and the command line have them.
 namespace render2mpeg::core {
 
 /// From exposed light to what a display shows (docs/model/display.md). `neutral` is our own; the others are Blender's.

@@ -10,12 +10,12 @@
 
 namespace render2mpeg::core {
 
-/// What kind of thing a pixel shows, and so how it moves. `reflected`: a mirror or glass, whose image moves neither
-/// with its surface nor with the world.
+/// Kind of a pixel's thing, by its motion. `reflected`: a mirror or glass, whose image moves neither with surface nor
+/// world.
 enum class PixelClass : std::uint8_t { none, surface, sky, reflected };
 
-/// What one frame's pixels see: small enough to keep for several frames. All planes have the frame's size. Where a
-/// pixel holds several surfaces, it is the one at the pixel's centre.
+/// Primary visibility of a frame at pixel centres, in planes of the frame's size; small enough to keep for several
+/// frames.
 struct Visible {
     std::int64_t frame = 0;
     Plane<SurfaceAddress> address;         ///< no surface where the class is `none` or `sky`

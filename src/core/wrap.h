@@ -2,7 +2,6 @@
 // What a texture shows outside [0, 1].
 namespace render2mpeg::core {
 
-/// What a texture shows outside [0, 1].
 enum class Wrap { repeat, mirrored_repeat, clamp_to_edge };
 
 }  // namespace render2mpeg::core

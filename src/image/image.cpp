@@ -1,6 +1,5 @@
 #include "image/image.h"
 
-#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <set>
@@ -8,11 +7,8 @@
 
 #include "core/error.h"
 #include "core/module.h"
-#include "image/channels.h"
-#include "image/exr_attributes.h"
 #include "image/format.h"
 #include "image/module/codec.h"
-#include "image/png_chunks.h"
 
 namespace render2mpeg::image {
 namespace {

@@ -14,9 +14,8 @@
 
 namespace render2mpeg::image {
 
-/// A decoded image, always four channels of float; what the file lacks is filled in (grey to RGB, alpha 1). Code values
-/// of 8- and 16-bit files are scaled to 0..1 and not linearised: only the user of the image knows whether they are
-/// colours.
+/// A decoded image in float RGBA; grey becomes RGB, alpha 1. 8- and 16-bit code values are scaled to 0..1, not
+/// linearised: only the user knows whether they are colours.
 struct Image {
     core::Plane<glm::vec4> pixels;  ///< (0, 0) is the upper left
     bool has_alpha = false;         ///< the file had one
@@ -30,11 +29,11 @@ inline constexpr float overflowed = 65504.0f;
 /// How many values of the image's colours are infinite or NaN.
 std::size_t count_non_finite(const Image& image);
 
-/// Reads a file, or `bytes` (if not empty) that came from one. `name` is for messages. Throws core::Error; sizes beyond
-/// `max_pixels` are refused before anything of that size is allocated.
+/// Reads a file, or `bytes` unless empty. `name` is for messages. Throws core::Error, for more than `max_pixels` before
+/// allocating.
 Image read_image(const std::filesystem::path& path, std::span<const std::byte> bytes, const std::string& name);
 
-/// Opens the libraries that images are read with, which takes half a second: for whoever lets children read some first.
+/// Opens image libraries, which takes half a second: before probes are started.
 void open_decoders();
 
 /// chosen: a sky of 16384x8192 pixels is read, which takes 3.5 GB as a texture of 8-bit colours. A file of less than a
@@ -67,8 +66,7 @@ struct FrameFacts {
     std::optional<glm::mat4> world_to_ndc = {};     ///< (0, 0) the picture's upper left corner, (1, 1) lower right
 };
 
-/// Writes an OpenEXR with these channels under a temporary name and renames it when whole. Colours have BT.709's
-/// primaries and white, and the header says so. Throws core::Error.
+/// Writes an OpenEXR atomically, with BT.709's primaries and white. Throws core::Error.
 void write_exr(const std::filesystem::path& path, int width, int height, std::span<const Channel> channels,
                const FrameFacts& facts = {});
 
@@ -87,9 +85,8 @@ struct ExrChannels {
     float pixel_aspect = 1;         ///< width over height of a pixel
 };
 
-/// Reads those channels of a flat OpenEXR file whose name is `wanted`, over its display window; 0 where the file has no
-/// data. Of a file of several parts, the first. Throws core::Error; sizes beyond
-/// `max_pixels` are refused before anything of that size is allocated.
+/// Reads the `wanted` channels of a flat OpenEXR (its first part) over the display window; 0 outside its data. Throws
+/// core::Error, for more than `max_pixels` before allocating.
 ExrChannels read_exr(const std::filesystem::path& path, const std::function<bool(const std::string&)>& wanted);
 
 /// A frame of an OpenEXR file and other channels of it.
@@ -98,8 +95,7 @@ struct ExrFrame {
     ExrChannels others;  ///< those that were wanted
 };
 
-/// Both at once: a file's channels are packed together, and unpacking them is what takes the time. Throws as
-/// read_exr().
+/// Both at once, since channels are packed together. Throws as read_exr().
 ExrFrame read_exr_frame(const std::filesystem::path& path, const std::function<bool(const std::string&)>& wanted);
 
 }  // namespace render2mpeg::image

@@ -1,6 +1,5 @@
 #include "image/layers.h"
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>

@@ -5,7 +5,6 @@
 #include "core/color.h"
 #include "core/numeric.h"
 #include "renderer/air/airlight.h"
-#include "renderer/calibration/audit.h"
 #include "renderer/caustics/caustics.h"
 
 namespace render2mpeg::renderer {

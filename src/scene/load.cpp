@@ -1,6 +1,5 @@
 #include "scene/load.h"
 
-#include <algorithm>
 #include <cstdint>
 #include <system_error>
 
@@ -11,7 +10,6 @@
 #include "scene/blender/export.h"
 #include "scene/gltf/load.h"
 #include "scene/isolation/probe.h"
-#include "scene/model/choice.h"
 #include "scene/model/wording.h"
 #include "scene/preparation/complete.h"
 
@@ -29,7 +27,7 @@ void choose_camera(Animation& animation, const std::string& wanted) {
 Animation load_blend(const std::filesystem::path& file, const LoadOptions& options) {
     const BlenderExport exported = export_blend(file);
     Animation animation = load_animation_file(exported.film, options, load_as_is);
-    // Blender's renderers bend light at every glass; open meshes are its films.
+    // Blender bends light at every glass; open meshes are thin.
     for (Material& material : animation.materials)
         if (material.transmission > 0 && material.thickness == Thickness::thin)
             material.thickness = Thickness::solid_where_closed;
@@ -48,7 +46,7 @@ Animation load_as_is(const std::filesystem::path& file, const LoadOptions& optio
     const std::string ending = core::ending_of(file);
     if (ending == ".gltf" || ending == ".glb")
         return load_gltf(file, options, [&](std::uintmax_t bytes) {
-            // Decoders of compressed meshes are not ours either.
+            // Decoders of compressed meshes are outside code.
             if (!Probe::is_possible()) return;
             const ProbeLimits limits = limits_for(bytes);
             text_of(Probe(limits, {"gltf", file.string()}).end(), file.string(), limits);
@@ -56,7 +54,7 @@ Animation load_as_is(const std::filesystem::path& file, const LoadOptions& optio
     if (ending == ".json") return load_animation_file(file, options, load_as_is);
     if (ending == ".blend") return load_blend(file, options);
     if (options.variant) throw core::Error("reading", file.string(), no_such("variant", *options.variant, {}));
-    // Assimp is not ours, and some of its parsers trust what a file says.
+    // Assimp's parsers are outside code.
     if (Probe::is_possible()) {
         std::vector<std::string> words{"scene", file.string()};
         if (options.animation) words.push_back(*options.animation);

@@ -6,8 +6,7 @@
 #include <vector>
 
 #include "app/farm/farm_plan.h"
-#include "app/farm/part_list.h"
-#include "app/options/farm_options.h"
+#include "app/options/command_options.h"
 #include "core/error.h"
 #include "farm/farm_film.h"
 

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "app/loop/vector_layers.h"
+#include "app/loop/motion_source.h"
 #include "core/error.h"
 #include "core/numeric.h"
 #include "encoder/av/y4m_reader.h"

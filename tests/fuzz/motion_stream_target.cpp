@@ -3,7 +3,7 @@
 
 #include <stdexcept>
 
-#include "app/loop/motion_pipe.h"
+#include "app/loop/motion_source.h"
 #include "core/error.h"
 #include "core/numeric.h"
 #include "fuzz/input.h"

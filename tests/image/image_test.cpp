@@ -10,7 +10,7 @@
 
 #include "core/error.h"
 #include "core/sampling.h"
-#include "image/channels.h"
+#include "image/format.h"
 #include "reading.h"
 #include "tests/support/program.h"
 

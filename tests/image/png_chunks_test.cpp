@@ -1,4 +1,4 @@
-#include "image/png_chunks.h"
+#include "image/format.h"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,6 @@
 
 #include "core/color.h"
 #include "core/sampling.h"
-#include "image/halve.h"
 
 namespace render2mpeg::image {
 namespace {

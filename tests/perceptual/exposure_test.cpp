@@ -1,4 +1,4 @@
-#include "perceptual/exposure.h"
+#include "perceptual/display.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "core/sampling.h"
-#include "perceptual/display.h"
 
 namespace render2mpeg::perceptual {
 namespace {

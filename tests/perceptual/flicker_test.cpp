@@ -1,4 +1,4 @@
-#include "perceptual/flicker.h"
+#include "perceptual/pumping.h"
 
 #include <gtest/gtest.h>
 

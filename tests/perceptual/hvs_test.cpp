@@ -1,4 +1,4 @@
-#include "perceptual/hvs.h"
+#include "perceptual/metrics.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,6 @@
 
 #include "core/error.h"
 #include "core/sampling.h"
-#include "perceptual/metrics.h"
 
 namespace render2mpeg::perceptual {
 namespace {

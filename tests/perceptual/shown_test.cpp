@@ -1,4 +1,4 @@
-#include "perceptual/shown.h"
+#include "perceptual/display.h"
 
 #include <gtest/gtest.h>
 

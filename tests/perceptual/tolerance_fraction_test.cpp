@@ -1,4 +1,4 @@
-#include "perceptual/tolerance_fraction.h"
+#include "perceptual/tolerance.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "app/loop/counters.h"
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
 #include "core/color.h"

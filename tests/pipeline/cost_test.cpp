@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "app/experiments/sweep.h"
+#include "app/experiments/film_costs.h"
 #include "app/experiments/trial.h"
 #include "app/experiments/trial_command.h"
 #include "app/options/option_text.h"

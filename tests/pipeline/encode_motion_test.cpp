@@ -3,8 +3,7 @@
 #include <fstream>
 #include <limits>
 
-#include "app/loop/motion_pipe.h"
-#include "app/loop/vector_layers.h"
+#include "app/loop/motion_source.h"
 #include "app/options/output_kind.h"
 #include "core/error.h"
 #include "core/sampling.h"

@@ -3,7 +3,7 @@
 #include <string>
 #include <utility>
 
-#include "app/files/container_share.h"
+#include "app/options/output_kind.h"
 #include "pipeline/fixture.h"
 
 /// Endings say what a file holds, whatever their case; what a film is, its contents say.

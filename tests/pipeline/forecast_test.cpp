@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "app/experiments/effect_costs.h"
-#include "app/experiments/gop_starts.h"
+#include "app/experiments/windows.h"
 #include "support/program.h"
 
 /// What a few frames tell of a whole film, and of its effects.

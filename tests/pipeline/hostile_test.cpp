@@ -12,10 +12,9 @@
 #include <string>
 #include <thread>
 
-#include "app/files/output_lock.h"
-#include "app/files/text_file.h"
+#include "app/files/file_io.h"
 #include "app/files/work_folder.h"
-#include "app/loop/film_identity.h"
+#include "app/loop/resume.h"
 #include "app/options/options.h"
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "app/loop/memory_need.h"
+#include "app/loop/forecast.h"
 #include "app/system/memory_limit.h"
 #include "core/error.h"
 #include "pipeline/fixture.h"

@@ -1,4 +1,4 @@
-#include "app/loop/prediction.h"
+#include "app/loop/coding_terms.h"
 
 #include <gtest/gtest.h>
 

@@ -9,9 +9,8 @@
 #include <thread>
 #include <vector>
 
-#include "app/files/output_lock.h"
 #include "app/files/work_folder.h"
-#include "app/loop/film_identity.h"
+#include "app/loop/resume.h"
 #include "core/error.h"
 #include "pipeline/fixture.h"
 

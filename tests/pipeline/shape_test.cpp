@@ -5,8 +5,7 @@
 #include <fstream>
 
 #include "app/options/film.h"
-#include "app/options/keyframes.h"
-#include "app/options/unused_options.h"
+#include "app/options/mistakes.h"
 #include "core/error.h"
 #include "encoder/cadence.h"
 #include "encoder/encoder.h"

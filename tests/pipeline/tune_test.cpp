@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "app/experiments/quality.h"
 #include "app/experiments/quality_search.h"
-#include "app/experiments/target.h"
-#include "app/files/container_share.h"
-#include "app/options/command_words.h"
+#include "app/experiments/trial.h"
+#include "app/experiments/tuning.h"
 #include "app/options/option_text.h"
+#include "app/options/options.h"
+#include "app/options/output_kind.h"
 #include "perceptual/metrics.h"
 #include "pipeline/fixture.h"
 

@@ -9,8 +9,8 @@
 
 #include "core/error.h"
 #include "core/sampling.h"
+#include "scene/assimp/classic_shading.h"
 #include "scene/assimp/load.h"
-#include "scene/assimp/phong.h"
 #include "scene/assimp/rest_pose.h"
 #include "scene/pose/snapshot.h"
 #include "scene/preparation/complete.h"

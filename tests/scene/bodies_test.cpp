@@ -1,4 +1,4 @@
-#include "scene/preparation/bodies.h"
+#include "scene/preparation/framing.h"
 
 #include <gtest/gtest.h>
 

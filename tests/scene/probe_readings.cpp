@@ -9,7 +9,7 @@
 #include <new>
 #include <vector>
 
-#include "scene/isolation/probed.h"
+#include "scene/isolation/probe.h"
 
 /// A program whose readings behave as outside parsers may: what tests start instead of render2mpeg.
 namespace render2mpeg::scene {

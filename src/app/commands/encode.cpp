@@ -1,4 +1,4 @@
-#include "app/commands/encode.h"
+#include "app/commands/commands.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -13,25 +13,21 @@
 #include <span>
 #include <vector>
 
-#include "app/files/consent.h"
-#include "app/files/film_stream.h"
+#include "app/files/file_io.h"
 #include "app/files/output_stream.h"
 #include "app/files/publish.h"
-#include "app/files/sound.h"
-#include "app/files/text_file.h"
-#include "app/loop/film_identity.h"
 #include "app/loop/first_pass.h"
 #include "app/loop/frame_source.h"
-#include "app/loop/frames_ahead.h"
 #include "app/loop/motion.h"
-#include "app/loop/motion_pipe.h"
+#include "app/loop/motion_source.h"
 #include "app/loop/picture_coder.h"
+#include "app/loop/render_job.h"
+#include "app/loop/resume.h"
 #include "app/loop/statistics_recorder.h"
-#include "app/loop/vector_layers.h"
+#include "app/options/mistakes.h"
 #include "app/options/option_text.h"
 #include "app/options/output_kind.h"
 #include "app/options/rate_options.h"
-#include "app/options/unused_options.h"
 #include "app/options/usage_error.h"
 #include "app/report/statistics.h"
 #include "app/report/summary.h"
@@ -49,7 +45,6 @@
 namespace render2mpeg::app {
 namespace {
 
-/// Frames, motion, and the film that they become.
 struct Job {
     std::unique_ptr<FrameSource> frames;
     std::unique_ptr<MotionSource> motion;  ///< null: not given
@@ -57,8 +52,7 @@ struct Job {
     std::vector<encoder::BitAllocation> allocations;  ///< one per frame, where there is a first pass
 };
 
-/// The film's chunks one after the other: the first, and the one after `before`; none behind the last. Those of an
-/// open-ended film are as long as if it had no end.
+/// The first chunk, or the one after `before`; none behind the last. An open-ended film has chunks of usual length.
 std::optional<Chunk> chunk_after(const Film& film, const std::optional<Chunk>& before) {
     // chosen: longer than any chunk is.
     const std::int64_t far = film.frames.first + 100'000;
@@ -72,7 +66,7 @@ std::string input_name(const EncodeOptions& options) {
     return options.input == "-" ? "standard input" : options.input.string();
 }
 
-/// What the command line and the frames say of the pictures' shape.
+/// Shape of the pictures by command line and frames.
 ShapeWishes wishes_of(const EncodeOptions& options, const FrameSource& frames) {
     ShapeWishes wishes = shape_wishes(options.coding);
     wishes.source = input_name(options);
@@ -86,7 +80,7 @@ ShapeWishes wishes_of(const EncodeOptions& options, const FrameSource& frames) {
     return wishes;
 }
 
-/// Refuses outputs that would take the place of an input or of each other. Writes nothing.
+/// Refuses outputs that would replace an input or each other. Writes nothing.
 void check_outputs(const EncodeOptions& options, const FrameRange& frames) {
     const auto files = [&](const std::filesystem::path& name) {
         return is_numbered(name) ? Files(name, frames) : Files(name);
@@ -96,7 +90,7 @@ void check_outputs(const EncodeOptions& options, const FrameRange& frames) {
         {Files(options.output), Files(options.stats.value_or(""))});
 }
 
-/// The frames' motion, of numbered files.
+/// Motion of numbered files.
 std::unique_ptr<MotionSource> motion_files(const EncodeOptions& options, const FrameSource& frames,
                                            const std::shared_ptr<SharedChannels>& shared) {
     const Size size = frames.size();
@@ -134,7 +128,7 @@ Job prepare(const EncodeOptions& options) {
             "--audio: where standard input is encoded to standard output nobody knows where sound ends; "
             "add it when the film is there");
     const bool blenders = view.name != core::ViewName::neutral;
-    // Before the first picture is waited for: who writes both may open this one first.
+    // The writer of both may open this one first.
     std::unique_ptr<MotionPipe> motion_pipe;
     if (options.motion && MotionPipe::is_one(*options.motion))
         motion_pipe = std::make_unique<MotionPipe>(*options.motion);
@@ -164,14 +158,13 @@ Job prepare(const EncodeOptions& options) {
     return job;
 }
 
-/// Motion that files tell of one frame; none where none are given. The time it takes counts as reading.
+/// Motion of one frame by files; none where none are given. Its time counts as reading.
 class FileMotion : public Motion {
   public:
     FileMotion(Job& job, std::int64_t frame, RunStatistics& statistics)
         : job_(job), frame_(frame), statistics_(statistics) {}
 
-    /// What is further than the source reaches is taken to be where it is there: what stands still so long mostly goes
-    /// on to. (Going on as far as it came would need up to 1.4 % more bits.)
+    /// Beyond the source's reach a point is taken to rest (going on as before needs up to 1.4 % more bits).
     const core::MotionField* onward(std::int64_t horizon) override {
         const std::int64_t reached = std::min(horizon, frame_ + MotionSource::reach_onward);
         const core::MotionField* field = to(reached);
@@ -194,14 +187,14 @@ class FileMotion : public Motion {
     core::MotionField onward_;
 };
 
-/// What happens to a chunk's frames and pictures while it is coded.
+/// Callbacks of a chunk in the making.
 struct Steps {
     std::function<void(const core::Picture&, const core::MotionField*)> read;  ///< motion to the frame before, or null
     std::function<void(const encoder::CodedPicture&)> coded;
     std::function<void()> frame_done;
 };
 
-/// The film coded fast with one quantiser, without a rate or buffer that would make pictures fit.
+/// The film coded fast with one quantiser, without rate or buffer.
 Film rough(const Film& film, double quantiser) {
     Film fast = film;
     if (fast.coding.codec == encoder::Codec::mpeg2) fast.coding.effort = encoder::Effort::fast;
@@ -210,7 +203,7 @@ Film rough(const Film& film, double quantiser) {
     return fast;
 }
 
-/// What a chunk's first pictures come to, coded roughly: as many as are read anyway.
+/// A rough coding of the chunk's first pictures: those that are read ahead anyway.
 std::vector<encoder::FirstPassPicture> try_first(Job& job, const Film& film, const Chunk& chunk, FramesAhead& ahead,
                                                  RunStatistics& statistics) {
     const std::deque<core::Picture>& pictures = ahead.waiting(statistics);
@@ -232,7 +225,7 @@ std::vector<encoder::FirstPassPicture> try_first(Job& job, const Film& film, con
     return trial;
 }
 
-/// Codes one chunk. The last pictures of a chunk that ends early are coded too. Returns whether it is whole.
+/// Codes one chunk, also where it ends early. Returns whether it is whole.
 bool encode_chunk(Job& job, const Film& film, const Chunk& chunk, RunStatistics& statistics, const Steps& steps) {
     FramesAhead ahead(*job.frames, chunk, film.coding);
     PictureCoder coder(film, chunk, job.allocations, {}, statistics, false, &ahead.look());
@@ -263,9 +256,7 @@ bool encode_chunk(Job& job, const Film& film, const Chunk& chunk, RunStatistics&
     return whole;
 }
 
-/// Codes all frames with one quantiser of MPEG-2, or what is like it, without a rate or buffer that would make pictures
-/// fit, only to learn what they come to: fast, but where the film has no other way to correct what that tells. Empty
-/// where it was interrupted.
+/// Codes all frames with one quantiser (of MPEG-2, or its like) to learn their sizes. Empty after an interruption.
 std::vector<encoder::FirstPassPicture> code_roughly(Job& job, double quantiser, bool quiet) {
     const Film fast = rough(job.film, quantiser);
     Progress progress(job.film.frame_count(), quiet, "first pass", Counted::frames_of_step);
@@ -285,7 +276,7 @@ std::vector<encoder::FirstPassPicture> code_roughly(Job& job, double quantiser, 
     return film;
 }
 
-/// The geometric mean of what the film's quantisers will be over what they were in the first pass.
+/// Geometric mean of the planned quantisers over those of the first pass.
 double change_of(std::span<const encoder::BitAllocation> allocations, std::span<const encoder::FirstPassPicture> film) {
     double logarithms = 0;
     for (const encoder::BitAllocation& allocation : allocations) logarithms += std::log(allocation.quantiser);
@@ -293,8 +284,7 @@ double change_of(std::span<const encoder::BitAllocation> allocations, std::span<
     return std::exp(logarithms / static_cast<double>(std::max<std::size_t>(1, film.size())));
 }
 
-/// Shares the film's bits out by what a first pass tells. Where its quantiser turns out far from what the rate asks
-/// for, what it tells is off too, and it is made again with a nearer one.
+/// Allocates the film's bits by a first pass, which is repeated where its quantiser was far off.
 std::vector<encoder::BitAllocation> first_pass(Job& job, bool quiet) {
     // chosen: again beyond a factor of 1.5, and no more than twice (1.2..3): noise for which 2 was guessed and 18 is
     // right was 28 % over its rate. Other codecs than MPEG-2 have less to correct it by.
@@ -320,11 +310,11 @@ struct PictureSink {
     std::function<void(bool whole)> end = {};  ///< after a chunk
 };
 
-/// Codes the film, whose last frame is known afterwards. Returns whether it is whole.
+/// Codes the film and sets its last frame. Returns whether it is whole.
 bool encode_chunks(Job& job, const EncodeOptions& options, const PictureSink& sink, RunStatistics& statistics) {
     const bool open_ended = job.frames->is_open_ended();
     std::optional<Chunk> chunk = chunk_after(job.film, {});
-    // Whoever makes the frames knows how many will come.
+    // The source alone knows how many frames will come.
     Progress progress(job.film.frame_count(), options.quiet || open_ended, "frame", Counted::frames, 0,
                       chunk->frames());
     bool whole = true;
@@ -349,7 +339,6 @@ bool encode_chunks(Job& job, const EncodeOptions& options, const PictureSink& si
     return whole;
 }
 
-/// Prints what the film will lack, and which options do nothing.
 void print_notes(const Job& job, const EncodeOptions& options) {
     std::vector<std::string> notes = unused_options(options);
     notes.push_back(unused_keyframes(job.film.keyframes, job.film.frames));
@@ -359,7 +348,7 @@ void print_notes(const Job& job, const EncodeOptions& options) {
         if (!note.empty()) print_line(note);
 }
 
-/// Prints and writes what is to be told of the film. What fails costs no more than itself.
+/// Prints and writes the results; a failure of one stops no other.
 void tell(const Job& job, const EncodeOptions& options, RunStatistics& statistics, const RunFacts& facts) {
     statistics.rendering.non_finite = job.frames->non_finite();
     ErrorCollector errors;
@@ -381,7 +370,6 @@ void tell(const Job& job, const EncodeOptions& options, RunStatistics& statistic
     errors.rethrow();
 }
 
-/// Codes the film into a file.
 RunFacts encode_to_file(Job& job, const EncodeOptions& options, const std::string& command, RunStatistics& statistics) {
     WorkFolder work(options.output, identity_of(job.film, command));
     if (two_passes(options.coding) && !job.frames->is_open_ended())
@@ -394,13 +382,11 @@ RunFacts encode_to_file(Job& job, const EncodeOptions& options, const std::strin
     const bool complete = encode_chunks(job, options, sink, statistics);
     if (files.empty()) throw core::Error("reading", input_name(options), "it holds no pictures");
 
-    // Publish what is whole, leave what is not beside the target.
     const Published published = publish(files, job.film, work, options.output, complete);
     if (complete) work.clear_away();
     return {command, input_name(options), published.name.string(), published.bytes, complete};
 }
 
-/// Codes the film to standard output.
 RunFacts encode_to_stream(Job& job, const EncodeOptions& options, const std::string& command,
                           RunStatistics& statistics) {
     check_pipe(STDOUT_FILENO);
@@ -424,7 +410,6 @@ int encode(const EncodeOptions& options, const std::string& command) {
     const parallel::ThreadLimit threads(options.threads);
     const InterruptGuard guard(options.quiet);
 
-    // Read and settle everything before anything is written.
     RunStatistics statistics;
     Job job = timed(statistics, Stage::load, [&] { return prepare(options); });
     if (!options.quiet) print_notes(job, options);

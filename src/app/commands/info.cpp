@@ -1,4 +1,4 @@
-#include "app/commands/info.h"
+#include "app/commands/commands.h"
 
 #include <fmt/format.h>
 
@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "app/files/text_file.h"
-#include "app/options/wrong_file.h"
+#include "app/files/file_io.h"
+#include "app/options/mistakes.h"
 #include "app/report/coded_types.h"
 #include "app/report/figures.h"
 #include "app/system/probes.h"
@@ -23,7 +23,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Seconds that the film lasts; repeated fields count. 0: the stream does not say its rate.
+/// Duration, repeated fields included; 0: the rate is unknown.
 double duration_of(const av::Inspection& film) {
     double fields = 0;
     for (const av::PictureFacts& picture : film.pictures) fields += 2 + picture.repeated_fields;
@@ -81,7 +81,7 @@ std::string vector_text(const av::VectorFacts& v) {
                        length(v.longest));
 }
 
-/// What the two kinds of rows have in common, above their columns; 80 columns in all, as the rows.
+/// Heading of both kinds of rows, 80 columns.
 std::string heading(const std::string& left) {
     return fmt::format("\n{:>38} {:>5}  {:<16}  {}\n{:>25} {:>12} {:>5}  {:>4} {:>5} {:>5}  {:>4} {:>5} {:>5}\n",
                        "quantiser", "", "from before, px", "from after, px", left, "mean  range", "intra", "part",
@@ -179,8 +179,8 @@ json json_of(const std::string& name, const av::Inspection& film, bool summary) 
     return result;
 }
 
-/// Pictures that are not shown although what they refer to should be there. Those before the first picture shown, and B
-/// pictures right behind it, may refer to what was cut away.
+/// Pictures not shown although their references are there: not those before the first shown picture, nor its B
+/// pictures.
 std::int64_t missing(const av::Inspection& film) {
     std::set<std::int64_t> shown;
     for (const av::PictureFacts& picture : film.pictures) shown.insert(picture.coded);
@@ -194,7 +194,7 @@ std::int64_t missing(const av::Inspection& film) {
     return count;
 }
 
-/// One line that says what is broken; empty where nothing is.
+/// One line about damage; empty where there is none.
 std::string damage_line(const std::string& name, const av::Inspection& film) {
     if (film.pictures.empty()) return fmt::format("{}: not one picture can be decoded", name);
     const std::int64_t count = damaged(film);
@@ -208,7 +208,7 @@ std::string damage_line(const std::string& name, const av::Inspection& film) {
     return lost == 0 ? "" : fmt::format("{}: {} cannot be shown", name, pictures_text(lost));
 }
 
-/// Between the damage and the tables: neither names nor decoders' messages hold it.
+/// Separator that neither names nor decoders' messages hold.
 constexpr char end_of_damage = '\0';
 
 }  // namespace
@@ -226,7 +226,6 @@ std::string info_of(const InfoOptions& options, const std::function<void()>& fil
 
 namespace {
 
-/// The same as a probe tells it.
 std::string probed(const InfoOptions& options) {
     std::vector<std::string> words{"info", options.input.string()};
     if (options.json) words.emplace_back("json");

@@ -1,22 +1,18 @@
-#include "app/commands/render.h"
+#include "app/commands/commands.h"
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <memory>
 #include <new>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "app/commands/render_stream.h"
-#include "app/files/consent.h"
-#include "app/files/text_file.h"
-#include "app/loop/film_identity.h"
+#include "app/files/file_io.h"
+#include "app/files/publish.h"
 #include "app/loop/forecast.h"
 #include "app/loop/resume.h"
 #include "app/options/option_text.h"
-#include "app/production/outputs.h"
-#include "app/production/preparation.h"
 #include "app/production/production.h"
 #include "app/report/heatmap_film.h"
 #include "app/report/plan_table.h"
@@ -38,7 +34,7 @@ int interrupted_before_frames(const RenderOptions& options) {
     return InterruptGuard::status();
 }
 
-/// What the film will take, as far as the options leave time to find it out, and what runs. The film is settled by it.
+/// Forecast (as far as --within allows) and plan. Settles the film.
 std::string plan_text(RenderJob& film, const RenderOptions& options, const std::filesystem::path& statistics = {}) {
     const double within = within_from(options.within);
     const auto found = within > 0 ? forecast(film, options.output, within, options.quiet) : std::nullopt;
@@ -56,7 +52,7 @@ std::string dry_run_text(RenderJob& film, const RenderOptions& options) {
            plan_text(film, options);
 }
 
-/// What is done with chunks that an earlier run of this film left; empty where there are none.
+/// Fate of chunks that an earlier run of this film left; empty where there are none.
 std::string left_text(const RenderJob& film, const RenderOptions& options, const nlohmann::json& identity) {
     const std::vector<Chunk> chunks = film.chunks();
     const std::size_t left = WorkFolder::left(options.output, identity, chunks);
@@ -67,7 +63,7 @@ std::string left_text(const RenderJob& film, const RenderOptions& options, const
                        options.resume ? "which goes on" : "and given up, since --resume is not given");
 }
 
-/// Whether nobody needs to be asked: what an interrupted run of this film began goes on, or its images are made again.
+/// Whether an interrupted run of this film goes on, or its images are made again: no consent is needed.
 bool is_agreed(const RenderJob& film, const RenderOptions& options, const nlohmann::json& identity) {
     return options.overwrite || ((options.resume || !is_one_file(film)) && WorkFolder::is_of(options.output, identity));
 }
@@ -80,7 +76,6 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
     const parallel::ThreadLimit threads(options.threads);
     const InterruptGuard guard(options.quiet);
 
-    // Read and settle everything before anything is written.
     check_before_reading(options);
     RunStatistics statistics;
     RenderJob film = timed(statistics, Stage::load, [&] { return prepare_within_memory(options); });
@@ -88,7 +83,7 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
     print_notes(film, options);
     check_outputs(film, options);
     const nlohmann::json identity = timed(statistics, Stage::load, [&] { return identity_of(film, options); });
-    // `tune` looks at what it renders, and so renders.
+    // `tune` needs the statistics of a render.
     if (rendered == nullptr && is_done_already(film, options, identity)) return 0;
     if (options.resume) WorkFolder::check(options.output, identity);
     const std::string left = left_text(film, options, identity);

@@ -5,14 +5,12 @@
 
 #include <chrono>
 
-#include "app/files/film_stream.h"
-#include "app/loop/counters.h"
 #include "app/loop/pipeline.h"
 #include "app/loop/resume.h"
 #include "app/loop/sink.h"
 #include "app/options/output_kind.h"
 #include "app/options/usage_error.h"
-#include "app/production/preparation.h"
+#include "app/production/production.h"
 #include "app/report/report.h"
 #include "app/report/sample_frame.h"
 #include "app/report/statistics.h"
@@ -60,7 +58,6 @@ class Y4mStream : public StreamObserver {
     OutputStream& out_;
 };
 
-/// Refuses what a stream cannot have.
 void check_stream(const RenderOptions& options) {
     const auto refuse = [](const std::string& option, const std::string& why) {
         throw UsageError(option + ": with -o - " + why);

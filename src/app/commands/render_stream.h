@@ -11,16 +11,14 @@
 
 namespace render2mpeg::app {
 
-/// `render -o -`: nothing is kept for a later run, and what is written is not decoded again. Returns the exit status,
-/// as render() does. Throws core::Error, also where the reader goes.
+/// `render -o -`: keeps nothing for a later run and decodes nothing again. Returns the exit status.
 int render_stream(const RenderOptions& options, const std::string& command);
 
-/// Renders a settled film chunk by chunk while `goes_on` says so, asked after every frame; the last pictures are coded
-/// all the same. Returns whether it is whole.
+/// Renders a settled film chunk by chunk while `goes_on` says so. Returns whether it is whole.
 bool render_through(const RenderJob& film, LoopObserver& observer, RunStatistics& statistics,
                     const std::function<bool()>& goes_on);
 
-/// Hands pictures of the film on to a stream as its kind says: those of `name`'s ending, .ts, .m2v or .y4m.
+/// Writes the film to a stream of the kind of `name`'s ending: .ts, .m2v or .y4m.
 class StreamObserver : public LoopObserver {
   public:
     virtual void finish() = 0;

@@ -1,4 +1,4 @@
-#include "app/commands/watch.h"
+#include "app/commands/commands.h"
 
 #include <fmt/format.h>
 
@@ -6,18 +6,16 @@
 #include <optional>
 #include <thread>
 
-#include "app/commands/render.h"
 #include "app/commands/render_stream.h"
 #include "app/files/output_stream.h"
 #include "app/files/publish.h"
 #include "app/files/watched_files.h"
-#include "app/loop/film_identity.h"
 #include "app/loop/resume.h"
 #include "app/options/film.h"
 #include "app/options/usage_error.h"
-#include "app/production/preparation.h"
+#include "app/production/production.h"
 #include "app/system/interrupt.h"
-#include "app/system/player.h"
+#include "app/system/program.h"
 #include "app/system/terminal.h"
 #include "core/error.h"
 #include "encoder/encoder.h"
@@ -28,11 +26,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Files are taken to be whole when nothing has changed for so long. chosen: 500 ms; exporters that write a scene and
-/// its buffers pause for less.
+/// Pause without changes after which files count as whole. chosen: 500 ms; exporters pause for less.
 constexpr std::chrono::milliseconds settled{500};
 
-/// The scene's own file.
 std::filesystem::path scene_file(const RenderOptions& options) {
     return std::filesystem::is_directory(options.input) ? options.input / "film.json" : options.input;
 }
@@ -44,17 +40,17 @@ std::vector<std::filesystem::path> files_of(const RenderJob& film, const RenderO
     return files;
 }
 
-/// What is watched where the scene could not be read: it, and what lies beside it.
+/// Files to watch where the scene cannot be read: it, and its neighbours.
 std::vector<std::filesystem::path> files_about(const RenderOptions& options) {
     const std::filesystem::path scene = scene_file(options);
     return {scene, scene.has_parent_path() ? scene.parent_path() : "."};
 }
 
-/// Keeps what a player got of a film, to show it again.
+/// A coded film, to be shown again.
 class Reel : public LoopObserver {
   public:
     void coded(const encoder::CodedPicture& picture) override { pictures_.push_back(picture.bytes); }
-    /// Shows it over and over at its own pace while `goes_on` says so.
+    /// Shows it in a loop at its own rate while `goes_on` says so.
     void play(OutputStream& out, double rate, const std::function<bool()>& goes_on) const {
         Clock::time_point due = Clock::now() + std::chrono::seconds(1);  // the end is seen for a while
         while (!pictures_.empty())
@@ -73,12 +69,12 @@ class Reel : public LoopObserver {
     std::vector<std::vector<std::uint8_t>> pictures_;
 };
 
-/// One draft after the other in a player.
+/// Shows draft after draft in a player.
 class Show {
   public:
     explicit Show(const RenderOptions& options) : options_(options) {}
 
-    /// A draft, then the same again until its files change. Throws core::Error for what cannot be read.
+    /// Shows a draft in a loop until its files change.
     void show(const std::function<bool()>& goes_on) {
         RunStatistics statistics;
         files_.emplace(files_about(options_));
@@ -95,7 +91,7 @@ class Show {
         if (!draw(film, statistics, is_current) && scene.have_changed()) files_->note_change();
     }
 
-    /// Waits until there is something new to show; false where there will be nothing.
+    /// Waits for a change; false where there will be none.
     bool wait(const std::function<bool()>& goes_on) {
         return files_->wait(settled, [&] {
             if (out_) out_->check();
@@ -105,7 +101,7 @@ class Show {
     bool has_closed() { return out_ && out_->has_lost_reader(); }
 
   private:
-    /// False where it became stale or nobody wants it any more.
+    /// False where the draft became stale or unwanted.
     bool draw(const RenderJob& film, RunStatistics& statistics, const std::function<bool()>& is_current) {
         const std::unique_ptr<StreamObserver> stream = stream_into(*out_, "-.m2v", film);
         Reel reel;
@@ -164,7 +160,6 @@ int watch_in_player(const RenderOptions& options) {
     return InterruptGuard::status();
 }
 
-/// Renders to a file as `render --preview` does, again and again.
 int watch_in_file(const RenderOptions& options, const std::string& command) {
     for (;;) {
         WatchedFiles files(files_about(options));
@@ -190,7 +185,7 @@ int watch_in_file(const RenderOptions& options, const std::string& command) {
 
 int watch(const RenderOptions& options, const std::string& command) {
     if (options.resume) throw UsageError("--resume: what is watched is made anew whenever it changes");
-    // What is broken may be mended meanwhile; what is not there, or no scene, was mistyped.
+    // A broken scene may be mended; a missing one was mistyped.
     check_scene(options.input);
     if (options.output.empty()) {
         if (codec_of(options.coding, {}) != encoder::Codec::mpeg2)

@@ -1,15 +1,15 @@
-#include "app/experiments/compare.h"
+#include "app/experiments/experiments.h"
 
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
-#include "app/experiments/compare_report.h"
+#include "app/experiments/comparison.h"
 #include "app/experiments/ffmpeg_program.h"
 #include "app/experiments/trial_command.h"
-#include "app/files/text_file.h"
-#include "app/options/command_words.h"
+#include "app/files/file_io.h"
 #include "app/options/option_text.h"
+#include "app/options/options.h"
 #include "app/system/error_collector.h"
 #include "app/system/interrupt.h"
 #include "app/system/terminal.h"
@@ -19,26 +19,26 @@
 namespace render2mpeg::app {
 namespace {
 
-/// One command in the making: rows are told as they come.
+/// Runs the command; rows are printed as they come.
 class Comparing {
   public:
     Comparing(const CompareOptions& options, const RenderJob& film, const std::string& ffmpeg);
 
     /// Returns whether nobody interrupted. In this order.
     bool light_references();
-    /// Everything that is timed, once; rows are known after the first.
+    /// Everything that is timed, once.
     bool run_all();
-    /// Makes the times those of all runs.
+    /// Replaces times by the medians of all runs.
     void conclude();
     void look_at_foreign_film();
-    /// The command for the way to take.
+    /// Sets the command of the recommended way.
     void settle(const std::vector<std::string>& words, const std::filesystem::path& input);
 
     const Comparison& found() const { return found_; }
     const RenderJob& film() const { return trials_.film(); }
 
   private:
-    /// Takes a row of a way, or of what is known already its times.
+    /// Adds a row to a way, or a further run's times to a known one.
     void add(std::size_t way, const Trial& trial);
     bool light_fixed();
     void log(const std::string& text) const {

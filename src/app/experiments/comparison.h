@@ -1,7 +1,9 @@
 #pragma once
-// The rows of `compare`: what each way costs and gives.
+// Rows of `compare`.
 #include <array>
 #include <cstdint>
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -13,13 +15,11 @@
 
 namespace render2mpeg::app {
 
-/// CPU seconds per frame of one row, run by run.
 struct Times {
     std::vector<double> light, code;
 };
 
-/// The middle of what several runs took (of an even number the mean of the two in the middle), and how far they are
-/// apart: largest less least over it, 0 where it is 0.
+/// Median, and spread: (largest - least) / median, 0 where that is 0.
 double median(std::vector<double> seconds);
 double spread(const std::vector<double>& seconds);
 
@@ -33,7 +33,7 @@ struct Way {
     std::vector<Times> times;                                  ///< of each row
 };
 
-/// All that `compare` finds out.
+/// Results of `compare`.
 struct Comparison {
     std::vector<Chunk> windows;
     int references = 0;
@@ -41,8 +41,8 @@ struct Comparison {
     std::size_t light_points = 0;
     std::string ffmpeg;  ///< its version
     int runs = 1;
-    /// Coupled; a fixed 2 % with this program's encoder, by the film's GOPs and by free ones; with ffmpeg, with its
-    /// strongest command, and with that one's for free GOPs.
+    /// Coupled; fixed 2 % with our encoder at the film's GOPs and at free ones; with ffmpeg as usual, strongest, and
+    /// strongest with free GOPs.
     std::vector<Way> ways;
     std::optional<ForeignFilm> foreign;
     std::string render;     ///< the command that makes the film to take; empty: none is known
@@ -50,12 +50,12 @@ struct Comparison {
 };
 inline constexpr std::size_t coupled_way = 0, fixed_way = 1, free_way = 2, usual_way = 3, strongest_way = 4,
                              strongest_free_way = 5;
-/// Pictures of a GOP where nobody says: as many as the strongest command for short ones has.
+/// Pictures of a GOP by default, as in the strongest command for short ones.
 inline constexpr int short_gop = 15;
-/// Pictures of a free GOP: as many as the strongest command found has (docs/measurements.md).
+/// Pictures of a free GOP, as in the strongest command (docs/measurements.md).
 inline constexpr int free_gop = 60;
 
-/// Ways that are held against each other: the first against the second.
+/// Pairs of ways: the first against the second.
 inline constexpr std::array<std::pair<std::size_t, std::size_t>, 6> held_against{{{coupled_way, usual_way},
                                                                                   {fixed_way, usual_way},
                                                                                   {coupled_way, strongest_way},
@@ -63,34 +63,33 @@ inline constexpr std::array<std::pair<std::size_t, std::size_t>, 6> held_against
                                                                                   {coupled_way, strongest_free_way},
                                                                                   {free_way, strongest_free_way}}};
 
-/// How a way differs from another at equal quality, in per cent; NaN where they have no quality in common (bd_rate.h).
+/// Difference at equal quality, per cent; NaN without common quality.
 struct Difference {
     double psnr_y = 0, ssim_y = 0, psnr_hvs_m = 0;  ///< of bits, at equal quality by each
     double seconds = 0;                             ///< CPU for light, motion and coding, at equal PSNR-Y
 };
-/// In bits, and in time.
 Difference difference_of(const Way& way, const Way& from);
 
-/// A way at equal quality, for the whole film.
+/// Cost of a way at equal quality, for the whole film.
 struct WayCost {
     std::size_t way = 0;
     double bits = 1;            ///< over those of coupled light, at equal PSNR-Y
     double clock = 0, cpu = 0;  ///< seconds, at the quantiser of the row that was asked for
 };
-/// Those with coupled light's GOPs that can be held against it, from the fewest bits on. `row`: of each way.
+/// Costs of the ways with coupled light's GOPs, from the fewest bits on. `row`: of each way.
 std::vector<WayCost> way_costs(const Comparison& found, std::int64_t frames, std::size_t row);
-/// The one to take (cheapest_alike): nobody can tell less than a hundredth of the bits.
+/// The recommended one (cheapest_alike), to within a hundredth of the bits.
 std::optional<std::size_t> recommended(const std::vector<WayCost>& costs);
 
-/// Bits of the coupled film over those of a foreign one at that one's PSNR-Y; NaN where ours does not reach it.
+/// Bits of the coupled film over a foreign one's at its PSNR-Y; NaN where ours does not reach it.
 double bits_beside(const Comparison& found);
 
-/// The row of the coupled way whose quantiser is nearest to that one.
+/// Row of the coupled way with the nearest quantiser.
 std::size_t row_of(const Comparison& found, int quantiser);
 
-/// The comparison in a sentence; empty where it is not complete.
+/// The result in a sentence; empty where it is not complete.
 std::string sentence_of(const Comparison& found);
-/// Which way to take, how long it takes and how large the film is beside others; likewise.
+/// The recommended way with its time and size; likewise.
 std::string answer_of(const Comparison& found, std::int64_t frames, int quantiser);
 
 /// Lines of at most 80 columns, each with its end.
@@ -100,10 +99,17 @@ std::string way_row(const std::string& name, const Trial& trial);
 std::string difference_table(const Comparison& found);
 /// Medians and spreads; empty for one run.
 std::string time_table(const Comparison& found);
-/// The film that somebody else made; empty where there is none.
+/// The film of another renderer; empty where there is none.
 std::string foreign_lines(const Comparison& found);
 
 /// "-12.3 %", or "-" where it is not known.
 std::string change_text(double per_cent);
+
+/// All results (docs/choosing.md).
+nlohmann::json compare_json(const RenderJob& film, const Comparison& found, const std::string& command);
+
+/// The same as a page with plots, and report_json_of() it.
+void write_compare_report(const std::filesystem::path& html, const RenderJob& film, const Comparison& found,
+                          const std::string& command);
 
 }  // namespace render2mpeg::app

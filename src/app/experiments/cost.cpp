@@ -1,4 +1,4 @@
-#include "app/experiments/cost.h"
+#include "app/experiments/experiments.h"
 
 #include <fmt/format.h>
 
@@ -8,15 +8,13 @@
 #include <optional>
 #include <vector>
 
-#include "app/experiments/cost_report.h"
-#include "app/experiments/cost_table.h"
 #include "app/experiments/effect_costs.h"
 #include "app/experiments/film_costs.h"
 #include "app/experiments/trial_command.h"
-#include "app/files/text_file.h"
+#include "app/files/file_io.h"
 #include "app/loop/forecast.h"
-#include "app/options/command_words.h"
 #include "app/options/option_text.h"
+#include "app/options/options.h"
 #include "app/system/error_collector.h"
 #include "app/system/interrupt.h"
 #include "app/system/terminal.h"
@@ -26,7 +24,7 @@
 namespace render2mpeg::app {
 namespace {
 
-/// One command in the making: rows are told as they come.
+/// Runs the command; rows are printed as they come.
 class Cost {
   public:
     Cost(const CostOptions& options, const RenderJob& film, const Sample& sample, std::optional<Forecast> forecast)
@@ -46,13 +44,12 @@ class Cost {
     bool try_efforts();
     bool try_fixed();
     bool try_coupled();
-    /// The film, as it was asked for, without each of its effects.
+    /// The film without each of its effects.
     bool try_effects(const RenderJob& asked, int frames, double limit);
     void settle(const std::string& render) { sweep_.render = render; }
     void complete() { sweep_.complete = true; }
 
     const Sweep& sweep() const { return sweep_; }
-    /// What the whole film takes with each setting.
     std::vector<FilmCost> film_rows() const { return film_costs(sweep_, film()); }
     const RenderJob& film() const { return trials_.film(); }
 
@@ -96,7 +93,6 @@ bool Cost::try_efforts() {
         return trial.has_value();
     };
     if (!attempt("draft", draft_of(film()))) return false;
-    // The default is the row of the film's own tolerance.
     for (const Effort& effort : efforts)
         if (std::string_view(effort.name) != "default" && !attempt(effort.name, at_effort(film(), effort)))
             return false;
@@ -142,14 +138,14 @@ bool Cost::try_effects(const RenderJob& asked, int frames, double limit) {
     return !InterruptGuard::requested();
 }
 
-/// How much of the film is looked at, and of its effects.
+/// Sample of the film, and of its effects.
 struct CostSample {
     Sample sweep;
     int effect_frames = 2;  ///< of the windows that effects are left out of
     std::optional<Forecast> forecast;
 };
 
-/// The film as asked for, told within seconds, and the sample that there is time for. None where it was interrupted.
+/// Forecast of the film, and a sample that --within has time for. None after an interruption.
 std::optional<CostSample> first_answer(const CostOptions& options, RenderJob& film) {
     if (options.sample) {
         const Sample sample = sample_from(*options.sample);
@@ -196,7 +192,7 @@ int cost(const CostOptions& options, const std::vector<std::string>& words) {
     const bool whole = sweep.light_references() && sweep.try_fixed() && sweep.try_coupled() && sweep.try_efforts();
     const Sweep& found = sweep.sweep();
     if (found.fixed.empty() && found.pairs.empty()) return interrupted();
-    // Whoever says which sample gets all of it.
+    // An explicit sample has no time limit.
     const double limit = options.sample ? std::numeric_limits<double>::infinity()
                                         : std::max(began + time_in_seconds(options.within), clock_seconds() + 5);
     if (whole && sweep.try_effects(film, sample->effect_frames, limit)) sweep.complete();

@@ -1,6 +1,5 @@
 #pragma once
-// What each effect of a film takes, and what pictures are without it.
-#include <cstdint>
+// Cost of each effect of a film, and pictures without it.
 #include <functional>
 #include <optional>
 #include <string>
@@ -8,24 +7,24 @@
 
 #include "app/loop/render_job.h"
 #include "core/picture.h"
+#include "perceptual/display.h"
 
 namespace render2mpeg::app {
 
-/// A film without one thing that it is made with.
+/// A film without one effect.
 struct LeftOut {
     std::string name;    ///< of what is left out: "bounced light"
     std::string option;  ///< that leaves it out, "--cache off"; empty: the scene alone decides
     RenderJob film;
 };
 
-/// All that can be left out: each effect that the plan runs, and what the film spends on accuracy or saves of it.
+/// All films with one effect less, and with less spent on accuracy.
 std::vector<LeftOut> left_out_of(const RenderJob& film);
 
-/// What it takes and gives.
 struct EffectCost {
     std::string name, option;
     double share = 0;  ///< of the whole film's CPU time; below 0: the film would take more without it
-    /// dB of PSNR-HVS-M between the lit pictures with and without it; none where that sees no difference.
+    /// PSNR-HVS-M of the lit pictures with and without it, dB; none: no visible difference.
     std::optional<double> difference;
     double psnr_y = 0;      ///< likewise; infinity where they are the same
     core::Picture without;  ///< the frame that differs most
@@ -39,16 +38,18 @@ struct EffectCosts {
     int left = 0;  ///< effects that there was no time for, or that an interruption left
 };
 
-/// Lights so many small frames from the middle of the film, and again without each effect. `row_done` is called with
-/// each row, and whether it is the first. After `limit` (clock_seconds()) no other one is begun.
+/// Lights `frames` small frames from the middle of the film, and again without each effect. Begins none after `limit`
+/// (clock_seconds()).
 EffectCosts effect_costs(const RenderJob& film, int frames, double limit, bool quiet,
                          const std::function<void(const EffectCost&, bool is_first)>& row_done);
 
 /// "41 %", "saves 12 %", "under 3 %"
 std::string share_text(double share);
 
-/// The rows as lines of a terminal.
 std::string effects_heading();
 std::string effect_row(const EffectCost& cost);
+
+/// Table with small pictures, and a large one for comparison. Empty without rows.
+std::string effects_section(const EffectCosts& effects, perceptual::ColorMatrix matrix);
 
 }  // namespace render2mpeg::app

@@ -33,7 +33,7 @@ double seconds_of(const std::vector<std::string>& words) {
     return finished.seconds;
 }
 
-/// A new folder that goes with the object.
+/// A temporary folder, removed with the object.
 class TemporaryFolder {
   public:
     TemporaryFolder() {
@@ -59,7 +59,6 @@ std::string replaced(std::string text, const std::string& what, const std::strin
     return text;
 }
 
-/// Bytes of a stream without a surplus I picture.
 double bytes_of(const av::Inspection& stream, int gop) {
     double bytes = 0, sums[2] = {};
     int counts[2] = {};
@@ -75,7 +74,7 @@ double bytes_of(const av::Inspection& stream, int gop) {
     return bytes - std::max(0.0, sums[0] / counts[0] - sums[1] / counts[1]);
 }
 
-/// What the strongest commands have in common.
+/// Common part of the strongest commands.
 constexpr const char* strongest =
     "-b:v 400M -lmin {L} -lmax {L} -qmin 1 -qmax 31 -qcomp 0.6 -i_qfactor 0.8 -i_qoffset 0 -b_qfactor 1.5 "
     "-b_qoffset 0 -mbd rd -trellis 2 -mpv_flags +skip_rd+mv0 -mbcmp rd -subcmp satd -dia_size 770 -pre_dia_size 4 "
@@ -88,12 +87,11 @@ std::string library_of(encoder::Codec codec) {
 
 std::string by_crf(encoder::Codec codec, bool strongest) {
     if (codec == encoder::Codec::av1) return std::string("-preset ") + (strongest ? "3" : "8") + " -crf {q}";
-    // Without messages, which count in short windows.
     return std::string("-preset ") + (strongest ? "slower -tune psnr" : "medium") +
            " -crf {q} -bsf:v filter_units=remove_types=" + (codec == encoder::Codec::h264 ? "6" : "39");
 }
 
-/// The number that comes to about the same quality in ffmpeg.
+/// ffmpeg's number of about the same quality.
 int number_for(const FfmpegWay& way, int quantiser) {
     // Theirs are means, ours of P pictures that nothing follows from: 3 coarser, about (docs/measurements.md#codecs).
     const bool by_crf = way.encoder == "libx264" || way.encoder == "libx265";
@@ -143,7 +141,7 @@ Trials::Codec ffmpeg_codec(const FfmpegWay& way, int quantiser, int gop, const c
         for (const core::Picture* picture : pictures) writer.write(*picture);
         writer.finish();
 
-        // Code, and see what reading alone costs.
+        // Code, and time reading alone.
         std::vector<std::string> reading = words_of("ffmpeg -v error -nostdin -y -threads 1 -filter_threads 1 -i");
         reading.push_back(frames);
         std::vector<std::string> coding = reading, nothing = reading;

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cctype>
-#include <optional>
 #include <set>
 #include <utility>
 
@@ -15,7 +14,6 @@
 #include "core/text.h"
 #include "encoder/av/av.h"
 #include "encoder/av/inspect.h"
-#include "perceptual/hvs.h"
 #include "perceptual/metrics.h"
 
 namespace render2mpeg::app {
@@ -35,7 +33,7 @@ std::string pattern_of(const std::string& name) {
     return name.substr(0, begin) + number + name.substr(end);
 }
 
-/// The matrix that a film declares; none where it says nothing, which players take by the pictures' height.
+/// Declared matrix; none: players take it by the height.
 std::optional<perceptual::ColorMatrix> matrix_of(const std::filesystem::path& film, int declared) {
     switch (declared) {
         case 0:
@@ -52,8 +50,7 @@ std::optional<perceptual::ColorMatrix> matrix_of(const std::filesystem::path& fi
     }
 }
 
-/// Whether a film declares BT.709's transfer function. [H262, table 6-8] One that does not was made of its images' code
-/// values as they are, as ffmpeg does.
+/// Whether BT.709's transfer function is declared [H262, table 6-8]; ffmpeg declares none and keeps code values.
 bool is_bt709_curve(int declared) {
     return declared == 1 || declared == 6;
 }
@@ -70,7 +67,7 @@ std::filesystem::path image_sequence_in(const std::filesystem::path& place) {
         if (std::string pattern = pattern_of(entry.path().filename().string()); !pattern.empty())
             patterns.insert(std::move(pattern));
     }
-    // Numbers that outgrow their zeros (frames.0999, frames.1000) are of the one sequence that has them.
+    // Numbers that outgrow their zeros (0999, 1000) belong to one sequence.
     for (auto p = patterns.begin(); p != patterns.end();) {
         const std::size_t at = p->find("%d");
         bool within = false;

@@ -2,14 +2,13 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <string>
 
 #include "core/view.h"
 
 namespace render2mpeg::app {
 
-/// A film that another renderer or encoder made, against frames that say what it should look like.
+/// A film of another renderer or encoder against its reference frames.
 struct ForeignFilm {
     std::string name;
     int width = 0, height = 0;
@@ -19,13 +18,13 @@ struct ForeignFilm {
     double psnr_y = 0, ssim_y = 0, psnr_hvs_m = 0;  ///< +infinity where nothing differs
 };
 
-/// The numbered images in a folder, as a pattern (frames.%04d.exr); a pattern is its own. Throws core::Error for a
-/// folder in which there is no such sequence, or more than one.
+/// Pattern of the numbered images in a folder (frames.%04d.exr), or the pattern itself. Throws core::Error where it is
+/// not unique.
 std::filesystem::path image_sequence_in(const std::filesystem::path& place);
 
-/// Decodes a film and compares its pictures with numbered images, the first of which is its first picture's.
-/// Scene-linear ones are developed with `exposure` EV and `view`. Their luma is by the matrix that the film declares.
-/// Throws core::Error where sizes differ, or there is nothing to compare.
+/// Decodes a film and compares it with numbered images from its first picture on; scene-linear ones are developed with
+/// `exposure` EV and `view`, with the film's declared matrix. Throws core::Error where sizes differ or nothing is
+/// there.
 ForeignFilm look_at_foreign(const std::filesystem::path& film, const std::filesystem::path& reference, float exposure,
                             const core::View& view = {});
 

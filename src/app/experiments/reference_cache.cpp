@@ -7,9 +7,8 @@
 #include <fstream>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
-#include "app/files/checksum.h"
+#include "app/files/file_io.h"
 #include "core/error.h"
 #include "renderer/gather/final_gather.h"
 #include "renderer/surface/gather_point.h"
@@ -17,7 +16,7 @@
 namespace render2mpeg::app {
 namespace {
 
-/// Pixels of each frame whose light is in its name: by every light point, so that no light changes unnoticed.
+/// Pixels of each frame whose light is part of the key, so that no change of light goes unnoticed.
 constexpr int probed = 256;
 
 template <class T>
@@ -29,11 +28,7 @@ template <class T>
 void add_plane(Checksum& sum, const core::Plane<T>& plane) {
     sum.add({reinterpret_cast<const std::uint8_t*>(plane.values().data()), plane.size() * sizeof(T)});
 }
-void add_text(Checksum& sum, const std::string& text) {
-    sum.add({reinterpret_cast<const std::uint8_t*>(text.c_str()), text.size() + 1});
-}
-
-/// All that the light of a gather point depends on but the lights.
+/// All members that a gather point's light depends on.
 void add(Checksum& sum, const renderer::GatherPoint& p) {
     const renderer::Bsdf& bsdf = p.point.bsdf;
     for (const glm::vec3& v :
@@ -44,7 +39,6 @@ void add(Checksum& sum, const renderer::GatherPoint& p) {
     add(sum, p.pixel);
 }
 
-/// What a file begins with.
 struct Header {
     char mark[8] = {'r', '2', 'm', 'r', 'e', 'f', '1', '\n'};
     std::int32_t width = 0, height = 0;
@@ -76,8 +70,8 @@ std::uint64_t ReferenceCache::key_of(const RenderJob& film, renderer::Renderer& 
     if (folder_.empty()) return 0;
     Checksum sum;
     const renderer::Settings& s = film.rendering;
-    add_text(sum, RENDER2MPEG_VERSION);
-    add_text(sum, std::string(core::name_of(s.isa)));
+    sum.add(std::string_view(RENDER2MPEG_VERSION));
+    sum.add(std::string_view(core::name_of(s.isa)));
     for (const std::int64_t value :
          {world.frame, std::int64_t{s.format.width}, std::int64_t{s.format.height}, std::int64_t{s.samples},
           std::int64_t{s.edge_samples}, std::int64_t{s.most_samples}, std::int64_t{s.vpls},

@@ -1,27 +1,22 @@
 #include "app/experiments/trial.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <numeric>
-#include <optional>
-#include <set>
 #include <utility>
 
-#include "app/loop/exposure_choice.h"
-#include "app/loop/forecast.h"
 #include "app/loop/picture_coder.h"
 #include "app/loop/pipeline.h"
-#include "app/loop/run_statistics.h"
+#include "app/loop/scene_settings.h"
 #include "app/report/frame_view.h"
 #include "core/color.h"
 #include "core/numeric.h"
 #include "core/sampling.h"
 #include "encoder/encoder.h"
 #include "parallel/loops.h"
-#include "perceptual/flicker.h"
-#include "perceptual/hvs.h"
+#include "perceptual/pumping.h"
 #include "renderer/calibration/audit.h"
 #include "scene/pose/motion.h"
 #include "scene/preparation/traits.h"
@@ -33,8 +28,7 @@ RenderJob plainly_coded(RenderJob film, int references) {
     film.coding.rate_control.mode = encoder::RateMode::constant_quantiser;
     film.two_passes = false;
     film.audit = 0;
-    // References know no tolerance, so they would not look closer at edges: what light does is to be compared, not
-    // that.
+    // References have no tolerance, and so no supersampled edges: light alone is compared.
     if (references > 0) film.rendering.most_samples = 0;
     return film;
 }
@@ -44,7 +38,7 @@ void set_coarseness(Trial& trial, const Coarseness& coarseness) {
     trial.quality = coarseness.quality;
 }
 
-/// Sets what the renderer has counted from `before` to `after`, per gather point.
+/// Sets counts per gather point from the renderer's growth.
 void set_counts(Trial& trial, const renderer::Statistics& before, const renderer::Statistics& after) {
     trial.points = after.gather_points - before.gather_points;
     const auto points = static_cast<double>(trial.points);
@@ -59,7 +53,7 @@ void set_counts(Trial& trial, const renderer::Statistics& before, const renderer
 
 constexpr std::uint64_t parting_seed = 0x7a97;
 
-/// Tiles that have anything to gather, in random order: any stretch of them is like all others.
+/// Non-empty tiles in random order, so that any stretch of them is like all others.
 std::vector<std::size_t> lit_tiles(const renderer::Seen& seen) {
     std::vector<std::pair<float, std::size_t>> dice;
     for (std::size_t t = 0; t < seen.tiles.size(); ++t)
@@ -86,6 +80,13 @@ void copy_tile(const core::Plane<glm::vec3>& from, core::Plane<glm::vec3>& to, s
         std::copy_n(from.row(y) + left, width, to.row(y) + left);
 }
 
+/// Mean squared errors add up, as far as coding and light err independently.
+double sum_of(double shown, double there, double decoded) {
+    const auto error = [](double psnr) { return std::isfinite(psnr) ? std::pow(10.0, -0.1 * psnr) : 0.0; };
+    const double sum = std::max(0.0, error(shown) + error(decoded) - error(there));
+    return sum > 0 ? -10 * std::log10(sum) : std::numeric_limits<double>::infinity();
+}
+
 }  // namespace
 
 void Coarseness::apply_to(encoder::Settings& coding) const {
@@ -102,7 +103,7 @@ double Trial::share_over_twice() const {
     return core::divide_or(static_cast<double>(over_twice), static_cast<double>(errors.count()), 0.0);
 }
 
-/// Holds what is lit and coded against the truth, where that is known.
+/// Compares lit and coded pictures with the truth, where that is known.
 class Trials::Judge : public LoopObserver {
   public:
     Judge(const Trials& trials, Trial& trial, LitWindows* keep) : trials_(trials), trial_(trial), keep_(keep) {}
@@ -155,7 +156,6 @@ class Trials::Judge : public LoopObserver {
     const GopStarts& starts() const { return starts_; }
 
   private:
-    /// Keeps what the frame looks like, and what its light is and may be off by.
     void keep_sample_frame(const LitFrame& frame, const Truth& truth) {
         const ViewBox box = view_of(frame.picture.width(), frame.picture.height());
         const core::Plane<glm::vec3>& light = frame.radiance.combined;
@@ -176,7 +176,7 @@ class Trials::Judge : public LoopObserver {
                                                                         part_of(tolerance, box)});
     }
 
-    /// Adds what a pair changes along motion, once both are decoded.
+    /// Adds the change along motion of a pair once both are decoded.
     void watch_change(std::int64_t number, const core::Plane<std::uint8_t>& luma) {
         decoded_.insert_or_assign(number, luma);
         for (const std::int64_t later : {number, number + 1}) {
@@ -360,7 +360,7 @@ void Trials::take_references(const Trials& other) {
 bool Trials::light_reference(std::int64_t frame, int left, ReferenceStanding& standing,
                              const std::function<bool(const ReferenceStanding&)>& part_done) {
     const scene::Snapshot world = film_.snapshot(frame);
-    // Twice what the finest pictures get: errors are halved and more.
+    // Twice the samples of the finest pictures halve errors at least.
     renderer::ExposureSamples samples = exposure_samples(film_, 1, film_.display());
     samples.fewest = samples.most = 2 * samples.most;
     const core::ToleranceMap none = core::ToleranceMap::reference();
@@ -397,7 +397,7 @@ bool Trials::light_reference(std::int64_t frame, int left, ReferenceStanding& st
 
 bool Trials::light_parts(const scene::Snapshot& world, renderer::Seen& seen, int left, ReferenceStanding& standing,
                          const std::function<bool(const ReferenceStanding&)>& part_done, KeptReference& reference) {
-    // Without anything to gather first: what it takes to have light at all is no measure of the rest.
+    // Make the lights first: their time is no measure of the rest.
     renderer::Seen part{seen.visible, {}, seen.emitted, seen.emitted_specular};
     part.tiles.resize(seen.tiles.size());
     if (seen.exposure) {
@@ -430,6 +430,21 @@ bool Trials::light_parts(const scene::Snapshot& world, renderer::Seen& seen, int
         if (!part_done(standing)) return false;
     }
     return true;
+}
+
+Quality with_light(const Quality& shown, const Quality& there, const Quality& decoded) {
+    return {sum_of(shown.psnr_y, there.psnr_y, decoded.psnr_y),
+            std::clamp(shown.ssim_y + decoded.ssim_y - there.ssim_y, -1.0, 1.0),
+            sum_of(shown.psnr_hvs_m, there.psnr_hvs_m, decoded.psnr_hvs_m)};
+}
+
+Quality quality_of(const Trial& trial, bool against_references) {
+    const auto of = [](const perceptual::FilmQuality& q, double masked) {
+        return Quality{q.psnr_y(), q.ssim_y(), perceptual::psnr(masked)};
+    };
+    const Quality shown = of(trial.shown, trial.shown_masked);
+    if (!against_references) return shown;
+    return with_light(shown, of(trial.shown_there, trial.shown_masked_there), of(trial.decoded, trial.masked_error));
 }
 
 }  // namespace render2mpeg::app

@@ -6,34 +6,31 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <vector>
 
-#include "app/experiments/gop_starts.h"
 #include "app/experiments/reference_cache.h"
 #include "app/experiments/windows.h"
 #include "app/loop/forecast.h"
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
 #include "app/loop/shown_light.h"
-#include "app/options/chunk.h"
+#include "app/options/film.h"
 #include "app/system/error_histogram.h"
 #include "perceptual/metrics.h"
 
 namespace render2mpeg::app {
 
-/// A frame lit by every light point by itself, and what it looks like.
+/// A frame by reference light.
 struct Truth {
     core::Plane<glm::vec3> light;  ///< radiance
     core::Picture picture;
     std::vector<glm::ivec2> gathering;  ///< pixels that have anything to gather
-    /// To the frame before, and what changes along it; none where that has no truth.
+    /// To the frame before, and the change along it; none where that has no truth.
     std::optional<core::MotionField> to_previous;
     double change = 0;
 };
 
-/// How coarsely pictures are coded: with one quantiser, or by a quality (--quality), which is finer than whole
-/// quantisers.
+/// One quantiser, or a --quality between quantisers.
 struct Coarseness {
     int quantiser = 4;
     std::optional<double> quality;
@@ -48,7 +45,7 @@ struct Coarseness {
     void apply_to(encoder::Settings& coding) const;
 };
 
-/// The middle (frame_view.h) of the last frame that a truth is known of, to be looked at.
+/// The middle (frame_view.h) of the last reference frame.
 struct SampleFrame {
     std::int64_t frame = 0;
     core::Picture truth, lit, decoded;
@@ -56,8 +53,7 @@ struct SampleFrame {
     core::Plane<float> tolerance;  ///< likewise
 };
 
-/// What one way to light and code the windows costs and comes to: light's cost and bytes over all their frames, errors
-/// and quality over those that a truth is known of.
+/// Results of one way to light and code the windows: costs over all frames, errors and quality over reference frames.
 struct Trial {
     ToleranceRequest tolerance;
     int quantiser = 4;
@@ -92,7 +88,7 @@ struct Trial {
     double psnr_hvs_m() const { return perceptual::psnr(masked_error); }
 };
 
-/// Frames as they were lit once, to be coded in several ways.
+/// Frames that were lit once, to be coded in several ways.
 struct LitWindows {
     struct Frame {
         core::Picture picture;
@@ -102,7 +98,6 @@ struct LitWindows {
     std::map<std::int64_t, Frame> frames;
 };
 
-/// How far the references are.
 struct ReferenceStanding {
     int done = 0, parts = 0;  ///< of all of them
     double seconds = 0;       ///< that they took, by the clock
@@ -110,44 +105,36 @@ struct ReferenceStanding {
     double seconds_left() const { return done > 0 ? seconds / done * (parts - done) : 0.0; }
 };
 
-/// Lights and codes a film's windows in one way after the other. All that it says but times follows from the film and
-/// the windows, for any number of threads.
+/// Lights and codes a film's windows in several ways. All results but times are deterministic.
 class Trials {
   public:
-    /// The film's rate control, if any, gives way to plain quantisers. Of every window so many frames are references;
-    /// 0: none, and no error is known.
+    /// Plain quantisers replace the film's rate control. `references` of every window; 0: no errors are known.
     Trials(const RenderJob& film, std::vector<Chunk> windows, int references = 1);
 
-    /// The windows of another film of the same scene and size, such as a draft, beside the truths that are known; of
-    /// its costs `cpu`, `clock`, `bytes` and `surplus` are told. `frame_done` as in run(); none: it ended it.
+    /// Windows of another film of the same scene and size, such as a draft; fills in `cpu`, `clock`, `bytes`, `surplus`
+    /// and quality. None where `frame_done` said false.
     std::optional<Trial> run_other(const RenderJob& film, const std::function<bool()>& frame_done) const;
 
-    /// From now on masked errors are told of all frames, which takes its time (Trial::shown_masked).
+    /// Measures masked errors of all frames, which takes time (Trial::shown_masked).
     void mask_all() { masks_all_ = true; }
-    /// From now on Trial::shown is that of the worst tenth of the frames.
+    /// Lets Trial::shown be that of the worst tenth of the frames.
     void judge_worst_tenth() { worst_tenth_ = true; }
-    /// From now on references are taken from there where they are, and kept there.
     void keep_references_in(const ReferenceCache& cache) { cache_ = cache; }
 
-    /// Lights the references by every light point, in parts that are alike. `part_done` is called
-    /// after each and ends it all by returning false; returns whether it went on to the end.
+    /// Lights the references in parts; `part_done` may end it by returning false. Returns whether all are lit.
     bool light_references(const std::function<bool(const ReferenceStanding&)>& part_done);
 
-    /// Instead of lighting them: those of other trials of the same windows, which may be lit by other light points or
-    /// seen by other samples.
+    /// Takes the references of other trials of the same windows, of other light points or samples.
     void take_references(const Trials& other);
 
-    /// Only after light_references(). None where `frame_done` said false before the end. With `keep`, the frames are
-    /// kept there too.
+    /// After light_references() only. None where `frame_done` said false. Frames are kept in `keep` unless null.
     std::optional<Trial> run(const ToleranceRequest& tolerance, const Coarseness& coarseness,
                              const std::function<bool()>& frame_done, LitWindows* keep = nullptr);
 
-    /// The same light, coded otherwise: what run() would come to, since a fixed tolerance does not look at
-    /// coding.
+    /// The same light, coded otherwise, as run() would with a fixed tolerance.
     Trial coded_again(const LitWindows& lit, const Coarseness& coarseness) const;
 
-    /// Codes one window of frames, hands over the decoded pictures, numbered from 0 in display order, and returns their
-    /// size in bytes and the CPU seconds that coding took.
+    /// Codes one window, hands over the decoded pictures (numbered from 0) and returns bytes and CPU seconds.
     struct Coded {
         double bytes = 0, seconds = 0;
         GopStarts starts;     ///< none: not known
@@ -155,13 +142,12 @@ class Trials {
     };
     using Codec = std::function<Coded(const Chunk& window, const std::vector<const core::Picture*>& pictures,
                                       const std::function<void(const core::Picture&)>& decoded)>;
-    /// The same light, coded by another encoder.
     Trial coded_by(const Codec& codec, const LitWindows& lit, const Coarseness& coarseness) const;
 
     const std::vector<Chunk>& windows() const { return windows_; }
     const RenderJob& film() const { return film_; }
     int frames() const;  ///< of all windows
-    /// Of memory, for the references, and for the frames where they are kept to be coded again.
+    /// Memory for references, and for frames where they are kept.
     double bytes_held(bool keeps_frames) const;
     int references() const { return static_cast<int>(truths_.size()); }
     double reference_seconds() const;  ///< CPU per reference
@@ -171,18 +157,15 @@ class Trials {
   private:
     class Judge;
 
-    /// What the sample says of the film's time.
     void set_times(Trial& trial, const FrameSample& sample) const;
-    /// With the quality of those pictures that are judged.
     Trial pooled(Trial trial) const {
         if (worst_tenth_) trial.shown = trial.shown.worst_tenth();
         return trial;
     }
 
-    /// Lights what a frame has to gather, in parts; false: `part_done` ended it.
     bool light_parts(const scene::Snapshot& world, renderer::Seen& seen, int left, ReferenceStanding& standing,
                      const std::function<bool(const ReferenceStanding&)>& part_done, KeptReference& reference);
-    /// One of them; `left` are to come with it.
+    /// Lights one reference; `left` are to come, it included.
     bool light_reference(std::int64_t frame, int left, ReferenceStanding& standing,
                          const std::function<bool(const ReferenceStanding&)>& part_done);
 
@@ -198,5 +181,18 @@ class Trials {
     RunStatistics shown_statistics_;
     std::unique_ptr<ShownLight> shown_;  ///< of references; made with the first
 };
+
+struct Quality {
+    double psnr_y = 0, ssim_y = 0;  ///< dB, +infinity where nothing differs; 1 likewise
+    double psnr_hvs_m = 0;          ///< dB, likewise
+};
+
+/// Quality against reference light: coding errors of all pictures (`shown`), plus the error that light adds on the
+/// reference frames (`decoded` against `there`).
+Quality with_light(const Quality& shown, const Quality& there, const Quality& decoded);
+
+/// Quality of the sample, against references where there are any, else against its lit pictures. PSNR-HVS-M needs
+/// Trials::mask_all.
+Quality quality_of(const Trial& trial, bool against_references);
 
 }  // namespace render2mpeg::app

@@ -1,4 +1,4 @@
-#include "app/experiments/tune.h"
+#include "app/experiments/experiments.h"
 
 #include <fmt/format.h>
 
@@ -10,11 +10,11 @@
 
 #include "app/experiments/trial_command.h"
 #include "app/experiments/tune_report.h"
-#include "app/files/container_share.h"
+#include "app/files/file_io.h"
 #include "app/files/publish.h"
-#include "app/files/text_file.h"
-#include "app/options/command_words.h"
 #include "app/options/option_text.h"
+#include "app/options/options.h"
+#include "app/options/output_kind.h"
 #include "app/options/rate_options.h"
 #include "app/options/usage_error.h"
 #include "app/system/error_collector.h"
@@ -32,7 +32,7 @@ namespace {
 
 using Kind = Target::Kind;
 
-/// Options that `render` has not, or that mean another file there.
+/// Options that `render` does not have, or reads otherwise.
 constexpr std::array tune_only{"--target-psnr", "--target-ssim", "--target-bitrate", "--max-size",
                                "--max-time",    "--of",          "--sample",         "--references",
                                "--json",        "--report",      "--keep-references"};
@@ -52,7 +52,7 @@ Target target_of(const TuneOptions& o) {
     return asked.front();
 }
 
-/// Refuses what contradicts the target, or leaves no film to be made.
+/// Refuses contradictions to the target.
 void check_options(const TuneOptions& o, const Target& target) {
     const CodingOptions& coding = o.render.coding;
     if (target.kind != Kind::time && (coding.quality || coding.quantiser || coding.crf))
@@ -66,14 +66,14 @@ void check_options(const TuneOptions& o, const Target& target) {
         throw UsageError("tune: " + o.render.output.string() + " is not coded, and so has nothing to tune");
 }
 
-/// What trials search for: the pictures of a file of so many bytes have a rate.
+/// Target of the trials: a file size becomes a bit rate.
 Target searched(const Target& target, const RenderJob& film, const std::filesystem::path& output) {
     if (target.kind != Kind::size) return target;
     const double seconds = static_cast<double>(film.frame_count()) / film.rate.hertz.value();
     return {Kind::bitrate, pictures_in_file(target.value, film.frame_count(), output, film.disc) * 8 / seconds};
 }
 
-/// Refuses a rate that `render` would refuse, before anything dear is done. What no level brings is beyond reach.
+/// Refuses rates that `render` would refuse, before anything is lit.
 void check_rate(const Target& target, const RenderJob& film) {
     if (target.kind != Kind::bitrate || film.coding.rate_control.max_rate == 0) return;
     encoder::Settings coding = film.coding;
@@ -82,15 +82,13 @@ void check_rate(const Target& target, const RenderJob& film) {
     av::check(coding);
 }
 
-/// Bits per second that the film as it was tried can have: more would make its level a higher one. Other codecs' levels
-/// bind nobody.
+/// Highest rate of the film's level; infinite for other codecs.
 double highest_rate(const RenderJob& film) {
     if (film.coding.codec != encoder::Codec::mpeg2) return std::numeric_limits<double>::infinity();
     const std::int64_t wanted = film.coding.rate_control.max_rate;
     return static_cast<double>(wanted > 0 ? wanted : encoder::level_of(film.coding).bit_rate);
 }
 
-/// One command in the making.
 class TuneCommand {
   public:
     TuneCommand(const TuneOptions& options, const std::vector<std::string>& words)
@@ -101,7 +99,6 @@ class TuneCommand {
 
     /// Finds the setting. Returns whether nobody interrupted.
     bool search();
-    /// Makes the film. Returns its exit status.
     int make(const RenderFilm& render_film);
     void write_reports() const;
 
@@ -114,7 +111,6 @@ class TuneCommand {
         if (!quiet()) print(text);
     }
     void settle_options();
-    /// The sample as asked for, or by the film's length.
     Sample sample_of(const RenderJob& film) const;
     void look_at_film(const Rendered& rendered);
 
@@ -148,7 +144,7 @@ bool TuneCommand::search() {
     check_trial_outputs(film, options_);
     if (!options_.render.dry_run) check_reachable(options_.render.output);
 
-    // Try the film: rates need no references.
+    // Rates need no references.
     const Sample sample = sample_of(film);
     trials_.emplace(film, windows_of(film.frames, sample), options_.references.value_or(target.is_rate() ? 0 : 1));
     if (target.worst_tenth) trials_->judge_worst_tenth();
@@ -177,14 +173,14 @@ void TuneCommand::settle_options() {
         tuning_.options = {{"--quality", chosen.setting}};
     } else if (target.is_rate()) {
         double rate = searched(target, trials_->film(), options_.render.output).value;
-        // A file that even the finest film does not fill is small enough; but the sample is not the film.
+        // A size that the finest film does not fill is reached; but the sample is not the film.
         const bool finest = target.kind == Kind::size && tuning_.found == Found::beyond && *chosen.trial.quality > 50;
         if (finest) {
             tuning_.found = Found::between;
             rate = std::min(rate, highest_rate(trials_->film()));
         }
         tuning_.options = {{"--bitrate", fmt::format("{:.0f}", rate)}};
-        // Whoever asks for more than the finest film needs gets the finest.
+        // A rate beyond the finest film's gives the finest film.
         if (target.kind == Kind::bitrate && tuning_.found == Found::beyond && *chosen.trial.quality > 50) {
             tuning_.found = Found::between;
             tuning_.options = {{"--quality", chosen.setting}};
@@ -211,7 +207,7 @@ int TuneCommand::make(const RenderFilm& render_film) {
         if (name == "--vpls") render_options.vpls = std::stoi(value);
         render_options.given.push_back(name);
     }
-    // As the printed command says it, so that this can go on with --resume.
+    // As in the printed command, so that --resume recognises it.
     for (const char* looked_for : tune_only) render_options.said.erase(looked_for);
     for (const auto& [name, value] : tuning_.options) render_options.said[name] = value;
     Rendered rendered;
@@ -233,7 +229,7 @@ void TuneCommand::look_at_film(const Rendered& rendered) {
     film.psnr_y = shown.psnr_y();
     film.ssim_y = shown.ssim_y();
 
-    // Look at the same frames as in the sample, where what they should be is known.
+    // Compare the sample's reference frames.
     perceptual::FilmQuality decoded;
     double error = 0, similarity = 0;
     if (tuning_.against_references())

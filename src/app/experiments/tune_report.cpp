@@ -3,12 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "app/experiments/sweep.h"
-#include "app/experiments/trial_page.h"
-#include "app/files/text_file.h"
+#include "app/experiments/film_costs.h"
+#include "app/experiments/trial_command.h"
+#include "app/files/file_io.h"
 #include "app/report/answer.h"
 #include "app/report/curve_plot.h"
 #include "app/report/figures.h"
@@ -31,7 +30,7 @@ double rate_of(const Trial& trial, double hertz) {
     return 8 * trial.bytes_in_film() * hertz;
 }
 
-/// "quality 63.4", or what else the setting is called.
+/// "quality 63.4", or another setting's name.
 std::string name_of(const Tuning& tuning, const Probe& probe) {
     return tuning.target.kind == Kind::time ? probe.setting : "quality " + probe.setting;
 }
@@ -70,7 +69,6 @@ std::string rate_sentence(const Tuning& tuning, double hertz) {
     const std::string rate = figure_text(Kind::bitrate, rate_of(probe.trial, hertz));
     if (tuning.found == Found::beyond)
         return fmt::format("{} is out of reach: even {} needs {} on the sample.", asked, name, rate);
-    // What even the finest film does not fill is delivered as finely as there is.
     if (tuning.found == Found::between && *probe.trial.quality >= 100)
         return fmt::format("{} are more than the finest film needs on the sample: {} is {}: {}.", asked, name, rate,
                            quality_text(tuning, probe.trial));
@@ -168,7 +166,7 @@ std::string table(const Tuning& tuning, double hertz) {
            "</p>\n";
 }
 
-/// Seconds on the clock for one of CPU: over all that was lit, so that a machine that is busy for a while favours none.
+/// Clock seconds per CPU second, over all that was lit.
 double pace_of(const Tuning& tuning) {
     double clock = 0, cpu = 0;
     for (const Probe& p : tuning.probes)
@@ -176,7 +174,6 @@ double pace_of(const Tuning& tuning) {
     return core::divide_or(clock, cpu, 0.0);
 }
 
-/// How long the film takes; empty where nothing is chosen.
 std::string time_to_make(const RenderJob& film, const Tuning& tuning) {
     if (!tuning.chosen) return {};
     const double frame = pace_of(tuning) * tuning.probes[*tuning.chosen].trial.cpu;
@@ -184,7 +181,6 @@ std::string time_to_make(const RenderJob& film, const Tuning& tuning) {
                        clock_text(frame * static_cast<double>(film.frame_count())));
 }
 
-/// What was lit, for the whole film, and what is taken of it.
 std::string first_screen(const RenderJob& film, const Tuning& tuning) {
     const auto frames = static_cast<double>(film.frame_count());
     const double pace = pace_of(tuning);
@@ -306,7 +302,7 @@ bool film_is_near(const Tuning& tuning) {
     // chosen: films differ from their samples by up to a third of a decibel (three times what the search leaves).
     constexpr double sampled = 3;
     if (target.kind == Kind::size || target.kind == Kind::time) return value <= target.value;
-    // Better than was asked for is no miss where the settings are steps, or the finest film has less than it may.
+    // A better result is no miss where settings are steps, or where the finest film falls short.
     const bool finest =
         tuning.found == Found::between && !tuning.options.empty() && tuning.options.front().first == "--quality";
     if (target.kind == Kind::bitrate) return is_near(target, value) || (finest && value <= target.value);

@@ -1,5 +1,5 @@
 #pragma once
-// What `tune` prints and writes: table, sentences, JSON file and page.
+// Output of `tune`: table, sentences, JSON file and page.
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -13,15 +13,15 @@ namespace render2mpeg::app {
 std::string tune_heading(const RenderJob& film, const Tuning& tuning);
 std::string probe_row(const Tuning& tuning, const Probe& probe, double pictures_per_second);
 
-/// What was found, in a sentence or two; empty after an interruption.
+/// The result in a sentence or two; empty after an interruption.
 std::string sentence_of(const Tuning& tuning, double pictures_per_second);
-/// What became of the whole film beside its sample; empty where none was made.
+/// The whole film beside its sample; empty where none was made.
 std::string film_sentence(const Tuning& tuning);
-/// What the film that was made has of what was asked for, in the target's unit; and whether that is near enough.
+/// The film's value in the target's unit, and whether it is near enough.
 double film_value(const Tuning& tuning);
 bool film_is_near(const Tuning& tuning);
 
-/// Everything that `tune` found out (docs/choosing.md).
+/// All results (docs/choosing.md).
 nlohmann::json tune_json(const RenderJob& film, const Tuning& tuning, const std::string& command);
 
 /// The same as a page with plots, and report_json_of() it.

@@ -4,23 +4,30 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <utility>
 
 #include "app/experiments/quality_search.h"
 #include "app/experiments/trial_command.h"
 #include "app/report/answer.h"
+#include "app/report/figures.h"
 #include "app/system/interrupt.h"
-#include "perceptual/tolerance_fraction.h"
+#include "app/system/progress.h"
+#include "core/error.h"
+#include "perceptual/tolerance.h"
 
 namespace render2mpeg::app {
 namespace {
+
+/// PSNR of equal pictures: beyond any 8-bit error.
+constexpr double same = 100;
 
 /// chosen: light coupled to another quantiser errs by less than a probe's steps after the second time; more than four
 /// have not been seen (3..6).
 constexpr int most_lightings = 5;
 /// chosen: eight probes halve what is left to less than two roundings of quantisers (6..12).
 constexpr int most_codings = 10;
-/// Where the search begins: quantiser 4, which is the usual one.
+/// First quality of the search: quantiser 4, the default.
 constexpr double first_quality = 60;
 /// chosen: what is coded again aims closer than what is asked for, so that light made for it may still differ
 /// (0.2..0.7).
@@ -45,17 +52,15 @@ class CodingTuner {
   private:
     double figure(const Probe& probe) const { return even_figure(target_, probe.value); }
     const Probe& add(double quality, Trial trial, bool lit);
-    /// The quality to be taken, what it comes to with light made for another one, and whether steps of the quantisers
-    /// keep it from the target.
+    /// A quality, its figure by light for another one, and whether quantiser steps bar the target.
     struct Aim {
         QualitySearch::Known known;
         bool at_step = false;
     };
-    /// Codes one light again until that meets the target.
     Aim coded_again(const LitWindows& light, QualitySearch search);
-    /// Whether light made for its quality came to what was aimed at, so that another one would end at the same step.
+    /// Whether light of its own quality confirmed the aim.
     bool confirms(const Aim& aim, const Probe& probe) const;
-    /// Takes what is known when no quality is left to be lit.
+    /// Concludes where no quality is left to be lit.
     void conclude();
 
     Trials& trials_;
@@ -83,7 +88,7 @@ CodingTuner::Aim CodingTuner::coded_again(const LitWindows& light, QualitySearch
                 told("coding", quiet_, [&] { return trials_.coded_again(light, Coarseness::of_quality(*quality)); }),
                 false);
         search.add(*quality, figure(probe));
-        // After three tries a step of the quantisers is in the way: near enough is near.
+        // After three tries a quantiser step is in the way.
         if (is_near(target_, probe.value, i < 3 ? close : 0.8)) break;
     }
     // Between two steps: a rate is not exceeded, a quality is reached.
@@ -121,7 +126,7 @@ void CodingTuner::settle() {
         const double next = aim.known.quality;
         if (InterruptGuard::requested()) return;
         if (!coupled) break;
-        // What was lit for its own coding already is not lit again: then by what such light came to.
+        // A quality that was lit for is not lit again.
         bool known = false;
         for (const QualitySearch::Known& k : lit_.known())
             known = known || std::abs(k.quality - next) < 0.5 * QualitySearch::step;
@@ -134,7 +139,7 @@ void CodingTuner::settle() {
 }
 
 void CodingTuner::conclude() {
-    // Of a fixed tolerance every coding has the light it would have.
+    // Light of a fixed tolerance is right for every coding.
     const bool coupled = trials_.film().tolerance.coupled;
     std::optional<std::size_t> nearest, side;
     const auto distance = [&](std::size_t i) {
@@ -143,23 +148,22 @@ void CodingTuner::conclude() {
     for (std::size_t i = 0; i < tuning_.probes.size(); ++i) {
         const Probe& probe = tuning_.probes[i];
         if (coupled && !probe.lit) continue;
-        // Of several that are as near the last, which is nearest to the end that the search went to.
+        // Of equally near ones the last, which the search approached.
         if (!nearest || distance(i) <= distance(*nearest)) nearest = i;
         const bool right = target_.is_rate() ? probe.value <= target_.value : probe.value >= target_.value;
         if (right && (!side || distance(i) <= distance(*side))) side = i;
     }
     const bool near = is_near(target_, tuning_.probes[*nearest].value);
     tuning_.chosen = near || !side ? nearest : side;
-    // Beyond reach is only what the finest and the coarsest do not reach.
+    // Only the finest and the coarsest can be beyond reach.
     const double quality = *tuning_.probes[*tuning_.chosen].trial.quality;
     const bool finer = figure(tuning_.probes[*tuning_.chosen]) < even_figure(target_, target_.value);
-    // Where even the coarsest loses nothing, as of a black film, there is nothing to be looked for.
+    // A film that loses nothing even at the coarsest, such as a black one.
     const bool at_end =
         finer ? quality >= 100 : quality <= 0 && !is_lossless(target_, tuning_.probes[*tuning_.chosen].value);
     tuning_.found = near ? Found::near : at_end ? Found::beyond : Found::between;
 }
 
-/// One way to light the film: the less, the less it takes.
 struct Rung {
     ToleranceRequest tolerance;
     int samples = 0, vpls = 0;
@@ -212,7 +216,6 @@ std::vector<Rung> ladder_of(const ToleranceRequest& tolerance, int samples, int 
     return rungs;
 }
 
-/// The film as a rung has it.
 RenderJob on_rung(const RenderJob& film, const Rung& rung) {
     RenderJob changed = film;
     changed.tolerance = rung.tolerance;
@@ -240,9 +243,9 @@ class TimeTuner {
     void settle();
 
   private:
-    /// Whether the film would be done in time on that rung; none: interrupted.
+    /// Whether the film is done in time on that rung; none: interrupted.
     std::optional<bool> fits(std::size_t index);
-    /// Of those that are done in time by the rule of all pages (answer.h); else the fastest.
+    /// The cheapest of those that look alike (answer.h) and are done in time; else the fastest.
     void choose();
 
     Trials& trials_;
@@ -306,6 +309,60 @@ void TimeTuner::settle() {
 }
 
 }  // namespace
+
+std::string figure_text(Target::Kind kind, double value) {
+    if (!std::isfinite(value)) return "-";
+    switch (kind) {
+        case Target::Kind::psnr:
+            return value >= same ? "the same" : fmt::format("{:.2f} dB PSNR-Y", value);
+        case Target::Kind::ssim:
+            return fmt::format("{:.4f} SSIM", value);
+        case Target::Kind::bitrate:
+            return fmt::format("{:.{}f} kb/s", 1e-3 * value, value < 1e5 ? 1 : 0);
+        case Target::Kind::size:
+            return size_text(value);
+        case Target::Kind::time:
+            break;
+    }
+    return clock_text(value);
+}
+
+std::string target_text(const Target& target) {
+    const char* whose = target.worst_tenth ? " of the worst tenth" : "";
+    if (target.kind == Target::Kind::psnr) return fmt::format("{:g} dB PSNR-Y{}", target.value, whose);
+    if (target.kind == Target::Kind::ssim) return fmt::format("{:g} SSIM{}", target.value, whose);
+    return figure_text(target.kind, target.value);
+}
+
+double value_of(const Target& target, const Trial& trial, double pictures_per_second, bool against_references) {
+    const Quality quality = quality_of(trial, against_references);
+    if (target.kind == Target::Kind::psnr) return std::min(quality.psnr_y, same);
+    if (target.kind == Target::Kind::ssim) return quality.ssim_y;
+    return 8 * trial.bytes_in_film() * pictures_per_second;
+}
+
+double even_figure(const Target& target, double value) {
+    if (target.kind == Target::Kind::psnr) return std::min(value, same);
+    if (target.kind == Target::Kind::ssim) return -10 * std::log10(std::max(1 - value, 1e-9));
+    return std::log(std::max(value, 1.0));
+}
+
+double even_slope(const Target& target) {
+    // fit: bench/fits/coupled-share.jsonl: between quantisers 2 and 16 a doubling, 20 of quality, costs 3.7 to 4.7 dB
+    // and 0.35 to 0.43 of the bits.
+    return target.is_rate() ? 0.025 : 0.2;
+}
+
+bool is_lossless(const Target& target, double value) {
+    // chosen: what rounding leaves of an SSIM of 1.
+    return target.kind == Target::Kind::psnr ? value >= same : target.kind == Target::Kind::ssim && value > 1 - 1e-9;
+}
+
+bool is_near(const Target& target, double value, double share) {
+    if (target.kind == Target::Kind::psnr) return std::abs(value - target.value) <= share * near_psnr;
+    if (target.kind == Target::Kind::ssim) return std::abs(value - target.value) <= share * near_ssim;
+    return std::abs(value / target.value - 1) <= share * near_rate;
+}
 
 void tune_coding(Trials& trials, const Target& target, bool quiet, Tuning& tuning, const LogProbe& log) {
     CodingTuner(trials, target, quiet, tuning, log).settle();

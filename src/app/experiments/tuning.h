@@ -1,16 +1,50 @@
 #pragma once
-// What `tune` tries and finds: the search for a quality, a rate or a time.
+// The search of `tune` for a quality, a rate or a time.
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "app/experiments/target.h"
 #include "app/experiments/trial.h"
 
 namespace render2mpeg::app {
 
-/// One try of the sample.
+struct Target {
+    enum class Kind {
+        psnr,     ///< dB of luma
+        ssim,     ///< of luma
+        bitrate,  ///< bits per second of pictures
+        size,     ///< bytes of the file, at most
+        time,     ///< seconds on the clock, at most
+    };
+    Kind kind = Kind::psnr;
+    double value = 0;
+    bool worst_tenth = false;  ///< of the pictures: theirs is the quality that is meant
+
+    bool is_quality() const { return kind == Kind::psnr || kind == Kind::ssim; }
+    bool is_rate() const { return kind == Kind::bitrate || kind == Kind::size; }
+};
+
+/// Tolerance of a target: of quality in its own unit, of rate as a share.
+inline constexpr double near_psnr = 0.1, near_ssim = 0.002, near_rate = 0.02;
+
+/// "42 dB PSNR-Y", "0.98 SSIM", "2000 kb/s", "1.20 MB", "1:30:00".
+std::string target_text(const Target& target);
+/// A value in the target's unit; none: "-".
+std::string figure_text(Target::Kind kind, double value);
+
+/// A trial's value in the target's unit; for sizes, bits per second.
+double value_of(const Target& target, const Trial& trial, double pictures_per_second, bool against_references);
+
+/// A value on a scale that is even in --quality: decibels, or the logarithm of a rate. Finite for all values.
+double even_figure(const Target& target, double value);
+/// Its usual rise per unit of quality.
+double even_slope(const Target& target);
+/// Whether a value means no loss at all.
+bool is_lossless(const Target& target, double value);
+/// Whether a value is near enough, or within `share` of that.
+bool is_near(const Target& target, double value, double share = 1);
+
 struct Probe {
     std::string setting;  ///< "63.4", "coupled=0.5, 1 sample"
     Trial trial;
@@ -18,7 +52,7 @@ struct Probe {
     bool lit = true;   ///< false: light of another probe, coded again
 };
 
-/// The film that was made in the end, beside what its sample had promised. PSNRs are +infinity where nothing differs.
+/// The film that was made; PSNRs may be +infinity.
 struct WholeFilm {
     std::int64_t frames = 0;
     double bytes = 0;     ///< of the file
@@ -30,7 +64,6 @@ struct WholeFilm {
     Quality reference;    ///< decoded against light by every light point (with_light)
 };
 
-/// What became of the search.
 enum class Found {
     near,     ///< the target is met
     between,  ///< it lies between two settings that are neighbours; the better one is taken
@@ -38,7 +71,7 @@ enum class Found {
     stopped,  ///< interrupted
 };
 
-/// All that `tune` finds out.
+/// Results of `tune`.
 struct Tuning {
     Target target;
     std::vector<Chunk> windows;
@@ -54,17 +87,14 @@ struct Tuning {
     bool against_references() const { return references > 0; }
 };
 
-/// Called with each probe as it comes.
 using LogProbe = std::function<void(const Probe&)>;
 
-/// Finds the quality for a PSNR, an SSIM or a bit rate (bits per second in `target`, which for a size is what its
-/// pictures may have). Light that is coupled to its coding is lit for a first guess, coded again and again until that
-/// meets the target, and lit anew for what was found: until one that was lit for its own coding meets it. Fills
-/// `tuning` but for its command.
+/// Finds the quality for a PSNR, an SSIM or a bit rate. Coupled light is made for a first guess, coded again until that
+/// meets the target, and lit anew for the quality found, until light of its own quality meets the target.
 void tune_coding(Trials& trials, const Target& target, bool quiet, Tuning& tuning, const LogProbe& log);
 
-/// Loosens tolerance, samples and light points step by step until the film takes no more than the target's seconds;
-/// `once` are those that it takes beside its frames. Quality is held against the references of the film as asked for.
+/// Loosens tolerance, samples and light points until the film takes no more than the target's seconds; `once` are spent
+/// beside its frames.
 void tune_time(Trials& trials, const RenderOptions& asked, double once, bool quiet, Tuning& tuning,
                const LogProbe& log);
 

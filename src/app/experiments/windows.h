@@ -1,20 +1,35 @@
 #pragma once
-// Which frames of a film stand for it.
+// Sample windows of a film.
 #include <cstdint>
 #include <set>
 #include <vector>
 
-#include "app/options/chunk.h"
+#include "app/loop/render_job.h"
+#include "app/options/film.h"
 #include "app/options/options.h"
+#include "encoder/types.h"
 
 namespace render2mpeg::app {
 
-/// Stretches of a film that stand for it: the middles of equal parts, as many as there is room for, each coded as a
-/// chunk of its own.
+/// Middles of equal parts of the film, as many as there is room for, each coded as a chunk.
 std::vector<Chunk> windows_of(FrameRange film, const Sample& sample);
 
-/// The frames of a window that are lit by every light point: the last alone, or pairs of adjacent ones at even
-/// distances, of which the last ends the window, and an odd one about its middle. `count` is 0 to the window's frames.
+/// Reference frames of a window: the last alone, or evenly spaced pairs of neighbours, the last of which ends the
+/// window, and an odd one about its middle. `count`: 0 to the window's frames.
 std::set<std::int64_t> reference_frames(const Chunk& window, int count);
+
+class GopStarts {
+  public:
+    void add(const encoder::CodedPicture& picture);
+    void add(const GopStarts& others);
+
+    /// Bytes per frame that windows (of `bytes` per frame) take more than the film, since each begins with an I
+    /// picture.
+    double surplus(const RenderJob& film, const std::vector<Chunk>& windows, double bytes) const;
+
+  private:
+    double bytes_ = 0;
+    int count_ = 0;
+};
 
 }  // namespace render2mpeg::app

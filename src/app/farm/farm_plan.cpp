@@ -3,15 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "app/files/checksum.h"
-#include "app/files/identity_difference.h"
-#include "app/files/text_file.h"
+#include "app/files/file_io.h"
 #include "app/files/work_folder.h"
-#include "app/loop/film_identity.h"
+#include "app/loop/resume.h"
 #include "app/options/usage_error.h"
 #include "core/error.h"
 #include "core/isa.h"
@@ -195,6 +194,18 @@ void refuse_other_machine(const FarmPlan& plan) {
 void refuse_other_film(const FarmPlan& plan, const RenderJob& film, const RenderOptions& options) {
     const std::string difference = difference_of(plan.facts->at("identity"), farm_identity(plan, film, options));
     if (!difference.empty()) throw Refusal("making", plan.folder.string(), difference + " since `farm` planned it");
+}
+
+std::string part_list(const std::vector<int>& numbers) {
+    std::string text;
+    for (std::size_t i = 0; i < numbers.size();) {
+        std::size_t last = i;
+        while (last + 1 < numbers.size() && numbers[last + 1] == numbers[last] + 1) ++last;
+        text += (text.empty() ? "" : ",") + std::to_string(numbers[i]);
+        if (last > i) text += "-" + std::to_string(numbers[last]);
+        i = last + 1;
+    }
+    return text;
 }
 
 }  // namespace render2mpeg::app

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "app/loop/render_job.h"
-#include "app/options/chunk.h"
+#include "app/options/film.h"
 #include "app/options/options.h"
 
 namespace render2mpeg::app {
@@ -29,7 +29,7 @@ struct FarmPlan {
     std::string scheduler;
     std::string output_name;  ///< the film's, without its folder
     std::vector<FilmPart> parts;
-    /// `identity` as in film_identity.h, names of inputs in `folder` without it; `settled` what settle() finds out;
+    /// `identity` as in resume.h, names of inputs in `folder` without it; `settled` what settle() finds out;
     /// `cost` seconds that the plan took; `vbv` bits in the decoder's buffer where a chunk begins and where the film
     /// is no stream, null.
     std::shared_ptr<nlohmann::json> facts;
@@ -73,5 +73,8 @@ nlohmann::json farm_identity(const FarmPlan& plan, const RenderJob& film, Render
 void refuse_other_machine(const FarmPlan& plan);
 /// Throws Refusal, naming what has changed, where the film is not the plan's.
 void refuse_other_film(const FarmPlan& plan, const RenderJob& film, const RenderOptions& options);
+
+/// Ascending numbers as schedulers read them: "1,3-5".
+std::string part_list(const std::vector<int>& numbers);
 
 }  // namespace render2mpeg::app

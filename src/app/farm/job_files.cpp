@@ -10,10 +10,10 @@
 #include <string_view>
 #include <system_error>
 
-#include "app/farm/job_templates.h"
-#include "app/files/text_file.h"
+#include "app/files/file_io.h"
 #include "app/system/program.h"
 #include "core/error.h"
+#include "core/module.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -98,11 +98,11 @@ std::filesystem::path write_job_files(const FarmPlan& plan) {
     std::filesystem::create_directories(plan.folder / "log", error);
     forget_notes(plan.folder / "log");
     const std::map<std::string, std::string> values = values_of(plan);
-    for (const JobTemplate& job : job_templates) {
-        if (job.scheduler != plan.scheduler) continue;
-        const std::filesystem::path file = plan.folder / job.file;
-        write_whole(file, filled(job.text, values));
-        if (job.text.starts_with("#!"))
+    for (const auto& job : std::filesystem::directory_iterator(core::installed_file("farm/" + plan.scheduler))) {
+        const std::filesystem::path file = plan.folder / job.path().filename();
+        const std::string text = file_text(job.path());
+        write_whole(file, filled(text, values));
+        if (text.starts_with("#!"))
             std::filesystem::permissions(file, std::filesystem::perms::owner_exec | std::filesystem::perms::group_exec,
                                          std::filesystem::perm_options::add, error);
     }

@@ -1,4 +1,4 @@
-#include "app/farm/join.h"
+#include "app/farm/farm.h"
 
 #include <fmt/format.h>
 
@@ -10,22 +10,16 @@
 #include <vector>
 
 #include "app/farm/farm_plan.h"
-#include "app/farm/part_list.h"
-#include "app/files/disk.h"
-#include "app/files/text_file.h"
+#include "app/files/file_io.h"
 #include "app/files/work_folder.h"
-#include "app/loop/counters.h"
-#include "app/loop/film_identity.h"
 #include "app/loop/resume.h"
-#include "app/options/command_words.h"
+#include "app/loop/run_statistics.h"
+#include "app/options/options.h"
 #include "app/options/output_kind.h"
-#include "app/production/outputs.h"
-#include "app/production/preparation.h"
 #include "app/production/production.h"
 #include "app/report/heatmap_film.h"
 #include "app/report/sample_frame.h"
 #include "app/system/interrupt.h"
-#include "app/system/terminal.h"
 #include "core/error.h"
 #include "parallel/loops.h"
 

@@ -8,7 +8,7 @@
 #include <system_error>
 #include <vector>
 
-#include "app/files/disk.h"
+#include "app/files/file_io.h"
 #include "app/system/program.h"
 #include "core/error.h"
 

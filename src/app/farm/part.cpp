@@ -1,4 +1,4 @@
-#include "app/farm/part.h"
+#include "app/farm/farm.h"
 
 #include <fmt/format.h>
 
@@ -12,12 +12,10 @@
 
 #include "app/farm/farm_plan.h"
 #include "app/farm/part_status.h"
-#include "app/files/output_lock.h"
 #include "app/files/work_folder.h"
 #include "app/loop/resume.h"
-#include "app/options/farm_options.h"
+#include "app/options/command_options.h"
 #include "app/options/usage_error.h"
-#include "app/production/preparation.h"
 #include "app/production/production.h"
 #include "app/report/heatmap_film.h"
 #include "app/report/sample_frame.h"

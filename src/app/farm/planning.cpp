@@ -1,4 +1,4 @@
-#include "app/farm/planning.h"
+#include "app/farm/farm.h"
 
 #include <fmt/format.h>
 
@@ -11,19 +11,14 @@
 #include "app/farm/farm_plan.h"
 #include "app/farm/job_files.h"
 #include "app/farm/pack.h"
-#include "app/files/identity_difference.h"
+#include "app/files/file_io.h"
 #include "app/files/publish.h"
-#include "app/files/text_file.h"
 #include "app/files/work_folder.h"
-#include "app/loop/film_identity.h"
 #include "app/loop/resume.h"
-#include "app/options/farm_options.h"
-#include "app/production/outputs.h"
-#include "app/production/preparation.h"
+#include "app/options/command_options.h"
 #include "app/production/production.h"
 #include "app/system/interrupt.h"
 #include "app/system/probes.h"
-#include "app/system/terminal.h"
 #include "core/error.h"
 #include "core/text.h"
 #include "encoder/encoder.h"

@@ -4,11 +4,8 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <system_error>
 #include <utility>
 
-#include "app/files/disk.h"
-#include "app/files/text_file.h"
 #include "core/error.h"
 
 namespace render2mpeg::app {
@@ -19,7 +16,6 @@ namespace {
 
 using nlohmann::json;
 
-/// Why a stream could not be written.
 std::string reason() {
     return errno != 0 ? std::strerror(errno) : "the disk is full";
 }

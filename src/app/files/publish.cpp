@@ -1,6 +1,7 @@
 #include "app/files/publish.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -10,27 +11,44 @@
 #include <string>
 #include <system_error>
 
-#include "app/files/assembly.h"
-#include "app/files/disk.h"
+#include "app/files/file_io.h"
 #include "app/options/output_kind.h"
 #include "core/error.h"
+#include "encoder/av/av.h"
+#include "encoder/codec.h"
 
 namespace render2mpeg::app {
 namespace {
 
-/// A pipe or a device of characters such as /dev/null, which is written to and not replaced.
+/// Muxes the access units of one chunk; the film's last picture carries the end code.
+void copy_chunk(const ChunkFile& chunk, av::Muxer& muxer, encoder::Codec codec, std::int64_t first_frame,
+                std::int64_t coded_before, bool last_chunk) {
+    std::ifstream stream(chunk.file(), std::ios::binary);
+    std::vector<std::uint8_t> bytes;
+    for (const PictureRecord& picture : chunk.pictures()) {
+        bytes.resize(picture.bytes);
+        stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+        if (!stream)
+            throw core::Error("reading", chunk.file().string(), "the file is shorter than it was when it was written");
+        if (last_chunk && &picture == &chunk.pictures().back())
+            for (const std::uint8_t byte : encoder::end_of_stream(codec)) bytes.push_back(byte);
+        muxer.write(bytes, picture.number - first_frame, coded_before + picture.coding_order, picture.starts_gop);
+    }
+}
+
+/// Pipes and character devices are written to, not replaced.
 bool is_written_to(const std::filesystem::path& file) {
     std::error_code error;
     const std::filesystem::file_status status = std::filesystem::status(file, error);
     return std::filesystem::is_fifo(status) || std::filesystem::is_character_file(status);
 }
 
-/// Whether files can be made in a folder; why not, as in errno, else 0.
+/// Whether files can be made in a folder: errno, or 0.
 int failure_to_write_in(const std::filesystem::path& folder) {
-    // A file without a name goes with the process, however that ends.
+    // An unnamed file goes with the process.
     const int descriptor = open(folder.c_str(), O_WRONLY | O_TMPFILE | O_CLOEXEC, 0600);
     if (descriptor >= 0) return close(descriptor) == 0 ? 0 : errno;
-    // Not every file system knows such files; that the rights are there has been seen already.
+    // Not every file system has unnamed files; access rights were seen before.
     return errno == EOPNOTSUPP || errno == EISDIR || errno == EINVAL || errno == ENOENT ? 0 : errno;
 }
 
@@ -48,14 +66,13 @@ bool holds(const FrameRange& frames, const std::optional<std::int64_t>& number) 
     return number && *number >= frames.first && *number <= frames.last;
 }
 
-/// Whether a file is one of a sequence's, by its own name or by where it leads.
+/// Whether a file is one of a sequence's, by name or link.
 bool is_of(const Files& sequence, const std::filesystem::path& file) {
     const std::filesystem::path led = canonical_of(file), folder = folder_of(sequence.name);
     return (folder_of(file) == folder && holds(*sequence.frames, number_in(sequence.name, file))) ||
            (led.parent_path() == folder && holds(*sequence.frames, number_in(sequence.name, led)));
 }
 
-/// Whether two have a file in common.
 bool meet(const Files& a, const Files& b) {
     if (!a.frames && !b.frames) return same(a.name, b.name);
     if (!a.frames) return is_of(b, a.name);
@@ -69,7 +86,6 @@ bool meet(const Files& a, const Files& b) {
     return false;
 }
 
-/// Hands all of a file to a pipe or the like.
 void write_into(const std::filesystem::path& file, const std::filesystem::path& output) {
     errno = 0;
     std::ifstream from(file, std::ios::binary);
@@ -80,22 +96,96 @@ void write_into(const std::filesystem::path& file, const std::filesystem::path& 
         throw core::Error("writing", output.string(), errno != 0 ? std::strerror(errno) : "it cannot be written");
 }
 
+struct Doubt {
+    std::filesystem::path file;
+    std::string text;  ///< what is so, and what -y does
+};
+
+bool holds_a_film(const std::filesystem::path& file) {
+    std::error_code error;
+    return std::filesystem::is_regular_file(file, error) && std::filesystem::file_size(file, error) > 0 && !error;
+}
+
+std::vector<Doubt> doubts_of(const Wishes& wishes) {
+    std::vector<Doubt> doubts;
+    std::vector<std::filesystem::path> all = wishes.beside;
+    for (const Files& film : wishes.films) {
+        all.push_back(film.name);
+        if (!film.frames && holds_a_film(film.name)) doubts.push_back({film.name, "is there already; -y replaces it"});
+        if (!film.frames) continue;
+        const std::vector<std::int64_t> there = numbers_on_disk(film.name);
+        const auto count = std::count_if(there.begin(), there.end(), [&](std::int64_t n) {
+            return n >= film.frames->first && n <= film.frames->last;
+        });
+        if (count > 0)
+            doubts.push_back({film.name, fmt::format("{} of these images are there already; -y replaces them", count)});
+    }
+    std::vector<std::filesystem::path> folders;
+    for (const std::filesystem::path& file : all) {
+        std::error_code error;
+        const std::filesystem::path folder = file.parent_path();
+        if (file.empty() || folder.empty() || std::filesystem::exists(folder, error)) continue;
+        if (std::find(folders.begin(), folders.end(), folder) != folders.end()) continue;
+        folders.push_back(folder);
+        doubts.push_back({file, "there is no folder " + folder.string() + "; -y makes it"});
+    }
+    return doubts;
+}
+
 }  // namespace
+
+void assemble(const std::vector<ChunkFile>& chunks, const Film& film, const std::filesystem::path& file,
+              const std::filesystem::path& name) {
+    std::size_t largest = 0;
+    for (const ChunkFile& chunk : chunks)
+        for (const PictureRecord& picture : chunk.pictures()) largest = std::max<std::size_t>(largest, picture.bytes);
+
+    std::size_t pictures = 0;
+    for (const ChunkFile& chunk : chunks) pictures += chunk.pictures().size();
+    av::Sound sound = film.sound;
+    sound.seconds = static_cast<double>(pictures) / film.coding.rate.hertz.value();
+    av::Muxer muxer(file, name, film.coding, largest, film.disc ? av::ProgramStream::dvd : av::ProgramStream::plain,
+                    sound);
+    std::int64_t coded_before = 0;
+    for (const ChunkFile& chunk : chunks) {
+        copy_chunk(chunk, muxer, film.coding.codec, film.frames.first, coded_before, &chunk == &chunks.back());
+        coded_before += static_cast<std::int64_t>(chunk.pictures().size());
+    }
+    muxer.finish();
+}
+
+void verify(const std::filesystem::path& film, const std::vector<ChunkFile>& chunks) {
+    std::vector<PictureRecord> expected;
+    for (const ChunkFile& chunk : chunks)
+        expected.insert(expected.end(), chunk.pictures().begin(), chunk.pictures().end());
+    std::sort(expected.begin(), expected.end(), [](const auto& a, const auto& b) { return a.number < b.number; });
+
+    std::size_t decoded = 0;
+    av::decode(film, [&](const core::Picture& picture) {
+        if (decoded >= expected.size() || checksum_of(picture) != expected[decoded].checksum)
+            throw core::Error("verifying", film.string(),
+                              fmt::format("picture {} does not decode to what was encoded", decoded));
+        ++decoded;
+    });
+    if (decoded != expected.size())
+        throw core::Error("verifying", film.string(),
+                          fmt::format("{} of {} pictures decode", decoded, expected.size()));
+}
 
 void check_reachable(const std::filesystem::path& file) {
     std::error_code error;
     const std::filesystem::file_status status = std::filesystem::status(file, error);
-    // Such as links that lead to one another.
+    // Such as links in a circle.
     if (error && status.type() == std::filesystem::file_type::none)
         throw core::Error("writing", file.string(), error.message());
     if (std::filesystem::is_directory(status)) throw core::Error("writing", file.string(), "it is a folder");
     if (std::filesystem::is_block_file(status) || std::filesystem::is_socket(status))
         throw core::Error("writing", file.string(), "it is no file");
-    // It would be replaced, which its own protection does not prevent.
+    // A protected file is not replaced.
     if (std::filesystem::exists(status) && access(file.c_str(), W_OK) != 0)
         throw core::Error("writing", file.string(), std::strerror(errno));
     if (is_written_to(file)) return;
-    // The folders that are there already; the others will be made in the last of them.
+    // Missing folders will be made in the last existing one.
     std::filesystem::path folder = std::filesystem::absolute(file, error).lexically_normal().parent_path();
     while (!std::filesystem::exists(folder, error) && folder.has_relative_path()) folder = folder.parent_path();
     if (!std::filesystem::is_directory(folder, error))
@@ -146,12 +236,22 @@ Published give_name(const std::filesystem::path& file, WorkFolder& work, const s
         write_into(file, output);
         return {output, bytes};
     }
-    // What it was made of may go once it is there for good.
     bring_to_disk(file);
     if (!error) std::filesystem::rename(file, output, error);
     if (error) throw core::Error("writing", output.string(), error.message());
     bring_name_to_disk(output);
     return {output, bytes};
+}
+
+void require_consent(const Wishes& wishes, bool agreed) {
+    if (agreed) return;
+    for (const Doubt& doubt : doubts_of(wishes)) throw core::Error("writing", doubt.file.string(), doubt.text);
+}
+
+std::vector<std::string> doubts_about(const Wishes& wishes) {
+    std::vector<std::string> lines;
+    for (const Doubt& doubt : doubts_of(wishes)) lines.push_back(doubt.file.string() + ": " + doubt.text);
+    return lines;
 }
 
 }  // namespace render2mpeg::app

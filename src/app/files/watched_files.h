@@ -9,19 +9,18 @@
 
 namespace render2mpeg::app {
 
-/// Tells when files have changed, and when whoever changes them has finished. Looks at their sizes and times; a file
-/// that is replaced, or missing for a while, has changed.
+/// Tells when files have changed, by size and time, and when changes have settled. Replaced and missing files have
+/// changed.
 class WatchedFiles {
   public:
-    /// As they are now. Empty names are passed over; of folders the files directly in them count.
+    /// Empty names are skipped; of folders their direct files count.
     explicit WatchedFiles(std::vector<std::filesystem::path> files);
 
-    /// Whether any is not as it was. Looks no more than five times a second.
+    /// Looks at most five times a second.
     bool have_changed();
-    /// Something has changed that was seen elsewhere.
     void note_change() { changed_ = true; }
-    /// Waits for a change and, after it, until nothing changes any more for `settled`; what is missing then is waited
-    /// for as well. False where `goes_on`, asked ten times a second, says no.
+    /// Waits for a change and `settled` time without one; missing files are waited for. False where `goes_on`, asked
+    /// ten times a second, says no.
     bool wait(std::chrono::milliseconds settled, const std::function<bool()>& goes_on);
 
   private:

@@ -1,5 +1,4 @@
 #pragma once
-
 #include <cstddef>
 #include <filesystem>
 #include <memory>
@@ -8,66 +7,81 @@
 #include <vector>
 
 #include "app/files/chunk_file.h"
-#include "app/files/output_lock.h"
-#include "app/options/chunk.h"
+#include "app/options/film.h"
+#include "core/error.h"
 
 namespace render2mpeg::app {
 
-/// `OUT.partial/`, e.g. `film.mpg.partial/`: what there is of a film that is not whole yet, with a manifest of what it
-/// belongs to. No other run can have the same one meanwhile.
+/// First difference of two films' identities in words ("--quantiser was 4 and is 6"); empty without one.
+std::string difference_of(const nlohmann::json& before, const nlohmann::json& now);
+
+class OutputInUse : public core::Error {
+  public:
+    using core::Error::Error;
+};
+
+/// Lock of an output; the system releases it with the process.
+class OutputLock {
+  public:
+    /// Locks `file`, made with its folder if missing; `output` is for messages. Throws OutputInUse, naming the process,
+    /// where another run holds it for 0.2 s, and core::Error where it is a link or has several names.
+    OutputLock(const std::filesystem::path& file, const std::filesystem::path& output);
+    ~OutputLock();
+    OutputLock(const OutputLock&) = delete;
+    OutputLock& operator=(const OutputLock&) = delete;
+
+    /// Throws as the constructor does; changes nothing.
+    static void check(const std::filesystem::path& file, const std::filesystem::path& output);
+
+  private:
+    int descriptor_ = -1;
+};
+
+/// `OUT.partial/`: an unfinished film and its manifest, locked against other runs.
 class WorkFolder {
   public:
-    /// What becomes of the chunks that an earlier run left.
     enum class Earlier { removed, resumed };
 
-    /// Creates the folder, or takes it over. `identity` says which film it is for (film_identity.h). What an earlier
-    /// run left there is removed, unless it is to be resumed: then it must be the same film's. Throws core::Error where
-    /// it is not, naming what has changed, where another run is at work in it, or where it is not ours to empty (a
-    /// link, another user's, or something else); then nothing is removed.
+    /// Creates the folder, or takes it over. `identity`: the film (resume.h). Earlier content is removed, or
+    /// resumed if it is of the same film. Throws core::Error, and removes nothing, where it is another film's, in use,
+    /// or not ours to empty (a link, another user's).
     WorkFolder(const std::filesystem::path& output, const nlohmann::json& identity, Earlier earlier = Earlier::removed);
-    /// A folder in which nothing was begun goes, unless it knows of leftovers. All else is left as it is.
+    /// Removes an unused folder without leftovers.
     ~WorkFolder();
     WorkFolder(const WorkFolder&) = delete;
     WorkFolder& operator=(const WorkFolder&) = delete;
 
-    /// Throws as the constructor would, and changes nothing.
+    /// Throws as the constructor would; changes nothing.
     static void check(const std::filesystem::path& output);
     static void check(const std::filesystem::path& output, const nlohmann::json& identity);
 
-    /// How many of the chunks an earlier run of the same film finished, as far as their records tell. Changes nothing.
+    /// Finished chunks of the same film by their records. Changes nothing.
     static std::size_t left(const std::filesystem::path& output, const nlohmann::json& identity,
                             const std::vector<Chunk>& chunks);
 
-    /// Whether an earlier run of the same film left its work folder. Changes nothing.
     static bool is_of(const std::filesystem::path& output, const nlohmann::json& identity);
 
-    /// The chunks that an earlier run finished, from the first on without a gap; none where none are to be resumed.
+    /// Finished chunks without a gap; none unless resumed.
     std::vector<ChunkFile> finished(const std::vector<Chunk>& chunks) const;
-    /// Removes all that is neither one of these chunks nor the folder's own.
+    /// Removes everything else but the folder's own files.
     void drop_all_but(const std::vector<ChunkFile>& chunks);
 
-    /// What the manifest keeps under a name for whoever resumes: null where there is nothing.
+    /// Kept value; null where there is none.
     nlohmann::json kept(const std::string& name) const;
     void keep(const std::string& name, const nlohmann::json& value);
 
-    /// Remembers another output that is made with this one in a work folder of its own, and for what (its identity).
+    /// Remembers another output with a work folder of its own, and its identity.
     void remember_companion(const std::filesystem::path& output, const nlohmann::json& identity);
-    /// The outputs that this and earlier runs remembered.
     std::vector<std::filesystem::path> companions() const;
 
     ChunkFile open(const Chunk& chunk);
-    /// A file of that name in the folder, which is begun now.
     std::filesystem::path begin(const std::string& name);
-    /// The name of a file in the folder.
     std::filesystem::path place(const std::string& name) const { return folder_ / name; }
-    /// Gives a file with a part of the film a name beside the film that nobody has, and remembers it as a leftover,
-    /// in place of what earlier tries left, which goes where nobody has changed it. Returns the name. Throws
-    /// core::Error.
+    /// Moves an unfinished film to an unused name beside the output, in place of earlier leftovers that are unchanged.
+    /// Returns the name. Throws core::Error.
     std::filesystem::path leave(const std::filesystem::path& file);
-    /// When the film is whole: removes what interrupted runs left of it, where nobody has changed that since, the
-    /// folders of companions that nobody goes on with, and the folder.
+    /// For a whole film: removes unchanged leftovers, unused companions' folders, and the folder.
     void clear_away();
-    /// Removes the folder with all that it holds.
     void remove();
 
   private:

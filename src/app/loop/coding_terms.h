@@ -1,5 +1,5 @@
 #pragma once
-
+#include <cstdint>
 #include <optional>
 
 #include "app/loop/coupling.h"
@@ -8,8 +8,11 @@
 
 namespace render2mpeg::app {
 
-/// Says how pictures are coded in the terms of the coupling: step sizes, and which pictures depend on which. Follows a
-/// chunk in coding order.
+/// Prediction of a P picture's macroblocks: luma of its decoded `reference` displaced by their vectors [H262, 7.6.4],
+/// edges repeated. Intra macroblocks are 0.
+core::Plane<std::uint8_t> prediction_of(const encoder::CodedPicture& coded, const core::Plane<std::uint8_t>& reference);
+
+/// A chunk's coding in the terms of the coupling: step sizes and dependencies. Follows coding order.
 class CodingTerms {
   public:
     explicit CodingTerms(const encoder::Settings& coding) : coding_(coding) {}

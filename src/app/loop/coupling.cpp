@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "core/error.h"
-#include "perceptual/tolerance_fraction.h"
+#include "perceptual/tolerance.h"
 
 namespace render2mpeg::app {
 
@@ -32,7 +32,7 @@ core::ToleranceMap Coupling::tolerate(const core::Visible& visible, const Planne
     EXPECTS(state_.has_value());
     if (!requantised_ || !(requantised_->plan == plan.steps)) requantised_ = model_.requantise(*state_, plan.steps);
     perceptual::Tolerated tolerated = model_.tolerate(visible, *requantised_, *state_, motion, fraction_for(plan));
-    // What stands in for a picture before is no picture: there is nothing to blend with.
+    // An imagined picture has nothing to blend with.
     warped_ = state_->number == plan.number ? perceptual::MaskedErrors() : std::move(tolerated.warped);
     return std::move(tolerated.map);
 }

@@ -12,21 +12,19 @@
 
 namespace render2mpeg::app {
 
-/// What the coupled loop is set to.
 struct CouplingSettings {
     perceptual::Strategy strategy = perceptual::Strategy::warped;
-    /// Of what coding masks, in pictures that nothing depends on; none: perceptual::default_tolerance_fraction.
+    /// Share of masked error in pictures that nothing depends on; none: perceptual::default_tolerance_fraction.
     std::optional<float> fraction;
 };
 
-/// What other pictures make of a picture.
 enum class PictureRole {
     intra,       ///< others may refer to it; it refers to none
     predicted,   ///< others may refer to it
     disposable,  ///< none does
 };
 
-/// How a picture is going to be coded: all that the coupling knows of a codec before it codes.
+/// Plan of a picture: all that the coupling knows of a codec before it codes.
 struct PlannedPicture {
     std::int64_t number = 0;
     PictureRole role = PictureRole::intra;
@@ -35,39 +33,35 @@ struct PlannedPicture {
     float hidden = 1;  ///< factor of the share of errors as large as these steps that light may use, > 0
 };
 
-/// How it was coded.
 struct JudgedPicture {
     PictureRole role = PictureRole::intra;
     perceptual::CodedFacts facts;
 };
 
-/// The way back of the loop, from what was coded to what the next frames may err by: the temporal state over one
-/// chunk. A frame's tolerances come from the newest I or P picture that is coded,
-/// which is a rule of numbers, not of timing: what has been coded when a frame is lit follows from the plans alone.
-/// Knows a codec only by PlannedPicture and JudgedPicture (coding_terms.h).
+/// Temporal state over one chunk: from coded pictures to the next frames' tolerances. Tolerances come from the newest
+/// coded I or P picture, which the plans alone determine. Knows codecs only by PlannedPicture and JudgedPicture
+/// (coding_terms.h).
 class Coupling {
   public:
     Coupling(const perceptual::Display& display, const CouplingSettings& settings)
         : model_(display, settings.strategy), settings_(settings) {}
 
-    /// Forgets everything: a chunk begins, or another shot.
+    /// Begins a chunk or a shot.
     void forget();
-    /// Stands in for a picture before the frame that is planned, where there is none: what the frame looks like
-    /// roughly.
+    /// Replaces a missing previous picture by a rough look at the planned frame.
     void imagine(const core::Picture& picture, const core::Radiance& radiance, const core::Visible& visible,
                  const PlannedPicture& plan);
     bool remembers() const { return state_.has_value(); }
 
-    /// The picture that the next frame's tolerances come from.
+    /// Source of the next frame's tolerances.
     std::int64_t remembered() const { return state_->number; }
-    /// Tolerances of a frame to be coded by `plan`. `motion` leads to remembered(); null: nothing moves.
+    /// `motion` leads to remembered(); null: nothing moves.
     core::ToleranceMap tolerate(const core::Visible& visible, const PlannedPicture& plan,
                                 const core::MotionField* motion);
 
-    /// Keeps what may be judged once the picture is coded. Only after tolerate() of the same frame.
+    /// Keeps a picture to be judged; only after tolerate() of the same frame.
     void keep(const core::Picture& picture, const core::Radiance& radiance, const core::Visible& visible,
               const PlannedPicture& plan);
-    /// Learns how a picture was coded.
     void judge(const JudgedPicture& picture);
 
   private:

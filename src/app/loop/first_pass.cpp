@@ -20,7 +20,6 @@ constexpr int shrink = 4;
 /// fit: docs/measurements.md#rates
 constexpr double size_ratio = 7;
 
-/// Keeps what every picture comes to.
 class Collector : public LoopObserver {
   public:
     explicit Collector(const encoder::Settings& coding) : coding_(coding) {}
@@ -35,14 +34,14 @@ class Collector : public LoopObserver {
     encoder::Settings coding_;
 };
 
-/// Where the pass is not so small.
+/// The ratio for passes that are less than 4x4 smaller.
 double size_ratio_of(const RenderJob& film, const RenderJob& pass) {
     if (film.coding.codec == encoder::Codec::mpeg2) return size_ratio;
     const auto area = [](const RenderJob& job) { return static_cast<double>(job.format.width) * job.format.height; };
     return std::pow(size_ratio, std::log(area(film) / area(pass)) / std::log(static_cast<double>(shrink * shrink)));
 }
 
-/// Other codecs than MPEG-2 take even sides alone, and none below 64 pixels.
+/// Other codecs than MPEG-2 need even sides of at least 64 pixels.
 int side_of(encoder::Codec codec, int side) {
     if (codec == encoder::Codec::mpeg2) return (side + shrink - 1) / shrink;
     return std::min(side, std::max(64, 2 * ((side + 2 * shrink - 1) / (2 * shrink))));
@@ -63,7 +62,7 @@ RenderJob small(const RenderJob& film) {
     pass.tolerance.relative = 0.2f;
     pass.coding.width = pass.format.width;
     pass.coding.height = pass.format.height;
-    // Other codecs' bits differ more between efforts than pictures of this size take time.
+    // Other codecs' efforts differ more in bits than in time.
     if (film.coding.codec == encoder::Codec::mpeg2) pass.coding.effort = encoder::Effort::fast;
     pass.coding.rate_control = {};
     pass.coding.quantiser =

@@ -4,21 +4,63 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <span>
 #include <utility>
 
-#include "app/files/container_share.h"
-#include "app/loop/counters.h"
-#include "app/loop/memory_need.h"
 #include "app/loop/pipeline.h"
+#include "app/loop/scene_settings.h"
+#include "app/options/output_kind.h"
+#include "app/system/memory_limit.h"
 #include "app/system/probes.h"
+#include "core/error.h"
 #include "core/numeric.h"
 #include "core/text.h"
+#include "encoder/codec.h"
+#include "image/image.h"
 #include "parallel/loops.h"
+#include "renderer/lights/anchors.h"
 #include "scene/preparation/traits.h"
 
 namespace render2mpeg::app {
 namespace {
+
+/// Bytes of one, beside the scene as it was read: what was measured and 10 to 30 % more. fit:
+/// docs/measurements.md#memory
+constexpr std::uint64_t per_triangle = 135;
+constexpr std::uint64_t per_lamp = 1300;
+constexpr std::uint64_t per_candidate = 400;  ///< of the places that anchors are chosen from
+constexpr std::uint64_t per_pixel = 250, per_sample = 60;
+constexpr std::uint64_t per_pixel_looked_at_closer = 500;
+constexpr std::uint64_t per_exposed_sample = 40;
+constexpr std::uint64_t samples_of_blurred_lamps = 32;  ///< of a pixel on the average, where a lens blurs
+constexpr std::uint64_t per_decoded_pixel = 48;
+constexpr std::uint64_t always = std::uint64_t{24} << 20;
+
+/// Triangles in Embree: rigid objects share their mesh's, others have their own.
+std::uint64_t triangles_of(const scene::Animation& film) {
+    std::uint64_t count = 0;
+    std::set<int> shared;
+    for (const scene::Object& object : film.objects)
+        if (object.mobility != scene::Mobility::rigid || shared.insert(object.mesh).second)
+            count += film.meshes[static_cast<std::size_t>(object.mesh)].triangles.size();
+    return count;
+}
+
+/// Samples over shutter and lens of a pixel of the finest picture; 0: none.
+std::uint64_t most_exposure_samples(const RenderJob& film) {
+    if (!film.plan.runs(renderer::Pass::shutter) && !film.plan.runs(renderer::Pass::lens)) return 0;
+    const bool fixed = film.coding.rate_control.mode == encoder::RateMode::constant_quantiser;
+    return static_cast<std::uint64_t>(
+               exposure_samples(film, fixed ? film.coding.quantiser : encoder::facts_of(film.coding.codec).finest)
+                   .most) +
+           (film.plan.runs(renderer::Pass::lens) ? samples_of_blurred_lamps : 0);
+}
+
+std::string size_text(std::uint64_t bytes) {
+    const double mib = static_cast<double>(bytes) / (1 << 20);
+    return mib < 1000 ? fmt::format("{:.0f} MiB", mib) : fmt::format("{:.1f} GiB", mib / 1024);
+}
 
 /// Frames of a window: a first picture, and P and B pictures behind it in about the shares that a film has.
 /// chosen: 6 (3 to 9).
@@ -48,7 +90,7 @@ Size size_of(const RenderJob& film) {
     return {film.format.width, film.format.height};
 }
 
-/// A mean that can be asked of nothing.
+/// A mean with a default.
 struct Mean {
     double sum = 0, count = 0;
     void add(double value) {
@@ -58,7 +100,7 @@ struct Mean {
     double or_else(double instead) const { return core::divide_or(sum, count, instead); }
 };
 
-/// Cuts of the film: each begins a group of pictures, and light is found anew.
+/// Cuts begin a group of pictures and find light anew.
 std::vector<std::int64_t> cuts_of(const RenderJob& film) {
     std::vector<std::int64_t> cuts;
     int camera = -1;
@@ -70,7 +112,7 @@ std::vector<std::int64_t> cuts_of(const RenderJob& film) {
     return cuts;
 }
 
-/// Groups of pictures of the film, as chunks and cuts begin them.
+/// Groups of pictures, begun by chunks and cuts.
 double groups_of(const RenderJob& film, const std::vector<std::int64_t>& cuts) {
     double groups = 0;
     for (const Chunk& chunk : chunks_of(film.frames, film.coding.gop)) {
@@ -86,7 +128,7 @@ double groups_of(const RenderJob& film, const std::vector<std::int64_t>& cuts) {
     return groups;
 }
 
-/// A frame behind the first, of the kinds that the film will have.
+/// Mean cost of later frames, by the film's shares of P and B pictures.
 FrameCost later_of(std::span<const FrameEntry> frames, const std::vector<std::int64_t>& firsts) {
     Mean seconds[2], bytes[2];  // of P pictures, and of B pictures or what is not coded
     for (const FrameEntry& entry : frames) {
@@ -105,14 +147,14 @@ FrameCost later_of(std::span<const FrameEntry> frames, const std::vector<std::in
             p * bytes[0].or_else(0) + (1 - p) * bytes[1].or_else(0)};
 }
 
-/// Settles what a film is lit by before its first frame. Whether nobody interrupted.
+/// Settles the film's exposure. Whether nobody interrupted.
 bool settle(RenderJob& film) {
     if (!probe_images(*film.animation, image_probes(false))) return false;
     if (!film.exposure) film.exposure = measure_exposure(film);
     return !InterruptGuard::requested();
 }
 
-/// The power of the pixels that one of two samples' seconds grow with.
+/// Exponent of seconds over pixels between two samples.
 double power_between(double smaller, double larger, double times) {
     if (!(smaller > 0 && larger > 0 && times > 1.5)) return time_power;
     // chosen: no film takes less than a fifth more in four times the pixels, or more than they are (0 to 1.1).
@@ -124,10 +166,8 @@ class Sampling {
   public:
     Sampling(const RenderJob& film, double limit, bool quiet) : film_(film), limit_(limit), quiet_(quiet) {}
 
-    /// Whether anything is known.
     bool run();
     const FrameSample& largest() const { return *largest_; }
-    /// The same in the film's size.
     FrameSample grown() const;
 
   private:
@@ -145,7 +185,7 @@ std::optional<FrameSample> Sampling::sample(double scale, int windows) {
     Progress progress(static_cast<std::int64_t>(chunks.size()) * chunks.front().frames(), quiet_, "sample",
                       Counted::parts_of_step);
     LoopObserver nobody;
-    // A first sample is needed: where light alone takes all of the time, it gets twice as much more.
+    // The first sample is needed, and may take three times as long.
     const double limit = largest_ ? limit_ : limit_ + 2 * (limit_ - clock_seconds());
     return sample_frames(job, chunks, limit, nobody, progress);
 }
@@ -165,7 +205,7 @@ bool Sampling::run() {
         if (took * std::pow(times, time_power) > left) return true;
         scale = next;
     }
-    // In the film's own size, what is left of the time tells how frames differ.
+    // At full size, further windows tell how frames differ.
     const double window = std::max(largest_->clock, 1e-3);
     const auto windows = static_cast<int>(std::clamp((limit_ - clock_seconds()) / window, 0.0, 8.0));
     if (windows < 2) return true;
@@ -185,7 +225,6 @@ FrameSample Sampling::grown() const {
     return all;
 }
 
-/// Bytes of the film's file, or of all its images.
 double file_bytes(const RenderJob& film, const std::filesystem::path& output, double pictures) {
     const auto frames = static_cast<double>(film.frame_count());
     const double pixels = pixels_of(size_of(film));
@@ -208,6 +247,42 @@ std::string bytes_text(double bytes) {
 }
 
 }  // namespace
+
+MemoryNeed memory_need(const RenderJob& film) {
+    const scene::Animation& scene = *film.animation;
+    MemoryNeed need;
+    need.held = own_memory().resident;
+    need.triangles = per_triangle * triangles_of(scene);
+    for (const int i : images_of(scene)) {
+        const scene::ImageSource& source = scene.images[static_cast<std::size_t>(i)];
+        const image::ImageHeader header = image::read_image_header(source.path, source.bytes, source.name);
+        const std::uint64_t pixels =
+            static_cast<std::uint64_t>(header.width) * static_cast<std::uint64_t>(header.height);
+        // Mip levels take a third more.
+        need.textures += pixels * (header.bytes ? 4 : 16) * 4 / 3;
+        need.decoding = std::max(need.decoding, per_decoded_pixel * pixels);
+    }
+    need.lights = per_lamp * (static_cast<std::uint64_t>(film.rendering.direct_points) + scene.lights.size()) +
+                  per_candidate * renderer::candidates_for(static_cast<std::uint64_t>(film.rendering.vpls));
+    const std::uint64_t closer = film.rendering.most_samples > 0 ? per_pixel_looked_at_closer : 0;
+    need.frames = always + (per_pixel + closer + per_sample * static_cast<std::uint64_t>(film.rendering.samples) +
+                            per_exposed_sample * most_exposure_samples(film)) *
+                               static_cast<std::uint64_t>(film.format.width) *
+                               static_cast<std::uint64_t>(film.format.height);
+    return need;
+}
+
+bool may_decode_at_once(const RenderJob& film, const MemoryNeed& need, std::uint64_t limit, int threads) {
+    if (need.total() + need.decoding * static_cast<std::uint64_t>(std::max(threads - 1, 0)) <= limit) return true;
+    if (need.total() <= limit) return false;
+    throw core::Error(
+        "rendering", film.animation->source,
+        fmt::format(
+            "it takes about {}, and --memory allows {}: {} for what was read, {} for triangles, {} for textures, "
+            "{} to read the largest of them, {} for lights, {} for frames",
+            size_text(need.total()), size_text(limit), size_text(need.held), size_text(need.triangles),
+            size_text(need.textures), size_text(need.decoding), size_text(need.lights), size_text(need.frames)));
+}
 
 FrameSample FrameSample::grown(double times, double power) const {
     FrameSample grown = *this;
@@ -232,7 +307,7 @@ std::optional<FrameSample> light_windows(RenderJob film, renderer::Renderer& ren
     std::vector<std::int64_t> firsts;
     Mean seconds, bytes;
     for (const Chunk& window : windows) {
-        // It owes the next one nothing of a decoder's buffer.
+        // It owes the next window nothing of a decoder's buffer.
         film.frames = {window.first, window.last};
         const std::size_t before = statistics.frames.size();
         const double start = cpu_seconds();
@@ -315,7 +390,7 @@ FrameCost film_by(const RenderJob& film, const FrameSample& sample) {
     const auto starts =
         std::min(frames, static_cast<double>(chunks_of(film.frames, film.coding.gop).size() + cuts.size()));
     const double groups = std::min(frames, groups_of(film, cuts));
-    // Frames far behind a window's are unlike it; those of long windows, and of films as short as one, are not.
+    // Frames far behind a short window differ from it.
     const double length = sample.windows > 0 ? static_cast<double>(sample.frames) / sample.windows : window_frames,
                  unlike = frames <= length ? 0 : std::min(1.0, window_frames / length),
                  kept = 1 + unlike * (kept_later - 1), more = 1 + unlike * (bytes_later - 1);

@@ -1,5 +1,5 @@
 #pragma once
-// Time, size, memory and disk of a film, from a few of its frames that are lit now.
+// Time, size, memory and disk of a film, by a sample of its frames.
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -10,19 +10,37 @@
 #include "app/loop/observer.h"
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
-#include "app/options/chunk.h"
+#include "app/options/film.h"
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"
 
 namespace render2mpeg::app {
+
+/// Estimated memory in bytes, before anything is allocated (docs/measurements.md#memory).
+struct MemoryNeed {
+    std::uint64_t held = 0;       ///< by this process now: program, scene as it was read
+    std::uint64_t triangles = 0;  ///< trees of rays, and what chooses anchors
+    std::uint64_t textures = 0;   ///< with their smaller copies
+    std::uint64_t decoding = 0;   ///< of the largest image, while it is read
+    std::uint64_t lights = 0;     ///< light points and their trees
+    std::uint64_t frames = 0;     ///< what is seen, lit and coded at a time
+
+    std::uint64_t total() const { return held + triangles + textures + decoding + lights + frames; }
+};
+
+/// Reads the headers of all images. Throws core::Error.
+MemoryNeed memory_need(const RenderJob& film);
+
+/// Whether `threads` may decode images at once within `limit`, else one after the other. Throws core::Error where even
+/// that is too much.
+bool may_decode_at_once(const RenderJob& film, const MemoryNeed& need, std::uint64_t limit, int threads);
 
 /// CPU seconds and coded bytes of one frame, by its place in a film.
 struct FrameCost {
     double seconds = 0, bytes = 0;
 };
 
-/// Frames that were lit and coded: the first of each window, which also makes all that a chunk begins with, and those
-/// behind it.
+/// Sample of lit and coded frames: the first of each window, with a chunk's start, and later ones.
 struct FrameSample {
     FrameCost first, later;
     int frames = 0, windows = 0;
@@ -31,32 +49,31 @@ struct FrameSample {
     double built = 0;           ///< CPU of what a run builds once
     RunStatistics statistics;   ///< of sample_frames() alone
 
-    /// The same in pictures of so many times the pixels; `power` of the pixels for the seconds.
+    /// The same with so many times the pixels; seconds grow by `power`.
     FrameSample grown(double times, double power) const;
 };
 
-/// Lights and codes windows of a film, each as a film of its own, and adds to the statistics what that takes. None
-/// where `frame_done` said false, or where `stops`, which ends a frame in its midst, left not one of them.
+/// Lights and codes windows of a film as films of their own. None where `frame_done` said false, or `stops` ended the
+/// first window within a frame.
 std::optional<FrameSample> light_windows(RenderJob film, renderer::Renderer& renderer,
                                          const std::vector<Chunk>& windows, LoopObserver& observer,
                                          RunStatistics& statistics, const std::function<bool()>& frame_done,
                                          const std::function<bool()>& stops = &InterruptGuard::requested);
 
-/// The same with a renderer of its own, until `limit` (clock_seconds()) or an interrupt: none where less than a frame
-/// of each kind is known.
+/// The same with its own renderer until `limit` (clock_seconds()) or an interrupt; none with less than one frame of
+/// each kind.
 std::optional<FrameSample> sample_frames(const RenderJob& job, const std::vector<Chunk>& windows, double limit,
                                          LoopObserver& observer, Progress& progress);
 
-/// The film in pictures `scale` times as wide and high, about.
 RenderJob resized(const RenderJob& film, double scale);
 
-/// `count` windows of `length` frames, the middles of equal parts of the film, or the whole of it where it has no more.
+/// The middles of `count` equal parts, or the whole film if it is no longer.
 std::vector<Chunk> middle_windows(const RenderJob& film, int count, int length);
 
-/// CPU seconds and bytes of the whole film by one frame of each kind, but for what is built once.
+/// CPU seconds and bytes of the whole film by its sample, without one-time work.
 FrameCost film_by(const RenderJob& film, const FrameSample& sample);
 
-/// What a film will take. Times are of this machine, as busy as it was while the sample was lit.
+/// Times are of this machine under its load while the sample was lit.
 struct Forecast {
     double cpu = 0, clock = 0;  ///< seconds of all threads, and on the clock
     double bytes = 0;           ///< of the file, sound apart; of all images where it is not coded
@@ -67,15 +84,13 @@ struct Forecast {
     FrameCost first, later;     ///< a frame of each kind, in the film's size
 };
 
-/// `output`: its ending says what its container takes; empty: .mpg. Lights windows of the film in ever larger pictures
-/// until some `within` seconds on the clock are over. Settles the film's exposure where that is open. None where it
-/// was interrupted.
+/// Lights windows in ever larger pictures for about `within` seconds and settles the exposure. `output`'s ending tells
+/// the container; empty: .mpg. None after an interruption.
 std::optional<Forecast> forecast(RenderJob& film, const std::filesystem::path& output, double within, bool quiet);
 
-/// What is rendered, in one line: frames, size, rate, camera, lights.
+/// One line: frames, size, rate, camera, lights.
 std::string film_text(const RenderJob& film);
 
-/// What it takes, as lines of a text.
 std::string text_of(const Forecast& forecast);
 
 }  // namespace render2mpeg::app

@@ -9,14 +9,13 @@
 #include <mutex>
 #include <utility>
 
-#include "app/loop/vector_layers.h"
+#include "app/loop/statistics_recorder.h"
 #include "app/options/output_kind.h"
 #include "core/error.h"
 #include "core/radiance.h"
 #include "core/text.h"
 #include "encoder/av/y4m_reader.h"
 #include "image/image.h"
-#include "perceptual/display.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -50,7 +49,7 @@ class Y4mFrames : public FrameSource {
     FrameRange frames_;
 };
 
-/// Y4M from standard input. Whoever asks first reads for those who ask for later frames, too.
+/// Y4M from standard input. A reader keeps the frames that others asked for.
 class PipedFrames : public FrameSource {
   public:
     explicit PipedFrames(const std::optional<FrameRange>& wanted)
@@ -83,7 +82,7 @@ class PipedFrames : public FrameSource {
     bool ended_ = false;
 };
 
-/// The numbers of the files that a pattern names, which must follow one another.
+/// Numbers of existing files, which must be consecutive.
 FrameRange frames_on_disk(const std::filesystem::path& pattern) {
     const std::vector<std::int64_t> numbers = numbers_on_disk(pattern);
     if (numbers.empty()) throw core::Error("reading", pattern.string(), "no file has such a name");
@@ -103,7 +102,6 @@ class ImageFrames : public FrameSource {
           frames_(wanted ? *wanted : frames_on_disk(pattern)),
           keeps_codes_(film.keeps_codes),
           shared_(std::move(shared)) {
-        // Look at the first frame for what all have in common; see that the others are there.
         for (std::int64_t n = frames_.first; n <= frames_.last; ++n)
             if (!std::filesystem::exists(numbered(pattern_, n)))
                 throw core::Error("reading", numbered(pattern_, n).string(), "no such file");
@@ -119,7 +117,7 @@ class ImageFrames : public FrameSource {
     Size size() const override { return size_; }
     FrameRange frames() const override { return frames_; }
     std::uint64_t non_finite() const override { return non_finite_; }
-    /// Square pixels are what files say that know of no other.
+    /// Files that know no other shape say square pixels.
     std::optional<core::Rational> pixel_aspect() const override {
         if (pixel_aspect_ == 1) return {};
         return core::product({std::lround(10000 * pixel_aspect_), 10000}, {1, 1});
@@ -154,7 +152,7 @@ class ImageFrames : public FrameSource {
         if (shared_) shared_->put(frame, std::move(read.others));
         return std::move(read.image);
     }
-    /// Alpha does not count: what a renderer writes is the colour over black.
+    /// Alpha is ignored: colours are premultiplied over black.
     core::Plane<glm::vec3> finite_colors(const image::Image& image) {
         std::uint64_t found = 0;
         core::Plane<glm::vec3> colors(image.pixels.width(), image.pixels.height());
@@ -179,6 +177,9 @@ class ImageFrames : public FrameSource {
     std::atomic<std::uint64_t> non_finite_ = 0;
 };
 
+/// chosen: 2: frames of many packed channels take several times as long to read as to code.
+constexpr std::size_t readers = 2;
+
 }  // namespace
 
 std::unique_ptr<FrameSource> open_frames(const std::filesystem::path& input, std::optional<float> exposure,
@@ -202,6 +203,48 @@ std::unique_ptr<FrameSource> open_frames(const std::filesystem::path& input, std
         throw core::Error("reading", input.string(),
                           "numbered images need one frame number in their name, e.g. frames.%04d" + ending);
     return std::make_unique<ImageFrames>(input, exposure, wanted, film, std::move(shared));
+}
+
+FramesAhead::FramesAhead(FrameSource& frames, const Chunk& chunk, const encoder::Settings& coding)
+    : frames_(frames),
+      next_(chunk.first),
+      last_(chunk.last),
+      look_(frames.size().width, frames.size().height, coding.b_pictures) {
+    start_reading();
+}
+
+FramesAhead::~FramesAhead() {
+    for (const std::future<std::optional<core::Picture>>& frame : reading_) frame.wait();
+}
+
+void FramesAhead::start_reading() {
+    for (; next_ <= last_ && reading_.size() < readers; ++next_)
+        reading_.push_back(std::async(std::launch::async, [this, n = next_] { return frames_.read(n); }));
+}
+
+const std::deque<core::Picture>& FramesAhead::waiting(RunStatistics& statistics) {
+    while (!reading_.empty() && static_cast<std::int64_t>(read_.size()) <= encoder::LookAhead::depth) {
+        std::future<std::optional<core::Picture>> frame = std::move(reading_.front());
+        reading_.pop_front();
+        std::optional<core::Picture> picture = timed(statistics, Stage::develop, [&] { return frame.get(); });
+        if (!picture) {  // the source has ended, and what is being read lies behind its end
+            last_ = -1;
+            continue;
+        }
+        read_.push_back(std::move(*picture));
+        start_reading();
+        timed(statistics, Stage::encode, [&] { look_.add(read_.back()); });
+    }
+    if (reading_.empty()) look_.end();
+    return read_;
+}
+
+std::optional<core::Picture> FramesAhead::next(RunStatistics& statistics) {
+    if (waiting(statistics).empty()) return {};
+    core::Picture picture = std::move(read_.front());
+    read_.pop_front();
+    look_.forget_before(picture.number - 4);
+    return picture;
 }
 
 }  // namespace render2mpeg::app

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "scene/pose/motion.h"
-
 namespace render2mpeg::app {
 
 const core::MotionField* Motion::to(std::int64_t reference) {

@@ -14,7 +14,6 @@
 #include "scene/pose/motion.h"
 #include "scene/pose/snapshot.h"
 
-/// Where one frame's pixels are in other frames.
 namespace render2mpeg::app {
 
 /// Motion of one frame's pixels to other frames. Each field is found once.
@@ -22,11 +21,11 @@ class Motion {
   public:
     virtual ~Motion() = default;
 
-    /// To another frame; null where nothing moves, or no motion is known. Valid until take().
+    /// To another frame; null where nothing moves or motion is unknown. Valid until take().
     const core::MotionField* to(std::int64_t reference);
-    /// The fields to these frames, which may differ, to be kept by the caller. Empty where to() gives null.
+    /// Moves out the fields to these frames; empty where to() gives null.
     std::vector<core::MotionField> take(std::span<const std::int64_t> references);
-    /// To the last picture that depends on this one; null: not known. Valid until take().
+    /// To the last picture that depends on this one; null: unknown. Valid until take().
     virtual const core::MotionField* onward(std::int64_t horizon) { return to(horizon); }
 
   private:
@@ -35,7 +34,7 @@ class Motion {
     std::map<std::int64_t, core::MotionField> found_;
 };
 
-/// The scene as it is posed in the frames that were asked for last.
+/// Snapshots of recently used frames.
 class PosedFrames {
   public:
     explicit PosedFrames(const RenderJob& job) : job_(job) {}
@@ -46,18 +45,17 @@ class PosedFrames {
     std::vector<std::shared_ptr<const scene::Snapshot>> latest_;  ///< the last one asked for comes last
 };
 
-/// Exact motion of what the renderer sees.
+/// Exact motion of a rendered frame.
 class RenderedMotion : public Motion {
   public:
-    /// `visible` is what `world` shows, `imaged` what its mirrors do. All must outlive it. The time it takes counts as
-    /// the pass `motion`.
+    /// `visible` shows `world`, `imaged` its mirror images; all must outlive it. Time counts as the pass `motion`.
     RenderedMotion(const RenderJob& job, PosedFrames& posed, const core::Visible& visible, const scene::Snapshot& world,
                    RunStatistics& statistics, const scene::MirrorImages* imaged = nullptr)
         : job_(job), posed_(posed), visible_(visible), world_(world), statistics_(statistics), imaged_(imaged) {}
 
-    /// As to(); where nothing moves the field says so.
+    /// As to(), also where nothing moves.
     const core::MotionField& exact_to(std::int64_t reference);
-    /// Never null: what stands still until then is worth knowing, too.
+    /// Never null.
     const core::MotionField* onward(std::int64_t horizon) override;
 
   private:

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "app/loop/motion.h"
-#include "app/options/chunk.h"
+#include "app/options/film.h"
 #include "core/picture.h"
 #include "core/radiance.h"
 #include "core/tolerance_map.h"
@@ -11,10 +11,8 @@
 #include "renderer/renderer.h"
 #include "scene/pose/snapshot.h"
 
-/// Those that look on while chunks are made.
 namespace render2mpeg::app {
 
-/// One frame when its light is gathered.
 struct LitFrame {
     const scene::Snapshot& world;
     const renderer::Seen& seen;
@@ -27,18 +25,17 @@ struct LitFrame {
     const renderer::Statistics& after;   ///< and after it
 };
 
-/// Looks on while a chunk is made, and changes nothing. Frames come in order, pictures in coding order.
+/// Observes a chunk in the making. Frames come in order, pictures in coding order.
 class LoopObserver {
   public:
     virtual ~LoopObserver() = default;
     virtual void lit(const LitFrame&) {}
     virtual void coded(const encoder::CodedPicture&) {}
-    /// Before a chunk's first frame, and after its last.
     virtual void begins(const Chunk&) {}
     virtual void ends(const Chunk&) {}
 };
 
-/// Several that look on at once, in the order in which they were added. They must outlive it.
+/// Several observers in order of addition. They must outlive it.
 class LoopObservers : public LoopObserver {
   public:
     void add(LoopObserver& observer) { all_.push_back(&observer); }

@@ -1,14 +1,13 @@
 #include "app/loop/picture_coder.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "encoder/av/coders.h"
 #include "encoder/bit_allocation.h"
 #include "encoder/codec.h"
 #include "encoder/innovation.h"
 #include "encoder/motion_nonuniformity.h"
-#include "perceptual/hvs.h"
+#include "perceptual/metrics.h"
 #include "perceptual/pumping.h"
 
 namespace render2mpeg::app {
@@ -65,7 +64,7 @@ encoder::PicturePlan PictureCoder::plan(std::int64_t number, bool cut_before, Mo
     if (first) facts.trial = trial_;
     if (moved != nullptr) facts.motion_nonuniformity = encoder::motion_nonuniformity(*moved);
     if (quality_) facts.quality_factor = quality_->factor();
-    // Nothing is known of a chunk's or a shot's first pictures: one B picture shows no stair, and costs little.
+    // A chunk's or shot's first pictures: one B picture shows no stair and costs little.
     constexpr double not_known = 1.0;
     if (lights_change_) facts.light_change = light_change_.value_or(not_known);
     if (ahead_ != nullptr) look_ahead(facts, number);
@@ -81,7 +80,7 @@ class UnknownMotion : public Motion {
     std::optional<core::MotionField> find(std::int64_t) override { return {}; }
 };
 
-/// MPEG-2's quantiser that a picture's is like; its own is without the ratio of its type and followers.
+/// Equivalent MPEG-2 quantiser without the ratio of type and followers.
 double base_quantiser(const encoder::Settings& settings, const encoder::CodedPicture& coded) {
     if (settings.codec != encoder::Codec::mpeg2) return encoder::mpeg2_quantiser_like(settings.codec, coded.quantiser);
     return coded.quantiser / encoder::first_pass_picture(settings, coded, false).ratio.value_or(1.0);

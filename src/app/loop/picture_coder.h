@@ -1,5 +1,5 @@
 #pragma once
-// Plans and codes the pictures of a chunk: the loop's way into the encoder.
+// Plans and codes the pictures of a chunk.
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -11,7 +11,6 @@
 #include "app/loop/motion.h"
 #include "app/loop/quality_control.h"
 #include "app/loop/run_statistics.h"
-#include "app/options/chunk.h"
 #include "app/options/film.h"
 #include "core/picture.h"
 #include "core/plane.h"
@@ -21,21 +20,19 @@
 
 namespace render2mpeg::app {
 
-/// The frames with which an animation's shots begin.
+/// First frames of the animation's shots.
 std::vector<std::int64_t> shots_of(const scene::Animation& animation);
 
-/// Plans and codes the pictures of one chunk, wherever they and their motion come from. The time it takes counts as
-/// encoding.
+/// Plans and codes the pictures of one chunk. Its time counts as encoding.
 class PictureCoder {
   public:
-    /// `allocations`: one per frame of the film, or none. `shots`: frames with which shots begin. `lights_change`:
-    /// lamps do, and how much is measured. `ahead`: knows each picture, and those to come, before it is planned; tells
-    /// of cuts and B pictures, and of motion where nobody else does; null: none. Throws as av::check() does.
+    /// `allocations`: one per frame of the film, or none. `shots`: their first frames. `lights_change`: the change is
+    /// measured. `ahead`: look-ahead for cuts, B pictures and missing motion; null: none. Throws as av::check() does.
     PictureCoder(const Film& film, const Chunk& chunk, std::span<const encoder::BitAllocation> allocations,
                  std::vector<std::int64_t> shots, RunStatistics& statistics, bool lights_change,
                  encoder::LookAhead* ahead = nullptr);
 
-    /// The chunk's first pictures as they were coded roughly (encoder::PictureFacts::trial).
+    /// First pictures as coded roughly (encoder::PictureFacts::trial).
     void expect(std::vector<encoder::FirstPassPicture> trial) { trial_ = std::move(trial); }
     /// How the next picture in display order will be coded. `pictures`: it and those that follow, as far as they are
     /// there already.
@@ -44,11 +41,11 @@ class PictureCoder {
     /// Codes the next of the planned pictures and returns those that became complete. Takes fields out of `motion`.
     std::vector<encoder::CodedPicture> code(const core::Picture& picture, const encoder::PicturePlan& plan,
                                             Motion& motion);
-    /// After the chunk's last picture: those still held back.
+    /// Codes the pictures held back.
     std::vector<encoder::CodedPicture> flush();
 
   private:
-    /// Pictures after this one before another shot begins, a keyframe comes or the chunk ends.
+    /// Pictures until another shot, a keyframe or the chunk's end.
     std::int64_t frames_left(std::int64_t number) const;
     /// Learns how much light has changed since the picture before. Gives its encoder::innovation where that is asked
     /// for and the picture before is there.
@@ -58,7 +55,6 @@ class PictureCoder {
     void try_quality(std::span<const core::Picture* const> pictures);
     /// Learns what quality pictures came to.
     void judge(const std::vector<encoder::CodedPicture>& pictures);
-    /// Adds what the look-ahead tells.
     void look_ahead(encoder::PictureFacts& facts, std::int64_t number);
 
     Film film_;

@@ -7,9 +7,9 @@
 
 #include "app/loop/coding_terms.h"
 #include "app/loop/coupling.h"
-#include "app/loop/exposure_choice.h"
 #include "app/loop/picture_coder.h"
 #include "app/loop/preview.h"
+#include "app/loop/scene_settings.h"
 #include "app/loop/shown_light.h"
 #include "app/loop/statistics_recorder.h"
 #include "parallel/loops.h"
@@ -22,7 +22,6 @@ namespace {
 /// Paths of a pixel of a frame by paths alone, at most. chosen: 65,536, some 0.4 CPU seconds.
 constexpr std::uint64_t most_true_paths = 1u << 16;
 
-/// One chunk in the making: frames come one after the other.
 class ChunkLoop {
   public:
     ChunkLoop(const RenderJob& job, renderer::Renderer& renderer, const Chunk& chunk, LoopObserver& observer,
@@ -35,18 +34,18 @@ class ChunkLoop {
     renderer::Seen see(const scene::Snapshot& world);
     renderer::Seen complete(const scene::Snapshot& world, renderer::Seen seen, const core::ToleranceMap& tolerance,
                             int quantiser);
-    /// How the frame will be coded; nothing of it matters where it will not be.
+    /// Plan of the frame; meaningless without a coder.
     encoder::PicturePlan plan(const scene::Snapshot& world, Motion& motion);
-    /// What the frame's light may be off by, before it is lit. Valid until the next frame.
+    /// Tolerances of the frame's light. Valid until the next frame.
     const core::ToleranceMap& tolerate(const scene::Snapshot& world, const renderer::Seen& seen,
                                        const PlannedPicture& plan, Motion& motion);
-    /// Rough light for the visibility model, where there is no picture before.
+    /// Rough light in place of a previous picture.
     void imagine(const scene::Snapshot& world, const renderer::Seen& seen, const PlannedPicture& plan);
     core::Radiance shade(const scene::Snapshot& world, const core::ToleranceMap& tolerance, const renderer::Seen& seen);
     core::Radiance draft(const scene::Snapshot& world, const renderer::Seen& seen, const core::ToleranceMap& tolerance,
                          RenderedMotion& motion);
     core::Picture develop(const core::Radiance& radiance, std::int64_t n);
-    /// Keeps what the coupling needs to judge the picture once it is coded.
+    /// Keeps a picture for the coupling until it is coded.
     void keep(const core::Picture& picture, const core::Radiance& radiance, const renderer::Seen& seen,
               const PlannedPicture& plan);
     void take(const std::vector<encoder::CodedPicture>& pictures);
@@ -98,12 +97,12 @@ void ChunkLoop::frame(std::int64_t n) {
     renderer::Seen seen = see(*world);
     RenderedMotion motion(job_, posed_, seen.visible, *world, statistics_, &seen.imaged);
 
-    // Plan how it will be coded, and what that and the eye allow its light to be off by.
+    // Plan its coding, and tolerances by it and the eye.
     const encoder::PicturePlan coding = plan(*world, motion);
     const PlannedPicture planned = terms_.planned(coding);
     const core::ToleranceMap& tolerance = tolerate(*world, seen, planned, motion);
 
-    // Light it. What a first, rough look took is no frame's.
+    // Light it; a rough look counts apart.
     const renderer::Statistics before = renderer_.statistics();
     seen = complete(*world, std::move(seen), tolerance, coding.quantiser);
     const core::Radiance radiance =
@@ -111,7 +110,7 @@ void ChunkLoop::frame(std::int64_t n) {
     const core::Radiance& shown = shown_.of(radiance, world->time);
     const core::Picture picture = develop(shown, n);
 
-    // A frame that is lit is kept, whatever stops.
+    // A lit frame is kept, whatever stops.
     const parallel::StopWhen never({});
     observers_.lit({*world, seen, tolerance, radiance, shown, picture, motion, before, renderer_.statistics()});
 

@@ -17,7 +17,6 @@ bool is_lit(int x, int y) {
     return x % step == step / 2 && y % step == step / 2;
 }
 
-/// The gather points of the pixels that are lit.
 renderer::Seen thinned(const renderer::Seen& seen) {
     renderer::Seen thin = seen;
     for (renderer::GatherTile& tile : thin.tiles)
@@ -27,7 +26,7 @@ renderer::Seen thinned(const renderer::Seen& seen) {
     return thin;
 }
 
-/// What each pixel makes of white light: weights and reflectances of its gather points.
+/// Response of each pixel to white light.
 core::Plane<glm::vec3> reflectances(const renderer::Seen& seen) {
     core::Plane<glm::vec3> plane(seen.visible.width(), seen.visible.height(), glm::vec3(0));
     for (std::size_t t = 0; t < seen.tiles.size(); ++t) {
@@ -42,7 +41,7 @@ core::Plane<glm::vec3> reflectances(const renderer::Seen& seen) {
     return plane;
 }
 
-/// How well a lit pixel may speak for another: the same surface, another one, or nothing lit at all.
+/// Weight of a lit pixel for another: of the same surface, a turned one, or another object.
 float kinship(const core::Visible& visible, int x, int y, int lit_x, int lit_y) {
     const core::SurfaceAddress &a = visible.address.at(x, y), &b = visible.address.at(lit_x, lit_y);
     if (a.object != b.object) return 1e-4f;
@@ -51,7 +50,7 @@ float kinship(const core::Visible& visible, int x, int y, int lit_x, int lit_y) 
     return turned ? 1e-2f : 1.0f;
 }
 
-/// Light about a pixel: mean of the lit pixels about it, by distance and kinship.
+/// Mean of the lit neighbours by distance and kinship.
 glm::vec3 light_at(const core::Visible& visible, const core::Plane<glm::vec3>& light, int x, int y) {
     const float column = static_cast<float>(x - step / 2) / step, row = static_cast<float>(y - step / 2) / step;
     const int left = static_cast<int>(std::floor(column)), top = static_cast<int>(std::floor(row));
@@ -78,7 +77,7 @@ core::Radiance preview(renderer::Renderer& renderer, const scene::Snapshot& worl
     about.typical = tolerance;  // rays by price: dark corners need not keep it
     core::Radiance radiance = renderer.sketch(world, thinned(seen), about);
 
-    // Divide the lit pixels by their texture.
+    // Divide lit pixels by their reflectance.
     const core::Plane<glm::vec3> reflectance = reflectances(seen);
     core::Plane<glm::vec3> light(width, height, glm::vec3(0));
     for (int y = step / 2; y < height; y += step)
@@ -88,7 +87,7 @@ core::Radiance preview(renderer::Renderer& renderer, const scene::Snapshot& worl
                 light.at(x, y)[k] = std::max(core::divide_or(sent[k], reflectance.at(x, y)[k], 0.0f), 0.0f);
         }
 
-    // Multiply what is interpolated by each pixel's own.
+    // Multiply interpolated light by each pixel's own.
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
             if (is_lit(x, y)) continue;

@@ -6,10 +6,8 @@
 
 namespace render2mpeg::app {
 
-/// What a frame looks like, roughly: one pixel in 4x4 is lit, coarsely, and its light interpolated along surfaces and
-/// multiplied by their textures. For the eye's tolerances where there is no frame before to ask: about a fortieth of
-/// the work of lighting the frame. Counts in the renderer's statistics as time and as
-/// an update of light only.
+/// Rough look at a frame for its first tolerances: one pixel in 4x4 is lit coarsely, and light interpolated along
+/// surfaces; a fortieth of the frame's work. The renderer counts time and an update of light only.
 core::Radiance preview(renderer::Renderer& renderer, const scene::Snapshot& world, const renderer::Seen& seen);
 
 }  // namespace render2mpeg::app

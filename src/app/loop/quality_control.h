@@ -1,6 +1,5 @@
 #pragma once
 // Holds a film at the quality that --quality asks for.
-#include <array>
 
 #include "encoder/types.h"
 

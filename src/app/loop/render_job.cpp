@@ -5,24 +5,22 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <string_view>
 #include <system_error>
 
-#include "app/files/sound.h"
-#include "app/loop/exposure_choice.h"
+#include "app/loop/scene_settings.h"
+#include "app/options/mistakes.h"
 #include "app/options/option_text.h"
-#include "app/options/preview_options.h"
 #include "app/options/rate_options.h"
 #include "app/options/usage_error.h"
-#include "app/options/wrong_file.h"
+#include "app/system/probes.h"
 #include "core/color.h"
 #include "core/error.h"
 #include "core/text.h"
+#include "encoder/av/av.h"
 #include "encoder/av/coders.h"
 #include "encoder/codec.h"
 #include "parallel/loops.h"
-#include "perceptual/exposure.h"
-#include "perceptual/tolerance_fraction.h"
+#include "perceptual/tolerance.h"
 #include "scene/load.h"
 #include "scene/preparation/framing.h"
 #include "scene/preparation/traits.h"
@@ -30,7 +28,7 @@
 namespace render2mpeg::app {
 namespace {
 
-/// The frames a film has where nobody says: up to its last key.
+/// Default frames: up to the last key.
 FrameRange frames_of(const scene::Animation& animation, const core::FrameRate& rate) {
     if (animation.first_frame && animation.last_frame) return {*animation.first_frame, *animation.last_frame};
     // chosen: a film in which nothing moves lasts one second, which players show and nobody waits long for.
@@ -40,7 +38,6 @@ FrameRange frames_of(const scene::Animation& animation, const core::FrameRate& r
     return {first, animation.last_frame.value_or(std::max(first, last))};
 }
 
-/// Frames that the film does not have are seldom meant.
 void refuse_outside(const FrameRange& frames, const FrameRange& whole) {
     if (frames.first >= whole.first && frames.last <= whole.last) return;
     throw UsageError(
@@ -48,7 +45,7 @@ void refuse_outside(const FrameRange& frames, const FrameRange& whole) {
                     frames.first, frames.last, whole.first, whole.last));
 }
 
-/// An animation file counts its shots and its range in frames of its own rate; another rate keeps their times.
+/// Shots and range count in the file's rate; another rate keeps their times.
 void change_rate(scene::Animation& animation, const core::FrameRate& from, const core::FrameRate& to) {
     if (from.hertz == to.hertz) return;
     const auto rescaled = [&](std::int64_t frame) {
@@ -75,16 +72,13 @@ renderer::Settings rendering_settings(const RenderOptions& options, const scene:
     return settings;
 }
 
-/// Eye samples of pixels with edges.
 int edge_samples_of(const RenderOptions& options, const RenderJob& film) {
     if (options.edge_samples) return *options.edge_samples;
-    const bool by_hand = std::find(options.given.begin(), options.given.end(), "--samples") != options.given.end();
-    if (by_hand || options.samples != RenderOptions().samples) return 0;
+    if (options.is_given("--samples") || options.samples != RenderOptions().samples) return 0;
     // fit: docs/measurements.md#edges
     return film.kind == OutputKind::film ? 16 : 64;
 }
 
-/// Eye samples of pixels with edges, and of those whose edges would show all the same.
 void settle_edges(RenderJob& film, const RenderOptions& options) {
     film.rendering.edge_samples = edge_samples_of(options, film);
     const bool by_hand = (options.edge_samples && !options.effort) || film.rendering.edge_samples == 0;
@@ -99,7 +93,6 @@ CouplingSettings coupling_settings(const RenderOptions& options, const Tolerance
     return settings;
 }
 
-/// What the command line and the scene say of the pictures' shape.
 ShapeWishes wishes_of(const RenderOptions& options, const scene::Animation& animation) {
     ShapeWishes wishes = shape_wishes(options.coding);
     if (options.size) wishes.size = size_from(*options.size);
@@ -113,7 +106,7 @@ ShapeWishes wishes_of(const RenderOptions& options, const scene::Animation& anim
     const float framed = animation.cameras[camera].aspect;
     if (std::isfinite(framed) && framed > 0.01f && framed < 100)
         wishes.framed = core::Rational{std::lround(framed * 1000), 1000};
-    // A preset chooses the shape that is nearest to what the scene was framed in, as its size or its camera tell.
+    // A preset takes the shape nearest to the scene's size or camera.
     if (options.coding.preset && !wishes.source_display_aspect) {
         if (animation.size)
             wishes.source_display_aspect = core::Rational{animation.size->x, animation.size->y};
@@ -128,7 +121,6 @@ std::optional<float> exposure_of(const RenderOptions& options, const scene::Anim
     return animation.exposure;
 }
 
-/// Exposure and view.
 void settle_display(RenderJob& film, const RenderOptions& options) {
     film.exposure = exposure_of(options, *film.animation);
     film.measures_exposure = !film.exposure;
@@ -140,8 +132,7 @@ scene::DefaultLight light_of(const std::string& word) {
     return word == "even" ? scene::DefaultLight::even : scene::DefaultLight::studio;
 }
 
-/// In a studio what is white stays light, and what is black dark: from the exposure that would make all things mid
-/// grey.
+/// White stays light and black dark: from the exposure to mid grey.
 float studio_exposure(float to_mid_grey) {
     // chosen: means of what is shown of 90 to 160 of 255 (docs/scenes.md).
     constexpr float darkest = 0.14f, lightest = 0.3f;
@@ -149,13 +140,12 @@ float studio_exposure(float to_mid_grey) {
     return std::log2(std::clamp(mean, darkest, lightest) / mean);
 }
 
-/// Decides what runs.
 void decide_passes(RenderJob& film, const RenderOptions& options) {
     renderer::Wanted& wanted = film.wanted;
     wanted.film = film.kind == OutputKind::film;
     wanted.developed = film.kind == OutputKind::y4m || film.kind == OutputKind::png;
     wanted.layers = options.layers.has_value();
-    // Cuts, errors and records are told by pixel where layers are.
+    // Heatmaps of cuts, errors and records need layers.
     for (const auto& heatmap : options.heatmaps)
         wanted.layers = wanted.layers || (heatmap.first != "tolerance" && heatmap.first != "quantiser");
     wanted.indirect = options.vpls > 0;
@@ -169,7 +159,6 @@ void decide_passes(RenderJob& film, const RenderOptions& options) {
     tell_samples(film);
 }
 
-/// What paths do not know, or leaves nothing to ask.
 void refuse_beside_truth(const RenderJob& film, const RenderOptions& options) {
     const auto refuse = [](const std::string& option, const char* why) {
         throw UsageError(option + ": with --tolerance truth " + why);
@@ -182,14 +171,13 @@ void refuse_beside_truth(const RenderJob& film, const RenderOptions& options) {
             refuse("--heatmap " + subject, "there are neither cuts nor records");
 }
 
-/// The same in half the size: whole macroblocks' worth of neither is needed, even numbers are.
 ShapeWishes half_of(ShapeWishes wishes, const Shape& shape) {
     const auto half = [](int length) { return std::max(16, (length + 3) / 4 * 2); };
     wishes.size = Size{half(shape.size.width), half(shape.size.height)};
     return wishes;
 }
 
-/// What no option says of a draft.
+/// Draft settings without an option.
 void settle_preview(RenderJob& film) {
     film.rendering.calibrate = false;
     film.rendering.photons = preview_photons;
@@ -208,8 +196,7 @@ std::vector<Chunk> RenderJob::chunks() const {
 
 core::ToleranceMap RenderJob::tolerance_map() const {
     if (tolerance.reference) return core::ToleranceMap::reference();
-    // What changes a black pixel by less than half a code value changes no picture. No tolerance at all stays none, and
-    // before the exposure is known there are no code values.
+    // Half a code value changes no black pixel. Without tolerance or exposure there is no floor.
     float floor = 0;
     if (exposure && tolerance.relative > 0) {
         floor = core::luminance(display().with_luma(glm::vec3(1), 16.5f));
@@ -241,11 +228,9 @@ void check_scene(const std::filesystem::path& input) {
     for (const auto& entry : std::filesystem::directory_iterator(folder, error))
         names.push_back(entry.path().filename().string());
     std::sort(names.begin(), names.end());
-    const std::vector<std::string_view> views(names.begin(), names.end());
-    const std::string nearest = core::nearest_word(input.filename().string(), views);
+    const std::string before = (input.parent_path() / "").string();
     throw core::Error("reading", input.string(),
-                      "there is no such file" +
-                          (nearest.empty() ? "" : "; did you mean " + (input.parent_path() / nearest).string() + "?"));
+                      "there is no such file" + core::did_you_mean(input.filename().string(), names, before));
 }
 
 RenderJob prepare(const RenderOptions& wanted) {
@@ -260,7 +245,6 @@ RenderJob prepare(const RenderOptions& wanted) {
             "--tolerance coupled: only films are coded, and so have something to couple to; choose fixed=P% for " +
             options.output.string());
 
-    // Read the scene.
     check_scene(options.input);
     auto loaded = std::make_shared<scene::Animation>(scene::load(
         options.input, {options.camera, options.animation, options.sky, options.variant, light_of(options.light)}));
@@ -283,10 +267,10 @@ RenderJob prepare(const RenderOptions& wanted) {
         std::filesystem::weakly_canonical(options.input) == std::filesystem::weakly_canonical(options.output))
         throw core::Error("writing", options.output.string(), "it is the input");
 
-    // Fill the gaps: the command line wins over the animation file, which wins over our defaults.
+    // Fill the gaps: command line, animation file, defaults.
     const FrameRange whole = frames_of(*animation, film.rate);
     film.frames = options.frames ? frames_from(*options.frames) : whole;
-    // What never moves lasts as long as one likes.
+    // A still scene has any length.
     if (!options.hold && (animation->last_frame || animation->duration > 0)) refuse_outside(film.frames, whole);
     film.pixel_aspect = shape.pixel_aspect;
     film.format = {shape.size.width, shape.size.height, static_cast<float>(shape.pixel_aspect.value())};
@@ -391,6 +375,23 @@ float measure_exposure(const RenderJob& film) {
     }
     const float exposure = perceptual::auto_exposure(surfaces, sky);
     return stage < 0 ? exposure : studio_exposure(exposure);
+}
+
+av::Sound sound_of(const CodingOptions& options, const std::optional<std::filesystem::path>& scenes,
+                   const std::filesystem::path& output, const FrameRange& frames, const core::FrameRate& rate) {
+    const bool none = options.audio && *options.audio == "none";
+    if (none || !av::is_film(output) || (!options.audio && !scenes)) return {};
+    if (!av::can_have_sound(output)) {
+        if (!options.audio) return {};
+        throw core::Error("--audio: " + output.string() +
+                          " is an elementary stream, which has no sound; .mpg, .ts, .mkv and .mp4 have");
+    }
+    av::Sound sound;
+    sound.file = options.audio ? std::filesystem::path(*options.audio) : *scenes;
+    sound.offset = options.audio_offset - static_cast<double>(frames.first) / rate.hertz.value();
+    sound.ac3 = options.preset.has_value();
+    probe_sound(sound.file);
+    return sound;
 }
 
 }  // namespace render2mpeg::app

@@ -1,19 +1,19 @@
 #pragma once
-// Everything that decides a film, with the options' gaps filled, and its making.
+// All settings of a film.
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <vector>
 
-#include "app/loop/cache_choice.h"
 #include "app/loop/coupling.h"
-#include "app/options/chunk.h"
 #include "app/options/effort.h"
 #include "app/options/film.h"
 #include "app/options/options.h"
 #include "app/options/output_kind.h"
 #include "core/rational.h"
 #include "core/tolerance_map.h"
+#include "encoder/av/sound.h"
 #include "encoder/types.h"
 #include "perceptual/display.h"
 #include "renderer/base/plan.h"
@@ -23,8 +23,22 @@
 
 namespace render2mpeg::app {
 
-/// Everything that decides a film: the scene and all settings, with the options' gaps filled. Constant while it is
-/// rendered.
+struct CacheChoice {
+    renderer::CacheUse use = renderer::CacheUse::off;
+    std::string reason;  ///< for the plan's table
+
+    bool keeps() const { return use != renderer::CacheUse::off; }
+};
+
+/// For reports: off, on, or static (records live while light stays).
+std::string cache_word(const renderer::Settings& rendering);
+
+/// Whether a run with these counts used the cache.
+inline bool kept_records(const renderer::Settings& rendering, const renderer::Statistics& found) {
+    return rendering.cache == renderer::CacheUse::on || found.cache.created > 0;
+}
+
+/// All settings of a film, with the options' gaps filled. Constant while it is rendered.
 struct RenderJob {
     std::shared_ptr<const scene::Animation> animation;
     core::FrameRate rate;
@@ -45,7 +59,7 @@ struct RenderJob {
     std::optional<float> exposure;   ///< EV; none: to be measured
     bool measures_exposure = false;  ///< nobody says it
     core::View view;
-    bool preview = false;     ///< a draft (app/options/preview_options.h)
+    bool preview = false;     ///< a draft (app/options/effort.h)
     bool rough = false;       ///< a first pass: its light is too rough to tell whether it changes
     bool two_passes = false;  ///< the first one finds `allocations`
     std::vector<encoder::BitAllocation> allocations;  ///< one per frame, or none
@@ -55,7 +69,6 @@ struct RenderJob {
     std::optional<ChunkRange> part;  ///< chunks that this run makes of it; none: all
 
     std::int64_t frame_count() const { return frames.last - frames.first + 1; }
-    /// The chunks that are to be made.
     std::vector<Chunk> chunks() const;
     scene::Snapshot snapshot(std::int64_t frame) const {
         return scene::snapshot_at(*animation, frame, core::time_of(frame, rate), format, shutter());
@@ -73,26 +86,30 @@ struct RenderJob {
     }
 };
 
-/// The film without what a row of its plan gives (renderer::PlanRow::effect).
+/// The film without a row of its plan (renderer::PlanRow::effect).
 RenderJob without(const RenderJob& film, renderer::Pass effect);
 
-/// The film as --preview makes it where no option says more (app/options/preview_options.h), in the same size.
+/// The film as by --preview (app/options/effort.h), in the same size.
 RenderJob draft_of(const RenderJob& film);
 
-/// The film as --effort makes it where no option says more (app/options/effort.h), with no more eye samples than it
-/// has: beside references with its own they would count as errors.
+/// The film as by --effort (app/options/effort.h), with no more eye samples than it has, since references have the
+/// film's own.
 RenderJob at_effort(const RenderJob& film, const Effort& effort);
 
-/// The film's renderer, its textures read.
 renderer::Renderer renderer_of(const RenderJob& film);
 
-/// Refuses what is no scene, or not there, with the name beside it that may have been meant. Throws core::Error.
+/// Refuses missing files and other kinds, with the nearest name beside it. Throws core::Error.
 void check_scene(const std::filesystem::path& input);
 
-/// Loads the scene and settles every setting. Throws core::Error for all that cannot be rendered or coded.
+/// Loads the scene and settles every setting. Throws core::Error.
 RenderJob prepare(const RenderOptions& options);
 
-/// One exposure for the film, in EV: a few small, coarse frames spread over it are lit and their luminances judged.
+/// Exposure of the film in EV, by a few small, coarse frames.
 float measure_exposure(const RenderJob& film);
+
+/// Sound of the frames by the options, else `scenes`, the scene's own; decoded once in a probe. Throws core::Error for
+/// unreadable sound, or an `output` without sound.
+av::Sound sound_of(const CodingOptions& options, const std::optional<std::filesystem::path>& scenes,
+                   const std::filesystem::path& output, const FrameRange& frames, const core::FrameRate& rate);
 
 }  // namespace render2mpeg::app

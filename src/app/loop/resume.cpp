@@ -4,16 +4,15 @@
 #include <sys/xattr.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
-#include "app/files/checksum.h"
-#include "app/files/disk.h"
-#include "app/files/text_file.h"
-#include "app/loop/counters.h"
+#include "app/files/file_io.h"
 #include "app/loop/first_pass.h"
 #include "app/system/interrupt.h"
 #include "app/system/terminal.h"
@@ -24,7 +23,21 @@ namespace {
 
 using nlohmann::json;
 
-/// The files that a chunk's frames become beside the coded stream.
+/// Options that change no byte of the film; heatmaps have work folders of their own.
+constexpr std::array<std::string_view, 15> idle{"--output", "--threads",   "--quiet",   "--stats",  "--report",
+                                                "--hold",   "--overwrite", "--verbose", "--within", "--progress",
+                                                "--resume", "--dry-run",   "--heatmap", "--memory", "--isa"};
+
+json options_of(const RenderOptions& options) {
+    json words = json::object();
+    for (const auto& [name, value] : options.said)
+        if (std::find(idle.begin(), idle.end(), name) == idle.end()) words[name] = value;
+    // Layers already written lie in this folder alone.
+    if (options.layers) words["--aov"] = canonical_of(*options.layers).string();
+    return words;
+}
+
+/// Files of a chunk's frames beside the coded stream.
 std::vector<std::filesystem::path> products_of(const RenderJob& film, const RenderOptions& options,
                                                const WorkFolder& work, const Chunk& chunk) {
     std::vector<std::filesystem::path> files;
@@ -38,7 +51,6 @@ std::vector<std::filesystem::path> products_of(const RenderJob& film, const Rend
     return files;
 }
 
-/// Their checksums; null for one that is not there.
 json sums_of(const std::vector<std::filesystem::path>& files) {
     json sums = json::array();
     for (const std::filesystem::path& file : files) {
@@ -49,8 +61,7 @@ json sums_of(const std::vector<std::filesystem::path>& files) {
     return sums;
 }
 
-/// Takes in what a chunk's record says. Whether it says all and its products are there; else they stay as they
-/// are.
+/// Takes in a chunk's record and returns true, if it is whole and its products are there.
 bool take_in(const RenderJob& film, const RenderOptions& options, const WorkFolder& work, const ChunkFile& chunk,
              RunStatistics& statistics) {
     try {
@@ -67,7 +78,7 @@ bool take_in(const RenderJob& film, const RenderOptions& options, const WorkFold
     }
 }
 
-/// All that the options ask a render to leave, the film or its first image before others.
+/// All files of a render, the film or its first image first.
 std::vector<std::filesystem::path> products_of(const RenderJob& film, const RenderOptions& options) {
     std::vector<std::filesystem::path> files;
     const bool images = film.kind == OutputKind::exr || film.kind == OutputKind::png;
@@ -86,8 +97,7 @@ std::vector<std::filesystem::path> products_of(const RenderJob& film, const Rend
 
 constexpr const char* mark_name = "user.render2mpeg.film";
 
-/// Checksum of a film's identity and of its files as they are: names, sizes and times of writing. Empty where one is
-/// missing.
+/// Checksum of identity, and of all files' names, sizes and times. Empty where one is missing.
 std::string mark_of(const std::vector<std::filesystem::path>& files, const json& identity) {
     std::string text = json_text(identity);
     for (const std::filesystem::path& file : files) {
@@ -98,7 +108,7 @@ std::string mark_of(const std::vector<std::filesystem::path>& files, const json&
         text += fmt::format("{}\n{}\n{}\n", canonical_of(file).string(), bytes, static_cast<std::int64_t>(written));
     }
     Checksum sum;
-    sum.add(std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
+    sum.add(text);
     return text_of(sum.value());
 }
 
@@ -109,7 +119,6 @@ json json_of(const encoder::BitAllocation& a) {
             {"left_by_type", a.left_by_type}};
 }
 
-/// Throws json::exception for what json_of() would not write.
 encoder::BitAllocation allocation_from(const json& written) {
     encoder::BitAllocation a;
     written.at("quantiser").get_to(a.quantiser);
@@ -122,7 +131,7 @@ encoder::BitAllocation allocation_from(const json& written) {
     return a;
 }
 
-/// The allocations that an earlier run found; none where it did not come so far.
+/// Allocations of an earlier run; none where there are none.
 std::vector<encoder::BitAllocation> allocations_from(const RenderJob& film, const json& written) {
     if (!written.is_array() || static_cast<std::int64_t>(written.size()) != film.frame_count()) return {};
     std::vector<encoder::BitAllocation> allocations;
@@ -134,7 +143,7 @@ std::vector<encoder::BitAllocation> allocations_from(const RenderJob& film, cons
     return allocations;
 }
 
-/// Heatmaps that an earlier run began and this one does not go on with; they go when the film is whole.
+/// Heatmaps of an earlier run that are not wanted any more; they go when the film is whole.
 void print_given_up(const RenderOptions& options, const WorkFolder& work) {
     for (const std::filesystem::path& file : work.companions()) {
         std::error_code error;
@@ -147,6 +156,40 @@ void print_given_up(const RenderOptions& options, const WorkFolder& work) {
 }
 
 }  // namespace
+
+std::vector<Files> inputs_of(const RenderJob& film, const RenderOptions& options) {
+    std::vector<Files> inputs{Files(options.input)};
+    for (const std::filesystem::path& file : film.animation->files) inputs.emplace_back(file);
+    for (const scene::ImageSource& image : film.animation->images) inputs.emplace_back(image.path);
+    inputs.emplace_back(options.coding.keyframes.value_or(""));
+    inputs.emplace_back(film.sound.file);
+    return inputs;
+}
+
+json identity_of(const RenderJob& film, const RenderOptions& options) {
+    json inputs = json::array();
+    for (const Files& input : inputs_of(film, options)) {
+        std::error_code error;
+        // A missing image is shown as missing; a list of keyframes is no file.
+        if (!std::filesystem::is_regular_file(input.name, error)) continue;
+        const std::string file = canonical_of(input.name).string();
+        const auto known = [&](const json& other) { return other["file"] == file; };
+        if (std::none_of(inputs.begin(), inputs.end(), known))
+            inputs.push_back({{"file", file}, {"checksum", text_of(checksum_of(input.name))}});
+    }
+    return {{"version", RENDER2MPEG_VERSION},           {"build", build_identity()},
+            {"isa", core::name_of(film.rendering.isa)}, {"frames", {film.frames.first, film.frames.last}},
+            {"options", options_of(options)},           {"inputs", inputs}};
+}
+
+json identity_of(const Film& film, const std::string& command) {
+    std::error_code error;
+    return {{"version", RENDER2MPEG_VERSION},
+            {"command", command},
+            {"folder", std::filesystem::current_path(error).string()},
+            {"input", film.source},
+            {"frames", {film.frames.first, film.frames.last}}};
+}
 
 std::filesystem::path frames_of(const RenderJob& film, const RenderOptions& options, const WorkFolder& work,
                                 const Chunk& chunk) {
@@ -174,7 +217,7 @@ bool is_done_already(const RenderJob& film, const RenderOptions& options, const 
     try {
         WorkFolder(options.output, identity, WorkFolder::Earlier::resumed).clear_away();
     } catch (const core::Error& refusal) {
-        // What somebody else has begun there, or is at work on, is no part of this film.
+        // Another run's folder is left alone.
         if (!options.quiet) print_line(fmt::format("{}: what lies beside it is left alone ({})", name, refusal.what()));
     }
     return true;
@@ -197,7 +240,7 @@ std::vector<ChunkFile> take_up(const RenderJob& film, const RenderOptions& optio
         if (!take_in(film, options, work, chunk, earlier)) break;
         chunks.push_back(std::move(chunk));
     }
-    // Reading the scene is all that this run has done yet.
+    // This run has read the scene so far.
     for (std::size_t i = 0; i < statistics.seconds.size(); ++i) earlier.seconds[i] += statistics.seconds[i];
     statistics = std::move(earlier);
     kept(chunks.size());

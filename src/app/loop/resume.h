@@ -1,5 +1,4 @@
 #pragma once
-
 #include <cstddef>
 #include <filesystem>
 #include <functional>
@@ -8,45 +7,51 @@
 #include <vector>
 
 #include "app/files/chunk_file.h"
+#include "app/files/publish.h"
 #include "app/files/work_folder.h"
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
+#include "app/options/film.h"
 #include "app/options/options.h"
 
-/// How a run goes on where another one was interrupted or killed (docs/first-film.md).
 namespace render2mpeg::app {
 
-/// Where the frames of a chunk are written that are not coded: an uncompressed film's part in the work folder, or
-/// numbered images under their own names.
+/// All that decides a film's bytes: version, build, instruction set, frames, options and inputs' checksums. Throws
+/// core::Error where an input cannot be read.
+nlohmann::json identity_of(const RenderJob& film, const RenderOptions& options);
+
+/// The same for a film of finished frames, which cannot be resumed: its command and folder.
+nlohmann::json identity_of(const Film& film, const std::string& command);
+
+std::vector<Files> inputs_of(const RenderJob& film, const RenderOptions& options);
+
+/// Place of a chunk's uncoded frames: its Y4M part in the work folder, or numbered images.
 std::filesystem::path frames_of(const RenderJob& film, const RenderOptions& options, const WorkFolder& work,
                                 const Chunk& chunk);
 
-/// What the record of a chunk says for who goes on after it: the statistics so far, and checksums of the files that
-/// came of its frames.
+/// Record of a chunk: statistics so far, and checksums of its files.
 nlohmann::json chunk_record_of(const RenderJob& film, const RenderOptions& options, const WorkFolder& work,
                                const Chunk& chunk, const RunStatistics& so_far);
 
-/// Marks a whole film by an extended attribute of its first file: a checksum of its identity and of all files made with
-/// it. Does nothing on file systems without such attributes.
+/// Marks a whole film by an extended attribute of its first file: a checksum of identity and files. Without such
+/// attributes nothing happens.
 void mark_as_whole(const RenderJob& film, const RenderOptions& options, const nlohmann::json& identity);
 
-/// Whether the film of --resume has this mark and all its files are unchanged. Says so, and removes the leftovers of a
-/// run that was killed at its very end.
+/// Whether --resume finds this mark and unchanged files. Says so, and removes leftovers of a run killed at its end.
 bool is_done_already(const RenderJob& film, const RenderOptions& options, const nlohmann::json& identity);
 
-/// The whole chunks of an earlier run, whose statistics are taken in; what else there was is removed, after `kept`
-/// was told how many are taken over. None where the options ask for none.
+/// Takes over the whole chunks of an earlier run with their statistics, and removes the rest, after `kept` got their
+/// number. None without --resume.
 std::vector<ChunkFile> take_up(const RenderJob& film, const RenderOptions& options, WorkFolder& work,
                                const std::function<void(std::size_t)>& kept, RunStatistics& statistics);
 
-/// Finds out what is settled before the first frame, or takes it over from the earlier run: the exposure, and what a
-/// first pass says. `work`: where it is kept for later runs; null: nowhere.
+/// Settles exposure and first pass, or takes them over from an earlier run. `work`: kept there; null: nowhere.
 void settle(RenderJob& film, const RenderOptions& options, WorkFolder* work, RunStatistics& statistics);
 inline void settle(RenderJob& film, const RenderOptions& options, WorkFolder& work, RunStatistics& statistics) {
     settle(film, options, &work, statistics);
 }
 
-/// What a later run of `command` with --resume would make of these chunks, as a part of a sentence.
+/// Effect of `command` with --resume on these chunks, as a part of a sentence.
 std::string resuming_text(const RenderJob& film, std::size_t whole_chunks,
                           const std::string& command = "the same command");
 

@@ -4,12 +4,196 @@
 #include <chrono>
 #include <cmath>
 #include <ctime>
+#include <nlohmann/json.hpp>
 #include <numeric>
+#include <type_traits>
 
 #include "core/numeric.h"
 #include "perceptual/metrics.h"
 
 namespace render2mpeg::app {
+namespace {
+
+using nlohmann::json;
+
+/// Rule for the sum of a counter over two parts of one film.
+enum class How { added, largest, apart };
+
+/// Lists the members of an entry, for writing and reading.
+template <class Entry, class Visit>
+void each_member(Entry& e, Visit&& visit) {
+    visit("frame", e.frame);
+    visit("type", e.type);
+    visit("quantiser", e.quantiser);
+    visit("mean_quantiser", e.mean_quantiser);
+    visit("bytes", e.bytes);
+    visit("planned_quantiser", e.planned_quantiser);
+    visit("tries", e.tries);
+    visit("minimal", e.minimal);
+    visit("stuffing", e.stuffing);
+    visit("fullness_before", e.fullness_before);
+    visit("fullness_after", e.fullness_after);
+    visit("vectors_tried_exact", e.motion.evaluations.exact);
+    visit("vectors_tried_predicted", e.motion.evaluations.predicted);
+    visit("vectors_tried_searched", e.motion.evaluations.searched);
+    visit("vectors_chosen_exact", e.motion.chosen.exact);
+    visit("vectors_chosen_predicted", e.motion.chosen.predicted);
+    visit("vectors_chosen_searched", e.motion.chosen.searched);
+    visit("searches", e.motion.searches);
+    visit("mse_y", e.mse_y);
+    visit("ssim_y", e.ssim_y);
+    visit("pumping", e.pumping);
+    visit("shadow_rays", e.shadow_rays);
+    visit("direct_cut", e.direct_cut);
+    visit("indirect_cut", e.indirect_cut);
+    visit("records_created", e.records.created);
+    visit("records_live", e.records.live);
+    visit("records_served", e.records.served);
+    visit("seconds", e.seconds);
+}
+
+/// Lists the renderer's counts, of one run or of two.
+template <class Visit, class... Counts>
+void each_count(Visit&& visit, Counts&... s) {
+    using enum How;
+    visit("primary_rays", added, s.primary_rays...);
+    visit("shadow_rays", added, s.shadow_rays...);
+    visit("gather_rays", added, s.gather_rays...);
+    visit("photon_rays", added, s.photon_rays...);
+    visit("specular_rays", added, s.specular_rays...);
+    visit("air_rays", added, s.air_rays...);
+    visit("exposure_rays", added, s.exposure_rays...);
+    visit("exposed_pixels", added, s.exposed_pixels...);
+    visit("caustic_rays", added, s.caustic_rays...);
+    visit("caustic_photons", added, s.caustic_photons...);
+    visit("caustic_landings", added, s.caustic_landings...);
+    visit("caustic_pairs", added, s.caustic_pairs...);
+    visit("caustic_doubts", added, s.caustic_doubts...);
+    visit("gather_points", added, s.gather_points...);
+    visit("capped_points", added, s.capped_points...);
+    visit("true_paths", added, s.true_paths...);
+    visit("true_pixels", added, s.true_pixels...);
+    visit("capped_pixels", added, s.capped_pixels...);
+    visit("direct_clusters", added, s.direct_clusters...);
+    visit("indirect_clusters", added, s.indirect_clusters...);
+    visit("non_finite", added, s.non_finite...);
+    visit("first_non_finite", apart, s.first_non_finite...);
+    visit("band_points", added, s.bands.points...);
+    visit("band_clusters", added, s.bands.clusters...);
+    visit("clamped_energy", apart, s.clamped_energy...);
+    visit("luminance", added, s.luminance...);
+    visit("photon_energy", added, s.photon_energy...);
+    visit("photon_energy_lost", added, s.photon_energy_lost...);
+    visit("direct_points", apart, s.direct_points...);
+    visit("indirect_points", apart, s.indirect_points...);
+    visit("least_error_scale", apart, s.least_error_scale...);
+    visit("largest_error_scale", largest, s.largest_error_scale...);
+    visit("mean_error_scale", apart, s.mean_error_scale...);
+    visit("frames_calibrated", added, s.frames_calibrated...);
+    visit("calibrated_pixels", added, s.calibrated_pixels...);
+    visit("calibration_seconds", added, s.calibration_seconds...);
+    visit("sky_seconds", added, s.sky_seconds...);
+    visit("layer_seconds", added, s.layer_seconds...);
+    visit("records_created", added, s.cache.created...);
+    visit("records_served", added, s.cache.served...);
+    visit("records_at_record", added, s.cache.at_record...);
+    visit("records_held_out", added, s.cache.held_out...);
+    visit("records_missed", added, s.cache.missed...);
+    visit("records_most", largest, s.cache.most...);
+}
+
+template <class Visit, class... Sums>
+void each_sum(Visit&& visit, Sums&... l) {
+    using enum How;
+    visit("seconds", added, l.seconds...);
+    visit("pass_seconds", added, l.pass_seconds...);
+    visit("wall", added, l.earlier_wall...);
+    visit("cpu", added, l.earlier_cpu...);
+    visit("brightest_luma", largest, l.brightest_luma...);
+    visit("audit_over", added, l.audit.over...);
+    visit("audit_seconds", added, l.audit.seconds...);
+}
+
+template <class Sums, class Visit>
+void each_split_sum(Sums& s, Visit&& visit) {
+    visit("pixels", s.pixels);
+    visit("paths", s.paths);
+    visit("light", s.light);
+    visit("dark_light", s.dark_light);
+    for (std::size_t c = 0; c < s.causes.size(); ++c) {
+        auto& cause = s.causes[c];
+        const auto sum = [&](const char* name, auto& value) {
+            visit((std::string(renderer::cause_names[c]) + "_" + name).c_str(), value);
+        };
+        sum("difference", cause.difference);
+        sum("difference_squares", cause.difference_squares);
+        sum("dark_difference", cause.dark_difference);
+        sum("dark_difference_squares", cause.dark_difference_squares);
+        sum("squares", cause.squares);
+        sum("square_squares", cause.square_squares);
+    }
+}
+
+struct Writer {
+    json& to;
+    template <class Value>
+    void operator()(const char* name, const Value& value) const {
+        to[name] = value;
+    }
+    template <class Value>
+    void operator()(const char* name, How, const Value& value) const {
+        to[name] = value;
+    }
+};
+
+/// Throws json::exception where a member is missing or of another kind.
+struct Reader {
+    const json& from;
+    template <class Value>
+    void operator()(const char* name, Value& value) const {
+        from.at(name).get_to(value);
+    }
+    template <class Value>
+    void operator()(const char* name, How, Value& value) const {
+        from.at(name).get_to(value);
+    }
+};
+
+struct Adder {
+    template <class Value>
+    void operator()(const char*, How how, Value& sum, const Value& earlier) const {
+        if constexpr (std::is_arithmetic_v<Value>) {
+            if (how != How::apart)
+                sum = how == How::largest ? std::max(sum, earlier) : static_cast<Value>(sum + earlier);
+        } else if constexpr (!std::is_same_v<Value, std::string>) {
+            for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += earlier[i];
+        }
+    }
+};
+
+renderer::Statistics sum_of(const renderer::Statistics& earlier, const renderer::Statistics& later) {
+    renderer::Statistics sum = later;
+    each_count(Adder{}, sum, earlier);
+    if (!earlier.first_non_finite.empty()) sum.first_non_finite = earlier.first_non_finite;
+
+    // Means are weighted by what was lit; without later frames the earlier ones stay.
+    const auto frames = static_cast<double>(earlier.frames_calibrated),
+               all = static_cast<double>(sum.frames_calibrated);
+    sum.mean_error_scale += core::divide_or(frames, all, 0.0) * (earlier.mean_error_scale - later.mean_error_scale);
+    if (earlier.frames_calibrated > 0 && later.frames_calibrated > 0)
+        sum.least_error_scale = std::min(earlier.least_error_scale, later.least_error_scale);
+    else if (earlier.frames_calibrated > 0)
+        sum.least_error_scale = earlier.least_error_scale;
+    sum.clamped_energy = core::divide_or(
+        earlier.clamped_energy * earlier.luminance + later.clamped_energy * later.luminance, sum.luminance, 0.0);
+    if (later.gather_points == 0) {
+        sum.direct_points = earlier.direct_points;
+        sum.indirect_points = earlier.indirect_points;
+    }
+    return sum;
+}
+
+}  // namespace
 
 double cpu_seconds() {
     timespec t{};
@@ -85,6 +269,54 @@ double RunStatistics::mean_direct_cut() const {
 double RunStatistics::mean_indirect_cut() const {
     return core::divide_or(static_cast<double>(rendering.indirect_clusters),
                            static_cast<double>(rendering.gather_points), 0.0);
+}
+
+RunStatistics sum_of(const RunStatistics& earlier, const RunStatistics& later) {
+    RunStatistics sum = earlier;
+    each_sum(Adder{}, sum, later);
+    sum.frames.insert(sum.frames.end(), later.frames.begin(), later.frames.end());
+    sum.rendering = sum_of(earlier.rendering, later.rendering);
+    sum.audit.errors.add(later.audit.errors);
+    sum.audit.split.add(later.audit.split);
+    return sum;
+}
+
+RunStatistics totals_of(const RunStatistics& statistics, const renderer::Renderer& renderer) {
+    RunStatistics sum = statistics;
+    sum.rendering = sum_of(statistics.rendering, renderer.statistics());
+    for (std::size_t i = 0; i < sum.pass_seconds.size(); ++i)
+        sum.pass_seconds[i] += renderer.seconds(static_cast<renderer::Pass>(i));
+    sum.pass_seconds[static_cast<std::size_t>(renderer::Pass::develop)] =
+        sum.stage_seconds(Stage::develop) - sum.pass_seconds[static_cast<std::size_t>(renderer::Pass::glare)];
+    sum.pass_seconds[static_cast<std::size_t>(renderer::Pass::encode)] = sum.stage_seconds(Stage::encode);
+    return sum;
+}
+
+json json_of(const RunStatistics& statistics, std::size_t first_frame) {
+    json written, rendering, frames = json::array();
+    each_sum(Writer{written}, statistics);
+    if (statistics.audit.errors.count() > 0) {
+        written["audit_errors"] = statistics.audit.errors.counts();
+        each_split_sum(statistics.audit.split.sums(), Writer{written["audit_split"]});
+    }
+    each_count(Writer{rendering}, statistics.rendering);
+    written["rendering"] = rendering;
+    for (std::size_t i = first_frame; i < statistics.frames.size(); ++i) {
+        json frame;
+        each_member(statistics.frames[i], Writer{frame});
+        frames.push_back(frame);
+    }
+    written["frames"] = frames;
+    return written;
+}
+
+void restore(RunStatistics& statistics, const json& written) {
+    each_sum(Reader{written}, statistics);
+    statistics.audit.errors.restore(written.value("audit_errors", std::vector<std::uint64_t>()));
+    if (written.contains("audit_split"))
+        each_split_sum(statistics.audit.split.sums(), Reader{written.at("audit_split")});
+    each_count(Reader{written.at("rendering")}, statistics.rendering);
+    for (const json& frame : written.at("frames")) each_member(statistics.frames.emplace_back(), Reader{frame});
 }
 
 }  // namespace render2mpeg::app

@@ -1,10 +1,11 @@
 #pragma once
-// What a run counts and times.
+// Counts and times of a run.
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -19,23 +20,21 @@ enum class Stage { load, first_pass, see, preview, tolerate, shade, develop, enc
 inline constexpr std::array stage_names{"load",     "first_pass", "see",     "preview",
                                         "tolerate", "shade",      "develop", "encode"};
 
-/// What is being done, for who waits.
 inline constexpr std::array stage_words{"reading",  "first pass",      "looking",    "a rough look",
                                         "weighing", "gathering light", "developing", "coding"};
 
-/// CPU seconds of this process so far, summed over threads.
+/// CPU seconds of this process, summed over threads.
 double cpu_seconds();
-/// Seconds on a clock that never turns back.
+/// Monotonic clock, seconds.
 double clock_seconds();
 
-/// What records did for one frame; all 0 where none are kept.
+/// Cache counts of one frame; all 0 without a cache.
 struct RecordsEntry {
     std::uint64_t created = 0;
     std::uint64_t live = 0;  ///< held after it
     double served = 0;       ///< share of its gather points that they, or the frame before, lit
 };
 
-/// What became of one frame.
 struct FrameEntry {
     std::int64_t frame = 0;
     char type = '-';  ///< I, P, B; '-': not coded
@@ -56,7 +55,7 @@ struct FrameEntry {
     double seconds = 0;  ///< CPU
 };
 
-/// What rate control had to do; counts of pictures.
+/// Rate control, counts of pictures.
 struct RateOutcome {
     std::uint64_t bytes = 0;     ///< of all coded pictures
     std::uint64_t stuffing = 0;  ///< of these
@@ -65,7 +64,6 @@ struct RateOutcome {
     int off_plan = 0;            ///< with another quantiser than they were rendered for
 };
 
-/// The pictures' quantisers as they came out.
 struct QuantiserRange {
     double mean = 0;       ///< of all macroblocks
     int min = 0, max = 0;  ///< of the pictures
@@ -73,10 +71,9 @@ struct QuantiserRange {
     int coarsest = 0;      ///< and how many 31
 };
 
-/// How well tolerances were kept, from pixels that were gathered again without clustering, and how true these are.
+/// Errors of audited pixels against unclustered light and the truth.
 struct Audit {
-    /// Of pixels: luminance's error over the luminance it should have, or over its absolute tolerance where that is
-    /// larger.
+    /// Relative errors of luminance, over the absolute tolerance where that is larger.
     ErrorHistogram errors;
     std::uint64_t over = 0;  ///< pixels whose error exceeds their tolerance
     renderer::ErrorSplit split;
@@ -85,7 +82,6 @@ struct Audit {
     double share_over() const;
 };
 
-/// What a run spent, where, and what came of it.
 struct RunStatistics {
     std::array<double, static_cast<std::size_t>(Stage::count)> seconds{};  ///< CPU, summed over threads
     double wall = 0;
@@ -94,15 +90,15 @@ struct RunStatistics {
     int brightest_luma = 0;  ///< code value
     renderer::Statistics rendering;
     Audit audit;
-    /// CPU, by row of the plan; 0 for rows that did not run, or not by themselves: their time is in the row they serve.
+    /// CPU by row of the plan; rows without time of their own have 0.
     std::array<double, static_cast<std::size_t>(renderer::Pass::count)> pass_seconds{};
 
     double stage_seconds(Stage stage) const { return seconds[static_cast<std::size_t>(stage)]; }
     double total_seconds() const;
-    /// Means over the film. PSNR from the mean squared error of all frames; +infinity when nothing was lost.
+    /// Means over the film; PSNR from the mean squared error, +infinity without loss.
     double psnr_y() const;
     double ssim_y() const;
-    /// Root mean square over the pictures of which it is known; none where it is of none.
+    /// RMS over pictures where it is known; none: nowhere.
     std::optional<double> pumping() const;
     RateOutcome rate_outcome() const;
     QuantiserRange quantisers() const;
@@ -110,7 +106,6 @@ struct RunStatistics {
     double mean_indirect_cut() const;
 };
 
-/// What a render comes to, for commands that make a film of their own accord.
 struct Rendered {
     RunStatistics statistics;
     std::filesystem::path film;
@@ -134,7 +129,7 @@ class StageTimer {
     double start_ = cpu_seconds();
 };
 
-/// Says in the entry that its scope opened what CPU time that took.
+/// Sets the CPU time of the entry that its scope adds.
 class FrameTimer {
   public:
     explicit FrameTimer(RunStatistics& statistics) : statistics_(statistics), before_(statistics.frames.size()) {}
@@ -150,7 +145,7 @@ class FrameTimer {
     double start_ = cpu_seconds();
 };
 
-/// Calls `work`, adds the CPU time it took to `sum`, and returns what it returned.
+/// Adds the CPU time of `work` to `sum`.
 template <class Work>
 auto timed(double& sum, Work&& work) {
     struct Clock {
@@ -169,5 +164,17 @@ template <class Work>
 auto timed(RunStatistics& statistics, renderer::Pass pass, Work&& work) {
     return timed(statistics.pass_seconds[static_cast<std::size_t>(pass)], std::forward<Work>(work));
 }
+
+/// Sum over two parts of one film; the earlier part's times become `earlier_cpu` and `earlier_wall`.
+RunStatistics sum_of(const RunStatistics& earlier, const RunStatistics& later);
+
+/// The statistics plus all counts of the renderer.
+RunStatistics totals_of(const RunStatistics& statistics, const renderer::Renderer& renderer);
+
+/// Statistics with the frames from index `first_frame` on, in full precision, for a later run.
+nlohmann::json json_of(const RunStatistics& statistics, std::size_t first_frame);
+
+/// Reads json_of(): sums are replaced, frames added. Throws std::exception for anything else.
+void restore(RunStatistics& statistics, const nlohmann::json& written);
 
 }  // namespace render2mpeg::app

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/color.h"
+
 namespace render2mpeg::app {
 
 ShownLight::ShownLight(const RenderJob& film, RunStatistics& statistics) : statistics_(statistics) {

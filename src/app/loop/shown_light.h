@@ -1,5 +1,4 @@
 #pragma once
-// The light of a film's frames as an eye gets it.
 #include <optional>
 
 #include "app/loop/render_job.h"
@@ -10,18 +9,17 @@
 
 namespace render2mpeg::app {
 
-/// The light of a film's frames as an eye gets it: with glare, where that runs. What is coded, and what the visibility
-/// model judges, is this light; layers and OpenEXR frames have the scene's own.
+/// Light as an eye gets it: with glare, where that runs. Coding and visibility use it; layers and OpenEXR frames have
+/// the scene's own light.
 class ShownLight {
   public:
-    /// The film's exposure is known, or counts as 0 EV.
+    /// An unknown exposure counts as 0 EV.
     ShownLight(const RenderJob& film, RunStatistics& statistics);
 
-    /// `light` itself where there is no glare, else only its `combined` and `frame`, valid until the next call.
+    /// `light` itself without glare, else its `combined` and `frame`, valid until the next call.
     const core::Radiance& of(const core::Radiance& light, const core::Rational& seconds);
 
-    /// From tolerances of what is shown to those of the light itself: what the veil over the frame shown last gives a
-    /// pixel, its own light need not, so that all of a tolerance is left for the rest.
+    /// From tolerances of shown light to those of light: the veil's share of the background is taken off.
     void carry_back(core::ToleranceMap& tolerance) const;
 
   private:

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <system_error>
 
-#include "app/loop/motion_pipe.h"
+#include "app/loop/motion_source.h"
 #include "app/options/output_kind.h"
 #include "core/error.h"
 #include "encoder/av/y4m.h"
@@ -26,14 +26,13 @@ class Y4mSink : public Sink {
     av::Y4mWriter writer_;
 };
 
-/// What the header of an OpenEXR says of a frame of this film.
 image::FrameFacts facts_of(const RenderJob& film, const LitFrame& frame) {
     const scene::Camera& camera = frame.world.camera;
     return {film.format.pixel_aspect, film.exposure.value_or(0), film.rate.hertz, camera.world_to_camera(),
             camera.world_to_ndc()};
 }
 
-/// Scene-linear half floats, alpha 1: what compositors expect under the plain names R, G, B, A.
+/// Half floats under the names R, G, B, A, alpha 1.
 class ExrSink : public Sink {
   public:
     ExrSink(const RenderJob& film, const std::filesystem::path& pattern) : film_(film), pattern_(pattern) {}
@@ -46,7 +45,6 @@ class ExrSink : public Sink {
     std::filesystem::path pattern_;
 };
 
-/// 8-bit sRGB of the light that the film stands for.
 class PngSink : public Sink {
   public:
     PngSink(const RenderJob& film, const std::filesystem::path& pattern)
@@ -77,7 +75,7 @@ void LayersWriter::lit(const LitFrame& frame) {
 
 void LastFrameWriter::lit(const LitFrame& frame) {
     if (clock_seconds() < written_ + 1) return;
-    // Whoever looks sees whole pictures alone; a disk that is full costs no film.
+    // Replaces the picture at once; a full disk is no error.
     const std::filesystem::path part = std::filesystem::path(file_) += ".part";
     std::error_code error;
     try {

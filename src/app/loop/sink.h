@@ -12,15 +12,12 @@
 
 namespace render2mpeg::app {
 
-/// Where finished frames go when no film is coded: a Y4M file or numbered images. Nothing appears under its final name
-/// before it is whole.
+/// Output of uncoded frames: a Y4M file or numbered images, which appear when they are whole.
 class Sink : public LoopObserver {
   public:
-    /// After the last frame.
     virtual void finish() {}
 };
 
-/// Appends coded pictures to their chunk's file.
 class ChunkWriter : public LoopObserver {
   public:
     explicit ChunkWriter(ChunkFile& file) : file_(file) {}
@@ -30,7 +27,6 @@ class ChunkWriter : public LoopObserver {
     ChunkFile& file_;
 };
 
-/// Writes every frame's layers into a folder.
 class LayersWriter : public LoopObserver {
   public:
     LayersWriter(std::filesystem::path folder, const RenderJob& film, RunStatistics& statistics)
@@ -43,7 +39,7 @@ class LayersWriter : public LoopObserver {
     RunStatistics& statistics_;
 };
 
-/// Shows how far a film is: the frame lit last as a PNG, in place of the one before, once a second.
+/// Shows progress: the last lit frame as a PNG, once a second.
 class LastFrameWriter : public LoopObserver {
   public:
     LastFrameWriter(std::filesystem::path file, const RenderJob& film) : file_(std::move(file)), film_(film) {}
@@ -55,10 +51,10 @@ class LastFrameWriter : public LoopObserver {
     double written_ = 0;  ///< clock_seconds(); 0: not yet
 };
 
-/// The sink for an output that is not a film; null for one that is. `film` must outlive it.
+/// Null for a film. `film` must outlive it.
 std::unique_ptr<Sink> make_sink(const RenderJob& film, const std::filesystem::path& output);
 
-/// Joins Y4M files that a sink wrote one after the other.
+/// Joins Y4M files of consecutive chunks.
 void join_y4m(const RenderJob& film, const std::vector<std::filesystem::path>& parts,
               const std::filesystem::path& file);
 

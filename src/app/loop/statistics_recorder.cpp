@@ -1,7 +1,6 @@
 #include "app/loop/statistics_recorder.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "core/error.h"
 #include "core/numeric.h"

@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <fstream>
 
 #include "app/options/rate_options.h"
 #include "app/options/usage_error.h"
+#include "core/error.h"
 #include "core/text.h"
 #include "encoder/av/av.h"
 #include "encoder/av/coders.h"
@@ -17,7 +20,28 @@
 namespace render2mpeg::app {
 namespace {
 
-/// Rates and buffer. A level may allow less than the world does: 704x480 at 24 Hz is of Main level.
+// chosen: as for --frames, 2^31 frames are 2.7 years at 25 Hz.
+constexpr std::int64_t frame_limit = std::int64_t{1} << 31;
+
+constexpr const char* separators = ", \t\r\n";
+
+bool is_list(const std::string& text) {
+    return !text.empty() && text.find_first_not_of("0123456789,") == std::string::npos;
+}
+
+/// The file's text without comments.
+std::string read_file(const std::string& name) {
+    std::ifstream stream(name);
+    if (!stream)
+        throw UsageError("keyframes " + name + ": expected frame numbers such as 0,48,96, or a file with them");
+    std::string text, line;
+    while (std::getline(stream, line)) text += line.substr(0, line.find('#')) + "\n";
+    // Folders can be opened, but not read.
+    if (stream.bad()) throw UsageError("keyframes " + name + ": cannot be read");
+    return text;
+}
+
+/// Rates and buffer; a level may allow less than the preset.
 void apply_rates(const Preset& preset, const CodingOptions& options, encoder::Settings& coding) {
     const encoder::LevelLimits level = encoder::level_of(coding);
     encoder::RateControl& rate = coding.rate_control;
@@ -42,7 +66,7 @@ void apply_rates(const Preset& preset, const CodingOptions& options, encoder::Se
     if (rate.buffer_bits == 0) rate.buffer_bits = buffer;
 }
 
-/// Refuses what the preset's world does not take, and fills in what nobody said.
+/// Checks settings against the preset and fills the gaps.
 void apply(const Preset& preset, const CodingOptions& options, encoder::Settings& coding) {
     if (preset.fields) coding.cadence = coding.rate.code == 1 ? encoder::Cadence::pulldown : encoder::Cadence::fields;
     if (!options.gop) coding.gop = preset.usual_gop(coding.rate);
@@ -68,7 +92,6 @@ void refuse_as_usage(const Check& check) {
     }
 }
 
-/// The quantiser in the codec's scale.
 int quantiser_of(const CodingOptions& options, encoder::Codec codec) {
     const encoder::CodecFacts facts = encoder::facts_of(codec);
     if (options.crf) {
@@ -86,6 +109,46 @@ int quantiser_of(const CodingOptions& options, encoder::Codec codec) {
 
 void check_settings(const encoder::Settings& coding) {
     refuse_as_usage([&] { av::check(coding); });
+}
+
+std::vector<Chunk> chunks_of(FrameRange frames, int gop) {
+    EXPECTS(frames.first <= frames.last && gop >= 1);
+    // chosen: about 60 frames, two seconds: short enough to lose little, long enough that starting anew costs little
+    // (30..240).
+    constexpr std::int64_t aim = 60;
+    const std::int64_t length = std::max<std::int64_t>(1, (aim + gop / 2) / gop) * gop;
+
+    std::vector<Chunk> chunks;
+    for (std::int64_t first = frames.first; first <= frames.last; first += length)
+        chunks.push_back({static_cast<int>(chunks.size()), first, std::min(first + length - 1, frames.last)});
+    return chunks;
+}
+
+bool Keyframes::begins_at(std::int64_t frame) const {
+    return std::binary_search(frames.begin(), frames.end(), frame);
+}
+
+std::int64_t Keyframes::frames_left(std::int64_t frame, std::int64_t left) const {
+    const auto next = std::upper_bound(frames.begin(), frames.end(), frame);
+    return next == frames.end() ? left : std::min(left, *next - frame - 1);
+}
+
+Keyframes keyframes_from(const std::string& text) {
+    const std::string list = is_list(text) ? text : read_file(text);
+    Keyframes keyframes;
+    for (std::size_t at = list.find_first_not_of(separators); at != std::string::npos;) {
+        const std::size_t end = std::min(list.find_first_of(separators, at), list.size());
+        std::int64_t frame = 0;
+        const auto [last, error] = std::from_chars(list.data() + at, list.data() + end, frame);
+        if (error != std::errc{} || last != list.data() + end || frame < 0 || frame >= frame_limit)
+            throw UsageError("keyframes " + text + ": \"" + list.substr(at, end - at) + "\" is no frame number");
+        keyframes.frames.push_back(frame);
+        at = list.find_first_not_of(separators, end);
+    }
+    if (keyframes.frames.empty()) throw UsageError("keyframes " + text + ": no frame numbers");
+    std::sort(keyframes.frames.begin(), keyframes.frames.end());
+    keyframes.frames.erase(std::unique(keyframes.frames.begin(), keyframes.frames.end()), keyframes.frames.end());
+    return keyframes;
 }
 
 const Preset* preset_of(const CodingOptions& options) {

@@ -1,22 +1,49 @@
 #pragma once
-
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
 
-#include "app/options/keyframes.h"
 #include "app/options/options.h"
-#include "app/options/preset.h"
 #include "app/options/shape.h"
-#include "core/rational.h"
 #include "core/view.h"
 #include "encoder/av/sound.h"
 #include "encoder/types.h"
 
 namespace render2mpeg::app {
 
-/// What a coded film is, wherever its pictures come from.
+/// Independent run of frames: the unit of resuming and of parallel rendering.
+struct Chunk {
+    int index = 0;
+    std::int64_t first = 0, last = 0;  ///< frames, both inclusive
+
+    std::int64_t frames() const { return last - first + 1; }
+};
+
+/// Chunks that follow each other, by their index.
+struct ChunkRange {
+    std::size_t first = 0, last = 0;  ///< both inclusive
+
+    std::size_t count() const { return last - first + 1; }
+};
+
+/// Chunks of whole closed GOPs on a fixed grid from the first frame, whatever the machine.
+std::vector<Chunk> chunks_of(FrameRange frames, int gop);
+
+struct Keyframes {
+    std::vector<std::int64_t> frames;
+
+    bool begins_at(std::int64_t frame) const;
+    /// Frames behind `frame` before the next keyframe; at most `left`.
+    std::int64_t frames_left(std::int64_t frame, std::int64_t left) const;
+};
+
+/// Reads "0,48,96", or a file of numbers between spaces, commas and line ends with `#` comments. Frames outside the
+/// film are allowed. Throws core::Error, also for no number.
+Keyframes keyframes_from(const std::string& text);
+
+/// A coded film, wherever its pictures come from.
 struct Film {
     std::string source;  ///< file that the pictures are made from
     FrameRange frames;
@@ -29,11 +56,11 @@ struct Film {
     std::int64_t frame_count() const { return frames.last - frames.first + 1; }
 };
 
-/// The preset that the options name, or null.
+/// Null without --for.
 const Preset* preset_of(const CodingOptions& options);
 
-/// The codec that the options name; else the one of the output's ending: H.264 for .mp4, .mov and .mkv, MPEG-2 for all
-/// others and for none. Throws UsageError where a preset has no such codec.
+/// Codec by option, else by ending: H.264 for .mp4, .mov and .mkv, else MPEG-2. Throws UsageError where a preset does
+/// not have it.
 encoder::Codec codec_of(const CodingOptions& options, const std::filesystem::path& output);
 
 /// Throws UsageError where a film cannot be coded with these settings, or not here (encoder/av/coders.h).
@@ -47,17 +74,16 @@ inline const char* usual_ending(encoder::Codec codec) {
 /// MPEG-2's quantisers in a codec's own scale.
 std::vector<int> in_scale_of(encoder::Codec codec, std::vector<int> quantisers);
 
-/// The encoder's settings for pictures of this shape, with the matrix that their height asks for; `first` is the film's
-/// first frame, `output` its file, or empty. Throws core::Error where an option contradicts the preset or the codec.
+/// Encoder settings for this shape; `first` frame, `output` may be empty. Throws core::Error where an option
+/// contradicts preset or codec.
 encoder::Settings coding_settings(const CodingOptions& options, const Shape& shape, std::int64_t first,
                                   const std::filesystem::path& output);
 
-/// transfer_characteristics of a film with this view: Blender's are none that MPEG-2 has a number for.
+/// transfer_characteristics of a view; Blender's have no number.
 inline int transfer_of(const core::View& view) {
     return view.name == core::ViewName::neutral ? 1 : 2;
 }
 
-/// The keyframes that the options name.
 Keyframes keyframes_of(const CodingOptions& options);
 
 }  // namespace render2mpeg::app

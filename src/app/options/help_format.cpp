@@ -13,13 +13,6 @@ namespace {
 /// Columns that names and values of options take, before what they mean.
 constexpr int name_columns = 30;
 
-/// CLI11's names of values as users read them: "INT:INT in [1 - 31]" is 1..31, "TEXT:{a,b}" a|b, "TEXT" nothing said.
-std::string values_text(const std::string& type) {
-    const OptionValues values(type);
-    if (!values.low.empty()) return values.low + ".." + values.high;
-    return values.choices.empty() ? type : CLI::detail::join(values.choices, "|");
-}
-
 class HelpFormat : public CLI::Formatter {
   public:
     HelpFormat() {
@@ -29,9 +22,9 @@ class HelpFormat : public CLI::Formatter {
 
     std::string make_option_opts(const CLI::Option* option) const override {
         std::string text;
-        // Flags take no value, and the names of positionals say what they are.
+        // Flags take no value, and positionals name theirs.
         if (option->get_type_size() != 0 && !option->get_type_name().empty() && !option->get_positional())
-            text += " " + values_text(option->get_type_name());
+            text += " " + option->get_type_name();
         if (!option->get_default_str().empty()) text += " [=" + option->get_default_str() + "]";
         if (option->get_required() && !option->get_positional()) text += " (required)";
         return text;
@@ -48,7 +41,7 @@ class HelpFormat : public CLI::Formatter {
     }
 
     std::string make_footer(const CLI::App* app) const override {
-        // CLI11 leaves a line before it empty up to version 2.3; two that are empty become one.
+        // CLI11 up to 2.3 adds an empty line; doubled ones are merged.
         return app->get_footer().empty() ? "" : "\n" + wrapped(app->get_footer(), columns()) + "\n";
     }
 
@@ -61,7 +54,7 @@ class HelpFormat : public CLI::Formatter {
     /// chosen: longer lines than 110 columns are hard to follow; below 60 descriptions would have no room.
     static int columns() { return std::clamp(columns_of_output(), 60, 110); }
 
-    /// Lines of descriptions end where the terminal's do, wherever they end in the source.
+    /// Descriptions are wrapped to the terminal.
     static std::string described(std::string text) {
         std::replace(text.begin(), text.end(), '\n', ' ');
         return wrapped(text, columns() - name_columns);
@@ -69,17 +62,6 @@ class HelpFormat : public CLI::Formatter {
 };
 
 }  // namespace
-
-OptionValues::OptionValues(const std::string& type) {
-    static const std::regex range(R"(.* in \[(\S+) - (\S+)\])"), choice(R"(.*:\{(.*)\})");
-    std::smatch found;
-    if (std::regex_match(type, found, range)) {
-        low = found.str(1);
-        high = found.str(2);
-    } else if (std::regex_match(type, found, choice)) {
-        choices = CLI::detail::split(found.str(1), ',');
-    }
-}
 
 std::string wrapped(const std::string& text, int columns) {
     std::istringstream lines(text);

@@ -1,12 +1,13 @@
 #include "app/options/mistakes.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cctype>
-#include <cstdlib>
-#include <filesystem>
-#include <regex>
-#include <string_view>
+#include <cstdint>
 #include <system_error>
 
 #include "app/options/help_format.h"
@@ -39,20 +40,7 @@ bool has(const std::vector<std::string>& names, const std::string& name) {
     return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-std::string nearest_of(const std::string& word, const std::vector<std::string>& words) {
-    const std::vector<std::string_view> views(words.begin(), words.end());
-    return core::nearest_word(word, views);
-}
-
-/// "a, b and c", at most three of them.
-std::string listed_commands(const std::vector<std::string>& names) {
-    std::string text;
-    for (std::size_t i = 0; i < names.size(); ++i)
-        text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + ("`" + names[i] + "`");
-    return text;
-}
-
-/// Why an option of this name is none of the command's, and what is.
+/// Explains an unknown option.
 std::string advice_for(const CLI::App& program, const CLI::App& command, const std::string& name) {
     const std::string here = ": `" + command.get_name() + "` has no such option";
     const std::vector<std::string> names = names_of(command);
@@ -61,53 +49,29 @@ std::string advice_for(const CLI::App& program, const CLI::App& command, const s
     std::vector<std::string> others;
     for (const CLI::App* other : commands_in(program))
         if (other != &command && has(names_of(*other), name)) others.push_back(other->get_name());
-    // Bare hyphens are in all of them and say nothing.
+    // Compare without hyphens.
     std::vector<std::string> long_names;
     for (const std::string& other : names)
         if (other.starts_with("--")) long_names.push_back(other.substr(2));
     const std::string bare =
         name.substr(name.find_first_not_of('-') == std::string::npos ? name.size() : name.find_first_not_of('-'));
-    const std::string nearest = nearest_of(bare, long_names);
-    const std::string meant = nearest.empty() ? "" : "; did you mean --" + nearest + "?";
+    const std::string meant = core::did_you_mean(bare, long_names, "--");
     if (others.empty()) return here + meant;
-    return here + ", " + listed_commands(others) + (others.size() == 1 ? " has" : " have") + meant;
+    return fmt::format("{}, `{}`", here, fmt::join(others, "`, `")) + (others.size() == 1 ? " has" : " have") + meant;
 }
 
 std::string help_of(const std::string& command) {
     return " (see render2mpeg " + (command.empty() ? "" : command + " ") + "--help)";
 }
 
-/// "0.000000" as one writes it.
-std::string short_number(const std::string& text) {
-    if (text.find('.') == std::string::npos) return text;
-    std::string shorter = text.substr(0, text.find_last_not_of('0') + 1);
-    if (shorter.back() == '.') shorter.pop_back();
-    return shorter;
-}
-
-/// What the option takes, for messages.
-std::string values_of(const CLI::Option& option) {
-    const OptionValues values(option.get_type_name());
-    if (!values.low.empty()) return "a number from " + short_number(values.low) + " to " + short_number(values.high);
-    if (!values.choices.empty()) return CLI::detail::join(values.choices, ", ");
-    return option.get_type_name().empty() ? "a value" : option.get_type_name();
-}
-
-std::string sentence_for(const std::string& name, const CLI::Option& option, const std::string& value) {
-    const std::string meant = nearest_of(value, OptionValues(option.get_type_name()).choices);
-    return name + " " + value + ": expected " + values_of(option) +
-           (meant.empty() ? "" : "; did you mean " + meant + "?");
-}
-
-/// What a check of ours says: "size 640: expected ...", with the option's name in place of the noun.
+/// Message of a check, its noun replaced by the option's name.
 std::string checked_text(const std::string& name, const std::string& value, const std::string& said) {
     const std::size_t at = value.empty() ? std::string::npos : said.find(value);
     if (at == std::string::npos) return name + ": " + said;
-    // Frame numbers and the like are parts of what was said.
     return name + " " + said.substr(at);
 }
 
-/// What is missing where a positional or a required option is.
+/// Explains a missing positional or required option.
 std::string missing_text(const std::string& name, const std::string& command) {
     if (name == "INPUT")
         return "INPUT is missing: which scene? For example: render2mpeg " + command + " scene.glb" +
@@ -125,6 +89,41 @@ const CLI::Option* option_named(const CLI::App& command, const std::string& name
     for (const CLI::Option* option : command.get_options())
         if (option->check_name(name)) return option;
     return nullptr;
+}
+
+using Names = std::vector<std::string>;
+
+void note(Names& lines, const Names& given, const Names& names, const std::string& reason) {
+    Names found;
+    for (const std::string& name : names)
+        if (std::find(given.begin(), given.end(), name) != given.end()) found.push_back(name);
+    if (!found.empty())
+        lines.push_back(
+            fmt::format("{} {} nothing here: {}", fmt::join(found, ", "), found.size() == 1 ? "does" : "do", reason));
+}
+
+constexpr std::array films{".mpg", ".mpeg", ".vob", ".ts",   ".m2v", ".mkv", ".mp4", ".mov",
+                           ".avi", ".webm", ".wmv", ".m2ts", ".gif", ".y4m", ".ogv", ".flv"};
+constexpr std::array pictures{".png",  ".exr", ".jpg", ".jpeg", ".tif", ".tiff",
+                              ".webp", ".bmp", ".tga", ".hdr",  ".psd"};
+constexpr std::array scenes{".blend", ".glb", ".gltf", ".fbx", ".obj", ".dae", ".usd", ".usdz", ".3ds", ".ply", ".stl"};
+constexpr std::array sounds{".wav", ".mp3", ".flac", ".ogg", ".aac", ".m4a"};
+constexpr const char* kinds = "scenes are .blend, .glb, .gltf, .fbx, .obj and others, or animation files (.json)";
+
+template <class Endings>
+bool is_one_of(const Endings& endings, const std::filesystem::path& file) {
+    return std::find(endings.begin(), endings.end(), core::ending_of(file)) != endings.end();
+}
+
+std::string of_folder(const std::filesystem::path& folder) {
+    std::error_code error;
+    if (std::filesystem::exists(folder / "film.json", error)) return {};
+    std::vector<std::string> found;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, error))
+        if (is_one_of(scenes, entry.path())) found.push_back(entry.path().filename().string());
+    std::sort(found.begin(), found.end());
+    if (found.empty()) return std::string("this folder holds neither a film.json nor a scene; ") + kinds;
+    return "this folder holds no film.json; give one of its scenes, such as " + (folder / found.front()).string();
 }
 
 }  // namespace
@@ -165,61 +164,139 @@ void refuse_unknown_command(const CLI::App& program, const std::vector<std::stri
     std::error_code error;
     if (std::filesystem::exists(word, error))
         throw UsageError(word + " is no command; to render it: render2mpeg render " + word + " -o film.mpg");
-    const std::string meant = nearest_of(word, names);
-    throw UsageError(word + " is no command" +
-                     (meant.empty() ? "; there are " + all : "; did you mean " + meant + "? There are " + all) +
+    const std::string meant = core::did_you_mean(word, names);
+    throw UsageError(word + " is no command" + (meant.empty() ? "; there are " : meant + " There are ") + all +
                      help_of(""));
 }
 
 std::string mistake_text(const CLI::App& command, const CLI::Error& error) {
-    static const std::regex named(R"((-[^ :]+): (.*))"), member(R"((.*) not in \{.*\})"),
-        range(R"(Value (.*) not in range (\S+ to \S+|\[.*\]))"), convert(R"(Could not convert: (-\S+) = (.*))"),
-        required(R"((\S+) is required)"), few(R"((\d+) required .*missing)"), many(R"(At Most (\d+) required.*)"),
-        needs(R"((\S+) requires (\S+))"), excludes(R"((\S+) excludes (\S+))");
+    const std::string kind = error.get_name(), help = help_of(command.get_name());
     std::string text = error.what();
     std::replace(text.begin(), text.end(), '\n', ' ');
-    const std::string help = help_of(command.get_name());
-    std::smatch found;
-    if (std::regex_match(text, found, required)) {
-        // Two names where one is a film: its -o is missing.
-        const std::vector<std::string> left = command.remaining(true);
-        if (found.str(1) == "--output" && command.get_name() == "encode" && !left.empty())
-            return left.front() +
-                   ": frames go by one name with a number in it, e.g. frames.%04d.png, and the film by -o" + help;
-        return missing_text(found.str(1), command.get_name()) + help;
-    }
-    if (std::regex_match(text, found, needs)) return found.str(1) + ": give " + found.str(2) + " too" + help;
-    if (std::regex_match(text, found, excludes))
-        return found.str(1) + " and " + found.str(2) + " contradict each other: give one" + help;
-    if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
-        const std::vector<std::string> left = command.remaining(true);
+    const std::string first = text.substr(0, text.find(' ')), last = text.substr(text.rfind(' ') + 1);
+    const bool is_extra = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
+    if (is_extra || kind == "RequiredError") {
         std::string extra;
-        for (const std::string& word : left) extra += (extra.empty() ? "" : " ") + word;
-        if (command.get_name() == "encode")
+        for (const std::string& word : command.remaining(true)) extra += (extra.empty() ? "" : " ") + word;
+        if (command.get_name() == "encode" && !extra.empty() && (is_extra || first == "--output"))
             return extra + ": frames go by one name with a number in it, e.g. frames.%04d.png, and the film by -o" +
                    help;
-        std::error_code error;
-        if (command.get_name() == "render" && left.size() == 1 && !std::filesystem::exists(extra, error))
+        if (!is_extra) return missing_text(first, command.get_name()) + help;
+        std::error_code failure;
+        if (command.get_name() == "render" && command.remaining(true).size() == 1 &&
+            !std::filesystem::exists(extra, failure))
             return extra + ": a scene goes without an option, and the film by -o: -o " + extra + help;
         return extra + ": what is this for? Only one name goes without an option" + help;
     }
-    if (std::regex_match(text, found, convert)) {
-        const std::string name = found.str(1), value = found.str(2);
-        const CLI::Option* option = option_named(command, name);
-        return (option != nullptr ? sentence_for(name, *option, value) : name + " " + value + ": cannot be read") +
-               help;
-    }
-    if (!std::regex_match(text, found, named)) return text + help;
-    const std::string name = found.str(1), said = found.str(2);
+    if (kind == "RequiresError") return first + ": give " + last + " too" + help;
+    if (kind == "ExcludesError") return first + " and " + last + " contradict each other: give one" + help;
+    const std::size_t colon = text.find(": ");
+    const std::string name = text.substr(0, colon);
     const CLI::Option* option = option_named(command, name);
     if (option == nullptr) return text + help;
-    std::string value;
-    for (const std::string& word : option->results()) value += (value.empty() ? "" : " ") + word;
-    if (std::regex_match(said, found, member) || std::regex_match(said, found, range))
-        return sentence_for(name, *option, found.str(1)) + help;
-    if (std::regex_match(said, found, few)) return name + ": its value is missing, " + values_of(*option) + help;
-    if (std::regex_match(said, found, many)) return name + " is said more than once: " + value + "; give one" + help;
+    const std::string said = text.substr(colon + 2), value = CLI::detail::join(option->results(), " ");
+    if (said.ends_with(" missing"))
+        return name + ": its value is missing" +
+               (option->get_type_name().empty() ? "" : ", " + option->get_type_name()) + help;
+    if (said.starts_with("At Most")) return name + " is said more than once: " + value + "; give one" + help;
     return checked_text(name, value, said) + help;
+}
+
+std::vector<std::string> unused_options(const RenderOptions& options, OutputKind kind,
+                                        const ToleranceRequest& tolerance) {
+    Names lines;
+    const std::string output = options.output.filename().string();
+    if (kind != OutputKind::film)
+        note(lines, options.given,
+             {"--codec", "--quantiser", "--crf", "--quality", "--bitrate", "--cbr", "--maxrate", "--vbv", "--passes",
+              "--gop", "--b-pictures", "--tune", "--encoder", "--keyframes", "--audio", "--audio-offset"},
+             output + " is not coded");
+    // With a tolerance, the exposure tells which pixels are too dark to matter.
+    if (kind == OutputKind::exr && (tolerance.reference || tolerance.relative == 0))
+        note(lines, options.given, {"--exposure"},
+             output + " holds the scene's own light, and no light is too dark for this tolerance");
+    if (kind == OutputKind::exr)
+        note(lines, options.given, {"--view", "--glare"}, output + " holds the scene's own light");
+    if (tolerance.truth)
+        note(lines, options.given, {"--vpls", "--clamp", "--cache", "--samples", "--edge-samples"},
+             "paths over the whole pixel bring its light");
+    if (!tolerance.coupled)
+        note(lines, options.given, {"--masking"}, "the tolerance is not coupled to the film's coding");
+    return lines;
+}
+
+std::vector<std::string> unused_options(const EncodeOptions& options) {
+    Names lines;
+    if (!options.motion) note(lines, options.given, {"--motion-convention"}, "there is no --motion");
+    return lines;
+}
+
+std::string unused_keyframes(const Keyframes& keyframes, const FrameRange& frames) {
+    const auto outside = std::count_if(keyframes.frames.begin(), keyframes.frames.end(),
+                                       [&](std::int64_t frame) { return frame < frames.first || frame > frames.last; });
+    if (outside == 0) return {};
+    return fmt::format("--keyframes: {} of {} {} no frame{} of the film, which has {} to {}", outside,
+                       keyframes.frames.size(), outside == 1 ? "is" : "are", outside == 1 ? "" : "s", frames.first,
+                       frames.last);
+}
+
+std::string keyframes_without_chapter(const Film& film) {
+    if (!film.disc) return {};
+    // libavformat begins a unit with a GOP this many seconds after the one before (docs/coding.md).
+    const double apart = 0.4 * film.coding.rate.hertz.value();
+    std::vector<std::int64_t> lost;
+    std::int64_t unit = film.frames.first, gop = film.frames.first;
+    for (const Chunk& chunk : chunks_of(film.frames, film.coding.gop))
+        for (std::int64_t n = chunk.first; n <= chunk.last; ++n) {
+            const bool keyframe = film.keyframes.begins_at(n);
+            if (n != chunk.first && !keyframe && n - gop < film.coding.gop) continue;
+            gop = n;
+            if (n == film.frames.first) continue;
+            const bool begins_unit = static_cast<double>(n - unit) >= apart;
+            if (begins_unit) unit = n;
+            if (keyframe && !begins_unit) lost.push_back(n);
+        }
+    if (lost.empty()) return {};
+    return fmt::format("--keyframes: no chapter can begin at {}: a group of pictures begins less than 0.4 s before",
+                       fmt::join(lost, ", "));
+}
+
+std::string not_a_scene(const std::filesystem::path& file) {
+    std::error_code error;
+    if (std::filesystem::is_directory(file, error)) return of_folder(file);
+    if (is_one_of(films, file)) return std::string("it is a film already; ") + kinds;
+    if (is_one_of(pictures, file))
+        return "it is a picture, not a scene; `encode frames.%04d.png -o film.mpg` makes a film of pictures";
+    if (is_one_of(sounds, file)) return "it is sound, not a scene; --audio adds it to a film";
+    if (core::ending_of(file) == ".blend1") return "it is Blender's backup; rename it to .blend";
+    if (core::ending_of(file) == ".usd" || core::ending_of(file) == ".usdz" || core::ending_of(file) == ".usdc")
+        return "USD is not read; export the scene as .glb";
+    constexpr std::array others{".txt", ".md", ".py", ".sh", ".html", ".csv", ".pdf", ".zip", ".gz", ".tar", ".mtl"};
+    if (is_one_of(others, file)) return std::string("it is no scene; ") + kinds;
+    return {};
+}
+
+std::string not_a_film(const std::filesystem::path& file) {
+    std::error_code error;
+    if (!std::filesystem::exists(file, error)) return "there is no such file";
+    if (std::filesystem::is_directory(file, error)) return "it is a folder; give the film in it";
+    if (is_one_of(scenes, file) || core::ending_of(file) == ".json")
+        return "it is a scene, not a film; `plan` tells about scenes";
+    if (is_one_of(pictures, file)) return "it is a picture, not a film";
+    if (core::ending_of(file) == ".y4m") return "its pictures are not coded; `encode` makes a film of them";
+    return {};
+}
+
+std::string instead_of(const std::filesystem::path& output) {
+    const std::string ending = core::ending_of(output);
+    if (ending.empty()) return "its name needs an ending, such as " + output.filename().string() + ".mpg";
+    if (ending == ".gif") return ".gif is not written; render a film, then `ffmpeg -i film.mpg film.gif`";
+    if (is_one_of(pictures, output)) return ending + " is not written; of pictures only .png and .exr are";
+    if (is_one_of(scenes, output))
+        return "it would be a scene; which film is to be made of it? For example -o film.mpg";
+    if (is_one_of(sounds, output)) return "it would be sound; --audio adds sound to a film";
+    if (is_one_of(films, output)) return ending + " is not written; take .mp4 or .mkv, or .mpg";
+    return {};
 }
 
 }  // namespace render2mpeg::app

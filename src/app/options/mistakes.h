@@ -1,7 +1,12 @@
 #pragma once
-// What is told of a command line that cannot be read: the name first, then what would be right.
+// Messages about command lines that cannot be read: the name first, then the right form.
+#include <filesystem>
 #include <string>
 #include <vector>
+
+#include "app/options/film.h"
+#include "app/options/options.h"
+#include "app/options/output_kind.h"
 
 namespace CLI {
 class App;
@@ -10,14 +15,35 @@ class Error;
 
 namespace render2mpeg::app {
 
-/// Refuses options that the command does not have, and options of two words that lack one. `words`: those behind the
-/// command's name. `program` has all commands. Throws UsageError, with the option that may have been meant.
+/// Refuses unknown options, with the nearest name, and --heatmap without two values. `words` follow the command's name.
+/// Throws UsageError.
 void refuse_unknown_options(const CLI::App& program, const CLI::App& command, const std::vector<std::string>& words);
 
-/// Refuses a first word that is no command. Throws UsageError.
+/// Refuses an unknown command. Throws UsageError.
 void refuse_unknown_command(const CLI::App& program, const std::vector<std::string>& words);
 
-/// What CLI11 found wrong in the words of a command, in the program's own form.
+/// CLI11's error in the program's own form.
 std::string mistake_text(const CLI::App& command, const CLI::Error& error);
+
+/// A line for every reason why given options change nothing.
+std::vector<std::string> unused_options(const RenderOptions& options, OutputKind kind,
+                                        const ToleranceRequest& tolerance);
+std::vector<std::string> unused_options(const EncodeOptions& options);
+
+/// Note about keyframes outside the film; may be empty.
+std::string unused_keyframes(const Keyframes& keyframes, const FrameRange& frames);
+
+/// Note about keyframes of a DVD less than 0.4 s behind a unit's beginning, where no chapter can begin; may be empty.
+/// Cuts are not known yet.
+std::string keyframes_without_chapter(const Film& film);
+
+/// Why a file cannot be a scene, by its ending; empty if it can. A folder needs a film.json.
+std::string not_a_scene(const std::filesystem::path& file);
+
+/// The same for films that `info` reads.
+std::string not_a_film(const std::filesystem::path& file);
+
+/// Alternative to an ending that is not written.
+std::string instead_of(const std::filesystem::path& output);
 
 }  // namespace render2mpeg::app

@@ -1,6 +1,5 @@
 #pragma once
-// The parts of options that have a grammar of their own: sizes, ranges, tolerances.
-#include <optional>
+// Parsers of sizes, ranges, tolerances.
 #include <string>
 #include <vector>
 
@@ -16,10 +15,10 @@ FrameRange frames_from(const std::string& text);
 ToleranceRequest tolerance_from(const std::string& text);
 /// "180" or "180:0.25": degrees and frames.
 ShutterRequest shutter_from(const std::string& text);
-/// "off", or how far one sees: 0 for "off", else core::least_visibility to core::most_visibility.
+/// "off": 0, or visibility from core::least_visibility to core::most_visibility.
 float fog_from(const std::string& text);
 
-/// "off", "static", "temporal" or "static:0.2": with a strength from 0 to core::most_glare.
+/// "off", "static", "temporal" or "static:0.2" (strength up to core::most_glare).
 GlareRequest glare_from(const std::string& text);
 /// "2.8"; "off": 0, all is sharp.
 float f_stop_from(const std::string& text);
@@ -30,11 +29,11 @@ std::vector<float> percents_from(const std::string& text);
 /// "2,4,8", ascending, each once; "none": none.
 std::vector<int> quantisers_from(const std::string& text);
 
-/// Bytes: 700M, 4.7G, 25000k, 1234567. Throws core::Error.
+/// "700M", "4.7G", "25000k", "1234567".
 double size_in_bytes(const std::string& text);
-/// Seconds: 45s, 90m, 2h, 1h30m, 1:30 (minutes and seconds), 2:00:00, 5400. Throws core::Error.
+/// Seconds: "45s", "90m", "2h", "1h30m", "1:30" (minutes and seconds), "2:00:00", "5400".
 double time_in_seconds(const std::string& text);
-/// The same, or 0: no time at all.
+/// The same, or 0.
 double within_from(const std::string& text);
 
 }  // namespace render2mpeg::app

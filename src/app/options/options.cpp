@@ -4,21 +4,16 @@
 
 #include <algorithm>
 #include <iterator>
-#include <utility>
 
 #include "app/options/coding_options.h"
-#include "app/options/encode_options.h"
-#include "app/options/experiment_options.h"
-#include "app/options/farm_options.h"
+#include "app/options/command_options.h"
 #include "app/options/help_format.h"
 #include "app/options/mistakes.h"
 #include "app/options/output_kind.h"
 #include "app/options/scene_options.h"
-#include "app/options/tune_options.h"
 #include "app/options/usage_error.h"
 #include "app/system/memory_limit.h"
 #include "app/system/progress.h"
-#include "core/isa.h"
 #include "core/rational.h"
 #include "core/text.h"
 #include "core/view.h"
@@ -28,7 +23,6 @@ namespace {
 
 constexpr const char* run_group = "Run";  ///< a group of options
 
-/// What is written beside the film.
 void add_product_options(CLI::App& command, RenderOptions& options) {
     add_option(command, run_group, "--stats", options.stats, "Write statistics as JSON (docs/json.md)", "FILE.json");
     add_option(command, run_group, "--report", options.report,
@@ -38,7 +32,7 @@ void add_product_options(CLI::App& command, RenderOptions& options) {
     add_option(command, run_group, "--audit", options.audit,
                "Gather so many pixels of every frame again, by reference light, and find their true light by paths: "
                "say how well tolerances were kept, and how far the picture is off by which cause",
-               "N", CLI::Range(0, 1 << 20), shown);
+               "N", range(0, 1 << 20), shown);
     add_option(command, run_group, "--last-frame", options.last_frame,
                "Show the frame lit last in this picture, in place of the one before, once a second", "FILE.png");
     add_option(command, run_group, "--aov", options.layers,
@@ -60,7 +54,7 @@ void add_effort_option(CLI::App& command, RenderOptions& options) {
     add_option(command, "Light", "--effort", options.effort,
                "All settings of light by one name: `draft`, as --preview but in the film's size, `low`, `default` or "
                "`high`; other options win over it; `cost` tells what each takes and loses",
-               CLI::IsMember({"draft", "low", "default", "high"}));
+               one_of({"draft", "low", "default", "high"}));
 }
 
 void add_whole_run_options(CLI::App& command, RenderOptions& options) {
@@ -74,12 +68,8 @@ void add_whole_run_options(CLI::App& command, RenderOptions& options) {
 
 /// `whole`: of a command that renders by itself.
 void add_run_options(CLI::App& command, RenderOptions& options, bool whole) {
-    add_option(command, run_group, "-j,--threads", options.threads,
-               "Threads; 0: one per core. The film's bytes do not depend on it", CLI::Range(0, 1024), shown);
-    add_option(command, run_group, "--isa", options.isa,
-               "Instruction set (default: the best there is). Films differ in a few "
-               "roundings between them",
-               "sse2|sse4.2|avx|avx2|avx512", core::isa_from);
+    add_threads_option(command, options.threads);
+    add_isa_option(command, options.isa);
     add_product_options(command, options);
     add_option(command, run_group, "--memory", options.memory,
                "Most memory to take, e.g. 8G: refuse what would need more before it is begun, and never swap "
@@ -104,7 +94,7 @@ CLI::App* add_render_command(CLI::App& app, RenderOptions& options) {
         ->add_option("-o,--output", options.output, "File to write; the ending chooses its kind; `-`: standard output")
         ->type_name("OUT")
         ->required();
-    add_as_option(*command, options.as, "ts|m2v|y4m");
+    add_as_option(*command, options.as, {"ts", "m2v", "y4m"});
     add_flag(*command, "Picture and time", "--preview", options.preview,
              "A draft of every frame, in minutes: half the size unless --size is given, rough light, coded fast; "
              "timing, framing, light and cuts are the film's (docs/pictures.md)");
@@ -131,8 +121,7 @@ CLI::App* add_watch_command(CLI::App& app, RenderOptions& options) {
     add_picture_options(*command, options);
     add_light_options(*command, options);
     add_coding_options(*command, options.coding);
-    add_option(*command, run_group, "-j,--threads", options.threads, "Threads; 0: one per core", CLI::Range(0, 1024),
-               shown);
+    add_threads_option(*command, options.threads);
     add_flag(*command, run_group, "--quiet", options.quiet, "Print nothing but errors");
     options.preview = true;
     options.overwrite = true;
@@ -151,14 +140,12 @@ CLI::App* add_plan_command(CLI::App& app, PlanOptions& options) {
     add_light_options(*command, options.render);
     add_coding_options(*command, options.render.coding);
     add_option(*command, run_group, "--audit", options.render.audit,
-               "Pixels of every frame that would be gathered again", "N", CLI::Range(0, 1 << 20));
+               "Pixels of every frame that would be gathered again", "N", range(0, 1 << 20));
     add_option(*command, run_group, "--aov", options.render.layers, "Folder of multilayer OpenEXR files", "DIR");
     add_within_option(*command, options.render.within, run_group);
     add_flag(*command, run_group, "--quiet", options.render.quiet, "Show no progress");
-    add_option(*command, run_group, "-j,--threads", options.render.threads, "Threads; 0: one per core",
-               CLI::Range(0, 1024), shown);
-    add_option(*command, run_group, "--isa", options.render.isa, "Instruction set (default: the best there is)",
-               "sse2|sse4.2|avx|avx2|avx512", core::isa_from);
+    add_threads_option(*command, options.render.threads);
+    add_isa_option(*command, options.render.isa);
     add_option(*command, run_group, "--stats", options.statistics,
                "Statistics of a render of this scene: adds what each pass cost", "FILE.json");
     return command;
@@ -195,7 +182,7 @@ std::vector<std::string> without_help_command(std::vector<std::string> words) {
     return words;
 }
 
-/// Reads all words. Returns the exit status where a text was asked for, which is printed. Throws UsageError.
+/// Returns the exit status where --help or --version was printed. Throws UsageError.
 std::optional<int> read(CLI::App& app, const std::vector<std::string>& words) {
     const std::vector<std::string> said(words.begin() + std::min<std::ptrdiff_t>(1, std::ssize(words)), words.end());
     refuse_unknown_command(app, said);
@@ -211,7 +198,6 @@ std::optional<int> read(CLI::App& app, const std::vector<std::string>& words) {
     return {};
 }
 
-/// Long names of the options that were given.
 std::vector<std::string> given_of(const CLI::App& command) {
     std::vector<std::string> names;
     for (const CLI::Option* option : command.get_options())
@@ -219,7 +205,6 @@ std::vector<std::string> given_of(const CLI::App& command) {
     return names;
 }
 
-/// What was said of each of them.
 std::map<std::string, std::string> said_of(const CLI::App& command) {
     std::map<std::string, std::string> said;
     for (const CLI::Option* option : command.get_options()) {
@@ -230,7 +215,6 @@ std::map<std::string, std::string> said_of(const CLI::App& command) {
     return said;
 }
 
-/// Both, for options that are read again.
 void keep_words(const CLI::App& command, RenderOptions& options) {
     options.given = given_of(command);
     options.said = said_of(command);
@@ -246,7 +230,7 @@ std::string quoted(const std::string& word) {
         for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
         return text + "'";
     }
-    // What would not be shown is written as numbers; every shell but the oldest reads them.
+    // Unprintable bytes become octal escapes.
     std::string text = "$'";
     for (const char c : word) {
         const auto byte = static_cast<unsigned char>(c);
@@ -290,10 +274,10 @@ CommandLine parse(int argc, char** argv) {
         add_option(*command, run_group, "--progress", line.progress,
                    "How far it is: `line`, for people; `minute`, a line a minute, for logs; `json`, a line for "
                    "programs at every step; `openjd`, as OpenJD reads it; or `none`",
-                   CLI::IsMember({"line", "minute", "json", "openjd", "none"}), shown);
+                   one_of({"line", "minute", "json", "openjd", "none"}), shown);
     line.exit_code = read(app, without_help_command(line.words));
     if (line.exit_code) return line;
-    // Parts run where nobody looks on.
+    // Parts run without a terminal.
     if (part->parsed() && part->get_option("--progress")->empty()) line.progress = "minute";
     if (render->parsed()) settle_stream(line.render.output, line.render.as);
     if (encode->parsed()) settle_stream(line.encode.output, line.encode.as);
@@ -311,6 +295,36 @@ CommandLine parse(int argc, char** argv) {
         {status, Command::farm_status}, {compare, Command::compare}, {watch, Command::watch}};
     for (const auto& [app_command, which] : commands)
         if (app_command->parsed()) line.command = which;
+    return line;
+}
+
+std::vector<std::string> changed_command(const std::vector<std::string>& words, const std::string& command,
+                                         const std::vector<std::string>& without, const std::vector<std::string>& flags,
+                                         const std::vector<std::pair<std::string, std::string>>& with) {
+    const auto among = [](const std::string& word, const std::vector<std::string>& names) {
+        return std::find(names.begin(), names.end(), word.substr(0, word.find('='))) != names.end();
+    };
+    std::vector<std::string> changed;
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        if (i == 1)
+            changed.push_back(command);
+        else if (among(words[i], flags))
+            continue;
+        else if (among(words[i], without))
+            i += words[i].find('=') == std::string::npos ? 1 : 0;
+        else
+            changed.push_back(words[i]);
+    }
+    for (const auto& [name, value] : with) {
+        changed.push_back(name);
+        if (!value.empty()) changed.push_back(value);
+    }
+    return changed;
+}
+
+std::string line_of(const std::vector<std::string>& words) {
+    std::string line;
+    for (const std::string& word : words) line += (line.empty() ? "" : " ") + quoted(word);
     return line;
 }
 

@@ -1,10 +1,12 @@
 #pragma once
-// The options of `render` and what they come to: where options are parsed.
+// Options of all commands.
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -12,7 +14,6 @@
 
 namespace render2mpeg::app {
 
-/// What --tolerance asks for.
 struct ToleranceRequest {
     bool reference = false;                     ///< every light point, no clustering; with `truth` by paths instead
     float relative = 0.02f;                     ///< else: share of each pixel's luminance
@@ -21,23 +22,20 @@ struct ToleranceRequest {
     std::optional<float> truth = std::nullopt;  ///< standard error of a pixel over its luminance
 };
 
-/// What --shutter asks for, as scene::Shutter has it.
 struct ShutterRequest {
     float angle = 0, phase = 0, rolling = 0;
 };
 
-/// What --glare says.
 struct GlareRequest {
     core::GlareKind kind = core::GlareKind::off;
     std::optional<float> strength;  ///< none: the animation file's, or what eyes scatter
 };
 
-/// Pictures of a GOP where nobody says.
-/// chosen: 60, two seconds: players find a place in one, and chunks (chunk.h) are no longer. Against 15 that takes 7.3
-/// to 29 % fewer bits, against 30 2.7 to 3.2 % where much moves (docs/measurements.md#encoder).
+/// Pictures of a GOP by default. chosen: 60, two seconds, for seeking and chunks (film.h). Against 15 that takes 7.3 to
+/// 29 % fewer bits, against 30 2.7 to 3.2 % where much moves (docs/measurements.md#encoder).
 inline constexpr int usual_gop = 60;
 
-/// How pictures are coded: `render` and `encode` share these.
+/// Coding options of `render` and `encode`.
 struct CodingOptions {
     std::optional<std::string> codec;    ///< none: as the ending of the output's name says
     std::optional<int> quantiser;        ///< MPEG-2's; none: 4, where neither quality nor bit rate are asked for
@@ -59,8 +57,7 @@ struct CodingOptions {
     double audio_offset = 0;                                  ///< seconds of frame 0's film at which it begins
 };
 
-/// Options of `render`, and of `plan` as far as they decide the plan. Absent values are filled from the scene or by
-/// default.
+/// Options of `render`; `plan` uses those that decide the plan.
 struct RenderOptions {
     std::filesystem::path input;
     std::filesystem::path output;
@@ -112,6 +109,8 @@ struct RenderOptions {
     std::optional<std::string> memory;        ///< as memory_from() reads it; none: all that there is
     std::vector<std::string> given;           ///< long names of the options on the command line
     std::map<std::string, std::string> said;  ///< with these: the words behind each
+
+    bool is_given(std::string_view name) const { return std::find(given.begin(), given.end(), name) != given.end(); }
 };
 
 struct PlanOptions {
@@ -119,7 +118,6 @@ struct PlanOptions {
     std::optional<std::filesystem::path> statistics;
 };
 
-/// Options of `encode`.
 struct EncodeOptions {
     std::filesystem::path input;  ///< a Y4M file, numbered images, or "-": Y4M from standard input
     std::filesystem::path output;
@@ -138,19 +136,17 @@ struct EncodeOptions {
     std::vector<std::string> given;  ///< likewise
 };
 
-/// Options of `info`.
 struct InfoOptions {
     std::filesystem::path input;
     bool json = false;
     bool summary = false;  ///< without the pictures one by one
 };
 
-/// How much of a film is tried: windows of consecutive frames, spread over it; fewer where the film is too short.
+/// Sample of a film: windows of consecutive frames; fewer in short films.
 struct Sample {
     int windows = 2, frames = 3;  ///< >= 1
 };
 
-/// Options of all commands that try a film.
 struct TrialOptions {
     RenderOptions render;  ///< decides light and coding
     std::optional<std::filesystem::path> json;
@@ -158,7 +154,6 @@ struct TrialOptions {
     std::optional<std::filesystem::path> kept_references;  ///< folder
 };
 
-/// Options of `cost`.
 struct CostOptions : TrialOptions {
     std::optional<std::string> sample;  ///< none: as much as there is time for
     std::string within = "1m";          ///< as time_in_seconds reads it
@@ -166,7 +161,6 @@ struct CostOptions : TrialOptions {
     std::optional<std::string> quantisers;  ///< none: the film's own
 };
 
-/// Options of `compare`.
 struct CompareOptions : TrialOptions {
     std::string sample = "1x15";
     int references = 4;                              ///< of every window
@@ -188,7 +182,6 @@ struct TuneOptions : TrialOptions {      ///< `output` may be empty in a dry run
     std::optional<int> references;       ///< of every window; none: by the target
 };
 
-/// Options of `farm`: those of `render`, and how its film is spread.
 struct FarmOptions {
     RenderOptions render;                         ///< as they were read; parts read them again from the plan
     std::string scheduler;                        ///< a name of scheduler_names
@@ -198,7 +191,6 @@ struct FarmOptions {
     bool pack = false;  ///< with copies of all inputs
 };
 
-/// Options of `part`.
 struct PartOptions {
     std::filesystem::path plan;         ///< a farm's folder, or its plan.json
     std::optional<int> number;          ///< of the part, from 1; not with the next
@@ -208,7 +200,6 @@ struct PartOptions {
     bool quiet = false;
 };
 
-/// Options of `join`.
 struct JoinOptions {
     std::filesystem::path plan;                   ///< as in PartOptions
     std::optional<std::filesystem::path> folder;  ///< where everything is put; none: as `farm` was told
@@ -216,7 +207,6 @@ struct JoinOptions {
     bool quiet = false;
 };
 
-/// Options of `farm-status`.
 struct FarmStatusOptions {
     std::filesystem::path plan;  ///< as in PartOptions
     bool left = false;           ///< only the numbers of parts that are not whole, with commas
@@ -224,8 +214,7 @@ struct FarmStatusOptions {
 
 enum class Command { render, encode, plan, info, cost, tune, compare, watch, farm, part, join, farm_status, none };
 
-/// One command line, read and checked for form. `exit_code` is set where there is nothing left to do (--help,
-/// --version): the text was printed already.
+/// A parsed command line. `exit_code` is set after --help and --version.
 struct CommandLine {
     Command command = Command::none;
     RenderOptions render;
@@ -246,10 +235,10 @@ struct CommandLine {
     std::vector<std::string> words;  ///< the same, one by one
 };
 
-/// Throws UsageError: one line that begins with the name of what is wrong and says what would be right.
+/// Throws UsageError: one line with the wrong name and the right form.
 CommandLine parse(int argc, char** argv);
 
-/// A word of a command line as a shell takes it.
+/// A word quoted for a shell.
 std::string quoted(const std::string& word);
 
 /// As size_from() and frames_from() read them (option_text.h).
@@ -259,5 +248,13 @@ struct Size {
 struct FrameRange {
     std::int64_t first = 0, last = 0;  ///< both inclusive
 };
+
+/// Words of another command: without `without` (of which `flags` take no value), with `with` appended (name, value or
+/// empty).
+std::vector<std::string> changed_command(const std::vector<std::string>& words, const std::string& command,
+                                         const std::vector<std::string>& without, const std::vector<std::string>& flags,
+                                         const std::vector<std::pair<std::string, std::string>>& with);
+
+std::string line_of(const std::vector<std::string>& words);
 
 }  // namespace render2mpeg::app

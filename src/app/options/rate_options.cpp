@@ -29,13 +29,11 @@ void refuse_conflicts(const CodingOptions& o) {
 
 void add_rate_options(CLI::App& command, CodingOptions& options) {
     const std::string coding = "Coding";
-    const auto bits = [](const char* what) {
-        return checked([what](const std::string& text) { bits_from(text, what); }, "");
-    };
+    const auto bits = [](const char* what) { return [what](const std::string& text) { bits_from(text, what); }; };
     add_option(command, coding, "--quality", options.quality,
                "Instead: quality from 0 to 100, coarser where motion hides it; 100 is quantiser 1, 20 less "
                "doubles it",
-               CLI::Range(0.0, 100.0));
+               range(0.0, 100.0));
     add_option(command, coding, "-b,--bitrate", options.bitrate,
                "Instead: bits per second of pictures, on average, e.g. 6M or 900k", "RATE", bits("bitrate"));
     add_flag(command, coding, "--cbr", options.constant_rate,
@@ -48,7 +46,7 @@ void add_rate_options(CLI::App& command, CodingOptions& options) {
     add_option(command, coding, "--passes", options.passes,
                "With --bitrate: 2 looks at the whole film first, cheaply, and spends bits where they are needed; "
                "1 does not (default: 2)",
-               CLI::Range(1, 2));
+               range(1, 2));
 }
 
 encoder::RateControl rate_control(const CodingOptions& options) {

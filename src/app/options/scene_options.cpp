@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "app/options/coding_options.h"
 #include "app/options/option_text.h"
 #include "app/options/usage_error.h"
 #include "core/rational.h"
@@ -38,17 +37,17 @@ void add_scene_options(CLI::App& command, RenderOptions& options) {
                "Sky image (EXR, HDR, latitude-longitude), or `none` (default: the scene's)", "FILE|none");
     add_option(command, scene, "--light", options.light,
                "What lights a scene without any light: a `studio` with a floor, an `even` sky, or `none`",
-               CLI::IsMember({"studio", "even", "none"}), shown);
+               one_of({"studio", "even", "none"}), shown);
     add_option(command, "Light", "--indirect", options.indirect,
                "How bounced light and the sky are gathered: by `rays` that ask a cache on surfaces, or by "
                "`lightcuts` through light points",
-               CLI::IsMember({"rays", "lightcuts"}), shown);
+               one_of({"rays", "lightcuts"}), shown);
     add_option(command, "Light", "--vpls", options.vpls, "Light points that carry indirect light; 0: direct light only",
-               shown, CLI::Range(0, 1 << 22));
+               shown, range(0, 1 << 22));
     add_option(command, "Light", "--caustics", options.caustics,
                "Whether mirrors and solid glass throw light onto other things; `off`: they do not, and light passes "
                "solid glass straight",
-               CLI::IsMember({"on", "off"}), shown);
+               one_of({"on", "off"}), shown);
 }
 
 void add_tolerance_option(CLI::App& command, RenderOptions& options, const std::string& group) {
@@ -66,31 +65,30 @@ void add_tolerance_option(CLI::App& command, RenderOptions& options, const std::
 void add_light_options(CLI::App& command, RenderOptions& options) {
     const std::string light = "Light";
     add_option(command, light, "--samples", options.samples,
-               "Eye samples per pixel: edges and textures; light is gathered once per surface", CLI::Range(1, 256),
-               shown);
+               "Eye samples per pixel: edges and textures; light is gathered once per surface", range(1, 256), shown);
     add_option(command, light, "--edge-samples", options.edge_samples,
                "Eye samples of pixels that show an edge (default: 16 for films, and 64 or 256 where the edge "
                "would show; 64 "
                "for frames; as many as --samples where that is given)",
-               CLI::Range(1, 256));
+               range(1, 256));
     add_option(command, light, "--exposure-samples", options.exposure_samples,
                "Samples over the shutter and the lens of each pixel that they blur (default: by quantiser, what "
                "coding keeps of them; `plan` tells)",
-               CLI::Range(1, 1024));
+               range(1, 1024));
     add_tolerance_option(command, options, light);
     add_option(command, light, "--masking", options.masking,
                "What hides errors in coupled films: the picture before, `warped` along motion, or place by place as "
                "decoded, its coding errors included (`quantised`; for films that hardly move)",
-               CLI::IsMember({"warped", "quantised"}), shown);
+               one_of({"warped", "quantised"}), shown);
     add_option(command, light, "--clamp", options.clamp,
                "Light points too near a surface: `bounded` limits them, `none` does not (bright dots)",
-               CLI::IsMember({"bounded", "none"}), shown);
+               one_of({"bounded", "none"}), shown);
     add_option(command, light, "--cache", options.cache,
                "Where light comes from: `on` gathers it at places on surfaces, and keeps it there for other "
                "pixels and frames while it stays what it is; `off` gathers it for every pixel of every frame; "
                "`auto` is `on` where only the camera moves, or few things as well, and pictures are large enough; "
                "`plan` says why",
-               CLI::IsMember({"on", "off", "auto"}), shown);
+               one_of({"on", "off", "auto"}), shown);
 }
 
 namespace {

@@ -1,15 +1,52 @@
 #pragma once
-
+#include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "app/options/options.h"
-#include "app/options/preset.h"
 #include "core/rational.h"
 
 namespace render2mpeg::app {
 
-/// Size, rate and shape of a film's pictures.
+/// A picture size of a preset, with its shapes and rates.
+struct PresetPicture {
+    Size size;
+    std::vector<core::Rational> display_aspects;  ///< the first is taken where nobody says
+    std::vector<const char*> rates;               ///< pictures per second
+};
+
+/// Preset of --for.
+struct Preset {
+    const char* name;
+    std::vector<PresetPicture> pictures;  ///< the first is taken where nobody says
+    /// Pictures as two fields, 23.976 with repeated fields; else as frames.
+    bool fields = false;
+    int b_pictures = 3;            ///< most in a row
+    int gop_fields = 0;            ///< longest GOP; 0: no limit
+    double gop_seconds = 0.5;      ///< of the GOPs where nobody says
+    std::int64_t bit_rate = 0;     ///< most, bits per second
+    std::int64_t usual_rate = 0;   ///< most, where nobody says: leaves room for sound
+    std::int64_t buffer_bits = 0;  ///< VBV size
+    double longest_delay = 0;      ///< seconds that bits may wait in the buffer at the highest rate; 0: any
+    bool disc = false;             ///< program streams are a DVD's
+    std::vector<const char*> endings;
+
+    std::string option() const { return std::string("--for ") + name; }
+    const PresetPicture* picture_of(Size size) const;
+    /// Pictures per GOP at a rate: default, and maximum (0: none).
+    int usual_gop(const core::FrameRate& rate) const;
+    int longest_gop(const core::FrameRate& rate) const;
+    /// Throws core::Error for another container.
+    void check_output(const std::filesystem::path& output) const;
+};
+
+std::vector<std::string> preset_names();
+
+/// Throws core::Error with the list of names.
+const Preset& preset_from(const std::string& name);
+
 struct Shape {
     Size size;
     core::FrameRate rate;
@@ -17,14 +54,13 @@ struct Shape {
     int aspect_ratio_code = 1;          ///< [H262, table 6-3]; 0: MPEG-2 has no such shape
 };
 
-/// What is known before the film's preset has a say; what is absent is not said. What the command line says counts
-/// before what the pictures' source says.
+/// Known shape before the preset; the command line wins over the source.
 struct ShapeWishes {
     std::optional<Size> size;  ///< of the command line
     std::optional<core::FrameRate> rate;
     std::optional<core::Rational> display_aspect, pixel_aspect;  ///< not both
 
-    /// Of the source: a scene, whose wishes a preset may overrule, or finished frames, which are as they are.
+    /// Source: a scene, which a preset may overrule, or finished frames, which are as they are.
     std::string source;
     bool finished = false;
     std::optional<Size> source_size;
@@ -33,11 +69,10 @@ struct ShapeWishes {
     std::optional<core::Rational> framed;  ///< width by height that the scene's camera was framed in
 };
 
-/// The wishes of the command line's shape options.
 ShapeWishes shape_wishes(const CodingOptions& options);
 
-/// Settles a shape. `preset` may be null; else throws core::Error, naming the preset and what contradicts it. `film`:
-/// it is to be coded, so that core::Error is thrown for shapes that MPEG-2 does not have.
+/// `preset` may be null. `film`: it is to be coded. Throws core::Error for contradictions to the preset, and shapes
+/// MPEG-2 does not have.
 Shape settle_shape(const ShapeWishes& wishes, const Preset* preset, bool film);
 
 }  // namespace render2mpeg::app

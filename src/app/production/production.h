@@ -3,11 +3,13 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "app/files/chunk_file.h"
+#include "app/files/publish.h"
 #include "app/files/work_folder.h"
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
@@ -17,6 +19,29 @@
 #include "app/report/statistics.h"
 
 namespace render2mpeg::app {
+
+/// As prepare(), within the memory that the options allow. Not done where an interrupt was requested meanwhile.
+RenderJob prepare_within_memory(const RenderOptions& options);
+
+/// Prints what the scene lacks, and which options do nothing.
+void print_notes(const RenderJob& film, const RenderOptions& options);
+
+/// Whether the output is one file, which is made in a work folder.
+bool is_one_file(const RenderJob& film);
+
+/// Refuses what needs no scene to be refused: outputs that nobody can write, and films that are there already. To be
+/// called before a scene is read, which may take minutes. Throws core::Error or Refusal.
+void check_before_reading(const RenderOptions& options);
+
+/// Refuses outputs that would take the place of other files, or show what there is none of. Writes nothing. Throws
+/// core::Error.
+void check_outputs(const RenderJob& film, const RenderOptions& options);
+
+/// Outputs of the film, for require_consent().
+Wishes written_by(const RenderJob& film, const RenderOptions& options);
+
+/// Sees that all outputs can be written before hours go into them; from now on no other run has the film.
+std::unique_ptr<WorkFolder> open_outputs(const RenderOptions& options, const nlohmann::json& identity);
 
 /// Seconds on the clock of this run, and of those that it goes on from.
 class WallClock {

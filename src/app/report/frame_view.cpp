@@ -8,7 +8,6 @@
 #include "app/report/figures.h"
 #include "core/error.h"
 #include "image/image.h"
-#include "perceptual/shown.h"
 
 namespace render2mpeg::app {
 namespace {

@@ -5,10 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <string>
 #include <utility>
 
-#include "app/files/assembly.h"
 #include "app/files/publish.h"
 #include "app/options/output_kind.h"
 #include "app/options/usage_error.h"

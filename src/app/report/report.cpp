@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "app/files/text_file.h"
+#include "app/files/file_io.h"
 #include "app/report/answer.h"
 #include "app/report/curve_plot.h"
 #include "app/report/figures.h"

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "app/loop/observer.h"
-#include "app/options/chunk.h"
+#include "app/options/film.h"
 #include "app/report/frame_view.h"
 
 namespace render2mpeg::app {

@@ -5,9 +5,8 @@
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <string>
 
-#include "app/files/text_file.h"
+#include "app/files/file_io.h"
 #include "app/report/effects.h"
 #include "core/numeric.h"
 #include "encoder/codec.h"

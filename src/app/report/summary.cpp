@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
-#include <string>
 
 #include "app/report/effects.h"
 #include "app/report/figures.h"

@@ -9,7 +9,7 @@ namespace render2mpeg::app {
 
 void ErrorHistogram::add(float error) {
     const float above = (std::log2(error) - static_cast<float>(least_exponent)) * static_cast<float>(per_doubling);
-    // Written so that 0 lands in the first step and what is not a number beyond the last.
+    // 0 lands in the first step, NaN beyond the last.
     std::size_t step = steps + 1;
     if (above <= static_cast<float>(steps)) step = static_cast<std::size_t>(std::max(std::ceil(above), 0.0f));
     ++counts_[step];

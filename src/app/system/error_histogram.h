@@ -7,23 +7,21 @@
 
 namespace render2mpeg::app {
 
-/// Counts of errors by size, in even steps of their logarithm: as large for an hour of film as for a frame.
+/// Histogram of errors in even steps of their logarithm.
 class ErrorHistogram {
   public:
-    /// error >= 0; what is not a number counts as infinite.
+    /// error >= 0; NaN counts as infinite.
     void add(float error);
 
     void add(const ErrorHistogram& others);
 
     std::uint64_t count() const { return count_; }
 
-    /// The error that a share `q` (0..1) of all does not exceed: rounded up by at most 1.1 %. 0 up to 2^-24, and
-    /// without any errors; infinity above 256: how large is not known.
+    /// Quantile `q` (0..1), rounded up by at most 1.1 %: 0 up to 2^-24 and without errors, infinity above 256.
     double quantile(double q) const;
 
-    /// Counts by step, for who stores them.
     std::vector<std::uint64_t> counts() const { return {counts_.begin(), counts_.end()}; }
-    /// Takes what counts() gave, and drops what it had. Another number of steps leaves it empty.
+    /// Restores counts(); another number of steps leaves it empty.
     void restore(const std::vector<std::uint64_t>& counts);
 
   private:

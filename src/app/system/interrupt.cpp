@@ -10,12 +10,11 @@
 namespace render2mpeg::app {
 namespace {
 
-/// Whatever thread the handler interrupts, the others see what it wrote; only lock-free atomics may be written there.
+/// Handlers may write lock-free atomics only.
 static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
 std::atomic<int> interrupts{0}, last_signal{SIGINT};
 std::atomic<bool> silent{false};
 
-// What is lit is coded first: say at once that the wish was heard.
 constexpr const char* heard = "\nstopping; interrupt again to stop at once\n";
 
 void on_signal(int signal) {

@@ -6,19 +6,17 @@
 
 namespace render2mpeg::app {
 
-/// While it lives, the first SIGINT, SIGTERM or SIGHUP only raises a flag (and says so, unless `quiet`), and a second
-/// one ends the process at once. Signals that the process was started to ignore (`nohup`, a job in the background of a
-/// script) stay ignored. One at a time.
+/// The first SIGINT, SIGTERM or SIGHUP raises a flag (with a message unless `quiet`), the second ends the process.
+/// Ignored signals (`nohup`) stay ignored. One at a time.
 class InterruptGuard {
   public:
     explicit InterruptGuard(bool quiet);
-    /// Signals are treated as before.
     ~InterruptGuard();
     InterruptGuard(const InterruptGuard&) = delete;
     InterruptGuard& operator=(const InterruptGuard&) = delete;
 
     static bool requested();
-    /// Exit status of an interrupted run, as shells report a process that the signal ended: 128 + signal.
+    /// 128 + signal.
     static int status();
 
   private:

@@ -1,5 +1,6 @@
 #include "app/system/memory_limit.h"
 
+#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -38,20 +39,24 @@ std::uint64_t memory_from(const std::string& text) {
 }
 
 void hold_to(std::uint64_t limit, int threads) {
-    // What is told of is what is there. The system counts what may be written to, of which stacks and heaps keep much
-    // in store: what they do now, and for each thread to come.
-    // chosen: 256 MiB of Embree's and TBB's, and 16 by thread, with which the smallest films that are reckoned to fit
-    // do (1, 2 and 8 threads; with half of it Embree does not start).
+    // The system counts writable memory, with the unused part of heaps and stacks, now and of later threads. chosen:
+    // 256 MiB of Embree's and TBB's, and 16 by thread, with which the smallest films that are reckoned to fit do (1, 2
+    // and 8 threads; with half of it Embree does not start).
     const OwnMemory own = own_memory();
     constexpr std::uint64_t in_store = std::uint64_t{256} << 20, by_thread = std::uint64_t{16} << 20;
     limit += own.writable > own.resident ? own.writable - own.resident : 0;
     limit += in_store + by_thread * static_cast<std::uint64_t>(std::max(threads, 1));
 #ifndef RENDER2MPEG_SANITIZED
-    // Of private memory alone: libraries and files that are mapped can be had again without swapping. Sanitizers map
-    // more than there is.
+    // Private memory alone: mapped files need no swap, and sanitizers map more than there is.
     const rlimit memory{limit, limit};
     setrlimit(RLIMIT_DATA, &memory);
 #endif
+}
+
+void keep_freed_memory() {
+    // From the heap whatever its size, and kept there. chosen: 1 GB, more than any picture takes.
+    mallopt(M_MMAP_THRESHOLD, 1 << 30);
+    mallopt(M_TRIM_THRESHOLD, 1 << 30);
 }
 
 }  // namespace render2mpeg::app

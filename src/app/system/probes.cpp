@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "app/system/interrupt.h"
-#include "app/system/shown_images.h"
 #include "core/error.h"
 #include "image/image.h"
 #include "parallel/loops.h"
@@ -22,14 +21,12 @@
 namespace render2mpeg::app {
 namespace {
 
-/// chosen: the largest image that is read takes 48 bytes for each of its pixels (docs/measurements.md#memory) and some
-/// ten seconds; what it is stored in tells neither.
+/// chosen: the largest image takes 48 bytes a pixel (docs/measurements.md#memory) and some ten seconds.
 constexpr scene::ProbeLimits image_limits{(std::uintmax_t{1} << 30) + 48 * std::uintmax_t{image::max_pixels}, 60, 600};
 
 using nlohmann::json;
 using Sources = std::vector<const scene::ImageSource*>;
 
-/// Images as a probe of the same program reads them.
 std::vector<std::uint8_t> packed(std::span<const scene::ImageSource* const> sources) {
     json images = json::array();
     for (const scene::ImageSource* source : sources) {
@@ -43,7 +40,6 @@ scene::ProbeLimits limits_with(std::uintmax_t memory) {
     return {memory, image_limits.seconds, image_limits.clock_seconds};
 }
 
-/// One process that reads some images, one after the other.
 struct ImageProbe {
     ImageProbe(Sources images, const scene::ProbeLimits& taken)
         : sources(std::move(images)),
@@ -55,12 +51,12 @@ struct ImageProbe {
     scene::Probe probe;
 };
 
-/// Waits for a probe, and starts others for what it did not come to. Images that ran out of memory go to `large`, or
-/// are refused where that is null.
+/// Waits for a probe, and starts others for its remaining images. Images short of memory go to `large`, or are refused
+/// where that is null.
 void finish(std::unique_ptr<ImageProbe> probe, Sources* large) {
     while (probe) {
         scene::ProbeEnd end = probe->probe.end(InterruptGuard::requested);
-        // A point for each image that was read, then what went wrong.
+        // A point for each image, then the error.
         const std::size_t done = std::min(end.text.find_first_not_of('.'), end.text.size());
         if (end.how == scene::ProbeEnd::How::given_up || done >= probe->sources.size()) return;
         const scene::ImageSource* const last = probe->sources[done];
@@ -77,6 +73,17 @@ void finish(std::unique_ptr<ImageProbe> probe, Sources* large) {
 }
 
 }  // namespace
+
+std::set<int> images_of(const scene::Animation& film) {
+    std::set<int> images;
+    for (const scene::Object& object : film.objects) {
+        const scene::Material& m = film.materials[static_cast<std::size_t>(object.material)];
+        for (const auto& [use, name] : scene::texture_uses)
+            if ((m.*use).present()) images.insert((m.*use).image);
+    }
+    if (film.sky.image >= 0) images.insert(film.sky.image);
+    return images;
+}
 
 ImageProbes image_probes(bool held_to_limit) {
     if (held_to_limit) return {1, image_limits.memory, image_limits.memory};
@@ -135,8 +142,7 @@ void probe_sound(const std::filesystem::path& file) {
 }
 
 scene::ProbeLimits film_limits(const std::filesystem::path& film) {
-    // chosen: 2 GiB and 60 bytes for each of the file's hold the largest pictures and what is told of each; how long it
-    // takes nobody can say.
+    // chosen: 2 GiB and 60 bytes per byte of the file hold the largest pictures and their records; the time is unknown.
     std::error_code failure;
     const std::uintmax_t size = std::filesystem::file_size(film, failure);
     return {(std::uintmax_t{2} << 30) + 60 * (failure ? 0 : size), 0, 0};

@@ -1,39 +1,38 @@
 #pragma once
-// Has probes read images first, and limits what films may take.
+// Probes of images and films.
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <set>
 #include <string>
 
-#include "scene/isolation/probed.h"
+#include "scene/isolation/probe.h"
 #include "scene/model/animation.h"
 
-/// What is read with libraries that are not ours is read by probes first (scene/isolation/probe.h).
 namespace render2mpeg::app {
 
-/// How many processes look at images side by side, what each image may take while others are looked at, and one by
-/// itself, which one that needs more is tried once more; in bytes.
+/// Numbers of the images on surfaces and sky.
+std::set<int> images_of(const scene::Animation& film);
+
+/// Processes side by side, and bytes of memory for each of them, and for one alone on a second try.
 struct ImageProbes {
     std::size_t at_once = 1;
     std::uintmax_t share = 0, alone = 0;
 };
 
-/// One where --memory holds this process to a limit, which its probes inherit; else as many as there are threads, which
-/// share the machine's memory.
+/// One under --memory, which probes inherit; else one per thread, sharing the machine's memory.
 ImageProbes image_probes(bool held_to_limit);
 
-/// Lets probes read the scene's images. Throws core::Error for an image on which its library crashes, never ends, or
-/// takes all memory. What they refuse otherwise is not told here: not every image is looked at. Returns whether all
-/// were read, and no interrupt came between.
+/// Reads the scene's images in probes. Throws core::Error where a library crashes, hangs or takes all memory; other
+/// refusals are not told. Whether nobody interrupted.
 bool probe_images(const scene::Animation& film, const ImageProbes& probes);
 
-/// The probe's side: reads the images that its standard input holds. Says a '.' for each.
+/// Reads the images of standard input; '.' for each.
 std::string read_probed_images(const scene::TakeTurns& take_turns);
 
-/// Lets a probe decode a film's sound. Throws core::Error where it cannot be read.
+/// Decodes sound in a probe. Throws core::Error.
 void probe_sound(const std::filesystem::path& file);
 
-/// What decoding a film may take.
 scene::ProbeLimits film_limits(const std::filesystem::path& film);
 
 }  // namespace render2mpeg::app

@@ -1,10 +1,13 @@
 #include "app/system/program.h"
 
 #include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -13,7 +16,42 @@
 
 #include "core/error.h"
 
+extern char** environ;
+
 namespace render2mpeg::app {
+namespace {
+
+std::string player_at_hand(const std::string& wanted) {
+    if (!wanted.empty()) {
+        if (!is_installed(wanted)) throw core::Error("player " + wanted + ": there is no such program");
+        return wanted;
+    }
+    for (const char* known : {"ffplay", "mpv"})
+        if (is_installed(known)) return known;
+    throw core::Error("player: neither ffplay nor mpv is installed; name one with --player, or a file with -o");
+}
+
+/// Shows the first picture at once, and keeps the last.
+std::vector<std::string> words_of(const std::string& program, const std::string& title, const std::string& rate) {
+    const std::string name = std::filesystem::path(program).filename();
+    if (name == "mpv")
+        return {program,
+                "--really-quiet",
+                "--no-cache",
+                "--demuxer-lavf-format=mpegvideo",
+                "--demuxer-lavf-o=framerate=" + rate,
+                "--keep-open=always",
+                "--force-window=yes",
+                "--title=" + title,
+                "-"};
+    if (name == "ffplay")
+        return {program,      "-hide_banner", "-loglevel",     "error", "-f",      "mpegvideo",
+                "-framerate", rate,           "-probesize",    "32768", "-fflags", "nobuffer",
+                "-flags",     "low_delay",    "-window_title", title,   "-i",      "pipe:0"};
+    return {program};
+}
+
+}  // namespace
 
 bool is_installed(const std::string& program) {
     if (program.find('/') != std::string::npos) return access(program.c_str(), X_OK) == 0;
@@ -59,6 +97,45 @@ Finished run_program(std::vector<std::string> words, Output output) {
     for (const timeval& t : {usage.ru_utime, usage.ru_stime})
         finished.seconds += static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
     return finished;
+}
+
+void Player::check(const std::string& program) {
+    player_at_hand(program);
+}
+
+Player::Player(const std::string& program, const std::string& title, const std::string& frame_rate)
+    : name_(player_at_hand(program)) {
+    std::array<int, 2> ends{};
+    if (pipe2(ends.data(), O_CLOEXEC) != 0) throw core::Error("starting", name_, std::strerror(errno));
+    std::vector<std::string> words = words_of(name_, title, frame_rate);
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+
+    // Ctrl-C is for this program alone.
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, ends[0], STDIN_FILENO);
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
+    sigset_t all;
+    sigfillset(&all);
+    posix_spawnattr_setsigdefault(&attributes, &all);
+    const int failure = posix_spawnp(&process_, name_.c_str(), &actions, &attributes, arguments.data(), environ);
+    posix_spawnattr_destroy(&attributes);
+    posix_spawn_file_actions_destroy(&actions);
+    close(ends[0]);
+    pipe_ = ends[1];
+    if (failure == 0) return;
+    close(pipe_);
+    throw core::Error("starting", name_, std::strerror(failure));
+}
+
+Player::~Player() {
+    close(pipe_);
+    kill(process_, SIGTERM);
+    waitpid(process_, nullptr, 0);
 }
 
 }  // namespace render2mpeg::app

@@ -1,24 +1,45 @@
 #pragma once
-// Runs other programs to their end.
+// Runs other programs.
+#include <sys/types.h>
+
 #include <string>
 #include <vector>
 
 namespace render2mpeg::app {
 
-/// A program that has ended.
 struct Finished {
     int status = 0;      ///< 127: there is no such program
     double seconds = 0;  ///< CPU
     std::string text;    ///< what it printed, where that is caught
 };
 
-/// Whether a program can be started by this name.
 bool is_installed(const std::string& program);
 
 enum class Output { passed_on, caught };
 
-/// Runs a program without a shell. Caught output is both of its outputs together; such a program gets no interrupts of
-/// the terminal. Throws core::Error where the system gives no process.
+/// Runs a program without a shell. `caught`: both outputs together, and no interrupts of the terminal. Throws
+/// core::Error without a process.
 Finished run_program(std::vector<std::string> words, Output output);
+
+class Player {
+  public:
+    /// Throws core::Error where there is no such program.
+    static void check(const std::string& program);
+    /// Starts `program`, or the first of ffplay and mpv. Throws core::Error where there is none.
+    Player(const std::string& program, const std::string& title, const std::string& frame_rate);
+    /// Closes the pipe and ends the player.
+    ~Player();
+    Player(const Player&) = delete;
+    Player& operator=(const Player&) = delete;
+
+    /// The film's pipe.
+    int descriptor() const { return pipe_; }
+    const std::string& name() const { return name_; }
+
+  private:
+    std::string name_;
+    pid_t process_ = -1;
+    int pipe_ = -1;
+};
 
 }  // namespace render2mpeg::app

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstddef>
 #include <cstdio>
+#include <numeric>
 #include <utility>
 
 #include "app/system/terminal.h"
@@ -33,17 +35,16 @@ std::string progress_line(const Standing& s, int columns, bool with_bar) {
     const std::string time = last     ? "done in " + clock_text(s.seconds)
                              : s.left ? clock_text(s.seconds + *s.left) + " in all, ETA " + clock_text(*s.left)
                                       : clock_text(s.seconds) + " so far, ETA -";
-    // Slow frames are told by their time.
     const std::string rate = s.per_second <= 0 || !s.frames ? ""
                              : s.per_second < 0.5           ? fmt::format("  {:.1f} s/frame", 1 / s.per_second)
                                                             : fmt::format("  {:.2f} frames/s", s.per_second);
     const std::string count = fmt::format("{} {}/{}", core::printable(s.work), s.done, s.total);
     const std::string percent = fmt::format("  {:3.0f} %", 100 * share);
 
-    // Before the first frame is done, tell what is being done to it.
+    // Before the first frame, tell the activity.
     const std::string doing = s.done > 0 || *s.activity == '\0' ? "" : std::string("  ") + s.activity;
 
-    // Leave out what tells least until it fits; a bar needs ten cells to say anything.
+    // Drop the least telling parts until it fits; a bar needs ten cells.
     constexpr int fewest_cells = 10, most_cells = 24;
     for (const std::string& text : {count + percent + rate + doing, count + percent + doing, count + percent, count}) {
         const int left = columns - static_cast<int>(time.size() + 2 + text.size());
@@ -139,12 +140,12 @@ void Progress::advance_to(std::int64_t done, std::int64_t total) {
     const Clock::time_point now = Clock::now();
     const std::int64_t more = done - standing_.done;
     const double took = std::chrono::duration<double>(now - advanced_at_).count();
-    // Many at once were done by an earlier run, or count parts of which each takes its share.
+    // Several at once were done earlier, or are parts with a share each.
     if (more > 1 && standing_.frames)
         pace_.skip(more);
     else
         for (std::int64_t i = 0; i < more; ++i)
-            // What a film takes before its first frame is no part of a chunk's.
+            // Time before the film's first frame counts apart.
             pace_.add((took + (standing_.done == 0 && !standing_.frames ? before_ : 0)) / static_cast<double>(more));
     advanced_at_ = now;
     standing_.done = done;
@@ -166,7 +167,7 @@ void Progress::advance_to(std::int64_t done, std::int64_t total) {
 }
 
 void Progress::draw_openjd() const {
-    // A step on the way is a status alone, else the bar would begin again and again.
+    // A step is a status alone, else the bar would restart.
     const double share =
         static_cast<double>(standing_.done) / static_cast<double>(std::max<std::int64_t>(1, standing_.total));
     if (stays_) fmt::print("openjd_progress: {:.1f}\n", 100 * std::clamp(share, 0.0, 1.0));
@@ -181,7 +182,7 @@ void Progress::draw() {
     } else if (json_) {
         std::fputs((progress_json(standing_) + "\n").c_str(), stderr);
     } else if (terminal_) {
-        // One column stays free: many terminals begin a new line once the last one is taken.
+        // Many terminals wrap at the last column.
         std::fputs(("\r\033[K" + progress_line(standing_, std::max(20, columns_of_errors() - 1), true)).c_str(),
                    stderr);
         drawn_ = true;
@@ -197,6 +198,62 @@ std::string clock_text(double seconds) {
     const auto whole = static_cast<std::int64_t>(std::clamp(std::ceil(seconds), 0.0, 8.64e6));
     const std::int64_t hours = whole / 3600, minutes = whole / 60 % 60, rest = whole % 60;
     return hours > 0 ? fmt::format("{}:{:02}:{:02}", hours, minutes, rest) : fmt::format("{}:{:02}", minutes, rest);
+}
+
+void Pace::add(double seconds) {
+    if (is_first(done_)) {
+        firsts_ += seconds;
+        ++first_count_;
+    } else {
+        later_.push_back(seconds);
+    }
+    ++done_;
+}
+
+double Pace::recent() const {
+    if (later_.empty()) return 0;
+    // fit: bench/fits/forecast.jsonl: a B picture takes 0.4 to 0.6 of a P picture, of which there are two in five.
+    constexpr double mean_over_b = 1.45;
+    if (takes_turns_ && later_.size() == 1) return mean_over_b * later_.front();
+    // fit: bench/fits/forecast.jsonl: the later half of the known times, 4 to 24 frames in whole rounds of a P picture
+    // with its B pictures.
+    const std::size_t most = (std::clamp<std::size_t>((later_.size() + 1) / 2, 4, 24) + 3) / 4 * 4;
+    std::vector<double> last(later_.end() - static_cast<std::ptrdiff_t>(std::min(later_.size(), most)), later_.end());
+    std::vector<double> sorted = last;
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    // An outlier is not to come again.
+    for (double& seconds : last)
+        if (seconds > 4 * *middle) seconds = *middle;
+    const auto mean = [](auto begin, auto end) {
+        return std::accumulate(begin, end, 0.0) / static_cast<double>(end - begin);
+    };
+    // With constant light the last frames tell.
+    const auto half = last.begin() + static_cast<std::ptrdiff_t>(last.size() / 2);
+    if (last.size() >= 4 && mean(half, last.end()) < 0.5 * mean(last.begin(), half)) return mean(half, last.end());
+    return mean(last.begin(), last.end());
+}
+
+std::optional<double> Pace::left(std::int64_t total, double spent) const {
+    if (done_ >= total) return 0.0;
+    // fit: bench/fits/forecast.jsonl: of ten films' later frames over their first one 0.3 to 0.9.
+    constexpr double later_over_first = 0.6;
+    double first = first_count_ > 0 ? firsts_ / first_count_ : recent();
+    // Of a first frame half is done, as likely as not.
+    if (first <= 0) first = 2 * spent;
+    if (first <= 0) return {};
+    const double later = later_.empty() && chunk_ > 0 ? later_over_first * first : later_.empty() ? first : recent();
+    std::int64_t firsts = 0;
+    if (chunk_ > 0) firsts = (total + chunk_ - 1) / chunk_ - (done_ + chunk_ - 1) / chunk_;
+    const double all = static_cast<double>(firsts) * first + static_cast<double>(total - done_ - firsts) * later;
+    // A slow frame is not done at once.
+    const double at_hand = is_first(done_) ? first : later;
+    return all - at_hand + std::max(at_hand - spent, 0.2 * std::max(at_hand, spent));
+}
+
+double Pace::per_second() const {
+    const double seconds = recent();
+    return seconds > 0 ? 1 / seconds : 0;
 }
 
 }  // namespace render2mpeg::app

@@ -7,12 +7,38 @@
 #include <optional>
 #include <string>
 #include <thread>
-
-#include "app/system/pace.h"
+#include <vector>
 
 namespace render2mpeg::app {
 
-/// How far a run is.
+/// Time to go by recent frames; first frames of chunks count apart.
+class Pace {
+  public:
+    /// `chunk`: its frames; 0: all are alike. `takes_turns`: the second frame of a chunk is a B picture.
+    explicit Pace(std::int64_t chunk = 0, bool takes_turns = false) : chunk_(chunk), takes_turns_(takes_turns) {}
+
+    void add(double seconds);
+    /// Frames done before.
+    void skip(std::int64_t frames) { done_ += frames; }
+
+    /// Seconds up to frame `total`, of which the present one took `spent`; > 0 while any are left. None where nothing
+    /// is known.
+    std::optional<double> left(std::int64_t total, double spent = 0) const;
+    /// Of later frames; 0: unknown.
+    double per_second() const;
+
+  private:
+    bool is_first(std::int64_t frame) const { return chunk_ > 0 && frame % chunk_ == 0; }
+    /// Mean of recent later frames; 0: unknown.
+    double recent() const;
+
+    std::int64_t chunk_, done_ = 0;
+    bool takes_turns_;
+    std::vector<double> later_;
+    double firsts_ = 0;  ///< seconds of chunks' first frames
+    int first_count_ = 0;
+};
+
 struct Standing {
     std::string work = "frame";  ///< what is counted
     std::int64_t done = 0, total = 0;
@@ -23,46 +49,38 @@ struct Standing {
     const char* activity = "";   ///< what is being done to the frame at hand; empty: nothing is told
 };
 
-/// One line about it, at most `columns` characters (at least 20): the time of the whole run and to go, then what fits
-/// of a bar, counts and rate.
+/// One line of at most `columns` >= 20 characters: times, then bar, counts and rate as they fit.
 std::string progress_line(const Standing& standing, int columns, bool with_bar);
 
-/// The same as a JSON object on one line: `work`, `done`, `total`, `seconds`, `left` and `whole` or null, and
-/// `activity`.
+/// A JSON object on one line: `work`, `done`, `total`, `seconds`, `left`, `whole` (or null), `activity`.
 std::string progress_json(const Standing& standing);
 
-/// How runs of this process tell how far they are: as a line for people, a line a minute for logs, as JSON for
-/// programs, or on standard output as OpenJD reads it [OpenJD, How Jobs Are Run].
+/// Progress as a line, a line a minute, JSON, or OpenJD's [OpenJD, How Jobs Are Run].
 enum class ProgressStyle { line, minute, json, openjd, none };
-/// The style of that name, as --progress has it.
 ProgressStyle progress_style_from(const std::string& name);
 void show_progress_as(ProgressStyle style);
 
-/// What is being done to the frame at hand, for all lines from now on. `words` live as long as the program.
+/// Activity on all lines from now on; a literal.
 void tell_activity(const char* words);
 
-/// Whether steps on the way are told, too: a log has their results alone.
+/// Whether steps have lines too: logs have results alone.
 bool shows_steps();
 
-/// What is counted: frames, whose line stays; frames of a step on the way, or parts of one: a terminal's line goes with
-/// the object.
+/// Frames of the film, frames of a step, or its parts; lines of steps vanish in the end.
 enum class Counted { frames, frames_of_step, parts_of_step };
 
-/// How far a render is, on standard error: a bar that rewrites its line on a terminal, every second also where nothing
-/// is finished; else a plain line every ten per cent, or every minute; or JSON, a line for every part and every second.
+/// Progress on standard error: a rewritten line on terminals, lines every ten per cent or minute, or JSON.
 class Progress {
   public:
-    /// `total` frames or parts. Silent when `quiet`. `work` names what is counted; it began `seconds_ago`. `chunk`:
-    /// frames of a chunk, whose first takes longer; 0: all are alike. `takes_turns`: see Pace.
+    /// `total` of `work`, which began `seconds_ago`. `chunk`, `takes_turns`: as in Pace.
     Progress(std::int64_t total, bool quiet, const std::string& work = "frame", Counted counted = Counted::frames,
              double seconds_ago = 0, std::int64_t chunk = 0, bool takes_turns = false);
     ~Progress();
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
 
-    /// One more is finished.
     void advance();
-    /// `done` of `total` are finished; the total may have changed.
+    /// The total may change.
     void advance_to(std::int64_t done, std::int64_t total);
 
   private:
@@ -70,7 +88,6 @@ class Progress {
     void draw();
     void draw_openjd() const;
     void reckon(Clock::time_point now);
-    /// Draws every second until the object goes.
     void tick();
 
     Standing standing_;

@@ -23,7 +23,7 @@ int columns_of(int descriptor) {
 }  // namespace
 
 void hold_standard_descriptors() {
-    // Each gets the lowest number that is free: its own. What is read from an output's end cannot be written to.
+    // Each gets the lowest free number: its own.
     for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
         if (fcntl(descriptor, F_GETFD) < 0 && errno == EBADF)
             open("/dev/null", descriptor == STDIN_FILENO ? O_WRONLY : O_RDONLY);

@@ -11,8 +11,7 @@
 
 namespace render2mpeg::image {
 
-/// What the module render2mpeg_image_module.so offers: OpenImageIO. It works on memory alone: files are the business of
-/// those who call it. All functions may be called from many threads at once and throw core::Error.
+/// Interface of render2mpeg_image_module.so (OpenImageIO). Works on memory alone, thread-safe, throws core::Error.
 class Codec {
   public:
     virtual ~Codec() = default;
@@ -27,7 +26,7 @@ class Codec {
                                                   float pixel_aspect, const std::string& name) const = 0;
 };
 
-/// What the module render2mpeg_exr_module.so offers in the same way: OpenEXR, a hundredth of OpenImageIO's libraries.
+/// Interface of render2mpeg_exr_module.so (OpenEXR), a hundredth of OpenImageIO's libraries.
 class ExrCodec {
   public:
     virtual ~ExrCodec() = default;
@@ -40,7 +39,7 @@ class ExrCodec {
                                               const FrameFacts& facts, const std::string& name) const = 0;
 };
 
-/// Lets OpenEXR refuse windows that no image has before it makes room for their lines, whoever opens the file.
+/// Limits windows before OpenEXR allocates their lines, whoever opens the file.
 void limit_exr_windows();
 
 /// In exr.cpp and exr_input.cpp, the only files that include OpenEXR.

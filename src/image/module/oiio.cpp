@@ -2,15 +2,13 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
-#include <array>
 #include <cctype>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <new>
 
 #include "core/error.h"
-#include "image/channels.h"
+#include "image/format.h"
 #include "image/module/codec.h"
 
 namespace render2mpeg::image {

@@ -1,6 +1,5 @@
 #include "renderer/cut/point_light.h"
 
-#include <algorithm>
 #include <array>
 
 #include "core/color.h"

@@ -11,7 +11,6 @@
 #include "core/color.h"
 #include "core/numeric.h"
 #include "parallel/loops.h"
-#include "renderer/cache/request_groups.h"
 #include "renderer/cut/gather_groups.h"
 #include "renderer/cut/gatherer.h"
 

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "core/color.h"
-#include "core/numeric.h"
 #include "core/sampling.h"
 
 namespace render2mpeg::renderer {

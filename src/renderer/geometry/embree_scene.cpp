@@ -1,6 +1,5 @@
 #include "renderer/geometry/embree_scene.h"
 
-#include <algorithm>
 #include <cstring>
 
 #include "core/error.h"

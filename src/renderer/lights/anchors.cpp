@@ -17,7 +17,6 @@
 #include "renderer/lights/anchor_paths.h"
 #include "renderer/lights/anchor_places.h"
 #include "renderer/lights/even_points.h"
-#include "renderer/lights/photon_splat.h"
 #include "renderer/lights/rest_pose.h"
 
 namespace render2mpeg::renderer {

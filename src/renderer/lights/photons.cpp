@@ -9,7 +9,6 @@
 #include "core/sampling.h"
 #include "parallel/loops.h"
 #include "renderer/base/lobe.h"
-#include "renderer/lights/photon_source.h"
 #include "renderer/surface/lobe_albedo.h"
 #include "renderer/surface/media_path.h"
 

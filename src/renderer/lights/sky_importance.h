@@ -1,6 +1,6 @@
 #pragma once
 // Where in the sky the light comes from that cameras see.
-#include "image/sky_grid.h"
+#include "image/sky_map.h"
 #include "renderer/surface/posed_scene.h"
 
 namespace render2mpeg::renderer {

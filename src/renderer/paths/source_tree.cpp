@@ -1,6 +1,5 @@
 #include "renderer/paths/source_tree.h"
 
-#include <algorithm>
 #include <limits>
 #include <numeric>
 #include <utility>

@@ -1,6 +1,5 @@
 #include "renderer/surface/bsdf.h"
 
-#include <cmath>
 #include <numbers>
 
 #include "core/color.h"

@@ -5,7 +5,6 @@
 #include <map>
 #include <tuple>
 
-#include "image/image.h"
 #include "parallel/loops.h"
 
 namespace render2mpeg::renderer {

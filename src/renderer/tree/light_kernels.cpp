@@ -8,7 +8,6 @@
 
 #include "core/color.h"
 #include "core/error.h"
-#include "renderer/base/isa_clones.h"
 #include "renderer/base/light_packing.h"
 #include "renderer/base/lobe.h"
 

@@ -1,7 +1,5 @@
 #include "renderer/tree/light_trees.h"
 
-#include <algorithm>
-
 #include "core/color.h"
 #include "core/numeric.h"
 #include "renderer/tree/light_clusters.h"

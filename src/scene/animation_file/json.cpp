@@ -31,20 +31,16 @@ std::string joined(std::span<const std::string_view> words) {
     return all;
 }
 
-/// A name out of the file, fit to stand on one line.
+/// A name on one line.
 std::string shown(std::string_view name) {
     std::string out = "\"";
     for (const char c : name.substr(0, 60)) out += static_cast<unsigned char>(c) < 32 ? '?' : c;
     return out + (name.size() > 60 ? "...\"" : "\"");
 }
 
-/// The word that may have been meant; where none is near, nothing, or all that there are.
-std::string meant(std::string_view said, std::span<const std::string_view> words) {
-    const std::string nearest = core::nearest_word(said, words);
-    return nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?";
-}
+/// The nearest word; where none is near, all of them.
 std::string meant_or_all(std::string_view said, std::span<const std::string_view> words) {
-    const std::string near = meant(said, words);
+    const std::string near = core::did_you_mean(said, words, "\"", "\"");
     return near.empty() ? "; there are " + joined(words) : near;
 }
 
@@ -62,8 +58,7 @@ JsonValue JsonValue::read(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
     if (!in) refuse("cannot be opened");
 
-    // The parser itself does not recurse, but what reads its result does. A key said twice is a mistake that the parser
-    // would hide.
+    // The parser does not recurse, but readers of its result do; and it hides repeated keys.
     std::vector<std::set<std::string>> seen;
     const auto watch = [&](int depth, Json::parse_event_t event, Json& value) {
         if (depth > deepest) refuse("is nested deeper than " + std::to_string(deepest) + " levels");
@@ -153,7 +148,8 @@ std::size_t JsonValue::word(std::span<const std::string_view> words) const {
     if (!value_->is_string()) expected("one of " + joined(words));
     const auto& said = value_->get_ref<const std::string&>();
     const auto at = std::find(words.begin(), words.end(), said);
-    if (at == words.end()) fail("knows no " + shown(said) + meant(said, words) + "; there are " + joined(words));
+    if (at == words.end())
+        fail("knows no " + shown(said) + core::did_you_mean(said, words, "\"", "\"") + "; there are " + joined(words));
     return static_cast<std::size_t>(at - words.begin());
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 // JSON values that know their place, so that errors name it.
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <glm/glm.hpp>
@@ -14,18 +15,16 @@
 
 namespace render2mpeg::scene {
 
-/// A value of an animation file that knows where it stands, so that every complaint names the place:
-/// `camera.keys[3].position`. Whatever does not have the type or range asked for is a core::Error.
+/// A JSON value with its place (`camera.keys[3].position`) for messages. Wrong types and ranges throw core::Error.
 class JsonValue {
   public:
-    /// Reads a file: JSON with comments. Refuses what is larger than 16 MiB, nested deeper than 32, or says a key
-    /// twice.
+    /// Reads JSON with comments. Refuses files over 16 MiB, nested deeper than 32, or with repeated keys.
     static JsonValue read(const std::filesystem::path& file);
 
     /// `file: camera.keys[3].position: <cause>`
     [[noreturn]] void fail(const std::string& cause) const;
 
-    /// Where it stands in the file; empty for the whole.
+    /// Place in the file; empty for the whole.
     const std::string& place() const { return path_; }
 
     bool is_number() const;
@@ -34,19 +33,28 @@ class JsonValue {
     bool is_object() const;
 
     double number(double at_least, double at_most) const;
+    /// The number of a key, or `otherwise`.
+    double number_or(std::string_view key, double at_least, double at_most, double otherwise) const {
+        const auto value = find(key);
+        return value ? value->number(at_least, at_most) : otherwise;
+    }
+    /// Replaces a value where the key is there.
+    void set(std::string_view key, float& into, double at_least, double at_most) const {
+        into = static_cast<float>(number_or(key, at_least, at_most, static_cast<double>(into)));
+    }
     std::int64_t integer(std::int64_t at_least, std::int64_t at_most) const;
     bool boolean() const;
     std::string text() const;
-    /// One of these words; an unknown one is told the nearest. Returns its place in the list.
+    /// Index of one of these words; errors name the nearest.
     std::size_t word(std::span<const std::string_view> words) const;
 
     std::vector<JsonValue> list(std::size_t at_least, std::size_t at_most) const;
     std::vector<double> numbers(std::size_t count) const;
     glm::dvec3 position() const;  ///< [x, y, z], each within 1e7
-    /// A linear colour: "#rrggbb" (sRGB code values), [r, g, b] or one number for grey, each 0..`at_most`.
+    /// Linear colour: "#rrggbb" (sRGB), [r, g, b] or one number for grey, each 0..`at_most`.
     glm::vec3 color(double at_most) const;
 
-    /// Throws for the first key that is none of these, and names the nearest.
+    /// Throws for another key and names the nearest.
     void allow_only(std::span<const std::string_view> keys) const;
     std::optional<JsonValue> find(std::string_view key) const;
     JsonValue need(std::string_view key) const;
@@ -64,5 +72,21 @@ class JsonValue {
     const Json* value_;
     std::string file_, path_;
 };
+
+inline constexpr double smallest_size = 1e-6, largest_size = 1e6;
+
+/// n sizes, or one number for all of them.
+template <std::size_t n>
+std::array<double, n> sizes_or(const JsonValue& value, std::string_view key, double otherwise) {
+    std::array<double, n> out;
+    const auto v = value.find(key);
+    if (!v || v->is_number()) {
+        out.fill(value.number_or(key, smallest_size, largest_size, otherwise));
+        return out;
+    }
+    const std::vector<JsonValue> items = v->list(n, n);
+    for (std::size_t i = 0; i < n; ++i) out[i] = items[i].number(smallest_size, largest_size);
+    return out;
+}
 
 }  // namespace render2mpeg::scene

@@ -3,8 +3,7 @@
 #include <array>
 #include <string_view>
 
-/// Every key that each kind of object of an animation file may have. docs/animation-file.schema.json says the same,
-/// which a test holds.
+/// Keys of each kind of object; a test holds docs/animation-file.schema.json against them.
 namespace render2mpeg::scene::animation_file_keys {
 
 using K = std::string_view;

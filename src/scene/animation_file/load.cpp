@@ -1,5 +1,4 @@
-// Our own format: docs/scenes.md describes it for those who write it, docs/animation-file.schema.json for their
-// editors.
+// Our own format: docs/scenes.md, docs/animation-file.schema.json.
 #include "scene/animation_file/load.h"
 
 #include <algorithm>
@@ -12,10 +11,9 @@
 #include "core/rational.h"
 #include "core/text.h"
 #include "core/view.h"
-#include "scene/animation_file/cameras.h"
+#include "scene/animation_file/cameras_and_lights.h"
 #include "scene/animation_file/json.h"
 #include "scene/animation_file/keys.h"
-#include "scene/animation_file/lights.h"
 #include "scene/animation_file/looks.h"
 #include "scene/animation_file/objects.h"
 
@@ -24,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The scene that the film builds on; nothing but what is built in where it names none.
+/// The scene that the film builds on, or an empty one.
 Animation base_scene(const JsonValue& value, const fs::path& folder, const LoadOptions& options,
                      const LoadScene& load_scene) {
     const auto scene = value.find("scene");
@@ -68,9 +66,8 @@ core::Glare glare_of(const JsonValue& value) {
     if (!kind) value.fail("has no `kind`");
     glare.kind = static_cast<core::GlareKind>(kind->word(core::glare_names));
     constexpr double least_size = 0.01;  // chosen: below it nothing is seen of it
-    if (const auto strength = value.find("strength"))
-        glare.strength = static_cast<float>(strength->number(0, core::most_glare));
-    if (const auto size = value.find("size")) glare.size = static_cast<float>(size->number(least_size, 1));
+    value.set("strength", glare.strength, 0, core::most_glare);
+    value.set("size", glare.size, least_size, 1);
     if (const auto seed = value.find("seed")) glare.seed = static_cast<std::uint32_t>(seed->integer(0, 1'000'000));
     return glare;
 }
@@ -95,11 +92,9 @@ core::Fog fog_of(const JsonValue& value) {
     if (!far) value.fail("has no `visibility`");
     fog.visibility = visibility(*far);
     if (const auto color = value.find("color")) fog.color = color->color(1);
-    if (const auto g = value.find("anisotropy"))
-        fog.anisotropy = static_cast<float>(g->number(-core::most_anisotropy, core::most_anisotropy));
+    value.set("anisotropy", fog.anisotropy, -core::most_anisotropy, core::most_anisotropy);
     constexpr double most_height = 1e7;  // as of positions
-    if (const auto falloff = value.find("falloff"))
-        fog.falloff = static_cast<float>(falloff->number(1e-3, most_height));
+    value.set("falloff", fog.falloff, 1e-3, most_height);
     if (const auto height = value.find("height")) {
         fog.height = static_cast<float>(height->number(-most_height, most_height));
         if (!(fog.falloff > 0)) height->fail("stands without `falloff`: the fog is everywhere the same");
@@ -157,11 +152,9 @@ FilmClock read_format(const JsonValue& value, Animation& film) {
         else if (exposure->text() != "auto")
             exposure->fail("is a number (EV) or \"auto\"");
     }
-    if (const auto shutter = value.find("shutter")) film.shutter.angle = static_cast<float>(shutter->number(0, 360));
-    if (const auto phase = value.find("shutter_phase"))
-        film.shutter.phase = static_cast<float>(phase->number(-0.5, 0.5));
-    if (const auto rolling = value.find("rolling_shutter"))
-        film.shutter.rolling = static_cast<float>(rolling->number(0, 1));
+    value.set("shutter", film.shutter.angle, 0, 360);
+    value.set("shutter_phase", film.shutter.phase, -0.5, 0.5);
+    value.set("rolling_shutter", film.shutter.rolling, 0, 1);
     if (const auto view = value.find("view")) film.view = view_of(*view);
     if (const auto fog = value.find("fog")) film.fog = fog_of(*fog);
     if (const auto glare = value.find("glare")) film.glare = glare_of(*glare);
@@ -193,7 +186,7 @@ Animation load_animation_file(const fs::path& given, const LoadOptions& options,
         if (const auto v = value.find(words)) v->text();  // for people and editors, but text
     const fs::path folder = file.parent_path().empty() ? fs::path(".") : file.parent_path();
 
-    // What changes the scene goes by the names that the scene has, so it comes before the film's own things.
+    // Changes go by the scene's names, and so come first.
     Animation film = base_scene(value, folder, options, load_scene);
     film.source = file.string();
     film.files.insert(film.files.begin(), file);

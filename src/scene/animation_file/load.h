@@ -8,11 +8,10 @@
 
 namespace render2mpeg::scene {
 
-/// Reads the scene that an animation file refers to, of whatever format.
 using LoadScene = std::function<Animation(const std::filesystem::path& file, const LoadOptions& options)>;
 
-/// Our own JSON (docs/scenes.md): the scene that it refers to, which `load_scene` reads, with what it adds; not
-/// yet completed. Of a folder, its film.json. Throws core::Error.
+/// An animation file (docs/scenes.md), or the film.json of a folder, on the scene that `load_scene` reads; not
+/// completed. Throws core::Error.
 Animation load_animation_file(const std::filesystem::path& file, const LoadOptions& options,
                               const LoadScene& load_scene);
 

@@ -19,8 +19,7 @@ namespace keys = animation_file_keys;
 // Radiances of suns and welding arcs stay below; larger numbers are mistakes.
 constexpr double brightest = 1e6;
 
-/// What has no highlight unless roughness, metallic or transmission is said: light from all sides, and nothing to
-/// mirror.
+/// Without roughness, metallic or transmission a surface has no highlight.
 Material matt(const std::string& name, glm::vec3 color) {
     Material material;
     material.name = name;
@@ -34,7 +33,7 @@ Material matt(const std::string& name, glm::vec3 color) {
 // chosen: the reflectance of light stone or paint; with 0.5 rooms look dim, with 0.9 washed out.
 constexpr glm::vec3 light_grey(0.7f);
 
-/// A texture shows as it is, and glass is clear, unless a colour says otherwise.
+/// White beside a texture or for glass, else light grey.
 glm::vec3 first_color(const JsonValue& value) {
     return value.is_object() && (value.has("texture") || value.has("transmission")) ? glm::vec3(1) : light_grey;
 }
@@ -46,16 +45,14 @@ glm::u8vec4 code_values(glm::vec3 linear) {
     return out;
 }
 
-/// What bodies of glass are.
 void change_body(const JsonValue& value, Material& material) {
     if (const auto v = value.find("solid")) material.thickness = v->boolean() ? Thickness::solid : Thickness::thin;
     if (const auto v = value.find("attenuation")) {
         material.attenuation_color = v->color(1);
         if (!(material.attenuation_distance > 0)) material.attenuation_distance = 1;
     }
-    if (const auto v = value.find("attenuation_distance"))
-        material.attenuation_distance = static_cast<float>(v->number(1e-6, 1e6));
-    if (const auto v = value.find("dispersion")) material.dispersion = static_cast<float>(v->number(0, 20));
+    value.set("attenuation_distance", material.attenuation_distance, 1e-6, 1e6);
+    value.set("dispersion", material.dispersion, 0, 20);
 }
 
 }  // namespace
@@ -108,9 +105,6 @@ TextureUse Looks::texture_of(const JsonValue& value) {
 void Looks::change(const JsonValue& value, int index) {
     value.allow_only(keys::material);
     const auto material = [&]() -> Material& { return film_.materials[static_cast<std::size_t>(index)]; };
-    const auto fraction = [&](std::string_view key, float& into, double at_most = 1) {
-        if (const auto v = value.find(key)) into = static_cast<float>(v->number(0, at_most));
-    };
     const auto texture = [&](std::string_view key, TextureUse Material::*into) {
         if (const auto v = value.find(key)) {
             const TextureUse use = texture_of(*v);
@@ -118,17 +112,16 @@ void Looks::change(const JsonValue& value, int index) {
         }
     };
 
-    // Surface.
     if (const auto v = value.find("base_color"))
         material().base_color = glm::vec4(v->color(1), material().base_color.a);
     texture("texture", &Material::base_color_texture);
     texture("normal_texture", &Material::normal_texture);
     texture("emission_texture", &Material::emission_texture);
-    fraction("metallic", material().metallic);
-    fraction("roughness", material().roughness);
-    fraction("normal_scale", material().normal_scale, 10);
-    fraction("transmission", material().transmission);
-    if (const auto v = value.find("ior")) material().ior = static_cast<float>(v->number(1, 5));
+    value.set("metallic", material().metallic, 0, 1);
+    value.set("roughness", material().roughness, 0, 1);
+    value.set("normal_scale", material().normal_scale, 0, 10);
+    value.set("transmission", material().transmission, 0, 1);
+    value.set("ior", material().ior, 1, 5);
     change_body(value, material());
     const bool derived = value.has("metallic") || value.has("roughness") || value.has("transmission");
     if (material().specular_glossiness && derived) material().specular_glossiness = false;
@@ -136,7 +129,7 @@ void Looks::change(const JsonValue& value, int index) {
     if (const auto v = value.find("unlit")) material().unlit = v->boolean();
 
     // Coverage: a number below 1 blends, a word chooses how the texture's alpha is taken.
-    fraction("alpha_cutoff", material().alpha_cutoff);
+    value.set("alpha_cutoff", material().alpha_cutoff, 0, 1);
     if (const auto v = value.find("alpha")) {
         constexpr std::array<std::string_view, 3> modes{"opaque", "mask", "blend"};
         if (v->is_text()) {
@@ -147,7 +140,6 @@ void Looks::change(const JsonValue& value, int index) {
         }
     }
 
-    // Light.
     if (const auto v = value.find("emission")) material().emission = v->color(brightest);
     const Curve power = curve_of(value, {"power", 1, 0, brightest, true}, clock_, keys::material_key);
     if (!power.empty()) {
@@ -156,7 +148,6 @@ void Looks::change(const JsonValue& value, int index) {
         film_.tracks.push_back(track_of(power, TrackTarget::emission, index));
     }
 
-    // One scale for all of the material's textures.
     if (const auto v = value.find("texture_scale")) {
         const std::vector<double> scale = v->is_number() ? std::vector<double>(2, v->number(-1e4, 1e4)) : v->numbers(2);
         for (TextureUse Material::*use :
@@ -200,9 +191,7 @@ int Looks::material_of(const JsonValue& value, int base) {
             }
             names.emplace_back(film_.materials[i].name);
         }
-        const std::string nearest = core::nearest_word(name, names);
-        value.fail("there is no material \"" + name + "\"" +
-                   (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?"));
+        value.fail("there is no material \"" + name + "\"" + core::did_you_mean(name, names, "\"", "\""));
     }
     const std::string place = value.place() + "/" + std::to_string(base);
     if (const auto known = made_.find(place); known != made_.end()) return known->second;
@@ -261,7 +250,7 @@ void Looks::read_sky(const JsonValue& value) {
         return;
     }
     value.allow_only(keys::sky);
-    const double strength = value.has("strength") ? value.need("strength").number(0, brightest) : 1;
+    const double strength = value.number_or("strength", 0, brightest, 1);
     sky.color = glm::vec3(1);
     if (const auto v = value.find("rotation")) sky.rotation = static_cast<float>(glm::radians(v->number(-1e4, 1e4)));
     if (const auto v = value.find("color")) sky.color = v->color(brightest);
@@ -289,8 +278,7 @@ void Looks::refuse_unused() const {
     std::vector<std::string_view> others;
     for (const Material& m : film_.materials)
         if (m.name != name) others.emplace_back(m.name);
-    const std::string nearest = core::nearest_word(name, others);
-    value.fail("nothing has this material" + (nearest.empty() ? std::string() : "; did you mean \"" + nearest + "\"?"));
+    value.fail("nothing has this material" + core::did_you_mean(name, others, "\"", "\""));
 }
 
 }  // namespace render2mpeg::scene

@@ -10,34 +10,32 @@
 
 namespace render2mpeg::scene {
 
-/// Materials, images and sky of an animation file.
 class Looks {
   public:
     /// `folder` is the film's own: images lie in it or below.
     Looks(Animation& film, std::filesystem::path folder, const FilmClock& clock)
         : film_(film), folder_(std::move(folder)), clock_(clock) {}
 
-    /// Makes or changes a material of that name for each member; those of the scene file keep what is not said.
+    /// Makes or changes named materials.
     void read_materials(const JsonValue& materials);
 
-    /// The material that `value` means: a name, or an object in place of one. An object changes a copy of `base`; -1:
-    /// of the default, a matt light grey. The same value gives the same material each time.
+    /// Material of `value`: a name, or an object that changes a copy of `base` (-1: the default). Equal values give one
+    /// material.
     int material_of(const JsonValue& value, int base);
 
-    /// The matt light grey of what has no material.
+    /// Matt light grey.
     int default_material();
 
-    /// A copy of a material in another colour: that of its light if it shines, else that of its surface.
+    /// A copy in another colour: of its light if it shines, else of its surface.
     int recolored(int material, glm::vec3 color);
 
-    /// Sets the sky: a colour, an image, or a gradient.
+    /// A colour, an image, or a gradient.
     void read_sky(const JsonValue& sky);
 
-    /// Throws for a material of the file that nothing uses and that the scene does not know: most likely a misspelt
-    /// name.
+    /// Throws for an unused material of the file that the scene does not have: a misspelt name.
     void refuse_unused() const;
 
-    /// The file that an image of the film means, below its folder.
+    /// File of an image, below the film's folder.
     static std::filesystem::path file_below(const std::filesystem::path& folder, const JsonValue& name);
 
   private:

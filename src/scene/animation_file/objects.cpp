@@ -6,7 +6,6 @@
 #include "core/text.h"
 #include "scene/animation_file/keys.h"
 #include "scene/animation_file/shapes.h"
-#include "scene/animation_file/sizes.h"
 
 namespace render2mpeg::scene {
 namespace {
@@ -20,41 +19,26 @@ enum Shape { box, plane, quad, sphere, cylinder, cone, disc, torus, lathe, arch,
 constexpr std::size_t most_objects = 500000;
 constexpr double largest = largest_size;
 
-/// Which of the shape's own keys each shape has; the others would be ignored in silence.
-std::vector<std::string_view> own_keys(Shape shape) {
-    switch (shape) {
-        case box:
-        case plane:
-        case quad:
-            return {"size"};
-        case sphere:
-        case disc:
-            return {"radius", "segments"};
-        case cylinder:
-            return {"radius", "top_radius", "height", "segments"};
-        case cone:
-            return {"radius", "height", "segments"};
-        case torus:
-            return {"radius", "tube_radius", "segments"};
-        case lathe:
-            return {"profile", "crease", "segments"};
-        case arch:
-            return {"size", "opening", "segments"};
-        case group:
-            return {"parts"};
-    }
-    return {};
-}
+/// Keys of each shape; others would be ignored in silence.
+constexpr std::array<std::string_view, 11> own_keys{"size",
+                                                    "size",
+                                                    "size",
+                                                    "radius, segments",
+                                                    "radius, top_radius, height, segments",
+                                                    "radius, height, segments",
+                                                    "radius, segments",
+                                                    "radius, tube_radius, segments",
+                                                    "profile, crease, segments",
+                                                    "size, opening, segments",
+                                                    "parts"};
 
 void refuse_foreign_keys(const JsonValue& value, Shape shape) {
-    const std::vector<std::string_view> own = own_keys(shape);
+    const std::string own = ", " + std::string(own_keys[shape]) + ",";
     for (const std::string_view key :
          {"size", "radius", "top_radius", "tube_radius", "height", "opening", "profile", "crease", "segments", "parts"})
-        if (value.has(key) && std::find(own.begin(), own.end(), key) == own.end()) {
-            std::string all;
-            for (const std::string_view k : own) all += (all.empty() ? "" : ", ") + std::string(k);
-            value.need(key).fail("a " + std::string(shapes[shape]) + " has no such key; it has " + all);
-        }
+        if (value.has(key) && own.find(" " + std::string(key) + ",") == std::string::npos)
+            value.need(key).fail("a " + std::string(shapes[shape]) + " has no such key; it has " +
+                                 std::string(own_keys[shape]));
 }
 
 Mesh lathe_of(const JsonValue& value, int segments, TextureLayout layout) {
@@ -70,7 +54,8 @@ Mesh lathe_of(const JsonValue& value, int segments, TextureLayout layout) {
 }
 
 Mesh torus_of(const JsonValue& value, int segments, TextureLayout layout) {
-    const double radius = size_or(value, "radius", 0.5), tube = size_or(value, "tube_radius", radius / 4);
+    const double radius = value.number_or("radius", smallest_size, largest_size, 0.5),
+                 tube = value.number_or("tube_radius", smallest_size, largest_size, radius / 4);
     if (tube >= radius) value.fail("`tube_radius` must be smaller than `radius`");
     return torus_mesh(radius, tube, segments, layout);
 }
@@ -108,19 +93,20 @@ int Objects::mesh_of(const JsonValue& value) {
             break;
         }
         case sphere:
-            mesh = sphere_mesh(size_or(value, "radius", 0.5), segments, layout);
+            mesh = sphere_mesh(value.number_or("radius", smallest_size, largest_size, 0.5), segments, layout);
             break;
         case disc:
-            mesh = disc_mesh(size_or(value, "radius", 0.5), segments, layout);
+            mesh = disc_mesh(value.number_or("radius", smallest_size, largest_size, 0.5), segments, layout);
             break;
         case cylinder: {
-            const double radius = size_or(value, "radius", 0.5);
-            mesh = cylinder_mesh(radius, size_or(value, "top_radius", radius), size_or(value, "height", 1), segments,
-                                 layout);
+            const double radius = value.number_or("radius", smallest_size, largest_size, 0.5);
+            mesh = cylinder_mesh(radius, value.number_or("top_radius", smallest_size, largest_size, radius),
+                                 value.number_or("height", smallest_size, largest_size, 1), segments, layout);
             break;
         }
         case cone:
-            mesh = cylinder_mesh(size_or(value, "radius", 0.5), 0, size_or(value, "height", 1), segments, layout);
+            mesh = cylinder_mesh(value.number_or("radius", smallest_size, largest_size, 0.5), 0,
+                                 value.number_or("height", smallest_size, largest_size, 1), segments, layout);
             break;
         case torus:
             mesh = torus_of(value, segments, layout);
@@ -156,7 +142,6 @@ void Objects::build(const JsonValue& value, int parent) {
     const int own_material =
         shape == group ? -1 : (material ? looks_.material_of(*material, -1) : looks_.default_material());
 
-    // One thing that is not repeated needs no second node.
     const bool repeated = value.has("repeat");
     std::size_t number = 0;
     for (Node& copy : copies_of(value)) {
@@ -205,11 +190,8 @@ void Objects::read_changes(const JsonValue& changes) {
             if (nodes.empty() && object.name == name && object.node >= 0) nodes.push_back(object.node);
             names.emplace_back(object.name);
         }
-        if (nodes.empty()) {
-            const std::string nearest = core::nearest_word(name, names);
-            value.fail("the scene has no object of this name" +
-                       (nearest.empty() ? std::string() : "; did you mean \"" + nearest + "\"?"));
-        }
+        if (nodes.empty())
+            value.fail("the scene has no object of this name" + core::did_you_mean(name, names, "\"", "\""));
         for (const int node : nodes) place(film_, node, value, clock_, keys::object_key);
         if (const auto material = value.find("material")) repaint(*material, nodes, name);
     }

@@ -3,7 +3,6 @@
 
 #include <map>
 #include <string>
-#include <utility>
 
 #include "scene/animation_file/json.h"
 #include "scene/animation_file/looks.h"
@@ -12,14 +11,14 @@
 
 namespace render2mpeg::scene {
 
-/// What an animation file puts into the scene or changes in it: objects of built-in shapes.
+/// Objects of built-in shapes, and changes to the scene's.
 class Objects {
   public:
     Objects(Animation& film, Looks& looks, const FilmClock& clock) : film_(film), looks_(looks), clock_(clock) {}
 
     void read(const JsonValue& objects);
 
-    /// Moves, hides or repaints what the scene file has: by the name of a node, else of an object.
+    /// Moves, hides or repaints nodes by name, else objects.
     void read_changes(const JsonValue& changes);
 
   private:

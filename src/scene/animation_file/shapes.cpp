@@ -34,7 +34,7 @@ void add_triangle(Mesh& mesh, unsigned a, unsigned b, unsigned c) {
     mesh.triangles.emplace_back(a, b, c);
 }
 
-/// A flat rectangle: `right` and `up` are its full edges as seen from the front, so that the image stands upright.
+/// Rectangle with full edges `right` and `up` as seen from the front.
 void add_face(Mesh& mesh, glm::dvec3 middle, glm::dvec3 right, glm::dvec3 up, TextureLayout layout) {
     const glm::dvec3 normal = glm::cross(right, up);
     const glm::dvec2 span =
@@ -48,7 +48,7 @@ void add_face(Mesh& mesh, glm::dvec3 middle, glm::dvec3 right, glm::dvec3 up, Te
     add_triangle(mesh, index[0], index[2], index[3]);
 }
 
-/// Normal of an outline's piece that goes by (dr, dh): to the right of its way.
+/// Right-hand normal of an outline's piece (dr, dh).
 glm::dvec2 outward(glm::dvec2 piece) {
     return {piece.y, -piece.x};
 }
@@ -58,7 +58,7 @@ struct OutlinePoint {
     double along;  ///< length of the outline up to here
 };
 
-/// Doubles the points at sharp corners, so that each side has a normal of its own. Pairs (2i, 2i + 1) are pieces.
+/// Doubles points at sharp corners; pairs (2i, 2i + 1) are pieces.
 std::vector<OutlinePoint> pieces_of(const std::vector<glm::dvec2>& outline, double crease_degrees) {
     std::vector<glm::dvec2> piece;
     for (std::size_t i = 0; i + 1 < outline.size(); ++i)
@@ -224,8 +224,7 @@ Mesh torus_mesh(double radius, double tube_radius, int segments, TextureLayout l
 
 namespace {
 
-/// The rim of a round-headed opening from the lower right over the head to the lower left, and, for each of its points,
-/// the point of the rectangle around it that lies straight out.
+/// Rim of a round-headed opening from lower right to lower left, and radially opposite points of the rectangle.
 struct ArchOutline {
     std::vector<glm::dvec2> rim, edge;
     double spring;  ///< where the head begins
@@ -268,7 +267,6 @@ void add_arch_wall(Mesh& mesh, const ArchOutline& outline, glm::dvec3 size, doub
     }
 }
 
-/// The inside of the opening.
 void add_soffit(Mesh& mesh, const ArchOutline& outline, double depth, double spread) {
     double along = 0;
     for (std::size_t i = 0; i + 1 < outline.rim.size(); ++i) {

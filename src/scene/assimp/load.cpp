@@ -1,5 +1,4 @@
-// Every mesh format but glTF, by way of Assimp. This file puts a whole scene together; parts.cpp converts its pieces.
-// The result holds nothing of Assimp's.
+// Every mesh format but glTF, by way of Assimp; parts.cpp converts the pieces.
 #include "scene/assimp/load.h"
 
 #include <assimp/DefaultIOSystem.h>
@@ -18,7 +17,7 @@
 #include "core/numeric.h"
 #include "core/rational.h"
 #include "core/text.h"
-#include "scene/assimp/lights.h"
+#include "scene/assimp/classic_shading.h"
 #include "scene/assimp/parts.h"
 #include "scene/assimp/rest_pose.h"
 #include "scene/model/node.h"
@@ -29,7 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Lets an importer open what lies in the scene's folder, and nothing else.
+/// Confines importers to the scene's folder.
 class FolderOnly : public Assimp::DefaultIOSystem {
   public:
     FolderOnly(const fs::path& folder, Animation& into)
@@ -53,7 +52,7 @@ class FolderOnly : public Assimp::DefaultIOSystem {
     void tell(const std::string& line) {
         if (std::find(notes_.begin(), notes_.end(), line) == notes_.end()) notes_.push_back(line);
     }
-    /// Importers also try names that no file says; the first material library that is missing is the one that is named.
+    /// Names the first missing material library; importers try other names, too.
     void tell_missing(const fs::path& file) {
         if (core::ending_of(file) != ".mtl" || told_materials_) return;
         told_materials_ = true;
@@ -73,8 +72,7 @@ class FolderOnly : public Assimp::DefaultIOSystem {
     bool told_materials_ = false;
 };
 
-/// Blender's FBX tries every action on every object, "OBJECT|ACTION"; an object's own is named after it where nobody
-/// gave it another name.
+/// Blender's FBX has every action for every object, "OBJECT|ACTION"; an object's own has its name.
 bool is_own_take(const std::string& name) {
     const auto bar = name.find('|');
     return bar != std::string::npos && bar > 0 && name.compare(bar + 1, bar, name, 0, bar) == 0;
@@ -141,7 +139,7 @@ void SceneReader::read_materials() {
         into_.materials.push_back(reader.material_from(*scene_.mMaterials[i], into_));
     if (into_.materials.empty()) into_.materials.emplace_back();
 
-    // PLY has no materials: where corners have colours, Assimp's grey must not darken them.
+    // Corner colours of PLY must not be darkened by Assimp's grey.
     std::vector<char> only_colored(into_.materials.size(), 1);
     for (unsigned i = 0; i < scene_.mNumMeshes; ++i)
         if (!scene_.mMeshes[i]->mColors[0]) only_colored[scene_.mMeshes[i]->mMaterialIndex] = 0;
@@ -149,8 +147,7 @@ void SceneReader::read_materials() {
 }
 
 void SceneReader::read_nodes() {
-    // FBX says its unit (in centimetres) and its axes, which Assimp leaves to us; a root of our own brings them to
-    // metres and +y up.
+    // FBX's unit (cm) and axes are left to us: a root node brings them to metres and +y up.
     int top = -1;
     if (format_ == "fbx" && scene_.mMetaData) {
         const auto said = [&](const char* key, int otherwise) {
@@ -191,7 +188,7 @@ void SceneReader::read_nodes() {
 }
 
 void SceneReader::read_objects() {
-    // A mesh that several nodes show has one skin.
+    // Nodes that share a mesh share its skin.
     std::vector<int> skin_of_mesh(scene_.mNumMeshes, -1);
     for (unsigned i = 0; i < scene_.mNumMeshes; ++i) {
         if (scene_.mMeshes[i]->mNumBones == 0) continue;
@@ -257,7 +254,7 @@ void SceneReader::read_animations() {
         throw core::Error("reading", file_.string(), "has no animation \"" + *options_.animation + "\", but " + names);
 }
 
-/// FBX is baked frame by frame, from the film's first to its last: the last key is a picture too, and no end.
+/// FBX is baked frame by frame: the last key is a frame too.
 void SceneReader::keep_last_key() {
     float least = 0, last = 0;
     for (const Track& track : into_.tracks)
@@ -278,8 +275,8 @@ void SceneReader::keep_last_key() {
     }
 }
 
-/// Blender's COLLADA leaves the armature's place out of its bind poses: puts it back where joints stand at rest, so
-/// that what they say of the mesh agrees.
+/// Blender's COLLADA leaves the armature's transform out of bind poses: restored where joints then agree with the rest
+/// pose.
 void SceneReader::place_armatures() {
     std::set<int> placed;
     for (const Object& object : into_.objects) {
@@ -344,7 +341,7 @@ int SceneReader::add_child(const std::string& name, glm::dvec3 position, glm::dq
     node.parent = parent == node_named_.end() ? 0 : parent->second;
     node.translation = position;
     node.rotation = rotation;
-    // 3DS's tracks place the node where the camera's or light's own entry places it already.
+    // 3DS repeats the node's place in its tracks.
     if (format_ == "3ds" && parent != node_named_.end()) {
         const Node& own = into_.nodes[static_cast<std::size_t>(parent->second)];
         const glm::dvec3 there = own.matrix ? glm::dvec3((*own.matrix)[3]) : own.translation;
@@ -399,7 +396,7 @@ void SceneReader::read_lights(const RestBounds& bounds) {
             "lights without inverse square falloff were given it, as bright as before at the scene's middle");
 }
 
-/// Blender's COLLADA scales what shines brighter than 1 down to that, so that 1 may stand for anything above.
+/// Blender's COLLADA scales strengths above 1 down to 1.
 void SceneReader::tell_dimmed() {
     for (const Material& material : into_.materials) {
         const glm::vec3 e = material.emission;
@@ -419,13 +416,13 @@ void SceneReader::read_cameras() {
         classic.aspect = source.mAspect;
         classic.half_width = source.mOrthographicWidth;
         glm::dvec3 up = dvec3_of(source.mUp);
-        // Assimp takes 3DS's focal length (millimetres, on 36 mm film) for degrees, and leaves +y up where it is +z.
+        // Assimp takes 3DS's focal length (mm on 36 mm film) for degrees, and its +z up for +y.
         if (format_ == "3ds") {
             const double millimetres = glm::degrees(classic.horizontal_angle);
             classic.horizontal_angle = millimetres > 0 ? 2 * std::atan(18.0 / millimetres) : 0;
             up = {0, 0, 1};
         }
-        // Its clip planes belong to a modeller's viewport, and would cut the picture.
+        // Clip planes of modellers' viewports would cut the picture.
         CameraLens lens = lens_of(classic);
         lens.name = source.mName.C_Str();
         lens.node = add_child(lens.name, dvec3_of(source.mPosition), turn_towards(dvec3_of(source.mLookAt), up));
@@ -450,7 +447,7 @@ Animation load_with_assimp(const fs::path& file, const LoadOptions& options, con
 
     const auto refuse = [&](const std::string& cause) { throw core::Error("reading", file.string(), cause); };
     const aiScene* scene = importer.ReadFile(file.string(), 0);
-    // What it cannot allocate it tells by the exception's own name, which helps nobody.
+    // std::bad_alloc is no message.
     if (!scene && std::string_view(importer.GetErrorString()) == "std::bad_alloc") throw std::bad_alloc();
     if (!scene && std::string_view(importer.GetErrorString()).starts_with("No suitable reader"))
         refuse("it is no kind of scene that is known: .blend, .glb, .gltf, .fbx, .obj and what else Assimp reads");

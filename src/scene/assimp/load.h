@@ -8,8 +8,8 @@
 
 namespace render2mpeg::scene {
 
-/// What a file of any format says that Assimp reads (OBJ, PLY, FBX, DAE, 3DS, ...), not yet completed. `take_turns` is
-/// told whose code runs. Throws core::Error.
+/// Loads any format of Assimp's (OBJ, PLY, FBX, DAE, 3DS, ...), not completed. `take_turns`: see probe.h. Throws
+/// core::Error.
 Animation load_with_assimp(
     const std::filesystem::path& file, const LoadOptions& options, const TakeTurns& take_turns = [](Turn) {});
 

@@ -10,7 +10,7 @@
 #include "core/error.h"
 #include "core/numeric.h"
 #include "core/text.h"
-#include "scene/assimp/phong.h"
+#include "scene/assimp/classic_shading.h"
 #include "scene/assimp/rest_pose.h"
 #include "scene/model/png.h"
 
@@ -70,7 +70,7 @@ bool has_bump_that_is_a_normal_map(const std::string& file) {
 
 }  // namespace
 
-/// Assimp's later steps trust indices and sort by coordinates: both must be sound first.
+/// Assimp's later steps trust indices and coordinates.
 void refuse_unsound_meshes(const aiScene& scene, const std::string& file) {
     for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
         const aiMesh& mesh = *scene.mMeshes[m];
@@ -179,7 +179,7 @@ void MaterialReader::read_textures(const aiMaterial& source, Material& material,
     material.emission_texture = first_of({aiTextureType_EMISSION_COLOR, aiTextureType_EMISSIVE});
     material.normal_texture = first_of({aiTextureType_NORMALS, aiTextureType_NORMAL_CAMERA});
 
-    // Heights would need the image to become normals. Many exporters put normal maps here, and name them so.
+    // Heights would have to become normals; many exporters put normal maps here.
     aiString height;
     if (!material.normal_texture.present() && source.Get(AI_MATKEY_TEXTURE_HEIGHT(0), height) == aiReturn_SUCCESS) {
         ai_real strength = 1;
@@ -193,7 +193,7 @@ void MaterialReader::read_textures(const aiMaterial& source, Material& material,
         }
     }
 
-    // A factor of 0 beside a texture means "see the texture" to most exporters; 3DS's maps replace the colour outright.
+    // A factor of 0 beside a texture usually means "see the texture"; 3DS's maps replace the colour.
     if (material.base_color_texture.present() && material.transmission == 0) {
         ai_real amount = 1;
         source.Get(AI_MATKEY_TEXBLEND_DIFFUSE(0), amount);
@@ -234,7 +234,7 @@ Material MaterialReader::material_from(const aiMaterial& source, Animation& into
     if (source.Get("$mat.illum", 0, 0, model) == aiReturn_SUCCESS) look.illumination_model = model;
     apply(look, material);
 
-    // These formats know no back faces, and their triangles wind as they like.
+    // These formats know no back faces, and wind at random.
     material.double_sided = true;
     int shading = 0;
     if (source.Get(AI_MATKEY_SHADING_MODEL, shading) == aiReturn_SUCCESS && shading == aiShadingMode_Unlit)

@@ -20,27 +20,26 @@ class aiMatrix4x4t;
 template <typename TReal>
 class aiVector3t;
 
-/// One of Assimp's structs to one of ours each; the loader puts them together.
 namespace render2mpeg::scene {
 
-/// Assimp's later steps trust indices and sort by coordinates: throws core::Error where a mesh is not sound.
+/// Throws core::Error where a mesh has wrong indices or coordinates, which Assimp's later steps trust.
 void refuse_unsound_meshes(const aiScene& scene, const std::string& file);
 
 glm::dvec3 dvec3_of(const aiVector3t<float>& v);
-/// Rows of Assimp's to columns of ours.
+/// Rows to columns.
 glm::dmat4 dmat4_of(const aiMatrix4x4t<float>& m);
 
-/// Corners, joints aside, in the mesh's own space. Every index of the source must be in range.
+/// Corners without joints, in mesh space. Source indices must be in range.
 Mesh mesh_from(const aiMesh& source);
 
-/// Reads materials, and gives each image that they name one place in `images`.
+/// Reads materials; images that are named alike share one entry.
 class MaterialReader {
   public:
-    /// `format` is the file's ending in lower case: some formats mean other things by the same property.
+    /// `format`: lower-case ending, since properties differ by format.
     MaterialReader(const aiScene& scene, const std::filesystem::path& folder, std::string format)
         : scene_(scene), finder_(folder), format_(std::move(format)) {}
 
-    /// Notes what is missing or not shown.
+    /// Notes missing images and ignored properties.
     Material material_from(const aiMaterial& source, Animation& into);
 
   private:
@@ -55,13 +54,13 @@ class MaterialReader {
     bool bumps_said_ = false;
 };
 
-/// The bones of a mesh whose nodes are known, and the weights in `mesh`; nothing, and no weights, where none is.
+/// Bones with known nodes, and weights in `mesh`; none, and no weights, without any.
 std::optional<Skin> skin_from(const aiMesh& source, const std::unordered_map<std::string, int>& node_named, Mesh& mesh);
 
-/// The tracks of one animated node, keys in rising order; what has no key has no track. `ticks_per_second` > 0.
+/// Tracks of one animated node, keys rising. `ticks_per_second` > 0.
 std::vector<Track> tracks_from(const aiNodeAnim& channel, int node, double ticks_per_second);
 
-/// Weights of `targets` morph targets; without keys where the channel has none.
+/// Weights of `targets` morph targets; may have no keys.
 Track weights_from(const aiMeshMorphAnim& channel, int node, std::size_t targets, double ticks_per_second);
 
 }  // namespace render2mpeg::scene

@@ -16,7 +16,7 @@ glm::dmat4 local_transform(const Node& node) {
            glm::scale(glm::dmat4(1), node.scale);
 }
 
-/// Is the side that shines plain from the geometry of this object?
+/// Whether the geometry tells which side is the front.
 bool front_is_plain(const Mesh& mesh, const glm::dmat4& to_world, glm::dvec3 middle) {
     glm::dvec3 vector_area{0};
     double area = 0, volume = 0, towards_middle = 0;
@@ -58,7 +58,7 @@ glm::dquat upright(SignedAxis right, SignedAxis up, SignedAxis front) {
         if (a.axis >= 0 && a.axis < 3) v[a.axis] = a.sign < 0 ? -1 : 1;
         return v;
     };
-    // Columns are where our axes lie in the file; its inverse takes the file's to ours.
+    // Columns are our axes in the file; the inverse takes the file's to ours.
     const glm::dmat3 ours(vector(right), vector(up), vector(front));
     if (glm::determinant(ours) > 0.5) return glm::normalize(glm::quat_cast(glm::transpose(ours)));
     const glm::dvec3 u = vector(up);

@@ -18,7 +18,7 @@ bool is_image_ending(const std::string& ending) {
     return std::find(known.begin(), known.end(), ending) != known.end();
 }
 
-/// What DOS keeps of a long base name: letters, digits and a few signs, in the order they stand.
+/// Letters that DOS keeps of a long name.
 std::string dos_letters(const std::string& stem) {
     std::string kept;
     for (const char c : stem)
@@ -53,7 +53,7 @@ TextureFinder::TextureFinder(const fs::path& folder) {
         if (is_image_ending(entry.ending)) files_.push_back(std::move(entry));
     }
 
-    // Directory order is the file system's whim; ours is fixed.
+    // Sort, since directory order varies.
     const auto rank = [](const Entry& e) {
         const auto depth = std::count(e.relative.begin(), e.relative.end(), '/');
         const bool in_textures = e.relative.rfind("textures/", 0) == 0;
@@ -74,9 +74,7 @@ const TextureFinder::Entry* TextureFinder::by_short_name(const std::string& name
         return nullptr;
     const std::size_t wanted = static_cast<std::size_t>(std::max(1, std::stoi(digits)));
 
-    // The number was given in the order the files were made, which is lost. Files of the same ending first, height maps
-    // last (a
-    // "-bump" file is made after the image it goes with), then short names.
+    // Numbers follow the lost order of creation: same ending first, height maps last, then short names.
     std::vector<const Entry*> candidates;
     for (const Entry& e : files_)
         if (dos_letters(e.stem).rfind(head, 0) == 0) candidates.push_back(&e);

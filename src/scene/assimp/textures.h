@@ -1,23 +1,20 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace render2mpeg::scene {
 
-/// Finds the images that a scene names, within the scene's own folder. Old formats write names as some other machine
-/// saw them: with its folders, backslashes, in other letter case, or cut to the 8.3 names of DOS ("MRAMOR~1.tga" for
-/// "mramor-floor.jpg").
+/// Finds a scene's images in its folder, though old formats write foreign folders, backslashes, other letter case, or
+/// 8.3 names ("MRAMOR~1.tga" for "mramor-floor.jpg").
 class TextureFinder {
   public:
     explicit TextureFinder(const std::filesystem::path& folder);
 
-    /// The file meant by `written`, or nothing. Tried in this order: the path as written, below the folder, ignoring
-    /// letter case; its base name in the folder, in `textures`, and in the other folders beside; the same with another
-    /// image ending; the 8.3 name. Nothing outside of the scene's folder is ever looked at.
+    /// File of `written`, tried in order: its path regardless of case; its base name in the folder, `textures` and
+    /// other folders; another image ending; its 8.3 name. Never outside the scene's folder.
     std::optional<std::filesystem::path> find(const std::string& written) const;
 
   private:

@@ -9,7 +9,6 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <span>
 #include <string_view>
 #include <system_error>
 
@@ -26,7 +25,7 @@ namespace fs = std::filesystem;
 // chosen: pixels along a side of a baked texture; a screen shows few objects wider (256 blurs floors, 4096 takes a
 // minute a material).
 constexpr int texture_size = 1024;
-/// Exports that are kept of one .blend: this one, and the one before for whoever is just reading it.
+/// Exports kept of one .blend: the current one, and the last, which may be being read.
 constexpr std::size_t kept_exports = 2;
 constexpr const char* result_name = "export.json";
 
@@ -50,31 +49,14 @@ fs::path find_blender() {
     return {};
 }
 
-/// Our script, beside the modules.
-fs::path find_script() {
-    std::string searched;
-    std::error_code failure;
-    for (const fs::path& folder : core::module_folders()) {
-        const fs::path script = folder / "blender" / "export_film.py";
-        if (fs::is_regular_file(script, failure)) return script;
-        searched += (searched.empty() ? "" : ", ") + folder.string();
-    }
-    throw core::Error("opening", "blender/export_film.py",
-                      "not found in " + searched + "; RENDER2MPEG_MODULES can name its folder");
-}
-
-/// Size and time of last change, as the script writes them; null where there is no file.
+/// State as the script writes it; null without a file.
 nlohmann::json state_of(const fs::path& file) {
     struct stat state {};
     if (stat(file.c_str(), &state) != 0) return nullptr;
     return {file.string(), state.st_size, std::int64_t{state.st_mtim.tv_sec} * 1'000'000'000 + state.st_mtim.tv_nsec};
 }
 
-void add_text(core::Checksum& sum, const std::string& text) {
-    sum.add({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
-}
-
-/// What decides an export, as one name.
+/// Key of an export's inputs.
 std::string name_of(const fs::path& blend, const fs::path& script, const fs::path& blender) {
     core::Checksum sum;
     sum.add_file(blend);
@@ -83,11 +65,11 @@ std::string name_of(const fs::path& blend, const fs::path& script, const fs::pat
         if (entry.path().extension() == ".py") parts.push_back(entry.path());
     std::sort(parts.begin(), parts.end());
     for (const fs::path& part : parts) sum.add_file(part);
-    add_text(sum, state_of(fs::canonical(blender)).dump() + std::to_string(texture_size));
+    sum.add(state_of(fs::canonical(blender)).dump() + std::to_string(texture_size));
     return core::checksum_text(sum.value());
 }
 
-/// Where exports of a .blend are kept: beside it, else with the user's caches. Made where it is missing.
+/// Folder of a .blend's exports: beside it, else in the user's cache.
 fs::path cache_of(const fs::path& blend) {
     std::error_code failure;
     const fs::path beside = blend.string() + ".export";
@@ -99,7 +81,7 @@ fs::path cache_of(const fs::path& blend) {
                       : home != nullptr                  ? fs::path(home) / ".cache"
                                                          : fs::path("/tmp");
     core::Checksum sum;
-    add_text(sum, fs::absolute(blend).string());
+    sum.add(fs::absolute(blend).string());
     folder = folder / "render2mpeg" / (blend.filename().string() + "-" + core::checksum_text(sum.value()));
     fs::create_directories(folder, failure);
     if (failure) throw core::Error("writing", folder.string(), failure.message());
@@ -111,7 +93,7 @@ nlohmann::json read_json(const fs::path& file) {
     return nlohmann::json::parse(stream, nullptr, false);
 }
 
-/// A finished export, unless something that it was made of has changed.
+/// A finished export with unchanged inputs.
 std::optional<BlenderExport> finished(const fs::path& folder) {
     const nlohmann::json result = read_json(folder / result_name);
     if (!result.is_object() || !result.contains("uses") || !result.contains("lost")) return std::nullopt;
@@ -122,7 +104,7 @@ std::optional<BlenderExport> finished(const fs::path& folder) {
     return found;
 }
 
-/// Removes all but the newest exports. What another run just writes or reads is among those.
+/// Keeps the newest exports.
 void remove_old(const fs::path& cache) {
     std::error_code failure;
     std::vector<std::pair<fs::file_time_type, fs::path>> all;
@@ -141,7 +123,6 @@ ProbeLimits blender_limits() {
     return {std::max(machine / 4 * 3, std::uintmax_t{4} << 30), 3600, 7200};
 }
 
-/// What went wrong where Blender left no result.
 [[noreturn]] void refuse(const fs::path& blend, const ProbeEnd& end) {
     using How = ProbeEnd::How;
     const std::string file = blend.string();
@@ -152,7 +133,7 @@ ProbeLimits blender_limits() {
     throw core::Error("reading", file, "Blender crashed while it exported it");
 }
 
-/// A folder that goes with what is in it, unless it was kept.
+/// A temporary folder.
 class NewFolder {
   public:
     explicit NewFolder(fs::path path) : path_(std::move(path)) { fs::create_directory(path_); }
@@ -190,7 +171,7 @@ BlenderExport export_blend(const fs::path& blend) {
         throw core::Error("reading", blend.string(),
                           "a .blend needs Blender, and there is no `blender` on the PATH: install it, or name it in "
                           "RENDER2MPEG_BLENDER, or export the scene as glTF with cameras and punctual lights");
-    const fs::path script = find_script();
+    const fs::path script = core::installed_file("blender/export_film.py");
     const fs::path cache = cache_of(blend);
     const fs::path folder = cache / name_of(blend, script, blender);
     if (std::optional<BlenderExport> known = finished(folder)) return *known;
@@ -209,13 +190,13 @@ BlenderExport export_blend(const fs::path& blend) {
 void become_blender(const std::vector<std::string>& words) {
     const std::string &program = words.at(0), &script = words.at(1), &blend = words.at(2), &folder = words.at(3),
                       &size = words.at(4);
-    // What Blender says goes to a file for whoever looks for what went wrong; the pipe to the parent it keeps unused.
+    // Blender's messages go to a log file; the parent's pipe stays unused.
     const int log = open((fs::path(folder) / "blender.log").c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
     if (log >= 0) {
         dup2(log, STDOUT_FILENO);
         dup2(log, STDERR_FILENO);
     }
-    // Neither the user's start-up file nor add-ons nor scripts take part, and nothing in the .blend is executed.
+    // No user settings, add-ons or scripts, and nothing in the .blend is executed.
     for (const char* name : {"BLENDER_USER_CONFIG", "BLENDER_USER_SCRIPTS", "BLENDER_USER_DATAFILES"})
         setenv(name, folder.c_str(), 1);
     const char* const arguments[] = {program.c_str(), "--background", "--factory-startup", "--disable-autoexec",

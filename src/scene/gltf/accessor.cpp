@@ -1,11 +1,9 @@
-// Nothing of a size that the file merely claims is allocated: a count must be held by the buffer, or be known from
-// elsewhere. [glTF2, 3.6.2]
+// No claimed size is allocated: counts must be held by the buffer, or be known otherwise. [glTF2, 3.6.2]
 #include "scene/gltf/accessor.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 
 #include "scene/model/wording.h"
 
@@ -86,7 +84,7 @@ std::uint32_t integer_at(const std::byte* p, Component component) {
     }
 }
 
-/// Elements that lie one behind the other in a buffer.
+/// Consecutive elements of a buffer.
 struct Run {
     const std::byte* first = nullptr;
     std::size_t stride = 0;
@@ -108,7 +106,7 @@ Run run_in(const Document::Bytes& view, std::size_t offset, std::size_t count, s
     return {view.first + offset, stride};
 }
 
-/// What an accessor says of itself, checked against what its user needs.
+/// An accessor's properties, checked against its user's needs.
 struct Shape {
     std::size_t count = 0;
     int components = 1;
@@ -138,8 +136,7 @@ Shape shape_of(const Document& document, const Element& accessor, std::size_t ex
                            shape.element_size(), accessor);
         return shape;
     }
-    // Zeros take no room in the file, so that any count could stand there.
-    // chosen: 2^20 elements, 12 MB; what needs more has its count from elsewhere (morph targets) or a buffer.
+    // Zeros take no room in the file. chosen: 2^20 elements, 12 MB; larger counts are known otherwise or have a buffer.
     constexpr std::size_t most_zeros = std::size_t{1} << 20;
     if (expected_count == 0 && shape.count > most_zeros)
         accessor.refuse("has " + counted(shape.count, "element") + " without a buffer view; at most " +

@@ -17,9 +17,8 @@ struct Floats {
     std::size_t count() const { return values.size() / static_cast<std::size_t>(components); }
 };
 
-/// An accessor as numbers: normalised integers mapped to [0, 1] or [-1, 1], others converted [glTF2, 3.6.2.2].
-/// `components` lists what is allowed. `expected_count` is how many there must be; 0: any number. `user` is what asks,
-/// for messages. Values may be non-finite.
+/// Accessor as numbers: normalised integers map to [0, 1] or [-1, 1] [glTF2, 3.6.2.2]. `components`: allowed;
+/// `expected_count` 0: any; `user`: for messages. Values may be non-finite.
 Floats read_floats(const Document& document, int accessor, std::initializer_list<int> components,
                    std::size_t expected_count, const std::string& user);
 /// The same, but every number must be finite.

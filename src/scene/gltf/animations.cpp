@@ -7,7 +7,6 @@
 #include "core/error.h"
 #include "scene/gltf/accessor.h"
 #include "scene/gltf/parts.h"
-#include "scene/model/choice.h"
 #include "scene/model/wording.h"
 
 namespace render2mpeg::scene::gltf {
@@ -101,7 +100,7 @@ class AnimationReader {
         note_once(animation_, channel.where() + ": moves " + in_quotes(pointer) + ", which stays still here; left out");
     }
 
-    /// Whether nobody moved this before; clips of one character move the same nodes, and two at a time make no sense.
+    /// Whether nothing moved this before: clips of one character move the same nodes.
     bool is_first(TrackTarget what, int index, const std::string& name) {
         const auto [first, is_new] = moved_.emplace(std::pair(what, index), name);
         if (!is_new)
@@ -141,7 +140,7 @@ class AnimationReader {
         Track track = keys_of(sampler, components);
         track.target = what;
         track.index = index;
-        // What the film asks before it looks at keys: whether there is anything to see, or to shine.
+        // Traits ask before keys are read.
         const auto n = static_cast<std::size_t>(components);
         const std::size_t step = track.interpolation == Interpolation::cubic_spline ? 3 * n : n;
         for (std::size_t c = 0; c < n; ++c) {
@@ -159,13 +158,13 @@ class AnimationReader {
     }
 
     void add_intensity(std::size_t index, const Element& sampler, const std::string& name) {
-        // Tracks are shares of the lamp's own strength; a lamp that begins dark gets one.
+        // Tracks are factors; a light that begins dark gets a strength.
         float& own = animation_.lights[index].intensity;
         if (!(own > 0)) own = 1;
         add_numbers(TrackTarget::light_intensity, static_cast<int>(index), sampler, name, own);
     }
 
-    /// Emission by colour or by strength; tracks are shares of the material's own.
+    /// Emission by colour or strength, as factors of the material's own.
     void add_emission(const PointedTrack& pointed, const Element& sampler, const std::string& name) {
         if (!is_first(TrackTarget::emission, pointed.index, name)) return;
         Material& material = animation_.materials[static_cast<std::size_t>(pointed.index)];

@@ -1,17 +1,17 @@
 #include "scene/gltf/document.h"
 
+#include <meshoptimizer.h>
+
 #include <algorithm>
-#include <cstring>
+#include <cmath>
 #include <fstream>
 #include <limits>
 #include <set>
 #include <stdexcept>
 #include <system_error>
-#include <utility>
 
 #include "core/error.h"
 #include "scene/gltf/extensions.h"
-#include "scene/gltf/meshopt.h"
 #include "scene/gltf/uri.h"
 #include "scene/model/wording.h"
 
@@ -53,7 +53,7 @@ std::vector<std::byte> read_scene_file(const fs::path& path) {
     }
 }
 
-/// The parser's own words without their prefix in brackets, on one line.
+/// The parser's words on one line, without prefix.
 std::string message_of(const nlohmann::json::exception& error) {
     std::string text = error.what();
     if (const std::size_t end = text.find("] "); end != std::string::npos) text = text.substr(end + 2);
@@ -62,7 +62,190 @@ std::string message_of(const nlohmann::json::exception& error) {
     return text.substr(0, 160);
 }
 
+void undo_filter(const Element& extension, std::size_t count, std::size_t stride, std::vector<std::byte>& out) {
+    const std::string filter = extension.string("filter", "NONE");
+    if (filter == "OCTAHEDRAL") {
+        if (stride != 4 && stride != 8) extension.refuse("octahedral values of " + std::to_string(stride) + " bytes");
+        meshopt_decodeFilterOct(out.data(), count, stride);
+    } else if (filter == "QUATERNION") {
+        if (stride != 8) extension.refuse("quaternions of " + std::to_string(stride) + " bytes");
+        meshopt_decodeFilterQuat(out.data(), count, stride);
+    } else if (filter == "EXPONENTIAL") {
+        meshopt_decodeFilterExp(out.data(), count, stride);
+    } else if (filter != "NONE") {
+        extension.refuse("filter " + in_quotes(filter) + " is none of the extension's");
+    }
+}
+
+/// Decodes a buffer view. `extension`: its object; `bytes`: the compressed part. Refuses damage and impossible sizes.
+/// [EXT_meshopt_compression]
+std::vector<std::byte> decode_meshopt(const Element& extension, std::span<const std::byte> bytes) {
+    const std::size_t count = extension.required_size("count"), stride = extension.required_size("byteStride");
+    const std::string mode = extension.string("mode", "");
+    const bool attributes = mode == "ATTRIBUTES", triangles = mode == "TRIANGLES", indices = mode == "INDICES";
+    if (!attributes && !triangles && !indices)
+        extension.refuse("mode " + in_quotes(mode) + " is none of the extension's");
+    const bool fits = attributes ? stride >= 4 && stride <= 256 && stride % 4 == 0 : stride == 2 || stride == 4;
+    if (!fits) extension.refuse("has a stride of " + std::to_string(stride) + " bytes");
+    if (triangles && count % 3 != 0)
+        extension.refuse("has " + std::to_string(count) + " corners, which are no whole number of triangles");
+    // Sixteen values of a byte take two bits at least, a triangle and an index one byte.
+    const std::size_t most = attributes ? 64 * bytes.size() / stride : (triangles ? 3 : 1) * bytes.size();
+    if (count > most)
+        extension.refuse("says " + counted(count, "element") + ", which " + std::to_string(bytes.size()) +
+                         " bytes cannot hold");
+
+    std::vector<std::byte> out(count * stride);
+    const auto* from = reinterpret_cast<const unsigned char*>(bytes.data());
+    int fault = 0;
+    if (attributes)
+        fault = meshopt_decodeVertexBuffer(out.data(), count, stride, from, bytes.size());
+    else if (triangles)
+        fault = meshopt_decodeIndexBuffer(out.data(), count, stride, from, bytes.size());
+    else
+        fault = meshopt_decodeIndexSequence(out.data(), count, stride, from, bytes.size());
+    if (fault != 0) extension.refuse("does not decode");
+    if (attributes) undo_filter(extension, count, stride, out);
+    return out;
+}
+
 }  // namespace
+
+std::string singular(const std::string& kind) {
+    if (kind == "meshes") return "mesh";
+    if (kind == "bufferViews") return "buffer view";
+    return kind.substr(0, kind.size() - 1);
+}
+
+void Element::refuse(const std::string& cause) const {
+    document_->refuse(where_, cause);
+}
+
+const nlohmann::json* Element::find(const char* key) const {
+    const auto found = json_->find(key);
+    return found == json_->end() ? nullptr : &*found;
+}
+
+double Element::number_of(const nlohmann::json& value, const std::string& what) const {
+    if (!value.is_number()) refuse(what + " is not a number");
+    const double number = value.get<double>();
+    // All but transforms end in single precision; transforms must fit, too.
+    if (!std::isfinite(number) || !std::isfinite(static_cast<float>(number))) refuse(what + " is too large");
+    return number;
+}
+
+double Element::number(const char* key, double otherwise) const {
+    const nlohmann::json* value = find(key);
+    return value == nullptr ? otherwise : number_of(*value, key);
+}
+
+bool Element::boolean(const char* key, bool otherwise) const {
+    const nlohmann::json* value = find(key);
+    if (value == nullptr) return otherwise;
+    if (!value->is_boolean()) refuse(std::string(key) + " is neither true nor false");
+    return value->get<bool>();
+}
+
+std::string Element::string(const char* key, const std::string& otherwise) const {
+    const nlohmann::json* value = find(key);
+    if (value == nullptr) return otherwise;
+    if (!value->is_string()) refuse(std::string(key) + " is not a string");
+    return value->get<std::string>();
+}
+
+std::size_t Element::size(const char* key, std::size_t otherwise) const {
+    const nlohmann::json* value = find(key);
+    if (value == nullptr) return otherwise;
+    const double number = number_of(*value, key);
+    constexpr double limit = 9007199254740992.0;  // 2^53: beyond it JSON numbers are not exact
+    if (!(number >= 0 && number < limit) || number != std::floor(number))
+        refuse(std::string(key) + " is not a whole number of 0 or more");
+    return static_cast<std::size_t>(number);
+}
+
+std::size_t Element::required_size(const char* key) const {
+    if (!has(key)) refuse(std::string(key) + " is missing");
+    return size(key, 0);
+}
+
+int Element::index_of(const nlohmann::json& value, const std::string& what, const char* kind) const {
+    const double number = number_of(value, what);
+    if (!(number >= 0) || number != std::floor(number)) refuse(what + " is not an index");
+    const std::size_t count = document_->count(kind);
+    if (number >= static_cast<double>(count))
+        refuse(what + " refers to " + singular(kind) + " " + value.dump() + ", but there " +
+               (count == 1 ? "is " : "are ") + std::to_string(count));
+    return static_cast<int>(number);
+}
+
+int Element::index(const char* key, const char* kind) const {
+    const nlohmann::json* value = find(key);
+    return value == nullptr ? -1 : index_of(*value, key, kind);
+}
+
+int Element::required_index(const char* key, const char* kind) const {
+    if (!has(key)) refuse(std::string(key) + " is missing");
+    return index(key, kind);
+}
+
+std::vector<int> Element::indices(const char* key, const char* kind) const {
+    std::vector<int> result;
+    const nlohmann::json* value = find(key);
+    if (value == nullptr) return result;
+    if (!value->is_array()) refuse(std::string(key) + " is not an array");
+    result.reserve(value->size());
+    for (const nlohmann::json& entry : *value) result.push_back(index_of(entry, key, kind));
+    return result;
+}
+
+std::vector<double> Element::numbers(const char* key, std::size_t count) const {
+    std::vector<double> result;
+    const nlohmann::json* value = find(key);
+    if (value == nullptr) return result;
+    if (!value->is_array()) refuse(std::string(key) + " is not an array");
+    if (count != 0 && value->size() != count)
+        refuse(std::string(key) + " has " + counted(value->size(), "number") + " instead of " + std::to_string(count));
+    result.reserve(value->size());
+    for (const nlohmann::json& entry : *value) result.push_back(number_of(entry, key));
+    return result;
+}
+
+std::optional<Element> Element::object(const char* key) const {
+    const nlohmann::json* value = find(key);
+    if (value == nullptr) return std::nullopt;
+    if (!value->is_object()) refuse(std::string(key) + " is not an object");
+    return Element(*document_, *value, where_.empty() ? key : where_ + ", " + key);
+}
+
+std::vector<Element> Element::objects(const char* key) const {
+    std::vector<Element> result;
+    const nlohmann::json* value = find(key);
+    if (value == nullptr) return result;
+    if (!value->is_array()) refuse(std::string(key) + " is not an array");
+    for (std::size_t i = 0; i < value->size(); ++i) {
+        const std::string name = singular(key) + " " + std::to_string(i);
+        if (!(*value)[i].is_object()) refuse(name + " is not an object");
+        result.emplace_back(*document_, (*value)[i], where_.empty() ? name : where_ + ", " + name);
+    }
+    return result;
+}
+
+std::optional<Element> Element::extension(const char* name) const {
+    const std::optional<Element> extensions = object("extensions");
+    if (!extensions || !extensions->has(name)) return std::nullopt;
+    const nlohmann::json& value = *extensions->find(name);
+    if (!value.is_object()) refuse(std::string(name) + " is not an object");
+    return Element(*document_, value, where_.empty() ? name : where_ + ", " + name);
+}
+
+std::vector<std::pair<std::string, int>> Element::index_map(const char* key, const char* kind) const {
+    std::vector<std::pair<std::string, int>> result;
+    const nlohmann::json* value = key == nullptr ? json_ : find(key);
+    if (value == nullptr) return result;
+    if (!value->is_object()) refuse(std::string(key) + " is not an object");
+    for (const auto& [name, entry] : value->items()) result.emplace_back(name, index_of(entry, in_quotes(name), kind));
+    return result;
+}
 
 Document::Document(const fs::path& file, BeforeDecoding before_decoding)
     : file_(file), files_{file}, before_decoding_(std::move(before_decoding)) {
@@ -166,7 +349,7 @@ void Document::read_buffers() {
         std::vector<std::byte> bytes;
         const std::optional<Element> compressed = buffer.extension("EXT_meshopt_compression");
         if (!buffer.has("uri") && compressed && compressed->boolean("fallback", false)) {
-            // Nothing but a place for what is decompressed: nobody asks for its bytes.
+            // A placeholder for decompressed bytes.
             buffers_.emplace_back();
             continue;
         }

@@ -1,4 +1,4 @@
-// What a glTF file's exporter tells beside what the format says: Blender's units of light, boxes that were not ticked.
+// Peculiarities of glTF exporters: Blender's units of light, and unticked boxes.
 #include <algorithm>
 #include <cstdio>
 #include <utility>
@@ -18,8 +18,8 @@ std::pair<int, int> blender_exporter(const Document& document) {
     return read == 2 ? std::pair(major, minor) : std::pair(0, 0);
 }
 
-/// Whether lamps are in photometric units. From version 3.4 on Blender's exporter multiplies radiant units by 683 lm/W
-/// unless it is told not to, which the file does not say; before it did not.
+/// Whether lamps are photometric: from version 3.4 on Blender's exporter multiplies by 683 lm/W by default, and does
+/// not say so.
 bool lamps_are_photometric(const Animation& animation) {
     // chosen: between what the brightest of a film's lamps are in either: suns of 0.1 to 10 W/m2 are 68 lx and more, or
     // 10 and less; points of 5 to 1500 W are 270 cd and more, or 120 and less.

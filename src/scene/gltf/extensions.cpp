@@ -4,7 +4,6 @@
 #include <array>
 #include <set>
 #include <string_view>
-#include <utility>
 
 #include "scene/model/wording.h"
 
@@ -56,7 +55,7 @@ bool is_read(const std::string& extension) {
 }
 
 std::vector<std::string> extensions_in(const nlohmann::json& file) {
-    // Not by recursion: a file may nest what it likes as deep as it likes.
+    // No recursion: files may nest deeply.
     std::set<std::string> names;
     std::vector<const nlohmann::json*> pending{&file};
     while (!pending.empty()) {
@@ -65,7 +64,6 @@ std::vector<std::string> extensions_in(const nlohmann::json& file) {
         if (value.is_object()) {
             if (const auto own = value.find("extensions"); own != value.end() && own->is_object())
                 for (const auto& [name, content] : own->items()) names.insert(name);
-            // What is in extras is nobody's but the writer's.
             for (const auto& [key, part] : value.items())
                 if (part.is_structured() && key != "extras") pending.push_back(&part);
         } else if (value.is_array()) {

@@ -9,10 +9,10 @@ namespace render2mpeg::scene::gltf {
 /// Whether an extension is read.
 bool is_read(const std::string& extension);
 
-/// The names of all extensions that objects of the file carry, sorted.
+/// Extensions of all objects, sorted.
 std::vector<std::string> extensions_in(const nlohmann::json& file);
 
-/// One line on an extension that is not read, and what that means for the picture.
+/// Note on an ignored extension and its effect.
 std::string not_read(const std::string& extension);
 
 }  // namespace render2mpeg::scene::gltf

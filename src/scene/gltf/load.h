@@ -9,8 +9,7 @@
 
 namespace render2mpeg::scene {
 
-/// What a .gltf or .glb file says [glTF2], not yet completed. `before_decoding` is called before the first compressed
-/// mesh, with how many bytes the file and its buffers have; what it throws ends the reading. Throws core::Error.
+/// Loads a .gltf or .glb file [glTF2], not completed. `before_decoding`: see Document. Throws core::Error.
 Animation load_gltf(const std::filesystem::path& file, const LoadOptions& options,
                     const std::function<void(std::uintmax_t)>& before_decoding = {});
 

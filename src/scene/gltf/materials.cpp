@@ -24,9 +24,8 @@ core::Wrap wrap_of(const Element& sampler, const char* key) {
     }
 }
 
-/// uv' = T R S uv with angles counter-clockwise as seen on the image, whose v points down [KHR_texture_transform]. The
-/// printed shader of the extension's early drafts turns the other way; its own example (the lower left quadrant, turned
-/// clockwise) and exporters agree with this.
+/// uv' = T R S uv with counter-clockwise angles on the image (v down) [KHR_texture_transform]; early drafts' shaders
+/// turned the other way, against their own example.
 void set_transform(const Element& extension, TextureUse& use) {
     const std::vector<double> offset = extension.numbers("offset", 2), scale = extension.numbers("scale", 2);
     const double rotation = extension.number("rotation", 0);
@@ -37,6 +36,51 @@ void set_transform(const Element& extension, TextureUse& use) {
     for (int row = 0; row < 2; ++row)
         for (int column = 0; column < 3; ++column) use.transform[row][column] = static_cast<float>(matrix[row][column]);
 }
+
+/// Properties of extensions that are read as they are; defaults are Material's.
+template <class Value>
+struct Property {
+    const char *extension, *key;
+    Value Material::*value;
+};
+constexpr Property<float> factors[] = {
+    {"KHR_materials_transmission", "transmissionFactor", &Material::transmission},
+    {"KHR_materials_specular", "specularFactor", &Material::specular_weight},
+    {"KHR_materials_clearcoat", "clearcoatFactor", &Material::coat},
+    {"KHR_materials_clearcoat", "clearcoatRoughnessFactor", &Material::coat_roughness},
+    {"KHR_materials_iridescence", "iridescenceFactor", &Material::iridescence},
+    {"KHR_materials_iridescence", "iridescenceIor", &Material::film_ior},
+    {"KHR_materials_iridescence", "iridescenceThicknessMinimum", &Material::film_thinnest},
+    {"KHR_materials_iridescence", "iridescenceThicknessMaximum", &Material::film_thickest},
+    {"KHR_materials_anisotropy", "anisotropyStrength", &Material::anisotropy},
+    {"KHR_materials_anisotropy", "anisotropyRotation", &Material::anisotropy_rotation},
+    {"KHR_materials_diffuse_transmission", "diffuseTransmissionFactor", &Material::diffuse_transmission},
+    {"KHR_materials_sheen", "sheenRoughnessFactor", &Material::sheen_roughness},
+    {"KHR_materials_ior", "ior", &Material::ior},
+    {"KHR_materials_volume", "attenuationDistance", &Material::attenuation_distance},
+    {"KHR_materials_dispersion", "dispersion", &Material::dispersion},
+};
+constexpr Property<glm::vec3> tints[] = {
+    {"KHR_materials_specular", "specularColorFactor", &Material::specular_tint},
+    {"KHR_materials_diffuse_transmission", "diffuseTransmissionColorFactor", &Material::diffuse_transmission_color},
+    {"KHR_materials_sheen", "sheenColorFactor", &Material::sheen},
+    {"KHR_materials_volume", "attenuationColor", &Material::attenuation_color},
+};
+constexpr Property<TextureUse> textures[] = {
+    {"KHR_materials_transmission", "transmissionTexture", &Material::transmission_texture},
+    {"KHR_materials_specular", "specularTexture", &Material::specular_weight_texture},
+    {"KHR_materials_specular", "specularColorTexture", &Material::specular_tint_texture},
+    {"KHR_materials_clearcoat", "clearcoatTexture", &Material::coat_texture},
+    {"KHR_materials_clearcoat", "clearcoatRoughnessTexture", &Material::coat_roughness_texture},
+    {"KHR_materials_iridescence", "iridescenceTexture", &Material::iridescence_texture},
+    {"KHR_materials_iridescence", "iridescenceThicknessTexture", &Material::film_texture},
+    {"KHR_materials_anisotropy", "anisotropyTexture", &Material::anisotropy_texture},
+    {"KHR_materials_diffuse_transmission", "diffuseTransmissionTexture", &Material::diffuse_transmission_texture},
+    {"KHR_materials_diffuse_transmission", "diffuseTransmissionColorTexture",
+     &Material::diffuse_transmission_color_texture},
+    {"KHR_materials_sheen", "sheenColorTexture", &Material::sheen_texture},
+    {"KHR_materials_sheen", "sheenRoughnessTexture", &Material::sheen_roughness_texture},
+};
 
 class MaterialReader {
   public:
@@ -55,7 +99,7 @@ class MaterialReader {
         if (const auto old = element.extension("KHR_materials_pbrSpecularGlossiness"))
             read_specular_glossiness(*old, material);
 
-        // Occlusion textures stand in for the light between surfaces, which is computed here.
+        // Occlusion is computed, not read.
         material.normal_texture = texture(element, "normalTexture");
         if (const auto normal = element.object("normalTexture"))
             material.normal_scale = static_cast<float>(normal->number("scale", 1));
@@ -63,79 +107,29 @@ class MaterialReader {
         read_alpha(element, material);
         material.double_sided = element.boolean("doubleSided", false);
         material.unlit = element.extension("KHR_materials_unlit").has_value();
-        if (const auto glass = element.extension("KHR_materials_transmission")) {
-            material.transmission = static_cast<float>(glass->number("transmissionFactor", 0));
-            material.transmission_texture = texture(*glass, "transmissionTexture");
-            // chosen: from here on frosted glass shows no more than colours of what is behind it.
-            if (material.transmission > 0 && material.roughness > 0.2f)
-                note_once(animation_, "rough glass is seen through as if it were clear");
-        }
-        if (const auto specular = element.extension("KHR_materials_specular")) {
-            material.specular_weight = static_cast<float>(specular->number("specularFactor", 1));
-            material.specular_weight_texture = texture(*specular, "specularTexture");
-            set_triple(*specular, "specularColorFactor", material.specular_tint);
-            material.specular_tint_texture = texture(*specular, "specularColorTexture");
-        }
-        read_layers(element, material);
-        if (const auto ior = element.extension("KHR_materials_ior"))
-            material.ior = static_cast<float>(ior->number("ior", 1.5));
-        // 0 asks for reflection without Fresnel, as older specular workflows have it; the nearest real surface is the
-        // densest.
+        read_extensions(element, material);
+        // chosen: from here on frosted glass shows no more than colours of what is behind it.
+        if (material.transmission > 0 && material.roughness > 0.2f)
+            note_once(animation_, "rough glass is seen through as if it were clear");
+        const auto coat = element.extension("KHR_materials_clearcoat");
+        if (coat && (coat->has("clearcoatNormalTexture") || material.normal_texture.present()))
+            note_once(animation_, "clear coats have the normals of what they cover");
+        // 0 means reflection without Fresnel: the densest surface is nearest.
         if (material.ior == 0) material.ior = 100;
-        read_volume(element, material);
+        // Thickness is for rasterisers.
+        const auto volume = element.extension("KHR_materials_volume");
+        if (volume && volume->number("thicknessFactor", 0) > 0) material.thickness = Thickness::solid;
         return material;
     }
 
-    /// The number of the thickness is for rasterisers; rays know where a body ends.
-    static void read_volume(const Element& element, Material& material) {
-        if (const auto volume = element.extension("KHR_materials_volume")) {
-            if (volume->number("thicknessFactor", 0) > 0) material.thickness = Thickness::solid;
-            set_triple(*volume, "attenuationColor", material.attenuation_color);
-            material.attenuation_distance = static_cast<float>(volume->number("attenuationDistance", 0));
-        }
-        if (const auto dispersion = element.extension("KHR_materials_dispersion"))
-            material.dispersion = static_cast<float>(dispersion->number("dispersion", 0));
-    }
-
-    void read_layers(const Element& element, Material& material) {
-        if (const auto coat = element.extension("KHR_materials_clearcoat")) {
-            material.coat = static_cast<float>(coat->number("clearcoatFactor", 0));
-            material.coat_texture = texture(*coat, "clearcoatTexture");
-            material.coat_roughness = static_cast<float>(coat->number("clearcoatRoughnessFactor", 0));
-            material.coat_roughness_texture = texture(*coat, "clearcoatRoughnessTexture");
-            if (coat->has("clearcoatNormalTexture") || material.normal_texture.present())
-                note_once(animation_, "clear coats have the normals of what they cover");
-        }
-        if (const auto film = element.extension("KHR_materials_iridescence")) {
-            material.iridescence = static_cast<float>(film->number("iridescenceFactor", 0));
-            material.iridescence_texture = texture(*film, "iridescenceTexture");
-            material.film_ior = static_cast<float>(film->number("iridescenceIor", 1.3));
-            material.film_thinnest = static_cast<float>(film->number("iridescenceThicknessMinimum", 100));
-            material.film_thickest = static_cast<float>(film->number("iridescenceThicknessMaximum", 400));
-            material.film_texture = texture(*film, "iridescenceThicknessTexture");
-        }
-        if (const auto brushed = element.extension("KHR_materials_anisotropy")) {
-            material.anisotropy = static_cast<float>(brushed->number("anisotropyStrength", 0));
-            material.anisotropy_rotation = static_cast<float>(brushed->number("anisotropyRotation", 0));
-            material.anisotropy_texture = texture(*brushed, "anisotropyTexture");
-        }
-        if (const auto leaf = element.extension("KHR_materials_diffuse_transmission")) {
-            material.diffuse_transmission = static_cast<float>(leaf->number("diffuseTransmissionFactor", 0));
-            material.diffuse_transmission_texture = texture(*leaf, "diffuseTransmissionTexture");
-            set_triple(*leaf, "diffuseTransmissionColorFactor", material.diffuse_transmission_color);
-            material.diffuse_transmission_color_texture = texture(*leaf, "diffuseTransmissionColorTexture");
-        }
-        if (const auto sheen = element.extension("KHR_materials_sheen")) {
-            set_triple(*sheen, "sheenColorFactor", material.sheen);
-            material.sheen_texture = texture(*sheen, "sheenColorTexture");
-            material.sheen_roughness = static_cast<float>(sheen->number("sheenRoughnessFactor", 0));
-            material.sheen_roughness_texture = texture(*sheen, "sheenRoughnessTexture");
-        }
-    }
-
-    static void set_triple(const Element& element, const char* key, glm::vec3& color) {
-        const std::vector<double> numbers = element.numbers(key, 3);
-        for (std::size_t k = 0; k < numbers.size(); ++k) color[static_cast<int>(k)] = static_cast<float>(numbers[k]);
+    void read_extensions(const Element& element, Material& material) {
+        for (const auto& [extension, key, value] : factors)
+            if (const auto own = element.extension(extension))
+                material.*value = static_cast<float>(own->number(key, static_cast<double>(material.*value)));
+        for (const auto& [extension, key, value] : tints)
+            if (const auto own = element.extension(extension)) set_color(*own, key, material.*value);
+        for (const auto& [extension, key, value] : textures)
+            if (const auto own = element.extension(extension)) material.*value = texture(*own, key);
     }
 
     void read_metallic_roughness(const Element& element, Material& material) {
@@ -157,15 +151,13 @@ class MaterialReader {
         material.metallic_roughness_texture = {};
         set_color(extension, "diffuseFactor", material.base_color);
         material.base_color_texture = texture(extension, "diffuseTexture");
-        if (const std::vector<double> specular = extension.numbers("specularFactor", 3); !specular.empty())
-            material.specular = glm::vec3(specular[0], specular[1], specular[2]);
+        set_color(extension, "specularFactor", material.specular);
         material.glossiness = static_cast<float>(extension.number("glossinessFactor", 1));
         material.specular_glossiness_texture = texture(extension, "specularGlossinessTexture");
     }
 
     void read_emission(const Element& element, Material& material) {
-        if (const std::vector<double> factor = element.numbers("emissiveFactor", 3); !factor.empty())
-            material.emission = glm::vec3(factor[0], factor[1], factor[2]);
+        set_color(element, "emissiveFactor", material.emission);
         material.emission_texture = texture(element, "emissiveTexture");
         if (const auto strength = element.extension("KHR_materials_emissive_strength"))
             material.emission *= static_cast<float>(strength->number("emissiveStrength", 1));
@@ -182,8 +174,9 @@ class MaterialReader {
         material.alpha_cutoff = static_cast<float>(element.number("alphaCutoff", 0.5));
     }
 
-    static void set_color(const Element& element, const char* key, glm::vec4& color) {
-        const std::vector<double> numbers = element.numbers(key, 4);
+    template <class Color>
+    static void set_color(const Element& element, const char* key, Color& color) {
+        const std::vector<double> numbers = element.numbers(key, static_cast<std::size_t>(Color::length()));
         for (std::size_t k = 0; k < numbers.size(); ++k) color[static_cast<int>(k)] = static_cast<float>(numbers[k]);
     }
 
@@ -217,7 +210,6 @@ class MaterialReader {
         return use;
     }
 
-    /// Index into Animation::images of one of the file's images; added at the first use.
     int image_source(int image) {
         int& known = image_of_[static_cast<std::size_t>(image)];
         if (known >= 0) return known;

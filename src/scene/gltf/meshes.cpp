@@ -7,7 +7,6 @@
 #include "core/module.h"
 #include "scene/gltf/accessor.h"
 #include "scene/gltf/parts.h"
-#include "scene/model/choice.h"
 #include "scene/model/wording.h"
 
 namespace render2mpeg::scene::gltf {
@@ -98,7 +97,7 @@ const Floats& MeshReader::floats(int accessor, std::initializer_list<int> compon
                           std::find(components.begin(), components.end(), known->second.components) != components.end();
         if (fits) return known->second;
     }
-    // What does not fit is read again for its message.
+    // Read again for the error message.
     Floats floats = read_floats(document_, accessor, components, count, user);
     return decoded_.insert_or_assign(accessor, std::move(floats)).first->second;
 }
@@ -129,7 +128,7 @@ const DracoMesh* MeshReader::read_draco(const Element& primitive, const std::map
     for (const auto& [name, id] : wanted) {
         DracoMesh::Values& values = draco_->attributes.at(id);
         const Element accessor = document_.at("accessors", attributes.at(name));
-        // Draco may not say that integers are shares of 1 though the accessor does.
+        // Draco may not say that integers are normalised.
         const std::size_t type = accessor.size("componentType", 5126);
         if (accessor.boolean("normalized", false) && !values.normalized && type >= 5120 && type <= 5123) {
             const float largest = type == 5120 ? 127.0f : type == 5121 ? 255.0f : type == 5122 ? 32767.0f : 65535.0f;
@@ -197,7 +196,6 @@ void MeshReader::read_joints(const Element& primitive, const std::map<std::strin
                                   to = 4 * static_cast<std::size_t>(set) + k;
                 if (from >= weight.values.size())
                     primitive.refuse(joints->first + " has fewer elements than there are vertices");
-                // Joints are 16 bits wide in every file that follows the specification.
                 if (joint[from] > 0xffff)
                     primitive.refuse(joints->first + " refers to joint " + std::to_string(joint[from]));
                 mesh.joints[v].joint[to] = static_cast<std::uint16_t>(joint[from]);
@@ -232,7 +230,7 @@ std::optional<Mesh> MeshReader::read_primitive(const Element& primitive) {
     if (read_draco(primitive, attributes) != nullptr && mode != triangles)
         primitive.refuse("is compressed and not of single triangles");
 
-    // Keep only the vertices that are used: exporters let many primitives share one large array.
+    // Keep used vertices only: primitives often share one large array.
     const Floats& positions = floats(position->second, {3}, 0, primitive.where() + ", POSITION");
     const std::size_t vertices = positions.count();
     std::vector<std::uint32_t> corners = read_corners(primitive, vertices);

@@ -11,27 +11,23 @@
 #include "scene/model/load_options.h"
 #include "scene/module/draco.h"
 
-/// The parts of a glTF file, each read into an Animation by one file.
 namespace render2mpeg::scene::gltf {
 
-/// Index of the wanted one of KHR_materials_variants, -1 for none; tells what there is where nobody chose. Throws
-/// core::Error where there is none of that name or number.
+/// Chosen variant of KHR_materials_variants, or -1; notes the others. Throws core::Error for an unknown one.
 int variant_of(const Document& document, const LoadOptions& options, Animation& animation);
 
-/// Materials and the images they use, in the file's order, so that their indices stay.
+/// Materials and images in the file's order.
 void read_materials(const Document& document, Animation& animation);
 
-/// The material of primitives that name none [glTF2, 3.9.6]; added at the first call.
+/// Default material [glTF2, 3.9.6], added at the first call.
 int default_material(Animation& animation);
 
-/// Reads meshes as nodes ask for them; primitives that several nodes show become one Mesh.
+/// Reads meshes on demand; each primitive becomes one Mesh.
 class MeshReader {
   public:
-    /// `variant`: whose materials primitives take; -1: their own.
     MeshReader(const Document& document, int variant, Animation& animation)
         : document_(document), variant_(variant), animation_(animation) {}
 
-    /// One primitive that draws triangles.
     struct Part {
         int mesh = -1;      ///< index into Animation::meshes
         int material = -1;  ///< -1: the default one
@@ -39,10 +35,8 @@ class MeshReader {
     };
     const std::vector<Part>& parts_of(int mesh);
 
-    /// Morph targets of a mesh's primitives; all have as many.
     std::size_t morph_targets_of(int mesh) const;
 
-    /// Says what was left out.
     void add_notes();
 
   private:
@@ -70,7 +64,7 @@ class MeshReader {
     bool too_many_joints_ = false;
 };
 
-/// Where a channel of KHR_animation_pointer points.
+/// Target of a KHR_animation_pointer channel.
 struct PointedTrack {
     enum class What {
         translation,
@@ -90,26 +84,25 @@ struct PointedTrack {
     int index = -1;  ///< node, camera, light of the file, or material
 };
 
-/// What a JSON pointer of KHR_animation_pointer means.
+/// Target of a JSON pointer.
 PointedTrack pointed_track(const Document& document, const std::string& pointer);
 
-/// The targets of all channels with the extension, in the file's order.
+/// Targets of all such channels, in the file's order.
 std::vector<PointedTrack> pointed_tracks(const Document& document);
 
-/// Which camera and light of the file each of Animation's is: several nodes may carry one.
+/// The file's camera and light of each of Animation's; several nodes may share one.
 struct Carried {
     std::vector<int> cameras, lights;
 };
 
-/// Nodes, and the objects, cameras, lights and skins that the scene's nodes carry.
+/// Nodes with objects, cameras, lights and skins.
 Carried read_scene(const Document& document, MeshReader& meshes, Animation& animation);
 
-/// Keys of all animations, or of the one that is wanted.
+/// Keys of all animations, or of the wanted one.
 void read_animations(const Document& document, const LoadOptions& options, const MeshReader& meshes,
                      const Carried& carried, Animation& animation);
 
-/// Undoes and says what is known of the program that wrote the file: lamps of Blender's exporter come in watts again,
-/// and what it left out is told with the box that was not ticked.
+/// Converts lamps of Blender's exporter to watts, and names boxes that were not ticked.
 void heed_exporter(const Document& document, Animation& animation);
 
 }  // namespace render2mpeg::scene::gltf

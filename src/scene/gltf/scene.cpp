@@ -1,6 +1,5 @@
 // Nodes, cameras and lights of a glTF file.
 #include <algorithm>
-#include <cmath>
 #include <glm/gtc/type_ptr.hpp>
 #include <map>
 #include <set>
@@ -85,7 +84,6 @@ class SceneReader {
     }
 
   private:
-    /// All nodes with their parents; refuses two parents and cycles.
     void read_nodes() {
         const std::vector<Element> elements = document_.all("nodes");
         children_.resize(elements.size());
@@ -107,7 +105,7 @@ class SceneReader {
         refuse_cycles();
     }
 
-    /// With one parent each, a node in a cycle is its own ancestor.
+    /// A node in a cycle is its own ancestor.
     void refuse_cycles() {
         const std::vector<Node>& nodes = animation_.nodes;
         std::vector<int> reached_from(nodes.size(), -1);
@@ -124,7 +122,7 @@ class SceneReader {
         }
     }
 
-    /// Nodes of the scene that is shown, in depth-first order: the default scene, else the first, else all nodes.
+    /// Nodes of the default scene, else the first, else all, depth first.
     std::vector<int> nodes_of_scene() {
         std::vector<int> pending;
         int scene = document_.root().index("scene", "scenes");
@@ -154,7 +152,7 @@ class SceneReader {
         return order;
     }
 
-    /// Whether nobody ever sees what a node and those below it hold [KHR_node_visibility]; its parent was asked before.
+    /// Whether a node is never visible [KHR_node_visibility]; parents are asked first.
     bool is_hidden(int node) {
         hidden_.resize(animation_.nodes.size(), 0);
         const int parent = animation_.nodes[static_cast<std::size_t>(node)].parent;
@@ -204,7 +202,7 @@ class SceneReader {
         }
     }
 
-    /// One node and its objects for each copy, below the node that carries them [EXT_mesh_gpu_instancing].
+    /// Copies of a node's objects [EXT_mesh_gpu_instancing].
     void read_copies(const Element& extension, const Element& element, int node, int mesh) {
         std::size_t count = 0;
         std::map<std::string, Floats> columns;
@@ -237,7 +235,7 @@ class SceneReader {
         }
     }
 
-    /// Objects of the mesh that `element`, the node `owner`, carries, at the node `node`.
+    /// Objects of `owner`'s mesh at `node`.
     void read_objects(const Element& element, int owner, int node, int mesh) {
         const std::vector<MeshReader::Part>& parts = meshes_.parts_of(mesh);
         const Element mesh_element = document_.at("meshes", mesh);
@@ -285,7 +283,7 @@ class SceneReader {
         return known;
     }
 
-    /// A camera is named by its node where its own name is missing or shared.
+    /// Names cameras by their nodes where their names are missing or shared.
     void name_cameras() {
         std::vector<CameraLens>& cameras = animation_.cameras;
         std::vector<std::string> own;

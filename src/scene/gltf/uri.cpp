@@ -21,7 +21,7 @@ int hex_digit(char c) {
     return -1;
 }
 
-/// %41 to A; a percent sign that no two hexadecimal digits follow stands for itself, as many exporters write it.
+/// %41 to A; stray percent signs stay, as many exporters write them.
 std::string percent_decoded(std::string_view text) {
     std::string decoded;
     decoded.reserve(text.size());
@@ -70,7 +70,7 @@ std::vector<std::byte> base64_decoded(std::string_view text) {
     return bytes;
 }
 
-/// The letters before a colon that make a URI absolute; a drive letter ("C:") counts.
+/// Whether a URI is absolute; a drive letter ("C:") counts.
 bool has_scheme(const std::string& uri) {
     const std::size_t colon = uri.find(':');
     if (colon == std::string::npos || colon == 0 || !std::isalpha(static_cast<unsigned char>(uri[0]))) return false;
@@ -103,7 +103,7 @@ std::optional<std::vector<std::byte>> bytes_of_data_uri(const std::string& uri) 
 }
 
 fs::path path_of_uri(const std::string& uri, const fs::path& folder) {
-    // Refuse what is not a relative path in the folder, by its words.
+    // Refuse by its words all but relative paths.
     const std::string shown = in_quotes(uri);
     if (uri.empty()) throw std::invalid_argument("its URI is empty");
     if (has_scheme(uri))
@@ -120,7 +120,7 @@ fs::path path_of_uri(const std::string& uri, const fs::path& folder) {
         at = end + 1;
     }
 
-    // And by where it leads, since a link can lead anywhere.
+    // Refuse by its target, since links can lead anywhere.
     const fs::path base = folder.empty() ? fs::path(".") : folder;
     const fs::path path = base / fs::path(decoded);
     std::error_code failure;

@@ -6,15 +6,13 @@
 #include <string>
 #include <vector>
 
-/// References from one file to another, as far as a scene may make them. [RFC3986]
 namespace render2mpeg::scene {
 
-/// The bytes of a `data:` URI (base64 or percent-encoded); nothing for other URIs. Throws std::invalid_argument with
-/// the cause for a broken one.
+/// Bytes of a `data:` URI; none for other URIs. Throws std::invalid_argument.
 std::optional<std::vector<std::byte>> bytes_of_data_uri(const std::string& uri);
 
-/// The file that a relative URI names, percent-decoded, within `folder`. Throws std::invalid_argument with the cause
-/// for absolute paths, other schemes, and whatever leaves the folder, symbolic links included. The file need not exist.
+/// File of a relative URI [RFC3986] within `folder`; it need not exist. Throws std::invalid_argument for absolute
+/// paths, other schemes, and paths or links that leave the folder.
 std::filesystem::path path_of_uri(const std::string& uri, const std::filesystem::path& folder);
 
 }  // namespace render2mpeg::scene

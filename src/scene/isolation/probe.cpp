@@ -4,21 +4,26 @@
 #include <poll.h>
 #include <spawn.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cinttypes>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <new>
 #include <stdexcept>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
 #include "core/module.h"
-#include "scene/isolation/probed.h"
 
 namespace render2mpeg::scene {
 namespace {
@@ -37,7 +42,7 @@ fs::path program() {
     return {};
 }
 
-/// A descriptor that is closed in the end, and that no other program inherits by chance.
+/// A descriptor, closed in the end and not inherited.
 struct Descriptor {
     explicit Descriptor(int number) : value(number) {}
     ~Descriptor() {
@@ -54,7 +59,7 @@ struct Descriptor {
     throw core::Error("starting", program().string(), std::strerror(failure));
 }
 
-/// A file in memory that holds `bytes`, to be read from its beginning.
+/// A memory file with `bytes`.
 int file_of(std::span<const std::byte> bytes) {
     Descriptor file(memfd_create("input", MFD_CLOEXEC));
     if (file.value < 0) fail(errno);
@@ -71,7 +76,7 @@ rlim_t limit_of(int resource) {
     return getrlimit(static_cast<__rlimit_resource>(resource), &both) == 0 ? both.rlim_cur : RLIM_INFINITY;
 }
 
-/// Whether this process, and so its children, may not even take as much memory as a probe: `ulimit`, `--memory`.
+/// Whether this process itself is limited to less memory than a probe (`ulimit`, `--memory`).
 bool is_short_of(std::uintmax_t memory) {
     const rlim_t all = limit_of(RLIMIT_AS), own = limit_of(RLIMIT_DATA);
     return (all != RLIM_INFINITY && all < memory + address_space_now()) || (own != RLIM_INFINITY && own < memory);
@@ -84,7 +89,7 @@ int wait_for(pid_t child) {
     return status;
 }
 
-/// Reads until the other end is closed. Returns whether it came so far.
+/// Reads to the end; false where `give_up` said so.
 bool read_all(int pipe, std::string& text, const std::function<bool()>& give_up) {
     constexpr int look_every_ms = 50;
     std::array<char, 4096> buffer;
@@ -116,7 +121,7 @@ ProbeEnd::How how_ended(int status) {
     }
 }
 
-/// Starts the program with these descriptors as its 0, 1 and 3.
+/// Starts the program with these descriptors as 0, 1 and 3.
 pid_t spawn(std::vector<std::string> words, int input, int text, int turns) {
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
@@ -127,7 +132,7 @@ pid_t spawn(std::vector<std::string> words, int input, int text, int turns) {
     posix_spawn_file_actions_adddup2(&actions, text, STDOUT_FILENO);
     posix_spawn_file_actions_adddup2(&actions, turns, probe_turns);
     posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-    // Interrupts are the parent's business, from the first instant on.
+    // Interrupts are the parent's.
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
     sigset_t blocked, usual;
@@ -144,6 +149,57 @@ pid_t spawn(std::vector<std::string> words, int input, int text, int turns) {
     posix_spawn_file_actions_destroy(&actions);
     if (failure != 0) fail(failure);
     return child;
+}
+
+constexpr std::string_view flag = "--probe";
+
+rlim_t seconds_now() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<rlim_t>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec);
+}
+
+/// Limits turn by turn, within those of the process.
+class TurnLimits {
+  public:
+    explicit TurnLimits(const ProbeLimits& limits) : limits_(limits) {}
+
+    void begin_turn() const {
+#ifndef RENDER2MPEG_SANITIZED
+        // Sanitizers reserve more address space than there is memory; they go without this limit.
+        lower(RLIMIT_AS, std::min<rlim_t>(memory_, limits_.memory + address_space_now()));
+#endif
+        if (limits_.seconds > 0) lower(RLIMIT_CPU, std::min<rlim_t>(seconds_, limits_.seconds + seconds_now()));
+        lower(RLIMIT_CORE, 0);
+        alarm(limits_.clock_seconds);
+        errno = 0;
+    }
+
+  private:
+    static rlim_t limit_of(__rlimit_resource resource) {
+        rlimit both{};
+        return getrlimit(resource, &both) == 0 ? both.rlim_cur : RLIM_INFINITY;
+    }
+    static void lower(__rlimit_resource resource, rlim_t limit) {
+        rlimit both{};
+        if (getrlimit(resource, &both) != 0) return;
+        both.rlim_cur = std::min(limit, both.rlim_max);
+        setrlimit(resource, &both);
+    }
+
+    ProbeLimits limits_;
+    rlim_t memory_ = limit_of(RLIMIT_AS), seconds_ = limit_of(RLIMIT_CPU);
+};
+
+int text_pipe = -1;
+
+bool write_all(std::string_view text) {
+    while (!text.empty()) {
+        const ssize_t n = write(text_pipe, text.data(), text.size());
+        if (n < 0 && errno != EINTR) return false;
+        if (n > 0) text.remove_prefix(static_cast<std::size_t>(n));
+    }
+    return true;
 }
 
 }  // namespace
@@ -174,7 +230,7 @@ Probe::Probe(const ProbeLimits& limits, const std::vector<std::string>& words, s
     Descriptor text_end(text[0]), text_begin(text[1]);
     if (pipe2(turns, O_CLOEXEC) != 0) fail(errno);
     Descriptor turns_end(turns[0]), turns_begin(turns[1]);
-    // What a dup2 must not overwrite before it is used itself.
+    // High numbers, which dup2 does not overwrite.
     const Descriptor read_from(file_of(input)), high_turns(fcntl(turns[1], F_DUPFD_CLOEXEC, 10));
     std::vector<std::string> all = probe_words(limits);
     all.insert(all.begin(), program().string());
@@ -211,7 +267,7 @@ std::string text_of(ProbeEnd end, const std::string& name, const ProbeLimits& li
     using How = ProbeEnd::How;
     if (end.how == How::read || end.how == How::given_up) return std::move(end.text);
     if (end.how == How::refused) throw core::Error(end.text);
-    // No limit of ours does that, but the system does where memory runs out.
+    // Our limits do not kill, but the system's lack of memory does.
     if (end.how == How::killed)
         throw OutOfMemory("reading", name, "the process that read it was killed (out of memory?)");
     const bool no_memory = end.how == How::out_of_memory, no_time = end.how == How::out_of_time;
@@ -225,6 +281,65 @@ std::string text_of(ProbeEnd end, const std::string& name, const ProbeLimits& li
                                "; this is a fault of the program, not of the file");
     if (no_memory) throw OutOfMemory("reading", name, more + ": it is damaged");
     throw core::Error("reading", name, no_time ? more + ": it is damaged" : "its parser crashed: the file is damaged");
+}
+
+std::uintmax_t address_space_now() {
+    std::uintmax_t pages = 0;
+    if (std::FILE* statm = std::fopen("/proc/self/statm", "re")) {
+        if (std::fscanf(statm, "%ju", &pages) != 1) pages = 0;
+        std::fclose(statm);
+    }
+    return pages * static_cast<std::uintmax_t>(sysconf(_SC_PAGESIZE));
+}
+
+std::vector<std::string> probe_words(const ProbeLimits& limits) {
+    return {std::string(flag), std::to_string(getpid()), std::to_string(limits.memory), std::to_string(limits.seconds),
+            std::to_string(limits.clock_seconds)};
+}
+
+void write_from_probe(const std::string& text) {
+    if (!write_all(text)) _exit(probe_crashed);
+}
+
+bool is_probe(int argc, char** argv) {
+    return argc > 1 && argv[1] == flag;
+}
+
+void live_as_probe(int argc, char** argv, const std::map<std::string, ProbedReading>& readings) {
+    // Interrupts are the parent's, and the probe ends with it.
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_IGN);
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    const std::vector<std::string> words(argv, argv + argc);
+    constexpr std::size_t own_words = 7;  // with the program and the kind
+    if (words.size() < own_words || getppid() != std::atoi(argv[2])) _exit(probe_crashed);
+    const auto reading = readings.find(words[own_words - 1]);
+    if (reading == readings.end()) _exit(probe_crashed);
+
+    // Libraries print to standard output.
+    text_pipe = dup(STDOUT_FILENO);
+    dup2(STDERR_FILENO, STDOUT_FILENO);
+    const TurnLimits limits({std::strtoumax(argv[3], nullptr, 10),
+                             static_cast<unsigned>(std::strtoul(argv[4], nullptr, 10)),
+                             static_cast<unsigned>(std::strtoul(argv[5], nullptr, 10))});
+    int status = 0;
+    std::string text;
+    try {
+        text = reading->second({words.begin() + own_words, words.end()}, [&](Turn turn) {
+            const char mark = turn_mark(turn);
+            if (write(probe_turns, &mark, 1) != 1) _exit(probe_crashed);
+            limits.begin_turn();
+        });
+    } catch (const core::Error& error) {
+        // Libraries report a lack of memory in many ways; malloc() has one.
+        status = errno == ENOMEM ? probe_out_of_memory : probe_refused;
+        text = error.what();
+    } catch (const std::bad_alloc&) {
+        status = probe_out_of_memory;
+    } catch (...) {
+        status = probe_crashed;
+    }
+    if (!write_all(text)) status = probe_crashed;
+    _exit(status);
 }
 
 }  // namespace render2mpeg::scene

@@ -4,42 +4,38 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "core/error.h"
 
-/// Outside parsers can be made to crash, loop or take all memory by hostile files. So such a file is first read by a
-/// process of its own, with limits of memory and time: this program started anew with `--probe` (probed.h). What goes
-/// well there will go well here, too.
+/// Outside parsers may crash, loop or take all memory on hostile files. Such a file is first read by another process of
+/// this program (`--probe`) with limits of memory and time.
 namespace render2mpeg::scene {
 
-/// Whose code runs.
 enum class Turn { parser, ours };
 
-/// Called where other code begins to run: its limits begin anew.
+/// Called at changes of code, where limits begin anew.
 using TakeTurns = std::function<void(Turn)>;
 
-/// Memory ran out in a probe, before that of the whole machine did if its limit was well chosen.
+/// A probe ran out of memory.
 class OutOfMemory : public core::Error {
   public:
     using core::Error::Error;
 };
 
-/// What outside code may take, in each turn; never more than this process may.
+/// Limits of outside code in each turn, below this process's own.
 struct ProbeLimits {
     std::uintmax_t memory = 0;   ///< bytes more than the probe's process holds at the turn's beginning
     unsigned seconds = 0;        ///< of processor time; 0: any
     unsigned clock_seconds = 0;  ///< for what waits, since a busy machine makes others wait, too; 0: any
 };
 
-/// What a parser may take for a file of this size.
 ProbeLimits limits_for(std::uintmax_t file_size);
-/// The same for a file that is there, or not.
 ProbeLimits limits_for(const std::filesystem::path& file);
 
-/// How a probe ended.
 struct ProbeEnd {
     enum class How { read, refused, out_of_memory, out_of_time, killed, crashed, given_up };
     How how = How::crashed;
@@ -47,31 +43,54 @@ struct ProbeEnd {
     std::string text;          ///< what was said until then; refused: why
 };
 
-/// A process that reads something. It does not heed interrupts, and ends with the thread that began it.
+/// A process that reads a file. It ignores interrupts, and ends with its parent thread.
 class Probe {
   public:
-    /// Whether there is a program to be started; else files are read unprobed. It is the one that $RENDER2MPEG_PROGRAM
-    /// names, else the one that runs, if it is called render2mpeg, else a render2mpeg beside it or one folder above.
+    /// Whether there is a program: $RENDER2MPEG_PROGRAM, else this one if it is called render2mpeg, else one beside it
+    /// or one folder above. Without it files are read unprobed.
     static bool is_possible();
 
-    /// Begins. `words`: the kind of reading and what it is told (probed.h); `input` is what the probe has as its
-    /// standard input. Throws core::Error where the system gives no process.
+    /// `words`: kind of reading, and arguments; `input`: standard input. Throws core::Error without a
+    /// process.
     Probe(const ProbeLimits& limits, const std::vector<std::string>& words, std::span<const std::byte> input = {});
-    /// Ends it, whatever becomes of it.
     ~Probe();
     Probe(const Probe&) = delete;
     Probe& operator=(const Probe&) = delete;
 
-    /// Waits for its end, but not where `give_up`, which is asked now and then, says so. To be called once.
+    /// Waits for its end, or until `give_up` says so. Once only.
     ProbeEnd end(const std::function<bool()>& give_up = {});
 
   private:
     int child_ = -1, text_ = -1, turns_ = -1;
 };
 
-/// What the probe of `name` said. Throws core::Error for what was refused and for a death in the parser's turn;
-/// OutOfMemory also where the parser refused its file for want of memory (it was to take limits.memory). A death in our
-/// own code's turn is no file's fault: std::logic_error.
+/// Output of the probe of `name`. Throws core::Error for refusals and crashes of the parser, OutOfMemory where it
+/// lacked memory, and std::logic_error for a crash of our own code.
 std::string text_of(ProbeEnd end, const std::string& name, const ProbeLimits& limits);
+
+/// Reads as `words` say, with the Probe's input as standard input, and returns the output. Limits hold from the first
+/// turn.
+using ProbedReading = std::function<std::string(const std::vector<std::string>& words, const TakeTurns& take_turns)>;
+
+bool is_probe(int argc, char** argv);
+
+/// Writes a part of the output at once.
+void write_from_probe(const std::string& text);
+
+/// Runs the reading that the command line asks for.
+[[noreturn]] void live_as_probe(int argc, char** argv, const std::map<std::string, ProbedReading>& readings);
+
+/// Exit statuses; libraries and sanitizers exit with small ones.
+constexpr int probe_refused = 61, probe_out_of_memory = 62, probe_crashed = 63;
+/// Descriptor of turns, one character each.
+constexpr int probe_turns = 3;
+constexpr char turn_mark(Turn turn) {
+    return turn == Turn::ours ? 'o' : 'p';
+}
+
+std::vector<std::string> probe_words(const ProbeLimits& limits);
+
+/// Address space of this process in bytes; 0: unknown.
+std::uintmax_t address_space_now();
 
 }  // namespace render2mpeg::scene

@@ -21,7 +21,7 @@
 
 namespace render2mpeg::scene {
 
-/// A place in the hierarchy. Transforms are composed in double precision.
+/// A node of the hierarchy, in double precision.
 struct Node {
     std::string name;
     int parent = -1;  ///< -1: root; the graph has no cycle after validation
@@ -36,13 +36,11 @@ struct Skin {
     std::vector<glm::dmat4> inverse_bind;  ///< as many
 };
 
-/// How an object's surface changes over the whole film. `still`: never. `rigid`: as a whole. `deforming`: vertex by
-/// vertex.
+/// Change of an object's surface over the film: `rigid` as a whole, `deforming` vertex by vertex.
 enum class Mobility { still, rigid, deforming };
 
-/// What a mesh does to light that passes its glass: `none`: it passes straight, or there is no glass. `slab`: a body
-/// between two parallel planes, as a window: what is seen through it is shifted, light passes it straight. `solid`:
-/// light is bent.
+/// Light through a mesh's glass. `none`: straight. `slab`: a window, which shifts the view and passes light straight.
+/// `solid`: bends light.
 enum class Body : std::uint8_t { none, slab, solid };
 
 /// One mesh with one material at one node: what a pixel's object id names.
@@ -63,7 +61,7 @@ struct Shot {
     int camera = 0;
 };
 
-/// A scene with everything that moves in it: plain data, the same for every frame, never changed after loading.
+/// A scene with all its motion: plain data, constant after loading.
 struct Animation {
     std::string source;  ///< the file the user named
     std::vector<std::filesystem::path>
@@ -81,8 +79,7 @@ struct Animation {
     std::vector<Track> tracks;
     std::vector<Shot> shots;  ///< by frame; empty: camera 0 throughout
 
-    /// Subtracted from every world position before it is rounded to single precision, so that a scene far from the
-    /// origin loses no digits. All positions that leave this part are relative to it.
+    /// Subtracted from world positions before they are rounded to single precision, so that far scenes lose no digits.
     glm::dvec3 origin{0};
     /// Corners of a box about all surfaces at the first frame, relative to `origin`; equal where there is no surface.
     glm::vec3 bounds_min{0}, bounds_max{0};

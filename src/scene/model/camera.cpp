@@ -7,8 +7,7 @@
 #include "core/error.h"
 #include "core/numeric.h"
 
-// All of this is computed in double precision and rounded once, so that the inverse functions agree as far as single
-// precision positions and directions can say (docs/model/scene.md).
+// Double precision, rounded once, so that inverse functions agree (docs/model/scene.md).
 namespace render2mpeg::scene {
 namespace {
 
@@ -50,7 +49,7 @@ Ray Camera::ray_through(glm::vec2 position) const {
 Ray Camera::ray_through(glm::vec2 position, glm::vec2 lens) const {
     const Ray middle = ray_through(position);
     if (!has_aperture()) return middle;
-    // In units of depth along the axis no two far points are subtracted, however far the focus is.
+    // In units of depth, so that no far points are subtracted.
     const double radius = static_cast<double>(lens_.aperture_radius);
     const glm::dvec3 across =
         radius * (static_cast<double>(lens.x) * axis(to_world_, 0) + static_cast<double>(lens.y) * axis(to_world_, 1));
@@ -93,7 +92,7 @@ std::optional<ScreenPoint> Camera::on_picture(double right, double up, double sc
     const double x = right / (scale * static_cast<double>(half_extent_.x)) - static_cast<double>(shift_.x);
     const double y = up / (scale * static_cast<double>(half_extent_.y)) - static_cast<double>(shift_.y);
     const glm::vec2 position(0.5 * (1.0 + x) * width_, 0.5 * (1.0 - y) * height_);
-    // A point all but in the plane of the eye has no place on the picture that single precision can say.
+    // Points near the eye's plane have no finite position.
     if (!core::is_finite(position)) return std::nullopt;
     return ScreenPoint{position, static_cast<float>(depth)};
 }

@@ -7,7 +7,7 @@
 
 namespace render2mpeg::scene {
 
-/// A camera as a scene describes it, in its node's space: looks along -z, +y up, +x right.
+/// A camera in its node's space: looks along -z, +y up, +x right.
 struct CameraLens {
     std::string name;
     int node = -1;
@@ -19,7 +19,7 @@ struct CameraLens {
     float far = 0;              ///< 0: infinite
     float aspect = 0;           ///< width over height of the picture that its maker framed; 0: not said
 
-    /// What is sharp. `focus_objects`: the middle of these objects' box; else `focus_point`; else `focus_distance`.
+    /// Focus: the box of `focus_objects`, else `focus_point`, else `focus_distance`.
     float f_stop = 0;              ///< focal length over the aperture's diameter; 0: a pinhole, all is sharp
     float sensor_height = 0.024f;  ///< scene units, of the picture's height: says what the focal length is
     float focus_distance = 0;      ///< along the axis, scene units, > 0
@@ -46,8 +46,7 @@ struct ScreenPoint {
 class Camera {
   public:
     Camera() = default;
-    /// `to_world` is rigid (orthonormal axes, no scale). `aspect` is the picture's width over its height as it is
-    /// shown, pixel aspect included.
+    /// `to_world` is rigid. `aspect`: displayed width over height, pixel aspect included.
     Camera(const CameraLens& lens, const glm::mat4& to_world, int width, int height, float aspect);
 
     /// The same camera elsewhere, and with another field of view.
@@ -56,23 +55,20 @@ class Camera {
     /// The ray through a position on the picture.
     Ray ray_through(glm::vec2 position) const;
 
-    /// The ray that leaves the aperture at `lens` (unit disc, x right and y up) towards what the middle of the lens has
-    /// in focus there. (0, 0) is the ray above.
+    /// Ray from `lens` (unit disc, x right, y up) through the focused point of the central ray.
     Ray ray_through(glm::vec2 position, glm::vec2 lens) const;
 
-    /// Whether things out of focus are blurred.
     bool has_aperture() const { return lens_.aperture_radius > 0; }
 
-    /// Diameter in pixels of the disc that a point at this depth becomes, across; down it is `squeeze` times that.
+    /// Horizontal diameter of the blur disc at this depth, pixels; vertical `squeeze` times that.
     float circle_of_confusion(float depth) const;
 
-    /// Where a world point appears; nothing for points on or behind the plane of the eye.
+    /// Position of a world point; none on or behind the eye's plane.
     std::optional<ScreenPoint> project(glm::vec3 world) const;
     /// The same for a position in double precision.
     std::optional<ScreenPoint> project_exact(glm::dvec3 world) const;
 
-    /// Where a direction (a point at infinity) appears; depth is +infinity. Nothing for orthographic cameras, which see
-    /// one direction everywhere.
+    /// Position of a direction, at depth +infinity; none for orthographic cameras.
     std::optional<ScreenPoint> project_direction(glm::vec3 world_direction) const;
 
     glm::vec3 position() const { return glm::vec3(to_world_[3]); }
@@ -85,8 +81,8 @@ class Camera {
     const glm::mat4& to_world() const { return to_world_; }
     /// World points to OpenEXR's camera space: x right, y up, z along the view.
     glm::mat4 world_to_camera() const;
-    /// World points, once divided by w, to (0, 0) at the picture's upper left corner, (1, 1) at its lower right one,
-    /// and a third coordinate that is 0 at CameraLens::near and rises with depth.
+    /// World to (0, 0) upper left, (1, 1) lower right after division by w; the third coordinate is 0 at
+    /// CameraLens::near.
     glm::mat4 world_to_ndc() const;
 
   private:

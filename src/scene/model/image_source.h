@@ -9,15 +9,14 @@
 
 namespace render2mpeg::scene {
 
-/// An encoded image (PNG, JPEG, EXR, HDR, ...): a file, or bytes that were embedded in the scene's file. Decoding is
-/// not the scene's business.
+/// An encoded image (PNG, JPEG, EXR, HDR, ...): a file, or embedded bytes.
 struct ImageSource {
     std::string name;              ///< for messages
     std::filesystem::path path;    ///< empty where `bytes` holds it
     std::vector<std::byte> bytes;  ///< empty where `path` names it
 };
 
-/// How a material uses an image: which texture coordinates, moved how, and what lies outside [0, 1].
+/// Use of an image: texture coordinates, transform, wrapping.
 struct TextureUse {
     int image = -1;  ///< index into Animation::images; -1: no texture, the factor alone counts
     int uv_set = 0;  ///< 0 or 1

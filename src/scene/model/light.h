@@ -3,8 +3,6 @@
 #include <glm/glm.hpp>
 #include <string>
 
-#include "scene/model/image_source.h"
-
 namespace render2mpeg::scene {
 
 enum class LightKind { point, spot, directional };
@@ -22,7 +20,7 @@ struct Light {
     float outer_cone = 0.785398f;  ///< spot: half angle where the light ends, radians, > inner_cone
 };
 
-/// What is seen and what shines where no surface is. Image (latitude-longitude, +y up, -z in the middle) times colour.
+/// Background and sky light. Image (latitude-longitude, +y up, -z in the middle) times colour.
 struct Sky {
     glm::vec3 color{0, 0, 0};  ///< radiance, or the factor of the image
     int image = -1;            ///< index into Animation::images; -1: constant colour

@@ -5,10 +5,10 @@
 
 namespace render2mpeg::scene {
 
-/// What lights a film that has no light: a studio (preparation/studio.h), an even sky, or nothing.
+/// Light of a film without any: a studio (preparation/default_light.h), an even sky, or none.
 enum class DefaultLight { studio, even, none };
 
-/// What the command line decides over the file.
+/// Options that win over the file.
 struct LoadOptions {
     std::optional<std::string> camera{};     ///< name or index
     std::optional<std::string> animation{};  ///< name or index of a glTF animation; none: all of them at once

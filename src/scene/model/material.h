@@ -9,12 +9,11 @@ namespace render2mpeg::scene {
 
 enum class AlphaMode { opaque, mask, blend };
 
-/// What a mesh of glass stands for: a film without thickness, the boundary of a body, or that where it is closed.
+/// Glass without thickness, a body's boundary, or that where it is closed.
 enum class Thickness { thin, solid, solid_where_closed };
 
-/// A surface's look in glTF 2.0's terms [glTF2, 3.9 and appendix B]; every other format is converted to it. Factors are
-/// linear; colour textures (base colour, emissive, diffuse, specular) are sRGB, the others linear. Each value is factor
-/// x texture.
+/// Surface in glTF 2.0's terms [glTF2, 3.9 and appendix B]. Factors are linear, colour textures sRGB, others linear;
+/// values are factor x texture.
 struct Material {
     std::string name;
 
@@ -47,8 +46,7 @@ struct Material {
     TextureUse transmission_texture;  ///< r
     float ior = 1.5f;                 ///< index of refraction, >= 1
 
-    /// KHR_materials_volume: bodies bend light, and take from it on the way. `Object::body` says which meshes bound
-    /// one.
+    /// KHR_materials_volume. `Object::body` says which meshes bound a body.
     Thickness thickness = Thickness::thin;
     glm::vec3 attenuation_color{1, 1, 1};  ///< 0..1, what is left of white light after `attenuation_distance`
     float attenuation_distance = 0;        ///< > 0; 0: infinite, nothing is taken
@@ -98,24 +96,29 @@ struct Material {
     bool emits() const { return emission.x > 0 || emission.y > 0 || emission.z > 0; }
 };
 
-/// Every use that a material may make of an image.
-inline constexpr TextureUse Material::*texture_uses[] = {&Material::base_color_texture,
-                                                         &Material::metallic_roughness_texture,
-                                                         &Material::specular_glossiness_texture,
-                                                         &Material::normal_texture,
-                                                         &Material::emission_texture,
-                                                         &Material::alpha_texture,
-                                                         &Material::transmission_texture,
-                                                         &Material::specular_weight_texture,
-                                                         &Material::specular_tint_texture,
-                                                         &Material::coat_texture,
-                                                         &Material::coat_roughness_texture,
-                                                         &Material::sheen_texture,
-                                                         &Material::sheen_roughness_texture,
-                                                         &Material::iridescence_texture,
-                                                         &Material::film_texture,
-                                                         &Material::anisotropy_texture,
-                                                         &Material::diffuse_transmission_texture,
-                                                         &Material::diffuse_transmission_color_texture};
+struct NamedTexture {
+    TextureUse Material::*use;
+    const char* name;  ///< for messages
+};
+inline constexpr NamedTexture texture_uses[] = {
+    {&Material::base_color_texture, "base colour texture"},
+    {&Material::metallic_roughness_texture, "metallic-roughness texture"},
+    {&Material::specular_glossiness_texture, "specular-glossiness texture"},
+    {&Material::normal_texture, "normal texture"},
+    {&Material::emission_texture, "emission texture"},
+    {&Material::alpha_texture, "alpha texture"},
+    {&Material::transmission_texture, "transmission texture"},
+    {&Material::specular_weight_texture, "specular texture"},
+    {&Material::specular_tint_texture, "specular colour texture"},
+    {&Material::coat_texture, "clearcoat texture"},
+    {&Material::coat_roughness_texture, "clearcoat roughness texture"},
+    {&Material::sheen_texture, "sheen colour texture"},
+    {&Material::sheen_roughness_texture, "sheen roughness texture"},
+    {&Material::iridescence_texture, "iridescence texture"},
+    {&Material::film_texture, "thin film's texture"},
+    {&Material::anisotropy_texture, "anisotropy texture"},
+    {&Material::diffuse_transmission_texture, "diffuse transmission texture"},
+    {&Material::diffuse_transmission_color_texture, "diffuse transmission colour texture"},
+};
 
 }  // namespace render2mpeg::scene

@@ -20,8 +20,7 @@ struct VertexJoints {
     std::array<float, 8> weight{};
 };
 
-/// Triangles of one material in their own space. After validation every index is in range, every position finite, and
-/// triangles without area are gone.
+/// Triangles of one material in object space; after validation indices are in range, positions finite, and areas > 0.
 struct Mesh {
     std::string name;
     std::vector<glm::vec3> positions;

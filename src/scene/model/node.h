@@ -7,11 +7,10 @@
 
 namespace render2mpeg::scene {
 
-/// Turns a node's matrix, if it has one, into translation, rotation and scale, so that tracks can move it. Shear is
-/// lost.
+/// Replaces a node's matrix by translation, rotation and scale; shear is lost.
 void separate(Node& node);
 
-/// The turn that takes -z to `forward` and +y as near to `up` as it can be. No turn where `forward` has no direction.
+/// Turns -z to `forward` and +y towards `up`. Identity without a direction.
 glm::dquat turn_towards(glm::dvec3 forward, glm::dvec3 up);
 
 }  // namespace render2mpeg::scene

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstring>
 #include <string_view>
 
+#include "core/checksum.h"
 #include "core/error.h"
 
 namespace render2mpeg::scene {
@@ -16,22 +16,12 @@ void put(Bytes& to, std::uint32_t big_endian) {
     for (int shift = 24; shift >= 0; shift -= 8) to.push_back(static_cast<std::byte>(big_endian >> shift));
 }
 
-/// [PNG, annex D]
-std::uint32_t crc_of(std::span<const std::byte> bytes) {
-    std::uint32_t crc = 0xffffffffu;
-    for (const std::byte b : bytes) {
-        crc ^= static_cast<std::uint32_t>(b);
-        for (int k = 0; k < 8; ++k) crc = (crc & 1u) ? 0xedb88320u ^ (crc >> 1) : crc >> 1;
-    }
-    return ~crc;
-}
-
 void put_chunk(Bytes& to, std::string_view type, std::span<const std::byte> content) {
     put(to, static_cast<std::uint32_t>(content.size()));
     const std::size_t from = to.size();
     for (const char c : type) to.push_back(static_cast<std::byte>(c));
     to.insert(to.end(), content.begin(), content.end());
-    put(to, crc_of(std::span(to).subspan(from)));
+    put(to, core::crc_of(std::span(to).subspan(from)));
 }
 
 /// A zlib stream of stored blocks. [RFC1950; RFC1951, 3.2.4]

@@ -7,9 +7,8 @@
 
 namespace render2mpeg::scene {
 
-/// A PNG of 8-bit RGBA texels, row by row from the upper left, stored without compression: how images that a file
-/// describes instead of holding them (patterns, plain texels) become an ImageSource. Throws ContractViolation where the
-/// sizes do not agree.
+/// Uncompressed PNG of RGBA texels from the upper left, for generated images. Throws ContractViolation for another
+/// number of texels.
 std::vector<std::byte> encode_png(int width, int height, std::span<const glm::u8vec4> texels);
 
 }  // namespace render2mpeg::scene

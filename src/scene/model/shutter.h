@@ -4,7 +4,7 @@
 
 namespace render2mpeg::scene {
 
-/// A rotating shutter as a film's maker knows it.
+/// A rotating shutter.
 struct Shutter {
     float angle =
         0;  ///< degrees, 0..360: 180 is open for half the time between two frames; 0: closed, frames are sharp
@@ -17,7 +17,7 @@ struct Shutter {
     static bool is_rolling(double frames) { return frames >= 0 && frames <= 1; }
 };
 
-/// When the shutter of one frame is open: seconds from the frame's own time.
+/// Opening of one frame's shutter: seconds from the frame's time.
 struct ShutterInterval {
     double opens = 0, closes = 0;  ///< of all rows together; the same: closed
     double frame = 0;              ///< from one frame to the next
@@ -26,8 +26,7 @@ struct ShutterInterval {
     bool is_open() const { return closes > opens; }
     double middle() const { return 0.5 * (opens + closes); }
 
-    /// Shutter time, of all rows together, at which a row is `time` of its own; `down`: the row's place in the picture,
-    /// 0 at its top, 1 at its bottom.
+    /// Shutter time 0..1 of all rows for a row's own `time`; `down`: 0 at the top row, 1 at the bottom.
     float of_row(float time, float down) const {
         if (!(rolls > 0)) return time;
         const auto share = static_cast<float>(rolls / (closes - opens));
@@ -35,7 +34,6 @@ struct ShutterInterval {
     }
 };
 
-/// Of a film with this many frames per second.
 inline ShutterInterval interval_of(const Shutter& shutter, double rate) {
     if (!shutter.is_open()) return {};
     const double rolls = static_cast<double>(shutter.rolling),

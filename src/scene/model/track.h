@@ -3,16 +3,14 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <span>
-#include <string>
 #include <vector>
 
 namespace render2mpeg::scene {
 
 enum class Interpolation { step, linear, cubic_spline };
 
-/// What a track moves. `visibility` (0 or 1), `light_intensity` and `emission` (factors on the light's or material's
-/// own value), `field_of_view` (CameraLens::vertical_fov, radians), `f_stop` and `focus_distance` come from animation
-/// files. `light_color` and `base_color` replace Light::color and Material::base_color.
+/// Target of a track. `visibility` is 0 or 1; `light_intensity` and `emission` are factors; `field_of_view` (radians),
+/// `f_stop` and `focus_distance` are cameras'; `light_color` and `base_color` replace the own one.
 enum class TrackTarget {
     translation,
     rotation,
@@ -28,8 +26,8 @@ enum class TrackTarget {
     focus_distance
 };
 
-/// A curve over time [glTF2, 3.11 and appendix C]. Key k has `width` values; with cubic_spline three times as many:
-/// in-tangent, value, out-tangent. Before the first key and after the last the curve is constant.
+/// Curve over time [glTF2, 3.11 and appendix C], constant outside its keys. Key k has `width` values; cubic_spline has
+/// in-tangent, value, out-tangent.
 struct Track {
     TrackTarget target = TrackTarget::translation;
     int index = -1;  ///< node; for light_* the light, emission, base_color the material, field_of_view, f_stop and
@@ -40,7 +38,7 @@ struct Track {
     std::vector<float> times;  ///< seconds, finite, strictly rising after validation
     std::vector<float> values;
 
-    /// Writes `width` values at `seconds` to `out`. Rotations come normalised, by the shortest path.
+    /// Writes `width` values; rotations are unit, by the shortest path.
     void sample(double seconds, std::span<float> out) const;
 };
 

@@ -41,7 +41,7 @@ std::optional<Extent> extent_at(const Animation& animation, double seconds) {
     for (const Object& object : animation.objects) {
         const std::vector<glm::dvec3> positions = world_positions(animation, object, pose);
         if (positions.empty()) continue;
-        // Vertices that no triangle uses do not count.
+        // Unused vertices do not count.
         for (const glm::uvec3& t : animation.meshes[static_cast<std::size_t>(object.mesh)].triangles) {
             for (int k = 0; k < 3; ++k) {
                 extent.low = glm::min(extent.low, positions[t[k]]);

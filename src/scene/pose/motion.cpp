@@ -8,14 +8,13 @@
 namespace render2mpeg::scene {
 namespace {
 
-/// Where a pixel's point is on both pictures; nothing where the reference cannot show it.
+/// A pixel's point in both pictures; none where the reference cannot show it.
 struct Move {
     glm::vec2 vector;
     float depth;
 };
 
-/// Both ends are projected, rather than the pixel's centre taken for the one, so that the rounding of the address
-/// cancels and what does not move has motion exactly 0.
+/// Projecting both ends cancels the address's rounding: no motion is exactly 0.
 std::optional<Move> move_of_surface(const core::SurfaceAddress& address, const Snapshot& here,
                                     const Snapshot& reference) {
     const std::optional<glm::dvec3> from = carry_exact(address, here), to = carry_exact(address, reference);

@@ -1,16 +1,184 @@
 #include "scene/preparation/default_light.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/gtc/constants.hpp>
 #include <optional>
 
+#include "core/color.h"
+#include "scene/model/node.h"
+#include "scene/model/png.h"
 #include "scene/model/wording.h"
-#include "scene/pose/extent.h"
 #include "scene/pose/pose.h"
 #include "scene/pose/surface_grid.h"
-#include "scene/preparation/studio.h"
 
 namespace render2mpeg::scene {
 namespace {
+
+// All of this is chosen by eye on a dozen models (docs/scenes.md).
+constexpr double key_elevation = 0.87, rim_elevation = 0.6;  // radians over the horizon
+constexpr double key_heading = 0.95, rim_heading = -2.5;     // to the left of where the camera stands, radians
+constexpr double box_elevation = 1.1;                        // above what cameras see that look level
+constexpr float key_irradiance = 3.2f, rim_irradiance = 1.2f;
+constexpr float key_angle = 0.2f, rim_angle = 0.15f;  // radians: penumbrae of a large soft box
+constexpr float fill = 0.11f;                         // radiance of the sky between its soft boxes
+constexpr float floor_reflectance = 0.18f;
+// A little warm and a little cool, so that shapes are told by colour too; white stays white.
+constexpr glm::vec3 sun_tint{1, 0.985f, 0.955f}, sky_tint{0.95f, 0.975f, 1};
+
+struct SoftBox {
+    glm::dvec3 towards;
+    float radiance;
+    float inner, outer;  ///< cosines between which it fades
+};
+
+glm::dvec3 direction(double heading, double elevation) {
+    return {std::sin(heading) * std::cos(elevation), std::sin(elevation), std::cos(heading) * std::cos(elevation)};
+}
+
+float smooth(float low, float high, float x) {
+    const float t = std::clamp((x - low) / (high - low), 0.0f, 1.0f);
+    return t * t * (3 - 2 * t);
+}
+
+/// The sky by direction; `yaw` is the camera's heading.
+class StudioSky {
+  public:
+    static constexpr int width = 256, height = 128;
+
+    explicit StudioSky(double yaw)
+        : boxes_{{{direction(yaw + key_heading, box_elevation), 3.2f, 0.97f, 0.90f},
+                  {direction(yaw + rim_heading, box_elevation), 2.6f, 0.97f, 0.90f},
+                  {direction(yaw - 0.9, box_elevation), 0.8f, 0.97f, 0.90f}}} {
+        // What the floor sends back is what the backdrop shows.
+        const double by_suns = static_cast<double>(key_irradiance) * std::sin(key_elevation) +
+                               static_cast<double>(rim_irradiance) * std::sin(rim_elevation);
+        double by_sky = 0;
+        const double cell = glm::pi<double>() / height;
+        for (int y = 0; y < height / 2; ++y)
+            for (int x = 0; x < width; ++x) {
+                const glm::dvec3 d = direction_of(x, y);
+                by_sky += static_cast<double>(upper(d)) * d.y * cell * cell * std::sqrt(1 - d.y * d.y);
+            }
+        backdrop_ = floor_reflectance / glm::pi<float>() *
+                    (static_cast<float>(by_suns) * sun_tint + static_cast<float>(by_sky) * sky_tint);
+    }
+
+    /// Latitude-longitude, as Sky says.
+    static glm::dvec3 direction_of(int x, int y) {
+        const double from_middle = 2 * glm::pi<double>() * ((x + 0.5) / width - 0.5);
+        const double polar = glm::pi<double>() * (y + 0.5) / height;
+        return {std::sin(polar) * std::sin(from_middle), std::cos(polar), -std::sin(polar) * std::cos(from_middle)};
+    }
+
+    glm::vec3 radiance(glm::dvec3 d) const { return d.y > 0 ? upper(d) * sky_tint : lower(static_cast<float>(d.y)); }
+
+  private:
+    /// The backdrop darkens towards the horizon and meets the sky there.
+    glm::vec3 lower(float y) const { return glm::mix(backdrop_, horizon * sky_tint, smooth(-0.3f, 0.05f, y)); }
+
+    float upper(glm::dvec3 d) const {
+        const auto y = static_cast<float>(d.y);
+        float sum = horizon + (fill - horizon) * smooth(0, 0.4f, y);
+        for (const SoftBox& box : boxes_)
+            sum += box.radiance * smooth(box.outer, box.inner, static_cast<float>(glm::dot(d, box.towards)));
+        return sum;
+    }
+
+    static constexpr float horizon = 0.1f;
+    std::array<SoftBox, 3> boxes_;
+    glm::vec3 backdrop_{0};
+};
+
+void add_sky(Animation& animation, const StudioSky& sky) {
+    float peak = 0;
+    for (int y = 0; y < StudioSky::height; ++y)
+        for (int x = 0; x < StudioSky::width; ++x)
+            for (int k = 0; k < 3; ++k) peak = std::max(peak, sky.radiance(StudioSky::direction_of(x, y))[k]);
+    std::vector<glm::u8vec4> texels;
+    for (int y = 0; y < StudioSky::height; ++y)
+        for (int x = 0; x < StudioSky::width; ++x) {
+            const glm::vec3 share = sky.radiance(StudioSky::direction_of(x, y)) / peak;
+            glm::u8vec4 texel(255);
+            for (int k = 0; k < 3; ++k)
+                texel[k] = static_cast<glm::uint8>(std::lround(255 * core::linear_to_srgb(share[k])));
+            texels.push_back(texel);
+        }
+    animation.sky.image = static_cast<int>(animation.images.size());
+    animation.sky.color = glm::vec3(peak);
+    animation.sky.rotation = 0;
+    animation.images.push_back({"studio", {}, encode_png(StudioSky::width, StudioSky::height, texels)});
+}
+
+void add_sun(Animation& animation, const char* name, glm::dvec3 towards, float irradiance, float angle) {
+    Node node;
+    node.name = name;
+    node.rotation = turn_towards(-towards, glm::dvec3(0, 1, 0));
+    Light sun;
+    sun.name = name;
+    sun.node = static_cast<int>(animation.nodes.size());
+    sun.kind = LightKind::directional;
+    sun.color = sun_tint;
+    sun.intensity = irradiance;
+    sun.angle = angle;
+    animation.nodes.push_back(std::move(node));
+    animation.lights.push_back(std::move(sun));
+}
+
+/// A disc in the plane y = 0 that is covered within `inner` and gone at `outer`.
+Mesh disc(float inner, float outer) {
+    constexpr int spokes = 48, rings = 24;
+    Mesh mesh;
+    mesh.name = "studio floor";
+    const auto add = [&](float radius, float angle, float alpha) {
+        mesh.positions.emplace_back(radius * std::cos(angle), 0, -radius * std::sin(angle));
+        mesh.normals.emplace_back(0, 1, 0);
+        mesh.colors.emplace_back(1, 1, 1, alpha);
+    };
+    add(0, 0, 1);
+    for (int r = 0; r <= rings; ++r)
+        for (int s = 0; s < spokes; ++s) {
+            const float radius = inner + (outer - inner) * static_cast<float>(r) / rings;
+            add(radius, 2 * glm::pi<float>() * static_cast<float>(s) / spokes, 1 - smooth(inner, outer, radius));
+        }
+    const auto at = [](int r, int s) { return static_cast<unsigned>(1 + r * spokes + s % spokes); };
+    for (int s = 0; s < spokes; ++s) mesh.triangles.emplace_back(0, at(0, s), at(0, s + 1));
+    for (int r = 0; r < rings; ++r)
+        for (int s = 0; s < spokes; ++s) {
+            mesh.triangles.emplace_back(at(r, s), at(r + 1, s), at(r + 1, s + 1));
+            mesh.triangles.emplace_back(at(r, s), at(r + 1, s + 1), at(r, s + 1));
+        }
+    return mesh;
+}
+
+void add_floor(Animation& animation, const Extent& extent) {
+    Material matt;
+    matt.name = "studio floor";
+    matt.base_color = glm::vec4(glm::vec3(floor_reflectance), 1);
+    matt.specular_glossiness = true;
+    matt.specular = glm::vec3(0);
+    matt.glossiness = 0;
+    matt.alpha_mode = AlphaMode::blend;
+
+    const glm::dvec3 size = extent.high - extent.low;
+    const double reach = 0.5 * std::hypot(size.x, size.z) + 0.5 * size.y;
+    Node node;
+    node.name = "studio floor";
+    // A little below, so that what lies on the ground keeps its underside to itself.
+    node.translation = extent.centre();
+    node.translation.y = extent.low.y - 1e-3 * extent.radius();
+    Object object;
+    object.name = "studio floor";
+    object.node = static_cast<int>(animation.nodes.size());
+    object.mesh = static_cast<int>(animation.meshes.size());
+    object.material = static_cast<int>(animation.materials.size());
+    animation.stage = static_cast<int>(animation.objects.size());
+    animation.meshes.push_back(disc(static_cast<float>(1.2 * reach), static_cast<float>(3.5 * reach)));
+    animation.nodes.push_back(std::move(node));
+    animation.materials.push_back(std::move(matt));
+    animation.objects.push_back(std::move(object));
+}
 
 /// The object whose own box is as good as the box of everything, and so closes in what is inside: a sky dome, the walls
 /// of a room in one piece.
@@ -51,6 +219,14 @@ void light_by_studio(Animation& animation, const glm::dmat4& to_world) {
 }
 
 }  // namespace
+
+void add_studio(Animation& animation, const Extent& extent, glm::dvec3 forward, bool floor) {
+    const double yaw = std::atan2(-forward.x, -forward.z);  // of where the camera stands
+    add_sky(animation, StudioSky(yaw));
+    add_sun(animation, "studio key light", direction(yaw + key_heading, key_elevation), key_irradiance, key_angle);
+    add_sun(animation, "studio rim light", direction(yaw + rim_heading, rim_elevation), rim_irradiance, rim_angle);
+    if (floor) add_floor(animation, extent);
+}
 
 bool has_light(const Animation& animation) {
     if (animation.sky.shines()) return true;

@@ -41,7 +41,7 @@ void add_material(const Material& material, Traits& traits) {
     if (material.emits()) traits.has_emissive_surfaces = true;
     if (material.alpha_mode == AlphaMode::mask) traits.has_alpha_mask = true;
     if (material.alpha_mode == AlphaMode::blend) traits.has_alpha_blend = true;
-    for (const auto use : texture_uses)
+    for (const auto& [use, name] : texture_uses)
         if ((material.*use).present()) traits.has_textures = true;
 }
 

@@ -1,11 +1,10 @@
 #pragma once
-// What a film contains, as far as it decides which passes run.
+// Facts of a film that decide which passes run.
 #include "scene/model/animation.h"
 
 namespace render2mpeg::scene {
 
-/// What a film contains, as far as it decides which passes run. Conservative over the whole film: a trait is true when
-/// any frame may show it.
+/// Facts of a film that decide which passes run: true when any frame may show it.
 struct Traits {
     bool has_surfaces = false;
     bool has_punctual_lights = false;

@@ -52,7 +52,7 @@ std::vector<char> sound_vertices(const Mesh& mesh) {
     return sound;
 }
 
-/// What was mended in all meshes, as one line: some files have thousands of meshes.
+/// Repairs of all meshes in one line.
 class Tally {
   public:
     /// `verb` 3 `noun`s `reason`.
@@ -79,8 +79,7 @@ struct Tallies {
     Tally attributes{"replaced", "texture coordinate or colour", "as not finite"};
 };
 
-/// Corners that are nowhere are damage, not a matter of taste: nobody knows what was meant
-/// (docs/decisions.md#broken-corners-are-refused).
+/// Broken corners are damage (docs/decisions.md#broken-corners-are-refused).
 void refuse_broken_corners(const Animation& animation, const Mesh& mesh, const std::vector<char>& sound,
                            const std::string& name) {
     for (const glm::uvec3& t : mesh.triangles)
@@ -89,7 +88,7 @@ void refuse_broken_corners(const Animation& animation, const Mesh& mesh, const s
 }
 
 void drop_triangles(const Animation& animation, Mesh& mesh, const std::string& name, Tallies& tallies) {
-    // A shape that moves vertex by vertex may open a triangle that is flat in the base shape.
+    // Deformation may open a flat triangle.
     const bool bends = !mesh.joints.empty() || !mesh.morph_targets.empty();
     const std::vector<char> sound = sound_vertices(mesh);
     refuse_broken_corners(animation, mesh, sound, name);
@@ -105,7 +104,6 @@ void drop_triangles(const Animation& animation, Mesh& mesh, const std::string& n
     mesh.triangles.erase(std::remove_if(mesh.triangles.begin(), mesh.triangles.end(), is_bad), mesh.triangles.end());
     tallies.flat.add(flat, name);
 
-    // Nothing refers to the broken vertices that are left.
     for (std::size_t v = 0; v < sound.size(); ++v) {
         if (sound[v]) continue;
         mesh.positions[v] = glm::vec3(0);
@@ -130,7 +128,7 @@ void derive_normals(Mesh& mesh, const std::vector<char>& wanted) {
 }
 
 void mend_normals(Mesh& mesh, const std::string& name, Tallies& tallies) {
-    // Make normals unit; leave what is so to within rounding alone, so that completing twice changes nothing.
+    // Normalise; unit normals stay as they are.
     std::vector<char> missing(mesh.normals.size(), 0);
     std::size_t broken = 0;
     for (std::size_t v = 0; v < mesh.normals.size(); ++v) {
@@ -149,7 +147,6 @@ void mend_normals(Mesh& mesh, const std::string& name, Tallies& tallies) {
             if (!core::is_finite(n)) n = glm::vec3(0);
 }
 
-/// What only textures and colours suffer from: replaced, and said.
 void mend_attributes(Mesh& mesh, const std::string& name, Tallies& tallies) {
     std::size_t broken = 0;
     for (std::vector<glm::vec2>& set : mesh.uv)
@@ -162,7 +159,6 @@ void mend_attributes(Mesh& mesh, const std::string& name, Tallies& tallies) {
     }
     tallies.attributes.add(broken, name);
 
-    // A tangent is of use only where all are.
     for (glm::vec4& t : mesh.tangents) {
         glm::vec3 unit(t);
         if (!(std::abs(glm::dot(unit, unit) - 1) < 1e-6f)) unit = core::normalize_or(unit, glm::vec3(0));

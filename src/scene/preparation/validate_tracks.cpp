@@ -37,7 +37,7 @@ const TargetFacts& facts_of(TrackTarget target) {
     return *std::find_if(std::begin(all), std::end(all), [&](const TargetFacts& f) { return f.target == target; });
 }
 
-/// What a track moves, for messages, after a check that it exists.
+/// Name of a track's target, which must exist.
 std::string target_of(const Animation& animation, const Track& track) {
     const std::size_t i = static_cast<std::size_t>(track.index);
     const TargetFacts& facts = facts_of(track.target);
@@ -74,7 +74,7 @@ void order_keys(const Animation& animation, const std::string& name, Track& trac
     track.values.resize(kept * per_key);
 }
 
-/// Rotations of length 0 have no meaning: they become none, which is said.
+/// Rotations of length 0 become identities, with a note.
 void mend_rotations(Animation& animation, const std::string& name, Track& track) {
     if (track.target != TrackTarget::rotation) return;
     const std::size_t per_key = values_per_key(track);
@@ -87,10 +87,10 @@ void mend_rotations(Animation& animation, const std::string& name, Track& track)
     }
 }
 
-/// Fields of view are angles, the other single numbers factors: refuse what has no meaning as such.
+/// Refuses impossible angles and factors.
 void check_values(const Animation& animation, const std::string& name, const Track& track) {
     if (track.target == TrackTarget::field_of_view) {
-        // Between keys a spline may overshoot; such frames are clamped to the same range.
+        // A spline may overshoot between keys; frames are clamped.
         for (std::size_t v = track.interpolation == Interpolation::cubic_spline ? 1 : 0; v < track.values.size();
              v += track.interpolation == Interpolation::cubic_spline ? 3 : 1)
             if (!(track.values[v] > 0 && track.values[v] < 3.1415f))

@@ -1,0 +1,55 @@
+#pragma once
+// Writes small files whole or not at all.
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "core/checksum.h"
+#include "core/picture.h"
+
+namespace render2mpeg::app {
+
+/// Writes a file atomically, or into a pipe or device. Removes temporary files of killed runs. Throws core::Error.
+void write_whole(const std::filesystem::path& file, const std::string& text);
+
+/// All of a file. Throws core::Error.
+std::string file_text(const std::filesystem::path& file);
+
+/// JSON as lines of text; invalid UTF-8 is replaced.
+std::string json_text(const nlohmann::json& value);
+
+/// JSON of a file; `discarded` (nlohmann) where it cannot be read.
+nlohmann::json read_json(const std::filesystem::path& file);
+
+void write_json(const std::filesystem::path& file, const nlohmann::json& value);
+
+/// JSON has neither infinities nor NaN.
+nlohmann::json finite_or_null(double value);
+
+/// A name as it is read back from such text.
+std::string as_json_keeps(const std::string& name);
+
+/// Prints safe lines (core::printable) to standard output. Throws core::Error.
+void print(const std::string& text);
+
+/// Waits until a file is on the disk. Throws core::Error where it cannot be; unsupported file systems are no failure.
+void bring_to_disk(const std::filesystem::path& file);
+
+void bring_name_to_disk(const std::filesystem::path& file);
+
+/// Absolute name with links followed; the file may be missing.
+std::filesystem::path canonical_of(const std::filesystem::path& file);
+
+using core::Checksum;
+using core::checksum_of;
+
+std::uint64_t checksum_of(const core::Picture& picture);
+
+/// Checksum of this program; empty where it cannot be read.
+std::string build_identity();
+
+/// 16 hexadecimal digits.
+std::string text_of(std::uint64_t checksum);
+
+}  // namespace render2mpeg::app

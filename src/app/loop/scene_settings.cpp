@@ -1,0 +1,176 @@
+#include "app/loop/scene_settings.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <string_view>
+
+#include "app/options/option_text.h"
+#include "app/options/usage_error.h"
+#include "core/text.h"
+#include "encoder/codec.h"
+
+namespace render2mpeg::app {
+namespace {
+
+std::vector<int> objects_named(const scene::Animation& animation, const std::string& name) {
+    std::vector<int> found;
+    std::vector<std::string_view> names;
+    for (std::size_t i = 0; i < animation.objects.size(); ++i) {
+        names.emplace_back(animation.objects[i].name);
+        if (animation.objects[i].name == name) found.push_back(static_cast<int>(i));
+    }
+    if (!found.empty()) return found;
+    throw UsageError(fmt::format("--focus {}: neither a distance above 0 nor an object{}", name,
+                                 core::did_you_mean(name, names, "\"", "\"")));
+}
+
+void forget_tracks(scene::Animation& animation, scene::TrackTarget target) {
+    std::erase_if(animation.tracks, [&](const scene::Track& track) { return track.target == target; });
+}
+
+void set_focus(scene::Animation& animation, const std::string& focus) {
+    char* end = nullptr;
+    const double distance = std::strtod(focus.c_str(), &end);
+    const bool is_number = !focus.empty() && *end == '\0';
+    if (is_number && !(distance > 0 && distance <= 1e9))
+        throw UsageError("--focus " + focus + ": expected a distance above 0, or the name of an object");
+    const std::vector<int> objects = is_number ? std::vector<int>() : objects_named(animation, focus);
+    forget_tracks(animation, scene::TrackTarget::focus_distance);
+    for (scene::CameraLens& lens : animation.cameras) {
+        lens.focus_objects = objects;
+        lens.focus_point.reset();
+        lens.focus_distance = is_number ? static_cast<float>(distance) : 0.0f;
+    }
+}
+
+bool has_focus(const scene::CameraLens& lens) {
+    return lens.focus_distance > 0 || lens.focus_point || !lens.focus_objects.empty();
+}
+
+// fit: docs/measurements.md#shutter-and-lens
+int samples_of_lens(double quantiser) {
+    if (quantiser <= 6) return 64;
+    return quantiser <= 12 ? 32 : 16;
+}
+
+int samples_of_shutter(double quantiser) {
+    if (quantiser <= 2) return 32;
+    if (quantiser <= 6) return 16;
+    return quantiser <= 12 ? 8 : 4;
+}
+
+/// Uncoded frames count as quantiser 4.
+double mpeg2_quantiser(const RenderJob& film, int quantiser) {
+    return film.kind == OutputKind::film ? encoder::mpeg2_quantiser_like(film.coding.codec, quantiser) : 4;
+}
+
+void set_f_stop(scene::Animation& animation, const RenderOptions& options) {
+    const float f_stop = f_stop_from(*options.f_stop);
+    forget_tracks(animation, scene::TrackTarget::f_stop);
+    for (scene::CameraLens& lens : animation.cameras) {
+        lens.f_stop = f_stop;
+        if (f_stop > 0 && !has_focus(lens))
+            throw UsageError("--f-stop " + *options.f_stop +
+                             ": nothing says what is in focus; give --focus a distance or an object's name");
+    }
+}
+
+/// In smaller pictures too few pixels lie between edges of light. chosen: docs/measurements.md#irradiance-cache.
+constexpr std::int64_t least_pixels = 160 * 160;
+
+}  // namespace
+
+void set_exposure(scene::Animation& animation, const RenderOptions& options) {
+    if (options.shutter) {
+        const ShutterRequest shutter = shutter_from(*options.shutter);
+        animation.shutter = {shutter.angle, shutter.phase, shutter.rolling};
+    }
+    if (options.focus) set_focus(animation, *options.focus);
+    if (options.f_stop) set_f_stop(animation, options);
+    const scene::Traits traits = scene::traits_of(animation);
+    if (options.shutter && animation.shutter.is_open() && !traits.shows_motion())
+        animation.notes.emplace_back("--shutter does nothing here: nothing moves");
+    if (options.focus && !traits.has_aperture)
+        animation.notes.emplace_back("--focus does nothing here: no camera has an f-stop");
+    if (options.exposure_samples && !traits.shows_motion() && !traits.has_aperture)
+        animation.notes.emplace_back("--exposure-samples does nothing here: neither shutter nor lens blur anything");
+}
+
+void set_fog(scene::Animation& animation, const RenderOptions& options) {
+    if (options.fog) animation.fog.visibility = fog_from(*options.fog);
+}
+
+void set_glare(scene::Animation& animation, const RenderOptions& options) {
+    if (!options.glare) return;
+    const GlareRequest asked = glare_from(*options.glare);
+    core::Glare& glare = animation.glare;
+    glare.kind = asked.kind;
+    if (asked.strength) glare.strength = *asked.strength;
+    // An explicit --glare is never of strength 0.
+    if (asked.kind == core::GlareKind::off || asked.strength || glare.strength > 0) return;
+    glare.strength = core::Glare{}.strength;
+    animation.notes.push_back(
+        fmt::format("--glare {}: the file's glare has strength 0; it is {} now (--glare {}:STRENGTH)", *options.glare,
+                    glare.strength, *options.glare));
+}
+
+void tell_samples(RenderJob& film) {
+    std::vector<renderer::PlanRow> rows = film.plan.rows();
+    for (renderer::PlanRow& row : rows) {
+        if (!row.runs || (row.pass != renderer::Pass::shutter && row.pass != renderer::Pass::lens)) continue;
+        const bool fixed = film.coding.rate_control.mode == encoder::RateMode::constant_quantiser;
+        if (film.exposure_samples || film.kind != OutputKind::film || fixed)
+            row.reason += fmt::format("; {} samples ({})", exposure_samples(film, film.coding.quantiser).most,
+                                      film.exposure_samples           ? "as asked for"
+                                      : film.kind != OutputKind::film ? "not coded"
+                                                                      : "by quantiser");
+        else
+            row.reason += "; samples by each picture's quantiser";
+    }
+    film.plan = renderer::Plan(std::move(rows));
+}
+
+renderer::ExposureSamples exposure_samples(const RenderJob& film, int quantiser) {
+    if (film.exposure_samples) return {*film.exposure_samples, *film.exposure_samples};
+    // chosen: a draft shows that something is blurred, and by how much (2 to 16).
+    if (film.preview) return {4, film.plan.runs(renderer::Pass::lens) ? 8 : 4};
+    const double q = mpeg2_quantiser(film, quantiser);
+    const int most = film.plan.runs(renderer::Pass::lens) ? samples_of_lens(q) : samples_of_shutter(q);
+    // chosen: as many as sharp edges get (SeeSettings::edge_samples); with 4 they were rougher than those.
+    return {std::min(most, 16), most};
+}
+
+renderer::ExposureSamples exposure_samples(const RenderJob& film, int quantiser, const perceptual::Display& display) {
+    renderer::ExposureSamples samples = exposure_samples(film, quantiser);
+    if (film.exposure_samples) return samples;
+    samples.shown = [display](float luminance) { return perceptual::luma_of(display, glm::vec3(luminance)); };
+    // chosen: 0.15 code values for each unit of the quantiser, not tuned; rims of discs are few pixels.
+    samples.visible = 0.15f * static_cast<float>(mpeg2_quantiser(film, quantiser));
+    return samples;
+}
+
+CacheChoice choose_cache(const std::string& asked, const scene::Traits& traits, bool rays, bool reference,
+                         std::int64_t frames, std::int64_t pixels) {
+    using enum renderer::CacheUse;
+    if (asked == "off") return {off, "not wanted: --cache off"};
+    if (reference) return {off, "no cause: every pixel is lit by itself"};
+    if (asked == "on") return {on, "--cache on asks for it"};
+    if (!traits.has_diffuse_surfaces) return {off, "would not pay: no surface shows one light from all sides"};
+    if (rays) return {static_light, "pixels and frames share what gather rays found"};
+    if (frames == 1) return {off, "would not pay: there is no later frame to keep light for"};
+    if (pixels < least_pixels) return {off, "would not pay: the picture is small"};
+    // A change of light discards all records: only the frame's own pixels would gain.
+    if (traits.lights_change) return {off, "would not pay: lights change"};
+    if (traits.changes_light()) return {off, "would not pay: what moves changes light"};
+    return {static_light, traits.camera_moves ? "only the camera moves: light stays for later frames"
+                                              : "nothing moves: light stays for later frames"};
+}
+
+std::string cache_word(const renderer::Settings& rendering) {
+    constexpr const char* words[] = {"off", "static", "on"};
+    return words[static_cast<int>(rendering.cache)];
+}
+
+}  // namespace render2mpeg::app

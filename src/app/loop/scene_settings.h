@@ -1,0 +1,37 @@
+#pragma once
+// Exposure, effects and cache by command line and scene.
+#include <cstdint>
+#include <string>
+
+#include "app/loop/render_job.h"
+#include "perceptual/display.h"
+#include "renderer/renderer.h"
+#include "scene/preparation/traits.h"
+
+namespace render2mpeg::app {
+
+/// --shutter, --f-stop and --focus win over the scene. Throws UsageError for contradictions.
+void set_exposure(scene::Animation& animation, const RenderOptions& options);
+
+/// --fog wins over the scene.
+void set_fog(scene::Animation& animation, const RenderOptions& options);
+
+/// --glare wins over the scene.
+void set_glare(scene::Animation& animation, const RenderOptions& options);
+
+/// Adds samples per pixel to the reasons of the plan's rows.
+void tell_samples(RenderJob& film);
+
+/// Samples of a pixel blurred by shutter or lens: as many as survive this quantiser
+/// (docs/measurements.md#shutter-and-lens), uncoded frames as with quantiser 4.
+renderer::ExposureSamples exposure_samples(const RenderJob& film, int quantiser);
+
+/// The same for a picture on this display: more where lamps show, unless given by hand.
+renderer::ExposureSamples exposure_samples(const RenderJob& film, int quantiser, const perceptual::Display& display);
+
+/// `asked`: on, off or auto, which caches where that pays in pictures of `pixels`. `reference`: nothing is cached.
+/// `rays`: renderer::Indirect::rays.
+CacheChoice choose_cache(const std::string& asked, const scene::Traits& traits, bool rays, bool reference,
+                         std::int64_t frames, std::int64_t pixels);
+
+}  // namespace render2mpeg::app

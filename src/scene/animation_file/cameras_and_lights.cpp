@@ -1,0 +1,328 @@
+#include "scene/animation_file/cameras_and_lights.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+#include <map>
+#include <numbers>
+#include <string>
+
+#include "core/text.h"
+#include "scene/animation_file/keys.h"
+#include "scene/animation_file/shapes.h"
+
+namespace render2mpeg::scene {
+namespace {
+
+namespace keys = animation_file_keys;
+
+/// Value of a curve at first, and a track where it changes.
+float add_curve(const Curve& curve, TrackTarget target, std::size_t camera, Animation& film) {
+    double first = 0;
+    curve.sample(curve.times.front(), {&first, 1});
+    if (curve.times.size() > 1) film.tracks.push_back(track_of(curve, target, static_cast<int>(camera)));
+    return static_cast<float>(first);
+}
+
+/// Aperture and focus; an object's name waits for the objects (focus_on_objects).
+void read_aperture(const JsonValue& value, std::size_t index, CameraLens& lens, Animation& film,
+                   const FilmClock& clock) {
+    const auto f_stop = value.find("f_stop");
+    if (f_stop && f_stop->is_text()) {
+        constexpr std::array<std::string_view, 1> words{"off"};
+        f_stop->word(words);
+    } else {
+        const Curve stops = curve_of(value, {"f_stop", 1, 0.01, 1000, true}, clock, keys::camera_key);
+        if (!stops.empty()) lens.f_stop = add_curve(stops, TrackTarget::f_stop, index, film);
+    }
+    const auto focus = value.find("focus");
+    if (focus && focus->is_list()) {
+        lens.focus_point = focus->position();
+    } else if (!focus || !focus->is_text()) {
+        const Curve distances = curve_of(value, {"focus", 1, 1e-6, 1e9, true}, clock, keys::camera_key);
+        if (!distances.empty())
+            lens.focus_distance = add_curve(distances, TrackTarget::focus_distance, index, film);
+        else if (lens.f_stop > 0)
+            value.fail("has an `f_stop` and no `focus`");
+    }
+    // chosen: 24 mm, of 35 mm film.
+    if (const auto v = value.find("sensor_height"))
+        lens.sensor_height = static_cast<float>(v->number(0.1, 1000) / 1000);
+    if (const auto v = value.find("blades")) {
+        lens.blades = static_cast<int>(v->integer(0, 64));
+        if (lens.blades == 1 || lens.blades == 2) v->fail("is 0 (round) or 3 or more");
+    }
+    if (const auto v = value.find("blade_rotation"))
+        lens.blade_rotation = static_cast<float>(glm::radians(v->number(-360, 360)));
+    value.set("squeeze", lens.squeeze, 0.1, 10);
+}
+
+void focus_on_object(const JsonValue& camera, CameraLens& lens, const Animation& film) {
+    const auto focus = camera.find("focus");
+    if (!focus || !focus->is_text()) return;
+    const std::string name = focus->text();
+    std::vector<std::string_view> names;
+    for (std::size_t i = 0; i < film.objects.size(); ++i) {
+        names.emplace_back(film.objects[i].name);
+        if (film.objects[i].name == name) lens.focus_objects.push_back(static_cast<int>(i));
+    }
+    if (!lens.focus_objects.empty()) return;
+    focus->fail("there is no object \"" + name + "\"" + core::did_you_mean(name, names, "\"", "\""));
+}
+
+void read_camera(const JsonValue& value, const std::string& name, std::size_t index, Animation& film,
+                 const FilmClock& clock) {
+    if (const auto projection = value.find("projection"))
+        projection->fail(
+            "panoramas are not rendered: the encoder's exact motion is that of flat pictures; a camera has `fov`, or "
+            "`height` for a parallel projection");
+    value.allow_only(keys::camera);
+    CameraLens lens;
+    lens.name = name;
+    lens.node = add_node(film, name, -1);
+    place(film, lens.node, value, clock, keys::camera_key);
+    if (const auto v = value.find("shift")) {
+        const std::vector<JsonValue> shift = v->list(2, 2);
+        lens.shift = glm::vec2(shift[0].number(-10, 10), shift[1].number(-10, 10));
+    }
+    value.set("near", lens.near, 0, 1e6);
+
+    // An orthographic camera has a height instead.
+    const Curve fov = curve_of(value, {"fov", 1, 0.1, 175, true}, clock, keys::camera_key);
+    if (const auto v = value.find("height")) {
+        if (!fov.empty()) value.fail("has both `fov` (perspective) and `height` (parallel projection)");
+        lens.perspective = false;
+        lens.y_magnification = static_cast<float>(v->number(1e-6, 1e6) / 2);
+    }
+    // chosen: 45 degrees, the normal lens of a 4:3 picture's height.
+    double degrees = 45;
+    if (!fov.empty()) fov.sample(fov.times.front(), {&degrees, 1});
+    lens.vertical_fov = static_cast<float>(glm::radians(degrees));
+    if (fov.times.size() > 1)
+        film.tracks.push_back(
+            track_of(fov, TrackTarget::field_of_view, static_cast<int>(index), glm::pi<double>() / 180));
+    read_aperture(value, index, lens, film, clock);
+    film.cameras.insert(film.cameras.begin() + static_cast<std::ptrdiff_t>(index), lens);
+}
+
+constexpr std::array<std::string_view, 5> kinds{"point", "spot", "sun", "panel", "sphere"};
+
+/// Lights shine along -z.
+Mesh flat_panel(glm::dvec2 size) {
+    Mesh mesh = quad_mesh(size, TextureLayout::fit);
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+        mesh.positions[i] = {-mesh.positions[i].x, mesh.positions[i].y, 0};
+        mesh.normals[i] = {0, 0, -1};
+    }
+    return mesh;
+}
+
+/// An octagon of the ellipse's area, since few corners allow light by the whole lamp.
+Mesh round_panel(glm::dvec2 diameters) {
+    const double radius = std::sqrt(std::numbers::pi / std::sqrt(8.0)) / 2;
+    Mesh mesh = disc_mesh(1, 8, TextureLayout::fit);
+    const glm::vec2 scale(radius * diameters);
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+        mesh.positions[i] = {scale.x * mesh.positions[i].x, scale.y * mesh.positions[i].z, 0};
+        mesh.normals[i] = {0, 0, -1};
+    }
+    return mesh;
+}
+
+class Lights {
+  public:
+    Lights(Animation& film, const FilmClock& clock) : film_(film), clock_(clock) {}
+
+    void build(const JsonValue& value, std::size_t number);
+
+  private:
+    void build_punctual(const JsonValue& value, const std::string& name, int node, std::size_t copy);
+    void build_lamp(const JsonValue& value, const std::string& name, int node, std::size_t copy);
+    Curve power_of(const JsonValue& value, std::size_t copy);
+
+    Animation& film_;
+    const FilmClock& clock_;
+    std::map<std::string, int> mesh_at_, material_at_;  ///< by their place in the file: copies share them
+};
+
+Curve Lights::power_of(const JsonValue& value, std::size_t copy) {
+    Curve power = curve_of(value, {"power", 1, 0, 1e6, true}, clock_, keys::light_key);
+    const auto stagger = value.find("stagger");
+    if (stagger && power.times.size() > 1)
+        for (double& time : power.times) time += clock_.seconds(*stagger) * static_cast<double>(copy);
+    return power;
+}
+
+void Lights::build_punctual(const JsonValue& value, const std::string& name, int node, std::size_t copy) {
+    constexpr std::array<LightKind, 3> kind_of{LightKind::point, LightKind::spot, LightKind::directional};
+    constexpr std::array<double, 3> usual{10, 10, 3};
+    const std::size_t kind = value.need("kind").word(kinds);
+    Light light;
+    light.name = name;
+    light.node = node;
+    light.kind = kind_of[kind];
+    light.intensity = static_cast<float>(value.number_or("intensity", 0, 1e9, usual[kind]));
+    if (const auto v = value.find("color")) light.color = v->color(1);
+    if (const auto v = value.find("colors")) {
+        const std::vector<JsonValue> colors = v->list(1, 1000);
+        light.color = colors[copy % colors.size()].color(1);
+    }
+    value.set("range", light.range, 0, 1e7);
+    if (light.kind == LightKind::directional && value.has("angle"))
+        light.angle = static_cast<float>(glm::radians(value.need("angle").number(0, 180) / 2));
+    if (light.kind == LightKind::spot) {
+        const double angle = value.number_or("angle", 0.1, 180, 60);
+        const double softness = value.number_or("softness", 0, 1, 0.3);
+        light.outer_cone = static_cast<float>(glm::radians(angle / 2));
+        // The two cones must not coincide.
+        light.inner_cone = static_cast<float>(glm::radians(angle / 2) * std::min(1 - softness, 0.999));
+    }
+    const Curve power = power_of(value, copy);
+    const int index = static_cast<int>(film_.lights.size());
+    film_.lights.push_back(light);
+    if (!power.empty()) film_.tracks.push_back(track_of(power, TrackTarget::light_intensity, index));
+}
+
+void Lights::build_lamp(const JsonValue& value, const std::string& name, int node, std::size_t copy) {
+    const bool is_panel = value.need("kind").text() == "panel";
+    if (mesh_at_.find(value.place()) == mesh_at_.end()) {
+        Mesh mesh;
+        if (is_panel) {
+            const auto s = sizes_or<2>(value, "size", 1);
+            const auto round = value.find("round");
+            mesh = round && round->boolean() ? round_panel({s[0], s[1]}) : flat_panel({s[0], s[1]});
+        } else {
+            mesh = lamp_mesh(value.number_or("radius", smallest_size, largest_size, 0.1));
+        }
+        mesh.name = value.place();
+        film_.meshes.push_back(std::move(mesh));
+        mesh_at_[value.place()] = static_cast<int>(film_.meshes.size()) - 1;
+    }
+
+    // Copies share a material unless they differ in colour or time.
+    std::size_t variant = 0;
+    glm::vec3 color = value.has("color") ? value.need("color").color(1) : glm::vec3(1);
+    if (const auto v = value.find("colors")) {
+        const std::vector<JsonValue> colors = v->list(1, 1000);
+        variant = copy % colors.size();
+        color = colors[variant].color(1);
+    }
+    if (value.has("stagger")) variant = copy;
+    const std::string place = value.place() + "/" + std::to_string(variant);
+    if (material_at_.find(place) == material_at_.end()) {
+        Material material;
+        material.name = name;
+        material.base_color = glm::vec4(0, 0, 0, 1);
+        material.specular_glossiness = true;
+        material.specular = glm::vec3(0);
+        material.glossiness = 0;
+        material.emission = color * static_cast<float>(value.number_or("intensity", 0, 1e6, 10));
+        if (const auto v = value.find("seen"); v && !v->boolean()) {
+            // Alpha hides what is seen of a surface, not what it shines.
+            material.base_color.a = 0;
+            material.alpha_mode = AlphaMode::blend;
+        }
+        const int index = static_cast<int>(film_.materials.size());
+        film_.materials.push_back(material);
+        material_at_[place] = index;
+        const Curve power = power_of(value, copy);
+        if (!power.empty()) film_.tracks.push_back(track_of(power, TrackTarget::emission, index));
+    }
+    add_object(film_, name, node, mesh_at_[value.place()], material_at_[place]);
+}
+
+void Lights::build(const JsonValue& value, std::size_t number) {
+    value.allow_only(keys::light);
+    const std::size_t kind = value.need("kind").word(kinds);
+    const bool punctual = kind < 3;
+    const auto only_for = [&](std::string_view key, std::initializer_list<std::size_t> allowed) {
+        if (value.has(key) && std::find(allowed.begin(), allowed.end(), kind) == allowed.end())
+            value.need(key).fail("a " + std::string(kinds[kind]) + " light has no such key");
+    };
+    only_for("angle", {1, 2});
+    only_for("softness", {1});
+    for (const std::string_view key : {"elevation", "azimuth"}) only_for(key, {2});
+    only_for("range", {0, 1});
+    only_for("size", {3});
+    only_for("round", {3});
+    only_for("radius", {4});
+    only_for("seen", {3, 4});
+
+    const std::string name =
+        value.has("name") ? value.need("name").text() : std::string(kinds[kind]) + " " + std::to_string(number + 1);
+    const int placed = add_node(film_, name, -1);
+    place(film_, placed, value, clock_, keys::light_key);
+    if (value.has("elevation") || value.has("azimuth")) {
+        if (value.has("rotate") || value.has("look_at"))
+            value.fail("say either `elevation` and `azimuth`, or `rotate`, or `look_at`");
+        const double up = value.need("elevation").number(-90, 90), round = value.number_or("azimuth", -360, 360, 0);
+        // Not turned, it shines along -z, out of +z: azimuth 0.
+        film_.nodes[static_cast<std::size_t>(placed)].rotation = rotation_of({-up, round, 0});
+    }
+
+    std::size_t copy_number = 0;
+    for (Node& copy : copies_of(value)) {
+        int node = placed;
+        if (value.has("repeat")) {
+            copy.name = name + " " + std::to_string(copy_number + 1);
+            copy.parent = placed;
+            film_.nodes.push_back(copy);
+            node = static_cast<int>(film_.nodes.size()) - 1;
+        }
+        if (punctual)
+            build_punctual(value, film_.nodes[static_cast<std::size_t>(node)].name, node, copy_number);
+        else
+            build_lamp(value, film_.nodes[static_cast<std::size_t>(node)].name, node, copy_number);
+        ++copy_number;
+    }
+}
+
+}  // namespace
+
+void read_cameras(const JsonValue& film_value, Animation& film, const FilmClock& clock) {
+    const auto one = film_value.find("camera"), several = film_value.find("cameras");
+    if (one && several) one->fail("stands beside `cameras`; put all of them there");
+    if (one) read_camera(*one, "camera", 0, film, clock);
+    if (!several) return;
+    std::size_t index = 0;
+    for (const auto& [name, value] : several->members()) read_camera(value, name, index++, film, clock);
+}
+
+void focus_on_objects(const JsonValue& film_value, Animation& film) {
+    if (const auto one = film_value.find("camera")) focus_on_object(*one, film.cameras.front(), film);
+    const auto several = film_value.find("cameras");
+    if (!several) return;
+    std::size_t index = 0;
+    for (const auto& [name, value] : several->members()) focus_on_object(value, film.cameras[index++], film);
+}
+
+void read_shots(const JsonValue& shots, Animation& film, const FilmClock& clock) {
+    std::vector<std::string_view> names;
+    for (const CameraLens& lens : film.cameras) names.emplace_back(lens.name);
+    film.shots.clear();
+    for (const JsonValue& value : shots.list(1, 10000)) {
+        value.allow_only(keys::shot);
+        Shot shot;
+        const JsonValue at = value.need("at");
+        shot.frame = std::llround(clock.seconds(at) * clock.rate);
+        if (film.shots.empty() && shot.frame != 0) at.fail("must be 0: the film begins with its first shot");
+        if (!film.shots.empty() && shot.frame <= film.shots.back().frame)
+            at.fail("must be at least a frame later than the shot before");
+        const JsonValue camera = value.need("camera");
+        const std::string name = camera.text();
+        const auto found = std::find(names.begin(), names.end(), name);
+        if (found == names.end())
+            camera.fail("there is no camera \"" + name + "\"" + core::did_you_mean(name, names, "\"", "\""));
+        shot.camera = static_cast<int>(found - names.begin());
+        film.shots.push_back(shot);
+    }
+}
+
+void read_lights(const JsonValue& lights, Animation& film, const FilmClock& clock) {
+    Lights all(film, clock);
+    std::size_t number = 0;
+    for (const JsonValue& light : lights.list(0, 100000)) all.build(light, number++);
+}
+
+}  // namespace render2mpeg::scene
