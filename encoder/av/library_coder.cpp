@@ -274,6 +274,8 @@ void check_modes(const encoder::Settings& settings) {
     if (settings.cadence != encoder::Cadence::frames) refuse("showing pictures as fields");
     const encoder::RateControl& rate = settings.rate_control;
     if (rate.mode == encoder::RateMode::constant) refuse("--cbr");
+    if (rate.mode == encoder::RateMode::variable && rate.bit_rate < 400)
+        throw core::Error("bit rate " + std::to_string(rate.bit_rate) + ": must be at least 400 bits per second");
     if (rate.max_rate > 0) refuse("--maxrate");
     if (rate.buffer_bits > 0) refuse("--vbv");
     // chosen: what all of these libraries take.

@@ -1,6 +1,7 @@
 #include "app/commands/commands.h"
 
 #include <fmt/format.h>
+#include <optional>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -88,17 +89,27 @@ std::string heading(const std::string& left) {
                        "mean", "most", "part", "mean", "most");
 }
 
-std::string row(const std::string& left, const std::string& quantiser, double intra, const av::VectorFacts& forward,
-                const av::VectorFacts& backward) {
-    return fmt::format("{:>25} {} {:>4.0f}%  {}  {}\n", left, quantiser, 100 * intra, vector_text(forward),
-                       vector_text(backward));
+/// Decoders of HEVC and AV1 tell no prediction.
+bool tells_prediction(const av::Inspection& film) {
+    return film.stream.codec == encoder::Codec::mpeg2 || film.stream.codec == encoder::Codec::h264;
+}
+
+std::string row(const std::string& left, const std::string& quantiser, std::optional<double> intra,
+                const av::VectorFacts& forward, const av::VectorFacts& backward) {
+    return fmt::format("{:>25} {} {:>5}  {}  {}\n", left, quantiser, intra ? fmt::format("{:.0f}%", 100 * *intra) : "-",
+                       vector_text(forward), vector_text(backward));
+}
+
+std::optional<double> told(const av::Inspection& film, double intra) {
+    return tells_prediction(film) ? std::optional(intra) : std::nullopt;
 }
 
 std::string picture_table(const av::Inspection& film) {
     std::string text = heading("number  coded type  bytes");
     for (const av::PictureFacts& p : film.pictures) {
         text += row(fmt::format("{:>6} {:>6} {:>3}  {:>6}", p.number, p.coded, p.type, p.bytes),
-                    quantiser_text(p.mean_quantiser, p.min_quantiser, p.max_quantiser), p.intra, p.forward, p.backward);
+                    quantiser_text(p.mean_quantiser, p.min_quantiser, p.max_quantiser), told(film, p.intra), p.forward,
+                    p.backward);
         if (!p.damage.empty()) text += fmt::format("{:>17} {}\n", "damaged:", p.damage);
     }
     return text;
@@ -111,7 +122,8 @@ std::string type_table(const av::Inspection& film) {
         text += row(fmt::format("{:>4} {:>8} {:>6.0f} {:>3.0f}%", t.type, t.pictures,
                                 static_cast<double>(t.bytes) / static_cast<double>(t.pictures),
                                 100 * core::divide_or(static_cast<double>(t.bytes), all, 0.0)),
-                    quantiser_text(t.quantiser, t.min_quantiser, t.max_quantiser), t.intra, t.forward, t.backward);
+                    quantiser_text(t.quantiser, t.min_quantiser, t.max_quantiser), told(film, t.intra), t.forward,
+                    t.backward);
     return text;
 }
 
@@ -119,7 +131,7 @@ json vectors_json(const av::VectorFacts& v) {
     return {{"share", v.share}, {"moving", v.moving}, {"mean", v.mean}, {"longest", v.longest}};
 }
 
-json picture_json(const av::PictureFacts& p) {
+json picture_json(const av::PictureFacts& p, bool tells) {
     return {{"picture", p.number},
             {"coded", p.coded},
             {"type", std::string(1, p.type)},
@@ -130,7 +142,7 @@ json picture_json(const av::PictureFacts& p) {
             {"top_field_first", p.top_field_first},
             {"repeated_fields", p.repeated_fields},
             {"quantiser", {{"mean", p.mean_quantiser}, {"min", p.min_quantiser}, {"max", p.max_quantiser}}},
-            {"intra", p.intra},
+            {"intra", tells ? json(p.intra) : json(nullptr)},
             {"forward", vectors_json(p.forward)},
             {"backward", vectors_json(p.backward)},
             {"damage", p.damage.empty() ? json(nullptr) : json(p.damage)}};
@@ -146,7 +158,7 @@ json json_of(const std::string& name, const av::Inspection& film, bool summary) 
             {"pictures", t.pictures},
             {"bytes", t.bytes},
             {"quantiser", {{"mean", t.quantiser}, {"min", t.min_quantiser}, {"max", t.max_quantiser}}},
-            {"intra", t.intra},
+            {"intra", or_null(t.intra, tells_prediction(film))},
             {"forward", vectors_json(t.forward)},
             {"backward", vectors_json(t.backward)}};
     const double seconds = duration_of(film);
@@ -174,7 +186,8 @@ json json_of(const std::string& name, const av::Inspection& film, bool summary) 
                 {"types", types}};
     if (!summary) {
         result["per_picture"] = json::array();
-        for (const av::PictureFacts& picture : film.pictures) result["per_picture"].push_back(picture_json(picture));
+        for (const av::PictureFacts& picture : film.pictures)
+            result["per_picture"].push_back(picture_json(picture, tells_prediction(film)));
     }
     return result;
 }

@@ -71,7 +71,7 @@ struct Trial {
     perceptual::FilmQuality decoded;
     double flicker = 0;  ///< what decoded pairs change along motion more than the truth; code values, mean
     double shown_masked = 0, shown_masked_there = 0;  ///< mean, as `shown` and `shown_there`; 0 where nobody asked
-    double masked_error = 0;  ///< of the decoded pictures, mean; code values squared (perceptual/hvs.h)
+    double masked_error = 0;  ///< of the decoded pictures, mean; code values squared (perceptual/metrics.h)
     double bytes = 0;         ///< per frame
     double surplus = 0;       ///< of them for I pictures that windows begin with and the film, of longer GOPs, has not
     int requantised = 0;      ///< pictures that the decoder's buffer had no room for at their quantiser

@@ -93,14 +93,25 @@ std::string filled(std::string_view text, const std::map<std::string, std::strin
 
 }  // namespace
 
+std::map<std::filesystem::path, std::string> job_templates(const std::string& scheduler) {
+    const std::filesystem::path folder = core::installed_file("farm/" + scheduler);
+    std::map<std::filesystem::path, std::string> templates;
+    std::error_code error;
+    for (const auto& job : std::filesystem::directory_iterator(folder, error))
+        if (job.is_regular_file(error) && !job.path().string().ends_with('~'))
+            templates[job.path().filename()] = file_text(job.path());
+    if (!templates.contains("submit.sh"))
+        throw core::Error("reading", folder.string(), "there is no submit.sh for " + scheduler);
+    return templates;
+}
+
 std::filesystem::path write_job_files(const FarmPlan& plan) {
     std::error_code error;
     std::filesystem::create_directories(plan.folder / "log", error);
     forget_notes(plan.folder / "log");
     const std::map<std::string, std::string> values = values_of(plan);
-    for (const auto& job : std::filesystem::directory_iterator(core::installed_file("farm/" + plan.scheduler))) {
-        const std::filesystem::path file = plan.folder / job.path().filename();
-        const std::string text = file_text(job.path());
+    for (const auto& [name, text] : job_templates(plan.scheduler)) {
+        const std::filesystem::path file = plan.folder / name;
         write_whole(file, filled(text, values));
         if (text.starts_with("#!"))
             std::filesystem::permissions(file, std::filesystem::perms::owner_exec | std::filesystem::perms::group_exec,

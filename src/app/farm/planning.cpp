@@ -157,6 +157,7 @@ int farm(const FarmOptions& options, const std::vector<std::string>& words) {
     const std::filesystem::path before = std::filesystem::current_path();
     check_writable(farm_folder_of(render.output) / "plan.json");
     FarmPlan plan = begin_plan(options, words, film, render);
+    job_templates(plan.scheduler);  // missing ones are told at once
     const json earlier = take_over(plan, render.overwrite);
     if (earlier.is_null() || plan.is_joined()) require_consent(written_by(film, render), render.overwrite);
     std::error_code ignored;

@@ -16,8 +16,8 @@ class QualityControl {
 
     /// By what the quantisers of the quality are to be multiplied in the next picture.
     double factor() const;
-    /// Learns that a picture came to a masked error (perceptual/hvs.h). `base`: its quantiser without the ratio of its
-    /// type and followers.
+    /// Learns that a picture came to a masked error (perceptual/metrics.h). `base`: its quantiser without the ratio of
+    /// its type and followers.
     void learn(encoder::PictureType type, double base, double masked_error);
     /// Takes over what another one has learned of errors by quantiser, not what was shown.
     void expect(const QualityControl& trial);

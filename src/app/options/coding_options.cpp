@@ -35,12 +35,12 @@ void add_coding_options(CLI::App& command, CodingOptions& options) {
                range(1, 31))
         ->default_str("4");
     add_option(command, coding, "--codec", options.codec,
-               "`mpeg2`, `h264`, `hevc` or `av1` (default: h264 in .mp4, .mov and .mkv, else mpeg2)", "CODEC",
-               one_of({"mpeg2", "h264", "hevc", "av1"}));
+               "`mpeg2`, `h264`, `hevc` or `av1` (default: h264 in .mp4, .mov and .mkv, else mpeg2)",
+               Values{"CODEC", one_of({"mpeg2", "h264", "hevc", "av1", "h265"}).check});
     add_option(command, coding, "--crf", options.crf,
                "Instead of --quantiser: QP of P pictures in the codec's own scale, 1 to 51 in H.264 and HEVC, to 63 in "
                "AV1; 26, 26 and 33 are like quantiser 4",
-               "QP");
+               range(1, 63), "QP");
     add_rate_options(command, options);
     add_option(command, coding, "--gop", options.gop,
                "Pictures per closed group of pictures; with --for, its world's where not given", range(1, 1000))

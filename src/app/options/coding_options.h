@@ -1,6 +1,7 @@
 #pragma once
 // The options of MPEG-2 coding.
 #include <fmt/format.h>
+#include <cmath>
 
 #include <CLI/CLI.hpp>
 #include <string>
@@ -35,7 +36,10 @@ struct Values {
 template <class Number>
 Values range(Number low, Number high) {
     const auto check = [=](std::string& text) {
-        if (CLI::Range(low, high)(text).empty()) return std::string();
+        double value = 0;
+        // NaN lies in no range.
+        if (CLI::Range(low, high)(text).empty() && (!CLI::detail::lexical_cast(text, value) || !std::isnan(value)))
+            return std::string();
         return fmt::format("{}: expected a number from {} to {}", text, low, high);
     };
     return {fmt::format("{}..{}", low, high), CLI::Validator(check, "")};

@@ -204,7 +204,7 @@ CLI::App* add_encode_command(CLI::App& app, EncodeOptions& options) {
         ->required();
     command
         ->add_option("-o,--output", options.output,
-                     "Film to write: .mpg, .vob, .ts, .m2v, .mkv or .mp4; `-`: standard output")
+                     "Film to write: .mpg, .vob, .ts, .m2v, .mkv, .mp4 or .mov; `-`: standard output")
         ->type_name("OUT")
         ->required();
     add_as_option(*command, options.as, {"ts", "m2v"});
@@ -232,7 +232,7 @@ CLI::App* add_encode_command(CLI::App& app, EncodeOptions& options) {
 }
 
 CLI::App* add_info_command(CLI::App& app, InfoOptions& options) {
-    CLI::App* command = app.add_subcommand("info", "Show how the pictures of an MPEG-2 file are coded");
+    CLI::App* command = app.add_subcommand("info", "Show how the pictures of a film are coded");
     command->footer(
         "Whose encoder made the file does not matter. Exit status 1 where pictures are damaged (docs/first-film.md).\n"
         "Example: render2mpeg info film.mpg --summary");

@@ -163,8 +163,9 @@ encoder::Codec codec_of(const CodingOptions& options, const std::filesystem::pat
     const std::string ending = core::ending_of(output);
     encoder::Codec codec = encoder::Codec::mpeg2;
     if (options.codec) {
+        const std::string word = *options.codec == "h265" ? "hevc" : *options.codec;
         for (const encoder::CodecFacts& facts : encoder::all_codecs())
-            if (*options.codec == facts.word) codec = facts.codec;
+            if (word == facts.word) codec = facts.codec;
     } else if (!options.preset && (ending == ".mp4" || ending == ".mov" || ending == ".mkv")) {
         codec = encoder::Codec::h264;
     }

@@ -190,6 +190,12 @@ std::string mistake_text(const CLI::App& command, const CLI::Error& error) {
     }
     if (kind == "RequiresError") return first + ": give " + last + " too" + help;
     if (kind == "ExcludesError") return first + " and " + last + " contradict each other: give one" + help;
+    // "Could not convert: --name = value"
+    if (kind == "ConversionError" && text.starts_with("Could not convert: ")) {
+        const std::size_t equals = text.find(" = ");
+        const std::string given = text.substr(text.find("--"), equals - text.find("--"));
+        return given + " " + text.substr(std::min(equals + 3, text.size())) + ": expected a number" + help;
+    }
     const std::size_t colon = text.find(": ");
     const std::string name = text.substr(0, colon);
     const CLI::Option* option = option_named(command, name);

@@ -86,7 +86,8 @@ void add_run_options(CLI::App& command, RenderOptions& options, bool whole) {
 CLI::App* add_render_command(CLI::App& app, RenderOptions& options) {
     CLI::App* command = app.add_subcommand("render", "Render a film");
     command->footer(
-        "The ending of OUT chooses what is written: .mpg and .vob (MPEG-2 program streams), .ts, .m2v, .mkv, .mp4; "
+        "The ending of OUT chooses what is written: .mpg and .vob (MPEG-2 program streams), .ts, .m2v, .mkv, .mp4, "
+        ".mov; "
         ".y4m; or numbered images, e.g. frames.%04d.exr or frames.%04d.png.\n"
         "Example: render2mpeg render animations/cornell -o cornell.mpg --quantiser 6");
     add_scene_options(*command, options);
@@ -245,7 +246,7 @@ CommandLine parse(int argc, char** argv) {
     line.words.assign(argv, argv + argc);
     for (int i = 0; i < argc; ++i) line.text += (i == 0 ? "" : " ") + quoted(argv[i]);
 
-    CLI::App app("Renders a 3D animation with global illumination straight into an MPEG-2 file.", "render2mpeg");
+    CLI::App app("Renders a 3D animation with global illumination straight into a film.", "render2mpeg");
     app.set_version_flag("--version", "render2mpeg " RENDER2MPEG_VERSION);
     app.require_subcommand(1);
     app.footer(
