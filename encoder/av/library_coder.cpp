@@ -220,7 +220,7 @@ class LibraryCoder final : public encoder::Coder {
         coded.coding_order = coding_order_++;
         // SVT-AV1's own header within the stream differs from the one that it tells beforehand.
         AccessUnit unit = taken_apart(settings_.codec, picture.bytes);
-        if (coded.plan.starts_gop) coded.bytes = unit.headers.empty() ? library_->headers() : std::move(unit.headers);
+        if (coded.plan.starts_gop) coded.bytes = unit.headers.empty() ? library_->headers() : unit.headers;
         coded.bytes.insert(coded.bytes.end(), unit.pictures.begin(), unit.pictures.end());
         coded.reconstruction = std::move(picture.reconstruction);
         coded.macroblocks = records_of(sent->quantisers, picture);
