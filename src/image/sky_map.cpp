@@ -77,6 +77,18 @@ float usable(float radiance) {
     return std::isinf(radiance) ? overflowed : std::min(radiance, largest_radiance);
 }
 
+constexpr float full_turn = 2 * std::numbers::pi_v<float>;
+
+/// Sine of the angle to the zenith.
+float sine_of(glm::vec3 d) {
+    return std::sqrt(d.x * d.x + d.z * d.z);
+}
+
+/// Place on the map of a direction in it, of any length.
+glm::vec2 place_of(glm::vec3 d) {
+    return {0.5f + std::atan2(d.x, -d.z) / full_turn, std::atan2(sine_of(d), d.y) / (0.5f * full_turn)};
+}
+
 /// Evenly spread directions that stand for equal solid angles: a Fibonacci spiral. [Swinbank2006]
 glm::vec3 spiral_direction(int i, int count) {
     const double y = 1 - (2.0 * i + 1) / count;
@@ -260,25 +272,19 @@ glm::vec3 SkyMap::radiance(glm::vec3 direction, float solid_angle) const {
     if (uniform() || d == glm::vec3(0) || !(solid_angle < 4 * std::numbers::pi_v<float>)) return mean_;
 
     // Take the cone for a square of the same solid angle, along the meridians.
-    constexpr float turn = 2 * std::numbers::pi_v<float>;
-    const float sine = std::sqrt(d.x * d.x + d.z * d.z);
-    const glm::vec2 uv{0.5f + std::atan2(d.x, -d.z) / turn, std::atan2(sine, d.y) / (0.5f * turn)};
+    const float sine = sine_of(d);
     const float side = core::sqrt_or_zero(solid_angle);
-    const float high = std::min(side / (0.5f * turn), 1.0f);
+    const float high = std::min(side / (0.5f * full_turn), 1.0f);
     const float widest = longest_footprint * std::max(high * static_cast<float>(texture_.height()), 1.0f);
     const float wide =
-        std::min({core::divide_or(side, sine * turn, 1.0f), 1.0f, widest / static_cast<float>(texture_.width())});
-    return glm::vec3(texture_.sample(uv, {{wide, 0}, {0, high}}));
+        std::min({core::divide_or(side, sine * full_turn, 1.0f), 1.0f, widest / static_cast<float>(texture_.width())});
+    return glm::vec3(texture_.sample(place_of(d), {{wide, 0}, {0, high}}));
 }
 
 glm::vec3 SkyMap::radiance_of_ray(glm::vec3 direction, float solid_angle) const {
-    constexpr float turn = 2 * std::numbers::pi_v<float>;
-    const glm::vec3 d = to_map(direction);
-    if (uniform() || !(solid_angle < 2 * turn)) return mean_;
-    const float sine = std::sqrt(d.x * d.x + d.z * d.z);
-    const glm::vec2 uv{0.5f + std::atan2(d.x, -d.z) / turn, std::atan2(sine, d.y) / (0.5f * turn)};
-    const float high = core::sqrt_or_zero(solid_angle) / (0.5f * turn);
-    return glm::vec3(texture_.probe(uv, high * static_cast<float>(texture_.height())));
+    if (uniform() || !(solid_angle < 2 * full_turn)) return mean_;
+    const float high = core::sqrt_or_zero(solid_angle) / (0.5f * full_turn);
+    return glm::vec3(texture_.probe(place_of(to_map(direction)), high * static_cast<float>(texture_.height())));
 }
 
 std::vector<SkySample> SkyMap::samples(int count, const SkyImportance& importance) const {

@@ -223,6 +223,25 @@ TEST(SkyMap, EveryLookupIsFinite) {
             }
 }
 
+TEST(SkyMap, LookupsOfRaysAreTheSameInTheMean) {
+    const SkyMap sky(outdoors(256, 128), glm::vec3(1), 0.4f);
+    constexpr int count = 4096;
+    for (const float solid_angle : {0.0f, 0.001f, 0.05f}) {
+        double mean = 0, whole = 0, off = 0;
+        for (std::uint64_t index = 0; index < count; ++index) {
+            const glm::vec3 d = core::sample_sphere({core::halton(0, index), core::halton(1, index)});
+            const auto ray = static_cast<double>(core::luminance(sky.radiance_of_ray(d, solid_angle)));
+            const auto eye = static_cast<double>(core::luminance(sky.radiance(d, solid_angle)));
+            mean += ray / count;
+            whole += eye / count;
+            off += std::abs(ray - eye) / count;
+        }
+        EXPECT_NEAR(mean, whole, 0.01 * whole) << solid_angle;
+        EXPECT_LT(off, solid_angle > 0.0f ? 0.1 * whole : 1e-5 * whole) << solid_angle;
+    }
+    EXPECT_EQ(sky.radiance_of_ray({0, 1, 0}, 100.0f), sky.mean());
+}
+
 TEST(SkyMap, WideLookupsAreMeansOverTheSphere) {
     // A function that is smooth on the sphere, at the poles as well; there the image's own means would be wrong.
     const auto smooth = [](glm::dvec3 d) { return 2 + d.x + 0.5 * d.y + 2 * d.x * d.z + d.y * d.y * d.y; };
