@@ -23,7 +23,6 @@
 #include "renderer/judge.h"
 #include "renderer/lights/anchors.h"
 #include "renderer/lights/light_points.h"
-#include "renderer/lights/same_light.h"
 #include "renderer/lights/whole_lamps.h"
 #include "renderer/tree/light_trees.h"
 #include "renderer/truth/true_frame.h"
@@ -44,10 +43,6 @@ constexpr GeometryClamp point_clamp{0.25f};
 /// does not do so for long, and representatives never change from frame to frame.
 constexpr std::int64_t rebuild_interval = 15;
 
-/// Tolerances that are so much coarser are learnt as well, for the one error scale of all. chosen: 1.5, since pictures
-/// differ by type by 2 to 4; not tuned.
-constexpr float coarser = 1.5f;
-
 }  // namespace
 
 struct Renderer::Impl {
@@ -57,7 +52,7 @@ struct Renderer::Impl {
           posed_scene(film, s.isa, p),
           light_points(posed_scene, p, (p.runs(Pass::sky_light) ? 2 : 1) * s.direct_points, s.seed),
           thrown({s.caustic_photons}),
-          final_gather(posed_scene, plan) {
+          final_gather(posed_scene, plan, scene::traits_of(film).changes_light()) {
         statistics.image_notes = posed_scene.notes();
         if (by_rays()) rays_of.push_back(RaysOf::hemispheres);
         if (plan.runs(Pass::lobe_rays)) rays_of.push_back(RaysOf::lobes);
@@ -100,8 +95,8 @@ struct Renderer::Impl {
         shone_at.reset();
         thrown.forget();
         lit_frame.reset();
+        lit.reset();
         ambient_air = {};
-        last_seen.reset();
         cache.forget();
         calibration.forget();
         draft_light.forget();
@@ -111,7 +106,7 @@ struct Renderer::Impl {
     /// Lets the lights of the posed snapshot shine, and what light bounces off with them; nothing is done where nothing
     /// that light touches has changed since the last time, nor a cut the near field of what is seen.
     void shine(const scene::Snapshot& snapshot) {
-        const bool is_same = shone_at && same_light(*shone_at, snapshot);
+        const bool is_same = shone_at && change_between(*shone_at, snapshot).none();
         if (is_same && !(by_rays() && snapshot.cut_before)) return;
         std::vector<LightPoint> points;
         {
@@ -138,7 +133,11 @@ struct Renderer::Impl {
         statistics.photon_energy_lost += lit_anchors.lost;
     }
 
+    /// It stays where sources do, as long as the view does.
     NearField near_field_of(const scene::Snapshot& snapshot, std::span<const LightPoint> lights) const {
+        if (shone_at && !snapshot.cut_before &&
+            !change_between(*shone_at, snapshot).changes_sources(posed_scene.animation()))
+            return rays_see.near_field;
         return NearField(
             lights, look_about(posed_scene, plan, snapshot.camera, {settings.format.width, settings.format.height}));
     }
@@ -159,7 +158,6 @@ struct Renderer::Impl {
     void update_light(const scene::Snapshot& snapshot) {
         shine(snapshot);
         if (has_trees) return;
-        if (lit_frame) cache.invalidate();
         statistics.direct_points = shining.size();
         statistics.indirect_points = lit_anchors.still.size() + lit_anchors.moving.size();
         {
@@ -177,9 +175,21 @@ struct Renderer::Impl {
         light_trees.bodies = plan.runs(Pass::caustics) ? Bodies::block : Bodies::pass;
         light_trees.air = posed_scene.air();
         light_trees.translucent = plan.runs(Pass::alpha) || plan.runs(Pass::glass) || light_trees.air != nullptr;
-        if (!rays_of.empty()) final_gather.forget(rays_see);
+        carry_light(snapshot);
         lit_frame = snapshot.frame;
         has_trees = true;
+    }
+
+    /// Takes light that was gathered over to the snapshot, as far as it still holds.
+    void carry_light(const scene::Snapshot& snapshot) {
+        if (lit && caches && by_rays()) {
+            cache.renew(change_between(*lit, snapshot), light_trees, posed_scene.tracer(), shade_settings().limits,
+                        rays_see, final_gather);
+        } else {
+            if (lit_frame) cache.invalidate();
+            if (!rays_of.empty()) final_gather.forget(rays_see);
+        }
+        lit = snapshot;
     }
 
     /// Parts the time of gathering among the rows of the plan that it serves, by clusters.
@@ -207,7 +217,7 @@ struct Renderer::Impl {
 
     /// Gathers by rays for measurements, which teach the frames' own gathering nothing.
     std::unique_ptr<FinalGather> audit_rays() const {
-        auto rays = !rays_of.empty() ? std::make_unique<FinalGather>(posed_scene, plan) : nullptr;
+        auto rays = !rays_of.empty() ? std::make_unique<FinalGather>(posed_scene, plan, false) : nullptr;
         if (rays) rays->forget(rays_see);
         return rays;
     }
@@ -236,33 +246,6 @@ struct Renderer::Impl {
 
     ShadeSettings shade_settings() const {
         return {{settings.min_cut, settings.max_cut, 1.0f}, plan.runs(Pass::layers)};
-    }
-
-    /// Calibrates before a frame after a cut, or whose tolerance is much larger than any calibrated so far.
-    void calibrate(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance,
-                   const ShadeSettings& s) {
-        if (snapshot.cut_before) calibration.forget();
-        const float share = typical_share(seen, tolerance);
-        if (calibration.knows() && share <= coarser * calibrated_share) return;
-        const Stopwatch timer(statistics.calibration_seconds);
-        const std::size_t pixels = renderer::calibrate(calibration, light_trees, posed_scene.tracer(), seen,
-                                                       snapshot.camera.position(), tolerance, s);
-        if (pixels > 0) calibrated_share = share;
-        statistics.calibrated_pixels += pixels;
-        last_seen = sight_of(snapshot, *lit_frame, tolerance);
-    }
-
-    /// Learns from a frame that was lit. One that repeats the frame before teaches nothing, so that still films stay as
-    /// they are to the last bit.
-    void learn(const scene::Snapshot& snapshot, const Seen& seen, const core::ToleranceMap& tolerance,
-               const ShadeSettings& s, const core::Radiance& radiance, const ShadeCounts& counts,
-               const FrameLight* known) {
-        const Stopwatch timer(statistics.calibration_seconds);
-        Sight sight = sight_of(snapshot, *lit_frame, tolerance);
-        if (last_seen != sight)
-            statistics.calibrated_pixels += renderer::recalibrate(calibration, light_trees, posed_scene.tracer(), seen,
-                                                                  tolerance, s, radiance, counts.shadow_rays, known);
-        last_seen = std::move(sight);
     }
 
     /// What the middle of a frame shows, whose pixels are the sum of their own points: another picture than `shown`
@@ -295,11 +278,10 @@ struct Renderer::Impl {
     Caustics thrown;                          ///< how many photons a frame of the chunk has
     bool has_trees = false;                   ///< `light_trees` are of that instant, too
     std::optional<std::int64_t> lit_frame;    ///< the first frame that `light_trees` are of
+    std::optional<scene::Snapshot> lit;       ///< likewise
     bool started = false;
     std::int64_t first_frame = 0;  ///< of the chunk
-    ErrorCalibration calibration;
-    std::optional<Sight> last_seen;  ///< by calibration
-    float calibrated_share = 0;      ///< typical_share of the coarsest frame calibrated
+    FilmCalibration calibration;
     IrradianceCache cache;
     DraftLight draft_light;
     FrameLight light;  ///< of the points of the frame shaded last
@@ -374,7 +356,11 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
     ShadeSettings settings = i.shade_settings();
     // learn how far cuts err,
     const bool learns = i.settings.calibrate && !tolerance.is_reference();
-    if (learns) i.calibrate(snapshot, seen, tolerance, settings);
+    if (learns) {
+        const Stopwatch timer(i.statistics.calibration_seconds);
+        i.statistics.calibrated_pixels += i.calibration.before(snapshot, *i.lit_frame, i.light_trees,
+                                                               i.posed_scene.tracer(), seen, tolerance, settings);
+    }
     settings.limits.error_scale = learns ? i.calibration.value() : 1.0f;
     // ask the cache, which gathers what it does not know,
     ShadeCounts counts;
@@ -395,7 +381,12 @@ core::Radiance Renderer::shade(const scene::Snapshot& snapshot, const Seen& seen
     // and learn from the frame, if it has light of trees alone.
     i.count(counts, seen.visible);
     if (learns) add_error_scale(settings.limits.error_scale, i.statistics);
-    if (learns && !i.by_rays()) i.learn(snapshot, seen, tolerance, settings, radiance, counts, known);
+    if (learns && !i.by_rays()) {
+        const Stopwatch timer(i.statistics.calibration_seconds);
+        i.statistics.calibrated_pixels +=
+            i.calibration.after(snapshot, *i.lit_frame, i.light_trees, i.posed_scene.tracer(), seen, tolerance,
+                                settings, radiance, counts.shadow_rays, known);
+    }
     if (seen.exposure) {
         ShadeCounts blurred;
         i.sharp = radiance;

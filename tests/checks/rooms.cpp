@@ -48,7 +48,7 @@ const std::vector<Building>& buildings() {
           {"cut", {"tree", "surface", "geometry", "base"}, {"core", "scene", "parallel"}},
           {"gather", {"paths", "lights", "cut", "surface", "geometry", "base"}, {"core", "scene", "parallel"}},
           {"air", {"gather", "cut", "tree", "lights", "surface", "geometry", "base"}, {"core", "scene", "parallel"}},
-          {"calibration", {"cut", "tree", "surface", "geometry", "base"}, {"core", "parallel"}},
+          {"calibration", {"cut", "tree", "surface", "geometry", "base"}, {"core", "scene", "parallel"}},
           {"cache", {"gather", "cut", "tree", "surface", "base"}, {"core", "scene", "parallel"}},
           {"draft", {"cache", "cut", "tree", "surface", "geometry", "base"}, {"core", "parallel"}}}},
         {"encoder/mpeg2/",

@@ -38,7 +38,7 @@ GatherPoint point_of(const Stage& stage, std::uint32_t object, glm::vec3 eye, gl
 /// Light of some points that may each be off by this luminance.
 std::vector<RayLight> light_of(const Stage& stage, const std::vector<GatherPoint>& points, float tolerance,
                                bool alone = false) {
-    FinalGather gather(stage.posed_scene(), stage.plan());
+    FinalGather gather(stage.posed_scene(), stage.plan(), false);
     gather.forget({std::numeric_limits<float>::infinity(), 0.0f, {}});
     std::vector<GatherRequest> requests;
     for (std::size_t i = 0; i < points.size(); ++i)
@@ -259,7 +259,7 @@ TEST(NearLight, AndRaysTogetherGiveWhatRaysGive) {
     for (std::size_t i = 0; i < points.size(); ++i)
         requests.push_back({&points[i], {}, core::mix(i + 1), 1e-3f, false, static_cast<std::uint32_t>(i)});
     const auto by_rays = [&](const NearField& field) {
-        FinalGather gather(stage.posed_scene(), plan);
+        FinalGather gather(stage.posed_scene(), plan, false);
         SkyOfRays sees;
         sees.near_field = field;
         gather.forget(sees);

@@ -14,6 +14,7 @@ FrameState::FrameState(const LightingContext& context, const scene::Snapshot& in
                        const CacheErrorModel& error_model, RecordStore& store, FinalGather* final_gather)
     : light_trees(context.light_trees),
       rays(final_gather),
+      keeps_rays(rays != nullptr && rays->keeps() && store.kept_rays() < most_kept_rays),
       tracer(context.tracer),
       seen(context.seen),
       snapshot(instant),

@@ -45,6 +45,7 @@ void gather_requests_of(const FrameState& frame, const RequestGroup& group, std:
         out.sets.push_back(static_cast<std::uint8_t>(group.set));
         out.pools.push_back(pool);
         out.lobes.emplace_back();
+        out.rays.emplace_back();
         const SurfacePoint& p = pointers[i]->point;
         if (p.bsdf.has_glossy())
             out.lobes.back() = {p.bsdf.alpha, p.outgoing, gathered.f0.at(lane), gathered.schlick.at(lane)};
@@ -74,6 +75,7 @@ void gather_rays(FrameState& frame, std::vector<GatheredRequests>& found) {
             requests.push_back(request_of(receivers.back(), frame.tiles[ref.tile].tolerance[ref.index],
                                           frame.pixel_of(ref.tile, p), frame.camera));
             requests.back().pool = first_pool + g.pools[i];
+            requests.back().keeps = frame.keeps_rays && uses_cache(p);
         }
         if (!g.pools.empty()) first_pool += g.pools.back() + 1;
     }
@@ -81,6 +83,13 @@ void gather_rays(FrameState& frame, std::vector<GatheredRequests>& found) {
     std::size_t k = 0;
     for (GatheredRequests& g : found)
         for (std::size_t i = 0; i < g.points.size(); ++i, ++k) {
+            if (rays[k].kept) {
+                KeptRays& kept = *(g.rays[i] = rays[k].kept);
+                kept.receiver = receivers[k];
+                kept.tolerance = requests[k].tolerance;
+                kept.set = g.sets[i];
+                kept.trees = {g.light[i].direct, g.light[i].indirect, g.lobes[i].f0, g.lobes[i].schlick};
+            }
             add(rays[k], receivers[k], g.light[i]);
             if (!receivers[k].point.bsdf.has_glossy()) continue;
             g.lobes[i].f0 += rays[k].f0;
@@ -112,6 +121,43 @@ std::vector<GatheredRequests> gather(FrameState& frame, const std::vector<std::v
     return found;
 }
 
+void gather_trees_again(const LightTrees& trees, const RayTracer& tracer, const CutLimits& limits,
+                        std::span<KeptRays* const> kept) {
+    std::vector<std::span<KeptRays* const>> groups;
+    for (std::size_t first = 0, last = 0; first < kept.size(); first = last) {
+        while (last < kept.size() && last - first < lane_count && kept[last]->pool == kept[first]->pool) ++last;
+        groups.push_back(kept.subspan(first, last - first));
+    }
+    parallel::for_ranges(groups.size(), 16, [&](std::size_t first, std::size_t end) {
+        Gatherer gatherer(trees, tracer);
+        for (std::size_t g = first; g < end; ++g) {
+            const std::span<KeptRays* const> group = groups[g];
+            const GatherPoint* pointers[lane_count];
+            GroupTolerance tolerance;
+            for (std::size_t i = 0; i < lane_count; ++i) {
+                const KeptRays& r = *group[std::min(i, group.size() - 1)];
+                tolerance.set(static_cast<int>(i), r.tolerance);
+                pointers[i] = &r.receiver;
+            }
+            GatherLanes lanes;
+            fill(lanes, std::span<const GatherPoint* const>(pointers, group.size()));
+            lanes.set = group.front()->set;
+            GatheredLight gathered;
+            gatherer.gather(lanes, tolerance, limits, gathered);
+            for (std::size_t i = 0; i < group.size(); ++i) {
+                const auto lane = static_cast<int>(i);
+                const PointLight light = point_light(gathered, lane, *pointers[i]);
+                const bool lobe = pointers[i]->point.bsdf.has_glossy();
+                const std::array<glm::vec3, 4> now = {light.direct, light.indirect,
+                                                      lobe ? gathered.f0.at(lane) : glm::vec3(0),
+                                                      lobe ? gathered.schlick.at(lane) : glm::vec3(0)};
+                for (std::size_t k = 0; k < now.size(); ++k) group[i]->tree_change[k] = now[k] - group[i]->trees[k];
+                group[i]->trees = now;
+            }
+        }
+    });
+}
+
 void keep(FrameState& frame, const GatheredRequests& g, std::size_t i) {
     const PointRef& ref = g.points[i];
     const GatherPoint& p = frame.point(ref);
@@ -121,6 +167,7 @@ void keep(FrameState& frame, const GatheredRequests& g, std::size_t i) {
     auto record = record_of(p, g.light[i], g.lobes[i], frame.limits.error_scale, frame.snapshot.frame);
     if (!record) return;
     record->set = g.sets[i];
+    record->rays = g.rays[i];
     frame.records.insert(*record);
     ++frame.counts.created;
 }

@@ -12,8 +12,9 @@ struct GatheredRequests {
     std::vector<PointRef> points;
     std::vector<PointLight> light;
     std::vector<GlossyRecord> lobes;
-    std::vector<std::uint8_t> sets;    ///< of representatives
-    std::vector<std::uint32_t> pools;  ///< GatherRequest::pool, within the area
+    std::vector<std::uint8_t> sets;               ///< of representatives
+    std::vector<std::uint32_t> pools;             ///< GatherRequest::pool, within the area
+    std::vector<std::shared_ptr<KeptRays>> rays;  ///< of records; may be null
     ShadeCounts counts;
 };
 
@@ -24,6 +25,10 @@ std::vector<std::vector<PointRef>> by_area(const FrameState& frame, const std::v
 /// that use the cache are gathered as receivers of their records.
 std::vector<GatheredRequests> gather(FrameState& frame, const std::vector<std::vector<PointRef>>& of_tile,
                                      std::size_t least);
+
+/// Gathers light of trees again for receivers of records that are kept; those of one pool lie next to each other.
+void gather_trees_again(const LightTrees& trees, const RayTracer& tracer, const CutLimits& limits,
+                        std::span<KeptRays* const> kept);
 
 /// Takes what was found of one of them as its point's light, and as a record if the point uses the cache.
 void keep(FrameState& frame, const GatheredRequests& found, std::size_t i);

@@ -1,10 +1,37 @@
 #include "renderer/cache/irradiance_cache.h"
 
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+#include "core/color.h"
 #include "core/error.h"
 #include "core/numeric.h"
 #include "renderer/cache/cache_lookup.h"
+#include "renderer/cache/gather_requests.h"
 
 namespace render2mpeg::renderer {
+namespace {
+
+/// A record whose light has become so many times brighter has too few rays. chosen: 2; not tuned.
+constexpr float most_brighter = 2.0f;
+
+/// Adds what its rays find otherwise to a record.
+void take_change(IrradianceRecord& r) {
+    KeptRays& rays = *r.rays;
+    const float before = core::luminance(r.direct + r.indirect + r.lobe.f0);
+    r.direct = glm::max(r.direct + rays.tree_change[0], glm::vec3(0));
+    r.indirect = glm::max(r.indirect + rays.change[0] + rays.tree_change[1], glm::vec3(0));
+    r.lobe.f0 = glm::max(r.lobe.f0 + rays.change[1] + rays.tree_change[2], glm::vec3(0));
+    r.lobe.schlick = glm::max(r.lobe.schlick + rays.change[2] + rays.tree_change[3], glm::vec3(0));
+    const float ratio = core::divide_or(core::luminance(r.direct + r.indirect + r.lobe.f0), before, 1.0f);
+    rays.brighter *= ratio;
+    r.error *= std::max(ratio, 1.0f);
+    rays.is_lost = rays.is_lost || rays.brighter > most_brighter || !core::is_finite(r.indirect);
+}
+
+}  // namespace
+
 void IrradianceCache::forget() {
     records_.forget();
     validation_.forget();
@@ -14,6 +41,33 @@ void IrradianceCache::forget() {
 void IrradianceCache::invalidate() {
     records_.forget();
     history_.tiles.clear();
+}
+
+void IrradianceCache::renew(const LightChange& change, const LightTrees& trees, const RayTracer& tracer,
+                            CutLimits limits, const SkyOfRays& sky, FinalGather& rays) {
+    history_.tiles.clear();
+    records_.drop([&](const IrradianceRecord& r) {
+        return !r.rays || change.moves(r.address.object) || change.holds(r.position);
+    });
+    limits.exact = false;
+    std::vector<KeptRays*> kept;
+    std::vector<glm::vec3> places;
+    // Of one pool next to each other.
+    std::vector<std::uint32_t> order(records_.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](auto a, auto b) { return records_[a].rays->pool < records_[b].rays->pool; });
+    for (const std::uint32_t i : order) {
+        kept.push_back(records_[i].rays.get());
+        places.push_back(records_[i].position);
+    }
+    if (!rays.renew(change, sky, kept, places)) {
+        records_.forget();
+        return;
+    }
+    if (!trees.empty()) gather_trees_again(trees, tracer, limits, kept);
+    for (IrradianceRecord& r : records_.all()) take_change(r);
+    records_.drop([](const IrradianceRecord& r) { return r.rays->is_lost; });
 }
 
 void IrradianceCache::cut_to(const Seen& seen, const scene::Snapshot& snapshot) {

@@ -17,7 +17,11 @@ class IrradianceCache {
     /// A chunk begins.
     void forget();
 
-    /// Light is another than at the frame before: nothing that is known holds.
+    /// Light is another than at the frame before, by this change: records keep what their rays still find. `rays`
+    /// gathered them.
+    void renew(const LightChange& change, const LightTrees& trees, const RayTracer& tracer, CutLimits limits,
+               const SkyOfRays& sky, FinalGather& rays);
+    /// Likewise, and nothing that is known holds.
     void invalidate();
 
     /// Light of all points of a frame within their tolerances (not for the reference), gathered or from records.

@@ -105,7 +105,7 @@ void RecordStore::thin(std::int64_t frame, const RecordGrid& map) {
     for (std::size_t first = 0, last = 0; first < marks.size(); first = last) {
         const glm::vec2 pixel = glm::floor(marks[first].at);
         while (last < marks.size() && glm::floor(marks[last].at) == pixel) ++last;
-        if (last - first <= most_in_pixel) continue;
+        if (last - first < 2) continue;
         // Surface by surface, the oldest first: after a cut to a far view a pixel may hold thousands.
         of_pixel.clear();
         for (std::size_t i = first; i < last; ++i)
@@ -113,8 +113,12 @@ void RecordStore::thin(std::int64_t frame, const RecordGrid& map) {
         std::sort(of_pixel.begin(), of_pixel.end(), [](const Crowding& a, const Crowding& b) {
             return std::tie(a.surface, a.born, a.record) < std::tie(b.surface, b.born, b.record);
         });
-        for (std::size_t i = 0; i + most_in_pixel < of_pixel.size(); ++i)
-            if (of_pixel[i + most_in_pixel].surface == of_pixel[i].surface) keeps[of_pixel[i].record] = 0;
+        for (std::size_t i = 0; i + 1 < of_pixel.size(); ++i) {
+            // Rays of the newest say most.
+            if (of_pixel[i + 1].surface == of_pixel[i].surface) records_[of_pixel[i].record].rays.reset();
+            if (i + most_in_pixel < of_pixel.size() && of_pixel[i + most_in_pixel].surface == of_pixel[i].surface)
+                keeps[of_pixel[i].record] = 0;
+        }
     }
     for (std::size_t i = 0; i < records_.size(); ++i)
         if (frame - records_[i].used > keeps_unused) keeps[i] = 0;

@@ -3,11 +3,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "core/plane.h"
 #include "core/surface_address.h"
+#include "renderer/gather/kept_rays.h"
 #include "renderer/surface/gather_point.h"
 #include "scene/pose/snapshot.h"
 
@@ -35,8 +37,9 @@ struct IrradianceRecord {
     GlossyRecord lobe;
     float error =
         0;  ///< luminance by which a white receiver may be off, as the cut's rule reckons with an error scale of 1
-    float clamped = 0;                ///< what the clamp of near lights took, as a share of what arrived
-    std::int64_t born = 0, used = 0;  ///< frames
+    float clamped = 0;                 ///< what the clamp of near lights took, as a share of what arrived
+    std::int64_t born = 0, used = 0;   ///< frames
+    std::shared_ptr<KeptRays> rays{};  ///< that brought `indirect` and the lobe; null: not kept
 };
 
 /// A record as it is found from pixels.
@@ -118,6 +121,12 @@ class RecordStore {
     /// None: a chunk begins.
     void forget() { records_.clear(); }
 
+    /// Drops those that `is_lost`, keeping the order of the others.
+    template <class IsLost>
+    void drop(IsLost&& is_lost) {
+        std::erase_if(records_, is_lost);
+    }
+
     /// Drops what was of no use for some frames, and the oldest of those that crowd one pixel of the frame's map.
     void thin(std::int64_t frame, const RecordGrid& map);
 
@@ -125,12 +134,21 @@ class RecordStore {
     IrradianceRecord& change(std::uint32_t index) { return records_[index]; }
     const IrradianceRecord& operator[](std::uint32_t index) const { return records_[index]; }
     std::span<const IrradianceRecord> all() const { return records_; }
+    std::span<IrradianceRecord> all() { return records_; }
     std::size_t size() const { return records_.size(); }
 
     /// Notes that a record served; may be called from many threads.
     void mark_used(std::uint32_t index, std::int64_t frame);
 
-    std::size_t bytes() const { return records_.capacity() * sizeof(IrradianceRecord); }
+    /// Rays that are kept of all of them.
+    std::size_t kept_rays() const {
+        std::size_t sum = 0;
+        for (const IrradianceRecord& r : records_) sum += r.rays ? r.rays->rays.size() : 0;
+        return sum;
+    }
+    std::size_t bytes() const {
+        return records_.capacity() * sizeof(IrradianceRecord) + kept_rays() * sizeof(KeptGatherRay);
+    }
 
   private:
     std::vector<IrradianceRecord> records_;

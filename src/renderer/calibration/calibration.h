@@ -1,9 +1,15 @@
 #pragma once
 // Calibrates the cut's error for a film, on pixels gathered without clustering.
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <optional>
+
+#include "core/plane.h"
 #include "core/radiance.h"
 #include "core/tolerance_map.h"
 #include "renderer/calibration/error_calibration.h"
 #include "renderer/cut/shade.h"
+#include "scene/pose/snapshot.h"
 
 namespace render2mpeg::renderer {
 
@@ -28,5 +34,40 @@ std::size_t calibrate(ErrorCalibration& calibration, const LightTrees& light_tre
 std::size_t recalibrate(ErrorCalibration& calibration, const LightTrees& light_trees, const RayTracer& tracer,
                         const Seen& seen, const core::ToleranceMap& tolerance, const ShadeSettings& settings,
                         const core::Radiance& radiance, std::uint64_t rays, const FrameLight* known = nullptr);
+
+/// All that decides which pixels a frame shows, how they are lit and how well. `lit_frame` stands for its light.
+struct FrameKey {
+    glm::mat4 camera{1.0f};
+    float fov = 0, magnification = 0;
+    std::int64_t lit_frame = 0;
+    core::Plane<core::Tolerance> tolerance;
+
+    bool operator==(const FrameKey&) const = default;
+};
+
+/// The calibration of a chunk.
+class FilmCalibration {
+  public:
+    void forget() { *this = {}; }
+    /// ErrorCalibration::value.
+    float value() const { return calibration_.value(); }
+
+    /// Before a frame after a cut, or whose tolerance is much larger than any so far. Returns how many pixels were
+    /// gathered again.
+    std::size_t before(const scene::Snapshot& snapshot, std::int64_t lit_frame, const LightTrees& light_trees,
+                       const RayTracer& tracer, const Seen& seen, const core::ToleranceMap& tolerance,
+                       const ShadeSettings& settings);
+    /// Goes on with a frame that was lit: `recalibrate`. One that repeats the frame before teaches nothing, so that
+    /// still films stay as they are to the last bit.
+    std::size_t after(const scene::Snapshot& snapshot, std::int64_t lit_frame, const LightTrees& light_trees,
+                      const RayTracer& tracer, const Seen& seen, const core::ToleranceMap& tolerance,
+                      const ShadeSettings& settings, const core::Radiance& radiance, std::uint64_t rays,
+                      const FrameLight* known);
+
+  private:
+    ErrorCalibration calibration_;
+    std::optional<FrameKey> last_;  ///< frame that taught
+    float share_ = 0;               ///< typical_share of the coarsest
+};
 
 }  // namespace render2mpeg::renderer

@@ -80,15 +80,23 @@ struct FinalGather::Traced {
         std::uint32_t cell = 0;         ///< of RayGuide
         float density = 1;              ///< that it was drawn by
     };
+    struct Way {
+        std::uint32_t ray = 0;
+        core::PackedNormal direction;
+        float far = 0;
+    };
     std::vector<Ray> rays;
     std::vector<RayTerm> terms;
+    std::vector<Way> ways;  ///< of rays that were traced, if they are kept
+    std::vector<KeptGatherRay> kept;
+    bool is_lost = false;  ///< KeptRays
     std::uint64_t traced = 0;
 };
 
-FinalGather::FinalGather(const PosedScene& posed_scene, const Plan& plan)
+FinalGather::FinalGather(const PosedScene& posed_scene, const Plan& plan, bool light_changes)
     : posed_scene_(posed_scene),
       gather_rays_(posed_scene, plan),
-      cache_(posed_scene, plan),
+      cache_(posed_scene, plan, light_changes),
       bodies_block_(plan.runs(Pass::caustics)) {}
 
 void FinalGather::forget(const SkyOfRays& sky) {
@@ -215,6 +223,34 @@ void FinalGather::trace(const GatherRequest& request, const Bundle& bundle, Trac
         out.rays[index[k]].light = gather_rays_.follow(queries[k], hits[k], rules, ray.solid_angle,
                                                        core::mix(bundle.seed + 8u * (bundle.first + index[k])),
                                                        index[k], out.terms, out.traced);
+        if (request.keeps)
+            out.ways.push_back({index[k], core::PackedNormal(ray.direction), gather_rays_.length(hits[k])});
+    }
+}
+
+/// Of a ray that met a cell, which is known.
+void FinalGather::set_term(KeptGatherRay& ray, const RayTerm& term) const {
+    ray.cell = cache_.index_of(term.place.key);
+    ray.light = PackedLight(term.weight);
+    if (!SurfaceCache::is_own(ray.cell)) return;
+    ray.light = PackedLight(term.weight * cache_.far_part(ray.cell));
+    ray.cell = KeptGatherRay::own;
+}
+
+/// Notes the rays of a bundle for when light changes: their terms' cells are known, their light has none of them yet.
+void FinalGather::note_rays(Traced& traced) const {
+    std::vector<const RayTerm*> term_of(traced.rays.size(), nullptr);
+    for (const RayTerm& term : traced.terms) term_of[term.ray] = &term;
+    for (const Traced::Way& way : traced.ways) {
+        const Traced::Ray& ray = traced.rays[way.ray];
+        KeptGatherRay kept{way.direction, way.far, PackedLight(ray.light)};
+        for (std::size_t k = 0; k < 3; ++k) kept.weights[k] = short_float(ray.weight[k]);
+        if (const RayTerm* term = term_of[way.ray]; term != nullptr) {
+            // Rays that see the sky through a pane have both.
+            traced.is_lost = traced.is_lost || core::luminance(ray.light) > 0.0f;
+            set_term(kept, *term);
+        }
+        traced.kept.push_back(kept);
     }
 }
 
@@ -229,20 +265,24 @@ void FinalGather::trace_all(std::span<const GatherRequest> requests, std::span<c
     std::vector<Sighting> wanted;
     for (Traced& t : found) {
         counts_.rays += t.traced;
-        for (const RayTerm& term : t.terms)
-            if (cache_.find(term.place.key) == CellTable::none) wanted.push_back(term.place);
+        for (const RayTerm& term : t.terms) {
+            const std::uint32_t cell = cache_.find(term.place.key);
+            if (cell == CellTable::none) wanted.push_back(term.place);
+            cache_.mark(cell);
+        }
     }
     cache_.learn(wanted);
     // and sum up, in the order of rays.
     parallel::for_ranges(bundles.size(), 16, [&](std::size_t first, std::size_t last) {
-        for (std::size_t b = first; b < last; ++b)
+        for (std::size_t b = first; b < last; ++b) {
+            if (requests[bundles[b].request].keeps) note_rays(found[b]);
             for (const RayTerm& term : found[b].terms) {
                 const std::uint32_t cell = cache_.index_of(term.place.key);
-                glm::vec3 radiance = cache_.radiance(cell);
-                if (!requests[bundles[b].request].lobe)
-                    radiance = glm::max(radiance - cache_.near_part(cell), glm::vec3(0));
+                const glm::vec3 radiance =
+                    requests[bundles[b].request].lobe ? cache_.radiance(cell) : cache_.far_part(cell);
                 found[b].rays[term.ray].light += term.weight * radiance;
             }
+        }
     });
     for (std::size_t b = 0; b < bundles.size(); ++b) {
         const GatherPoint& point = *requests[bundles[b].request].point;
@@ -266,6 +306,9 @@ void FinalGather::trace_all(std::span<const GatherRequest> requests, std::span<c
             batch = {};
         }
         s.rays += bundles[b].count;
+        if (!s.kept) continue;
+        s.kept->rays.insert(s.kept->rays.end(), found[b].kept.begin(), found[b].kept.end());
+        s.kept->is_lost = s.kept->is_lost || found[b].is_lost;
     }
 }
 
@@ -346,12 +389,17 @@ std::vector<FinalGather::Pool> FinalGather::pools_of(std::span<const GatherReque
     return pools;
 }
 
-std::vector<PointSums> FinalGather::sums_of(std::span<const GatherRequest> requests, std::span<const Pool> pools) {
+std::vector<PointSums> FinalGather::sums_of(std::span<const GatherRequest> requests, std::span<const Pool> pools,
+                                            std::uint64_t first_pool) {
     std::vector<PointSums> sums(requests.size());
     for (std::uint32_t k = 0; k < pools.size(); ++k)
         for (std::size_t i = pools[k].first; i < pools[k].last; ++i) {
             const SurfacePoint& p = requests[i].point->point;
             sums[i].pool = k;
+            if (requests[i].keeps) {
+                sums[i].kept = std::make_shared<KeptRays>();
+                sums[i].kept->pool = first_pool + k;
+            }
             if (requests[i].lobe)
                 sums[i].albedo = lobe_albedo(glm::dot(p.shading_normal, p.outgoing), p.bsdf.mean_alpha());
         }
@@ -380,10 +428,23 @@ void FinalGather::trace_wanted(std::span<const GatherRequest> requests, std::spa
     flush();
 }
 
+/// Completes rays that are kept.
+static void finish(const GatherRequest& request, const PointSums& sums, float own, const SurfaceCache& cells,
+                   KeptRays& kept) {
+    kept.origin = shadow_origin(request.point->point);
+    kept.normal = request.point->point.shading_normal;
+    kept.extent = request.extent;
+    kept.seed = request.seed;
+    kept.count = sums.rays;
+    kept.own = own;
+    kept.rays.shrink_to_fit();
+    kept.mean = kept.sum(cells);
+}
+
 std::vector<RayLight> FinalGather::gather(std::span<const GatherRequest> requests, GatherAim aim) {
     const Stopwatch timer(counts_.seconds);
     std::vector<Pool> pools = pools_of(requests);
-    std::vector<PointSums> sums = sums_of(requests, pools);
+    std::vector<PointSums> sums = sums_of(requests, pools, std::exchange(pools_, pools_ + pools.size()));
     // A first look tells how many rays are wanted and where to, a second one whether these are enough.
     std::vector<std::uint32_t> wanted(requests.size(), first_rays);
     trace_wanted(requests, wanted, sums, pools);
@@ -406,7 +467,8 @@ std::vector<RayLight> FinalGather::gather(std::span<const GatherRequest> request
                     found[k] =
                         glm::max(glm::mix(glm::vec3(fit.plane[i - first][k]), found[k], static_cast<float>(fit.own)),
                                  glm::vec3(0));
-            light[i] = {found[0], found[1], found[2], 0.0f, s.rays};
+            light[i] = {found[0], found[1], found[2], 0.0f, s.rays, s.kept};
+            if (s.kept) finish(requests[i], s, static_cast<float>(fit.own), cache_, *s.kept);
             light[i].error = errors_allowed * static_cast<float>(std::sqrt(fit.variance_share() * s.variance()));
         }
     }

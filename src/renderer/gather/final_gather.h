@@ -8,6 +8,7 @@
 #include "renderer/base/plan.h"
 #include "renderer/cut/point_light.h"
 #include "renderer/gather/gather_ray.h"
+#include "renderer/gather/kept_rays.h"
 #include "renderer/gather/near_light.h"
 #include "renderer/gather/surface_cache.h"
 #include "renderer/surface/gather_point.h"
@@ -29,6 +30,7 @@ struct GatherRequest {
     bool lobe = false;         ///< along the point's narrow lobe (Bsdf::has_narrow_lobe); else over the hemisphere
     std::uint32_t pool = 0;    ///< requests of one pool lie next to each other, on about one surface
     std::uint32_t rays = 0;    ///< so many, a multiple of 16; 0: by the tolerance
+    bool keeps = false;        ///< its rays are wanted as well; not of lobes
 };
 
 /// What tolerances mean for numbers of rays.
@@ -43,6 +45,7 @@ struct RayLight {
     glm::vec3 f0{0}, schlick{0};  ///< the lobe's radiance is f0 x `f0` + f90 x `schlick`
     float error = 0;              ///< luminance of the pixel that one point in a hundred exceeds
     std::uint32_t rays = 0;
+    std::shared_ptr<KeptRays> kept{};  ///< if the request keeps them
 };
 
 /// The request of a point that lies in this pixel of the picture.
@@ -75,10 +78,18 @@ struct FinalGatherCounts {
 /// instant and of the requests since `forget`, for any number of threads.
 class FinalGather {
   public:
-    FinalGather(const PosedScene& posed_scene, const Plan& plan);
+    /// `light_changes`: cells and rays of records may be kept for other instants.
+    FinalGather(const PosedScene& posed_scene, const Plan& plan, bool light_changes);
 
     /// Forgets all: light or things are others now.
     void forget(const SkyOfRays& sky);
+    /// Light or things are others now, by this change. Finds what it adds to the light of kept rays: traces again those
+    /// that it meets, and sums up; those of which it meets too many are lost. Rays of one pool lie next to each other;
+    /// `places`: of their points. False: all is forgotten.
+    bool renew(const LightChange& change, const SkyOfRays& sky, std::span<KeptRays* const> kept,
+               std::span<const glm::vec3> places);
+    /// Whether rays of requests can be kept.
+    bool keeps() const { return cache_.keeps(); }
 
     /// Light of all requests, in their order.
     std::vector<RayLight> gather(std::span<const GatherRequest> requests, GatherAim aim);
@@ -95,8 +106,12 @@ class FinalGather {
     Directions hemisphere(const GatherRequest& request, const Bundle& bundle) const;
     Directions lobe(const GatherRequest& request, const Bundle& bundle) const;
     void trace(const GatherRequest& request, const Bundle& bundle, Traced& out) const;
+    void set_term(KeptGatherRay& ray, const RayTerm& term) const;
+    void note_rays(Traced& traced) const;
+    void trace_again(std::span<KeptRays* const> kept, std::span<const std::vector<std::uint32_t>> met);
     static std::vector<Pool> pools_of(std::span<const GatherRequest> requests);
-    static std::vector<PointSums> sums_of(std::span<const GatherRequest> requests, std::span<const Pool> pools);
+    static std::vector<PointSums> sums_of(std::span<const GatherRequest> requests, std::span<const Pool> pools,
+                                          std::uint64_t first_pool);
     void trace_all(std::span<const GatherRequest> requests, std::span<const Bundle> bundles,
                    std::vector<PointSums>& sums, std::vector<Pool>& pools);
     void trace_wanted(std::span<const GatherRequest> requests, std::span<const std::uint32_t> wanted,
@@ -111,6 +126,7 @@ class FinalGather {
     SurfaceCache cache_;
     bool bodies_block_;
     SkyOfRays sky_;
+    std::uint64_t pools_ = 0;  ///< that were gathered
     FinalGatherCounts counts_;
 };
 

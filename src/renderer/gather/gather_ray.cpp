@@ -106,6 +106,12 @@ Sighting GatherRays::sighting(const RayQuery& ray, const Hit& hit, float distanc
     return s;
 }
 
+float GatherRays::length(const Hit& hit) const {
+    if (!hit.found()) return std::numeric_limits<float>::infinity();
+    const auto material = static_cast<std::size_t>(posed_scene_.animation().objects[hit.address.object].material);
+    return plain_[material] ? hit.distance : std::numeric_limits<float>::infinity();
+}
+
 /// Radiance of the sky, and of suns that were asked.
 glm::vec3 GatherRays::escaped(glm::vec3 direction, const RayRules& rules, bool mirrored, float solid_angle) const {
     glm::vec3 sky(0);

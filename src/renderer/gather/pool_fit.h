@@ -32,4 +32,8 @@ struct PoolFit {
     PoolFit(std::span<const GatherRequest> requests, std::span<const PointSums> sums);
 };
 
+/// Values at places of a surface of that normal, by the plane of least squares through what they are there.
+std::vector<PoolFit::Light> plane_through(std::span<const glm::vec3> places, glm::vec3 normal,
+                                          std::span<const double> weights, std::span<const PoolFit::Light> values);
+
 }  // namespace render2mpeg::renderer
