@@ -218,6 +218,42 @@ TEST(BlenderAddOnSlow, MakesAFilmItsFolderAndTellsMistakes) {
     EXPECT_EQ(contents(folder / "elsewhere/film.mpg"), contents(folder / "film.mpg")) << "the same film";
 }
 
+TEST(BlenderAimSlow, HasACarShowASign) {
+    NEEDS_BLENDER();
+    const Folder folder;
+    const std::string addon = (support::source_folder() / "blender/render2mpeg.py").string();
+    const Outcome made = blender("-P " + script("aim.py") + " -- " + addon + " " + folder.path().string());
+    EXPECT_NE(made.output.find("AIM WORKS"), std::string::npos) << made.output;
+    const Outcome planned = run(program() + " plan --within 0 " + path(folder, "aimed.blend"));
+    ASSERT_EQ(planned.status, 0) << planned.output;
+    EXPECT_NE(planned.output.find("mirrors are told what to show"), std::string::npos) << planned.output;
+    const json film = json::parse(contents(export_of(folder / "aimed.blend") / "film.json"));
+    const json& car = film["change"]["Body"];
+    ASSERT_EQ(car["reflections"].size(), 2u);
+    EXPECT_EQ(car["reflections"][1]["radius"], 0.15) << "which stays";
+    EXPECT_EQ(car["keys"].front()["reflections"][0]["radius"], 0.1);
+    EXPECT_NEAR(car["keys"].back()["reflections"][0]["radius"].get<double>(), 0.22, 1e-6);
+    EXPECT_EQ(car["keys"].back()["reflections"][1].count("at"), 0u) << "it goes along with the car";
+    EXPECT_NEAR(car["keys"].back()["reflections"][0]["see"][0].get<double>(), -4.4, 1e-5);
+    const auto red = [&](const char* name) {
+        // Red code values of the draft's first frame.
+        const Outcome drawn = run(program() + " render -y --preview --frames 0:0 --size 160x72 --quiet " +
+                                  path(folder, name) + " -o " + path(folder, "f%04d.png"));
+        EXPECT_EQ(drawn.status, 0) << drawn.output;
+        run("ffmpeg -v error -y -i " + path(folder, "f0000.png") + " -f rawvideo -pix_fmt rgb24 " +
+            path(folder, "f.rgb"));
+        const std::string pixels = contents(folder / "f.rgb");
+        EXPECT_EQ(pixels.size(), 160u * 72 * 3);
+        int count = 0;
+        for (std::size_t k = 0; k + 2 < pixels.size(); k += 3) {
+            const auto value = [&](std::size_t c) { return static_cast<unsigned char>(pixels[k + c]); };
+            count += value(0) > 2 * value(1) && value(0) > 90;
+        }
+        return count;
+    };
+    EXPECT_GT(red("aimed.blend"), red("plain.blend") + 20);
+}
+
 /// How ours is held against Cycles: tests/blender/compare.py.
 struct Row {
     double mean = 0, psnr = 0, right = 9, up = 9;

@@ -13,8 +13,9 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// No mirrored ray leaves below. chosen: a milliradian, as all rays of the renderer leave surfaces.
-constexpr double least_cosine = 1e-3;
+/// No bent ray leaves a surface at less than this sine. chosen: 3 degrees, by which triangles of a round body lie off
+/// it; at 1e-3 rays along it meet its own triangles in a pattern.
+constexpr double least_cosine = 0.05;
 
 /// A point that is seen edge-on mirrors what lies behind it: its edit fades below this cosine. chosen: 6 degrees, some
 /// frames of a turning mirror; tried 1 to 10.
@@ -31,6 +32,10 @@ constexpr double border_of_way = 2.2;
 /// Least share that is left in a border of the area that mirrored rays sweep. chosen: 0.15 on a plane, a sphere and a
 /// cylinder, judged on an ellipsoid (test).
 constexpr double least_area = 0.15;
+
+/// Share of the area that rays sweep at the edit's point, below which a mirror folds its picture by itself. chosen: a
+/// tenth; tried 0 (every dent of a body has an edit reach everywhere) to 0.3.
+constexpr double folded_share = 0.1;
 
 double smooth_step(double x) {
     const double u = std::clamp(x, 0.0, 1.0);
@@ -149,8 +154,8 @@ struct LocalMirror {
     glm::dvec3 normal(glm::dvec2 x) const {
         return side * glm::normalize(spot.normal + x.x * spot.turn[0] + x.y * spot.turn[1]);
     }
-    Ray ray(glm::dvec2 x) const { return ray_at(now, place(x), normal(x)); }
-    static Ray ray_at(const Instant& now, glm::dvec3 place, glm::dvec3 n) {
+    Ray ray(glm::dvec2 x) const { return ray_at(place(x), normal(x)); }
+    Ray ray_at(glm::dvec3 place, glm::dvec3 n) const {
         const glm::dvec3 i = glm::normalize(now.way_to(place));
         return {i - 2 * glm::dot(i, n) * n, -glm::dot(i, n)};
     }
@@ -166,7 +171,11 @@ glm::dvec3 rotated(glm::dvec3 v, glm::dvec3 turn) {
 
 /// How far over the mirror the picture is moved that a turn brings to its point: where the mirror shows it by itself,
 /// as if it curved evenly. Infinite where it never does.
-double way_of_turn(const LocalMirror& mirror, glm::dvec3 to_spot, glm::dvec3 r, glm::dvec3 turn) {
+struct Way {
+    double length = infinite;
+    double swept = 0;  ///< area that mirrored rays sweep over that of the mirror
+};
+Way way_of_turn(const LocalMirror& mirror, glm::dvec3 to_spot, glm::dvec3 r, glm::dvec3 turn) {
     const Spot& spot = mirror.spot;
     const double distance = glm::length(to_spot), angle = glm::length(turn), step = 1e-4 * distance;
     const glm::dvec3 moved = glm::cross(turn, r);
@@ -174,18 +183,18 @@ double way_of_turn(const LocalMirror& mirror, glm::dvec3 to_spot, glm::dvec3 r, 
                      dy = (mirror.ray({0, step}).mirrored - mirror.ray({0, -step}).mirrored) / (2 * step);
     const double aa = glm::dot(dx, dx), ab = glm::dot(dx, dy), bb = glm::dot(dy, dy), area = aa * bb - ab * ab;
     // Rays that differ by a millionth of what others do are parallel.
-    if (!(area > 1e-12 * (aa + bb) * (aa + bb))) return infinite;
+    if (!(area > 1e-12 * (aa + bb) * (aa + bb))) return {};
     const double ma = glm::dot(moved, dx), mb = glm::dot(moved, dy);
     const glm::dvec3 way = ((bb * ma - ab * mb) * spot.along[0] + (aa * mb - ab * ma) * spot.along[1]) / area;
     const double first = glm::length(way);
-    if (!mirror.now.perspective || !(first > 0)) return first;
+    if (!mirror.now.perspective || !(first > 0)) return {first, std::sqrt(area)};
     // Of the rate at which rays turn on that way, the part that a flat mirror has falls with the distance from the
     // eye: the law of sines in the triangle of eye, point and place.
     const glm::dvec3 along = way / first, i = to_spot / distance;
     const double sine = glm::length(glm::cross(along, i)), cosine = glm::dot(along, i);
     const double beyond = std::max(sine * std::cos(angle) - cosine * std::sin(angle), 0.0);
     const double rate = angle / first - sine / distance + angle * beyond / (distance * std::sin(angle));
-    return rate > 0 ? angle / rate : infinite;
+    return {rate > 0 ? angle / rate : infinite, std::sqrt(area)};
 }
 
 /// Three neighbouring places of a mirror, and the rays that it sends from there by itself.
@@ -199,19 +208,24 @@ double area_of(const glm::dvec3 (&ray)[3]) {
     return glm::dot(glm::cross(ray[1] - ray[0], ray[2] - ray[0]), ray[0]);
 }
 
-void add_cell(const glm::dvec3 (&place)[3], const LocalMirror::Ray (&ray)[3], glm::dvec3 at, std::vector<Cell>& cells) {
+/// `usual`: area that rays sweep over that of the mirror, at the edit's point. Where there is far less the mirror turns
+/// from hollow to bulging, and its picture folds by itself.
+void add_cell(const glm::dvec3 (&place)[3], const LocalMirror::Ray (&ray)[3], glm::dvec3 at, double usual,
+              std::vector<Cell>& cells) {
     Cell cell;
     for (int k = 0; k < 3; ++k) {
         cell.distance[k] = glm::length(place[k] - at);
         cell.mirrored[k] = ray[k].mirrored;
     }
     const double cosine = std::min({ray[0].cosine, ray[1].cosine, ray[2].cosine});
-    cell.weight = smooth_step(cosine / edge_on - 0.5);
-    if (cell.weight > 0 && area_of(cell.mirrored) != 0) cells.push_back(cell);
+    const double swept =
+        std::abs(area_of(cell.mirrored)) / glm::length(glm::cross(place[1] - place[0], place[2] - place[0]));
+    cell.weight = smooth_step(cosine / edge_on - 0.5) * smooth_step(swept / (folded_share * usual));
+    if (cell.weight > 0) cells.push_back(cell);
 }
 
 /// Cells in the border of a bend, as the mirror curves at its point: what flat mirrors have is between few corners.
-void add_near_cells(const LocalMirror& mirror, const Bend& bend, std::vector<Cell>& cells) {
+void add_near_cells(const LocalMirror& mirror, const Bend& bend, double usual, std::vector<Cell>& cells) {
     constexpr int rings = 12, spokes = 24;
     const double curved = std::max(glm::length(mirror.spot.turn[0]), glm::length(mirror.spot.turn[1]));
     const double reach = std::min(bend.radius + 1 / bend.fade, 0.5 / curved), step = 1e-3 * reach;
@@ -226,52 +240,24 @@ void add_near_cells(const LocalMirror& mirror, const Bend& bend, std::vector<Cel
                 place[k] = mirror.place(around[k]);
                 ray[k] = mirror.ray(around[k]);
             }
-            add_cell(place, ray, bend.at, cells);
+            add_cell(place, ray, bend.at, usual, cells);
         }
 }
 
-/// Triangles of a mirror's meshes, in parts where they are long beside the border; so many in all at most.
-void add_mesh_cells(const Animation& animation, int mirror, const Instant& now, double side, const Bend& bend,
+/// Triangles of a mirror's meshes, so many at most.
+void add_mesh_cells(const Animation& animation, int node, const LocalMirror& mirror, glm::dvec3 at, double usual,
                     std::vector<Cell>& cells) {
     constexpr std::size_t most = 6000;
-    constexpr double parts_of_border = 4, most_parts = 16;
-    struct Part {
-        Corners corners;
-        int parts, number;  ///< of the rows and columns of parts, and which of them
-    };
-    std::vector<Part> all;
     for (std::uint32_t o = 0; o < animation.objects.size(); ++o) {
         const Mesh& mesh = animation.meshes[static_cast<std::size_t>(animation.objects[o].mesh)];
-        if (animation.objects[o].node != mirror || !now.objects[o].present || mesh.normals.empty()) continue;
-        const std::size_t each = mesh.triangles.size() / most + 1;
-        for (std::size_t t = 0; t < mesh.triangles.size(); t += each) {
-            const Corners c = corners_of(animation, o, static_cast<std::uint32_t>(t), now.objects[o], now.deformed);
-            const double longest = std::max(glm::length(c.place[1] - c.place[0]), glm::length(c.place[2] - c.place[0]));
-            const int parts =
-                static_cast<int>(std::clamp(std::ceil(parts_of_border * longest * bend.fade), 1.0, most_parts));
-            for (int k = 0; k < parts * parts; ++k) all.push_back({c, parts, k});
+        const ObjectState& state = mirror.now.objects[o];
+        if (animation.objects[o].node != node || !state.present || mesh.normals.empty()) continue;
+        for (std::size_t t = 0; t < mesh.triangles.size(); t += mesh.triangles.size() / most + 1) {
+            const Corners c = corners_of(animation, o, static_cast<std::uint32_t>(t), state, mirror.now.deformed);
+            LocalMirror::Ray ray[3];
+            for (int k = 0; k < 3; ++k) ray[k] = mirror.ray_at(c.place[k], mirror.side * c.normal[k]);
+            add_cell(c.place, ray, at, usual, cells);
         }
-    }
-    for (std::size_t k = 0; k < all.size(); k += all.size() / most + 1) {
-        const auto& [c, parts, number] = all[k];
-        // The lower left half of a square of parts lies within; the upper right one is mirrored into it.
-        glm::dvec2 low = glm::dvec2(number % parts, number / parts) / static_cast<double>(parts);
-        double step = 1.0 / parts;
-        if (low.x + low.y > 1 - 0.5 * step) {
-            low = 1.0 - low;
-            step = -step;
-        }
-        const glm::dvec2 weights[3] = {low, low + glm::dvec2(step, 0), low + glm::dvec2(0, step)};
-        glm::dvec3 place[3];
-        LocalMirror::Ray ray[3];
-        for (int j = 0; j < 3; ++j) {
-            const auto mix = [&](const glm::dvec3(&v)[3]) {
-                return (1 - weights[j].x - weights[j].y) * v[0] + weights[j].x * v[1] + weights[j].y * v[2];
-            };
-            place[j] = mix(c.place);
-            ray[j] = LocalMirror::ray_at(now, place[j], side * glm::normalize(mix(c.normal)));
-        }
-        add_cell(place, ray, bend.at, cells);
     }
 }
 
@@ -328,11 +314,12 @@ Bend bend_at(const Reflection& edit, std::size_t index, const std::optional<Aime
 
     // Give it a border that does not fold; what none can take, the whole mirror turns.
     const LocalMirror mirror{*spot, now, back ? -1.0 : 1.0};
-    bend.fade = 1 / std::max(border, border_of_way * way_of_turn(mirror, to_spot, r, bend.turn));
+    const Way way = way_of_turn(mirror, to_spot, r, bend.turn);
+    bend.fade = 1 / std::max(border, border_of_way * way.length);
     if (!(bend.fade > 0)) return bend;
     std::vector<Cell> cells;
-    add_near_cells(mirror, bend, cells);
-    add_mesh_cells(animation, edit.mirror, now, mirror.side, bend, cells);
+    add_near_cells(mirror, bend, way.swept, cells);
+    add_mesh_cells(animation, edit.mirror, mirror, bend.at, way.swept, cells);
     bend.everywhere = share_everywhere(cells, bend);
     return bend;
 }
