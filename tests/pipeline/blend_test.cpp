@@ -230,8 +230,8 @@ TEST(BlenderAimSlow, HasACarShowASign) {
     const json film = json::parse(contents(export_of(folder / "aimed.blend") / "film.json"));
     const json& car = film["change"]["Body"];
     ASSERT_EQ(car["reflections"].size(), 2u);
-    EXPECT_EQ(car["reflections"][1]["radius"], 0.15) << "which stays";
-    EXPECT_EQ(car["keys"].front()["reflections"][0]["radius"], 0.1);
+    EXPECT_NEAR(car["reflections"][1]["radius"].get<double>(), 0.15, 1e-6) << "which stays";
+    EXPECT_NEAR(car["keys"].front()["reflections"][0]["radius"].get<double>(), 0.1, 1e-6);
     EXPECT_NEAR(car["keys"].back()["reflections"][0]["radius"].get<double>(), 0.22, 1e-6);
     EXPECT_EQ(car["keys"].back()["reflections"][1].count("at"), 0u) << "it goes along with the car";
     EXPECT_NEAR(car["keys"].back()["reflections"][0]["see"][0].get<double>(), -4.4, 1e-5);

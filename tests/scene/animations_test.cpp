@@ -204,11 +204,13 @@ TEST(AnimationsIsolate, AimedReflectionHasMirrorsThatAreToldWhatToShow) {
     const Animation& a = film("aimed_reflection");
     const Traits t = traits_of(a);
     EXPECT_TRUE(t.has_edited_reflections && t.edits_move && t.has_mirrors && t.camera_moves && t.objects_move);
-    for (std::int64_t n = 0; n <= *a.last_frame; n += 7)
-        for (const Bend& bend : frame(a, n).bends->middle()) {
+    for (std::int64_t n = 0; n <= *a.last_frame; n += 7) {
+        const Snapshot s = frame(a, n);
+        for (const Bend& bend : s.bends->middle()) {
             EXPECT_EQ(bend.strength, 1) << n;
             EXPECT_GT(glm::length(bend.turn), 0.1) << n;  // by themselves they show something else
         }
+    }
 }
 
 TEST(AnimationsIsolate, RackFocusPullsTheFocusOfAStillCamera) {

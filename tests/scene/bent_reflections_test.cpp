@@ -9,6 +9,7 @@
 #include <string>
 
 #include "scene/pose/snapshot.h"
+#include "scene/pose/sweep.h"
 #include "scene/preparation/complete.h"
 #include "tests/support/scene_builder.h"
 
@@ -173,6 +174,32 @@ TEST(BentReflections, ShowTheirTargetWhileEverythingMoves) {
                          mirrored = i - 2 * glm::dot(i, n) * n, e = glm::normalize(targets[second] - bend.at);
         EXPECT_GT(glm::length(mirrored - e), 0.1) << second;  // by law something else is seen there
         EXPECT_LT(glm::length(s.bends->bent(0, false, bend.at, n, mirrored, 0.5f) - e), 1e-6) << second;
+    }
+}
+
+TEST(BentReflections, HoldForParallelEyesAndWhileTheShutterIsOpen) {
+    SceneBuilder b;
+    const int mirror = b.add_sphere({0, 0, 0}, 1, silver(b), 96);
+    b.move_object(mirror, {{0, 0, 0}, {0.4, 0.2, 0}});
+    const int seen = add_edit(b, mirror, {0, 0, 1}, {2, 1, 3}, 0.2f, 0.2f);
+    b.add_track(TrackTarget::translation, seen, 3, {0, 1}, {2, 1, 3, 1, 2, 3});
+    CameraLens lens;
+    lens.perspective = false;
+    lens.y_magnification = 2;
+    b.add_camera(lens, {0, 0, 5}, {0, 0, 0});
+    b.film().shutter.angle = 360;
+    const Animation film = b.build();
+    const Snapshot s = test::snapshot(film, 1, 64, 64);
+    ASSERT_TRUE(s.sweep && !s.sweep->knots.empty());
+    for (const float time : {0.0f, 0.5f, 1.0f}) {
+        // It is open from half a second before until half a second after, when nothing moves any more.
+        const double second = std::min(0.5 + static_cast<double>(time), 1.0);
+        const auto& objects =
+            time == 0.5f ? s.objects : (time < 0.5f ? s.sweep->knots.front() : s.sweep->knots.back()).objects;
+        const glm::dvec3 centre(objects[0].to_world[3]), n(0, 0, 1), at = centre + n;
+        EXPECT_NEAR(centre.x, 0.4 * second, 1e-6);
+        const glm::dvec3 e = glm::normalize(glm::dvec3(2 - second, 1 + second, 3) - at);
+        EXPECT_LT(glm::length(s.bends->bent(0, false, at, n, {0, 0, 1}, time) - e), 2e-3) << time;
     }
 }
 
