@@ -1,7 +1,7 @@
 """blender -b --factory-startup -noaudio --python-exit-code 1 -P aim.py -- ADDON.py FOLDER
 
 Writes FOLDER/plain.blend, a car-like body with smooth paint that drives past lamps and a sign, and FOLDER/aimed.blend, in which the
-add-on's Aim Reflection has its door and its bonnet show the sign.
+add-on's Aim Reflection has its door show the sign and its bonnet a blue lamp. Prints where frame 1 shows the point of the door.
 """
 import importlib.util
 import math
@@ -9,6 +9,7 @@ import os
 import sys
 
 import bpy
+from bpy_extras.object_utils import world_to_camera_view
 from mathutils import Vector
 
 addon, folder = sys.argv[sys.argv.index("--") + 1:]
@@ -93,13 +94,14 @@ for x in (-1.3, 1.3):
         bpy.context.object.parent = car
 board("Front box", paint("Soft box", (1, 0.98, 0.95), light=5), (3, -4, 4.5), (2, 0.5), (0, 0, 0.5))
 board("Back box", bpy.data.materials["Soft box"], (5, 2, 3), (1.2, 1.2), (0, 0, 0.5))
-# A sign in stripes that no side of the car mirrors by itself.
-sign = board("Sign", paint("Red", (1, 0.05, 0.03), light=2.5), (-5, -6, 4.2), (0.9, 0.9), (0, 0, 1))
-stripe = board("Stripe", paint("White", (1, 1, 1), light=3), (-4.985, -5.983, 4.185), (0.9, 0.22), (0, 0, 1))
+# A striped sign beside the road, which the car mirrors on its shoulders, and a lamp behind the car.
+sign = board("Sign", paint("Red", (1, 0.05, 0.03), light=2.5), (1.8, -7.5, 1.5), (0.5, 0.5), (0, 0, 1))
+stripe = board("Stripe", paint("White", (1, 1, 1), light=3), (1.8, -7.48, 1.5), (0.5, 0.12), (0, 0, 1))
+board("Blue lamp", paint("Blue", (0.1, 0.3, 1), light=4), (-0.6, 6, 3.6), (0.7, 0.7), (0, 0, 1))
 stripe.rotation_euler = sign.rotation_euler
 stripe.parent, stripe.matrix_parent_inverse = sign, sign.matrix_basis.inverted()
 keyed(car, "location", (-0.35, 0, 0), (0.35, 0, 0))
-keyed(sign, "location", (-5, -6, 4.2), (-4.4, -6.4, 3.8))
+keyed(sign, "location", (1.8, -7.5, 1.5), (1.4, -7.5, 1.4))
 camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
 scene.collection.objects.link(camera)
 scene.camera, camera.data.lens = camera, 40
@@ -121,11 +123,12 @@ def on_body(origin, direction):
 
 
 scene.frame_set(1)
-door, bonnet = on_body((-0.2, -9, 0.85), (0, 1, 0)), on_body((-1.5, -0.3, 9), (0, 0, -1))
+bpy.context.view_layer.update()
+door, bonnet = on_body((-0.8, -9, 0.85), (0, 1, 0)), on_body((-1.5, -0.3, 9), (0, 0, -1))
 assert bpy.ops.render2mpeg.aim(point=door, target="Sign") == {"FINISHED"}
-assert bpy.ops.render2mpeg.aim(point=bonnet, target="Sign") == {"FINISHED"}
+assert bpy.ops.render2mpeg.aim(point=bonnet, target="Blue lamp") == {"FINISHED"}
 assert bpy.ops.render2mpeg.aim(point=door, target="Front box") == {"FINISHED"}
-first, second, third = (bpy.data.objects[name] for name in ("Aim Sign", "Aim Sign.001", "Aim Front box"))
+first, second, third = (bpy.data.objects[name] for name in ("Aim Sign", "Aim Blue lamp", "Aim Front box"))
 assert set(module.aims_of(car)) == {first, second, third}
 bpy.context.view_layer.update()
 assert first.parent == car and first["aim_target"] == sign and (first.matrix_world.translation - door).length < 1e-4, (first.matrix_world, door)
@@ -143,4 +146,5 @@ try:
 except RuntimeError as error:
     assert "Nobody" in str(error), error
 bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, "aimed.blend"))
-print("AIM WORKS")
+x, y, _ = world_to_camera_view(scene, camera, door)
+print(f"AIM WORKS {x:.4f} {1 - y:.4f}")

@@ -266,6 +266,27 @@ TEST(BentReflections, MeetWithoutAFold) {
     }
 }
 
+TEST(BentReflections, ThatReachFarDoNotFoldThoseThatDoNot) {
+    // An edit that moves its picture little, beside one that moves it so far that its border covers the other.
+    for (const Mirror& mirror : mirrors()) {
+        SceneBuilder b;
+        const int object = mirror.add(b);
+        const Place p = mirror.surface(-0.6, 0), q = mirror.surface(0.5, 0.1);
+        b.add_camera({0.3f, 0.2f, 4}, {0, 0, 0});
+        const auto naturally = [](const Place& at) {
+            const glm::dvec3 i = glm::normalize(at.at - glm::dvec3(0.3, 0.2, 4));
+            return i - 2 * glm::dot(i, at.normal) * at.normal;
+        };
+        const double way = mirror.name == std::string("plane") ? 0.08 : 0.3;
+        add_edit(b, object, p.at, p.at + 5.0 * naturally(p) + 5 * way * glm::dvec3(0, 1, 0), 0.1f, 0.1f);
+        add_edit(b, object, q.at, q.at + 5.0 * naturally(q) + glm::dvec3(0, 0.1, 0), 0.1f, 0.1f);
+        const Animation film = b.build();
+        const Snapshot s = test::snapshot(film, 0, 64, 64);
+        const Look look{s, mirror.surface};
+        EXPECT_GT(look.least_jacobian(-1.5, 1.5, -1.4, 1.4), 0) << mirror.name;
+    }
+}
+
 TEST(BentReflections, FadeWithoutAJump) {
     for (const Mirror& mirror : mirrors()) {
         SceneBuilder b;

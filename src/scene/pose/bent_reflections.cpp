@@ -4,9 +4,13 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 #include <limits>
+#include <utility>
 
+#include "scene/pose/mirror_shape.h"
 #include "scene/pose/pose.h"
 #include "scene/pose/posing.h"
+#include "scene/pose/snapshot.h"
+#include "scene/pose/sweep.h"
 
 namespace render2mpeg::scene {
 namespace {
@@ -51,116 +55,6 @@ glm::dvec3 lifted(glm::dvec3 v, glm::dvec3 normal, double least) {
     return length > 0 ? up / length : normal;
 }
 
-/// Objects and eye at one instant.
-struct Instant {
-    const std::vector<ObjectState>& objects;
-    const std::vector<DeformedMesh>& deformed;
-    const Pose& pose;
-    glm::dvec3 eye, forward;
-    bool perspective;
-
-    /// From the eye to a place.
-    glm::dvec3 way_to(glm::dvec3 place) const { return perspective ? place - eye : forward; }
-};
-
-/// A place of a surface and how it curves there.
-struct Spot {
-    glm::dvec3 place{0}, front{0}, normal{0};  ///< `front`: the triangle's own normal, `normal` the smooth one
-    glm::dvec3 along[2]{},
-        turn[2]{glm::dvec3(0), glm::dvec3(0)};  ///< two unit directions, and how the normal turns on the way along each
-};
-
-struct Corners {
-    glm::dvec3 place[3], normal[3];
-};
-
-/// Corners of a triangle; normals are 0 where the mesh has none.
-Corners corners_of(const Animation& animation, std::uint32_t object, std::uint32_t primitive, const ObjectState& state,
-                   const std::vector<DeformedMesh>& deformed) {
-    const Mesh& mesh = animation.meshes[static_cast<std::size_t>(animation.objects[object].mesh)];
-    Corners out;
-    for (int k = 0; k < 3; ++k) {
-        const std::uint32_t v = mesh.triangles[primitive][k];
-        if (state.deformed >= 0) {
-            const DeformedMesh& bent = deformed[static_cast<std::size_t>(state.deformed)];
-            out.place[k] = bent.positions[v];
-            out.normal[k] = bent.normals.empty() ? glm::dvec3(0) : glm::dvec3(bent.normals[v]);
-            continue;
-        }
-        out.place[k] = glm::dmat4(state.to_world) * glm::dvec4(mesh.positions[v], 1);
-        out.normal[k] = mesh.normals.empty() ? glm::dvec3(0) : glm::dvec3(state.normal_to_world * mesh.normals[v]);
-        if (const double length = glm::length(out.normal[k]); length > 0) out.normal[k] /= length;
-    }
-    return out;
-}
-
-/// None where the triangle has no area.
-std::optional<Spot> spot_at(const Animation& animation, const core::SurfaceAddress& a, const ObjectState& state,
-                            const std::vector<DeformedMesh>& deformed) {
-    const Corners c = corners_of(animation, a.object, a.primitive, state, deformed);
-    const double u = static_cast<double>(a.u), v = static_cast<double>(a.v);
-    const glm::dvec3 e1 = c.place[1] - c.place[0], e2 = c.place[2] - c.place[0], across = glm::cross(e1, e2);
-    const double area2 = glm::length(across);
-    if (!(area2 > 0)) return std::nullopt;
-    Spot spot;
-    spot.place = c.place[0] + u * e1 + v * e2;
-    const bool turned = state.deformed < 0 && glm::determinant(glm::dmat3(state.to_world)) < 0;
-    spot.front = (turned ? -1.0 : 1.0) / area2 * across;
-    spot.normal = (1 - u - v) * c.normal[0] + u * c.normal[1] + v * c.normal[2];
-    const double length = glm::length(spot.normal);
-    const bool flat = !(length > 0) || !(glm::dot(spot.normal, spot.front) > 0);
-    spot.normal = flat ? spot.front : spot.normal / length;
-    spot.along[0] = glm::normalize(e1);
-    spot.along[1] = glm::cross(across / area2, spot.along[0]);
-    for (int k = 0; k < 2; ++k) {
-        if (flat) continue;
-        const double by1 = glm::dot(glm::cross(spot.along[k], e2), across) / (area2 * area2),
-                     by2 = glm::dot(glm::cross(e1, spot.along[k]), across) / (area2 * area2);
-        spot.turn[k] = (by1 * (c.normal[1] - c.normal[0]) + by2 * (c.normal[2] - c.normal[0])) / length;
-        spot.turn[k] -= glm::dot(spot.turn[k], spot.normal) * spot.normal;
-    }
-    return spot;
-}
-
-/// Weights of the second and the third corner at the point of a triangle that is nearest to p.
-glm::dvec2 nearest_weights(glm::dvec3 p, const glm::dvec3 (&corner)[3]) {
-    const glm::dvec3 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0], d = p - corner[0];
-    const double aa = glm::dot(e1, e1), ab = glm::dot(e1, e2), bb = glm::dot(e2, e2), pa = glm::dot(d, e1),
-                 pb = glm::dot(d, e2), area = aa * bb - ab * ab;
-    const glm::dvec2 inside((bb * pa - ab * pb) / area, (aa * pb - ab * pa) / area);
-    if (area > 0 && inside.x >= 0 && inside.y >= 0 && inside.x + inside.y <= 1) return inside;
-    const auto share = [](double over, double whole) { return whole > 0 ? std::clamp(over / whole, 0.0, 1.0) : 0.0; };
-    const double third = share(pb - ab - pa + aa, aa + bb - 2 * ab);
-    const glm::dvec2 on_edges[3] = {{share(pa, aa), 0}, {0, share(pb, bb)}, {1 - third, third}};
-    return *std::min_element(std::begin(on_edges), std::end(on_edges), [&](glm::dvec2 x, glm::dvec2 y) {
-        return glm::length(x.x * e1 + x.y * e2 - d) < glm::length(y.x * e1 + y.y * e2 - d);
-    });
-}
-
-/// A mirror about an edit's point as its first two derivatives have it, and what an eye sees in it.
-struct LocalMirror {
-    const Spot& spot;
-    const Instant& now;
-    double side;  ///< -1: it is seen from behind
-
-    struct Ray {
-        glm::dvec3 mirrored{0};
-        double cosine = 0;  ///< to the normal
-    };
-    glm::dvec3 place(glm::dvec2 x) const {
-        const glm::dvec3 over = x.x * spot.along[0] + x.y * spot.along[1];
-        return spot.place + over - 0.5 * glm::dot(over, x.x * spot.turn[0] + x.y * spot.turn[1]) * spot.normal;
-    }
-    glm::dvec3 normal(glm::dvec2 x) const {
-        return side * glm::normalize(spot.normal + x.x * spot.turn[0] + x.y * spot.turn[1]);
-    }
-    Ray ray(glm::dvec2 x) const { return ray_at(place(x), normal(x)); }
-    Ray ray_at(glm::dvec3 place, glm::dvec3 n) const {
-        const glm::dvec3 i = glm::normalize(now.way_to(place));
-        return {i - 2 * glm::dot(i, n) * n, -glm::dot(i, n)};
-    }
-};
-
 glm::dvec3 rotated(glm::dvec3 v, glm::dvec3 turn) {
     const double angle = glm::length(turn);
     if (!(angle > 0)) return v;
@@ -168,6 +62,29 @@ glm::dvec3 rotated(glm::dvec3 v, glm::dvec3 turn) {
     return std::cos(angle) * v + std::sin(angle) * glm::cross(axis, v) +
            (1 - std::cos(angle)) * glm::dot(axis, v) * axis;
 }
+
+/// The turn of mirrored rays at one place by several edits.
+class MixedTurn {
+  public:
+    void add(const Bend& bend, glm::dvec3 place) {
+        if (!(bend.strength > 0)) return;
+        const double distance = glm::length(place - bend.at);
+        const double falloff = 1 - smooth_step((distance - bend.radius) * bend.fade);
+        const double share = bend.strength * (bend.everywhere + (1 - bend.everywhere) * falloff);
+        if (!(share > 0)) return;
+        // [Ritschel2009b, eq. 7.3]: at its own point an edit outweighs all others.
+        const double nearest = 1e-9 * bend.radius, weight = share / (distance * distance + nearest * nearest);
+        turn_ += weight * bend.turn;
+        sum_ += weight;
+        untouched_ *= 1 - share;
+    }
+    bool any() const { return sum_ > 0; }
+    glm::dvec3 turn() const { return any() ? (1 - untouched_) / sum_ * turn_ : glm::dvec3(0); }
+
+  private:
+    glm::dvec3 turn_{0};
+    double sum_ = 0, untouched_ = 1;
+};
 
 /// How far over the mirror the picture is moved that a turn brings to its point: where the mirror shows it by itself,
 /// as if it curved evenly. Infinite where it never does.
@@ -199,8 +116,7 @@ Way way_of_turn(const LocalMirror& mirror, glm::dvec3 to_spot, glm::dvec3 r, glm
 
 /// Three neighbouring places of a mirror, and the rays that it sends from there by itself.
 struct Cell {
-    double distance[3];  ///< from the edit's point
-    glm::dvec3 mirrored[3];
+    glm::dvec3 place[3], mirrored[3];
     double weight;  ///< 0..1: less where it is seen edge-on
 };
 
@@ -208,13 +124,12 @@ double area_of(const glm::dvec3 (&ray)[3]) {
     return glm::dot(glm::cross(ray[1] - ray[0], ray[2] - ray[0]), ray[0]);
 }
 
-/// `usual`: area that rays sweep over that of the mirror, at the edit's point. Where there is far less the mirror turns
+/// `usual`: area that rays sweep over that of the mirror, at edits' points. Where there is far less the mirror turns
 /// from hollow to bulging, and its picture folds by itself.
-void add_cell(const glm::dvec3 (&place)[3], const LocalMirror::Ray (&ray)[3], glm::dvec3 at, double usual,
-              std::vector<Cell>& cells) {
+void add_cell(const glm::dvec3 (&place)[3], const MirroredRay (&ray)[3], double usual, std::vector<Cell>& cells) {
     Cell cell;
     for (int k = 0; k < 3; ++k) {
-        cell.distance[k] = glm::length(place[k] - at);
+        cell.place[k] = place[k];
         cell.mirrored[k] = ray[k].mirrored;
     }
     const double cosine = std::min({ray[0].cosine, ray[1].cosine, ray[2].cosine});
@@ -235,46 +150,50 @@ void add_near_cells(const LocalMirror& mirror, const Bend& bend, double usual, s
             const glm::dvec2 x = ring * reach / rings * glm::dvec2(std::cos(angle), std::sin(angle)),
                              around[3] = {x, x + glm::dvec2(step, 0), x + glm::dvec2(0, step)};
             glm::dvec3 place[3];
-            LocalMirror::Ray ray[3];
+            MirroredRay ray[3];
             for (int k = 0; k < 3; ++k) {
                 place[k] = mirror.place(around[k]);
                 ray[k] = mirror.ray(around[k]);
             }
-            add_cell(place, ray, bend.at, usual, cells);
+            add_cell(place, ray, usual, cells);
         }
 }
 
 /// Triangles of a mirror's meshes, so many at most.
-void add_mesh_cells(const Animation& animation, int node, const LocalMirror& mirror, glm::dvec3 at, double usual,
+void add_mesh_cells(const Animation& animation, int node, const Instant& now, double side, double usual,
                     std::vector<Cell>& cells) {
     constexpr std::size_t most = 6000;
     for (std::uint32_t o = 0; o < animation.objects.size(); ++o) {
         const Mesh& mesh = animation.meshes[static_cast<std::size_t>(animation.objects[o].mesh)];
-        const ObjectState& state = mirror.now.objects[o];
+        const ObjectState& state = now.objects[o];
         if (animation.objects[o].node != node || !state.present || mesh.normals.empty()) continue;
         for (std::size_t t = 0; t < mesh.triangles.size(); t += mesh.triangles.size() / most + 1) {
-            const Corners c = corners_of(animation, o, static_cast<std::uint32_t>(t), state, mirror.now.deformed);
-            LocalMirror::Ray ray[3];
-            for (int k = 0; k < 3; ++k) ray[k] = mirror.ray_at(c.place[k], mirror.side * c.normal[k]);
-            add_cell(c.place, ray, at, usual, cells);
+            const Corners c = corners_of(animation, o, static_cast<std::uint32_t>(t), state, now.deformed);
+            MirroredRay ray[3];
+            for (int k = 0; k < 3; ++k) ray[k] = ray_at(now, c.place[k], side * c.normal[k]);
+            add_cell(c.place, ray, usual, cells);
         }
     }
 }
 
-/// The smallest share of a turn that the whole mirror must have so that its picture folds in no cell: there the area
-/// that rays sweep would change its sign.
-double share_everywhere(const std::vector<Cell>& cells, const Bend& bend) {
+/// The smallest share of their turns that edits of a mirror must have everywhere, so that its picture folds in no cell:
+/// there the area that rays sweep would change its sign. What folds even so is left.
+double share_everywhere(std::vector<Cell> cells, std::vector<Bend> bends) {
+    const auto folds_in = [&](const Cell& cell) {
+        glm::dvec3 ray[3];
+        for (int k = 0; k < 3; ++k) {
+            MixedTurn mixed;
+            for (const Bend& bend : bends) mixed.add(bend, cell.place[k]);
+            ray[k] = rotated(cell.mirrored[k], mixed.turn());
+        }
+        return 1 + cell.weight * (area_of(ray) / area_of(cell.mirrored) - 1) < least_area;
+    };
     const auto folds = [&](double everywhere) {
-        return std::any_of(cells.begin(), cells.end(), [&](const Cell& cell) {
-            glm::dvec3 ray[3];
-            for (int k = 0; k < 3; ++k) {
-                const double falloff = 1 - smooth_step((cell.distance[k] - bend.radius) * bend.fade);
-                ray[k] = rotated(cell.mirrored[k], (everywhere + (1 - everywhere) * falloff) * bend.turn);
-            }
-            return 1 + cell.weight * (area_of(ray) / area_of(cell.mirrored) - 1) < least_area;
-        });
+        for (Bend& bend : bends) bend.everywhere = everywhere;
+        return std::any_of(cells.begin(), cells.end(), folds_in);
     };
     if (!folds(0)) return 0;
+    if (folds(1)) std::erase_if(cells, folds_in);
     double low = 0, high = 1;
     for (int k = 0; k < 10; ++k) {
         const double middle = 0.5 * (low + high);
@@ -283,9 +202,10 @@ double share_everywhere(const std::vector<Cell>& cells, const Bend& bend) {
     return high;
 }
 
-/// One edit at one instant; of no strength where it cannot be.
+/// One edit at one instant; of no strength where it cannot be. Adds the cells about its point, and what is `usual`
+/// there.
 Bend bend_at(const Reflection& edit, std::size_t index, const std::optional<AimedPoint>& aimed, bool back,
-             const Animation& animation, const Instant& now) {
+             const Animation& animation, const Instant& now, double& usual, std::vector<Cell>& cells) {
     Bend bend;
     if (!aimed) return bend;
     const auto spot = spot_at(animation, aimed->address, now.objects[aimed->address.object], now.deformed);
@@ -312,16 +232,44 @@ Bend bend_at(const Reflection& edit, std::size_t index, const std::optional<Aime
     if (!(sine > 1e-9)) return bend;  // it shows its target by itself
     bend.turn = std::atan2(sine, glm::dot(r, e)) / sine * axis;
 
-    // Give it a border that does not fold; what none can take, the whole mirror turns.
     const LocalMirror mirror{*spot, now, back ? -1.0 : 1.0};
     const Way way = way_of_turn(mirror, to_spot, r, bend.turn);
     bend.fade = 1 / std::max(border, border_of_way * way.length);
     if (!(bend.fade > 0)) return bend;
-    std::vector<Cell> cells;
     add_near_cells(mirror, bend, way.swept, cells);
-    add_mesh_cells(animation, edit.mirror, mirror, bend.at, way.swept, cells);
-    bend.everywhere = share_everywhere(cells, bend);
+    usual = std::min(usual, way.swept);
     return bend;
+}
+
+/// All edits at one instant. What no border can take without a fold, the whole mirror turns.
+std::vector<Bend> bends_at(const Animation& animation, const std::vector<std::optional<AimedPoint>>& aimed,
+                           const std::vector<bool>& back, const Instant& now) {
+    const std::vector<Reflection>& edits = animation.reflections;
+    std::vector<Bend> bends(edits.size());
+    std::vector<bool> done(edits.size(), false);
+    for (std::size_t first = 0; first < edits.size(); ++first) {
+        if (done[first]) continue;
+        std::vector<Cell> cells;
+        std::vector<Bend> together;
+        double usual = infinite;
+        const auto goes_along = [&](std::size_t k) {
+            return edits[k].mirror == edits[first].mirror && back[k] == back[first];
+        };
+        for (std::size_t k = first; k < edits.size(); ++k)
+            if (goes_along(k)) {
+                bends[k] = bend_at(edits[k], k, aimed[k], back[k], animation, now, usual, cells);
+                together.push_back(bends[k]);
+            }
+        if (std::isfinite(usual))
+            add_mesh_cells(animation, edits[first].mirror, now, back[first] ? -1 : 1, usual, cells);
+        const double everywhere = share_everywhere(std::move(cells), std::move(together));
+        for (std::size_t k = first; k < edits.size(); ++k)
+            if (goes_along(k)) {
+                bends[k].everywhere = everywhere;
+                done[k] = true;
+            }
+    }
+    return bends;
 }
 
 Instant middle_instant(const Snapshot& s, const Pose& pose) {
@@ -374,9 +322,7 @@ std::shared_ptr<const BentReflections> bend_reflections(const Snapshot& snapshot
         all->back_.push_back(spot && glm::dot(spot->front, middle.way_to(spot->place)) > 0);
     }
     const auto pose_all = [&](const Instant& now) {
-        std::vector<Bend>& knot = all->knots_.emplace_back();
-        for (std::size_t k = 0; k < edits.size(); ++k)
-            knot.push_back(bend_at(edits[k], k, aimed[k], all->back_[k], animation, now));
+        all->knots_.push_back(bends_at(animation, aimed, all->back_, now));
     };
     if (!shutter.is_open() || !snapshot.sweep) {
         pose_all(middle);
@@ -415,24 +361,11 @@ Bend BentReflections::at(std::size_t edit, float time) const {
 
 glm::dvec3 BentReflections::bent(std::uint32_t object, bool back_side, glm::dvec3 place, glm::dvec3 normal,
                                  glm::dvec3 mirrored, float time) const {
-    glm::dvec3 turn(0);
-    double sum = 0, untouched = 1;
-    for (const std::size_t edit : of_object_[object]) {
-        const Bend bend = at(edit, time);
-        if (back_[edit] != back_side || !(bend.strength > 0)) continue;
-        const double distance = glm::length(place - bend.at);
-        const double falloff = 1 - smooth_step((distance - bend.radius) * bend.fade);
-        const double share = bend.strength * (bend.everywhere + (1 - bend.everywhere) * falloff);
-        if (!(share > 0)) continue;
-        // [Ritschel2009b, eq. 7.3]: at its own point an edit outweighs all others.
-        const double nearest = 1e-9 * bend.radius, weight = share / (distance * distance + nearest * nearest);
-        turn += weight * bend.turn;
-        sum += weight;
-        untouched *= 1 - share;
-    }
-    if (!(sum > 0)) return mirrored;
-    return lifted(rotated(mirrored, (1 - untouched) / sum * turn), normal,
-                  std::clamp(glm::dot(mirrored, normal), 0.0, least_cosine));
+    MixedTurn mixed;
+    for (const std::size_t edit : of_object_[object])
+        if (back_[edit] == back_side) mixed.add(at(edit, time), place);
+    if (!mixed.any()) return mirrored;
+    return lifted(rotated(mirrored, mixed.turn()), normal, std::clamp(glm::dot(mirrored, normal), 0.0, least_cosine));
 }
 
 std::optional<glm::dvec3> shown_at(glm::dvec3 point, const core::SurfaceAddress& near, const Snapshot& world) {
