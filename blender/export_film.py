@@ -162,15 +162,16 @@ def other_things(scene, lost):
 
 
 def write_nodes(glb, walk, materials, times, film, lost):
-    """Every object and instance as a node of its own below one that turns Blender's z up to the film's y."""
+    """Every object and instance as a node of its own below one that turns Blender's z up to the film's y. Returns the
+    names of the nodes that have objects' shapes."""
     import numpy as np
     from mathutils import Matrix
     from film_export.cameras import TO_FILM
     from film_export.keys import json_number, thinned
     from film_export.shapes import add_mesh
 
-    meshes, names, change = {}, set(), {}
-    for thing in walk.things.values():
+    meshes, names, change, shaped = {}, set(), {}, {}
+    for key, thing in walk.things.items():
         if thing.kind == "LIGHT":
             continue
         over = walk.shapes[thing.shape]
@@ -198,12 +199,15 @@ def write_nodes(glb, walk, materials, times, film, lost):
             if len(needed) > 1:
                 glb.channel(node, "weights", [times[k] for k in needed], weights[needed].ravel())
         place_node(glb, node, thing, times, Matrix, TO_FILM, np, thinned, lost)
+        if key[0] == "object":
+            shaped[key[1]] = name if "mesh" in glb.document["nodes"][node] else name + " (shape)"
         shown = [m is not None for m in thing.matrices]
         if not all(shown):
             keys = [{"at": json_number(times[k]), "visible": shown[k]} for k in range(len(shown)) if k == 0 or shown[k] != shown[k - 1]]
             change[name] = {"keys": keys}
     if change:
         film["change"] = change
+    return shaped
 
 
 def place_node(glb, node, thing, times, Matrix, TO_FILM, np, thinned, lost):
@@ -296,6 +300,7 @@ def export(path, folder, texture_size):
     from film_export.glb import Glb
     from film_export.lost import Lost
     from film_export.materials import Materials
+    from film_export.reflections import Reflections
     from film_export.walk import Walk
 
     scene, lost, glb = bpy.context.scene, Lost(), Glb()
@@ -320,14 +325,15 @@ def export(path, folder, texture_size):
     window = bpy.context.window_manager.windows[0]
     window.scene = scene
 
-    cameras, strengths = Cameras(scene, frames, times, lost), Strengths(materials)
+    cameras, strengths, reflections = Cameras(scene, frames, times, lost), Strengths(materials), Reflections(scene, times, lost)
 
     def watch(number, depsgraph):
         cameras.watch(number, depsgraph)
         strengths.watch(number, depsgraph)
+        reflections.watch(number, depsgraph)
     walk = Walk(scene, frames, watch, lost)
     walk.run()
-    write_nodes(glb, walk, materials, times, film, lost)
+    reflections.write(film, write_nodes(glb, walk, materials, times, film, lost))
     cameras.write(film)
     lights = [lamps.described(thing, times, lost) for thing in walk.things.values() if thing.kind == "LIGHT"]
     if any(lights):

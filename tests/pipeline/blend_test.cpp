@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cmath>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -216,6 +217,47 @@ TEST(BlenderAddOnSlow, MakesAFilmItsFolderAndTellsMistakes) {
                                   ":/usr/bin:/bin RENDER2MPEG_BLENDER=/nowhere " + path(folder, "elsewhere/render.sh"));
     EXPECT_EQ(elsewhere.status, 0) << elsewhere.output;
     EXPECT_EQ(contents(folder / "elsewhere/film.mpg"), contents(folder / "film.mpg")) << "the same film";
+}
+
+TEST(BlenderAimSlow, HasACarShowASign) {
+    NEEDS_BLENDER();
+    const Folder folder;
+    const std::string addon = (support::source_folder() / "blender/render2mpeg.py").string();
+    const Outcome made = blender("-P " + script("aim.py") + " -- " + addon + " " + folder.path().string());
+    EXPECT_NE(made.output.find("AIM WORKS"), std::string::npos) << made.output;
+    const Outcome planned = run(program() + " plan --within 0 " + path(folder, "aimed.blend"));
+    ASSERT_EQ(planned.status, 0) << planned.output;
+    EXPECT_NE(planned.output.find("mirrors are told what to show"), std::string::npos) << planned.output;
+    const json film = json::parse(contents(export_of(folder / "aimed.blend") / "film.json"));
+    const json& car = film["change"]["Body"];
+    ASSERT_EQ(car["reflections"].size(), 2u);
+    EXPECT_NEAR(car["reflections"][1]["radius"].get<double>(), 0.15, 1e-6) << "which stays";
+    EXPECT_NEAR(car["keys"].front()["reflections"][0]["radius"].get<double>(), 0.1, 1e-6);
+    EXPECT_NEAR(car["keys"].back()["reflections"][0]["radius"].get<double>(), 0.22, 1e-6);
+    EXPECT_EQ(car["keys"].back()["reflections"][1].count("at"), 0u) << "it goes along with the car";
+    EXPECT_NEAR(car["keys"].back()["reflections"][0]["see"][0].get<double>(), 1.4, 1e-5);
+    // Frame 0 of drafts, at the point of the door.
+    std::istringstream place(made.output.substr(made.output.find("AIM WORKS") + 9));
+    double x = 0, y = 0;
+    place >> x >> y;
+    const auto shows_the_sign = [&](const char* name) {
+        const Outcome drawn =
+            run(program() + " render -y --preview --frames 0:0 --size 640x288 --quiet " + path(folder, name) + " -o " +
+                path(folder, "f%04d.png") + " && ffmpeg -v error -y -i " + path(folder, "f0000.png") +
+                " -f rawvideo -pix_fmt rgb24 " + path(folder, "f.rgb"));
+        EXPECT_EQ(drawn.status, 0) << drawn.output;
+        const std::string pixels = contents(folder / "f.rgb");
+        // A draft may be smaller than its film.
+        const auto width =
+            static_cast<std::size_t>(std::lround(std::sqrt(static_cast<double>(pixels.size()) / 3 * 640 / 288)));
+        const std::size_t height = pixels.size() / 3 / width;
+        const std::size_t at = 3 * (static_cast<std::size_t>(y * static_cast<double>(height)) * width +
+                                    static_cast<std::size_t>(x * static_cast<double>(width)));
+        const auto value = [&](std::size_t c) { return static_cast<unsigned char>(pixels.at(at + c)); };
+        return value(0) > 200;  // the paint alone has 100
+    };
+    EXPECT_TRUE(shows_the_sign("aimed.blend"));
+    EXPECT_FALSE(shows_the_sign("plain.blend"));
 }
 
 /// How ours is held against Cycles: tests/blender/compare.py.

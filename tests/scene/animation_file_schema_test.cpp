@@ -106,6 +106,7 @@ TEST(AnimationFileSchema, HasTheKeysThatTheReaderKnows) {
     expect_same_keys("object", keys::object);
     expect_same_keys("object_key", keys::object_key);
     expect_same_keys("change", keys::change);
+    expect_same_keys("reflection", keys::reflection);
     expect_same_keys("repeat", keys::repeat);
     expect_same_keys("ring", keys::ring);
     expect_same_keys("material", keys::material);
@@ -153,6 +154,7 @@ TEST(AnimationFileSchema, RefusesWhatTheReaderRefusesAndAcceptsWhatItAccepts) {
          R"({"fog": 40})",
          R"({"fog": {"visibility": 40, "color": [1, 0.9, 0.8], "anisotropy": -0.3, "height": 2, "falloff": 4}})",
          R"({"glare": {"kind": "static", "strength": 0.5, "size": 1, "seed": 7}})",
+         R"({"objects": [{"shape": "quad", "reflections": [{"at": [0, 0, 0], "see": [1, 2, 3], "radius": 1, "border": 2}]}]})",
          R"({"sky": {"zenith": [0, 0, 1], "horizon": 2}})", R"({"sky": "#102030"})",
          R"({"objects": [{"shape": "box", "material": {"alpha": "mask", "texture": {"checker": [0, 1]}, "texture_scale": [1, 2]}}]})"})
         EXPECT_TRUE(judge(good)) << good;
@@ -195,6 +197,9 @@ TEST(AnimationFileSchema, RefusesWhatTheReaderRefusesAndAcceptsWhatItAccepts) {
                             R"({"glare": {"strength": 0.1}})",
                             R"({"glare": {"kind": "static", "strength": 0.6}})",
                             R"({"glare": {"kind": "static", "size": 0}})",
+                            R"({"objects": [{"shape": "quad", "reflections": {}}]})",
+                            R"({"objects": [{"shape": "quad", "reflections": [{"radius": 0}]}]})",
+                            R"({"objects": [{"shape": "quad", "reflections": [{"looks": 1}]}]})",
                             R"({"change": []})"})
         EXPECT_FALSE(judge(bad)) << bad;
     fs::remove(file);

@@ -79,7 +79,7 @@ TEST_P(Animations, SayInTwoLinesWhatTheyIsolate) {
 INSTANTIATE_TEST_SUITE_P(All, Animations,
                          ::testing::Values("cornell", "colonnade", "many_lamps", "mirror_and_glass", "night_street",
                                            "ring_and_lens", "character", "still_room", "flash_cut", "wheel",
-                                           "rack_focus"),
+                                           "rack_focus", "aimed_reflection"),
                          [](const auto& chosen) { return std::string(chosen.param); });
 
 TEST(AnimationsIsolate, CornellMovesBoxesUnderAPanelBeforeAStillCamera) {
@@ -198,6 +198,19 @@ TEST(AnimationsIsolate, WheelTurnsBeforeACameraThatPansWithAnOpenShutter) {
     EXPECT_TRUE(t.shows_motion() && t.camera_moves && t.objects_move);
     EXPECT_FALSE(t.has_aperture);
     EXPECT_EQ(a.shutter.angle, 180);
+}
+
+TEST(AnimationsIsolate, AimedReflectionHasMirrorsThatAreToldWhatToShow) {
+    const Animation& a = film("aimed_reflection");
+    const Traits t = traits_of(a);
+    EXPECT_TRUE(t.has_edited_reflections && t.edits_move && t.has_mirrors && t.camera_moves && t.objects_move);
+    for (std::int64_t n = 0; n <= *a.last_frame; n += 7) {
+        const Snapshot s = frame(a, n);
+        for (const Bend& bend : s.bends->middle()) {
+            EXPECT_EQ(bend.strength, 1) << n;
+            EXPECT_GT(glm::length(bend.turn), 0.1) << n;  // by themselves they show something else
+        }
+    }
 }
 
 TEST(AnimationsIsolate, RackFocusPullsTheFocusOfAStillCamera) {

@@ -35,7 +35,7 @@ Animation loaded(const GltfFile& file) {
     return load(file.write(folder / "film.gltf"));
 }
 
-bool has_note(const Animation& animation, const std::string& words) {
+bool notes_say(const Animation& animation, const std::string& words) {
     return std::any_of(animation.notes.begin(), animation.notes.end(),
                        [&](const std::string& note) { return note.find(words) != std::string::npos; });
 }
@@ -45,25 +45,25 @@ TEST(BlendersExporter, LampsInCandelaComeInWattsAgain) {
     ASSERT_EQ(film.lights.size(), 2u);
     EXPECT_FLOAT_EQ(film.lights[0].intensity, 2);
     EXPECT_NEAR(film.lights[1].intensity, 100 / (4 * 3.14159265), 1e-4) << "a lamp of 100 W";
-    EXPECT_TRUE(has_note(film, "divided by 683"));
+    EXPECT_TRUE(notes_say(film, "divided by 683"));
 }
 
 TEST(BlendersExporter, LampsInOtherUnitsStayAsTheyAre) {
     for (const Animation& film :
          {loaded(lit(blender_34, 2, 7.957747)), loaded(lit("Khronos glTF Blender I/O v3.3.27", 1366, 5435)),
           loaded(lit("another program", 1366, 5435))}) {
-        EXPECT_FALSE(has_note(film, "683"));
+        EXPECT_FALSE(notes_say(film, "683"));
         EXPECT_GE(film.lights[0].intensity, 2);
     }
 }
 
 TEST(BlendersExporter, TellsWhichBoxesWereNotTicked) {
     GltfFile file = GltfFile::triangle();
-    EXPECT_FALSE(has_note(loaded(file), "ticked"));
+    EXPECT_FALSE(notes_say(loaded(file), "ticked"));
     file.json["asset"]["generator"] = blender_34;
-    EXPECT_TRUE(has_note(loaded(file), "Include > Cameras"));
-    EXPECT_TRUE(has_note(loaded(file), "Include > Punctual Lights"));
-    EXPECT_FALSE(has_note(loaded(lit(blender_34, 2, 8)), "Punctual Lights"));
+    EXPECT_TRUE(notes_say(loaded(file), "Include > Cameras"));
+    EXPECT_TRUE(notes_say(loaded(file), "Include > Punctual Lights"));
+    EXPECT_FALSE(notes_say(loaded(lit(blender_34, 2, 8)), "Punctual Lights"));
 }
 
 Animation moving(const std::vector<float>& times) {

@@ -20,6 +20,7 @@ enum class Pass {
     glass,
     refraction,
     sky_background,
+    edited_reflections,
     see,
     shutter,
     lens,

@@ -8,6 +8,7 @@
 #include "core/numeric.h"
 #include "core/sampling.h"
 #include "renderer/surface/media_path.h"
+#include "renderer/view/edited_mirror.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -117,6 +118,7 @@ EyePaths::EyePaths(const PosedScene& posed_scene, const SeeSettings& settings, c
       sky_(plan.runs(Pass::sky_background) && posed_scene.sky() != nullptr),
       mirrors_(plan.runs(Pass::mirrors)),
       bodies_(posed_scene.has_bodies()),
+      edits_(plan.runs(Pass::edited_reflections)),
       specular_depth_(settings.specular_depth),
       air_(posed_scene.air()) {}
 
@@ -184,6 +186,7 @@ void EyePaths::follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& cou
         Fragment fragment;
         SurfacePoint& point = fragment.point;
         point = path.glass.surface_at(posed_scene_, hit, path.ray.direction, footprint, path.ray.time);
+        if (edits_) aim_reflection(posed_scene_, path.ray.time, point);
         const glm::vec3 passing = point.alpha > 0.0f ? show(path, fragment, footprint, sample, counts) : path.weight;
         if (point.bounds_body && point.alpha == 1.0f) {
             if (!bend(path, fragment, footprint, passing, sample)) return;
@@ -338,7 +341,7 @@ void EyePaths::mirror(const PathState& path, const Fragment& fragment, const Sur
     next.far = std::numeric_limits<float>::infinity();
     const glm::vec3 n = facet(path, point);
     next.ray.number = path.ray.number;
-    next.ray.direction = mirrored(path.ray.direction, n, point.geometric_normal);
+    next.ray.direction = mirrored(-point.outgoing, n, point.geometric_normal);
     next.ray.origin = offset_origin(point, next.ray.direction);
     next.ray.origin_change = footprint;
     next.ray.time = path.ray.time;
@@ -348,9 +351,13 @@ void EyePaths::mirror(const PathState& path, const Fragment& fragment, const Sur
     const SurfaceFootprint& spread = path.ray.direction_change;
     next.ray.direction_change = {mirrored_change(path.ray.direction, spread.dx, n, turn.dx),
                                  mirrored_change(path.ray.direction, spread.dy, n, turn.dy)};
+    const bool edited = edits_ && has_aimed_reflection(posed_scene_, point);
+    if (edited)
+        next.ray.direction_change =
+            aimed_change(posed_scene_, {path.ray.direction, spread, footprint, turn, path.ray.time}, point);
     const glm::vec3 none{0.0f};
     const bool flat = turn.dx == none && turn.dy == none && point.shading_normal == point.geometric_normal;
-    next.is_image = flat && path.straight() && sample.main.kind == core::PixelClass::reflected &&
+    next.is_image = (flat || edited) && path.straight() && sample.main.kind == core::PixelClass::reflected &&
                     sample.main.point.address == point.address;
     follow(next, meet(next), sample, counts);
 }

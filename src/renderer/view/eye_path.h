@@ -87,7 +87,7 @@ class EyePaths {
               EyeSample& sample) const;
 
     const PosedScene& posed_scene_;
-    bool sky_, mirrors_, bodies_;
+    bool sky_, mirrors_, bodies_, edits_;
     int specular_depth_;
     const Air* air_;
     mutable SampledClock sky_clock_;

@@ -37,15 +37,16 @@ inline constexpr std::array light{K("name"),      K("kind"),          K("color")
                                   K("stagger"),   K("seen"),          K("round")};
 inline constexpr std::array light_key{K("at"), K("position"), K("look_at"), K("rotate"), K("power")};
 
-inline constexpr std::array object{K("name"),        K("shape"),  K("size"),    K("radius"),   K("top_radius"),
-                                   K("tube_radius"), K("height"), K("opening"), K("profile"),  K("crease"),
-                                   K("segments"),    K("uv"),     K("parts"),   K("material"), K("position"),
-                                   K("rotate"),      K("scale"),  K("visible"), K("keys"),     K("interpolation"),
-                                   K("loop"),        K("repeat"), K("colors")};
-inline constexpr std::array object_key{K("at"), K("position"), K("rotate"), K("scale"), K("visible")};
+inline constexpr std::array object{K("name"),        K("shape"),  K("size"),    K("radius"),     K("top_radius"),
+                                   K("tube_radius"), K("height"), K("opening"), K("profile"),    K("crease"),
+                                   K("segments"),    K("uv"),     K("parts"),   K("material"),   K("position"),
+                                   K("rotate"),      K("scale"),  K("visible"), K("keys"),       K("interpolation"),
+                                   K("loop"),        K("repeat"), K("colors"),  K("reflections")};
+inline constexpr std::array object_key{K("at"), K("position"), K("rotate"), K("scale"), K("visible"), K("reflections")};
+inline constexpr std::array reflection{K("at"), K("see"), K("radius"), K("border")};
 
-inline constexpr std::array change{K("position"), K("rotate"),        K("scale"), K("visible"),
-                                   K("keys"),     K("interpolation"), K("loop"),  K("material")};
+inline constexpr std::array change{K("position"),      K("rotate"), K("scale"),    K("visible"),    K("keys"),
+                                   K("interpolation"), K("loop"),   K("material"), K("reflections")};
 
 inline constexpr std::array repeat{K("count"), K("step"), K("centered"), K("ring")};
 inline constexpr std::array ring{K("count"), K("radius"), K("from"), K("to")};

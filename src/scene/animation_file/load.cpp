@@ -198,6 +198,7 @@ Animation load_animation_file(const fs::path& given, const LoadOptions& options,
     if (const auto v = value.find("materials")) looks.read_materials(*v);
     if (const auto v = value.find("change")) objects.read_changes(*v);
     if (const auto v = value.find("objects")) objects.read(*v);
+    objects.read_edits();
     if (const auto v = value.find("lights")) read_lights(*v, film, clock);
     if (const auto v = value.find("sky")) looks.read_sky(*v);
     focus_on_objects(value, film);

@@ -63,8 +63,6 @@ void densify(const std::function<glm::dquat(double)>& rotation_at, double t0, co
 }
 
 constexpr std::array<std::string_view, 4> passages{"smooth", "ease", "linear", "step"};
-// chosen: a hand writes tens of keys, a program thousands; each may become 2^14 rotations at worst.
-constexpr std::size_t most_keys = 10000;
 
 /// A list of numbers, one number for all three where that is plain, or a truth.
 std::vector<double> read_value(const JsonValue& value, const Quantity& q) {
@@ -75,6 +73,15 @@ std::vector<double> read_value(const JsonValue& value, const Quantity& q) {
     std::vector<double> out;
     for (const JsonValue& item : value.list(3, 3)) out.push_back(item.number(q.at_least, q.at_most));
     return out;
+}
+
+/// A quantity where a thing, or one of its keys, says it.
+std::optional<JsonValue> said(const JsonValue& where, const Quantity& q) {
+    if (q.reflection < 0) return where.find(q.name);
+    const auto list = where.find("reflections");
+    const std::vector<JsonValue> all = list ? list->list(0, most_reflections) : std::vector<JsonValue>{};
+    const auto k = static_cast<std::size_t>(q.reflection);
+    return k < all.size() ? all[k].find(q.name) : std::nullopt;
 }
 
 /// Repeats a curve's keys until the film ends.
@@ -252,7 +259,7 @@ Curve curve_of(const JsonValue& thing, const Quantity& q, const FilmClock& clock
     if (const auto word = thing.find("interpolation")) curve.passage = static_cast<Passage>(word->word(passages));
     if (q.steps) curve.passage = Passage::step;
 
-    const auto constant = thing.find(q.name);
+    const auto constant = said(thing, q);
     const auto keys = thing.find("keys");
     double last = -1;
     for (const JsonValue& key : keys ? keys->list(1, most_keys) : std::vector<JsonValue>{}) {
@@ -261,7 +268,7 @@ Curve curve_of(const JsonValue& thing, const Quantity& q, const FilmClock& clock
         const double seconds = clock.seconds(at);
         if (seconds <= last) at.fail("must be later than the key before");
         last = seconds;
-        const auto value = key.find(q.name);
+        const auto value = said(key, q);
         if (!value) continue;
         if (constant)
             constant->fail("is said twice: here and in " + std::string(q.name == "look_at" ? "the" : "its") + " keys");
@@ -292,10 +299,10 @@ void add_object(Animation& film, const std::string& name, int node, int mesh, in
 
 void place(Animation& film, int node, const JsonValue& thing, const FilmClock& clock,
            std::span<const std::string_view> names) {
-    separate(film.nodes[static_cast<std::size_t>(node)]);
     const Curve position = curve_of(thing, {"position", 3, -1e7, 1e7, false, true}, clock, names);
     const auto apply = [&](const Curve& curve, TrackTarget target, auto&& set) {
         if (curve.empty()) return;
+        separate(film.nodes[static_cast<std::size_t>(node)]);
         drop_tracks(film, node, target);
         set(film.nodes[static_cast<std::size_t>(node)], sampled(curve, curve.times.front()));
         if (curve.times.size() > 1) film.tracks.push_back(track_of(curve, target, node));

@@ -53,6 +53,11 @@ struct FilmClock {
     double seconds(const JsonValue& time) const;
 };
 
+// chosen: a hand writes tens of keys, a program thousands; each may become 2^14 rotations at worst.
+inline constexpr std::size_t most_keys = 10000;
+// chosen: each mirrored ray asks all of them; a body of a car has some ten.
+inline constexpr std::size_t most_reflections = 64;
+
 /// Reading of one animated quantity.
 struct Quantity {
     std::string_view name;
@@ -61,6 +66,7 @@ struct Quantity {
     bool monotone = false;     ///< see Curve
     bool accumulates = false;  ///< in a loop every round begins where the last one ended
     bool steps = false;        ///< true or false: never in between
+    int reflection = -1;       ///< it is said in this entry of `reflections`; -1: in the thing itself
 };
 
 /// A quantity over time: from `keys` that mention it, else the constant, else empty. Throws where both say it, and

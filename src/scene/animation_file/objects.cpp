@@ -5,6 +5,7 @@
 
 #include "core/text.h"
 #include "scene/animation_file/keys.h"
+#include "scene/animation_file/reflections.h"
 #include "scene/animation_file/shapes.h"
 
 namespace render2mpeg::scene {
@@ -138,6 +139,8 @@ void Objects::build(const JsonValue& value, int parent) {
         for (const JsonValue& color : v->list(1, 1000)) colors.push_back(color.color(1));
     if (shape == group && (value.has("material") || !colors.empty() || value.has("uv")))
         value.fail("a group has no surface of its own; give its parts material, uv and colors");
+    const bool edited = has_reflections(value);
+    if (shape == group && edited) value.fail("a group mirrors nothing; give its parts `reflections`");
     const auto material = value.find("material");
     const int own_material =
         shape == group ? -1 : (material ? looks_.material_of(*material, -1) : looks_.default_material());
@@ -160,6 +163,7 @@ void Objects::build(const JsonValue& value, int parent) {
             const int painted =
                 colors.empty() ? own_material : looks_.recolored(own_material, colors[number % colors.size()]);
             add_object(film_, film_.nodes[static_cast<std::size_t>(node)].name, node, mesh_of(value), painted);
+            if (edited) edited_.emplace_back(value, node);
         }
         ++number;
     }
@@ -167,6 +171,10 @@ void Objects::build(const JsonValue& value, int parent) {
 
 void Objects::read(const JsonValue& objects) {
     for (const JsonValue& object : objects.list(0, 100000)) build(object, -1);
+}
+
+void Objects::read_edits() {
+    for (const auto& [value, node] : edited_) read_reflections(value, node, film_, clock_);
 }
 
 void Objects::repaint(const JsonValue& material, const std::vector<int>& nodes, const std::string& name) {
@@ -193,6 +201,8 @@ void Objects::read_changes(const JsonValue& changes) {
         if (nodes.empty())
             value.fail("the scene has no object of this name" + core::did_you_mean(name, names, "\"", "\""));
         for (const int node : nodes) place(film_, node, value, clock_, keys::object_key);
+        if (has_reflections(value))
+            for (const int node : nodes) edited_.emplace_back(value, node);
         if (const auto material = value.find("material")) repaint(*material, nodes, name);
     }
 }

@@ -3,6 +3,8 @@
 
 #include <map>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "scene/animation_file/json.h"
 #include "scene/animation_file/looks.h"
@@ -21,6 +23,9 @@ class Objects {
     /// Moves, hides or repaints nodes by name, else objects.
     void read_changes(const JsonValue& changes);
 
+    /// Reads what mirrors are told to show, when all objects are there.
+    void read_edits();
+
   private:
     void build(const JsonValue& value, int parent);
     int mesh_of(const JsonValue& value);
@@ -29,7 +34,8 @@ class Objects {
     Animation& film_;
     Looks& looks_;
     const FilmClock& clock_;
-    std::map<std::string, int> mesh_at_;  ///< by the place of the shape in the file: copies share it
+    std::vector<std::pair<JsonValue, int>> edited_;  ///< things with `reflections`, and their nodes
+    std::map<std::string, int> mesh_at_;             ///< by the place of the shape in the file: copies share it
 };
 
 }  // namespace render2mpeg::scene

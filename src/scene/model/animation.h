@@ -16,6 +16,7 @@
 #include "scene/model/light.h"
 #include "scene/model/material.h"
 #include "scene/model/mesh.h"
+#include "scene/model/reflection.h"
 #include "scene/model/shutter.h"
 #include "scene/model/track.h"
 
@@ -74,6 +75,7 @@ struct Animation {
     std::vector<ImageSource> images;
     std::vector<CameraLens> cameras;  ///< at least one after loading
     std::vector<Light> lights;
+    std::vector<Reflection> reflections;  ///< edits of what mirrors show
     Sky sky;
     int stage = -1;  ///< object: the floor that default light adds, which exposure looks past; -1: none
     std::vector<Track> tracks;

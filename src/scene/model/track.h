@@ -10,7 +10,8 @@ namespace render2mpeg::scene {
 enum class Interpolation { step, linear, cubic_spline };
 
 /// Target of a track. `visibility` is 0 or 1; `light_intensity` and `emission` are factors; `field_of_view` (radians),
-/// `f_stop` and `focus_distance` are cameras'; `light_color` and `base_color` replace the own one.
+/// `f_stop` and `focus_distance` are cameras'; `reflection_radius` and `reflection_border` are edits'; `light_color`
+/// and `base_color` replace the own one.
 enum class TrackTarget {
     translation,
     rotation,
@@ -23,7 +24,9 @@ enum class TrackTarget {
     light_color,
     base_color,
     f_stop,
-    focus_distance
+    focus_distance,
+    reflection_radius,
+    reflection_border
 };
 
 /// Curve over time [glTF2, 3.11 and appendix C], constant outside its keys. Key k has `width` values; cubic_spline has
@@ -31,7 +34,7 @@ enum class TrackTarget {
 struct Track {
     TrackTarget target = TrackTarget::translation;
     int index = -1;  ///< node; for light_* the light, emission, base_color the material, field_of_view, f_stop and
-                     ///< focus_distance the camera
+                     ///< focus_distance the camera, reflection_* the edit
     Interpolation interpolation = Interpolation::linear;
     int width = 3;  ///< translation, scale, light_color 3; rotation 4 (x, y, z, w), base_color 4; weights: number of
                     ///< morph targets; else 1

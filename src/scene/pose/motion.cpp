@@ -25,13 +25,15 @@ std::optional<Move> move_of_surface(const core::SurfaceAddress& address, const S
     return Move{end->position - start->position, end->depth};
 }
 
-/// Where a flat mirror shows a point: behind its plane as far as the point is before it. Both as they are at that time.
+/// Where a flat mirror shows a point: behind its plane as far as the point is before it; an edited one on it. Both as
+/// they are at that time.
 std::optional<glm::dvec3> image_of(const core::SurfaceAddress& point, const core::SurfaceAddress& mirror,
                                    const Snapshot& world) {
     const auto corner = [&](float u, float v) { return carry_exact({mirror.object, mirror.primitive, u, v}, world); };
     const std::optional<glm::dvec3> at = carry_exact(point, world), a = corner(0, 0), b = corner(1, 0),
                                     c = corner(0, 1);
     if (!at || !a || !b || !c) return std::nullopt;
+    if (world.bends && world.bends->edits(mirror.object)) return shown_at(*at, mirror, world);
     const glm::dvec3 across = glm::cross(*b - *a, *c - *a);
     const double area2 = glm::dot(across, across);
     if (!(area2 > 0)) return std::nullopt;

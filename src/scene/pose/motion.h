@@ -6,7 +6,7 @@
 
 namespace render2mpeg::scene {
 
-/// What flat mirrors show at the pixels of class `reflected`, where that is a surface; may be empty.
+/// What flat and edited mirrors show at the pixels of class `reflected`, where that is a surface; may be empty.
 using MirrorImages = core::Plane<core::SurfaceAddress>;
 
 /// Exact motion of every pixel of `visible` (what `here` shows) to another instant (docs/model/scene.md): surfaces by

@@ -44,6 +44,12 @@ void apply_scalar(const Track& track, float value, std::vector<std::uint8_t>& ow
         case TrackTarget::focus_distance:
             pose.focus_distance[i] = value;
             break;
+        case TrackTarget::reflection_radius:
+            pose.reflection_radius[i] = value;
+            break;
+        case TrackTarget::reflection_border:
+            pose.reflection_border[i] = value;
+            break;
         default:
             break;
     }
@@ -132,6 +138,10 @@ Pose pose_at(const Animation& animation, double seconds, double steps) {
         pose.vertical_fov.push_back(lens.vertical_fov);
         pose.f_stop.push_back(lens.f_stop);
         pose.focus_distance.push_back(lens.focus_distance);
+    }
+    for (const Reflection& edit : animation.reflections) {
+        pose.reflection_radius.push_back(edit.radius);
+        pose.reflection_border.push_back(edit.border);
     }
 
     // Let the tracks, in their order, replace what the nodes say.

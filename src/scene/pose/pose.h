@@ -20,6 +20,7 @@ struct Pose {
     std::vector<glm::vec4> base_color;          ///< per material
     std::vector<float> vertical_fov;            ///< per camera, radians
     std::vector<float> f_stop, focus_distance;  ///< per camera
+    std::vector<float> reflection_radius, reflection_border;  ///< per edit
 
     /// World matrix of a node; -1 is the world itself.
     glm::dmat4 world_of(int node) const {

@@ -189,6 +189,7 @@ Snapshot snapshot_at(const Animation& animation, std::int64_t frame, core::Ratio
     open_aperture(lens, pose, static_cast<std::size_t>(camera), snapshot, format, snapshot.camera);
     snapshot.cut_before = camera != camera_at(animation, frame - 1);
     if (shutter.is_open()) find_sweep(snapshot, pose, camera, shutter);
+    snapshot.bends = bend_reflections(snapshot, pose, camera, shutter);
     return snapshot;
 }
 

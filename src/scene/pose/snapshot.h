@@ -11,6 +11,7 @@
 #include "scene/model/animation.h"
 #include "scene/model/camera.h"
 #include "scene/model/shutter.h"
+#include "scene/pose/bent_reflections.h"
 
 namespace render2mpeg::scene {
 
@@ -52,8 +53,9 @@ struct Snapshot {
     std::vector<float> emission_factor;  ///< per material, 1 where nothing animates it
     std::vector<glm::vec4> base_color;   ///< per material: Material::base_color, or what animates it
     Camera camera;
-    bool cut_before = false;               ///< the camera is another one than in the frame before
-    std::shared_ptr<const Sweep> sweep{};  ///< what moves while the shutter is open (sweep.h); null: nothing
+    bool cut_before = false;                         ///< the camera is another one than in the frame before
+    std::shared_ptr<const Sweep> sweep{};            ///< what moves while the shutter is open (sweep.h); null: nothing
+    std::shared_ptr<const BentReflections> bends{};  ///< edits of what mirrors show; null: there are none
 };
 
 /// Format of the pictures that a snapshot's camera is made for.

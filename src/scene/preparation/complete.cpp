@@ -56,9 +56,12 @@ void set_mobility(Animation& animation) {
 }
 
 /// Seconds at which the film begins, as far as the file says.
+core::Rational first_time(const Animation& animation) {
+    if (!animation.first_frame || !animation.frame_rate) return {0, 1};
+    return core::time_of(*animation.first_frame, core::frame_rate_from(*animation.frame_rate));
+}
 double first_second(const Animation& animation) {
-    if (!animation.first_frame || !animation.frame_rate) return 0;
-    return core::time_of(*animation.first_frame, core::frame_rate_from(*animation.frame_rate)).value();
+    return first_time(animation).value();
 }
 
 void set_origin_and_bounds(Animation& animation) {
@@ -139,6 +142,7 @@ void complete(Animation& animation, DefaultLight light) {
     if (dark && light != DefaultLight::none)
         note_once(animation, add_default_light(animation, first_second(animation), light, view));
     set_origin_and_bounds(animation);
+    validate_reflections(animation, first_time(animation));
 }
 
 }  // namespace render2mpeg::scene

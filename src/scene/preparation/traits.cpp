@@ -82,6 +82,25 @@ bool deforms(const Animation& animation, const Object& object, const std::vector
     });
 }
 
+/// Edits of reflections of what reflects.
+void add_edits(const Animation& animation, const std::vector<char>& moves, Traits& traits) {
+    for (std::size_t k = 0; k < animation.reflections.size(); ++k) {
+        const Reflection& edit = animation.reflections[k];
+        Traits mirror;
+        for (const Object& object : animation.objects)
+            if (object.node == edit.mirror)
+                add_material(animation.materials[static_cast<std::size_t>(object.material)], mirror);
+        if (!mirror.has_mirrors && !mirror.has_glossy_surfaces) continue;
+        traits.has_edited_reflections = true;
+        const bool grows = std::any_of(animation.tracks.begin(), animation.tracks.end(), [&](const Track& t) {
+            return (t.target == TrackTarget::reflection_radius || t.target == TrackTarget::reflection_border) &&
+                   t.index == static_cast<int>(k) && varies(t);
+        });
+        if (grows || moves[static_cast<std::size_t>(edit.at)] || moves[static_cast<std::size_t>(edit.see)])
+            traits.edits_move = true;
+    }
+}
+
 }  // namespace
 
 Traits traits_of(const Animation& animation) {
@@ -96,6 +115,7 @@ Traits traits_of(const Animation& animation) {
     traits.has_glare = animation.glare.shows();
     traits.has_fog = animation.fog.shows();
 
+    add_edits(animation, moves, traits);
     for (const Object& object : animation.objects) {
         const Material& material = animation.materials[static_cast<std::size_t>(object.material)];
         add_material(material, traits);

@@ -28,7 +28,9 @@ struct Traits {
     bool lights_change = false;  ///< move, or change their strength; emissive surfaces included
     bool has_cuts = false;
     bool has_open_shutter = false;
-    bool has_aperture = false;  ///< a lens that blurs what is out of focus
+    bool has_aperture = false;            ///< a lens that blurs what is out of focus
+    bool has_edited_reflections = false;  ///< of surfaces that mirror, sharply or in a lobe
+    bool edits_move = false;              ///< or where they are to point
     bool has_glare = false;
     bool has_fog = false;
 
@@ -36,7 +38,7 @@ struct Traits {
         return has_open_shutter && (camera_moves || objects_move || objects_deform || lights_change);
     }
     bool changes_light() const { return objects_move || objects_deform || lights_change; }
-    bool anything_moves() const { return camera_moves || changes_light(); }
+    bool anything_moves() const { return camera_moves || edits_move || changes_light(); }
 };
 
 Traits traits_of(const Animation& animation);

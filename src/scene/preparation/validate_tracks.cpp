@@ -10,7 +10,7 @@
 namespace render2mpeg::scene {
 namespace {
 
-enum class Moves { nodes, lights, materials, cameras };
+enum class Moves { nodes, lights, materials, cameras, reflections };
 
 /// What tracks of a target move.
 struct TargetFacts {
@@ -33,7 +33,9 @@ const TargetFacts& facts_of(TrackTarget target) {
                                           {base_color, "base colour", 4, Moves::materials},
                                           {field_of_view, "field of view", 1, Moves::cameras},
                                           {f_stop, "f-stop", 1, Moves::cameras},
-                                          {focus_distance, "focus distance", 1, Moves::cameras}};
+                                          {focus_distance, "focus distance", 1, Moves::cameras},
+                                          {reflection_radius, "radius", 1, Moves::reflections},
+                                          {reflection_border, "border", 1, Moves::reflections}};
     return *std::find_if(std::begin(all), std::end(all), [&](const TargetFacts& f) { return f.target == target; });
 }
 
@@ -48,6 +50,8 @@ std::string target_of(const Animation& animation, const Track& track) {
                    std::string("moves ") + kind + " " + std::to_string(track.index) + ", which is not there");
         return "track of " + word + " of " + described(kind, i, things[i].name);
     };
+    if (facts.moves == Moves::reflections && i < animation.reflections.size())
+        return "track of " + word + " of reflection " + std::to_string(i);
     if (facts.moves == Moves::lights) return named("light", animation.lights);
     if (facts.moves == Moves::materials) return named("material", animation.materials);
     return facts.moves == Moves::cameras ? named("camera", animation.cameras) : named("node", animation.nodes);

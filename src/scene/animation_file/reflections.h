@@ -1,0 +1,16 @@
+#pragma once
+// What an animation file has mirrors show.
+#include "scene/animation_file/json.h"
+#include "scene/animation_file/movement.h"
+#include "scene/model/animation.h"
+
+namespace render2mpeg::scene {
+
+/// Whether a thing or one of its keys has `reflections`.
+bool has_reflections(const JsonValue& thing);
+
+/// Reads a thing's `reflections` and what its keys say of them: edits of what the objects at `node` mirror. Needs all
+/// objects, of which some may be named.
+void read_reflections(const JsonValue& thing, int node, Animation& film, const FilmClock& clock);
+
+}  // namespace render2mpeg::scene
