@@ -100,6 +100,7 @@ struct Renderer::Impl {
         cache.forget();
         calibration.forget();
         draft_light.forget();
+        final_gather.start_chunk();
         started = true;
     }
 

@@ -33,6 +33,8 @@ constexpr std::uint64_t per_candidate = 400;  ///< of the places that anchors ar
 constexpr std::uint64_t per_pixel = 250, per_sample = 60;
 constexpr std::uint64_t per_pixel_looked_at_closer = 500;
 constexpr std::uint64_t per_exposed_sample = 40;
+/// Of rays that are kept, and of all of them (most_kept_rays, most_kept_places).
+constexpr std::uint64_t per_kept_pixel = 60'000, most_kept = 1'700'000'000;
 constexpr std::uint64_t samples_of_blurred_lamps = 32;  ///< of a pixel on the average, where a lens blurs
 constexpr std::uint64_t per_decoded_pixel = 48;
 constexpr std::uint64_t always = std::uint64_t{24} << 20;
@@ -269,6 +271,10 @@ MemoryNeed memory_need(const RenderJob& film) {
                             per_exposed_sample * most_exposure_samples(film)) *
                                static_cast<std::uint64_t>(film.format.width) *
                                static_cast<std::uint64_t>(film.format.height);
+    if (film.rendering.indirect == renderer::Indirect::rays && film.rendering.cache != renderer::CacheUse::off &&
+        scene::traits_of(scene).changes_light())
+        need.kept = std::min(most_kept, per_kept_pixel * static_cast<std::uint64_t>(film.format.width) *
+                                            static_cast<std::uint64_t>(film.format.height));
     return need;
 }
 
@@ -279,9 +285,10 @@ bool may_decode_at_once(const RenderJob& film, const MemoryNeed& need, std::uint
         "rendering", film.animation->source,
         fmt::format(
             "it takes about {}, and --memory allows {}: {} for what was read, {} for triangles, {} for textures, "
-            "{} to read the largest of them, {} for lights, {} for frames",
+            "{} to read the largest of them, {} for lights, {} for frames, {} for rays that are kept",
             size_text(need.total()), size_text(limit), size_text(need.held), size_text(need.triangles),
-            size_text(need.textures), size_text(need.decoding), size_text(need.lights), size_text(need.frames)));
+            size_text(need.textures), size_text(need.decoding), size_text(need.lights), size_text(need.frames),
+            size_text(need.kept)));
 }
 
 FrameSample FrameSample::grown(double times, double power) const {

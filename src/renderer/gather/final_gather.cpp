@@ -231,7 +231,8 @@ void FinalGather::trace(const GatherRequest& request, const Bundle& bundle, Trac
 /// Of a ray that met a cell, which is known.
 void FinalGather::set_term(KeptGatherRay& ray, const RayTerm& term) const {
     ray.cell = cache_.index_of(term.place.key);
-    ray.light = PackedLight(term.weight);
+    static const PackedLight all(glm::vec3(1));
+    ray.light = term.weight == glm::vec3(1) ? all : PackedLight(term.weight);
     if (!SurfaceCache::is_own(ray.cell)) return;
     ray.light = PackedLight(term.weight * cache_.far_part(ray.cell));
     ray.cell = KeptGatherRay::own;
@@ -243,7 +244,8 @@ void FinalGather::note_rays(Traced& traced) const {
     for (const RayTerm& term : traced.terms) term_of[term.ray] = &term;
     for (const Traced::Way& way : traced.ways) {
         const Traced::Ray& ray = traced.rays[way.ray];
-        KeptGatherRay kept{way.direction, way.far, PackedLight(ray.light)};
+        KeptGatherRay kept{way.direction, way.far};
+        if (term_of[way.ray] == nullptr && ray.light != glm::vec3(0)) kept.light = PackedLight(ray.light);
         for (std::size_t k = 0; k < 3; ++k) kept.weights[k] = short_float(ray.weight[k]);
         if (const RayTerm* term = term_of[way.ray]; term != nullptr) {
             // Rays that see the sky through a pane have both.

@@ -81,6 +81,8 @@ class FinalGather {
     /// `light_changes`: cells and rays of records may be kept for other instants.
     FinalGather(const PosedScene& posed_scene, const Plan& plan, bool light_changes);
 
+    /// A chunk begins.
+    void start_chunk() { cache_.start_chunk(); }
     /// Forgets all: light or things are others now.
     void forget(const SkyOfRays& sky);
     /// Light or things are others now, by this change. Finds what it adds to the light of kept rays: traces again those

@@ -112,7 +112,7 @@ struct SurfaceCache::Evaluated {
 };
 
 SurfaceCache::SurfaceCache(const PosedScene& posed_scene, const Plan& plan, bool keeps)
-    : posed_scene_(posed_scene), gather_rays_(posed_scene, plan), plan_(plan), keeps_(keeps) {}
+    : posed_scene_(posed_scene), gather_rays_(posed_scene, plan), plan_(plan), may_keep_(keeps) {}
 
 void SurfaceCache::forget(NearField near_field) {
     near_field_ = std::move(near_field);
@@ -195,36 +195,6 @@ glm::vec3 SurfaceCache::lamps(const SurfacePoint& p, const LightQuery& query, st
     return sum;
 }
 
-/// Black where nothing is reflected.
-SurfacePoint SurfaceCache::surface_of(const Sighting& place, std::uint64_t number, glm::vec3& weight,
-                                      glm::vec3& albedo) const {
-    weight = albedo = glm::vec3(0);
-    glm::vec3 along, across;
-    core::make_frame(place.outgoing, along, across);
-    SurfacePoint p = posed_scene_.surface_at(place.address, place.outgoing, {place.size * along, place.size * across});
-    if (p.unlit) return p;
-    // Light from this side or from beyond, in proportion to what is reflected and let through.
-    const float through = core::luminance(p.bsdf.diffuse_transmission);
-    weight = glm::vec3(1);
-    if (through > 0.0f) {
-        const float reflected = core::luminance(p.bsdf.diffuse) + core::luminance(p.bsdf.f0);
-        const float chance = through / (through + reflected);
-        const bool beyond = uniform(number, side, 0) < chance;
-        weight = glm::vec3(1.0f / (beyond ? chance : 1.0f - chance));
-        if (beyond) p = posed_scene_.other_side(p);
-    }
-    const float cosine = glm::dot(p.shading_normal, p.outgoing);
-    albedo = diffuse_albedo(p.bsdf, cosine) + glossy_albedo(p.bsdf, cosine);
-    const float brightest = std::max({albedo.x, albedo.y, albedo.z});
-    if (!(brightest > 0.0f)) return p;
-    const float scale = std::min(largest_albedo / brightest, 1.0f);
-    p.bsdf.scale(scale);
-    albedo *= scale * weight;
-    p.bsdf.alpha = std::max(p.bsdf.alpha, least_alpha);
-    p.bsdf.alpha_along = std::max(p.bsdf.alpha_along, least_alpha);
-    return p;
-}
-
 /// Evaluates a place: what lamps send, and one ray whose end sends the rest.
 void SurfaceCache::light_place(const Sighting& place, std::uint64_t number, std::uint32_t index, Lesson& lesson,
                                Evaluated& out) const {
@@ -233,14 +203,31 @@ void SurfaceCache::light_place(const Sighting& place, std::uint64_t number, std:
     if (keeps()) {
         kept = &out.kept.emplace_back();
         kept->ordinal = static_cast<std::uint32_t>(number - core::mix(place.key));
-        kept->address = place.address;
-        kept->outgoing = core::PackedNormal(place.outgoing);
-        kept->size = place.size;
+        kept->object = place.address.object;
     }
-    glm::vec3 weight, albedo;
-    SurfacePoint p = surface_of(place, number, weight, albedo);
-    if (!(std::max({albedo.x, albedo.y, albedo.z}) > 0.0f)) return;
-    lesson.albedo += albedo;
+    glm::vec3 along, across;
+    core::make_frame(place.outgoing, along, across);
+    SurfacePoint p = posed_scene_.surface_at(place.address, place.outgoing, {place.size * along, place.size * across});
+    if (p.unlit) return;
+    // Light from this side or from beyond, in proportion to what is reflected and let through.
+    const float through = core::luminance(p.bsdf.diffuse_transmission);
+    glm::vec3 weight(1);
+    if (through > 0.0f) {
+        const float reflected = core::luminance(p.bsdf.diffuse) + core::luminance(p.bsdf.f0);
+        const float chance = through / (through + reflected);
+        const bool beyond = uniform(number, side, 0) < chance;
+        weight = glm::vec3(1.0f / (beyond ? chance : 1.0f - chance));
+        if (beyond) p = posed_scene_.other_side(p);
+    }
+    const float cosine = glm::dot(p.shading_normal, p.outgoing);
+    const glm::vec3 albedo = diffuse_albedo(p.bsdf, cosine) + glossy_albedo(p.bsdf, cosine);
+    const float brightest = std::max({albedo.x, albedo.y, albedo.z});
+    if (!(brightest > 0.0f)) return;
+    const float scale = std::min(largest_albedo / brightest, 1.0f);
+    p.bsdf.scale(scale);
+    lesson.albedo += scale * weight * albedo;
+    p.bsdf.alpha = std::max(p.bsdf.alpha, least_alpha);
+    p.bsdf.alpha_along = std::max(p.bsdf.alpha_along, least_alpha);
 
     const LightQuery query{p.position, shadow_origin(p), p.geometric_normal + p.smooth.tilt};
     const glm::vec3 direct = weight * lamps(p, query, number, out.rays, kept);
@@ -248,7 +235,7 @@ void SurfaceCache::light_place(const Sighting& place, std::uint64_t number, std:
         kept->origin = query.origin;
         kept->normal = core::PackedNormal(query.normal);
         // Chosen between this side and beyond.
-        for (std::size_t kind = 0; kind < bounce; ++kind)
+        for (std::size_t kind = 0; kind < bounce && weight.x != 1.0f; ++kind)
             kept->rays[kind].light = PackedLight(weight * unpacked(kept->rays[kind].light));
     }
     const float share = near_field_.share(p.position);

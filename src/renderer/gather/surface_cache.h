@@ -64,6 +64,8 @@ class SurfaceCache {
     void mark(std::uint32_t index) {
         if (keeps() && index != none && !is_own(index)) kept_cells_[index].used = mark_;
     }
+    /// A chunk begins: keeping is tried anew.
+    void start_chunk() { keeps_ = may_keep_; }
     /// Whether a change may leave cells what they were.
     bool keeps() const { return keeps_; }
 
@@ -127,10 +129,9 @@ class SurfaceCache {
     };
     /// A place that a cell was evaluated at.
     struct KeptPlace {
-        core::SurfaceAddress address;
-        core::PackedNormal outgoing, normal;
-        float size = 0;
-        std::uint32_t ordinal = 0;    ///< of its cell's places: makes its random numbers
+        std::uint32_t object = core::no_id;
+        std::uint32_t ordinal = 0;  ///< of its cell's places: makes its random numbers
+        core::PackedNormal normal;
         glm::vec3 origin{0};          ///< of its rays
         float density = 0;            ///< of the direction on which light goes on
         std::array<KeptRay, 4> rays;  ///< to a lamp, a surface, the sky; on which light goes on
@@ -156,8 +157,6 @@ class SurfaceCache {
     std::uint32_t make_cell(std::uint64_t key);
     void plan_lessons(std::vector<Sighting>& wanted, std::uint32_t most, std::vector<Sighting>& places,
                       std::vector<Lesson>& lessons);
-    /// The surface at a place, and what its light counts: by the chance of this side.
-    SurfacePoint surface_of(const Sighting& place, std::uint64_t number, glm::vec3& weight, glm::vec3& albedo) const;
     void light_place(const Sighting& place, std::uint64_t number, std::uint32_t index, Lesson& lesson,
                      Evaluated& out) const;
     glm::vec3 strength(std::size_t kind, std::uint32_t source) const;
@@ -170,11 +169,11 @@ class SurfaceCache {
     void mark_asked();
     void free_places(std::uint32_t cell);
     void free_cell(std::uint32_t cell);
-    void ask_sources_anew();
+    bool meets_too_much(const LightChange& change) const;
     void solve_near();
-    void trace_met(const LightChange& change, bool sources_move);
+    void trace_met(const LightChange& change);
     struct Retraced;
-    void trace_met(std::span<const std::uint32_t> cells, const LightChange& change, bool sources_move, Retraced& out);
+    void trace_met(std::span<const std::uint32_t> cells, const LightChange& change, Retraced& out);
     glm::vec3 known_of(const KeptPlace& place) const;
     void solve_kept();
     glm::vec3 lamps(const SurfacePoint& p, const LightQuery& query, std::uint64_t number, std::uint64_t& rays,
@@ -183,7 +182,7 @@ class SurfaceCache {
     const PosedScene& posed_scene_;
     GatherRays gather_rays_;
     const Plan& plan_;
-    bool keeps_;
+    bool may_keep_, keeps_ = may_keep_;
     std::optional<LightSources> sources_;  ///< of the last instant from which on none has moved
     SourceStrengths asked_strengths_;      ///< likewise
     SourceStrengths strengths_;            ///< of the posed instant

@@ -35,6 +35,11 @@ constexpr std::size_t cells_at_once = 4096, met_at_once = 256;
 /// Rays of a place: SurfaceCache::KeptPlace.
 constexpr std::size_t last_ray = 3;
 
+/// Share of places that a change meets from which on keeping them does not pay: the rest of the chunk does without.
+/// chosen: 0.1; a box that crosses a room meets 0.08 and saves a third, a figure before the camera 0.25 and loses a
+/// tenth.
+constexpr double most_places_met = 0.1;
+
 /// Shares of sources in all light may become so many times larger or smaller before choices that were made by them are
 /// mostly noise. chosen: 8; not tuned.
 constexpr float most_apart = 8.0f;
@@ -149,38 +154,35 @@ void SurfaceCache::free_cell(std::uint32_t cell) {
     free_cells_.push_back(cell);
 }
 
-/// Asks lamps, shining surfaces and the sky again from all places.
-void SurfaceCache::ask_sources_anew() {
-    std::vector<std::uint64_t> rays((cells_.size() + met_at_once - 1) / met_at_once, 0);
-    parallel::for_each(rays.size(), [&](std::size_t task) {
-        const FlushDenormals flushed;
-        const std::size_t end = std::min((task + 1) * met_at_once, cells_.size());
-        for (std::size_t i = task * met_at_once; i < end; ++i)
+/// Whether a change leaves so little as it was that keeping it does not pay: asked of one cell in sixteen.
+bool SurfaceCache::meets_too_much(const LightChange& change) const {
+    std::vector<std::array<std::uint32_t, 2>> counts((cells_.size() + cells_at_once - 1) / cells_at_once);
+    parallel::for_each(counts.size(), [&](std::size_t task) {
+        const std::size_t end = std::min((task + 1) * cells_at_once, cells_.size());
+        for (std::size_t i = task * cells_at_once; i < end; i += 16)
             for (std::uint32_t p = kept_cells_[i].first; p != none; p = places_[p].next) {
-                KeptPlace& kept = places_[p];
-                const std::uint64_t number = core::mix(kept_cells_[i].key) + kept.ordinal;
-                glm::vec3 weight, albedo;
-                const SurfacePoint point = surface_of(
-                    {kept_cells_[i].key, kept.address, kept.outgoing.unpack(), kept.size}, number, weight, albedo);
-                if (!(std::max({albedo.x, albedo.y, albedo.z}) > 0.0f)) continue;
-                const LightQuery query{point.position, kept.origin, kept.normal.unpack()};
-                for (std::size_t kind = 0; kind < last_ray; ++kind) kept.rays[kind] = {};
-                lamps(point, query, number, rays[task], &kept);
-                for (std::size_t kind = 0; kind < last_ray; ++kind)
-                    kept.rays[kind].light = PackedLight(weight * unpacked(kept.rays[kind].light));
+                const KeptPlace& place = places_[p];
+                const SeenChange seen(change, place.origin);
+                const bool met = change.moves(place.object) ||
+                                 std::any_of(place.rays.begin(), place.rays.end(), [&](const KeptRay& ray) {
+                                     return ray.far > 0.0f && seen.meets(ray.direction, ray.far);
+                                 });
+                ++counts[task][0];
+                counts[task][1] += met ? 1 : 0;
             }
     });
-    for (const std::uint64_t of_task : rays) rays_ += of_task;
+    double all = 0, met = 0;
+    for (const auto& [of_all, of_met] : counts) all += of_all, met += of_met;
+    return met > most_places_met * all;
 }
 
 /// Traces again what a change meets of these cells.
-void SurfaceCache::trace_met(std::span<const std::uint32_t> cells, const LightChange& change, bool sources_move,
-                             Retraced& out) {
+void SurfaceCache::trace_met(std::span<const std::uint32_t> cells, const LightChange& change, Retraced& out) {
     const FlushDenormals flushed;
     std::vector<RayQuery> queries;
     std::vector<std::uint64_t> numbers;
     for (const std::uint32_t cell : cells) {
-        if (kept_cells_[cell].first != none && change.moves(places_[kept_cells_[cell].first].address.object)) {
+        if (kept_cells_[cell].first != none && change.moves(places_[kept_cells_[cell].first].object)) {
             out.gone.push_back(cell);
             continue;
         }
@@ -189,9 +191,7 @@ void SurfaceCache::trace_met(std::span<const std::uint32_t> cells, const LightCh
             const SeenChange seen(change, place.origin);
             for (std::size_t kind = 0; kind < place.rays.size(); ++kind) {
                 KeptRay& ray = place.rays[kind];
-                // Sources that moved change the shares of all that rays met by chance.
-                const bool weighs_anew = sources_move && kind == last_ray && ray.source != none;
-                if (!(ray.far > 0.0f) || (!weighs_anew && !seen.meets(ray.direction, ray.far))) continue;
+                if (!(ray.far > 0.0f) || !seen.meets(ray.direction, ray.far)) continue;
                 if (kind < last_ray) {
                     ray.passes = packed_share(
                         posed_scene_.tracer().passes(place.origin, ray.direction.unpack(), before_source * ray.far));
@@ -224,14 +224,14 @@ void SurfaceCache::trace_met(std::span<const std::uint32_t> cells, const LightCh
     }
 }
 
-void SurfaceCache::trace_met(const LightChange& change, bool sources_move) {
+void SurfaceCache::trace_met(const LightChange& change) {
     std::vector<std::uint32_t> cells;
     for (std::uint32_t i = 0; i < cells_.size(); ++i)
         if (kept_cells_[i].first != none) cells.push_back(i);
     std::vector<Retraced> found((cells.size() + met_at_once - 1) / met_at_once);
     parallel::for_each(found.size(), [&](std::size_t task) {
         const std::size_t first = task * met_at_once, count = std::min(met_at_once, cells.size() - first);
-        trace_met(std::span<const std::uint32_t>(cells).subspan(first, count), change, sources_move, found[task]);
+        trace_met(std::span<const std::uint32_t>(cells).subspan(first, count), change, found[task]);
     });
     std::vector<Sighting> wanted;
     for (const Retraced& r : found) {
@@ -319,7 +319,8 @@ void SurfaceCache::solve_near() {
 bool SurfaceCache::renew(const LightChange& change, NearField near_field) {
     const bool holds = !change.all && keeps() && places_.size() <= most_kept_places &&
                        are_alike(strengths_of(posed_scene_.posed()), asked_strengths_);
-    if (!holds) {
+    if (holds && (change.moves_sources(posed_scene_.animation()) || meets_too_much(change))) keeps_ = false;
+    if (!holds || !keeps()) {
         forget(std::move(near_field));
         return false;
     }
@@ -329,13 +330,7 @@ bool SurfaceCache::renew(const LightChange& change, NearField near_field) {
         mark_asked();
         ++mark_;
     }
-    const bool moves = change.moves_sources(posed_scene_.animation());
-    if (moves) {
-        sources_.emplace(posed_scene_, plan_);
-        asked_strengths_ = strengths_;
-    }
-    if (!change.boxes.empty() || moves) trace_met(change, moves);
-    if (moves) ask_sources_anew();
+    if (!change.boxes.empty()) trace_met(change);
     solve_kept();
     solve_near();
     return true;
