@@ -111,6 +111,7 @@ class TuneCommand {
         if (!quiet()) print(text);
     }
     void settle_options();
+    void settle_command();
     Sample sample_of(const RenderJob& film) const;
     void look_at_film(const Rendered& rendered);
 
@@ -186,7 +187,10 @@ void TuneCommand::settle_options() {
             tuning_.options = {{"--quality", chosen.setting}};
         }
     }
-    if (tuning_.found == Found::beyond) return;
+    if (tuning_.found != Found::beyond) settle_command();
+}
+
+void TuneCommand::settle_command() {
     std::vector<std::string> without(tune_only.begin(), tune_only.end());
     for (const auto& [name, value] : tuning_.options) without.push_back(name);
     std::vector<std::pair<std::string, std::string>> with = tuning_.options;
@@ -246,6 +250,10 @@ void TuneCommand::look_at_film(const Rendered& rendered) {
     film.reference = with_light({film.psnr_y, film.ssim_y}, {perceptual::psnr(error / count), similarity / count},
                                 {decoded.psnr_y(), decoded.ssim_y()});
     tuning_.film = film;
+    if (const auto quality = nearer_quality(tuning_)) {
+        tuning_.options = {{"--quality", fmt::format("{:.1f}", *quality)}};
+        settle_command();
+    }
 }
 
 void TuneCommand::write_reports() const {
@@ -283,7 +291,10 @@ int tune(const TuneOptions& options, const std::vector<std::string>& words, cons
         if (status != 0) return status;
         if (!quiet) print_sentence(film_sentence(tuning));
         status = film_is_near(tuning) ? 0 : 1;
-        if (status != 0) print_error(target_text(tuning.target) + ": the film that was made missed it");
+        if (status != 0) {
+            if (!quiet && nearer_quality(tuning)) print("\n" + *tuning.command + "\n");
+            print_error(target_text(tuning.target) + ": the film that was made missed it");
+        }
     }
     command.write_reports();
     return status;

@@ -100,18 +100,6 @@ struct Mean {
     double or_else(double instead) const { return core::divide_or(sum, count, instead); }
 };
 
-/// Cuts begin a group of pictures and find light anew.
-std::vector<std::int64_t> cuts_of(const RenderJob& film) {
-    std::vector<std::int64_t> cuts;
-    int camera = -1;
-    for (const scene::Shot& shot : film.animation->shots) {
-        if (shot.frame > film.frames.first && shot.frame <= film.frames.last && shot.camera != camera)
-            cuts.push_back(shot.frame);
-        camera = shot.camera;
-    }
-    return cuts;
-}
-
 /// Groups of pictures, begun by chunks and cuts.
 double groups_of(const RenderJob& film, const std::vector<std::int64_t>& cuts) {
     double groups = 0;
@@ -356,6 +344,17 @@ std::optional<FrameSample> sample_frames(const RenderJob& job, const std::vector
     found->built = built;
     found->statistics = totals_of(statistics, renderer);
     return found;
+}
+
+std::vector<std::int64_t> cuts_of(const RenderJob& film) {
+    std::vector<std::int64_t> cuts;
+    int camera = -1;
+    for (const scene::Shot& shot : film.animation->shots) {
+        if (shot.frame > film.frames.first && shot.frame <= film.frames.last && shot.camera != camera)
+            cuts.push_back(shot.frame);
+        camera = shot.camera;
+    }
+    return cuts;
 }
 
 RenderJob resized(const RenderJob& film, double scale) {

@@ -65,6 +65,9 @@ std::optional<FrameSample> light_windows(RenderJob film, renderer::Renderer& ren
 std::optional<FrameSample> sample_frames(const RenderJob& job, const std::vector<Chunk>& windows, double limit,
                                          LoopObserver& observer, Progress& progress);
 
+/// Frames where another camera begins; they begin a group of pictures and find light anew.
+std::vector<std::int64_t> cuts_of(const RenderJob& film);
+
 RenderJob resized(const RenderJob& film, double scale);
 
 /// The middles of `count` equal parts, or the whole film if it is no longer.
