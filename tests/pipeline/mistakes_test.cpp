@@ -194,7 +194,7 @@ const std::vector<Mistake>& files() {
         {"render S -o x.mpg --camera nobody", 1, {"no camera \"nobody\"", "0 \"camera\""}},
         {"render S -o x.mpg --sky none.exr", 1, {"none.exr", "there is no such file"}},
         {"render S -o x.mpg --audio none.flac", 1, {"none.flac", "there is no such file"}},
-        {"info notes.txt", 1, {"notes.txt", "no film that can be read"}},
+        {"info notes.txt", 1, {"notes.txt", "neither a film nor sound that can be read"}},
         {"info nothing.mpg", 1, {"nothing.mpg", "there is no such file"}},
         {"encode frames.png -o x.mpg", 1, {"frames.png", "frames.%04d.png"}},
         {"encode f.%d.png -o x.mpg", 1, {"f.%d.png", "no file has such a name"}},

@@ -231,9 +231,13 @@ void check_scene(const std::filesystem::path& input) {
         return;
     }
     const std::filesystem::path folder = input.has_parent_path() ? input.parent_path() : ".";
+    if (std::filesystem::is_symlink(input, error))
+        throw core::Error(
+            "reading", input.string(),
+            "it is a link to " + std::filesystem::read_symlink(input, error).string() + ", which is not there");
     std::vector<std::string> names;
     for (const auto& entry : std::filesystem::directory_iterator(folder, error))
-        names.push_back(entry.path().filename().string());
+        if (entry.exists(error)) names.push_back(entry.path().filename().string());
     std::sort(names.begin(), names.end());
     const std::string before = (input.parent_path() / "").string();
     throw core::Error("reading", input.string(),

@@ -135,6 +135,7 @@ void refuse_unknown_options(const CLI::App& program, const CLI::App& command, co
     const std::vector<std::string> names = names_of(command);
     for (std::size_t i = 0; i < words.size(); ++i) {
         if (words[i] == "--") return;
+        if (words[i].empty()) throw UsageError("a word of the command is empty; is a variable of the shell unset?");
         if (!is_option_word(words[i])) continue;
         const std::string name = words[i].substr(0, words[i].find('='));
         // "-q4": the value behind a short name.
@@ -273,6 +274,7 @@ std::string keyframes_without_chapter(const Film& film) {
 std::string not_a_scene(const std::filesystem::path& file) {
     std::error_code error;
     if (std::filesystem::is_directory(file, error)) return of_folder(file);
+    if (!std::filesystem::is_regular_file(file, error)) return "it is a pipe or a device; scenes are read from files";
     if (is_one_of(films, file)) return std::string("it is a film already; ") + kinds;
     if (is_one_of(pictures, file))
         return "it is a picture, not a scene; `encode frames.%04d.png -o film.mpg` makes a film of pictures";

@@ -166,6 +166,8 @@ void check_before_reading(const RenderOptions& options) {
     for (const auto& file : {options.stats, options.report, options.last_frame})
         if (file) check_reachable(*file);
     if (options.report) check_report(*options.report);
+    if (options.last_frame && core::ending_of(*options.last_frame) != ".png")
+        throw core::Error("--last-frame " + options.last_frame->string() + ": it is a .png");
     // Where reading is quick, it is first seen whether an output is an input, too.
     const bool is_slow = core::ending_of(options.input) == ".blend";
     if (is_slow && !options.dry_run && !options.resume) require_consent(wishes, options.overwrite);

@@ -18,6 +18,7 @@ namespace {
 std::string one_line(const std::string& message) {
     std::string line = message.substr(0, message.find_first_of("\r\n"));
     while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back())) != 0) line.pop_back();
+    if (line.find("nexpected end of file") != std::string::npos) return "the file is cut off";
     return line.empty() ? "the image is damaged" : line;
 }
 
