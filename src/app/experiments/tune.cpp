@@ -129,7 +129,7 @@ Sample TuneCommand::sample_of(const RenderJob& film) const {
     // three times may not be more than an eighth of the film, so that tuning takes less than half its time.
     const auto eighth = static_cast<int>(std::clamp<std::int64_t>(film.frame_count() / 8, 4, 1000));
     constexpr int whole = 15;
-    // chosen: as many frames in windows of five, since the worst tenth is often one shot.
+    // chosen: as many frames in windows of five (3 to 8).
     if (tuning_.target.worst_tenth) return {std::clamp(std::min(eighth, 2 * whole) / 5, 1, 6), 5};
     return eighth >= 2 * whole ? Sample{2, whole} : Sample{1, std::min(eighth, whole)};
 }
@@ -147,7 +147,10 @@ bool TuneCommand::search() {
 
     // Rates need no references.
     const Sample sample = sample_of(film);
-    trials_.emplace(film, windows_of(film.frames, sample), options_.references.value_or(target.is_rate() ? 0 : 1));
+    // The worst tenth is often one shot.
+    const bool by_shot = target.worst_tenth && !options_.sample;
+    trials_.emplace(film, by_shot ? windows_by_shot(film, sample) : windows_of(film.frames, sample),
+                    options_.references.value_or(target.is_rate() ? 0 : 1));
     if (target.worst_tenth) trials_->judge_worst_tenth();
     if (options_.kept_references) trials_->keep_references_in(ReferenceCache(*options_.kept_references));
     print_memory_note(trials_->bytes_held(target.kind != Kind::time), quiet());

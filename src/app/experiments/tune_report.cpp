@@ -314,7 +314,8 @@ bool film_is_near(const Tuning& tuning) {
     const bool finest =
         tuning.found == Found::between && !tuning.options.empty() && tuning.options.front().first == "--quality";
     if (target.kind == Kind::bitrate) return is_near(target, value) || (finest && value <= target.value);
-    return is_near(target, value, sampled) || (finest && value >= target.value);
+    // chosen: a step of quality is less than a decibel.
+    return is_near(target, value, sampled) || (finest && value >= target.value && is_near(target, value, 3 * sampled));
 }
 
 json tune_json(const RenderJob& film, const Tuning& tuning, const std::string& command) {
