@@ -80,7 +80,7 @@ constexpr double p_share = 0.4, p_share_weight = 6;
 constexpr double kept_later = 0.93, bytes_later = 1.1;
 
 /// CPU and bytes grow with these powers of the pixels where one size alone is known. fit: bench/fits/forecast.jsonl
-constexpr double time_power = 0.6, bits_power = 0.8;
+constexpr double time_power = 0.5, bits_power = 0.8;
 
 /// What a first pass takes of the film's time. chosen: a sixteenth of the pixels, roughly lit.
 constexpr double first_pass_share = 0.05;
@@ -322,7 +322,8 @@ std::optional<FrameSample> light_windows(RenderJob film, renderer::Renderer& ren
     found.size = size_of(film);
     const double began = clock_seconds(), cpu_before = cpu_seconds();
     const std::size_t frames_before = statistics.frames.size();
-    std::vector<std::int64_t> firsts;
+    // Frames behind cuts within a window are of neither kind.
+    std::vector<std::int64_t> fresh = cuts_of(film);
     Mean seconds, bytes;
     for (const Chunk& window : windows) {
         // It owes the next window nothing of a decoder's buffer.
@@ -340,20 +341,20 @@ std::optional<FrameSample> light_windows(RenderJob film, renderer::Renderer& ren
             stops);
         if (!goes_on || InterruptGuard::requested()) return {};
         if (statistics.frames.size() == before) break;
-        firsts.push_back(window.first);
+        fresh.push_back(window.first);
+        ++found.windows;
         const FrameCost own{first, static_cast<double>(statistics.frames[before].bytes)};
         seconds.add(own.seconds);
         bytes.add(own.bytes);
-        found.by_window.emplace_back(own, later_of(std::span(statistics.frames).subspan(before), {window.first}));
+        found.by_window.emplace_back(own, later_of(std::span(statistics.frames).subspan(before), fresh));
         if (stops()) break;
     }
-    if (firsts.empty()) return {};
+    if (found.windows == 0) return {};
     found.frames = static_cast<int>(statistics.frames.size() - frames_before);
-    found.windows = static_cast<int>(firsts.size());
     found.cpu = cpu_seconds() - cpu_before;
     found.clock = clock_seconds() - began;
     found.first = {seconds.or_else(0), bytes.or_else(0)};
-    found.later = found.frames > found.windows ? later_of(std::span(statistics.frames).subspan(frames_before), firsts)
+    found.later = found.frames > found.windows ? later_of(std::span(statistics.frames).subspan(frames_before), fresh)
                                                : found.first;
     return found;
 }
