@@ -103,7 +103,7 @@ def look_of_film(scene, film, lost):
     if render.use_border:
         lost.add(scene, "render region; the whole picture is rendered")
     if render.film_transparent:
-        lost.add(scene, "transparent film; the world is seen")
+        film["transparent"] = True
     if render.use_sequencer and scene.sequence_editor and any(s.type != "SOUND" for s in strips_of(scene.sequence_editor)):
         lost.add(scene, "strips of the video sequencer")
     if render.use_compositing and scene.use_nodes and scene.node_tree and len(scene.node_tree.nodes) > 2:
@@ -155,10 +155,22 @@ def other_things(scene, lost):
                 lost.add(thing, f"particles {system.name} shown as {settings.render_type.lower()}")
         if thing.type not in {"MESH", "CURVE", "SURFACE", "FONT", "META"}:
             continue
-        if thing.is_holdout or thing.is_shadow_catcher:
-            lost.add(thing, "holdout" if thing.is_holdout else "shadow catcher")
+        if thing.is_shadow_catcher:
+            lost.add(thing, "shadow catcher")
         if not thing.visible_camera:
             lost.add(thing, "hidden from cameras only; it is seen")
+
+
+def holes_in(scene):
+    """Names of objects that are holes in the picture, by themselves or by their collection."""
+    names = {thing.name_full for thing in scene.objects if thing.is_holdout}
+    pending = [(scene.view_layers[0].layer_collection, False)]
+    while pending:
+        layer, hole = pending.pop()
+        hole = hole or layer.holdout
+        names.update(thing.name_full for thing in layer.collection.objects if hole)
+        pending += [(child, hole) for child in layer.children]
+    return names
 
 
 def write_nodes(glb, walk, materials, times, film, lost):
@@ -170,7 +182,7 @@ def write_nodes(glb, walk, materials, times, film, lost):
     from film_export.keys import json_number, thinned
     from film_export.shapes import add_mesh
 
-    meshes, names, change, shaped = {}, set(), {}, {}
+    meshes, names, change, shaped, holes = {}, set(), {}, {}, holes_in(walk.scene)
     for key, thing in walk.things.items():
         if thing.kind == "LIGHT":
             continue
@@ -205,6 +217,8 @@ def write_nodes(glb, walk, materials, times, film, lost):
         if not all(shown):
             keys = [{"at": json_number(times[k]), "visible": shown[k]} for k in range(len(shown)) if k == 0 or shown[k] != shown[k - 1]]
             change[name] = {"keys": keys}
+        if key[-1 if key[0] == "object" else 2] in holes:
+            change.setdefault(name, {})["material"] = {"holdout": True}
     if change:
         film["change"] = change
     return shaped
@@ -339,6 +353,8 @@ def export(path, folder, texture_size):
     if any(lights):
         film["lights"] = film.get("lights", []) + [light for light in lights if light]
     strengths.write(film, times)
+    for name in materials.holes:
+        film.setdefault("materials", {}).setdefault(name, {})["holdout"] = True
     glb.save(os.path.join(folder, "scene.glb"))
     with open(os.path.join(folder, "film.json"), "w") as file:
         json.dump(film, file, indent=1)

@@ -46,6 +46,7 @@ class Look:
         self.normal = None    # (Picture, strength), or a socket to bake
         self.surface = True   # False: reflects nothing
         self.refracts = False
+        self.hole = False     # Holdout
         self.animated = None  # (node's name, input's name) of the emission's strength
         self.__dict__.update(channels)
 
@@ -178,11 +179,20 @@ class Reader:
             normal = 0.08 * self.constant(node, ["Specular"], 0.5)
             look.ior = (1 + math.sqrt(normal)) / (1 - math.sqrt(normal))
         self.read_layers(node, look)
-        for names, reason in ((["Subsurface Weight", "Subsurface"], "light below the surface (subsurface)"),
-                              (["Transmission Roughness"], "another roughness of what is seen through it")):
-            if self.input(node, names, otherwise=0.0) != Constant(0.0):
-                self.lost.add(self.name, reason)
+        if self.input(node, ["Subsurface Weight", "Subsurface"], otherwise=0.0) != Constant(0.0):
+            self.lost.add(self.name, "light below the surface (subsurface)")
+        self.frost(node, look)
         return look
+
+    def frost(self, node, look):
+        """Blender 3 has a roughness more of what is seen through a surface; clear ones share it with their reflection."""
+        more = self.input(node, ["Transmission Roughness"], otherwise=0.0)
+        if more == Constant(0.0) or look.transmission == Constant(0.0) or node.distribution != "GGX":
+            return
+        if all(isinstance(v, Constant) for v in (more, look.roughness, look.transmission)) and look.transmission.value > 0.5:
+            look.roughness = Constant(1 - (1 - look.roughness.value) * (1 - more.value))
+        else:
+            self.lost.add(self.name, "another roughness of what is seen through it")
 
     def read_layers(self, node, look):
         """What lies on a Principled surface. Blender 3 has it in Disney's terms, 4 in OpenPBR's."""
@@ -292,6 +302,9 @@ class Reader:
 
     def read_bsdf_transparent(self, node):
         return Look(base=Constant((0.0, 0.0, 0.0)), alpha=Constant(0.0), surface=False)
+
+    def read_holdout(self, node):
+        return Look(base=Constant((0.0, 0.0, 0.0)), ior=1.0, hole=True)
 
     def read_emission(self, node):
         return Look(base=Constant((0.0, 0.0, 0.0)), ior=1.0, emission=self.input(node, ["Color"], True),

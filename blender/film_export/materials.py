@@ -25,7 +25,7 @@ FIELDS = {
     "coat_texture": "coat", "coat_roughness": "coat_roughness", "coat_roughness_texture": "coat_roughness", "sheen": "sheen",
     "sheen_texture": "sheen", "sheen_roughness": "sheen_roughness", "sheen_roughness_texture": None,
     "iridescence": "film", "iridescence_texture": None, "film_ior": "film_ior", "film_thinnest": "film", "film_thickest": "film",
-    "film_texture": None, "anisotropy": "anisotropy", "anisotropy_rotation": "anisotropy_rotation", "anisotropy_texture": None,
+    "film_texture": None, "holdout": "hole", "anisotropy": "anisotropy", "anisotropy_rotation": "anisotropy_rotation", "anisotropy_texture": None,
     "diffuse_transmission": "leaf", "diffuse_transmission_texture": None, "diffuse_transmission_color": "leaf_color",
     "diffuse_transmission_color_texture": None,
 }
@@ -46,6 +46,7 @@ class Materials:
         self.glb, self.folder, self.baker, self.lost = glb, folder, baker, lost
         self.looks, self.made, self.images, self.textures = {}, {}, {}, {}
         self.baked = {}     # (mesh, material) -> channel -> pixels
+        self.holes = []     # names of glTF materials
         self.strengths = {} # glTF material's name -> (material, node, input, factor at first)
 
     # Before the walk: what only Cycles can tell.
@@ -185,6 +186,8 @@ class Materials:
         if extensions:
             says["extensions"] = extensions
             self.glb.extensions.update(extensions)
+        if look.hole:
+            self.holes.append(name)
         if len(layers) > 2:
             self.lost.add(material, "more than two layers of texture coordinates; the first two are kept")
         return self.glb.add("materials", says), layers or [None]

@@ -75,7 +75,7 @@ FrameRate frame_rate_from(const std::string& text) {
             if (std::abs(rate.hertz.value() - hertz) < 0.005) return rate;
     std::string list;
     for (const FrameRate& rate : mpeg2_frame_rates()) list += (list.empty() ? "" : ", ") + std::string(rate.name);
-    throw Error("frame rate " + text + ": MPEG-2 has no such rate; it has " + list);
+    throw Error("frame rate " + text + ": films have one of " + list + " pictures a second");
 }
 
 Rational time_of(std::int64_t frame, const FrameRate& rate) {

@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "core/error.h"
+#include "core/text.h"
 
 namespace render2mpeg::core {
 
@@ -12,7 +13,7 @@ ViewName view_from(const std::string& name) {
     if (found != view_names.end()) return static_cast<ViewName>(found - view_names.begin());
     std::string all;
     for (const std::string_view known : view_names) all += (all.empty() ? "" : ", ") + std::string(known);
-    throw Error("view " + name + ": expected one of " + all);
+    throw Error("view " + name + ": expected one of " + all + did_you_mean(lower_case(name), view_names));
 }
 
 std::string text_of(const View& view) {

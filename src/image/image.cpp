@@ -188,10 +188,11 @@ std::vector<unsigned char> png_bytes(int width, int height, std::span<const unsi
     return codec().encode_png(width, height, rgb, 1, name);
 }
 
-void write_png(const fs::path& path, int width, int height, std::span<const unsigned char> rgb, float pixel_aspect) {
+void write_png(const fs::path& path, int width, int height, std::span<const unsigned char> colors, float pixel_aspect) {
     EXPECTS(width > 0 && height > 0 && pixel_aspect > 0 && std::isfinite(pixel_aspect));
-    EXPECTS(rgb.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3);
-    replace_file(path, codec().encode_png(width, height, rgb, pixel_aspect, path.string()));
+    const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    EXPECTS(colors.size() == 3 * pixels || colors.size() == 4 * pixels);
+    replace_file(path, codec().encode_png(width, height, colors, pixel_aspect, path.string()));
 }
 
 }  // namespace render2mpeg::image

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/plane.h"
@@ -64,14 +65,16 @@ struct FrameFacts {
     std::optional<core::Rational> frames_per_second = {};
     std::optional<glm::mat4> world_to_camera = {};  ///< x right, y up, z along the view [OpenEXRAttributes]
     std::optional<glm::mat4> world_to_ndc = {};     ///< (0, 0) the picture's upper left corner, (1, 1) lower right
+    std::vector<std::pair<std::string, std::string>> texts = {};  ///< further attributes
 };
 
 /// Writes an OpenEXR atomically, with BT.709's primaries and white. Throws core::Error.
 void write_exr(const std::filesystem::path& path, int width, int height, std::span<const Channel> channels,
                const FrameFacts& facts = {});
 
-/// Writes an 8-bit RGB PNG likewise; `rgb` holds 3 sRGB code values per pixel, which the file says.
-void write_png(const std::filesystem::path& path, int width, int height, std::span<const unsigned char> rgb,
+/// Writes an 8-bit PNG likewise; `colors` holds 3 sRGB code values per pixel, or 4 with an alpha that colours are not
+/// multiplied by, which the file says.
+void write_png(const std::filesystem::path& path, int width, int height, std::span<const unsigned char> colors,
                float pixel_aspect = 1);
 
 /// The bytes of such a PNG file with square pixels. `name` is for messages.

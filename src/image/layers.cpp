@@ -36,10 +36,15 @@ class Frame {
                 [&, c](std::size_t i) { return plane.values()[i][c]; });
     }
 
-    /// Colour with alpha 1; `layer` may be empty: the plain names, which every viewer looks for.
-    void add_opaque(const std::string& layer, const core::Plane<glm::vec3>& plane) {
+    /// Colour with alpha; `layer` may be empty: the plain names, which every viewer looks for.
+    void add_covered(const std::string& layer, const core::Plane<glm::vec3>& plane, const core::Mattes& mattes) {
         add_color(layer, plane);
-        add(layer.empty() ? "A" : layer + ".A", true, [](std::size_t) { return 1.0f; });
+        add(layer.empty() ? "A" : layer + ".A", true,
+            [&](std::size_t i) { return mattes.empty() ? 1.0f : mattes.alpha(i); });
+    }
+
+    void add_mattes(const core::Mattes& mattes, const MatteNames& names, FrameFacts& facts) {
+        if (!mattes.empty()) add_cryptomatte(mattes, names, channels_, facts);
     }
 
     void add_normal(const std::string& layer, const core::Plane<core::PackedNormal>& plane,
@@ -125,13 +130,13 @@ bool fits(const core::MotionField* field, const core::Visible& visible) {
 
 void write_layers(const std::filesystem::path& path, const core::Visible& visible, const core::Radiance& radiance,
                   const core::MotionField* to_previous, const core::MotionField* to_next, const FrameFacts& facts,
-                  const core::ToleranceMap* tolerance) {
+                  const core::ToleranceMap* tolerance, const core::Mattes& mattes, const MatteNames& names) {
     EXPECTS(visible.width() == radiance.combined.width() && visible.height() == radiance.combined.height());
     EXPECTS(fits(to_previous, visible) && fits(to_next, visible));
 
     Frame frame(visible.width(), visible.height());
-    frame.add_opaque("", radiance.combined);
-    frame.add_opaque("ViewLayer.Combined", radiance.combined);
+    frame.add_covered("", radiance.combined, mattes);
+    frame.add_covered("ViewLayer.Combined", radiance.combined, mattes);
     add_surfaces(frame, visible);
     add_motion(frame, to_previous, to_next);
 
@@ -159,12 +164,15 @@ void write_layers(const std::filesystem::path& path, const core::Visible& visibl
             return t.allows(core::luminance(radiance.combined.values()[i]));
         });
     }
-    frame.write(path, facts);
+    FrameFacts all = facts;
+    frame.add_mattes(mattes, names, all);
+    frame.write(path, all);
 }
 
-void write_frame(const std::filesystem::path& path, const core::Plane<glm::vec3>& radiance, const FrameFacts& facts) {
+void write_frame(const std::filesystem::path& path, const core::Plane<glm::vec3>& radiance, const FrameFacts& facts,
+                 const core::Mattes& mattes) {
     Frame frame(radiance.width(), radiance.height());
-    frame.add_opaque("", radiance);
+    frame.add_covered("", radiance, mattes);
     frame.write(path, facts);
 }
 

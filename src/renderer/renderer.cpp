@@ -152,7 +152,8 @@ struct Renderer::Impl {
     }
 
     SeeSettings see_settings() const {
-        return {settings.format, settings.samples, settings.edge_samples, settings.specular_depth};
+        return {settings.format,         settings.samples, settings.edge_samples,
+                settings.specular_depth, settings.mattes,  settings.transparent};
     }
 
     /// Light trees of the posed snapshot.

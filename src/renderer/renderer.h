@@ -49,7 +49,9 @@ struct Settings {
     std::uint64_t caustic_photons = 0;  ///< of a frame; 0: as many as its tolerance needs (caustics.h)
     int min_cut = 8;                    ///< clusters per gather point, both trees together
     int max_cut = 1000;
-    int specular_depth = 6;  ///< mirrors and glass after one another
+    int specular_depth = 6;    ///< mirrors and glass after one another
+    bool mattes = false;       ///< Seen has what covers pixels (mattes.h)
+    bool transparent = false;  ///< the world is seen in mirrors and through glass alone
     Clamp clamp = Clamp::bounded;
     std::uint64_t photons = 0;  ///< that each instant's anchors are lit by; 0: as many as `vpls` asks for
     bool calibrate = true;      ///< let the film's own light decide the error scale of its cuts (calibration.h)

@@ -1,9 +1,9 @@
-"""blender -b --factory-startup -noaudio --python-exit-code 1 -P compare.py -- FOLDER FRAME... [--picture OUT.png] [--shown]
+"""blender -b --factory-startup -noaudio --python-exit-code 1 -P compare.py -- FOLDER FRAME... [--picture OUT.png] [--shown] [--alpha]
 
 Holds FOLDER/oursNNNN.exr against cyclesNNNN.exr. A row per frame: mean luminance of ours over Cycles', PSNR (sRGB pictures
 of 8 bits, exposed so that Cycles' median is 0.25), and by how many pixels ours is shifted to the right and up: what turns ours
 into Cycles' by least squares over the gradients [Lucas1981]. With --shown oursNNNN.png against cyclesNNNN.png, as they are: the row
-begins with the mean code values' ratio. The picture: ours, Cycles, their difference times four.
+begins with the mean code values' ratio. With --alpha another row: mean alpha of both, and their mean difference. The picture: ours, Cycles, their difference times four.
 """
 import os
 import sys
@@ -22,7 +22,7 @@ def load(path):
     image.colorspace_settings.name = "Non-Color"
     pixels = np.empty(image.size[0] * image.size[1] * image.channels, dtype=np.float32)
     image.pixels.foreach_get(pixels)
-    return pixels.reshape(image.size[1], image.size[0], image.channels)[..., :3].astype(float)
+    return pixels.reshape(image.size[1], image.size[0], image.channels).astype(float)
 
 
 def shift(ours, truth):
@@ -40,10 +40,13 @@ def main():
     words = sys.argv[sys.argv.index("--") + 1:]
     out = words[words.index("--picture") + 1] if "--picture" in words else None
     ending = "png" if "--shown" in words else "exr"
-    folder, *frames = (word for word in words if word not in {"--picture", out, "--shown"})
+    folder, *frames = (word for word in words if word not in {"--picture", out, "--shown", "--alpha"})
     rows = []
     for frame in frames:
         ours, truth = (load(os.path.join(folder, f"{who}{int(frame):04d}.{ending}")) for who in ("ours", "cycles"))
+        if "--alpha" in words:
+            print(f"ALPHA {np.mean(ours[..., 3]):.4f} {np.mean(truth[..., 3]):.4f} {np.mean(np.abs(ours[..., 3] - truth[..., 3])):.4f}")
+        ours, truth = ours[..., :3], truth[..., :3]
         light = truth @ WEIGHTS
         exposure = 0.25 / max(float(np.median(light)), 1e-6)
         shown = [p if ending == "png" else png.srgb(p * exposure) for p in (ours, truth)]

@@ -221,6 +221,34 @@ def write_clap():
     return path
 
 
+def holes():
+    """A ball and frosted glass before a world that is hidden, holes by a shader, an object and a collection."""
+    scene = start(2)
+    scene.render.film_transparent, scene.render.resolution_percentage = True, 50
+    world_of((0.6, 0.6, 0.6))
+    add_lamp("SUN", (0, 0, 5), (1, 2, 0), energy=2.0, angle=0.1)
+    add_primitive("uv_sphere", add_matt("Ball", (0.7, 0.2, 0.1)), smooth=True, radius=1, location=(0, 1, 0), segments=48, ring_count=24)
+    frosted = add_material("Frosted", (1, 1, 1), Roughness=0.1, Transmission=1.0)
+    if "Transmission Roughness" in frosted.node_tree.nodes["Principled BSDF"].inputs:
+        frosted.node_tree.nodes["Principled BSDF"].inputs["Transmission Roughness"].default_value = 0.5
+    add_primitive("cube", frosted, size=0.8, location=(-2, 1, 0), rotation=(0, 0, 0.4))
+    hole = bpy.data.materials.new("Hole")
+    hole.use_nodes = True
+    shader = hole.node_tree.nodes.new("ShaderNodeHoldout")
+    hole.node_tree.links.new(shader.outputs[0], hole.node_tree.nodes["Material Output"].inputs["Surface"])
+    add_primitive("cube", hole, name="By shader", size=0.5, location=(0, -0.5, 0.6))
+    grey = add_matt("Grey", (0.5, 0.5, 0.5))
+    add_primitive("cube", grey, name="By object", size=0.5, location=(0.7, -0.5, -0.3)).is_holdout = True
+    thing = add_primitive("cube", grey, name="By collection", size=0.5, location=(-0.7, -0.5, -0.3))
+    apart = bpy.data.collections.new("Apart")
+    scene.collection.children.link(apart)
+    scene.collection.objects.unlink(thing)
+    apart.objects.link(thing)
+    bpy.context.view_layer.layer_collection.children["Apart"].holdout = True
+    add_primitive("cube", grey, name="Seen", size=0.5, location=(1.6, 0, 0.5), rotation=(0, 0.3, 0.5))
+    add_camera((0, -6, 0.5), (0, 1, 0))
+
+
 def lamps_and_sky():
     """An area lamp that moves and dims, a soft sun, and a sky texture."""
     scene = start(6)
@@ -493,7 +521,7 @@ def hostile():
 
 
 FILMS = {film.__name__: film for film in (tracked_camera, markers, lamps_and_sky, looks, armature_and_shapes, instances, glass_and_emission,
-                                          procedural, odds_and_ends, hostile, open_shutter, shallow_focus)}
+                                          procedural, odds_and_ends, hostile, open_shutter, shallow_focus, holes)}
 
 
 def main():

@@ -98,6 +98,18 @@ TEST(Forecast, StopsInTheMidstOfAFrame) {
     EXPECT_FALSE(app::sample_frames(film, {{0, 0, 3}}, 0, nobody, progress).has_value()) << "its time was over";
 }
 
+TEST(Windows, LieInEachShot) {
+    RenderJob film = flash_cut();  // 72 frames, a cut at 36
+    const std::vector<Chunk> two = app::windows_by_shot(film, {4, 5});
+    ASSERT_EQ(two.size(), 2u);
+    EXPECT_EQ(two[0].first, 15);
+    EXPECT_EQ(two[0].last, 19);
+    EXPECT_EQ(two[1].first, 51);
+    EXPECT_EQ(two[1].index, 1);
+    film.frames = {0, 35};
+    EXPECT_EQ(app::windows_by_shot(film, {4, 5}).size(), 4u) << "one shot: its parts";
+}
+
 TEST(GopStarts, CountAsOftenAsTheFilmHasThem) {
     RenderJob film = flash_cut();  // 72 frames
     const std::vector<Chunk> windows{{0, 0, 14}, {1, 30, 44}};

@@ -46,7 +46,7 @@ void Messages::receive(void* source, int level, const char* format, va_list argu
 
 std::string cause_of(int result, const Messages& messages) {
     std::array<char, AV_ERROR_MAX_STRING_SIZE> words{};
-    if (result == AVERROR_INVALIDDATA) return "what it holds is no film that can be read";
+    if (result == AVERROR_INVALIDDATA) return "what it holds is neither a film nor sound that can be read";
     std::string cause = result < 0 && av_strerror(result, words.data(), words.size()) == 0 ? words.data() : "";
     if (messages.text().empty()) return cause.empty() ? "FFmpeg gives no reason" : cause;
     return cause.empty() ? messages.text() : cause + ": " + messages.text();

@@ -315,8 +315,7 @@ bool encode_chunks(Job& job, const EncodeOptions& options, const PictureSink& si
     const bool open_ended = job.frames->is_open_ended();
     std::optional<Chunk> chunk = chunk_after(job.film, {});
     // The source alone knows how many frames will come.
-    Progress progress(job.film.frame_count(), options.quiet || open_ended, "frame", Counted::frames, 0,
-                      chunk->frames());
+    Progress progress(job.film.frame_count(), options.quiet || open_ended);
     bool whole = true;
     for (; chunk && whole; chunk = chunk_after(job.film, chunk)) {
         StatisticsRecorder recorder(statistics, true);

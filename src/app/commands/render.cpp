@@ -38,7 +38,11 @@ int interrupted_before_frames(const RenderOptions& options) {
 std::string plan_text(RenderJob& film, const RenderOptions& options, const std::filesystem::path& statistics = {}) {
     const double within = within_from(options.within);
     const auto found = within > 0 ? forecast(film, options.output, within, options.quiet) : std::nullopt;
-    return film_text(film) + "\n" + (found ? text_of(*found) : "") + "\n" +
+    const std::string reason = within > 0 && !InterruptGuard::requested()
+                                   ? "No times and sizes: --within " + options.within +
+                                         " is over before two frames are lit, however small; give more\n"
+                                   : "";
+    return film_text(film) + "\n" + (found ? text_of(*found) : reason) + "\n" +
            plan_table(film, statistics, found ? &found->sample : nullptr);
 }
 

@@ -141,30 +141,53 @@ bool Cost::try_effects(const RenderJob& asked, int frames, double limit) {
 /// Sample of the film, and of its effects.
 struct CostSample {
     Sample sweep;
+    double scale = 1;       ///< of its pictures
     int effect_frames = 2;  ///< of the windows that effects are left out of
     std::optional<Forecast> forecast;
 };
+
+/// Light of a window's later frames over that of the film's own settings, by fixed tolerance.
+/// chosen: as cornell's 16 to 2 % beside its coupled light at quantiser 4; references take some ten frames.
+constexpr double usual_share = 0.065, of_reference = 10, of_efforts = 2.6;
+
+/// Frames of the film's own settings that all settings light, for each frame of the sample.
+double settings_of(const CostOptions& options) {
+    double settings = 1 + of_efforts;
+    for (const float share : percents_from(options.tolerances)) settings += usual_share / static_cast<double>(share);
+    return settings;
+}
+
+/// The largest sample that there is time for; of smaller pictures where one frame takes too long.
+void fit_sample(const CostOptions& options, const RenderJob& film, double first, double frame, double time,
+                CostSample& chosen) {
+    const double settings = settings_of(options);
+    const auto takes = [&](const Sample& s) {
+        return s.windows * (settings * (first + (s.frames - 1) * frame) + of_reference * frame);
+    };
+    for (const Sample& sample : {Sample{1, 2}, Sample{1, 3}, Sample{2, 3}})
+        if (takes(sample) < time) chosen.sweep = sample;
+    // chosen: 160 pixels show what tolerances do (96 to 320); CPU grows with the pixels, or slower.
+    constexpr double least_side = 160;
+    const double smallest = std::min(1.0, least_side / std::max(film.format.width, film.format.height));
+    chosen.scale = std::clamp(std::sqrt(time / takes(chosen.sweep)), smallest, 1.0);
+}
 
 /// Forecast of the film, and a sample that --within has time for. None after an interruption.
 std::optional<CostSample> first_answer(const CostOptions& options, RenderJob& film) {
     if (options.sample) {
         const Sample sample = sample_from(*options.sample);
-        return CostSample{sample, std::min(sample.frames, 3), {}};
+        return CostSample{sample, 1, std::min(sample.frames, 3), {}};
     }
     const double within = time_in_seconds(options.within);
     // chosen: ten seconds are waited for.
     std::optional<Forecast> found = forecast(film, {}, std::min(10.0, 0.2 * within), options.render.quiet);
     if (!found) return {};
     if (!options.render.quiet) print(film_text(film) + "\n" + text_of(*found) + "\n");
-    // Each setting lights all frames of the sample, and every light point one of each window.
-    // chosen: reference light takes some ten times a frame's.
     const double pace = core::divide_or(found->clock, found->cpu, 1.0), frame = found->later.seconds * pace,
                  first = found->first.seconds * pace;
-    const double settings = static_cast<double>(percents_from(options.tolerances).size() + efforts.size()) + 1;
     const auto effects = static_cast<double>(left_out_of(film).size()) + 1;
-    CostSample chosen{{1, 1}, 2, std::move(found)};
-    for (const Sample& sample : {Sample{1, 2}, Sample{1, 3}, Sample{2, 3}})
-        if (sample.windows * (settings * sample.frames + 10) * frame < 0.6 * within) chosen.sweep = sample;
+    CostSample chosen{{1, 1}, 1, 2, std::move(found)};
+    fit_sample(options, film, first, frame, 0.6 * within, chosen);
     if (effects * (first + 2 * frame) < 0.3 * within) chosen.effect_frames = 3;
     return chosen;
 }
@@ -188,7 +211,7 @@ int cost(const CostOptions& options, const std::vector<std::string>& words) {
     const std::optional<CostSample> sample = first_answer(options, film);
     if (!sample) return interrupted();
 
-    Cost sweep(options, film, sample->sweep, sample->forecast);
+    Cost sweep(options, resized(film, sample->scale), sample->sweep, sample->forecast);
     const bool whole = sweep.light_references() && sweep.try_fixed() && sweep.try_coupled() && sweep.try_efforts();
     const Sweep& found = sweep.sweep();
     if (found.fixed.empty() && found.pairs.empty()) return interrupted();

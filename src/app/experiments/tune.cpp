@@ -111,6 +111,7 @@ class TuneCommand {
         if (!quiet()) print(text);
     }
     void settle_options();
+    void settle_command();
     Sample sample_of(const RenderJob& film) const;
     void look_at_film(const Rendered& rendered);
 
@@ -128,7 +129,7 @@ Sample TuneCommand::sample_of(const RenderJob& film) const {
     // three times may not be more than an eighth of the film, so that tuning takes less than half its time.
     const auto eighth = static_cast<int>(std::clamp<std::int64_t>(film.frame_count() / 8, 4, 1000));
     constexpr int whole = 15;
-    // chosen: as many frames in windows of five, since the worst tenth is often one shot.
+    // chosen: as many frames in windows of five (3 to 8).
     if (tuning_.target.worst_tenth) return {std::clamp(std::min(eighth, 2 * whole) / 5, 1, 6), 5};
     return eighth >= 2 * whole ? Sample{2, whole} : Sample{1, std::min(eighth, whole)};
 }
@@ -146,7 +147,10 @@ bool TuneCommand::search() {
 
     // Rates need no references.
     const Sample sample = sample_of(film);
-    trials_.emplace(film, windows_of(film.frames, sample), options_.references.value_or(target.is_rate() ? 0 : 1));
+    // The worst tenth is often one shot.
+    const bool by_shot = target.worst_tenth && !options_.sample;
+    trials_.emplace(film, by_shot ? windows_by_shot(film, sample) : windows_of(film.frames, sample),
+                    options_.references.value_or(target.is_rate() ? 0 : 1));
     if (target.worst_tenth) trials_->judge_worst_tenth();
     if (options_.kept_references) trials_->keep_references_in(ReferenceCache(*options_.kept_references));
     print_memory_note(trials_->bytes_held(target.kind != Kind::time), quiet());
@@ -186,7 +190,10 @@ void TuneCommand::settle_options() {
             tuning_.options = {{"--quality", chosen.setting}};
         }
     }
-    if (tuning_.found == Found::beyond) return;
+    if (tuning_.found != Found::beyond) settle_command();
+}
+
+void TuneCommand::settle_command() {
     std::vector<std::string> without(tune_only.begin(), tune_only.end());
     for (const auto& [name, value] : tuning_.options) without.push_back(name);
     std::vector<std::pair<std::string, std::string>> with = tuning_.options;
@@ -246,6 +253,10 @@ void TuneCommand::look_at_film(const Rendered& rendered) {
     film.reference = with_light({film.psnr_y, film.ssim_y}, {perceptual::psnr(error / count), similarity / count},
                                 {decoded.psnr_y(), decoded.ssim_y()});
     tuning_.film = film;
+    if (const auto quality = nearer_quality(tuning_)) {
+        tuning_.options = {{"--quality", fmt::format("{:.1f}", *quality)}};
+        settle_command();
+    }
 }
 
 void TuneCommand::write_reports() const {
@@ -283,7 +294,10 @@ int tune(const TuneOptions& options, const std::vector<std::string>& words, cons
         if (status != 0) return status;
         if (!quiet) print_sentence(film_sentence(tuning));
         status = film_is_near(tuning) ? 0 : 1;
-        if (status != 0) print_error(target_text(tuning.target) + ": the film that was made missed it");
+        if (status != 0) {
+            if (!quiet && nearer_quality(tuning)) print("\n" + *tuning.command + "\n");
+            print_error(target_text(tuning.target) + ": the film that was made missed it");
+        }
     }
     command.write_reports();
     return status;

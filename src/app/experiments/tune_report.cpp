@@ -135,7 +135,7 @@ std::string plot(const Tuning& tuning, double hertz) {
         const Quality quality = quality_of(p.trial, tuning.against_references());
         (p.lit ? lit : again)
             .points.push_back({time ? p.value : 8e-3 * p.trial.bytes_in_film() * hertz, quality.psnr_y,
-                               p.lit ? p.setting : "", tuning.chosen == i});
+                               p.lit ? p.setting : "", is_taken(tuning, i)});
     }
     for (Curve* curve : {&lit, &again})
         std::sort(curve->points.begin(), curve->points.end(),
@@ -150,7 +150,7 @@ std::string table(const Tuning& tuning, double hertz) {
     for (std::size_t i = 0; i < tuning.probes.size(); ++i) {
         const Probe& p = tuning.probes[i];
         const Quality quality = quality_of(tuning, p.trial);
-        const bool taken = tuning.chosen == i;
+        const bool taken = is_taken(tuning, i);
         rows.push_back({{name_of(tuning, p) + (taken ? ", taken" : ""), short_figure(p.trial.seconds),
                          short_figure(p.trial.code_seconds), fmt::format("{:.1f}", 1e-3 * rate_of(p.trial, hertz)),
                          psnr_text(quality.psnr_y), fmt::format("{:.4f}", quality.ssim_y),
@@ -194,9 +194,9 @@ std::string first_screen(const RenderJob& film, const Tuning& tuning) {
         const Quality quality = quality_of(tuning, p.trial);
         const double clock = pace * p.trial.cpu;
         rows.push_back({name_of(tuning, p), core::divide_or(clock, longest, 0.0), clock_text(clock * frames),
-                        psnr_text(quality.psnr_y) + " dB", tuning.chosen == i ? Grade::good : Grade::none,
+                        psnr_text(quality.psnr_y) + " dB", is_taken(tuning, i) ? Grade::good : Grade::none,
                         fmt::format("SSIM {:.4f}", quality.ssim_y), size_text(p.trial.bytes_in_film() * frames),
-                        tuning.chosen == i});
+                        is_taken(tuning, i)});
     }
     std::stable_sort(rows.begin(), rows.end(),
                      [](const AnswerRow& a, const AnswerRow& b) { return a.share < b.share; });
@@ -269,12 +269,20 @@ std::string film_sentence(const Tuning& tuning) {
         text += fmt::format(", against reference light {} and {:.4f}", psnr_text(film.reference.psnr_y),
                             film.reference.ssim_y);
     text += fmt::format("; it took {} on the clock.", clock_text(film.seconds));
-    if (target.is_quality() && !film_is_near(tuning)) {
-        const double step =
-            (even_figure(target, target.value) - even_figure(target, film_value(tuning))) / even_slope(target);
-        text += fmt::format(" --quality {:.1f} comes nearer.", std::clamp(*sample.trial.quality + step, 0.0, 100.0));
-    }
+    if (const auto quality = nearer_quality(tuning)) text += fmt::format(" --quality {:.1f} comes nearer.", *quality);
     return text;
+}
+
+bool is_taken(const Tuning& tuning, std::size_t probe) {
+    return tuning.chosen == probe && tuning.found != Found::beyond && film_is_near(tuning);
+}
+
+std::optional<double> nearer_quality(const Tuning& tuning) {
+    const Target& target = tuning.target;
+    if (!target.is_quality() || film_is_near(tuning)) return {};
+    const double step =
+        (even_figure(target, target.value) - even_figure(target, film_value(tuning))) / even_slope(target);
+    return std::clamp(*tuning.probes[*tuning.chosen].trial.quality + step, 0.0, 100.0);
 }
 
 double film_value(const Tuning& tuning) {
@@ -306,7 +314,8 @@ bool film_is_near(const Tuning& tuning) {
     const bool finest =
         tuning.found == Found::between && !tuning.options.empty() && tuning.options.front().first == "--quality";
     if (target.kind == Kind::bitrate) return is_near(target, value) || (finest && value <= target.value);
-    return is_near(target, value, sampled) || (finest && value >= target.value);
+    // chosen: a step of quality is less than a decibel.
+    return is_near(target, value, sampled) || (finest && value >= target.value && is_near(target, value, 3 * sampled));
 }
 
 json tune_json(const RenderJob& film, const Tuning& tuning, const std::string& command) {

@@ -2,6 +2,7 @@
 // Output of `tune`: table, sentences, JSON file and page.
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 
 #include "app/experiments/tuning.h"
@@ -20,6 +21,10 @@ std::string film_sentence(const Tuning& tuning);
 /// The film's value in the target's unit, and whether it is near enough.
 double film_value(const Tuning& tuning);
 bool film_is_near(const Tuning& tuning);
+/// Whether a probe's setting is to be taken: none where the target is out of reach, or the film missed it.
+bool is_taken(const Tuning& tuning, std::size_t probe);
+/// The --quality that comes nearer where a film missed a quality; else none.
+std::optional<double> nearer_quality(const Tuning& tuning);
 
 /// All results (docs/choosing.md).
 nlohmann::json tune_json(const RenderJob& film, const Tuning& tuning, const std::string& command);

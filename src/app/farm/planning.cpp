@@ -16,6 +16,7 @@
 #include "app/files/work_folder.h"
 #include "app/loop/resume.h"
 #include "app/options/command_options.h"
+#include "app/options/usage_error.h"
 #include "app/production/production.h"
 #include "app/system/interrupt.h"
 #include "app/system/probes.h"
@@ -149,6 +150,7 @@ int farm(const FarmOptions& options, const std::vector<std::string>& words) {
     const InterruptGuard guard(options.render.quiet);
     RenderOptions render = read_words(render_words(words));
     render.quiet = options.render.quiet;
+    if (render.as) throw UsageError("-o -: parts need a name to lie beside; give one, such as -o film.mpg");
     RenderJob film = prepare_within_memory(render);
     if (InterruptGuard::requested()) return InterruptGuard::status();
     print_notes(film, render);

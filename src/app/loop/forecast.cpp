@@ -68,18 +68,22 @@ std::string size_text(std::uint64_t bytes) {
 /// chosen: 6 (3 to 9).
 constexpr int window_frames = 6;
 
+/// Windows of the smallest pictures. chosen: 3; two miss what happens in the middle.
+constexpr int places = 3;
+
 /// Longest side of the smallest pictures; each size after it has four times the pixels. chosen: 48 (32 to 96).
 constexpr double least_side = 48;
 
-/// Of pictures that are predicted, how many are P pictures. fit: bench/fits/forecast.jsonl
-constexpr double p_share = 0.4, p_share_weight = 6;
+/// Of pictures that are predicted, how many are P pictures; windows end before their longest runs of B pictures do.
+/// fit: a third in eleven films of animations/, two in five in their windows.
+constexpr double p_share = 0.27, p_share_weight = 6;
 
 /// Later frames of a chunk over those of a window at its beginning: light that is kept serves them. fit:
 /// bench/fits/forecast.jsonl
 constexpr double kept_later = 0.93, bytes_later = 1.1;
 
 /// CPU and bytes grow with these powers of the pixels where one size alone is known. fit: bench/fits/forecast.jsonl
-constexpr double time_power = 0.6, bits_power = 0.8;
+constexpr double time_power = 0.5, bits_power = 0.8;
 
 /// What a first pass takes of the film's time. chosen: a sixteenth of the pixels, roughly lit.
 constexpr double first_pass_share = 0.05;
@@ -101,18 +105,6 @@ struct Mean {
     }
     double or_else(double instead) const { return core::divide_or(sum, count, instead); }
 };
-
-/// Cuts begin a group of pictures and find light anew.
-std::vector<std::int64_t> cuts_of(const RenderJob& film) {
-    std::vector<std::int64_t> cuts;
-    int camera = -1;
-    for (const scene::Shot& shot : film.animation->shots) {
-        if (shot.frame > film.frames.first && shot.frame <= film.frames.last && shot.camera != camera)
-            cuts.push_back(shot.frame);
-        camera = shot.camera;
-    }
-    return cuts;
-}
 
 /// Groups of pictures, begun by chunks and cuts.
 double groups_of(const RenderJob& film, const std::vector<std::int64_t>& cuts) {
@@ -174,16 +166,21 @@ class Sampling {
 
   private:
     std::optional<FrameSample> sample(double scale, int windows);
+    void compare_places(FrameSample& smallest);
+    FrameSample at_all_places(FrameSample sample) const;
 
     const RenderJob& film_;
     double limit_;
     bool quiet_;
     std::optional<FrameSample> smaller_, largest_;
+    FrameCost first_ratio_{1, 1}, later_ratio_{1, 1};  ///< of several places over the first one that is lit
 };
 
 std::optional<FrameSample> Sampling::sample(double scale, int windows) {
     const RenderJob job = resized(film_, scale);
-    const std::vector<Chunk> chunks = middle_windows(job, windows, window_frames);
+    std::vector<Chunk> chunks = middle_windows(job, windows, window_frames);
+    // The middle comes first, since there may be no time for others.
+    std::swap(chunks.front(), chunks[chunks.size() / 2]);
     Progress progress(static_cast<std::int64_t>(chunks.size()) * chunks.front().frames(), quiet_, "sample",
                       Counted::parts_of_step);
     LoopObserver nobody;
@@ -192,15 +189,27 @@ std::optional<FrameSample> Sampling::sample(double scale, int windows) {
     return sample_frames(job, chunks, limit, nobody, progress);
 }
 
+/// Keeps how several places of the smallest pictures differ from the middle, which larger ones are of: films often
+/// move fastest there.
+void Sampling::compare_places(FrameSample& smallest) {
+    const auto [first, later] = smallest.by_window.front();
+    const auto over = [](double all, double one) { return std::clamp(core::divide_or(all, one, 1.0), 0.4, 2.5); };
+    first_ratio_ = {1, over(smallest.first.bytes, first.bytes)};
+    later_ratio_ = {over(smallest.later.seconds, later.seconds), over(smallest.later.bytes, later.bytes)};
+    smallest.first = first;
+    smallest.later = later;
+}
+
 bool Sampling::run() {
     const double longest = std::max(film_.format.width, film_.format.height);
     double scale = std::min(1.0, least_side / longest), times = 1;
     while (true) {
         const double began = clock_seconds();
-        std::optional<FrameSample> found = sample(scale, 1);
+        std::optional<FrameSample> found = sample(scale, largest_ ? 1 : places);
         if (!found) return largest_.has_value();
+        const double took = (clock_seconds() - began) / found->windows, left = limit_ - clock_seconds();
+        if (!largest_) compare_places(*found);
         smaller_ = std::exchange(largest_, std::move(found));
-        const double took = clock_seconds() - began, left = limit_ - clock_seconds();
         if (scale >= 1) break;
         const double next = std::min(1.0, 2 * scale);
         times = (next / scale) * (next / scale);
@@ -211,20 +220,30 @@ bool Sampling::run() {
     const double window = std::max(largest_->clock, 1e-3);
     const auto windows = static_cast<int>(std::clamp((limit_ - clock_seconds()) / window, 0.0, 8.0));
     if (windows < 2) return true;
-    if (std::optional<FrameSample> more = sample(1, windows)) largest_ = std::move(more);
+    if (std::optional<FrameSample> more = sample(1, windows)) {
+        largest_ = std::move(more);
+        first_ratio_ = later_ratio_ = {1, 1};
+    }
     return !InterruptGuard::requested();
 }
 
 FrameSample Sampling::grown() const {
     const double times = core::divide_or(pixels_of(size_of(film_)), pixels_of(largest_->size), 1.0);
-    if (!smaller_) return largest_->grown(times, time_power);
+    if (!smaller_) return at_all_places(largest_->grown(times, time_power));
     const double between = pixels_of(largest_->size) / pixels_of(smaller_->size);
     const auto power = [&](double FrameCost::*part, const FrameCost& a, const FrameCost& b) {
         return power_between(a.*part, b.*part, between);
     };
     FrameSample all = largest_->grown(times, power(&FrameCost::seconds, smaller_->later, largest_->later));
     all.first = largest_->grown(times, power(&FrameCost::seconds, smaller_->first, largest_->first)).first;
-    return all;
+    return at_all_places(all);
+}
+
+FrameSample Sampling::at_all_places(FrameSample sample) const {
+    sample.first.bytes *= first_ratio_.bytes;
+    sample.later.seconds *= later_ratio_.seconds;
+    sample.later.bytes *= later_ratio_.bytes;
+    return sample;
 }
 
 double file_bytes(const RenderJob& film, const std::filesystem::path& output, double pictures) {
@@ -311,7 +330,8 @@ std::optional<FrameSample> light_windows(RenderJob film, renderer::Renderer& ren
     found.size = size_of(film);
     const double began = clock_seconds(), cpu_before = cpu_seconds();
     const std::size_t frames_before = statistics.frames.size();
-    std::vector<std::int64_t> firsts;
+    // Frames behind cuts within a window are of neither kind.
+    std::vector<std::int64_t> fresh = cuts_of(film);
     Mean seconds, bytes;
     for (const Chunk& window : windows) {
         // It owes the next window nothing of a decoder's buffer.
@@ -329,18 +349,20 @@ std::optional<FrameSample> light_windows(RenderJob film, renderer::Renderer& ren
             stops);
         if (!goes_on || InterruptGuard::requested()) return {};
         if (statistics.frames.size() == before) break;
-        firsts.push_back(window.first);
-        seconds.add(first);
-        bytes.add(static_cast<double>(statistics.frames[before].bytes));
+        fresh.push_back(window.first);
+        ++found.windows;
+        const FrameCost own{first, static_cast<double>(statistics.frames[before].bytes)};
+        seconds.add(own.seconds);
+        bytes.add(own.bytes);
+        found.by_window.emplace_back(own, later_of(std::span(statistics.frames).subspan(before), fresh));
         if (stops()) break;
     }
-    if (firsts.empty()) return {};
+    if (found.windows == 0) return {};
     found.frames = static_cast<int>(statistics.frames.size() - frames_before);
-    found.windows = static_cast<int>(firsts.size());
     found.cpu = cpu_seconds() - cpu_before;
     found.clock = clock_seconds() - began;
     found.first = {seconds.or_else(0), bytes.or_else(0)};
-    found.later = found.frames > found.windows ? later_of(std::span(statistics.frames).subspan(frames_before), firsts)
+    found.later = found.frames > found.windows ? later_of(std::span(statistics.frames).subspan(frames_before), fresh)
                                                : found.first;
     return found;
 }
@@ -363,6 +385,17 @@ std::optional<FrameSample> sample_frames(const RenderJob& job, const std::vector
     found->built = built;
     found->statistics = totals_of(statistics, renderer);
     return found;
+}
+
+std::vector<std::int64_t> cuts_of(const RenderJob& film) {
+    std::vector<std::int64_t> cuts;
+    int camera = -1;
+    for (const scene::Shot& shot : film.animation->shots) {
+        if (shot.frame > film.frames.first && shot.frame <= film.frames.last && shot.camera != camera)
+            cuts.push_back(shot.frame);
+        camera = shot.camera;
+    }
+    return cuts;
 }
 
 RenderJob resized(const RenderJob& film, double scale) {

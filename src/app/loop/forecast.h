@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/loop/observer.h"
@@ -44,6 +45,7 @@ struct FrameCost {
 /// Sample of lit and coded frames: the first of each window, with a chunk's start, and later ones.
 struct FrameSample {
     FrameCost first, later;
+    std::vector<std::pair<FrameCost, FrameCost>> by_window;  ///< the same of each
     int frames = 0, windows = 0;
     Size size;
     double cpu = 0, clock = 0;  ///< seconds of all of it
@@ -65,6 +67,9 @@ std::optional<FrameSample> light_windows(RenderJob film, renderer::Renderer& ren
 /// each kind.
 std::optional<FrameSample> sample_frames(const RenderJob& job, const std::vector<Chunk>& windows, double limit,
                                          LoopObserver& observer, Progress& progress);
+
+/// Frames where another camera begins; they begin a group of pictures and find light anew.
+std::vector<std::int64_t> cuts_of(const RenderJob& film);
 
 RenderJob resized(const RenderJob& film, double scale);
 

@@ -115,6 +115,7 @@ void ChunkLoop::frame(std::int64_t n) {
     observers_.lit({*world, seen, tolerance, radiance, shown, picture, motion, before, renderer_.statistics()});
 
     // Code it with the renderer's own motion.
+    if (coder_) statistics_.frames.back().type = "-IPB"[static_cast<int>(coding.type)];
     keep(picture, shown, seen, planned);
     if (coder_) take(coder_->code(picture, coding, motion));
 }

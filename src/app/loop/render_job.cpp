@@ -204,6 +204,13 @@ core::ToleranceMap RenderJob::tolerance_map() const {
     return core::ToleranceMap::uniform(format.width, format.height, {floor, tolerance.relative});
 }
 
+bool RenderJob::has_alpha() const {
+    if (kind != OutputKind::png && kind != OutputKind::exr) return false;
+    const auto& materials = animation->materials;
+    return animation->transparent ||
+           std::any_of(materials.begin(), materials.end(), [](const auto& material) { return material.holdout; });
+}
+
 RenderJob without(const RenderJob& film, renderer::Pass effect) {
     RenderJob less = film;
     less.wanted.without = effect;
@@ -224,9 +231,13 @@ void check_scene(const std::filesystem::path& input) {
         return;
     }
     const std::filesystem::path folder = input.has_parent_path() ? input.parent_path() : ".";
+    if (std::filesystem::is_symlink(input, error))
+        throw core::Error(
+            "reading", input.string(),
+            "it is a link to " + std::filesystem::read_symlink(input, error).string() + ", which is not there");
     std::vector<std::string> names;
     for (const auto& entry : std::filesystem::directory_iterator(folder, error))
-        names.push_back(entry.path().filename().string());
+        if (entry.exists(error)) names.push_back(entry.path().filename().string());
     std::sort(names.begin(), names.end());
     const std::string before = (input.parent_path() / "").string();
     throw core::Error("reading", input.string(),
@@ -257,9 +268,7 @@ RenderJob prepare(const RenderOptions& wanted) {
     scene::fit_automatic_camera(*loaded,
                                 static_cast<double>(shape.size.width) / shape.size.height * shape.pixel_aspect.value());
     if (loaded->frame_rate) change_rate(*loaded, core::frame_rate_from(*loaded->frame_rate), film.rate);
-    set_exposure(*loaded, options);
-    set_fog(*loaded, options);
-    set_glare(*loaded, options);
+    change_scene(*loaded, options);
     film.exposure_samples = options.exposure_samples;
     const std::shared_ptr<const scene::Animation> animation = loaded;
     film.animation = animation;
@@ -277,6 +286,9 @@ RenderJob prepare(const RenderOptions& wanted) {
     film.rendering = rendering_settings(options, film.format);
     settle_display(film, options);
     film.audit = options.audit;
+
+    film.rendering.transparent = animation->transparent;
+    film.rendering.mattes = options.layers || film.has_alpha();
 
     film.coding = coding_settings(options.coding, shape, film.frames.first, options.output);
     film.coding.transfer_characteristics = transfer_of(film.view);
@@ -345,6 +357,7 @@ float measure_exposure(const RenderJob& film) {
     small.format.width = std::max(1, static_cast<int>(std::lround(static_cast<float>(film.format.width) * scale)));
     small.format.height = std::max(1, static_cast<int>(std::lround(static_cast<float>(film.format.height) * scale)));
     small.rendering.format = small.format;
+    small.rendering.mattes = small.rendering.transparent = false;
     small.rendering.samples = 1;
     small.rendering.edge_samples = small.rendering.most_samples = 0;
     // chosen: 1,024, not tuned; with 4,096 the exposure of two films differs by 0.005 and 0.01 EV.

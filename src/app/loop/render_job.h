@@ -79,6 +79,8 @@ struct RenderJob {
                                                   : scene::ShutterInterval();
     }
     core::ToleranceMap tolerance_map() const;
+    /// Whether images of its frames have alpha.
+    bool has_alpha() const;
     /// With 0 EV before the exposure is known.
     perceptual::Display display() const { return {exposure.value_or(0), perceptual::matrix_for(format.height), view}; }
     Film film() const {

@@ -77,11 +77,6 @@ void set_f_stop(scene::Animation& animation, const RenderOptions& options) {
     }
 }
 
-/// In smaller pictures too few pixels lie between edges of light. chosen: docs/measurements.md#irradiance-cache.
-constexpr std::int64_t least_pixels = 160 * 160;
-
-}  // namespace
-
 void set_exposure(scene::Animation& animation, const RenderOptions& options) {
     if (options.shutter) {
         const ShutterRequest shutter = shutter_from(*options.shutter);
@@ -98,13 +93,8 @@ void set_exposure(scene::Animation& animation, const RenderOptions& options) {
         animation.notes.emplace_back("--exposure-samples does nothing here: neither shutter nor lens blur anything");
 }
 
-void set_fog(scene::Animation& animation, const RenderOptions& options) {
-    if (options.fog) animation.fog.visibility = fog_from(*options.fog);
-}
-
-void set_glare(scene::Animation& animation, const RenderOptions& options) {
-    if (!options.glare) return;
-    const GlareRequest asked = glare_from(*options.glare);
+void set_glare(scene::Animation& animation, const std::string& given) {
+    const GlareRequest asked = glare_from(given);
     core::Glare& glare = animation.glare;
     glare.kind = asked.kind;
     if (asked.strength) glare.strength = *asked.strength;
@@ -112,8 +102,20 @@ void set_glare(scene::Animation& animation, const RenderOptions& options) {
     if (asked.kind == core::GlareKind::off || asked.strength || glare.strength > 0) return;
     glare.strength = core::Glare{}.strength;
     animation.notes.push_back(
-        fmt::format("--glare {}: the file's glare has strength 0; it is {} now (--glare {}:STRENGTH)", *options.glare,
-                    glare.strength, *options.glare));
+        fmt::format("--glare {}: the file's glare has strength 0; it is {} now (--glare {}:STRENGTH)", given,
+                    glare.strength, given));
+}
+
+/// In smaller pictures too few pixels lie between edges of light. chosen: docs/measurements.md#irradiance-cache.
+constexpr std::int64_t least_pixels = 160 * 160;
+
+}  // namespace
+
+void change_scene(scene::Animation& animation, const RenderOptions& options) {
+    set_exposure(animation, options);
+    if (options.fog) animation.fog.visibility = fog_from(*options.fog);
+    if (options.glare) set_glare(animation, *options.glare);
+    if (options.transparent) animation.transparent = *options.transparent == "on";
 }
 
 void tell_samples(RenderJob& film) {

@@ -10,14 +10,9 @@
 
 namespace render2mpeg::app {
 
-/// --shutter, --f-stop and --focus win over the scene. Throws UsageError for contradictions.
-void set_exposure(scene::Animation& animation, const RenderOptions& options);
-
-/// --fog wins over the scene.
-void set_fog(scene::Animation& animation, const RenderOptions& options);
-
-/// --glare wins over the scene.
-void set_glare(scene::Animation& animation, const RenderOptions& options);
+/// --shutter, --f-stop, --focus, --fog, --glare and --transparent win over the scene. Throws UsageError for
+/// contradictions.
+void change_scene(scene::Animation& animation, const RenderOptions& options);
 
 /// Adds samples per pixel to the reasons of the plan's rows.
 void tell_samples(RenderJob& film);

@@ -1,6 +1,7 @@
 #include "app/loop/sink.h"
 
 #include <algorithm>
+#include <cmath>
 #include <system_error>
 
 #include "app/loop/motion_source.h"
@@ -11,6 +12,7 @@
 #include "image/image.h"
 #include "image/layers.h"
 #include "perceptual/display.h"
+#include "renderer/view/mattes.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -32,12 +34,29 @@ image::FrameFacts facts_of(const RenderJob& film, const LitFrame& frame) {
             camera.world_to_ndc()};
 }
 
-/// Half floats under the names R, G, B, A, alpha 1.
+/// sRGB code values with an alpha that they are not multiplied by.
+std::vector<unsigned char> with_alpha(const perceptual::Display& display, const core::Radiance& shown,
+                                      const core::Mattes& mattes) {
+    core::Radiance whole;
+    whole.combined = shown.combined;
+    for (std::size_t i = 0; i < whole.combined.size(); ++i)
+        whole.combined.values()[i] /= std::max(mattes.alpha(i), 1.0f / 255);
+    const std::vector<std::uint8_t> colors = display.develop_srgb(whole);
+    std::vector<unsigned char> codes;
+    for (std::size_t i = 0; i < whole.combined.size(); ++i) {
+        codes.insert(codes.end(), {colors[3 * i], colors[3 * i + 1], colors[3 * i + 2]});
+        codes.push_back(static_cast<unsigned char>(std::lround(255 * mattes.alpha(i))));
+    }
+    return codes;
+}
+
+/// Half floats under the names R, G, B, A.
 class ExrSink : public Sink {
   public:
     ExrSink(const RenderJob& film, const std::filesystem::path& pattern) : film_(film), pattern_(pattern) {}
     void lit(const LitFrame& frame) override {
-        image::write_frame(numbered(pattern_, frame.picture.number), frame.radiance.combined, facts_of(film_, frame));
+        image::write_frame(numbered(pattern_, frame.picture.number), frame.radiance.combined, facts_of(film_, frame),
+                           film_.has_alpha() ? renderer::mattes_of(frame.seen) : core::Mattes());
     }
 
   private:
@@ -48,20 +67,28 @@ class ExrSink : public Sink {
 class PngSink : public Sink {
   public:
     PngSink(const RenderJob& film, const std::filesystem::path& pattern)
-        : display_(film.display()), pattern_(pattern), pixel_aspect_(film.format.pixel_aspect) {}
+        : film_(film), display_(film.display()), pattern_(pattern) {}
     void lit(const LitFrame& frame) override {
         const core::Picture& picture = frame.picture;
         image::write_png(numbered(pattern_, picture.number), picture.width(), picture.height(),
-                         display_.develop_srgb(frame.shown), pixel_aspect_);
+                         film_.has_alpha() ? with_alpha(display_, frame.shown, renderer::mattes_of(frame.seen))
+                                           : display_.develop_srgb(frame.shown),
+                         film_.format.pixel_aspect);
     }
 
   private:
+    const RenderJob& film_;
     perceptual::Display display_;
     std::filesystem::path pattern_;
-    float pixel_aspect_;
 };
 
 }  // namespace
+
+LayersWriter::LayersWriter(std::filesystem::path folder, const RenderJob& film, RunStatistics& statistics)
+    : folder_(std::move(folder)), film_(film), statistics_(statistics) {
+    for (const scene::Object& object : film.animation->objects) names_.objects.push_back(object.name);
+    for (const scene::Material& material : film.animation->materials) names_.materials.push_back(material.name);
+}
 
 void LayersWriter::lit(const LitFrame& frame) {
     const std::int64_t n = frame.world.frame;
@@ -69,7 +96,7 @@ void LayersWriter::lit(const LitFrame& frame) {
     const core::MotionField& after = frame.motion.exact_to(n + 1);
     const StageTimer timer(statistics_, renderer::Pass::layers);
     image::write_layers(numbered(layers_in(folder_), n), frame.seen.visible, frame.radiance, &before, &after,
-                        facts_of(film_, frame), &frame.tolerance);
+                        facts_of(film_, frame), &frame.tolerance, renderer::mattes_of(frame.seen), names_);
     write_motion_file(numbered(motion_in(folder_), n), before, after, frame.seen.visible.kind);
 }
 

@@ -9,6 +9,7 @@
 #include "app/loop/observer.h"
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
+#include "image/cryptomatte.h"
 
 namespace render2mpeg::app {
 
@@ -29,14 +30,14 @@ class ChunkWriter : public LoopObserver {
 
 class LayersWriter : public LoopObserver {
   public:
-    LayersWriter(std::filesystem::path folder, const RenderJob& film, RunStatistics& statistics)
-        : folder_(std::move(folder)), film_(film), statistics_(statistics) {}
+    LayersWriter(std::filesystem::path folder, const RenderJob& film, RunStatistics& statistics);
     void lit(const LitFrame& frame) override;
 
   private:
     std::filesystem::path folder_;
     const RenderJob& film_;
     RunStatistics& statistics_;
+    image::MatteNames names_;
 };
 
 /// Shows progress: the last lit frame as a PNG, once a second.

@@ -33,7 +33,8 @@ bool is_list(const std::string& text) {
 std::string read_file(const std::string& name) {
     std::ifstream stream(name);
     if (!stream)
-        throw UsageError("keyframes " + name + ": expected frame numbers such as 0,48,96, or a file with them");
+        throw UsageError("keyframes " + name +
+                         ": expected frame numbers such as 0,48,96, or a file with them; there is no such file");
     std::string text, line;
     while (std::getline(stream, line)) text += line.substr(0, line.find('#')) + "\n";
     // Folders can be opened, but not read.

@@ -71,8 +71,15 @@ std::string checked_text(const std::string& name, const std::string& value, cons
     return name + " " + said.substr(at);
 }
 
+const CLI::Option* option_named(const CLI::App& command, const std::string& name) {
+    for (const CLI::Option* option : command.get_options())
+        if (option->check_name(name)) return option;
+    return nullptr;
+}
+
 /// Explains a missing positional or required option.
-std::string missing_text(const std::string& name, const std::string& command) {
+std::string missing_text(const CLI::App& app, const std::string& name) {
+    const std::string command = app.get_name();
     if (name == "INPUT")
         return "INPUT is missing: which scene? For example: render2mpeg " + command + " scene.glb" +
                (command == "render" ? " -o film.mpg"
@@ -82,13 +89,9 @@ std::string missing_text(const std::string& name, const std::string& command) {
         return "FRAMES is missing: which frames? For example: render2mpeg encode frames.%04d.png -o film.mpg";
     if (name == "FILE") return "FILE is missing: which film? For example: render2mpeg info film.mpg";
     if (name == "--output" || name == "-o") return "-o is missing: which film is to be made? For example: -o film.mpg";
-    return name + " is missing";
-}
-
-const CLI::Option* option_named(const CLI::App& command, const std::string& name) {
-    for (const CLI::Option* option : command.get_options())
-        if (option->check_name(name)) return option;
-    return nullptr;
+    const CLI::Option* option = option_named(app, name);
+    return name + " is missing" +
+           (option == nullptr || option->get_type_name().empty() ? "" : "; give one of " + option->get_type_name());
 }
 
 using Names = std::vector<std::string>;
@@ -132,6 +135,7 @@ void refuse_unknown_options(const CLI::App& program, const CLI::App& command, co
     const std::vector<std::string> names = names_of(command);
     for (std::size_t i = 0; i < words.size(); ++i) {
         if (words[i] == "--") return;
+        if (words[i].empty()) throw UsageError("a word of the command is empty; is a variable of the shell unset?");
         if (!is_option_word(words[i])) continue;
         const std::string name = words[i].substr(0, words[i].find('='));
         // "-q4": the value behind a short name.
@@ -181,7 +185,7 @@ std::string mistake_text(const CLI::App& command, const CLI::Error& error) {
         if (command.get_name() == "encode" && !extra.empty() && (is_extra || first == "--output"))
             return extra + ": frames go by one name with a number in it, e.g. frames.%04d.png, and the film by -o" +
                    help;
-        if (!is_extra) return missing_text(first, command.get_name()) + help;
+        if (!is_extra) return missing_text(command, first) + help;
         std::error_code failure;
         if (command.get_name() == "render" && command.remaining(true).size() == 1 &&
             !std::filesystem::exists(extra, failure))
@@ -270,6 +274,7 @@ std::string keyframes_without_chapter(const Film& film) {
 std::string not_a_scene(const std::filesystem::path& file) {
     std::error_code error;
     if (std::filesystem::is_directory(file, error)) return of_folder(file);
+    if (!std::filesystem::is_regular_file(file, error)) return "it is a pipe or a device; scenes are read from files";
     if (is_one_of(films, file)) return std::string("it is a film already; ") + kinds;
     if (is_one_of(pictures, file))
         return "it is a picture, not a scene; `encode frames.%04d.png -o film.mpg` makes a film of pictures";

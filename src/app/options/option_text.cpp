@@ -81,7 +81,8 @@ std::vector<Value> in_order(std::vector<Value> values, Order order) {
 
 Size size_from(const std::string& text) {
     const auto sides = pair_in(text, "xX", 16383);
-    if (!sides) throw UsageError("size " + text + ": expected WIDTHxHEIGHT in pixels, e.g. 720x576");
+    if (!sides)
+        throw UsageError("size " + text + ": expected WIDTHxHEIGHT in pixels, each from 1 to 16383, e.g. 720x576");
     return {sides->first, sides->second};
 }
 

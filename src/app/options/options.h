@@ -70,22 +70,23 @@ struct RenderOptions {
     std::optional<int> edge_samples;  ///< none: as many as `samples` where that was given, else 16 or 64
     std::string indirect = "rays";    ///< or "lightcuts"
     int vpls = 4096;
-    std::string caustics = "on";           ///< "on" or "off"
-    std::optional<std::string> tolerance;  ///< none: "coupled" for films, else "fixed=2%"
-    std::string masking = "warped";        ///< "warped" or "quantised"
-    int audit = 0;                         ///< pixels of every frame
-    std::string exposure = "auto";         ///< "auto" or a number of EV; the animation file's wins over "auto"
-    std::optional<std::string> shutter;    ///< as shutter_from() reads it; wins over the animation file's
-    std::optional<std::string> f_stop;     ///< a number, or "off"; likewise
-    std::optional<std::string> focus;      ///< a distance, or an object's name; likewise
-    std::optional<int> exposure_samples;   ///< none: by quantiser
-    std::optional<std::string> fog;        ///< as fog_from() reads it; wins over the animation file's
-    std::optional<std::string> glare;      ///< as glare_from() reads it; wins over the animation file's
-    std::optional<std::string> view;       ///< a name of core::view_names; wins over the animation file's
-    std::string clamp = "bounded";         ///< "bounded" or "none"
-    std::string cache = "auto";            ///< "on", "off" or "auto"
-    std::optional<std::string> sky;        ///< image file or "none"
-    std::string light = "studio";          ///< of scenes without any: "studio", "even" or "none"
+    std::string caustics = "on";             ///< "on" or "off"
+    std::optional<std::string> tolerance;    ///< none: "coupled" for films, else "fixed=2%"
+    std::string masking = "warped";          ///< "warped" or "quantised"
+    int audit = 0;                           ///< pixels of every frame
+    std::string exposure = "auto";           ///< "auto" or a number of EV; the animation file's wins over "auto"
+    std::optional<std::string> shutter;      ///< as shutter_from() reads it; wins over the animation file's
+    std::optional<std::string> f_stop;       ///< a number, or "off"; likewise
+    std::optional<std::string> focus;        ///< a distance, or an object's name; likewise
+    std::optional<int> exposure_samples;     ///< none: by quantiser
+    std::optional<std::string> fog;          ///< as fog_from() reads it; wins over the animation file's
+    std::optional<std::string> glare;        ///< as glare_from() reads it; wins over the animation file's
+    std::optional<std::string> view;         ///< a name of core::view_names; wins over the animation file's
+    std::optional<std::string> transparent;  ///< "on" or "off"; likewise
+    std::string clamp = "bounded";           ///< "bounded" or "none"
+    std::string cache = "auto";              ///< "on", "off" or "auto"
+    std::optional<std::string> sky;          ///< image file or "none"
+    std::string light = "studio";            ///< of scenes without any: "studio", "even" or "none"
     std::optional<std::string> camera;
     std::optional<std::string> animation;
     std::optional<std::string> variant;

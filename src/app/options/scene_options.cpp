@@ -140,6 +140,10 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
                "What bright light becomes: neutral, or Blender's standard, filmic (also filmic-high-contrast and "
                "so on) or agx (default: the animation file's or the .blend's, or neutral)",
                "NAME", core::view_from);
+    add_option(command, picture, "--transparent", options.transparent,
+               "Whether the camera does not see the sky, which shines all the same: frames have alpha, films black "
+               "there (default: the animation file's or the .blend's, or off)",
+               one_of({"on", "off"}));
 }
 
 }  // namespace render2mpeg::app

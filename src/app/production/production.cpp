@@ -45,6 +45,16 @@ std::string chunk_text(const Chunk& chunk, const RunStatistics& statistics) {
                        seconds, bytes, quantiser);
 }
 
+/// Frames of this run that begin light anew, from its first: those of chunks, and after cuts.
+std::vector<std::int64_t> fresh_starts(const RenderJob& film) {
+    const std::vector<Chunk> chunks = film.chunks();
+    std::vector<std::int64_t> frames = cuts_of(film);
+    for (const Chunk& chunk : chunks) frames.push_back(chunk.first);
+    for (std::int64_t& frame : frames) frame -= chunks.front().first;
+    std::sort(frames.begin(), frames.end());
+    return frames;
+}
+
 /// Renders the chunks that have no file yet, the last of them incompletely after an interruption. Returns whether the
 /// film is whole.
 bool render_whole_chunks(const OpenRender& open) {
@@ -56,9 +66,8 @@ bool render_whole_chunks(const OpenRender& open) {
     if (files.size() == chunks.size()) return true;
     const std::int64_t frames = chunks.back().last + 1 - chunks.front().first;
     tell_activity("building");
-    const bool takes_turns = film.kind == OutputKind::film && film.coding.b_pictures > 0;
     Progress progress(frames, options.quiet, "frame", Counted::frames, open.clock.seconds(statistics),
-                      chunks.front().frames(), takes_turns);
+                      fresh_starts(film));
     if (!files.empty()) progress.advance_to(static_cast<std::int64_t>(statistics.frames.size()), frames);
     renderer::Renderer renderer = renderer_of(film);
     std::optional<LayersWriter> layers;
@@ -80,7 +89,7 @@ bool render_whole_chunks(const OpenRender& open) {
         if (!open.heatmaps.empty()) products.add(open.heatmaps);
         if (options.report) products.add(open.sample_frame);
         whole = render_chunk(film, renderer, chunk, products, statistics, [&] {
-            progress.advance();
+            progress.advance(statistics.frames.back().type);
             if (open.frames_done) open.frames_done(static_cast<std::int64_t>(statistics.frames.size()));
             return !InterruptGuard::requested();
         });
@@ -157,6 +166,8 @@ void check_before_reading(const RenderOptions& options) {
     for (const auto& file : {options.stats, options.report, options.last_frame})
         if (file) check_reachable(*file);
     if (options.report) check_report(*options.report);
+    if (options.last_frame && core::ending_of(*options.last_frame) != ".png")
+        throw core::Error("--last-frame " + options.last_frame->string() + ": it is a .png");
     // Where reading is quick, it is first seen whether an output is an input, too.
     const bool is_slow = core::ending_of(options.input) == ".blend";
     if (is_slow && !options.dry_run && !options.resume) require_consent(wishes, options.overwrite);

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdio>
-#include <numeric>
 #include <utility>
 
 #include "app/system/terminal.h"
@@ -88,9 +87,9 @@ bool shows_steps() {
 }
 
 Progress::Progress(std::int64_t total, bool quiet, const std::string& work, Counted counted, double seconds_ago,
-                   std::int64_t chunk, bool takes_turns)
+                   std::vector<std::int64_t> firsts)
     : standing_{work, 0, total, 0, seconds_ago, counted != Counted::parts_of_step, {}, ""},
-      pace_(chunk, takes_turns),
+      pace_(std::move(firsts)),
       quiet_(quiet || style == ProgressStyle::none),
       terminal_(style == ProgressStyle::line && can_rewrite_errors()),
       stays_(counted == Counted::frames),
@@ -131,11 +130,15 @@ void Progress::reckon(Clock::time_point now) {
     standing_.activity = standing_.frames ? activity.load() : "";
 }
 
-void Progress::advance() {
-    advance_to(standing_.done + 1, standing_.total);
+void Progress::advance(char type) {
+    advance_to(standing_.done + 1, standing_.total, type);
 }
 
 void Progress::advance_to(std::int64_t done, std::int64_t total) {
+    advance_to(done, total, '-');
+}
+
+void Progress::advance_to(std::int64_t done, std::int64_t total, char type) {
     const std::lock_guard lock(mutex_);
     const Clock::time_point now = Clock::now();
     const std::int64_t more = done - standing_.done;
@@ -146,7 +149,8 @@ void Progress::advance_to(std::int64_t done, std::int64_t total) {
     else
         for (std::int64_t i = 0; i < more; ++i)
             // Time before the film's first frame counts apart.
-            pace_.add((took + (standing_.done == 0 && !standing_.frames ? before_ : 0)) / static_cast<double>(more));
+            pace_.add((took + (standing_.done == 0 && !standing_.frames ? before_ : 0)) / static_cast<double>(more),
+                      type);
     advanced_at_ = now;
     standing_.done = done;
     standing_.total = total;
@@ -198,62 +202,6 @@ std::string clock_text(double seconds) {
     const auto whole = static_cast<std::int64_t>(std::clamp(std::ceil(seconds), 0.0, 8.64e6));
     const std::int64_t hours = whole / 3600, minutes = whole / 60 % 60, rest = whole % 60;
     return hours > 0 ? fmt::format("{}:{:02}:{:02}", hours, minutes, rest) : fmt::format("{}:{:02}", minutes, rest);
-}
-
-void Pace::add(double seconds) {
-    if (is_first(done_)) {
-        firsts_ += seconds;
-        ++first_count_;
-    } else {
-        later_.push_back(seconds);
-    }
-    ++done_;
-}
-
-double Pace::recent() const {
-    if (later_.empty()) return 0;
-    // fit: bench/fits/forecast.jsonl: a B picture takes 0.4 to 0.6 of a P picture, of which there are two in five.
-    constexpr double mean_over_b = 1.45;
-    if (takes_turns_ && later_.size() == 1) return mean_over_b * later_.front();
-    // fit: bench/fits/forecast.jsonl: the later half of the known times, 4 to 24 frames in whole rounds of a P picture
-    // with its B pictures.
-    const std::size_t most = (std::clamp<std::size_t>((later_.size() + 1) / 2, 4, 24) + 3) / 4 * 4;
-    std::vector<double> last(later_.end() - static_cast<std::ptrdiff_t>(std::min(later_.size(), most)), later_.end());
-    std::vector<double> sorted = last;
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    // An outlier is not to come again.
-    for (double& seconds : last)
-        if (seconds > 4 * *middle) seconds = *middle;
-    const auto mean = [](auto begin, auto end) {
-        return std::accumulate(begin, end, 0.0) / static_cast<double>(end - begin);
-    };
-    // With constant light the last frames tell.
-    const auto half = last.begin() + static_cast<std::ptrdiff_t>(last.size() / 2);
-    if (last.size() >= 4 && mean(half, last.end()) < 0.5 * mean(last.begin(), half)) return mean(half, last.end());
-    return mean(last.begin(), last.end());
-}
-
-std::optional<double> Pace::left(std::int64_t total, double spent) const {
-    if (done_ >= total) return 0.0;
-    // fit: bench/fits/forecast.jsonl: of ten films' later frames over their first one 0.3 to 0.9.
-    constexpr double later_over_first = 0.6;
-    double first = first_count_ > 0 ? firsts_ / first_count_ : recent();
-    // Of a first frame half is done, as likely as not.
-    if (first <= 0) first = 2 * spent;
-    if (first <= 0) return {};
-    const double later = later_.empty() && chunk_ > 0 ? later_over_first * first : later_.empty() ? first : recent();
-    std::int64_t firsts = 0;
-    if (chunk_ > 0) firsts = (total + chunk_ - 1) / chunk_ - (done_ + chunk_ - 1) / chunk_;
-    const double all = static_cast<double>(firsts) * first + static_cast<double>(total - done_ - firsts) * later;
-    // A slow frame is not done at once.
-    const double at_hand = is_first(done_) ? first : later;
-    return all - at_hand + std::max(at_hand - spent, 0.2 * std::max(at_hand, spent));
-}
-
-double Pace::per_second() const {
-    const double seconds = recent();
-    return seconds > 0 ? 1 / seconds : 0;
 }
 
 }  // namespace render2mpeg::app

@@ -9,35 +9,9 @@
 #include <thread>
 #include <vector>
 
+#include "app/system/pace.h"
+
 namespace render2mpeg::app {
-
-/// Time to go by recent frames; first frames of chunks count apart.
-class Pace {
-  public:
-    /// `chunk`: its frames; 0: all are alike. `takes_turns`: the second frame of a chunk is a B picture.
-    explicit Pace(std::int64_t chunk = 0, bool takes_turns = false) : chunk_(chunk), takes_turns_(takes_turns) {}
-
-    void add(double seconds);
-    /// Frames done before.
-    void skip(std::int64_t frames) { done_ += frames; }
-
-    /// Seconds up to frame `total`, of which the present one took `spent`; > 0 while any are left. None where nothing
-    /// is known.
-    std::optional<double> left(std::int64_t total, double spent = 0) const;
-    /// Of later frames; 0: unknown.
-    double per_second() const;
-
-  private:
-    bool is_first(std::int64_t frame) const { return chunk_ > 0 && frame % chunk_ == 0; }
-    /// Mean of recent later frames; 0: unknown.
-    double recent() const;
-
-    std::int64_t chunk_, done_ = 0;
-    bool takes_turns_;
-    std::vector<double> later_;
-    double firsts_ = 0;  ///< seconds of chunks' first frames
-    int first_count_ = 0;
-};
 
 struct Standing {
     std::string work = "frame";  ///< what is counted
@@ -72,19 +46,21 @@ enum class Counted { frames, frames_of_step, parts_of_step };
 /// Progress on standard error: a rewritten line on terminals, lines every ten per cent or minute, or JSON.
 class Progress {
   public:
-    /// `total` of `work`, which began `seconds_ago`. `chunk`, `takes_turns`: as in Pace.
+    /// `total` of `work`, which began `seconds_ago`. `firsts`: as in Pace.
     Progress(std::int64_t total, bool quiet, const std::string& work = "frame", Counted counted = Counted::frames,
-             double seconds_ago = 0, std::int64_t chunk = 0, bool takes_turns = false);
+             double seconds_ago = 0, std::vector<std::int64_t> firsts = {});
     ~Progress();
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
 
-    void advance();
+    /// `type`: as in Pace.
+    void advance(char type = '-');
     /// The total may change.
     void advance_to(std::int64_t done, std::int64_t total);
 
   private:
     using Clock = std::chrono::steady_clock;
+    void advance_to(std::int64_t done, std::int64_t total, char type);
     void draw();
     void draw_openjd() const;
     void reckon(Clock::time_point now);

@@ -22,7 +22,8 @@ class Codec {
     /// The same as far as its header goes.
     virtual ImageHeader header_of(std::span<const std::byte> bytes, Format format, const std::string& name) const = 0;
 
-    virtual std::vector<unsigned char> encode_png(int width, int height, std::span<const unsigned char> rgb,
+    /// `colors`: as write_png() has them.
+    virtual std::vector<unsigned char> encode_png(int width, int height, std::span<const unsigned char> colors,
                                                   float pixel_aspect, const std::string& name) const = 0;
 };
 

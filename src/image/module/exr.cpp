@@ -54,6 +54,7 @@ Imf::Header header_of(int width, int height, const FrameFacts& facts) {
             header, {static_cast<int>(facts.frames_per_second->num), static_cast<int>(facts.frames_per_second->den)});
     if (facts.world_to_camera) Imf::addWorldToCamera(header, matrix_of(*facts.world_to_camera));
     if (facts.world_to_ndc) Imf::addWorldToNDC(header, matrix_of(*facts.world_to_ndc));
+    for (const auto& [name, text] : facts.texts) header.insert(name, Imf::StringAttribute(text));
     return header;
 }
 

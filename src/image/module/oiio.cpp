@@ -18,6 +18,7 @@ namespace {
 std::string one_line(const std::string& message) {
     std::string line = message.substr(0, message.find_first_of("\r\n"));
     while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back())) != 0) line.pop_back();
+    if (line.find("nexpected end of file") != std::string::npos) return "the file is cut off";
     return line.empty() ? "the image is damaged" : line;
 }
 
@@ -132,13 +133,17 @@ class OiioCodec final : public Codec {
         });
     }
 
-    std::vector<unsigned char> encode_png(int width, int height, std::span<const unsigned char> rgb, float pixel_aspect,
-                                          const std::string& name) const override {
+    std::vector<unsigned char> encode_png(int width, int height, std::span<const unsigned char> colors,
+                                          float pixel_aspect, const std::string& name) const override {
         std::vector<unsigned char> bytes;
         OIIO::Filesystem::IOVecOutput writer(bytes);
         const auto output = OIIO::ImageOutput::create("png", &writer);
         if (!output) throw core::Error("writing", name, one_line(OIIO::geterror()));
-        OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT8);
+        const auto channels =
+            static_cast<int>(colors.size() / (static_cast<std::size_t>(width) * static_cast<std::size_t>(height)));
+        OIIO::ImageSpec spec(width, height, channels, OIIO::TypeDesc::UINT8);
+        // PNG's colours are not multiplied by alpha, nor are these. [PNG, 6.2]
+        if (channels == 4) spec.attribute("oiio:UnassociatedAlpha", 1);
         // Chunk sRGB, and gAMA and cHRM for readers that do not know it. [PNG, 11.3.3.5]
         spec.attribute("oiio:ColorSpace", "sRGB");
         // PNG says pixels per unit along each axis; without a unit only their ratio counts. [PNG, 11.3.5.3: pHYs]
@@ -147,7 +152,7 @@ class OiioCodec final : public Codec {
             spec.attribute("XResolution", 10000.0f);
             spec.attribute("YResolution", 10000.0f * pixel_aspect);
         }
-        if (!output->open(name, spec) || !output->write_image(OIIO::TypeDesc::UINT8, rgb.data()) || !output->close())
+        if (!output->open(name, spec) || !output->write_image(OIIO::TypeDesc::UINT8, colors.data()) || !output->close())
             throw core::Error("writing", name, one_line(output->geterror()));
         return bytes;
     }

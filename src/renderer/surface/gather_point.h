@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/mattes.h"
 #include "core/visible.h"
 #include "renderer/surface/surface_point.h"
 
@@ -84,6 +85,12 @@ struct SeenAir {
     std::vector<AirWay> beyond;
 };
 
+/// What covers the pixels of a tile, by pixel in raster order (mattes.h).
+struct SeenMatte {
+    std::uint16_t pixel = 0;  ///< as GatherPoint's
+    core::Matte matte;
+};
+
 /// How often pixels are sampled that shutter or lens blur, 1 to 4096 times: `fewest` where they blur little, up to
 /// `most` where much.
 struct ExposureSamples {
@@ -112,6 +119,7 @@ struct Exposure {
     core::Plane<glm::vec3> emitted, emitted_specular;  ///< as Seen's, of exposed pixels
     std::vector<std::uint32_t> first_point;            ///< by tile: points of all tiles before it; one more: of all
     std::vector<SeenAir> air{};                        ///< as Seen's, of exposed pixels
+    std::vector<std::vector<SeenMatte>> mattes{};      ///< likewise
 
     bool is_exposed(std::size_t tile) const { return !starts[tile].empty(); }
     /// Of a pixel of a tile that has any: GatherPoint::pixel.
@@ -142,6 +150,7 @@ struct Seen {
         imaged{};                          ///< what flat mirrors show; no surface: none, or no mirror; may be empty
     core::Plane<std::uint16_t> samples{};  ///< eye samples of each pixel; empty where all have SeeSettings::samples
     std::vector<SeenAir> air{};            ///< by tile; empty: it is clear
+    std::vector<std::vector<SeenMatte>> mattes{};  ///< by tile; empty: nobody wants them
     /// Light of the air: a part of `emitted`, and what exposed pixels show of it. Empty without.
     core::Plane<glm::vec3> airlight{}, air_of_exposed{};
     std::shared_ptr<const Exposure> exposure{};  ///< null: no pixel is blurred

@@ -98,6 +98,10 @@ class TileExposer {
         return sample_.main.kind == visible.kind.at(x, y) &&
                sample_.main.point.address.object == visible.address.at(x, y).object;
     }
+    void forget_pixel(int x, int y, TileExposure& found) const {
+        forget_air(pixel_at(x, y), found.air);
+        forget_mattes(pixel_at(x, y), found.mattes);
+    }
     float blur_of(const EyeSample& sample, glm::vec2 position) const;
     void to_middle(Fragment& fragment, float time) const;
     void take(Fragment& fragment, int x, int y, float time, std::size_t first, TileExposure& found);
@@ -315,13 +319,14 @@ std::optional<BrightSamples> TileExposer::look(int x, int y, const EyeRays& rays
         specular += sample_.emitted_specular;
         if (all_.scene.air() != nullptr)
             add_air(sample_, pixel_at(x, y), 1.0f / static_cast<float>(pattern_->samples()), found.air);
+        add_mattes(sample_.mattes, pixel_at(x, y), 1.0f / static_cast<float>(pattern_->samples()), found.mattes);
         blurred = blurred || blur_of(sample_, middle) >= least_blur;
         for (Fragment& fragment : sample_.fragments) take(fragment, x, y, rays.rays[ray].time, first, found);
     }
     found.counts.samples += static_cast<std::uint64_t>(pattern_->samples());
     if (!blurred) {
         found.forget_from(first, new_points);
-        forget_air(pixel_at(x, y), found.air);
+        forget_pixel(x, y, found);
         all_.exposure.exposed.at(x, y) = 0;
         return {};
     }
@@ -347,7 +352,7 @@ void TileExposer::expose(int x, int y, std::size_t first_ray, TileExposure& foun
     const int needed = bright ? bright->needed(samples_, near_white, all_.samples) : samples_;
     if (needed == samples_) return;
     found.forget_from(first, new_points);
-    forget_air(pixel_at(x, y), found.air);
+    forget_pixel(x, y, found);
     --found.counts.pixels;
     use(needed);
     again_.clear();
@@ -373,7 +378,7 @@ void TileExposer::expose(TileExposure& found) {
         }
     found.starts.back() = static_cast<std::uint32_t>(found.parts.size());
     found.counts.rays += see_counts_.primary_rays + see_counts_.specular_rays;
-    if (found.counts.pixels == 0) found = {{}, {}, {}, {}, found.counts, {}};
+    if (found.counts.pixels == 0) found = {{}, {}, {}, {}, found.counts, {}, {}};
 }
 
 /// Where pixels' points begin in their tile.
@@ -458,9 +463,11 @@ void expose(const PosedScene& posed_scene, const SeeSettings& settings, const Pl
     exposure->contributions.resize(tiles);
     exposure->starts.resize(tiles);
     if (posed_scene.air() != nullptr) exposure->air.resize(tiles);
+    if (!seen.mattes.empty()) exposure->mattes.resize(tiles);
     parallel::for_each(tiles, [&](std::size_t t) {
         exposure->starts[t] = std::move(found[t].starts);
         if (!exposure->air.empty()) exposure->air[t] = std::move(found[t].air);
+        if (!exposure->mattes.empty()) exposure->mattes[t] = std::move(found[t].mattes);
         for (const TileExposure::Part& part : found[t].parts) {
             const auto [tile, point] = merger.of(t, part);
             exposure->contributions[t].push_back({exposure->first_point[tile] + point, part.weight, part.diffuse});

@@ -119,6 +119,8 @@ EyePaths::EyePaths(const PosedScene& posed_scene, const SeeSettings& settings, c
       mirrors_(plan.runs(Pass::mirrors)),
       bodies_(posed_scene.has_bodies()),
       edits_(plan.runs(Pass::edited_reflections)),
+      mattes_(settings.mattes),
+      transparent_(settings.transparent),
       specular_depth_(settings.specular_depth),
       air_(posed_scene.air()) {}
 
@@ -126,6 +128,7 @@ void EyePaths::look(const EyeRay& ray, float far, const Hit& first, EyeSample& s
     sample.fragments.clear();
     sample.air.clear();
     sample.air_beyond.clear();
+    sample.mattes.clear();
     sample.emitted = sample.emitted_specular = glm::vec3{0.0f};
     sample.main = {};
     sample.ways = sample.dim_ways = 0;
@@ -142,13 +145,27 @@ Hit EyePaths::meet(const PathState& path) const {
 void EyePaths::see_sky(const PathState& path, EyeSample& sample) const {
     if (path.straight() && core::luminance(path.weight) > sample.main.share)
         sample.main = {core::luminance(path.weight), core::PixelClass::sky, {}, {}};
-    if (!sky_) return;
+    if (transparent_) cover(path, {}, core::luminance(path.weight), sample);
+    if (!sky_ || (transparent_ && !path.specular())) return;
     const SurfaceFootprint& spread = path.ray.direction_change;
     const glm::vec3 light = path.weight * sky_clock_.time([&] {
         return posed_scene_.sky()->radiance(path.ray.direction, glm::length(glm::cross(spread.dx, spread.dy)));
     });
     sample.emitted += light;
     if (path.specular()) sample.emitted_specular += light;
+}
+
+/// Whether a surface cuts a hole into what the camera sees.
+bool EyePaths::is_hole(const PathState& path, const SurfacePoint& point) const {
+    return !path.specular() && posed_scene_.animation().materials[point.material].holdout;
+}
+
+/// Notes what covers this share of the sample, where it is seen straight.
+void EyePaths::cover(const PathState& path, const SurfacePoint& point, float share, EyeSample& sample) const {
+    if (!mattes_ || path.specular() || !(share > 0.0f)) return;
+    const bool nothing = !point.address.is_surface() || is_hole(path, point);
+    sample.mattes.push_back(
+        {nothing ? core::no_id : point.address.object, nothing ? core::no_id : point.material, share});
 }
 
 /// At the first glass that splits colours, follows each by itself; whether it did.
@@ -236,9 +253,18 @@ glm::vec3 EyePaths::show(PathState& path, Fragment& fragment, const SurfaceFootp
     fragment.weight = alpha * path.weight;
     fragment.extent = std::min(glm::length(footprint.dx), glm::length(footprint.dy));
     fragment.way = path.way;
+    if (is_hole(path, point)) {
+        cover(path, point, core::luminance(fragment.weight), sample);
+        if (path.straight() && core::luminance(fragment.weight) > sample.main.share)
+            sample.main = {core::luminance(fragment.weight), core::PixelClass::surface, point, {}};
+        return (1.0f - alpha) * path.weight;
+    }
     const glm::vec3 through = last ? glm::vec3{0.0f} : fragment.weight * point.bsdf.transmission;
     const glm::vec3 passing = (1.0f - alpha) * path.weight + through;
 
+    // Glass covers what is behind it.
+    const bool is_glass = core::luminance(through) > 0.0f;
+    cover(path, point, core::luminance(is_glass ? path.weight : fragment.weight), sample);
     sample.emitted += fragment.weight * point.emission;
     if (path.specular()) sample.emitted_specular += fragment.weight * point.emission;
     if (path.is_image && alpha == 1.0f && !point.bounds_body && !shows_reflection(point))
@@ -257,7 +283,7 @@ glm::vec3 EyePaths::show(PathState& path, Fragment& fragment, const SurfaceFootp
         sample.fragments.back().point = posed_scene_.other_side(point, footprint, path.ray.time);
     }
     mirror(path, fragment, footprint, sample, counts);
-    if (core::luminance(through) > 0.0f) path.way = longer_way(path.way, false);
+    if (is_glass) path.way = longer_way(path.way, false);
     return passing;
 }
 

@@ -52,6 +52,7 @@ struct EyeSample {
     glm::vec3 emitted_specular{0};    ///< the part of it seen in mirrors or through glass
     std::vector<AirSpan> air;         ///< what it sees of air straight from the eye; `pixel` is left alone
     std::vector<AirWay> air_beyond;   ///< and beyond mirrors and what bends
+    std::vector<core::Matte> mattes;  ///< what covers it; empty: nobody asks
     MainSurface main;
     int ways = 0;      ///< lesser ones that left boundaries of solid glass
     int dim_ways = 0;  ///< the same of those that are followed for what shines alone
@@ -73,6 +74,8 @@ class EyePaths {
     void follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& counts) const;
     Hit meet(const PathState& path) const;
     void see_sky(const PathState& path, EyeSample& sample) const;
+    void cover(const PathState& path, const SurfacePoint& point, float share, EyeSample& sample) const;
+    bool is_hole(const PathState& path, const SurfacePoint& point) const;
     glm::vec3 show(PathState& path, Fragment& fragment, const SurfaceFootprint& footprint, EyeSample& sample,
                    SeeCounts& counts) const;
     void mirror(const PathState& path, const Fragment& fragment, const SurfaceFootprint& footprint, EyeSample& sample,
@@ -87,7 +90,7 @@ class EyePaths {
               EyeSample& sample) const;
 
     const PosedScene& posed_scene_;
-    bool sky_, mirrors_, bodies_, edits_;
+    bool sky_, mirrors_, bodies_, edits_, mattes_, transparent_;
     int specular_depth_;
     const Air* air_;
     mutable SampledClock sky_clock_;

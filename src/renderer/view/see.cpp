@@ -104,6 +104,7 @@ Seen see(const PosedScene& posed_scene, const SeeSettings& settings, const Plan&
     if (posed_scene.air() != nullptr)
         seen.air.resize(static_cast<std::size_t>(across) * static_cast<std::size_t>(down));
     seen.tiles.resize(static_cast<std::size_t>(across) * static_cast<std::size_t>(down));
+    if (settings.mattes) seen.mattes.resize(seen.tiles.size());
 
     // Look tile by tile, then again at edges; counts are summed in the tiles' order.
     const EyePaths paths(posed_scene, settings, plan);

@@ -12,9 +12,11 @@ namespace render2mpeg::renderer {
 /// What `see` needs of the settings.
 struct SeeSettings {
     scene::PictureFormat format;
-    int samples = 4;         ///< eye samples per pixel, >= 1
-    int edge_samples = 0;    ///< of pixels with edges; 0 or `samples`: no more
-    int specular_depth = 6;  ///< mirrors after one another; 0: none
+    int samples = 4;           ///< eye samples per pixel, >= 1
+    int edge_samples = 0;      ///< of pixels with edges; 0 or `samples`: no more
+    int specular_depth = 6;    ///< mirrors after one another; 0: none
+    bool mattes = false;       ///< what covers pixels is looked for
+    bool transparent = false;  ///< the eye sees no sky but in mirrors and through glass
 };
 
 /// Rays that `see` shot, for the statistics.

@@ -72,17 +72,31 @@ void record(core::Visible& visible, const scene::Camera& camera, int x, int y, c
     visible.depth.at(x, y) = std::max(glm::dot(from_eye, camera.forward()), std::numeric_limits<float>::min());
 }
 
-/// Adds what one pixel shows of air.
-void copy_pixel(const SeenAir& from, std::uint16_t pixel, SeenAir& to) {
-    const auto copy = [&](const auto& spans, auto& into) {
-        const auto before = [](const auto& span, std::uint16_t p) { return span.pixel < p; };
-        for (auto s = std::lower_bound(spans.begin(), spans.end(), pixel, before);
-             s != spans.end() && s->pixel == pixel; ++s)
-            into.push_back(*s);
-    };
-    copy(from.straight, to.straight);
-    copy(from.beyond, to.beyond);
+/// Adds what belongs to one pixel.
+template <class Parts>
+void copy_parts(const Parts& from, std::uint16_t pixel, Parts& to) {
+    const auto before = [](const auto& part, std::uint16_t p) { return part.pixel < p; };
+    for (auto s = std::lower_bound(from.begin(), from.end(), pixel, before); s != from.end() && s->pixel == pixel; ++s)
+        to.push_back(*s);
 }
+
+/// What a tile's look finds beside gather points.
+struct Found {
+    SeenAir air;
+    std::vector<SeenMatte> mattes;
+
+    void copy_pixel(const Seen& seen, std::size_t t, std::uint16_t pixel) {
+        if (!seen.air.empty()) {
+            copy_parts(seen.air[t].straight, pixel, air.straight);
+            copy_parts(seen.air[t].beyond, pixel, air.beyond);
+        }
+        if (!seen.mattes.empty()) copy_parts(seen.mattes[t], pixel, mattes);
+    }
+    void give(Seen& seen, std::size_t t) {
+        if (!seen.air.empty()) seen.air[t] = std::move(air);
+        if (!seen.mattes.empty()) seen.mattes[t] = std::move(mattes);
+    }
+};
 
 /// The tile in no more memory than it takes.
 GatherTile fitted(GatherTile tile) {
@@ -120,8 +134,8 @@ struct FirstLook {
 /// Looks through the pixels of a tile.
 class TileLook {
   public:
-    TileLook(const Looking& looking, Seen& seen, SeeCounts& counts, SeenAir* air)
-        : looking_(looking), seen_(seen), counts_(counts), air_(air) {}
+    TileLook(const Looking& looking, Seen& seen, SeeCounts& counts, Found& found)
+        : looking_(looking), seen_(seen), counts_(counts), found_(found) {}
 
     /// Pixels (first, y) to (end - 1, y), all of them; true in `edges`, by x % tile_size, where samples differ.
     void take(int first, int end, int y, GatherTile& tile, std::array<bool, tile_size>* edges) {
@@ -138,6 +152,7 @@ class TileLook {
     bool see_pixel(int x, int y, std::size_t begin, GatherTile& tile, bool records) {
         const std::size_t first = tile.size();
         const auto share = 1.0f / static_cast<float>(looking_.pattern.size());
+        const auto pixel = static_cast<std::uint16_t>((y % tile_size) * tile_size + x % tile_size);
         glm::vec3 emitted{0.0f}, emitted_specular{0.0f};
         bool differ = false;
         std::size_t fragments = 0;
@@ -150,8 +165,8 @@ class TileLook {
             }
             emitted += sample_.emitted;
             emitted_specular += sample_.emitted_specular;
-            if (air_ != nullptr)
-                add_air(sample_, static_cast<std::uint16_t>((y % tile_size) * tile_size + x % tile_size), share, *air_);
+            if (!seen_.air.empty()) add_air(sample_, pixel, share, found_.air);
+            add_mattes(sample_.mattes, pixel, share, found_.mattes);
             differ = differ || (s > 0 && sample_.fragments.size() != fragments);
             fragments = sample_.fragments.size();
             for (const Fragment& fragment : sample_.fragments) {
@@ -167,7 +182,6 @@ class TileLook {
                     continue;
                 }
                 differ = differ || s > 0;
-                const auto pixel = static_cast<std::uint16_t>((y % tile_size) * tile_size + x % tile_size);
                 tile.push_back({fragment.point, pixel, fragment.way, weight});
             }
         }
@@ -195,7 +209,7 @@ class TileLook {
     const Looking& looking_;
     Seen& seen_;
     SeeCounts& counts_;
-    SeenAir* air_;  ///< null: it is clear
+    Found& found_;
     EyeSample sample_;
     FirstLook look_;
     /// Of the pixel's points, by their places in the tile.
@@ -255,8 +269,8 @@ TileArea area_of(const Seen& seen, std::size_t tile) {
 PixelMarks look_through(const Looking& looking, std::size_t t, Seen& seen, SeeCounts& counts) {
     const TileArea area = area_of(seen, t);
     const int together = std::max(1, static_cast<int>(most_rays / looking.pattern.size()));
-    SeenAir air;
-    TileLook look(looking, seen, counts, seen.air.empty() ? nullptr : &air);
+    Found found;
+    TileLook look(looking, seen, counts, found);
     PixelMarks edges{};
     GatherTile tile;
     tile.reserve(static_cast<std::size_t>((area.end.x - area.first.x) * (area.end.y - area.first.y)));
@@ -264,7 +278,7 @@ PixelMarks look_through(const Looking& looking, std::size_t t, Seen& seen, SeeCo
         for (int x = area.first.x; x < area.end.x; x += together)
             look.take(x, std::min(x + together, area.end.x), y, tile, &edges[static_cast<std::size_t>(y % tile_size)]);
     seen.tiles[t] = fitted(std::move(tile));
-    if (!seen.air.empty()) seen.air[t] = std::move(air);
+    found.give(seen, t);
     return edges;
 }
 
@@ -272,8 +286,8 @@ void look_again(const Looking& looking, std::size_t t, const PixelMarks& marks, 
     const auto marked = [](const auto& row) { return std::find(row.begin(), row.end(), true) != row.end(); };
     if (std::none_of(marks.begin(), marks.end(), marked)) return;
     const TileArea area = area_of(seen, t);
-    SeenAir air;
-    TileLook look(looking, seen, counts, seen.air.empty() ? nullptr : &air);
+    Found found;
+    TileLook look(looking, seen, counts, found);
     GatherTile before = std::move(seen.tiles[t]);
     GatherTile tile;
     tile.reserve(before.size());
@@ -287,13 +301,13 @@ void look_again(const Looking& looking, std::size_t t, const PixelMarks& marks, 
                 look.take(x, x + 1, y, tile, nullptr);
                 seen.samples.at(x, y) = static_cast<std::uint16_t>(looking.pattern.size());
             } else {
-                if (!seen.air.empty()) copy_pixel(seen.air[t], pixel, air);
+                found.copy_pixel(seen, t, pixel);
                 tile.insert(tile.end(), std::make_move_iterator(before.begin() + static_cast<std::ptrdiff_t>(first)),
                             std::make_move_iterator(before.begin() + static_cast<std::ptrdiff_t>(next)));
             }
         }
     seen.tiles[t] = fitted(std::move(tile));
-    if (!seen.air.empty()) seen.air[t] = std::move(air);
+    found.give(seen, t);
 }
 
 }  // namespace render2mpeg::renderer

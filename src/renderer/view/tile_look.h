@@ -7,6 +7,7 @@
 
 #include "renderer/surface/gather_point.h"
 #include "renderer/view/eye_path.h"
+#include "renderer/view/mattes.h"
 #include "renderer/view/see.h"
 
 namespace render2mpeg::renderer {

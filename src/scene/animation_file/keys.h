@@ -9,11 +9,11 @@ namespace render2mpeg::scene::animation_file_keys {
 using K = std::string_view;
 
 inline constexpr std::array film{
-    K("$schema"),    K("title"),         K("scene"),           K("size"),  K("display_aspect"),
-    K("frame_rate"), K("frames"),        K("seconds"),         K("times"), K("sky"),
-    K("exposure"),   K("camera"),        K("cameras"),         K("shots"), K("lights"),
-    K("objects"),    K("materials"),     K("change"),          K("sound"), K("view"),
-    K("shutter"),    K("shutter_phase"), K("rolling_shutter"), K("glare"), K("fog")};
+    K("$schema"), K("title"),      K("scene"),   K("size"),          K("display_aspect"),  K("frame_rate"),
+    K("frames"),  K("seconds"),    K("times"),   K("sky"),           K("exposure"),        K("camera"),
+    K("cameras"), K("shots"),      K("lights"),  K("objects"),       K("materials"),       K("change"),
+    K("sound"),   K("view"),       K("shutter"), K("shutter_phase"), K("rolling_shutter"), K("glare"),
+    K("fog"),     K("transparent")};
 
 inline constexpr std::array fog{K("visibility"), K("color"), K("anisotropy"), K("height"), K("falloff")};
 
@@ -70,6 +70,7 @@ inline constexpr std::array material{K("base_color"),
                                      K("dispersion"),
                                      K("double_sided"),
                                      K("unlit"),
+                                     K("holdout"),
                                      K("power"),
                                      K("keys"),
                                      K("interpolation"),

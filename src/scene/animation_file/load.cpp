@@ -157,6 +157,7 @@ FilmClock read_format(const JsonValue& value, Animation& film) {
     value.set("rolling_shutter", film.shutter.rolling, 0, 1);
     if (const auto view = value.find("view")) film.view = view_of(*view);
     if (const auto fog = value.find("fog")) film.fog = fog_of(*fog);
+    if (const auto v = value.find("transparent")) film.transparent = v->boolean();
     if (const auto glare = value.find("glare")) film.glare = glare_of(*glare);
     return clock;
 }

@@ -127,6 +127,7 @@ void Looks::change(const JsonValue& value, int index) {
     if (material().specular_glossiness && derived) material().specular_glossiness = false;
     if (const auto v = value.find("double_sided")) material().double_sided = v->boolean();
     if (const auto v = value.find("unlit")) material().unlit = v->boolean();
+    if (const auto v = value.find("holdout")) material().holdout = v->boolean();
 
     // Coverage: a number below 1 blends, a word chooses how the texture's alpha is taken.
     value.set("alpha_cutoff", material().alpha_cutoff, 0, 1);

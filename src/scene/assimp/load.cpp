@@ -451,7 +451,11 @@ Animation load_with_assimp(const fs::path& file, const LoadOptions& options, con
     if (!scene && std::string_view(importer.GetErrorString()) == "std::bad_alloc") throw std::bad_alloc();
     if (!scene && std::string_view(importer.GetErrorString()).starts_with("No suitable reader"))
         refuse("it is no kind of scene that is known: .blend, .glb, .gltf, .fbx, .obj and what else Assimp reads");
-    if (!scene) refuse(importer.GetErrorString());
+    if (!scene) {
+        std::string words = importer.GetErrorString();
+        while (words.ends_with('.') || words.ends_with(' ')) words.pop_back();
+        refuse("it is damaged, or is not what its name says (" + words + ")");
+    }
     if (!scene->mRootNode || scene->mNumMeshes == 0) refuse("has no mesh");
     take_turns(Turn::ours);
     refuse_unsound_meshes(*scene, file.string());

@@ -199,6 +199,9 @@ void become_blender(const std::vector<std::string>& words) {
     // No user settings, add-ons or scripts, and nothing in the .blend is executed.
     for (const char* name : {"BLENDER_USER_CONFIG", "BLENDER_USER_SCRIPTS", "BLENDER_USER_DATAFILES"})
         setenv(name, folder.c_str(), 1);
+    // A virtual environment's Python would be taken for Blender's own, and lacks its packages.
+    setenv("PATH", "/usr/local/bin:/usr/bin:/bin", 1);
+    unsetenv("PYTHONHOME");
     const char* const arguments[] = {program.c_str(), "--background", "--factory-startup", "--disable-autoexec",
                                      "-noaudio",      "--python",     script.c_str(),      "--",
                                      blend.c_str(),   folder.c_str(), size.c_str(),        nullptr};

@@ -94,6 +94,7 @@ struct Animation {
     std::optional<core::View> view;                       ///< likewise; none: neutral
     core::Fog fog;                                        ///< likewise, or as the command line says
     core::Glare glare;                                    ///< likewise, or as the command line says
+    bool transparent = false;                             ///< the camera sees no world; likewise
     std::optional<glm::ivec2> size;                       ///< picture width and height, likewise
     std::optional<core::Rational>
         display_aspect;  ///< width by height of the picture as shown, likewise; none: square pixels

@@ -1,0 +1,99 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <string>
+
+#include "image/image.h"
+#include "pipeline/fixture.h"
+
+/// Frames where the world is hidden, and holes.
+namespace render2mpeg::test {
+namespace {
+
+/// From left to right a third each: a white wall, a hole, the sky; the wall also stands behind the hole's upper half.
+constexpr const char* thirds = R"({
+  "frames": 2, "size": [48, 16], "exposure": 0, "sky": [0.5, 0.5, 0.5], "transparent": true,
+  "camera": { "position": [0, 0, 10], "look_at": [0, 0, 0], "height": 2 },
+  "materials": { "white": { "base_color": [1, 1, 1] }, "hole": { "base_color": [1, 0, 0], "holdout": true } },
+  "objects": [
+    { "name": "wall", "shape": "quad", "size": [2, 2], "position": [-2, 0, 0], "material": "white" },
+    { "name": "behind", "shape": "quad", "size": [2, 1], "position": [0, 0.5, -1], "material": "white" },
+    { "name": "hole", "shape": "quad", "size": [2, 2], "position": [0, 0, 0], "material": "hole" }]
+})";
+
+const std::string quick = " --samples 4 --indirect lightcuts --vpls 16 --quiet ";
+
+class Alpha : public testing::Test {
+  protected:
+    Alpha() { std::ofstream(folder_ / "thirds.json") << thirds; }
+
+    void render(const std::string& output, const std::string& options = "") {
+        const auto outcome = run(program() + " render " + path(folder_, "thirds.json") + quick + options + " -o " +
+                                 path(folder_, output));
+        ASSERT_EQ(outcome.status, 0) << outcome.output;
+    }
+    image::Image read(const std::string& name) const { return image::read_image(folder_ / name, {}, name); }
+
+    Folder folder_;
+};
+
+TEST_F(Alpha, OfFramesIsWhatCoversThem) {
+    render("a.%04d.exr", "--frames 0:0");
+    const image::Image lit = read("a.0000.exr");
+    ASSERT_TRUE(lit.has_alpha);
+    for (const int y : {3, 12}) {
+        EXPECT_EQ(lit.pixels.at(8, y).w, 1) << "the wall";
+        EXPECT_GT(lit.pixels.at(8, y).x, 0.1f) << "is lit by the sky that nobody sees";
+        EXPECT_EQ(lit.pixels.at(24, y), glm::vec4(0)) << "the hole, whatever is behind it";
+        EXPECT_EQ(lit.pixels.at(40, y), glm::vec4(0)) << "the sky";
+    }
+    // PNG's colours are not multiplied by alpha.
+    render("a.%04d.png", "--frames 0:0");
+    const image::Image shown = read("a.0000.png");
+    ASSERT_TRUE(shown.has_alpha);
+    EXPECT_EQ(shown.pixels.at(8, 8).w, 1);
+    EXPECT_EQ(shown.pixels.at(40, 8).w, 0);
+}
+
+TEST_F(Alpha, IsOneWhereTheSkyIsSeenAndHolesStay) {
+    render("b.%04d.exr", "--frames 0:0 --transparent off");
+    const image::Image lit = read("b.0000.exr");
+    EXPECT_EQ(lit.pixels.at(24, 8), glm::vec4(0));
+    EXPECT_EQ(lit.pixels.at(40, 8).w, 1);
+    EXPECT_NEAR(lit.pixels.at(40, 8).x, 0.5f, 0.01f);
+}
+
+TEST_F(Alpha, OfLayersIsThatOfTheirMattes) {
+    render("c.%04d.exr", "--frames 0:0 --aov " + path(folder_, "layers"));
+    const image::ExrChannels read = image::read_exr(folder_ / "layers/frame_0000.exr", [](const std::string& name) {
+        return name == "A" || name == "ViewLayer.CryptoObject00.G";
+    });
+    ASSERT_EQ(read.channels.size(), 2u);
+    EXPECT_EQ(read.channels[0].values, read.channels[1].values) << "one thing covers each pixel";
+}
+
+TEST_F(Alpha, OfFilmsIsNone) {
+    render("d.mpg");
+    const std::string codes = codes_of(path(folder_, "d.mpg"));
+    ASSERT_EQ(codes.size(), 48u * 16 * 3);
+    EXPECT_LT(static_cast<unsigned char>(codes[3 * (8 * 48 + 40)]), 8) << "black";
+    EXPECT_GT(static_cast<unsigned char>(codes[3 * (8 * 48 + 8)]), 60);
+}
+
+TEST_F(Alpha, OfWhatTheShutterBlursIsItsShareOfTheTime) {
+    std::string film = thirds;
+    const std::string wall = R"("position": [-2, 0, 0])";
+    film.replace(film.find(wall), wall.size(),
+                 R"("keys": [{ "at": 0, "position": [-2, 0, -0.5] }, { "at": 0.04, "position": [2, 0, -0.5] }])");
+    std::ofstream(folder_ / "thirds.json") << film;
+    render("e.%04d.exr", "--frames 0:0 --shutter 180 --fps 25 --transparent on");
+    const image::Image lit = read("e.0000.exr");
+    // It stands still until the middle of the shutter's time, then goes 8 pixels behind the hole.
+    EXPECT_EQ(lit.pixels.at(20, 3).w, 0) << "the hole's";
+    double sum = 0;
+    for (int x = 0; x < 16; ++x) sum += static_cast<double>(lit.pixels.at(x, 8).w);
+    EXPECT_NEAR(sum, 14, 0.5) << "a quarter of the time it leaves half of its place";
+}
+
+}  // namespace
+}  // namespace render2mpeg::test
