@@ -44,6 +44,7 @@ class Look:
         self.leaf, self.leaf_color = 0.0, (1.0, 1.0, 1.0)     # diffuse light that leaves on the other side
         self.attenuation = None                               # (colour, distance) of light in a body
         self.normal = None    # (Picture, strength), or a socket to bake
+        self.hair = None      # an animation file's parameters of fibres
         self.surface = True   # False: reflects nothing
         self.refracts = False
         self.animated = None  # (node's name, input's name) of the emission's strength
@@ -253,6 +254,31 @@ class Reader:
             look.roughness = Constant(math.sqrt(narrow))
             look.anisotropy = math.sqrt(max(wide - narrow, 0.0) / max(1 - narrow, 1e-6))
         look.anisotropy_rotation = 2 * math.pi * turns + (math.pi / 2 if strength < 0 else 0.0)
+
+    def read_bsdf_hair_principled(self, node):
+        if getattr(node, "model", "CHIANG") != "CHIANG":
+            self.lost.add(self.name, "hair of the Huang model; shown by Chiang's, with round fibres")
+        hair = {key: self.constant(node, [name], value) for key, name, value in (
+            ("roughness", "Roughness", 0.3), ("azimuthal_roughness", "Radial Roughness", 0.3), ("coat", "Coat", 0.0), ("ior", "IOR", 1.55))}
+        hair["tilt"] = math.degrees(self.constant(node, ["Offset"], math.radians(2)))
+        if any(self.constant_or(node, [name], 0.0) for name in ("Random Color", "Random Roughness")):
+            self.lost.add(self.name, "random colour or roughness of hair; all strands have the mean's")
+        color = self.color(node, "Tint" if node.parametrization == "MELANIN" else "Color")
+        if node.parametrization == "ABSORPTION":
+            hair["absorption"] = list(node.inputs["Absorption Coefficient"].default_value)
+        elif node.parametrization == "MELANIN":
+            hair["melanin"], hair["redness"] = self.constant(node, ["Melanin"], 0.8), self.constant(node, ["Melanin Redness"], 1.0)
+        if node.parametrization == "COLOR" or (node.parametrization == "MELANIN" and min(color) < 1):
+            hair["color"] = color
+        return Look(base=Constant(tuple(color)), ior=1.0, hair={k: v if isinstance(v, list) else round(v, 6) for k, v in hair.items()})
+
+    def color(self, node, name):
+        """A colour that is no texture."""
+        value = self.value(node.inputs[name], True)
+        if not isinstance(value, Constant):
+            self.lost.add(self.name, f"texture of {name}; its node's own value is used")
+            value = Constant(tuple(node.inputs[name].default_value)[:3])
+        return [round(min(max(c, 0.0), 1.0), 6) for c in value.value]
 
     def read_bsdf_diffuse(self, node):
         return Look(base=self.input(node, ["Color"], True), ior=1.0, normal=self.normal(node))

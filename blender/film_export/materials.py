@@ -27,7 +27,7 @@ FIELDS = {
     "iridescence": "film", "iridescence_texture": None, "film_ior": "film_ior", "film_thinnest": "film", "film_thickest": "film",
     "film_texture": None, "anisotropy": "anisotropy", "anisotropy_rotation": "anisotropy_rotation", "anisotropy_texture": None,
     "diffuse_transmission": "leaf", "diffuse_transmission_texture": None, "diffuse_transmission_color": "leaf_color",
-    "diffuse_transmission_color_texture": None,
+    "diffuse_transmission_color_texture": None, "hair": "Principled Hair",
 }
 READ_AS_THEY_ARE = {".png", ".jpg", ".jpeg", ".bmp", ".tga", ".tif", ".tiff", ".webp"}
 
@@ -139,6 +139,14 @@ class Materials:
         if key not in self.made:
             self.made[key] = self.make(material, look, baked or {}, not sides, body)
         return self.made[key]
+
+    def write_hair(self, film):
+        """What glTF has no words for: fibres of hair."""
+        for key, made in self.made.items():
+            look = self.looks[key[0]][0] if key else None
+            if look is not None and look.hair:
+                index = made[0]
+                film.setdefault("materials", {}).setdefault(self.glb.document["materials"][index]["name"], {})["hair"] = look.hair
 
     def plain(self):
         if None not in self.made:

@@ -20,6 +20,7 @@
 #include "renderer/gather/final_gather.h"
 #include "renderer/gather/frame_rays.h"
 #include "renderer/gather/near_light.h"
+#include "renderer/hair/hair_light.h"
 #include "renderer/judge.h"
 #include "renderer/lights/anchors.h"
 #include "renderer/lights/light_points.h"
@@ -355,6 +356,12 @@ Seen Renderer::complete(const scene::Snapshot& snapshot, Seen seen, const core::
         CausticCounts counts;
         i.thrown.add(i.posed_scene, i.light_points.at(i.posed_scene), tolerance, seen, counts);
         if (tolerance != nullptr) add(counts, all);
+    }
+    if (i.plan.runs(Pass::hair)) {
+        const Stopwatch timer(i.row(Pass::hair));
+        HairCounts counts;
+        add_hair_light(i.posed_scene, i.plan, tolerance, seen, counts);
+        if (tolerance != nullptr) all.hair.add(counts);
     }
     if (i.plan.runs(Pass::air)) {
         i.prepare(snapshot, seen);

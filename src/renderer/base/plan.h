@@ -29,6 +29,7 @@ enum class Pass {
     sky_light,
     whole_lamps,
     caustics,
+    hair,
     direct_tree,
     photons,
     indirect_tree,

@@ -57,14 +57,19 @@ class ChosenTerm {
 GatherRays::GatherRays(const PosedScene& posed_scene, const Plan& plan)
     : posed_scene_(posed_scene),
       sky_light_(plan.runs(Pass::sky_light) && posed_scene.sky() != nullptr),
-      bounces_(plan.runs(Pass::indirect_tree)) {
+      bounces_(plan.runs(Pass::indirect_tree)),
+      plan_(plan) {
     const scene::Animation& film = posed_scene.animation();
     extent_ = glm::length(film.bounds_max - film.bounds_min);
     extent_level_ = extent_ > 0.0f ? std::ilogb(extent_) : 0;
     for (const scene::Material& m : film.materials) {
-        plain_.push_back(m.alpha_mode == scene::AlphaMode::opaque && m.transmission == 0.0f && !m.unlit);
+        plain_.push_back(!m.hair && m.alpha_mode == scene::AlphaMode::opaque && m.transmission == 0.0f && !m.unlit);
         shines_.push_back(m.emits() && !m.unlit);
     }
+}
+
+void GatherRays::forget() {
+    if (plan_.runs(Pass::hair)) fibre_paths_.emplace(posed_scene_, plan_);
 }
 
 /// The cell of a hit: of one object, one of six directions that its normal is nearest to, a cube of the world whose
@@ -155,6 +160,11 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, float
             known += passing * p.emission *
                      (mirrored ? 1.0f : asked->share(asked->lights.surface_density(asked->query, hit.address)));
         const glm::vec3 shown = passing * p.alpha;
+        if (p.fibre && fibre_paths_) {
+            // One path of what it scatters: fibres keep no cells.
+            PathNumbers numbers(core::mix(number), static_cast<std::uint64_t>(step));
+            known += shown * fibre_paths_->scattered(p, numbers);
+        }
         if (rules.is_lobe && p.unlit) known += shown * p.emission;
         if (p.bsdf.has_diffuse() || p.bsdf.has_glossy() || p.bsdf.has_diffuse_transmission())
             chosen.offer(shown, place);

@@ -95,6 +95,7 @@ SurfaceCache::SurfaceCache(const PosedScene& posed_scene, const Plan& plan)
     : posed_scene_(posed_scene), gather_rays_(posed_scene, plan), plan_(plan) {}
 
 void SurfaceCache::forget(NearField near_field) {
+    gather_rays_.forget();
     near_field_ = std::move(near_field);
     table_.clear();
     own_table_.clear();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "core/color.h"
 #include "core/numeric.h"
@@ -16,6 +17,9 @@ namespace {
 
 /// Against a ray that never leaves: roulette leaves one path of 10^17 to so many events on one ray.
 constexpr int most_events = 4096;
+
+/// Fibres keep so much of what they scatter: light stays among white ones for hundreds of them, and ends.
+constexpr float largest_hair_albedo = 0.9995f;
 
 float mean(glm::vec3 v) {
     return (v.x + v.y + v.z) / 3.0f;
@@ -48,15 +52,29 @@ struct LightPaths::Way {
     bool first = true;          ///< `point` is where the path began
     bool mirrored = false;      ///< a mirror lies between `point` and the ray
     glm::vec3 seen_in_lobe{0};  ///< share of a narrow lobe, on the ray from the first point; 0: it is not narrow
+    std::optional<HairScattering> hair;  ///< where the point is of a fibre
 
-    void stand_on(const SurfacePoint& p) {
+    void stand_on(const SurfacePoint& p, const std::optional<HairScattering>& fibre) {
         point = p;
+        mirrored = false;
+        hair = fibre;
+        if (hair) {
+            query = {hair->axis(), hair->axis(), glm::vec3(0)};
+            return;
+        }
         query.position = p.position;
         query.origin = shadow_origin(p);
         query.normal = p.geometric_normal + p.smooth.tilt;
         chance = lobe_chance(p);
-        mirrored = false;
     }
+    /// What the point scatters of light from a direction, the cosine included; and the density of choosing it.
+    glm::vec3 scatters(glm::vec3 d) const {
+        return hair ? hair->evaluate(d)
+                    : evaluate(point.bsdf, point.shading_normal, point.outgoing, d) * glm::dot(point.shading_normal, d);
+    }
+    float density_of(glm::vec3 d) const { return hair ? hair->density(d) : direction_density(point, chance, d); }
+    /// How far along a ray the point's surroundings begin.
+    float skipped(glm::vec3 ray) const { return hair ? hair->way_out(ray) : 0.0f; }
     /// Of light that was met by a direction that `other` chooses as well. [Veach1995, balance heuristic]
     float weight(float other) const { return mirrored ? 1.0f : density / (density + other); }
 };
@@ -67,6 +85,10 @@ LightPaths::LightPaths(const PosedScene& posed_scene, const Plan& plan)
       bodies_(plan.runs(Pass::caustics) ? Bodies::block : Bodies::pass),
       lights_(posed_scene, plan) {}
 
+std::optional<HairScattering> LightPaths::hair_at(const SurfacePoint& point) const {
+    return point.fibre ? std::optional(posed_scene_.hair_at(point)) : std::nullopt;
+}
+
 glm::vec3 LightPaths::scattered(const SurfacePoint& point, PathNumbers& numbers) const {
     return scattered(point, shadow_origin(point), numbers);
 }
@@ -74,8 +96,8 @@ glm::vec3 LightPaths::scattered(const SurfacePoint& point, PathNumbers& numbers)
 glm::vec3 LightPaths::scattered(const SurfacePoint& point, glm::vec3 origin, PathNumbers& numbers) const {
     const FlushDenormals flushed;
     Way way;
-    way.stand_on(point);
-    way.query.origin = origin;
+    way.stand_on(point, hair_at(point));
+    if (!way.hair) way.query.origin = origin;
     glm::vec3 light(0);
     do light += asked(way, numbers);
     while (leave(way, numbers) && meet(way, numbers, light));
@@ -109,14 +131,10 @@ glm::vec3 LightPaths::asked(const Way& way, PathNumbers& numbers) const {
 }
 
 glm::vec3 LightPaths::answer(const Way& way, const LightSample& sample) const {
-    const SurfacePoint& p = way.point;
-    if (!(core::luminance(sample.light) > 0.0f) || !(glm::dot(sample.direction, way.query.normal) > 0.0f))
-        return glm::vec3(0);
-    glm::vec3 share = evaluate(p.bsdf, p.shading_normal, p.outgoing, sample.direction) *
-                      (glm::dot(p.shading_normal, sample.direction) * sample.light);
+    if (!(core::luminance(sample.light) > 0.0f) || !way.query.may_see(sample.direction)) return glm::vec3(0);
+    glm::vec3 share = way.scatters(sample.direction) * sample.light;
     if (!(mean(share) > 0.0f)) return glm::vec3(0);
-    if (sample.density > 0.0f)
-        share *= sample.density / (sample.density + direction_density(p, way.chance, sample.direction));
+    if (sample.density > 0.0f) share *= sample.density / (sample.density + way.density_of(sample.direction));
     if (posed_scene_.air() != nullptr) {
         const float length = glm::length(sample.ray);
         const glm::vec3 direction = core::normalize_or(sample.ray, sample.direction);
@@ -124,22 +142,24 @@ glm::vec3 LightPaths::answer(const Way& way, const LightSample& sample) const {
         share *= std::isinf(sample.far) ? std::exp(-air.depth_to_sky(way.query.origin, direction))
                                         : air.transmittance(way.query.origin, direction, length * sample.far);
     }
-    return share *
-           posed_scene_.tracer().passes(way.query.origin, sample.ray, sample.far, way.first ? bodies_ : Bodies::pass);
+    const float skipped = way.skipped(sample.ray);
+    if (!(skipped < sample.far)) return share;
+    return share * posed_scene_.tracer().passes(way.query.origin + skipped * sample.ray, sample.ray,
+                                                sample.far - skipped, way.first ? bodies_ : Bodies::pass);
 }
 
 /// Chooses where the path goes on from its point.
 bool LightPaths::leave(Way& way, PathNumbers& numbers) const {
     const SurfacePoint& p = way.point;
     const auto number = [&](FirstNumber which) { return way.first ? numbers.first(which) : numbers.next(); };
-    const float choice = number(FirstNumber::lobe), u = number(FirstNumber::direction_u);
-    way.direction = chosen_direction(p, choice < way.chance, {u, number(FirstNumber::direction_v)});
-    way.density = direction_density(p, way.chance, way.direction);
-    if (!(way.density > 0.0f) || !(glm::dot(way.direction, way.query.normal) > 0.0f)) return false;
-    way.throughput *= evaluate(p.bsdf, p.shading_normal, p.outgoing, way.direction) *
-                      (glm::dot(p.shading_normal, way.direction) / way.density);
+    const float choice = number(FirstNumber::lobe), u = number(FirstNumber::direction_u),
+                v = number(FirstNumber::direction_v);
+    way.direction = way.hair ? way.hair->sample(choice, {u, v}) : chosen_direction(p, choice < way.chance, {u, v});
+    way.density = way.density_of(way.direction);
+    if (!(way.density > 0.0f) || !way.query.may_see(way.direction)) return false;
+    way.throughput *= way.scatters(way.direction) / way.density;
     if (!(mean(way.throughput) > 0.0f) || !core::is_finite(way.throughput)) return false;
-    way.origin = way.query.origin;
+    way.origin = way.query.origin + way.skipped(way.direction) * way.direction;
     way.seen_in_lobe = way.first && p.bsdf.has_narrow_lobe() ? share_of_lobe(p, way.direction) : glm::vec3(0);
     return true;
 }
@@ -188,8 +208,10 @@ glm::vec3 LightPaths::emitted(const Way& way, const SurfacePoint& met) const {
 LightPaths::Event LightPaths::go_on(Way& way, const SurfacePoint& met, float choice) const {
     const float before = mean(way.throughput);
     const auto kept = [&](glm::vec3 share) { return core::divide_or(mean(way.throughput * share), before, 0.0f); };
-    const glm::vec3 albedo = whole_albedo(met);
-    const float whole = kept(albedo + met.bsdf.mirror + met.bsdf.transmission + met.bsdf.diffuse_transmission);
+    const std::optional<HairScattering> hair = hair_at(met);
+    const glm::vec3 albedo = hair ? largest_hair_albedo * hair->albedo() : whole_albedo(met);
+    const float whole =
+        hair ? 0.0f : kept(albedo + met.bsdf.mirror + met.bsdf.transmission + met.bsdf.diffuse_transmission);
     const float cut = met.alpha * (whole > largest_albedo ? largest_albedo / whole : 1.0f);
     const bool translucent = met.alpha < 1.0f || mean(met.bsdf.transmission) > 0.0f;
     const bool blocks = way.first && bodies_ == Bodies::block && met.bounds_body &&
@@ -222,9 +244,9 @@ LightPaths::Event LightPaths::go_on(Way& way, const SurfacePoint& met, float cho
     choice -= chances[1];
     const bool beyond = !(choice < chances[2]);
     if (beyond && !(choice - chances[2] < chances[3])) return Event::ends;
-    way.throughput *= cut / chances[beyond ? 3 : 2];
+    way.throughput *= (hair ? met.alpha * largest_hair_albedo : cut) / chances[beyond ? 3 : 2];
     way.first = false;
-    way.stand_on(beyond ? posed_scene_.other_side(met) : met);
+    way.stand_on(beyond ? posed_scene_.other_side(met) : met, hair);
     return Event::lands;
 }
 

@@ -141,6 +141,7 @@ SurfaceMaterials::SurfaceMaterials(const scene::Animation& animation, const Plan
       mirrors_(plan.runs(Pass::mirrors)),
       glass_(plan.runs(Pass::glass)),
       glossy_(plan.runs(Pass::glossy)),
+      hair_(plan.runs(Pass::hair)),
       textures_(animation, plan) {}
 
 glm::vec4 SurfaceMaterials::look_up(std::uint32_t material, TextureRole role, const SurfaceShape& shape) const {
@@ -220,6 +221,8 @@ void SurfaceMaterials::fill(SurfacePoint& point, const SurfaceShape& shape, cons
     }
     if (!point.back_side || m.double_sided)
         point.emission = object.snapshot().emission_factor[material] * emission_at(material, shape);
+    point.fibre = hair_ && m.hair && shape.mesh->has_curves();
+    if (point.fibre) return;
     const float cosine = glm::dot(point.shading_normal, point.outgoing);
     const glm::vec3 color = unit_range(glm::vec3(base));
     Detail detail;

@@ -24,6 +24,7 @@ struct SurfacePoint {
     float alpha = 1;           ///< 0: not there; mask already decided
     bool back_side = false;    ///< seen from behind (of the winding)
     bool bounds_body = false;  ///< what bsdf.transmission lets pass is bent by bsdf.ior (dielectric.h)
+    bool fibre = false;        ///< of hair: `bsdf` is black, PosedScene::hair_at has its scattering
     bool unlit = false;        ///< `emission` is its colour, `bsdf` is black
 };
 

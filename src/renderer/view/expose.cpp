@@ -273,6 +273,10 @@ std::pair<std::uint32_t, std::uint32_t> TileExposer::point_for(const Fragment& f
 
 void TileExposer::take(Fragment& fragment, int x, int y, float time, std::size_t first, TileExposure& found) {
     const glm::vec3 weight = fragment.weight / static_cast<float>(pattern_->samples());
+    if (fragment.point.fibre) {
+        found.fibres.push_back(fibre_sample(fragment, pixel_at(x, y), weight));
+        return;
+    }
     const glm::vec3 diffuse = weight * fragment.point.bsdf.diffuse;
     to_middle(fragment, time);
     const std::size_t new_points = found.points.size();
@@ -322,6 +326,7 @@ std::optional<BrightSamples> TileExposer::look(int x, int y, const EyeRays& rays
     if (!blurred) {
         found.forget_from(first, new_points);
         forget_air(pixel_at(x, y), found.air);
+        forget_fibres(pixel_at(x, y), found.fibres);
         all_.exposure.exposed.at(x, y) = 0;
         return {};
     }
@@ -348,6 +353,7 @@ void TileExposer::expose(int x, int y, std::size_t first_ray, TileExposure& foun
     if (needed == samples_) return;
     found.forget_from(first, new_points);
     forget_air(pixel_at(x, y), found.air);
+    forget_fibres(pixel_at(x, y), found.fibres);
     --found.counts.pixels;
     use(needed);
     again_.clear();
@@ -458,9 +464,11 @@ void expose(const PosedScene& posed_scene, const SeeSettings& settings, const Pl
     exposure->contributions.resize(tiles);
     exposure->starts.resize(tiles);
     if (posed_scene.air() != nullptr) exposure->air.resize(tiles);
+    if (!seen.fibres.empty()) exposure->fibres.resize(tiles);
     parallel::for_each(tiles, [&](std::size_t t) {
         exposure->starts[t] = std::move(found[t].starts);
         if (!exposure->air.empty()) exposure->air[t] = std::move(found[t].air);
+        if (!exposure->fibres.empty()) exposure->fibres[t] = std::move(found[t].fibres);
         for (const TileExposure::Part& part : found[t].parts) {
             const auto [tile, point] = merger.of(t, part);
             exposure->contributions[t].push_back({exposure->first_point[tile] + point, part.weight, part.diffuse});

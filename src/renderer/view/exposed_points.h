@@ -33,7 +33,8 @@ struct TileExposure {
     std::vector<NewPoint> points;
     std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> in_cell;  ///< `points` by cell_of
     ExposureCounts counts;
-    SeenAir air;  ///< of all pixels that were looked through
+    SeenAir air;       ///< of all pixels that were looked through
+    FibreTile fibres;  ///< likewise
 
     static std::uint64_t cell_of(std::uint32_t tile, std::uint16_t pixel) {
         return std::uint64_t{tile} << 16 | std::uint64_t{pixel};

@@ -248,7 +248,8 @@ glm::vec3 EyePaths::show(PathState& path, Fragment& fragment, const SurfaceFootp
         sample.main = {share, kind, point, {}};
     }
     const bool gathers = !path.dim;
-    if (gathers && (point.bsdf.has_diffuse() || point.bsdf.has_glossy())) sample.fragments.push_back(fragment);
+    if (gathers && (point.bsdf.has_diffuse() || point.bsdf.has_glossy() || point.fibre))
+        sample.fragments.push_back(fragment);
     if (gathers && point.bsdf.has_diffuse_transmission()) {
         sample.fragments.push_back(fragment);
         sample.fragments.back().point = posed_scene_.other_side(point, footprint, path.ray.time);

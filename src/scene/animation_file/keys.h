@@ -37,11 +37,11 @@ inline constexpr std::array light{K("name"),      K("kind"),          K("color")
                                   K("stagger"),   K("seen"),          K("round")};
 inline constexpr std::array light_key{K("at"), K("position"), K("look_at"), K("rotate"), K("power")};
 
-inline constexpr std::array object{K("name"),        K("shape"),  K("size"),    K("radius"),   K("top_radius"),
-                                   K("tube_radius"), K("height"), K("opening"), K("profile"),  K("crease"),
-                                   K("segments"),    K("uv"),     K("parts"),   K("material"), K("position"),
-                                   K("rotate"),      K("scale"),  K("visible"), K("keys"),     K("interpolation"),
-                                   K("loop"),        K("repeat"), K("colors")};
+inline constexpr std::array object{K("name"),        K("shape"),         K("size"),       K("radius"),  K("top_radius"),
+                                   K("tube_radius"), K("height"),        K("opening"),    K("profile"), K("crease"),
+                                   K("segments"),    K("strands"),       K("tip_radius"), K("uv"),      K("parts"),
+                                   K("material"),    K("position"),      K("rotate"),     K("scale"),   K("visible"),
+                                   K("keys"),        K("interpolation"), K("loop"),       K("repeat"),  K("colors")};
 inline constexpr std::array object_key{K("at"), K("position"), K("rotate"), K("scale"), K("visible")};
 
 inline constexpr std::array change{K("position"), K("rotate"),        K("scale"), K("visible"),
@@ -50,29 +50,16 @@ inline constexpr std::array change{K("position"), K("rotate"),        K("scale")
 inline constexpr std::array repeat{K("count"), K("step"), K("centered"), K("ring")};
 inline constexpr std::array ring{K("count"), K("radius"), K("from"), K("to")};
 
-inline constexpr std::array material{K("base_color"),
-                                     K("texture"),
-                                     K("texture_scale"),
-                                     K("alpha"),
-                                     K("alpha_cutoff"),
-                                     K("metallic"),
-                                     K("roughness"),
-                                     K("normal_texture"),
-                                     K("normal_scale"),
-                                     K("emission"),
-                                     K("emission_texture"),
-                                     K("transmission"),
-                                     K("ior"),
-                                     K("solid"),
-                                     K("attenuation"),
-                                     K("attenuation_distance"),
-                                     K("dispersion"),
-                                     K("double_sided"),
-                                     K("unlit"),
-                                     K("power"),
-                                     K("keys"),
-                                     K("interpolation"),
-                                     K("loop")};
+inline constexpr std::array material{K("base_color"),   K("texture"),  K("texture_scale"),    K("alpha"),
+                                     K("alpha_cutoff"), K("metallic"), K("roughness"),        K("normal_texture"),
+                                     K("normal_scale"), K("emission"), K("emission_texture"), K("transmission"),
+                                     K("ior"),          K("solid"),    K("attenuation"),      K("attenuation_distance"),
+                                     K("dispersion"),   K("hair"),     K("double_sided"),     K("unlit"),
+                                     K("power"),        K("keys"),     K("interpolation"),    K("loop")};
+inline constexpr std::array hair{K("color"),   K("absorption"), K("melanin"),
+                                 K("redness"), K("roughness"),  K("azimuthal_roughness"),
+                                 K("coat"),    K("ior"),        K("tilt")};
+
 inline constexpr std::array material_key{K("at"), K("power")};
 
 inline constexpr std::array checker{K("checker"), K("squares")};

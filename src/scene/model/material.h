@@ -1,8 +1,10 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <optional>
 #include <string>
 
+#include "scene/model/hair.h"
 #include "scene/model/image_source.h"
 
 namespace render2mpeg::scene {
@@ -87,6 +89,8 @@ struct Material {
     TextureUse diffuse_transmission_texture;        ///< a
     glm::vec3 diffuse_transmission_color{1, 1, 1};  ///< 0..1
     TextureUse diffuse_transmission_color_texture;  ///< sRGB
+
+    std::optional<Hair> hair;
 
     bool changes_specular() const {
         return specular_weight != 1 || specular_tint != glm::vec3(1) || specular_weight_texture.present() ||
