@@ -58,7 +58,8 @@ struct Renderer::Impl {
           posed_scene(film, s.isa, p),
           light_points(posed_scene, p, (p.runs(Pass::sky_light) ? 2 : 1) * s.direct_points, s.seed),
           thrown({s.caustic_photons}),
-          final_gather(posed_scene, plan) {
+          final_gather(posed_scene, plan),
+          hair_light(posed_scene, plan) {
         statistics.image_notes = posed_scene.notes();
         if (by_rays()) rays_of.push_back(RaysOf::hemispheres);
         if (plan.runs(Pass::lobe_rays)) rays_of.push_back(RaysOf::lobes);
@@ -306,6 +307,7 @@ struct Renderer::Impl {
     FrameLight light;  ///< of the points of the frame shaded last
     AmbientAir ambient_air;
     FinalGather final_gather;
+    HairLight hair_light;
     double shared_seconds = 0;       ///< of gathering by rays, that rows have already
     std::uint64_t counted_rays = 0;  ///< of all, that statistics have, or that count nowhere
     core::Radiance sharp;  ///< of the last frame that was exposed: its middle, whose points and pixels are audited
@@ -360,7 +362,7 @@ Seen Renderer::complete(const scene::Snapshot& snapshot, Seen seen, const core::
     if (i.plan.runs(Pass::hair)) {
         const Stopwatch timer(i.row(Pass::hair));
         HairCounts counts;
-        add_hair_light(i.posed_scene, i.plan, tolerance, seen, counts);
+        i.hair_light.add_to(seen, tolerance, counts);
         if (tolerance != nullptr) all.hair.add(counts);
     }
     if (i.plan.runs(Pass::air)) {

@@ -45,7 +45,7 @@ const std::vector<Building>& buildings() {
           {"tree", {"surface", "base"}, {"core", "parallel"}},
           {"view", {"surface", "base"}, {"core", "parallel"}},
           {"truth", {"paths", "view", "surface", "geometry", "base"}, {"core", "scene", "parallel"}},
-          {"hair", {"paths", "surface", "geometry", "base"}, {"core", "scene", "parallel"}},
+          {"hair", {"gather", "paths", "surface", "geometry", "base"}, {"core", "scene", "parallel"}},
           {"cut", {"tree", "surface", "geometry", "base"}, {"core", "scene", "parallel"}},
           {"gather", {"paths", "lights", "cut", "surface", "geometry", "base"}, {"core", "scene", "parallel"}},
           {"air", {"gather", "cut", "tree", "lights", "surface", "geometry", "base"}, {"core", "scene", "parallel"}},

@@ -92,7 +92,6 @@ FinalGather::FinalGather(const PosedScene& posed_scene, const Plan& plan)
       bodies_block_(plan.runs(Pass::caustics)) {}
 
 void FinalGather::forget(const SkyOfRays& sky) {
-    gather_rays_.forget();
     cache_.forget(sky.near_field);
     sky_ = sky;
 }

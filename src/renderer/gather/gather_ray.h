@@ -2,13 +2,11 @@
 // Follows a gather ray until what it meets is known, or is to be asked of the surface cache.
 #include <cstdint>
 #include <glm/glm.hpp>
-#include <optional>
 #include <vector>
 
 #include "core/numeric.h"
 #include "renderer/base/plan.h"
 #include "renderer/geometry/ray_tracer.h"
-#include "renderer/paths/light_paths.h"
 #include "renderer/paths/light_sources.h"
 #include "renderer/surface/posed_scene.h"
 
@@ -74,9 +72,6 @@ class GatherRays {
     glm::vec3 follow(RayQuery ray, Hit hit, const RayRules& rules, float solid_angle, std::uint64_t number,
                      std::uint32_t index, std::vector<RayTerm>& terms, std::uint64_t& rays) const;
 
-    /// Light is another now.
-    void forget();
-
     const PosedScene& posed_scene() const { return posed_scene_; }
 
   private:
@@ -90,8 +85,7 @@ class GatherRays {
     int extent_level_;          ///< power of two in it: scaled scenes have the same cells
     std::vector<bool> plain_;   ///< by material: opaque, neither mirror nor glass
     std::vector<bool> shines_;
-    const Plan& plan_;
-    std::optional<LightPaths> fibre_paths_;  ///< of what rays meet of hair, where there is any
+    std::vector<float> fibre_cells_;  ///< by object: the least size of cells among its strands; empty: there is no hair
 };
 
 }  // namespace render2mpeg::renderer

@@ -9,7 +9,7 @@
 #include "core/sampling.h"
 #include "parallel/loops.h"
 #include "renderer/base/flush_denormals.h"
-#include "renderer/paths/path_directions.h"
+#include "renderer/paths/scatterer.h"
 #include "renderer/surface/lobe_albedo.h"
 
 namespace render2mpeg::renderer {
@@ -95,7 +95,6 @@ SurfaceCache::SurfaceCache(const PosedScene& posed_scene, const Plan& plan)
     : posed_scene_(posed_scene), gather_rays_(posed_scene, plan), plan_(plan) {}
 
 void SurfaceCache::forget(NearField near_field) {
-    gather_rays_.forget();
     near_field_ = std::move(near_field);
     table_.clear();
     own_table_.clear();
@@ -123,15 +122,14 @@ std::uint32_t SurfaceCache::find(std::uint64_t key) const {
 }
 
 /// Light of lamps, shining surfaces and the image of a sky, by next events.
-glm::vec3 SurfaceCache::lamps(const SurfacePoint& p, const LightQuery& query, std::uint64_t number,
-                              std::uint64_t& rays) const {
+glm::vec3 SurfaceCache::lamps(const Scatterer& at, std::uint64_t number, std::uint64_t& rays) const {
+    const LightQuery& query = at.query();
     glm::vec3 sum(0);
     const auto add = [&](const LightSample& s) {
-        const float cosine = glm::dot(p.shading_normal, s.direction);
-        if (!(core::luminance(s.light) > 0.0f) || !(cosine > 0.0f) || !(glm::dot(s.direction, query.normal) > 0.0f))
-            return;
-        glm::vec3 light = evaluate(p.bsdf, p.shading_normal, p.outgoing, s.direction) * cosine * s.light;
-        if (s.density > 0.0f) light *= s.density / (s.density + direction_density(p, lobe_chance(p), s.direction));
+        if (!(core::luminance(s.light) > 0.0f) || !query.may_see(s.direction)) return;
+        glm::vec3 light = at.scatters(s.direction) * s.light;
+        if (!(core::luminance(light) > 0.0f)) return;
+        if (s.density > 0.0f) light *= s.density / (s.density + at.density(s.direction));
         if (!(core::luminance(light) > 0.0f)) return;
         if (const Air* air = posed_scene_.air(); air != nullptr) {
             const glm::vec3 direction = core::normalize_or(s.ray, s.direction);
@@ -140,7 +138,8 @@ glm::vec3 SurfaceCache::lamps(const SurfacePoint& p, const LightQuery& query, st
                          : std::exp(-air->optical_depth(query.origin, direction, glm::length(s.ray) * s.far));
         }
         ++rays;
-        sum += light * posed_scene_.tracer().passes(query.origin, s.ray, s.far);
+        const float skipped = at.skipped(s.ray);
+        sum += light * posed_scene_.tracer().passes(at.origin_of(s.ray), s.ray, s.far - skipped);
     };
     const auto pair = [&](Number use) { return glm::vec2(uniform(number, use, 1), uniform(number, use, 2)); };
     if (sources_->has_lamps()) add(sources_->to_lamp(query, uniform(number, lamp, 0), pair(lamp)));
@@ -168,34 +167,32 @@ void SurfaceCache::light_place(const Sighting& place, std::uint64_t number, std:
     }
     const float cosine = glm::dot(p.shading_normal, p.outgoing);
     const glm::vec3 albedo = diffuse_albedo(p.bsdf, cosine) + glossy_albedo(p.bsdf, cosine);
-    const float brightest = std::max({albedo.x, albedo.y, albedo.z});
+    const float brightest = p.fibre ? 1.0f : std::max({albedo.x, albedo.y, albedo.z});
     if (!(brightest > 0.0f)) return;
     const float scale = std::min(largest_albedo / brightest, 1.0f);
     p.bsdf.scale(scale);
-    lesson.albedo += scale * weight * albedo;
     p.bsdf.alpha = std::max(p.bsdf.alpha, least_alpha);
     p.bsdf.alpha_along = std::max(p.bsdf.alpha_along, least_alpha);
 
-    const LightQuery query{p.position, shadow_origin(p), p.geometric_normal + p.smooth.tilt};
-    const glm::vec3 direct = weight * lamps(p, query, number, out.rays);
+    const Scatterer at(posed_scene_, p);
+    lesson.albedo += p.fibre ? at.albedo() : scale * weight * albedo;
+    const glm::vec3 direct = weight * lamps(at, number, out.rays);
     const float share = near_field_.share(p.position);
     if (core::is_finite(direct)) {
         lesson.known += direct;
         lesson.near += share * direct;
     }
 
-    const float chance = lobe_chance(p);
-    const glm::vec3 direction = chosen_direction(p, uniform(number, part, 0) < chance,
-                                                 {uniform(number, bounce, 0), uniform(number, bounce, 1)});
-    const float density = direction_density(p, chance, direction);
-    if (!(glm::dot(direction, query.normal) > 0.0f) || !(density > 0.0f)) return;
-    weight *=
-        evaluate(p.bsdf, p.shading_normal, p.outgoing, direction) * (glm::dot(p.shading_normal, direction) / density);
+    const glm::vec3 direction =
+        at.sample(uniform(number, part, 0), {uniform(number, bounce, 0), uniform(number, bounce, 1)});
+    const float density = at.density(direction);
+    if (!at.query().may_see(direction) || !(density > 0.0f)) return;
+    weight *= at.scatters(direction) / density;
     if (!(core::luminance(weight) > 0.0f) || !core::is_finite(weight)) return;
     lesson.drawn += weight;
     out.rays += 1;
-    out.bounces.push_back({{query.origin, direction, std::numeric_limits<float>::infinity()},
-                           query,
+    out.bounces.push_back({{at.origin_of(direction), direction, std::numeric_limits<float>::infinity()},
+                           at.query(),
                            density,
                            weight,
                            share,

@@ -12,6 +12,7 @@
 #include "renderer/gather/gather_ray.h"
 #include "renderer/gather/near_light.h"
 #include "renderer/paths/light_sources.h"
+#include "renderer/paths/scatterer.h"
 
 namespace render2mpeg::renderer {
 
@@ -56,6 +57,11 @@ class SurfaceCache {
 
     /// Makes known what these sightings ask for; sorts them. Own cells are known until the next call.
     void learn(std::vector<Sighting>& wanted);
+
+    /// What a place scatters of lamps, shining surfaces and the image of a sky, by next events.
+    glm::vec3 lamps(const Scatterer& at, std::uint64_t number, std::uint64_t& rays) const;
+    /// Lights of the posed instant.
+    const LightSources& sources() const { return *sources_; }
 
     /// Radiance of a cell.
     glm::vec3 radiance(std::uint32_t index) const { return cell(index).radiance; }
@@ -109,7 +115,6 @@ class SurfaceCache {
     void evaluate_lessons(std::span<Lesson> lessons, const std::vector<Sighting>& places, std::vector<Link>& links,
                           std::uint32_t most, std::vector<Sighting>& wanted);
     void solve(std::span<Lesson> lessons, std::vector<Link>& links);
-    glm::vec3 lamps(const SurfacePoint& p, const LightQuery& query, std::uint64_t number, std::uint64_t& rays) const;
 
     const PosedScene& posed_scene_;
     GatherRays gather_rays_;

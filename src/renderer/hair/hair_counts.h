@@ -6,11 +6,11 @@ namespace render2mpeg::renderer {
 
 /// Sums over frames.
 struct HairCounts {
-    std::uint64_t paths = 0, pixels = 0;
-    std::uint64_t capped = 0;  ///< pixels whose tolerance asks for more paths than there may be
+    std::uint64_t rays = 0, pixels = 0;
+    std::uint64_t capped = 0;  ///< pixels whose tolerance asks for more rays than there may be
 
     void add(const HairCounts& more) {
-        paths += more.paths;
+        rays += more.rays;
         pixels += more.pixels;
         capped += more.capped;
     }

@@ -1,166 +1,208 @@
 #include "renderer/hair/hair_light.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <memory>
-#include <span>
-#include <vector>
+#include <limits>
+#include <utility>
 
 #include "core/color.h"
 #include "core/numeric.h"
 #include "core/sampling.h"
 #include "parallel/loops.h"
-#include "renderer/paths/light_paths.h"
+#include "renderer/base/flush_denormals.h"
+#include "renderer/base/lobe.h"
 
 namespace render2mpeg::renderer {
 namespace {
 
-/// Paths of a sample at most. chosen: 64, with 16 samples 1,024 of a pixel; references take them all.
+/// Rays of a sample at most. chosen: 64, with 16 samples 1,024 of a pixel; references take them all.
 constexpr std::uint32_t most_rounds = 64;
 
 /// Standard errors within a tolerance, as gather rays have them (final_gather.h).
-constexpr float standard_errors = 1.3f;
-
-/// What the samples of one pixel found.
-struct PixelSum {
-    std::size_t first = 0, end = 0;  ///< of its samples
-    glm::vec3 light{0}, specular{0};
-    double luminance = 0;  ///< of the first round
-    double spread = 0;     ///< variance of the first round's sum: of paths, and of what the samples show
-    std::uint32_t rounds = 0;
-};
-
-/// Lights the fibres of one tile.
-class TileLight {
-  public:
-    TileLight(const PosedScene& scene, const LightPaths& paths, std::span<const FibreSample> samples, glm::ivec2 corner)
-        : scene_(scene), paths_(paths), samples_(samples), corner_(corner) {
-        for (std::size_t k = 0; k < samples.size(); ++k) {
-            if (pixels_.empty() || samples[pixels_.back().first].pixel != samples[k].pixel) pixels_.push_back({k, k});
-            pixels_.back().end = k + 1;
-        }
-    }
-
-    /// `known`: what pixels show without hair.
-    void light(const core::ToleranceMap* tolerance, const core::Plane<glm::vec3>& known, HairCounts& counts);
-
-    template <class Take>
-    void each(Take&& take) const {
-        for (const PixelSum& p : pixels_) {
-            const float share = 1.0f / static_cast<float>(p.rounds);
-            const glm::ivec2 at = place(p);
-            take(at.x, at.y, share * p.light, share * p.specular);
-        }
-    }
-
-  private:
-    glm::ivec2 place(const PixelSum& p) const {
-        const int pixel = samples_[p.first].pixel;
-        return corner_ + glm::ivec2(pixel % tile_size, pixel / tile_size);
-    }
-    void take_rounds(PixelSum& p, std::uint32_t until);
-    double variance_of(const PixelSum& p) const;
-
-    const PosedScene& scene_;
-    const LightPaths& paths_;
-    std::span<const FibreSample> samples_;
-    glm::ivec2 corner_;
-    std::vector<PixelSum> pixels_;
-    double relative_ = 0;  ///< variance over squared luminance, of the tile
-};
-
-/// Sends one path of each of a pixel's samples, again and again.
-void TileLight::take_rounds(PixelSum& p, std::uint32_t until) {
-    const glm::ivec2 at = place(p);
-    const std::uint64_t batch =
-        core::mix(core::mix(0x4a12 + static_cast<std::uint64_t>(scene_.posed().frame)) ^
-                  (std::uint64_t{static_cast<std::uint32_t>(at.y)} << 32 | static_cast<std::uint32_t>(at.x)));
-    const std::size_t count = p.end - p.first;
-    double sum = 0, squares = 0;
-    for (; p.rounds < until; ++p.rounds) {
-        for (std::size_t k = 0; k < count; ++k) {
-            const FibreSample& s = samples_[p.first + k];
-            PathNumbers numbers(batch, p.rounds * count + k);
-            const SurfacePoint point = scene_.surface_at(s.address, s.outgoing.unpack());
-            const glm::vec3 light = s.weight * paths_.scattered(point, numbers);
-            p.light += light;
-            if (s.specular) p.specular += light;
-            const auto y = static_cast<double>(core::luminance(light));
-            if (p.rounds == 0) sum += y, squares += y * y;
-        }
-        if (p.rounds > 0) continue;
-        p.luminance = sum;
-        const auto n = static_cast<double>(count);
-        p.spread = count > 1 ? std::max(squares - sum * sum / n, 0.0) * n / (n - 1) : squares;
-    }
-}
-
-/// Of the first round's sum: by the tile's, for a pixel's own paths would tell it that they are enough where they
-/// happened to meet no light.
-double TileLight::variance_of(const PixelSum& p) const {
-    double near = 0, count = 0;
-    for (const PixelSum& other : pixels_) {
-        const glm::ivec2 apart = glm::abs(place(other) - place(p));
-        if (apart.x > 1 || apart.y > 1) continue;
-        near += other.luminance;
-        count += 1;
-    }
-    near /= count;
-    return relative_ * near * near;
-}
-
-void TileLight::light(const core::ToleranceMap* tolerance, const core::Plane<glm::vec3>& known, HairCounts& counts) {
-    for (PixelSum& p : pixels_) take_rounds(p, 1);
-    double spread = 0, squares = 0;
-    for (const PixelSum& p : pixels_) {
-        spread += p.spread;
-        squares += p.luminance * p.luminance;
-    }
-    relative_ = core::divide_or(spread, squares, 0.0);
-    for (PixelSum& p : pixels_) {
-        std::uint32_t wanted = tolerance == nullptr ? 1 : most_rounds;
-        if (tolerance != nullptr && !tolerance->is_reference()) {
-            const glm::ivec2 at = place(p);
-            const auto luminance = static_cast<float>(p.luminance) + core::luminance(known.at(at.x, at.y));
-            const auto allowed =
-                static_cast<double>(tolerance->pixels.at(at.x, at.y).allows(luminance) / standard_errors);
-            const double rounds = core::divide_or(variance_of(p), allowed * allowed, 1e9);
-            counts.capped += rounds > most_rounds ? 1 : 0;
-            wanted = static_cast<std::uint32_t>(std::clamp(std::ceil(rounds), 1.0, static_cast<double>(most_rounds)));
-        }
-        take_rounds(p, wanted);
-        counts.paths += static_cast<std::uint64_t>(p.rounds) * (p.end - p.first);
-        ++counts.pixels;
-    }
-}
+constexpr double standard_errors = 1.3;
 
 }  // namespace
 
-void add_hair_light(const PosedScene& posed_scene, const Plan& plan, const core::ToleranceMap* tolerance, Seen& seen,
-                    HairCounts& counts) {
-    const int width = seen.visible.width(), height = seen.visible.height(), across = seen.tiles_across();
-    const std::vector<FibreTile> fibres = std::move(seen.fibres);
-    seen.fibres.clear();
-    const std::vector<FibreTile> none(fibres.size());
-    const std::vector<FibreTile>& exposed = seen.exposure ? seen.exposure->fibres : none;
-    seen.hair = core::Plane<glm::vec3>(width, height, glm::vec3(0));
-    if (seen.exposure) seen.hair_of_exposed = seen.hair;
-    const core::Plane<glm::vec3>& known_of_exposed = seen.exposure ? seen.exposure->emitted : seen.emitted;
-    const LightPaths paths(posed_scene, plan);
-    std::vector<HairCounts> of_tile(fibres.size());
-    parallel::for_each(fibres.size(), [&](std::size_t t) {
-        const glm::ivec2 corner = tile_size * glm::ivec2(static_cast<int>(t) % across, static_cast<int>(t) / across);
-        TileLight sharp(posed_scene, paths, fibres[t], corner), blurred(posed_scene, paths, exposed[t], corner);
-        sharp.light(tolerance, seen.emitted, of_tile[t]);
-        blurred.light(tolerance, known_of_exposed, of_tile[t]);
-        sharp.each([&](int x, int y, glm::vec3 light, glm::vec3 specular) {
-            seen.emitted.at(x, y) += light;
-            seen.hair.at(x, y) = light;
-            if (!seen.emitted_specular.empty()) seen.emitted_specular.at(x, y) += specular;
-        });
-        blurred.each([&](int x, int y, glm::vec3 light, glm::vec3) { seen.hair_of_exposed.at(x, y) = light; });
+/// What the samples of one pixel found.
+struct HairLight::Pixel {
+    std::uint32_t tile = 0, first = 0, end = 0;  ///< of its samples
+    glm::ivec2 place{0};
+    std::uint32_t rounds = 0, wanted = 1;
+    glm::vec3 light{0}, specular{0};  ///< sums over rounds
+    double luminance = 0;             ///< of the first round
+    double spread = 0;                ///< variance of its sum: of rays, and of what samples show
+};
+
+/// What one round found for the pixels of a task.
+struct HairLight::Traced {
+    std::vector<RayTerm> terms;    ///< by sample of the task
+    std::vector<glm::vec3> light;  ///< of each sample
+    std::uint64_t rays = 0;
+};
+
+HairLight::HairLight(const PosedScene& posed_scene, const Plan& plan)
+    : posed_scene_(posed_scene), gather_rays_(posed_scene, plan), cache_(posed_scene, plan) {}
+
+/// Lights of one sample by next events, and one ray by the fibre's scattering, whose end the cache knows.
+void HairLight::trace(const FibreSample& sample, std::uint64_t number, Traced& out) const {
+    const auto index = static_cast<std::uint32_t>(out.light.size());
+    const Scatterer at(posed_scene_, posed_scene_.surface_at(sample.address, sample.outgoing.unpack()));
+    glm::vec3& light = out.light.emplace_back(cache_.lamps(at, number, out.rays));
+    const auto u = [&](std::uint64_t which) { return core::uniform(number, 16, which); };
+    const glm::vec3 direction = at.sample(u(0), {u(1), u(2)});
+    const float density = at.density(direction);
+    const glm::vec3 weight = at.scatters(direction) / std::max(density, std::numeric_limits<float>::min());
+    if (!(density > 0.0f) || !core::is_finite(weight)) return;
+    const RayQuery ray{at.origin_of(direction), direction, std::numeric_limits<float>::infinity()};
+    Hit hit;
+    posed_scene_.tracer().any_nearest(std::span(&ray, 1), std::span(&hit, 1), false);
+    const AskedLights asked{cache_.sources(), at.query(), density};
+    RayRules rules;
+    rules.brightest = std::numeric_limits<float>::infinity();
+    rules.asked = &asked;
+    const std::size_t first = out.terms.size();
+    light +=
+        weight * gather_rays_.follow(ray, hit, rules, lobe::inverse_pi, core::mix(number), index, out.terms, out.rays);
+    ++out.rays;
+    for (std::size_t k = first; k < out.terms.size(); ++k) out.terms[k].weight *= weight;
+}
+
+/// One more round of all pixels that want it.
+void HairLight::take_round(std::span<const FibreTile> tiles, std::vector<Pixel>& pixels, std::uint32_t round,
+                           HairCounts& counts) {
+    std::vector<Pixel*> asked;
+    for (Pixel& p : pixels)
+        if (round < p.wanted) asked.push_back(&p);
+    constexpr std::size_t together = 64;
+    std::vector<Traced> found((asked.size() + together - 1) / together);
+    const auto frame = static_cast<std::uint64_t>(posed_scene_.posed().frame);
+    parallel::for_each(found.size(), [&](std::size_t task) {
+        const FlushDenormals flushed;
+        for (std::size_t k = task * together; k < std::min((task + 1) * together, asked.size()); ++k) {
+            const Pixel& p = *asked[k];
+            const std::uint64_t seed =
+                core::mix(core::mix(0x4a12 + frame) ^ (std::uint64_t{static_cast<std::uint32_t>(p.place.y)} << 32 |
+                                                       static_cast<std::uint32_t>(p.place.x)));
+            for (std::uint32_t s = p.first; s < p.end; ++s)
+                trace(tiles[p.tile][s], core::mix(seed + round * 0x10000u + (s - p.first)), found[task]);
+        }
     });
-    for (const HairCounts& c : of_tile) counts.add(c);
+    std::vector<Sighting> wanted;
+    for (const Traced& t : found) {
+        counts.rays += t.rays;
+        for (const RayTerm& term : t.terms)
+            if (cache_.find(term.place.key) == CellTable::none) wanted.push_back(term.place);
+    }
+    cache_.learn(wanted);
+    parallel::for_each(found.size(), [&](std::size_t task) {
+        Traced& t = found[task];
+        for (const RayTerm& term : t.terms)
+            t.light[term.ray] += term.weight * cache_.radiance(cache_.index_of(term.place.key));
+        std::size_t next = 0;
+        for (std::size_t k = task * together; k < std::min((task + 1) * together, asked.size()); ++k)
+            add(tiles, std::span(t.light).subspan(next, asked[k]->end - asked[k]->first), *asked[k]),
+                next += asked[k]->end - asked[k]->first;
+    });
+}
+
+void HairLight::add(std::span<const FibreTile> tiles, std::span<const glm::vec3> lights, Pixel& p) {
+    double sum = 0, squares = 0;
+    for (std::uint32_t s = p.first; s < p.end; ++s) {
+        const FibreSample& sample = tiles[p.tile][s];
+        glm::vec3 light = sample.weight * lights[s - p.first];
+        if (!core::is_finite(light)) light = glm::vec3(0);
+        p.light += light;
+        if (sample.specular) p.specular += light;
+        const auto y = static_cast<double>(core::luminance(light));
+        sum += y;
+        squares += y * y;
+    }
+    if (p.rounds++ > 0) return;
+    const double n = p.end - p.first;
+    p.luminance = sum;
+    p.spread = n > 1 ? std::max(squares - sum * sum / n, 0.0) * n / (n - 1) : squares;
+}
+
+/// How many rounds pixels want, by the spread of their tile: a pixel's own rays would tell it that they are enough
+/// where they happened to meet no light.
+void HairLight::want_rounds(std::span<Pixel> tile, const core::ToleranceMap& tolerance,
+                            const core::Plane<glm::vec3>& known, HairCounts& counts) {
+    double spread = 0, squares = 0;
+    for (const Pixel& p : tile) {
+        spread += p.spread;
+        squares += p.luminance * p.luminance;
+    }
+    const double relative = core::divide_or(spread, squares, 0.0);
+    for (Pixel& p : tile) {
+        if (tolerance.is_reference()) {
+            p.wanted = most_rounds;
+            continue;
+        }
+        double near = 0, count = 0;
+        for (const Pixel& other : tile) {
+            const glm::ivec2 apart = glm::abs(other.place - p.place);
+            if (apart.x > 1 || apart.y > 1) continue;
+            near += other.luminance;
+            count += 1;
+        }
+        near /= count;
+        const auto luminance = static_cast<float>(near) + core::luminance(known.at(p.place.x, p.place.y));
+        const double allowed =
+            static_cast<double>(tolerance.pixels.at(p.place.x, p.place.y).allows(luminance)) / standard_errors;
+        const double rounds = core::divide_or(relative * near * near, allowed * allowed, 1e9);
+        counts.capped += rounds > most_rounds ? 1 : 0;
+        p.wanted = static_cast<std::uint32_t>(std::clamp(std::ceil(rounds), 1.0, 1.0 * most_rounds));
+    }
+}
+
+std::vector<HairLight::Pixel> HairLight::light(std::span<const FibreTile> tiles, int across,
+                                               const core::ToleranceMap* tolerance, const core::Plane<glm::vec3>& known,
+                                               HairCounts& counts) {
+    std::vector<Pixel> pixels;
+    std::vector<std::size_t> ends;
+    for (std::uint32_t t = 0; t < tiles.size(); ++t) {
+        const glm::ivec2 corner = tile_size * glm::ivec2(static_cast<int>(t) % across, static_cast<int>(t) / across);
+        for (std::uint32_t k = 0; k < tiles[t].size(); ++k) {
+            const int pixel = tiles[t][k].pixel;
+            if (k == 0 || tiles[t][k - 1].pixel != pixel) {
+                Pixel& p = pixels.emplace_back();
+                p.tile = t;
+                p.first = k;
+                p.place = corner + glm::ivec2(pixel % tile_size, pixel / tile_size);
+            }
+            pixels.back().end = k + 1;
+        }
+        ends.push_back(pixels.size());
+    }
+    take_round(tiles, pixels, 0, counts);
+    if (tolerance != nullptr)
+        for (std::size_t t = 0; t < tiles.size(); ++t) {
+            const std::size_t first = t == 0 ? 0 : ends[t - 1];
+            want_rounds(std::span(pixels).subspan(first, ends[t] - first), *tolerance, known, counts);
+        }
+    std::uint32_t most = 1;
+    for (const Pixel& p : pixels) most = std::max(most, p.wanted);
+    for (std::uint32_t round = 1; round < most; ++round) take_round(tiles, pixels, round, counts);
+    counts.pixels += pixels.size();
+    return pixels;
+}
+
+void HairLight::add_to(Seen& seen, const core::ToleranceMap* tolerance, HairCounts& counts) {
+    const int across = seen.tiles_across();
+    const std::vector<FibreTile> fibres = std::exchange(seen.fibres, {});
+    seen.hair = core::Plane<glm::vec3>(seen.visible.width(), seen.visible.height(), glm::vec3(0));
+    cache_.forget({});
+    for (const Pixel& p : light(fibres, across, tolerance, seen.emitted, counts)) {
+        const float share = 1.0f / static_cast<float>(p.rounds);
+        seen.hair.at(p.place.x, p.place.y) = share * p.light;
+        seen.emitted.at(p.place.x, p.place.y) += share * p.light;
+        if (!seen.emitted_specular.empty()) seen.emitted_specular.at(p.place.x, p.place.y) += share * p.specular;
+    }
+    if (!seen.exposure) return;
+    seen.hair_of_exposed = core::Plane<glm::vec3>(seen.visible.width(), seen.visible.height(), glm::vec3(0));
+    for (const Pixel& p : light(seen.exposure->fibres, across, tolerance, seen.exposure->emitted, counts))
+        seen.hair_of_exposed.at(p.place.x, p.place.y) = p.light / static_cast<float>(p.rounds);
 }
 
 }  // namespace render2mpeg::renderer

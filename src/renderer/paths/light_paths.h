@@ -2,7 +2,6 @@
 // Follows paths from surfaces that the eye sees to the lights.
 #include <cstdint>
 #include <glm/glm.hpp>
-#include <optional>
 
 #include "renderer/paths/light_sources.h"
 #include "renderer/paths/path_numbers.h"
@@ -25,7 +24,6 @@ class LightPaths {
 
   private:
     struct Way;
-    std::optional<HairScattering> hair_at(const SurfacePoint& point) const;
     enum class Event : std::uint8_t;
     glm::vec3 asked(const Way& way, PathNumbers& numbers) const;
     glm::vec3 answer(const Way& way, const LightSample& sample) const;

@@ -379,7 +379,7 @@ void TileExposer::expose(TileExposure& found) {
         }
     found.starts.back() = static_cast<std::uint32_t>(found.parts.size());
     found.counts.rays += see_counts_.primary_rays + see_counts_.specular_rays;
-    if (found.counts.pixels == 0) found = {{}, {}, {}, {}, found.counts, {}};
+    if (found.counts.pixels == 0) found = {{}, {}, {}, {}, found.counts, {}, {}};
 }
 
 /// Where pixels' points begin in their tile.
