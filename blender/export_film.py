@@ -333,7 +333,7 @@ def export(path, folder, texture_size):
     if any(lights):
         film["lights"] = film.get("lights", []) + [light for light in lights if light]
     strengths.write(film, times)
-    materials.write_hair(film)
+    materials.write_fibres_and_skin(film)
     glb.save(os.path.join(folder, "scene.glb"))
     with open(os.path.join(folder, "film.json"), "w") as file:
         json.dump(film, file, indent=1)

@@ -10,7 +10,7 @@
 namespace render2mpeg::renderer {
 namespace {
 
-constexpr int wall_side = 48;
+constexpr int hold_out_side = 48;
 constexpr float tolerated = 0.08f;
 
 /// A wall before a lamp, that fills the picture.
@@ -26,11 +26,11 @@ test::SceneBuilder lit_wall() {
 class HoldOutFrames : public ::testing::Test {
   protected:
     HoldOutFrames()
-        : stage_(lit_wall(), wall_side, wall_side),
+        : stage_(lit_wall(), hold_out_side, hold_out_side),
           lit_(lit_wall()),
           light_trees_(lit_.light({})),
           seen_(stage_.see()) {
-        tolerance_ = core::ToleranceMap::uniform(wall_side, wall_side, {0.0f, tolerated});
+        tolerance_ = core::ToleranceMap::uniform(hold_out_side, hold_out_side, {0.0f, tolerated});
     }
 
     /// Records on every second pixel of every second row: the wall's light times `factor`, and a share of it off
@@ -99,7 +99,7 @@ TEST_F(HoldOutFrames, SomeOfWhatRecordsServeIsGatheredAndFoundRight) {
     for (const auto& tile : frame)
         for (const PointLight& l : tile) held_out += l.held_out ? 1 : 0;
     EXPECT_EQ(held_out, counts_.held_out);
-    EXPECT_GE(counts_.served, static_cast<std::uint64_t>(wall_side * wall_side) * 8 / 10);
+    EXPECT_GE(counts_.served, static_cast<std::uint64_t>(hold_out_side * hold_out_side) * 8 / 10);
 }
 
 TEST_F(HoldOutFrames, RecordsThatAreWrongServeNoLonger) {
@@ -115,7 +115,7 @@ TEST_F(HoldOutFrames, RecordsThatAreWrongServeNoLonger) {
             EXPECT_LE(l.cache_error * validation_.cache_error_scale(), 1.0f);
         }
     }
-    EXPECT_LE(served, static_cast<std::uint64_t>(wall_side * wall_side) / 2);
+    EXPECT_LE(served, static_cast<std::uint64_t>(hold_out_side * hold_out_side) / 2);
 }
 
 TEST_F(HoldOutFrames, TheSameFrameAgainIsTheSameAndShootsNoRay) {

@@ -51,6 +51,8 @@ std::vector<Effect> effects_of(const RenderJob& film, const RunStatistics& stati
     if (plan.runs(Pass::caustics))
         effects.push_back(
             {"caustics", pass(Pass::caustics), r.caustic_rays, {}, "light that mirrors and glass throw, by photons"});
+    if (plan.runs(Pass::hair))
+        effects.push_back({"hair", pass(Pass::hair), r.hair.rays, {}, "light of strands, by rays of its own"});
     // Layers are met by shadow rays to all lights alike.
     const bool photons = plan.runs(Pass::photons);
     const double direct = pass(Pass::punctual_lights) + pass(Pass::emissive_lights) + pass(Pass::direct_tree);

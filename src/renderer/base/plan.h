@@ -19,6 +19,7 @@ enum class Pass {
     lobe_rays,
     glass,
     refraction,
+    subsurface,
     sky_background,
     see,
     shutter,

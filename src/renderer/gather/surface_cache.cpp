@@ -27,6 +27,10 @@ constexpr float least_carried = 0.001f;
 /// noise here. chosen: 0.25 of alpha, a roughness of 0.5; not tuned.
 constexpr float least_alpha = 0.25f;
 
+/// As largest_albedo, of fibres, among which light stays for many of them. chosen: 0.999; white hair lacks a thousandth
+/// for each.
+constexpr float largest_fibre_albedo = 0.999f;
+
 /// Change of luminance, as a share, at which the equations count as solved; and sweeps at most, for surfaces that
 /// reflect nearly all. chosen: 1e-4; what is left is a hundred times as much where they reflect 99 %.
 constexpr double solved = 1e-4;
@@ -175,6 +179,7 @@ void SurfaceCache::light_place(const Sighting& place, std::uint64_t number, std:
     p.bsdf.alpha_along = std::max(p.bsdf.alpha_along, least_alpha);
 
     const Scatterer at(posed_scene_, p);
+    lesson.fibres = p.fibre;
     lesson.albedo += p.fibre ? at.albedo() : scale * weight * albedo;
     const glm::vec3 direct = weight * lamps(at, number, out.rays);
     const float share = near_field_.share(p.position);
@@ -330,7 +335,8 @@ void SurfaceCache::solve(std::span<Lesson> lessons, std::vector<Link>& links) {
         for (int c = 0; c < 3; ++c) albedo[c] = core::divide_or(albedo[c], drawn[c], 0.0f);
         glm::vec3 row(0);
         links_of(l, [&](Link& link) { row += link.weight *= albedo; });
-        const glm::vec3 most(largest_albedo * static_cast<float>(taught.places));
+        const float largest = lessons[l].fibres ? largest_fibre_albedo : largest_albedo;
+        const glm::vec3 most(largest * static_cast<float>(taught.places));
         if (glm::any(glm::greaterThan(row, most)))
             links_of(l, [&](Link& link) { link.weight *= most / glm::max(row, most); });
     }

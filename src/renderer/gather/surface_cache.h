@@ -96,6 +96,7 @@ class SurfaceCache {
         std::uint32_t first_link = 0, last_link = 0;  ///< once they are
         glm::vec3 known{0}, near{0};                  ///< sums over places
         glm::vec3 albedo{0}, drawn{0};                ///< likewise, of surfaces and of weights of the rays they send
+        bool fibres = false;                          ///< places are of hair
     };
     struct Bounce;
     struct Evaluated;

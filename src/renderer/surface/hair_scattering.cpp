@@ -99,7 +99,7 @@ HairScattering::HairScattering(const scene::Hair& hair, const FibrePlace& place,
     scale_ = scale_of(hair.azimuthal_roughness);
     trim_ = 1.0f / (logistic_sum(pi, scale_) - logistic_sum(-pi, scale_));
 
-    const float tilts[lobes] = {2.0f * hair.tilt, -hair.tilt, -4.0f * hair.tilt, 0.0f};
+    const float tilts[lobes] = {-2.0f * hair.tilt, hair.tilt, 4.0f * hair.tilt, 0.0f};
     float sum = 0.0f;
     for (std::size_t p = 0; p < lobes; ++p) {
         Lobe& lobe = lobes_[p];

@@ -142,6 +142,7 @@ SurfaceMaterials::SurfaceMaterials(const scene::Animation& animation, const Plan
       glass_(plan.runs(Pass::glass)),
       glossy_(plan.runs(Pass::glossy)),
       hair_(plan.runs(Pass::hair)),
+      subsurface_(plan.runs(Pass::subsurface)),
       textures_(animation, plan) {}
 
 glm::vec4 SurfaceMaterials::look_up(std::uint32_t material, TextureRole role, const SurfaceShape& shape) const {
@@ -232,6 +233,7 @@ void SurfaceMaterials::fill(SurfacePoint& point, const SurfaceShape& shape, cons
     point.bsdf = bsdf_at(material, shape, color, cosine, detail, index);
     if (detail.leaf.share > 0.0f) part_sides(point.bsdf, color, detail.leaf.share, detail.leaf.color, cosine);
     if (m.has_sheen()) add_sheen(material, shape, cosine, point.bsdf);
+    point.spreads = subsurface_ && m.subsurface && point.bsdf.has_diffuse() && !shape.mesh->has_curves();
     if (m.coat > 0.0f) add_coat(material, shape, cosine, point.bsdf);
 }
 

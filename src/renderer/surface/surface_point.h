@@ -25,6 +25,8 @@ struct SurfacePoint {
     bool back_side = false;    ///< seen from behind (of the winding)
     bool bounds_body = false;  ///< what bsdf.transmission lets pass is bent by bsdf.ior (dielectric.h)
     bool fibre = false;        ///< of hair: `bsdf` is black, PosedScene::hair_at has its scattering
+    bool spreads = false;      ///< a share of what `bsdf.diffuse` sends on entered elsewhere (subsurface/probes.h)
+    bool probed = false;       ///< found by a probe
     bool unlit = false;        ///< `emission` is its colour, `bsdf` is black
 };
 

@@ -1,6 +1,7 @@
 #include "renderer/truth/pixel_paths.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <vector>
 
@@ -21,6 +22,7 @@ double luminance_of(glm::dvec3 rgb) {
 /// About what part of its weight a surface scatters: chances follow it.
 float brightness(const SurfacePoint& p, glm::vec3 weight) {
     const float cosine = glm::dot(p.shading_normal, p.outgoing);
+    if (p.fibre) return core::luminance(weight);
     return core::luminance(weight * (diffuse_albedo(p.bsdf, cosine) + glossy_albedo(p.bsdf, cosine)));
 }
 
@@ -86,7 +88,9 @@ PathSums PixelPaths::follow(const TruthRequest& request, std::uint64_t batch, st
 
 void PixelPaths::look(glm::vec2 position, float spacing, EyeSample& sample) const {
     float far = 0;
-    const EyeRay ray = eye_ray(posed_scene_.posed().camera, position, spacing, far);
+    EyeRay ray = eye_ray(posed_scene_.posed().camera, position, spacing, far);
+    ray.probes = core::mix(std::uint64_t{std::bit_cast<std::uint32_t>(position.x)} << 32 |
+                           std::bit_cast<std::uint32_t>(position.y));
     SeeCounts uncounted;
     eye_.look(ray, far, posed_scene_.tracer().nearest(ray.origin, ray.direction, far), sample, uncounted);
 }

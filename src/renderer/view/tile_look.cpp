@@ -220,7 +220,9 @@ FibreSample fibre_sample(const Fragment& fragment, std::uint16_t pixel, glm::vec
 
 bool same_surface(const GatherPoint& a, const Fragment& b, float pixel_extent) {
     if (a.point.address.object != b.point.address.object || a.point.back_side != b.point.back_side) return false;
-    if (a.way != b.way) return false;
+    if (a.way != b.way || a.point.probed != b.point.probed) return false;
+    // Probes stand for their own places.
+    if (b.point.probed && glm::length(b.point.position - a.point.position) > pixel_extent) return false;
     if (glm::dot(a.point.shading_normal, b.point.shading_normal) < same_normal) return false;
     const glm::vec3 apart = b.point.position - a.point.position;
     const float off = std::max(std::abs(glm::dot(apart, a.point.geometric_normal)),

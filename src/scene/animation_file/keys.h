@@ -50,15 +50,36 @@ inline constexpr std::array change{K("position"), K("rotate"),        K("scale")
 inline constexpr std::array repeat{K("count"), K("step"), K("centered"), K("ring")};
 inline constexpr std::array ring{K("count"), K("radius"), K("from"), K("to")};
 
-inline constexpr std::array material{K("base_color"),   K("texture"),  K("texture_scale"),    K("alpha"),
-                                     K("alpha_cutoff"), K("metallic"), K("roughness"),        K("normal_texture"),
-                                     K("normal_scale"), K("emission"), K("emission_texture"), K("transmission"),
-                                     K("ior"),          K("solid"),    K("attenuation"),      K("attenuation_distance"),
-                                     K("dispersion"),   K("hair"),     K("double_sided"),     K("unlit"),
-                                     K("power"),        K("keys"),     K("interpolation"),    K("loop")};
+inline constexpr std::array material{K("base_color"),
+                                     K("texture"),
+                                     K("texture_scale"),
+                                     K("alpha"),
+                                     K("alpha_cutoff"),
+                                     K("metallic"),
+                                     K("roughness"),
+                                     K("normal_texture"),
+                                     K("normal_scale"),
+                                     K("emission"),
+                                     K("emission_texture"),
+                                     K("transmission"),
+                                     K("ior"),
+                                     K("solid"),
+                                     K("attenuation"),
+                                     K("attenuation_distance"),
+                                     K("dispersion"),
+                                     K("hair"),
+                                     K("subsurface"),
+                                     K("double_sided"),
+                                     K("unlit"),
+                                     K("power"),
+                                     K("keys"),
+                                     K("interpolation"),
+                                     K("loop")};
 inline constexpr std::array hair{K("color"),   K("absorption"), K("melanin"),
                                  K("redness"), K("roughness"),  K("azimuthal_roughness"),
                                  K("coat"),    K("ior"),        K("tilt")};
+
+inline constexpr std::array subsurface{K("weight"), K("free_path")};
 
 inline constexpr std::array material_key{K("at"), K("power")};
 

@@ -83,6 +83,15 @@ void change_hair(const JsonValue& value, Material& material) {
     material.hair = hair;
 }
 
+void change_subsurface(const JsonValue& value, Material& material) {
+    value.allow_only(keys::subsurface);
+    Subsurface below = material.subsurface.value_or(Subsurface{});
+    value.set("weight", below.weight, 0, 1);
+    if (const auto v = value.find("free_path")) below.free_path = v->color(1e6);
+    const bool spreads = below.weight > 0 && below.free_path != glm::vec3(0);
+    material.subsurface = spreads ? std::optional(below) : std::nullopt;
+}
+
 }  // namespace
 
 fs::path Looks::file_below(const fs::path& folder, const JsonValue& name) {
@@ -151,6 +160,7 @@ void Looks::change(const JsonValue& value, int index) {
     value.set("transmission", material().transmission, 0, 1);
     value.set("ior", material().ior, 1, 5);
     change_body(value, material());
+    if (const auto v = value.find("subsurface")) change_subsurface(*v, material());
     if (const auto v = value.find("hair")) change_hair(*v, material());
     const bool derived = value.has("metallic") || value.has("roughness") || value.has("transmission");
     if (material().specular_glossiness && derived) material().specular_glossiness = false;
