@@ -5,7 +5,7 @@ import math
 from .nodes import incoming, number_of
 
 
-# Mean free path of Christensen and Burley's profile over the radius of a random walk. fit: none; by the eye beside Cycles.
+# Mean free path of Christensen and Burley's profile over the radius of a random walk. chosen: 0.25 of 0.1 to 1, on one head; others not tried.
 WALK = 0.25
 
 # Inputs that may be textures.

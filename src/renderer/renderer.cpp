@@ -325,10 +325,9 @@ void Renderer::start_chunk(const scene::Snapshot& first) {
 
 Seen Renderer::see(const scene::Snapshot& snapshot) {
     impl_->pose(snapshot);
-    const SeeSettings settings = impl_->see_settings();
     const Stopwatch timer(impl_->row(Pass::see));
     SeeCounts counts;
-    Seen seen = renderer::see(impl_->posed_scene, settings, impl_->plan, counts);
+    Seen seen = renderer::see(impl_->posed_scene, impl_->see_settings(), impl_->plan, counts);
     add(counts, impl_->statistics);
     return seen;
 }
@@ -338,18 +337,17 @@ Seen Renderer::complete(const scene::Snapshot& snapshot, Seen seen, const core::
     Impl& i = *impl_;
     if (!i.started) i.start_chunk(snapshot);
     i.pose(snapshot);
-    const SeeSettings settings = i.see_settings();
     Statistics& all = i.statistics;
     if (tolerance != nullptr && i.settings.most_samples > 0) {
         const Stopwatch timer(i.row(Pass::see));
         SeeCounts counts;
-        look_closer(i.posed_scene, settings, i.plan, *tolerance, i.settings.most_samples, seen, counts);
+        look_closer(i.posed_scene, i.see_settings(), i.plan, *tolerance, i.settings.most_samples, seen, counts);
         add(counts, all);
     }
     if (samples != nullptr && (i.plan.runs(Pass::shutter) || i.plan.runs(Pass::lens))) {
         const Stopwatch timer(i.row(i.plan.runs(Pass::lens) ? Pass::lens : Pass::shutter));
         ExposureCounts counts;
-        expose(i.posed_scene, settings, i.plan, *samples, seen, counts);
+        expose(i.posed_scene, i.see_settings(), i.plan, *samples, seen, counts);
         all.exposure_rays += counts.rays;
         all.exposed_pixels += counts.pixels;
     }
@@ -359,11 +357,9 @@ Seen Renderer::complete(const scene::Snapshot& snapshot, Seen seen, const core::
         i.thrown.add(i.posed_scene, i.light_points.at(i.posed_scene), tolerance, seen, counts);
         if (tolerance != nullptr) add(counts, all);
     }
-    if (i.plan.runs(Pass::hair)) {
-        const Stopwatch timer(i.row(Pass::hair));
-        HairCounts counts;
-        i.hair_light.add_to(seen, tolerance, counts);
-        if (tolerance != nullptr) all.hair.add(counts);
+    if (!seen.fibres.empty()) {
+        const Stopwatch timer(i.row(i.plan.runs(Pass::hair) ? Pass::hair : Pass::subsurface));
+        i.hair_light.add_to(seen, tolerance, all.hair);
     }
     if (i.plan.runs(Pass::air)) {
         i.prepare(snapshot, seen);

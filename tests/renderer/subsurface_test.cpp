@@ -50,15 +50,15 @@ int skin(SceneBuilder& b, float free_path) {
 }
 
 /// Mean of what probes around a point of the first object find, as reflectance.
-glm::dvec3 found_at(const Stage& stage, glm::vec3 from, glm::vec3 to, int n = 4000, std::size_t* places = nullptr) {
+glm::dvec3 found_at(const Stage& stage, glm::vec3 from, glm::vec3 to, int n = 4000) {
     const Hit hit = stage.tracer().nearest(from, to, 1e3f);
-    const SurfacePoint p = stage.posed_scene().surface_at(hit.address, -to);
+    SurfacePoint p = stage.posed_scene().surface_at(hit.address, -to);
     EXPECT_TRUE(p.spreads);
-    std::vector<SurfacePoint> met;
-    for (int i = 0; i < n; ++i) probe(stage.posed_scene(), p, core::mix(static_cast<std::uint64_t>(i)), 0.5f, met);
+    p.below = true;
     glm::dvec3 sum(0);
-    for (const SurfacePoint& m : met) sum += glm::dvec3(m.bsdf.diffuse) / static_cast<double>(n);
-    if (places != nullptr) *places = met.size();
+    for (int i = 0; i < n; ++i)
+        if (const auto place = probe(stage.posed_scene(), p, core::mix(static_cast<std::uint64_t>(i))))
+            sum += glm::dvec3(place->bsdf.diffuse) / static_cast<double>(n);
     return sum;
 }
 

@@ -12,6 +12,7 @@
 #include "parallel/loops.h"
 #include "renderer/base/flush_denormals.h"
 #include "renderer/base/lobe.h"
+#include "renderer/subsurface/probes.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -47,13 +48,21 @@ HairLight::HairLight(const PosedScene& posed_scene, const Plan& plan)
 /// Lights of one sample by next events, and one ray by the fibre's scattering, whose end the cache knows.
 void HairLight::trace(const FibreSample& sample, std::uint64_t number, Traced& out) const {
     const auto index = static_cast<std::uint32_t>(out.light.size());
-    const Scatterer at(posed_scene_, posed_scene_.surface_at(sample.address, sample.outgoing.unpack()));
+    SurfacePoint point = posed_scene_.surface_at(sample.address, sample.outgoing.unpack());
+    if (sample.below) {
+        point.below = true;
+        point.bsdf.diffuse *= posed_scene_.animation().materials[point.material].subsurface->weight;
+        const std::optional<SurfacePoint> place = probe(posed_scene_, point, core::mix(number + 1));
+        if (!place) return void(out.light.emplace_back(0.0f));
+        point = *place;
+    }
+    const Scatterer at(posed_scene_, point);
     glm::vec3& light = out.light.emplace_back(cache_.lamps(at, number, out.rays));
     const auto u = [&](std::uint64_t which) { return core::uniform(number, 16, which); };
     const glm::vec3 direction = at.sample(u(0), {u(1), u(2)});
     const float density = at.density(direction);
     const glm::vec3 weight = at.scatters(direction) / std::max(density, std::numeric_limits<float>::min());
-    if (!(density > 0.0f) || !core::is_finite(weight)) return;
+    if (!(density > 0.0f) || !at.query().may_see(direction) || !core::is_finite(weight)) return;
     const RayQuery ray{at.origin_of(direction), direction, std::numeric_limits<float>::infinity()};
     Hit hit;
     posed_scene_.tracer().any_nearest(std::span(&ray, 1), std::span(&hit, 1), false);

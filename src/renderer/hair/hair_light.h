@@ -1,5 +1,5 @@
 #pragma once
-// Lights the fibres that a frame shows.
+// Lights the fibres that a frame shows, and what shines from below surfaces.
 #include <span>
 #include <vector>
 
@@ -13,10 +13,10 @@
 
 namespace render2mpeg::renderer {
 
-/// Light of fibres. Every sample of the eye asks lamps by next events, and sends a ray by its fibre's scattering, whose
-/// end a cache on surfaces and among strands knows (surface_cache.h); again and again, until the standard error of its
-/// pixel is below its tolerance, as far as the tile's pixels together tell it. A function of the posed instant and of
-/// what is seen, for any number of threads.
+/// Light of fibres and below surfaces, at places that probes find. Every sample of the eye asks lamps by next events,
+/// and sends a ray by its fibre's scattering, whose end a cache on surfaces and among strands knows (surface_cache.h);
+/// again and again, until the standard error of its pixel is below its tolerance, as far as the tile's pixels together
+/// tell it. A function of the posed instant and of what is seen, for any number of threads.
 class HairLight {
   public:
     HairLight(const PosedScene& posed_scene, const Plan& plan);

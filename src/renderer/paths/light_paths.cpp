@@ -1,6 +1,7 @@
 #include "renderer/paths/light_paths.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "core/sampling.h"
 #include "renderer/base/flush_denormals.h"
 #include "renderer/paths/scatterer.h"
+#include "renderer/subsurface/probes.h"
 #include "renderer/surface/lobe_albedo.h"
 
 namespace render2mpeg::renderer {
@@ -72,8 +74,14 @@ glm::vec3 LightPaths::scattered(const SurfacePoint& point, PathNumbers& numbers)
 glm::vec3 LightPaths::scattered(const SurfacePoint& point, glm::vec3 origin, PathNumbers& numbers) const {
     const FlushDenormals flushed;
     Way way;
-    way.stand_on({posed_scene_, point});
-    way.at.leave_from(origin);
+    if (point.below) {
+        const auto place = probe(posed_scene_, point, core::mix(std::bit_cast<std::uint32_t>(numbers.next())));
+        if (!place) return glm::vec3(0);
+        way.stand_on({posed_scene_, *place});
+    } else {
+        way.stand_on({posed_scene_, point});
+        way.at.leave_from(origin);
+    }
     glm::vec3 light(0);
     do light += asked(way, numbers);
     while (leave(way, numbers) && meet(way, numbers, light));

@@ -11,7 +11,8 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// Chances of the normal and of both tangents [King2013].
+/// Probes at a time: two along the normal, one along each tangent, as often as [King2013] has them.
+constexpr int probes = 4;
 constexpr float chances[3] = {0.5f, 0.25f, 0.25f};
 
 /// Surfaces that one probe meets; more are left out. chosen: 8, four folds.
@@ -44,44 +45,54 @@ struct Axes {
 
 }  // namespace
 
-void probe(const PosedScene& posed_scene, const SurfacePoint& point, std::uint64_t number, float time,
-           std::vector<SurfacePoint>& places) {
+std::optional<SurfacePoint> probe(const PosedScene& posed_scene, const SurfacePoint& point, std::uint64_t number) {
     const scene::Subsurface& below = *posed_scene.animation().materials[point.material].subsurface;
-    const SubsurfaceProfile profile(point.bsdf.diffuse, below.free_path);
+    const SubsurfaceProfile profile(point.bsdf.diffuse / std::max(below.weight, 1e-6f), below.free_path);
     const Axes axes(point.geometric_normal);
-    const glm::vec3 albedo = below.weight * point.bsdf.diffuse;
-    for (int i = 0; i < probes_of_sample; ++i) {
-        // The normal has two probes, which lie opposite, each tangent one.
+    std::optional<SurfacePoint> chosen;
+    float sum = 0.0f, left = core::uniform(number, 0, 5);
+    const auto offer = [&](SurfacePoint place, glm::vec3 share) {
+        const float own = share.x + share.y + share.z;
+        if (!(own > 0.0f) || !core::is_finite(share)) return;
+        sum += own;
+        const float likely = own / sum;
+        const bool taken = left < likely;
+        left = taken ? left / likely : (left - likely) / (1.0f - likely);
+        if (!taken) return;
+        place.bsdf = {};
+        place.bsdf.diffuse = share / own;
+        place.emission = glm::vec3(0);
+        place.outgoing = place.shading_normal = place.geometric_normal;
+        chosen = place;
+    };
+    for (int i = 0; i < probes; ++i) {
         const int axis = std::max(i - 1, 0);
         const auto u = [&](std::uint64_t which) { return core::uniform(number, static_cast<std::uint64_t>(i), which); };
         const float r = profile.sample(u(0), u(1));
+        // The two of the normal lie opposite.
         const float turn =
             2.0f * std::numbers::pi_v<float> * (core::uniform(number, 0, 2) + 0.5f * static_cast<float>(i));
         const glm::vec3 x = axes.axis[(axis + 1) % 3], y = axes.axis[(axis + 2) % 3], down = -axes.axis[axis];
         const float half = core::sqrt_or_zero(profile.reach() * profile.reach() - r * r);
         glm::vec3 origin = point.position + r * (std::cos(turn) * x + std::sin(turn) * y) - half * down;
-        float left = 2.0f * half;
-        for (int met = 0; met < most_met && left > 0.0f; ++met) {
-            const Hit hit = posed_scene.tracer().nearest(origin, down, left, time);
+        float far = 2.0f * half;
+        for (int met = 0; met < most_met && far > 0.0f; ++met) {
+            const Hit hit = posed_scene.tracer().nearest(origin, down, far);
             if (!hit.found()) break;
-            SurfacePoint place = posed_scene.surface_at(hit.address, -down, {}, time);
-            left -= hit.distance;
+            SurfacePoint place = posed_scene.surface_at(hit.address, -down);
+            far -= hit.distance;
             origin = offset_origin(place, down);
             if (hit.address.object != point.address.object) continue;
             // Light enters from outside, whichever way the probe came.
-            if (place.back_side != point.back_side) place = posed_scene.surface_at(hit.address, down, {}, time);
+            if (place.back_side != point.back_side) place = posed_scene.surface_at(hit.address, down);
             const glm::vec3 offset = place.position - point.position;
             const float density = axes.density(profile, offset, place.geometric_normal);
-            const glm::vec3 weight =
-                profile.at(glm::length(offset)) / (std::max(density, 1e-20f) * static_cast<float>(probes_of_sample));
-            if (!core::is_finite(weight)) continue;
-            place.bsdf = {};
-            place.bsdf.diffuse = albedo * glm::min(weight, glm::vec3(most_weight));
-            place.emission = glm::vec3(0);
-            place.probed = true;
-            places.push_back(place);
+            const glm::vec3 weight = profile.at(glm::length(offset)) / (std::max(density, 1e-20f) * probes);
+            offer(place, point.bsdf.diffuse * glm::min(weight, glm::vec3(most_weight)));
         }
     }
+    if (chosen) chosen->bsdf.diffuse *= sum;
+    return chosen;
 }
 
 }  // namespace render2mpeg::renderer

@@ -63,13 +63,14 @@ using MovedPoints = std::vector<std::vector<MovedPoint>>;
 /// All gather points of one 16x16 tile, by pixel in raster order.
 using GatherTile = std::vector<GatherPoint>;
 
-/// What one sample of the eye shows of a fibre, whose light is found by itself (hair_light.h).
+/// What one sample of the eye shows of a fibre, or of light below a surface, which is found by itself (hair_light.h).
 struct FibreSample {
     core::SurfaceAddress address;
     core::PackedNormal outgoing;  ///< to where it is seen from
     glm::vec3 weight{1};          ///< as GatherPoint's
     std::uint16_t pixel = 0;      ///< likewise
     bool specular = false;        ///< seen in mirrors or through glass
+    bool below = false;           ///< SurfacePoint's
 };
 /// Those of a tile, by pixel in raster order.
 using FibreTile = std::vector<FibreSample>;
@@ -157,8 +158,8 @@ struct Seen {
     std::vector<SeenAir> air{};            ///< by tile; empty: it is clear
     /// Light of the air: a part of `emitted`, and what exposed pixels show of it. Empty without.
     core::Plane<glm::vec3> airlight{}, air_of_exposed{};
-    std::vector<FibreTile> fibres{};  ///< by tile, until they are lit; empty: there is no hair
-    /// Light of fibres: a part of `emitted`, and what exposed pixels show of it. Empty without.
+    std::vector<FibreTile> fibres{};  ///< by tile, until they are lit; empty: the plan knows of none
+    /// Light of fibres and below surfaces: a part of `emitted`, and what exposed pixels show of it. Empty without.
     core::Plane<glm::vec3> hair{}, hair_of_exposed{};
     std::shared_ptr<const Exposure> exposure{};  ///< null: no pixel is blurred
     int tiles_across() const { return (visible.width() + tile_size - 1) / tile_size; }

@@ -1,7 +1,6 @@
 #include "renderer/truth/pixel_paths.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <vector>
 
@@ -88,9 +87,7 @@ PathSums PixelPaths::follow(const TruthRequest& request, std::uint64_t batch, st
 
 void PixelPaths::look(glm::vec2 position, float spacing, EyeSample& sample) const {
     float far = 0;
-    EyeRay ray = eye_ray(posed_scene_.posed().camera, position, spacing, far);
-    ray.probes = core::mix(std::uint64_t{std::bit_cast<std::uint32_t>(position.x)} << 32 |
-                           std::bit_cast<std::uint32_t>(position.y));
+    const EyeRay ray = eye_ray(posed_scene_.posed().camera, position, spacing, far);
     SeeCounts uncounted;
     eye_.look(ray, far, posed_scene_.tracer().nearest(ray.origin, ray.direction, far), sample, uncounted);
 }

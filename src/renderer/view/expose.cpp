@@ -273,7 +273,7 @@ std::pair<std::uint32_t, std::uint32_t> TileExposer::point_for(const Fragment& f
 
 void TileExposer::take(Fragment& fragment, int x, int y, float time, std::size_t first, TileExposure& found) {
     const glm::vec3 weight = fragment.weight / static_cast<float>(pattern_->samples());
-    if (fragment.point.fibre) {
+    if (fragment.point.is_sampled()) {
         found.fibres.push_back(fibre_sample(fragment, pixel_at(x, y), weight));
         return;
     }

@@ -7,7 +7,6 @@
 #include "core/color.h"
 #include "core/numeric.h"
 #include "core/sampling.h"
-#include "renderer/subsurface/probes.h"
 #include "renderer/surface/media_path.h"
 
 namespace render2mpeg::renderer {
@@ -204,16 +203,14 @@ void EyePaths::follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& cou
 }
 
 /// Parts what light below the surface brings from what stays where it is.
-void EyePaths::spread(const PathState& path, Fragment& fragment, EyeSample& sample) const {
-    std::vector<SurfacePoint> places;
-    probe(posed_scene_, fragment.point, core::mix(path.ray.number + path.ray.probes), path.ray.time, places);
-    for (const SurfacePoint& place : places) {
-        Fragment other = fragment;
-        other.point = place;
-        sample.fragments.push_back(other);
-    }
-    fragment.point.bsdf.diffuse *=
-        1.0f - posed_scene_.animation().materials[fragment.point.material].subsurface->weight;
+void EyePaths::spread(Fragment& fragment, EyeSample& sample) const {
+    const float weight = posed_scene_.animation().materials[fragment.point.material].subsurface->weight;
+    Fragment& below = sample.fragments.emplace_back(fragment);
+    below.point.below = true;
+    below.point.bsdf = {};
+    below.point.bsdf.diffuse = weight * fragment.point.bsdf.diffuse;
+    below.point.emission = glm::vec3(0);
+    fragment.point.bsdf.diffuse *= 1.0f - weight;
 }
 
 /// Goes so far through air, which dims what comes and adds light of its own.
@@ -262,7 +259,7 @@ glm::vec3 EyePaths::show(PathState& path, Fragment& fragment, const SurfaceFootp
         sample.main = {share, kind, point, {}};
     }
     const bool gathers = !path.dim;
-    if (gathers && point.spreads) spread(path, fragment, sample);
+    if (gathers && point.spreads) spread(fragment, sample);
     if (gathers && (point.bsdf.has_diffuse() || point.bsdf.has_glossy() || point.fibre))
         sample.fragments.push_back(fragment);
     if (gathers && point.bsdf.has_diffuse_transmission()) {

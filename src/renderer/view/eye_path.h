@@ -21,8 +21,6 @@ struct EyeRay {
     std::uint32_t number =
         0;  ///< of the sample, and from bit 16 of the pixel among 4 x 4: rough glass bends each another way
 
-    std::uint64_t probes = 0;  ///< of a seed of its own for probes below surfaces
-
     /// What the ray and its neighbours cut out of the plane at `distance` with this normal.
     SurfaceFootprint footprint_at(float distance, glm::vec3 normal) const;
 };
@@ -80,7 +78,7 @@ class EyePaths {
     void mirror(const PathState& path, const Fragment& fragment, const SurfaceFootprint& footprint, EyeSample& sample,
                 SeeCounts& counts) const;
     bool split_colors(const PathState& path, const Hit& hit, EyeSample& sample, SeeCounts& counts) const;
-    void spread(const PathState& path, Fragment& fragment, EyeSample& sample) const;
+    void spread(Fragment& fragment, EyeSample& sample) const;
     void pass_air(PathState& path, float distance, EyeSample& sample) const;
     bool is_turned(const SurfacePoint& point) const;
     glm::vec3 facet(const PathState& path, const SurfacePoint& point) const;

@@ -157,7 +157,7 @@ class TileLook {
             for (const Fragment& fragment : sample_.fragments) {
                 const glm::vec3 weight = share * fragment.weight;
                 const auto pixel = static_cast<std::uint16_t>((y % tile_size) * tile_size + x % tile_size);
-                if (fragment.point.fibre) {
+                if (fragment.point.is_sampled()) {
                     const auto across = static_cast<std::size_t>(seen_.tiles_across());
                     seen_
                         .fibres[static_cast<std::size_t>(y / tile_size) * across +
@@ -215,14 +215,12 @@ class TileLook {
 
 FibreSample fibre_sample(const Fragment& fragment, std::uint16_t pixel, glm::vec3 weight) {
     const SurfacePoint& p = fragment.point;
-    return {p.address, core::PackedNormal(p.outgoing), weight, pixel, fragment.way != straight_way};
+    return {p.address, core::PackedNormal(p.outgoing), weight, pixel, fragment.way != straight_way, p.below};
 }
 
 bool same_surface(const GatherPoint& a, const Fragment& b, float pixel_extent) {
     if (a.point.address.object != b.point.address.object || a.point.back_side != b.point.back_side) return false;
-    if (a.way != b.way || a.point.probed != b.point.probed) return false;
-    // Probes stand for their own places.
-    if (b.point.probed && glm::length(b.point.position - a.point.position) > pixel_extent) return false;
+    if (a.way != b.way) return false;
     if (glm::dot(a.point.shading_normal, b.point.shading_normal) < same_normal) return false;
     const glm::vec3 apart = b.point.position - a.point.position;
     const float off = std::max(std::abs(glm::dot(apart, a.point.geometric_normal)),

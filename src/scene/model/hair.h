@@ -11,7 +11,7 @@ struct Hair {
     float roughness = 0.3f, azimuthal_roughness = 0.3f;  ///< along the fibre, and about it; 0..1
     float coat = 0;                                      ///< 0..1: by how much the first reflection is less rough
     float ior = 1.55f;                                   ///< > 1
-    float tilt = 0.034906585f;                           ///< of the scales, radians: the first reflection leans to the root
+    float tilt = 0.034906585f;  ///< of the scales, radians: the first reflection leans to the root
 };
 
 /// Absorption of fibres that give a groom this colour, 0..1 [Chiang2016, eq. 9]; and its inverse.

@@ -219,8 +219,8 @@ void validate_meshes(Animation& animation) {
         Mesh& mesh = animation.meshes[i];
         const std::string name = described("mesh", i, mesh.name);
         check_sizes(animation, mesh, name);
-        drop_triangles(animation, mesh, name, tallies);
         drop_segments(animation, mesh, name, tallies);
+        drop_triangles(animation, mesh, name, tallies);
         mend_normals(mesh, name, tallies);
         mend_attributes(mesh, name, tallies);
     }
