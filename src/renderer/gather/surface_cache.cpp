@@ -192,7 +192,7 @@ void SurfaceCache::light_place(const Sighting& place, std::uint64_t number, std:
         at.sample(uniform(number, part, 0), {uniform(number, bounce, 0), uniform(number, bounce, 1)});
     const float density = at.density(direction);
     if (!at.query().may_see(direction) || !(density > 0.0f)) return;
-    weight *= at.scatters(direction) / density;
+    weight *= at.weight(direction, density);
     if (!(core::luminance(weight) > 0.0f) || !core::is_finite(weight)) return;
     lesson.drawn += weight;
     out.rays += 1;

@@ -61,7 +61,7 @@ void HairLight::trace(const FibreSample& sample, std::uint64_t number, Traced& o
     const auto u = [&](std::uint64_t which) { return core::uniform(number, 16, which); };
     const glm::vec3 direction = at.sample(u(0), {u(1), u(2)});
     const float density = at.density(direction);
-    const glm::vec3 weight = at.scatters(direction) / std::max(density, std::numeric_limits<float>::min());
+    const glm::vec3 weight = at.weight(direction, std::max(density, std::numeric_limits<float>::min()));
     if (!(density > 0.0f) || !at.query().may_see(direction) || !core::is_finite(weight)) return;
     const RayQuery ray{at.origin_of(direction), direction, std::numeric_limits<float>::infinity()};
     Hit hit;

@@ -140,7 +140,7 @@ bool LightPaths::leave(Way& way, PathNumbers& numbers) const {
     way.direction = way.at.sample(choice, {u, v});
     way.density = way.at.density(way.direction);
     if (!(way.density > 0.0f) || !way.at.query().may_see(way.direction)) return false;
-    way.throughput *= way.at.scatters(way.direction) / way.density;
+    way.throughput *= way.at.weight(way.direction, way.density);
     if (!(mean(way.throughput) > 0.0f) || !core::is_finite(way.throughput)) return false;
     way.origin = way.at.origin_of(way.direction);
     const SurfacePoint& p = way.at.point();

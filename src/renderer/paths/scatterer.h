@@ -40,6 +40,12 @@ class Scatterer {
                      : evaluate(point_.bsdf, point_.shading_normal, point_.outgoing, to_light) *
                            glm::dot(point_.shading_normal, to_light);
     }
+    /// The same over the density of choosing the direction.
+    glm::vec3 weight(glm::vec3 to_light, float density) const {
+        return hair_ ? hair_->evaluate(to_light) / density
+                     : evaluate(point_.bsdf, point_.shading_normal, point_.outgoing, to_light) *
+                           (glm::dot(point_.shading_normal, to_light) / density);
+    }
     /// What it scatters of even light.
     glm::vec3 albedo() const { return hair_ ? hair_->albedo() : whole_albedo(point_); }
 
