@@ -310,9 +310,9 @@ INSTANTIATE_TEST_SUITE_P(Films, BlendBesideCyclesSlow,
                          testing::Values(Film{"tracked_camera", "0 7", 0.03, 30}, Film{"markers", "0 7 10", 0.03, 30},
                                          Film{"lamps_and_sky", "0 5", 0.03, 30},
                                          Film{"armature_and_shapes", "0 7", 0.03, 30},
-                                         Film{"instances", "0 7", 0.03, 30}, Film{"glass_and_emission", "5", 0.03, 30},
-                                         Film{"procedural", "0", 0.03, 30}, Film{"open_shutter", "1 2", 0.01, 38},
-                                         Film{"shallow_focus", "0", 0.01, 37}),
+                                         Film{"instances", "0 7", 0.03, 30}, Film{"fur", "2", 0.03, 32},
+                                         Film{"glass_and_emission", "5", 0.03, 30}, Film{"procedural", "0", 0.03, 30},
+                                         Film{"open_shutter", "1 2", 0.01, 38}, Film{"shallow_focus", "0", 0.01, 37}),
                          [](const auto& film) { return film.param.name; });
 
 }  // namespace
