@@ -149,9 +149,7 @@ def other_things(scene, lost):
             settings = system.settings
             if system.settings.count == 0:
                 continue
-            if settings.type == "HAIR" and settings.render_type == "PATH":
-                lost.add(thing, f'hair (particle system "{system.name}")')
-            elif settings.render_type in {"HALO", "LINE", "PATH"} and settings.type == "EMITTER":
+            if settings.render_type in {"HALO", "LINE", "PATH"} and settings.type == "EMITTER":
                 lost.add(thing, f"particles {system.name} shown as {settings.render_type.lower()}")
         if thing.type not in {"MESH", "CURVE", "SURFACE", "FONT", "META"}:
             continue
@@ -179,6 +177,7 @@ def write_nodes(glb, walk, materials, times, film, lost):
     import numpy as np
     from mathutils import Matrix
     from film_export.cameras import TO_FILM
+    from film_export.hair import Strands, add_strands
     from film_export.keys import json_number, thinned
     from film_export.shapes import add_mesh
 
@@ -195,7 +194,8 @@ def write_nodes(glb, walk, materials, times, film, lost):
                 material = over.materials[min(number, len(over.materials) - 1)] if over.materials else None
                 index, layers = materials.index(material, over.mesh_name, closed)
                 return index, [over.shape.main_uv if layer is None else layer for layer in layers]
-            meshes[thing.shape] = (add_mesh(glb, over.object_name, over.shape, offsets, slot), weights)
+            add = add_strands if isinstance(over.shape, Strands) else add_mesh
+            meshes[thing.shape] = (add(glb, over.object_name, over.shape, offsets, slot), weights)
         mesh, weights = meshes[thing.shape]
         if mesh is None:
             continue
@@ -355,6 +355,7 @@ def export(path, folder, texture_size):
     strengths.write(film, times)
     for name in materials.holes:
         film.setdefault("materials", {}).setdefault(name, {})["holdout"] = True
+    materials.write_fibres_and_skin(film)
     glb.save(os.path.join(folder, "scene.glb"))
     with open(os.path.join(folder, "film.json"), "w") as file:
         json.dump(film, file, indent=1)

@@ -27,7 +27,7 @@ FIELDS = {
     "iridescence": "film", "iridescence_texture": None, "film_ior": "film_ior", "film_thinnest": "film", "film_thickest": "film",
     "film_texture": None, "holdout": "hole", "anisotropy": "anisotropy", "anisotropy_rotation": "anisotropy_rotation", "anisotropy_texture": None,
     "diffuse_transmission": "leaf", "diffuse_transmission_texture": None, "diffuse_transmission_color": "leaf_color",
-    "diffuse_transmission_color_texture": None,
+    "diffuse_transmission_color_texture": None, "hair": "hair", "subsurface": "subsurface",
 }
 READ_AS_THEY_ARE = {".png", ".jpg", ".jpeg", ".bmp", ".tga", ".tif", ".tiff", ".webp"}
 
@@ -140,6 +140,15 @@ class Materials:
         if key not in self.made:
             self.made[key] = self.make(material, look, baked or {}, not sides, body)
         return self.made[key]
+
+    def write_fibres_and_skin(self, film):
+        """What glTF has no words for: fibres of hair, light below surfaces."""
+        for key, made in self.made.items():
+            look = self.looks[key[0]][0] if key else None
+            for name in ("hair", "subsurface"):
+                if look is not None and getattr(look, name):
+                    material = self.glb.document["materials"][made[0]]["name"]
+                    film.setdefault("materials", {}).setdefault(material, {})[name] = getattr(look, name)
 
     def plain(self):
         if None not in self.made:

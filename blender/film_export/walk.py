@@ -5,6 +5,7 @@ Blender gives only a render engine the scene in that state, so this is one that 
 import bpy
 import numpy as np
 
+from . import hair
 from .shapes import Bending, Shape
 
 # Modifiers whose result lies still as long as neither they nor their object's data move.
@@ -109,13 +110,14 @@ class Walk:
         bent = set()
         for instance in depsgraph.object_instances:
             thing = instance.object
+            if instance.show_particles:
+                self.meet_hair(number, instance, thing, depsgraph, bent)
             if not instance.show_self:
                 continue
             if thing.type in SHAPED or thing.type == "LIGHT":
                 self.meet(number, instance, thing, depsgraph, bent)
-            elif thing.type in {"CURVES", "VOLUME", "POINTCLOUD", "GPENCIL", "GREASEPENCIL"}:
-                self.lost.add(thing.original, {"CURVES": "hair", "VOLUME": "volume", "POINTCLOUD": "point cloud"}.get(
-                    thing.type, "grease pencil"))
+            elif thing.type in {"VOLUME", "POINTCLOUD", "GPENCIL", "GREASEPENCIL"}:
+                self.lost.add(thing.original, {"VOLUME": "volume", "POINTCLOUD": "point cloud"}.get(thing.type, "grease pencil"))
         for seen in self.things.values():
             seen.matrices += [None] * (number + 1 - len(seen.matrices))
         for key, shape in self.shapes.items():
@@ -124,6 +126,44 @@ class Walk:
                 if shape.bending.rows:
                     shape.bending.rows.append(list(shape.bending.rows[-1]))
         self.watch(number, depsgraph)
+
+    def meet_hair(self, number, instance, thing, depsgraph, bent):
+        """Strands of an object's particle systems, or of a Curves object."""
+        original = thing.original
+        of = f"{instance.parent.original.name}/{original.name}" if instance.is_instance else original.name
+        own = ("instance", instance.parent.original.name_full, tuple(instance.persistent_id)) if instance.is_instance else ()
+        sources = [(system.name, system) for system in hair.systems_of(thing)]
+        if thing.type == "CURVES":
+            sources.append(("", None))
+        for name, system in sources:
+            key = ("hair", original.name_full, name)
+            known = self.shapes.get(key)
+            if known is None or (known.bending and key not in bent):
+                strands = hair.particle_strands(thing, system) if system else hair.curve_strands(thing.data)
+                self.keep(key, strands, original, thing, number, bent, hair.bends(original, system, STILL_MODIFIERS, moves_itself)
+                          if system else may_bend(original))
+            if self.shapes[key].shape is None:
+                continue
+            seen = self.things.get(own + key)
+            if seen is None:
+                seen = self.things[own + key] = Thing(f"{of} {name}".strip(), "HAIR", number)
+                seen.shape = key
+            if len(seen.matrices) <= number:
+                seen.matrices.append(np.array(instance.matrix_world, dtype=float))
+
+    def keep(self, key, shape, original, thing, number, bent, may_bend):
+        """The shape at one more frame."""
+        known = self.shapes.get(key)
+        if known is None:
+            materials = [s.material.original if s.material else None for s in thing.material_slots]
+            known = self.shapes[key] = ShapeOverTime(shape, original.name, materials, may_bend and shape is not None)
+            if known.bending:
+                known.missed = number
+                known.bending.rows += [[]] * number
+        bent.add(key)
+        if known.bending and (shape is None or not known.bending.add(shape)):
+            known.bending.rows.append(list(known.bending.rows[-1]) if known.bending.rows else [])
+            self.lost.add(original, "its hair has other points on other frames; its first ones are kept")
 
     def meet(self, number, instance, thing, depsgraph, bent):
         original = thing.original

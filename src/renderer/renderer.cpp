@@ -20,6 +20,7 @@
 #include "renderer/gather/final_gather.h"
 #include "renderer/gather/frame_rays.h"
 #include "renderer/gather/near_light.h"
+#include "renderer/hair/hair_light.h"
 #include "renderer/judge.h"
 #include "renderer/lights/anchors.h"
 #include "renderer/lights/light_points.h"
@@ -52,7 +53,8 @@ struct Renderer::Impl {
           posed_scene(film, s.isa, p),
           light_points(posed_scene, p, (p.runs(Pass::sky_light) ? 2 : 1) * s.direct_points, s.seed),
           thrown({s.caustic_photons}),
-          final_gather(posed_scene, plan, scene::traits_of(film).changes_light()) {
+          final_gather(posed_scene, plan, scene::traits_of(film).changes_light() && !p.runs(Pass::hair)),
+          hair_light(posed_scene, plan) {
         statistics.image_notes = posed_scene.notes();
         if (by_rays()) rays_of.push_back(RaysOf::hemispheres);
         if (plan.runs(Pass::lobe_rays)) rays_of.push_back(RaysOf::lobes);
@@ -289,6 +291,7 @@ struct Renderer::Impl {
     FrameLight light;  ///< of the points of the frame shaded last
     AmbientAir ambient_air;
     FinalGather final_gather;
+    HairLight hair_light;
     double shared_seconds = 0;       ///< of gathering by rays, that rows have already
     std::uint64_t counted_rays = 0;  ///< of all, that statistics have, or that count nowhere
     core::Radiance sharp;  ///< of the last frame that was exposed: its middle, whose points and pixels are audited
@@ -306,10 +309,9 @@ void Renderer::start_chunk(const scene::Snapshot& first) {
 
 Seen Renderer::see(const scene::Snapshot& snapshot) {
     impl_->pose(snapshot);
-    const SeeSettings settings = impl_->see_settings();
     const Stopwatch timer(impl_->row(Pass::see));
     SeeCounts counts;
-    Seen seen = renderer::see(impl_->posed_scene, settings, impl_->plan, counts);
+    Seen seen = renderer::see(impl_->posed_scene, impl_->see_settings(), impl_->plan, counts);
     add(counts, impl_->statistics);
     return seen;
 }
@@ -319,18 +321,17 @@ Seen Renderer::complete(const scene::Snapshot& snapshot, Seen seen, const core::
     Impl& i = *impl_;
     if (!i.started) i.start_chunk(snapshot);
     i.pose(snapshot);
-    const SeeSettings settings = i.see_settings();
     Statistics& all = i.statistics;
     if (tolerance != nullptr && i.settings.most_samples > 0) {
         const Stopwatch timer(i.row(Pass::see));
         SeeCounts counts;
-        look_closer(i.posed_scene, settings, i.plan, *tolerance, i.settings.most_samples, seen, counts);
+        look_closer(i.posed_scene, i.see_settings(), i.plan, *tolerance, i.settings.most_samples, seen, counts);
         add(counts, all);
     }
     if (samples != nullptr && (i.plan.runs(Pass::shutter) || i.plan.runs(Pass::lens))) {
         const Stopwatch timer(i.row(i.plan.runs(Pass::lens) ? Pass::lens : Pass::shutter));
         ExposureCounts counts;
-        expose(i.posed_scene, settings, i.plan, *samples, seen, counts);
+        expose(i.posed_scene, i.see_settings(), i.plan, *samples, seen, counts);
         all.exposure_rays += counts.rays;
         all.exposed_pixels += counts.pixels;
     }
@@ -339,6 +340,10 @@ Seen Renderer::complete(const scene::Snapshot& snapshot, Seen seen, const core::
         CausticCounts counts;
         i.thrown.add(i.posed_scene, i.light_points.at(i.posed_scene), tolerance, seen, counts);
         if (tolerance != nullptr) add(counts, all);
+    }
+    if (!seen.fibres.empty()) {
+        const Stopwatch timer(i.row(i.plan.runs(Pass::hair) ? Pass::hair : Pass::subsurface));
+        i.hair_light.add_to(seen, tolerance, all.hair);
     }
     if (i.plan.runs(Pass::air)) {
         i.prepare(snapshot, seen);

@@ -15,6 +15,7 @@
 #include "renderer/cache/cache_counts.h"
 #include "renderer/calibration/audited_pixel.h"
 #include "renderer/geometry/ray_tracer.h"
+#include "renderer/hair/hair_counts.h"
 #include "renderer/surface/gather_point.h"
 #include "renderer/truth/error_split.h"
 #include "scene/pose/snapshot.h"
@@ -87,7 +88,8 @@ struct Statistics {
     double photon_energy = 0;             ///< luminance flux that photons brought to surfaces, bounce by bounce
     double photon_energy_lost = 0;        ///< of it, what ended since no surface counts as brighter than largest_albedo
     double layer_seconds = 0;             ///< likewise, of the time of shading: what translucent surfaces let through
-    CacheCounts cache;                    ///< of the irradiance cache (Settings::cache)
+    HairCounts hair;
+    CacheCounts cache;  ///< of the irradiance cache (Settings::cache)
 };
 
 /// See and shade. State that lives over frames is a function of the animation, the settings and the chunk's first

@@ -309,6 +309,44 @@ def armature_and_shapes():
     add_camera((0, -7, 2.5), (0, 0, 1.2))
 
 
+def fur():
+    """A ball of fur with children that bends with two bones, by Principled Hair."""
+    start(3)
+    world_of((0.4, 0.5, 0.7))
+    hair = bpy.data.materials.new("Fur")
+    hair.use_nodes = True
+    nodes = hair.node_tree.nodes
+    nodes.clear()
+    fibre, end = nodes.new("ShaderNodeBsdfHairPrincipled"), nodes.new("ShaderNodeOutputMaterial")
+    fibre.parametrization = "MELANIN"
+    fibre.inputs["Melanin"].default_value, fibre.inputs["Melanin Redness"].default_value = 0.6, 0.5
+    hair.node_tree.links.new(fibre.outputs[0], end.inputs["Surface"])
+    ball = add_primitive("uv_sphere", add_matt("Skin", (0.6, 0.4, 0.3)), location=(0, 0, 1), segments=24, ring_count=12)
+    ball.data.materials.append(hair)
+    add_primitive("plane", add_matt("Floor", (0.5, 0.5, 0.5)), size=20, location=(0, 0, -0.3))
+    rig = add_object("Rig", bpy.data.armatures.new("Rig"))
+    bpy.context.view_layer.objects.active = rig
+    bpy.ops.object.mode_set(mode="EDIT")
+    for name, low, high in (("low", 0, 1), ("high", 1, 2)):
+        bone = rig.data.edit_bones.new(name)
+        bone.head, bone.tail = (0, 0, low), (0, 0, high)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    for name, sign in (("low", -1), ("high", 1)):
+        ball.vertex_groups.new(name=name).add([v.index for v in ball.data.vertices if sign * v.co.z >= 0], 1, "REPLACE")
+    ball.modifiers.new("Bend", "ARMATURE").object = rig
+    settings = ball.modifiers.new("Fur", "PARTICLE_SYSTEM").particle_system.settings
+    settings.type, settings.count, settings.hair_length, settings.material = "HAIR", 80, 0.5, 2
+    settings.child_type, settings.rendered_child_count, settings.render_step = "INTERPOLATED", 10, 2
+    settings.root_radius, settings.tip_radius, settings.radius_scale = 1, 0.2, 0.03
+    bone = rig.pose.bones["high"]
+    bone.rotation_mode = "XYZ"
+    for frame, turn in ((1, 0), (3, 0.8)):
+        bone.rotation_euler.x = turn
+        bone.keyframe_insert("rotation_euler", frame=frame)
+    add_lamp("SUN", (3, -4, 6), energy=3, angle=0.1)
+    add_camera((0, -6, 2), (0, 0, 1))
+
+
 def subdivide(thing, cuts):
     """Rings along z for what was one long cylinder."""
     import bmesh
@@ -520,7 +558,7 @@ def hostile():
     cube.data.materials[0] = material
 
 
-FILMS = {film.__name__: film for film in (tracked_camera, markers, lamps_and_sky, looks, armature_and_shapes, instances, glass_and_emission,
+FILMS = {film.__name__: film for film in (tracked_camera, markers, lamps_and_sky, looks, armature_and_shapes, fur, instances, glass_and_emission,
                                           procedural, odds_and_ends, hostile, open_shutter, shallow_focus, holes)}
 
 

@@ -24,7 +24,8 @@ Traits all_traits() {
     t.has_diffuse_surfaces = t.has_glossy_surfaces = t.has_narrow_lobes = t.has_mirrors = t.has_glass = true;
     t.has_alpha_mask = t.has_alpha_blend = t.has_normal_maps = t.has_textures = true;
     t.camera_moves = t.objects_move = t.objects_deform = t.lights_change = t.has_cuts = true;
-    t.has_open_shutter = t.has_aperture = t.has_glare = t.has_fog = t.has_edited_reflections = true;
+    t.has_open_shutter = t.has_aperture = t.has_glare = t.has_fog = t.has_hair = t.has_subsurface = true;
+    t.has_edited_reflections = true;
     return t;
 }
 
@@ -144,6 +145,8 @@ TEST(Plan, FollowsEachCauseAlone) {
     EXPECT_EQ(changes([](Traits& t, bool on) { t.has_glass = on; }), (Names{"glass"}));
     EXPECT_EQ(changes([](Traits& t, bool on) { t.has_mirrors = on; }), (Names{"mirrors"}));
     EXPECT_EQ(changes([](Traits& t, bool on) { t.has_edited_reflections = on; }), (Names{"edited reflections"}));
+    EXPECT_EQ(changes([](Traits& t, bool on) { t.has_hair = on; }), (Names{"hair"}));
+    EXPECT_EQ(changes([](Traits& t, bool on) { t.has_subsurface = on; }), (Names{"subsurface"}));
     EXPECT_EQ(changes([](Traits& t, bool on) { t.has_bodies = on; }), (Names{"refraction"}));
     EXPECT_EQ(changes([](Traits& t, bool on) { t.throws_light = on; }), (Names{"caustics"}));
     EXPECT_EQ(changes([](Traits& t, bool on) { t.has_narrow_lobes = on; }), (Names{"lobe rays"}));

@@ -111,6 +111,8 @@ TEST(AnimationFileSchema, HasTheKeysThatTheReaderKnows) {
     expect_same_keys("ring", keys::ring);
     expect_same_keys("material", keys::material);
     expect_same_keys("material_key", keys::material_key);
+    expect_same_keys("hair", keys::hair);
+    expect_same_keys("subsurface", keys::subsurface);
     expect_same_keys("checker", keys::checker);
     expect_same_keys("sky", keys::sky);
     expect_same_keys("view", keys::view);

@@ -79,8 +79,14 @@ TEST_P(Animations, SayInTwoLinesWhatTheyIsolate) {
 INSTANTIATE_TEST_SUITE_P(All, Animations,
                          ::testing::Values("cornell", "colonnade", "many_lamps", "mirror_and_glass", "night_street",
                                            "ring_and_lens", "character", "still_room", "flash_cut", "wheel",
-                                           "rack_focus", "aimed_reflection"),
+                                           "rack_focus", "aimed_reflection", "furry_walk"),
                          [](const auto& chosen) { return std::string(chosen.param); });
+
+TEST(AnimationsIsolate, FurryWalkMovesHairUnderASunAndASky) {
+    const Traits t = traits_of(film("furry_walk"));
+    EXPECT_TRUE(t.has_hair && t.objects_move && t.camera_moves && t.has_punctual_lights && t.has_shining_sky);
+    EXPECT_FALSE(t.objects_deform || t.lights_change || t.has_emissive_surfaces || t.has_cuts || t.has_glass);
+}
 
 TEST(AnimationsIsolate, CornellMovesBoxesUnderAPanelBeforeAStillCamera) {
     const Traits t = traits_of(film("cornell"));

@@ -39,13 +39,13 @@ constexpr std::uint64_t samples_of_blurred_lamps = 32;  ///< of a pixel on the a
 constexpr std::uint64_t per_decoded_pixel = 48;
 constexpr std::uint64_t always = std::uint64_t{24} << 20;
 
-/// Triangles in Embree: rigid objects share their mesh's, others have their own.
+/// Triangles and segments of strands in Embree: rigid objects share their mesh's, others have their own.
 std::uint64_t triangles_of(const scene::Animation& film) {
     std::uint64_t count = 0;
     std::set<int> shared;
     for (const scene::Object& object : film.objects)
         if (object.mobility != scene::Mobility::rigid || shared.insert(object.mesh).second)
-            count += film.meshes[static_cast<std::size_t>(object.mesh)].triangles.size();
+            count += film.meshes[static_cast<std::size_t>(object.mesh)].primitives();
     return count;
 }
 

@@ -51,6 +51,9 @@ std::vector<Effect> effects_of(const RenderJob& film, const RunStatistics& stati
     if (plan.runs(Pass::caustics))
         effects.push_back(
             {"caustics", pass(Pass::caustics), r.caustic_rays, {}, "light that mirrors and glass throw, by photons"});
+    if (const std::string own = list_of(plan, {{Pass::hair, "hair"}, {Pass::subsurface, "subsurface"}}); !own.empty())
+        effects.push_back(
+            {own, pass(Pass::hair) + pass(Pass::subsurface), r.hair.rays, {}, "their light, by rays of their own"});
     // Layers are met by shadow rays to all lights alike.
     const bool photons = plan.runs(Pass::photons);
     const double direct = pass(Pass::punctual_lights) + pass(Pass::emissive_lights) + pass(Pass::direct_tree);

@@ -142,14 +142,16 @@ void spread_light(const Seen& seen, const FrameLight& light, bool layers, core::
                         seen.thrown.empty() ? ThrownLight() : seen.thrown[c.point]);
             }
             const glm::vec3 air = seen.air_of_exposed.empty() ? glm::vec3(0) : seen.air_of_exposed.at(x, y);
-            const glm::vec3 emitted = exposure.emitted.at(x, y) + air;
+            const glm::vec3 hair = seen.hair_of_exposed.empty() ? glm::vec3(0) : seen.hair_of_exposed.at(x, y);
+            const glm::vec3 emitted = exposure.emitted.at(x, y) + air + hair;
             radiance.combined.at(x, y) = glm::max(emitted + sum.combined, glm::vec3(0));
             if (layers) {
                 const glm::vec3 specular =
                     exposure.emitted_specular.empty() ? glm::vec3(0) : exposure.emitted_specular.at(x, y);
-                radiance.emission.at(x, y) = glm::max(emitted - specular, glm::vec3(0));
+                radiance.emission.at(x, y) = glm::max(emitted - specular - hair, glm::vec3(0));
                 radiance.specular.at(x, y) = specular;
                 sum.write_layers(x, y, radiance);
+                radiance.glossy.at(x, y) += hair;
             }
             if (is_finite(radiance, x, y)) return;
             if (of_tile[t].non_finite++ == 0)

@@ -202,8 +202,9 @@ ShadeCounts TileShader::shade(std::size_t tile_index) {
             if (!settings_.layers) continue;
             const glm::vec3 specular = seen_.emitted_specular.empty() ? glm::vec3(0) : seen_.emitted_specular.at(x, y);
             const glm::vec3 caustics = seen_.caustics.empty() ? glm::vec3(0) : seen_.caustics.at(x, y);
-            radiance_.emission.at(x, y) = glm::max(all - specular - caustics, glm::vec3(0));
-            radiance_.glossy.at(x, y) = glm::vec3(0);
+            const glm::vec3 hair = seen_.hair.empty() ? glm::vec3(0) : seen_.hair.at(x, y);
+            radiance_.emission.at(x, y) = glm::max(all - specular - caustics - hair, glm::vec3(0));
+            radiance_.glossy.at(x, y) = hair;
             radiance_.specular.at(x, y) = specular;
         }
     }

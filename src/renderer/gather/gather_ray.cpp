@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "core/color.h"
 #include "core/sampling.h"
@@ -14,6 +15,10 @@ namespace {
 /// rays of the eye have; what is lost is a fiftieth of what is behind eight panes.
 constexpr int most_surfaces = 8;
 constexpr float least_passing = 0.02f;
+
+/// Cells among strands are at least so many radii large. chosen: 16, about the way of light between strands of a thick
+/// fur; not tuned.
+constexpr float fibre_cell = 16.0f;
 
 /// Own cells beyond this many in a row share the cells of others. chosen: 3, so that rays between two walls that nearly
 /// touch end.
@@ -65,6 +70,14 @@ GatherRays::GatherRays(const PosedScene& posed_scene, const Plan& plan)
         plain_.push_back(m.alpha_mode == scene::AlphaMode::opaque && m.transmission == 0.0f && !m.unlit);
         shines_.push_back(m.emits() && !m.unlit);
     }
+    if (!plan.runs(Pass::hair)) return;
+    for (const scene::Object& object : film.objects) {
+        const scene::Mesh& mesh = film.meshes[static_cast<std::size_t>(object.mesh)];
+        const bool is_hair = mesh.has_curves() && film.materials[static_cast<std::size_t>(object.material)].hair;
+        const double sum = std::accumulate(mesh.radii.begin(), mesh.radii.end(), 0.0);
+        fibre_cells_.push_back(is_hair ? fibre_cell * static_cast<float>(sum) / static_cast<float>(mesh.radii.size())
+                                       : 0.0f);
+    }
 }
 
 /// The cell of a hit: of one object, one of six directions that its normal is nearest to, a cube of the world whose
@@ -75,7 +88,8 @@ Sighting GatherRays::sighting(const RayQuery& ray, const Hit& hit, float distanc
     Sighting s;
     s.address = hit.address;
     s.outgoing = -ray.direction;
-    if (distance < rules.near && rules.depth < most_own_cells) {
+    const bool is_fibre = !fibre_cells_.empty() && fibre_cells_[hit.address.object] > 0.0f;
+    if (distance < rules.near && rules.depth < most_own_cells && !is_fibre) {
         s.key = core::mix(number) | own_cell;
         s.size = rules.spread * distance;
         s.depth = static_cast<std::uint8_t>(rules.depth + 1);
@@ -83,13 +97,15 @@ Sighting GatherRays::sighting(const RayQuery& ray, const Hit& hit, float distanc
     }
     const std::uint64_t dither = core::mix(number);
     const auto part = [&](unsigned shift) { return static_cast<float>(dither >> shift & 0xffffu) * 0x1p-16f - 0.5f; };
-    const int level =
-        std::ilogb(std::max(std::exp2(part(0)) * rules.spread * distance, std::numeric_limits<float>::min()));
+    float size = rules.spread * distance;
+    if (is_fibre) size = std::max(size, fibre_cells_[hit.address.object]);
+    const int level = std::ilogb(std::max(std::exp2(part(0)) * size, std::numeric_limits<float>::min()));
     s.size = std::ldexp(1.0f, level);
     glm::vec3 at = ray.origin + hit.distance * ray.direction;
     at += s.size * glm::vec3(part(16), part(32), part(48));
     const float facing = glm::dot(hit.geometric_normal, ray.direction) > 0.0f ? -1.0f : 1.0f;
-    const glm::vec3 n = facing * hit.geometric_normal, a = glm::abs(n);
+    // Fibres send other light to other sides; their normals say nothing.
+    const glm::vec3 n = is_fibre ? -ray.direction : facing * hit.geometric_normal, a = glm::abs(n);
     const int axis = a.x > a.y && a.x > a.z ? 0 : a.y > a.z ? 1 : 2;
     const std::uint64_t face = static_cast<std::uint64_t>(2 * axis + (n[axis] < 0 ? 1 : 0));
     std::uint64_t hash = core::mix(static_cast<std::uint64_t>(hit.address.object) << 16 ^ face << 12 ^
@@ -162,7 +178,7 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, float
                      (mirrored ? 1.0f : asked->share(asked->lights.surface_density(asked->query, hit.address)));
         const glm::vec3 shown = passing * p.alpha;
         if (rules.is_lobe && p.unlit) known += shown * p.emission;
-        if (p.bsdf.has_diffuse() || p.bsdf.has_glossy() || p.bsdf.has_diffuse_transmission())
+        if (p.bsdf.has_diffuse() || p.bsdf.has_glossy() || p.bsdf.has_diffuse_transmission() || p.fibre)
             chosen.offer(shown, place);
         const bool blocks = rules.bodies_block && p.bounds_body &&
                             posed_scene_.animation().objects[hit.address.object].body == scene::Body::solid;

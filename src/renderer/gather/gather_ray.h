@@ -88,6 +88,7 @@ class GatherRays {
     int extent_level_;          ///< power of two in it: scaled scenes have the same cells
     std::vector<bool> plain_;   ///< by material: opaque, neither mirror nor glass
     std::vector<bool> shines_;
+    std::vector<float> fibre_cells_;  ///< by object: the least size of cells among its strands; empty: there is no hair
 };
 
 }  // namespace render2mpeg::renderer

@@ -23,7 +23,7 @@ struct KeptGatherRay {
 
     core::PackedNormal direction;
     float far = 0;
-    PackedLight light;
+    PackedLight light{};
     std::uint32_t cell = CellTable::none;
     std::array<std::uint16_t, 3> weights{};  ///< in the parts of RayLight: `short_float`
 

@@ -11,7 +11,7 @@
 #include "renderer/base/flush_denormals.h"
 #include "renderer/base/lobe.h"
 #include "renderer/gather/packed_light.h"
-#include "renderer/paths/path_directions.h"
+#include "renderer/paths/scatterer.h"
 #include "renderer/surface/lobe_albedo.h"
 
 namespace render2mpeg::renderer {
@@ -28,6 +28,10 @@ constexpr float least_carried = 0.001f;
 /// Lobes seen by a cell are at least so wide: what a mirror-like floor throws is a matter of caustics, and would be
 /// noise here. chosen: 0.25 of alpha, a roughness of 0.5; not tuned.
 constexpr float least_alpha = 0.25f;
+
+/// As largest_albedo, of fibres, among which light stays for many of them. chosen: 0.999; white hair lacks a thousandth
+/// for each.
+constexpr float largest_fibre_albedo = 0.999f;
 
 /// Change of luminance, as a share, at which the equations count as solved; and sweeps at most, for surfaces that
 /// reflect nearly all. chosen: 1e-4; what is left is a hundred times as much where they reflect 99 %.
@@ -162,15 +166,14 @@ glm::vec3 SurfaceCache::strength(std::size_t kind, std::uint32_t source) const {
 }
 
 /// Light of lamps, shining surfaces and the image of a sky, by next events.
-glm::vec3 SurfaceCache::lamps(const SurfacePoint& p, const LightQuery& query, std::uint64_t number, std::uint64_t& rays,
-                              KeptPlace* kept) const {
+glm::vec3 SurfaceCache::lamps(const Scatterer& at, std::uint64_t number, std::uint64_t& rays, KeptPlace* kept) const {
+    const LightQuery& query = at.query();
     glm::vec3 sum(0);
     const auto add = [&](const LightSample& s, Number kind) {
-        const float cosine = glm::dot(p.shading_normal, s.direction);
-        if (!(core::luminance(s.light) > 0.0f) || !(cosine > 0.0f) || !(glm::dot(s.direction, query.normal) > 0.0f))
-            return;
-        glm::vec3 light = evaluate(p.bsdf, p.shading_normal, p.outgoing, s.direction) * cosine * s.light;
-        if (s.density > 0.0f) light *= s.density / (s.density + direction_density(p, lobe_chance(p), s.direction));
+        if (!(core::luminance(s.light) > 0.0f) || !query.may_see(s.direction)) return;
+        glm::vec3 light = at.scatters(s.direction) * s.light;
+        if (!(core::luminance(light) > 0.0f)) return;
+        if (s.density > 0.0f) light *= s.density / (s.density + at.density(s.direction));
         if (!(core::luminance(light) > 0.0f)) return;
         if (const Air* air = posed_scene_.air(); air != nullptr) {
             const glm::vec3 direction = core::normalize_or(s.ray, s.direction);
@@ -179,7 +182,8 @@ glm::vec3 SurfaceCache::lamps(const SurfacePoint& p, const LightQuery& query, st
                          : std::exp(-air->optical_depth(query.origin, direction, glm::length(s.ray) * s.far));
         }
         ++rays;
-        const glm::vec3 passes = posed_scene_.tracer().passes(query.origin, s.ray, s.far);
+        const float skipped = at.skipped(s.ray);
+        const glm::vec3 passes = posed_scene_.tracer().passes(at.origin_of(s.ray), s.ray, s.far - skipped);
         // Lamps shine in `sources_` as when these were made.
         const glm::vec3 now = strength(kind, s.source);
         if (kind == lamp) light *= over(now, asked_strengths_.lamps[s.source]);
@@ -193,6 +197,14 @@ glm::vec3 SurfaceCache::lamps(const SurfacePoint& p, const LightQuery& query, st
     if (sources_->has_surfaces()) add(sources_->to_surface(query, uniform(number, surface, 0), pair(surface)), surface);
     if (sources_->has_sky()) add(sources_->to_sky(query, uniform(number, sky, 0), pair(sky)), sky);
     return sum;
+}
+
+/// Notes where a place's rays leave. `weight`: of the side that was chosen.
+void SurfaceCache::note_place(const LightQuery& query, glm::vec3 weight, KeptPlace& kept) {
+    kept.origin = query.origin;
+    kept.normal = core::PackedNormal(query.normal);
+    for (std::size_t kind = 0; kind < bounce && weight.x != 1.0f; ++kind)
+        kept.rays[kind].light = PackedLight(weight * unpacked(kept.rays[kind].light));
 }
 
 /// Evaluates a place: what lamps send, and one ray whose end sends the rest.
@@ -221,36 +233,29 @@ void SurfaceCache::light_place(const Sighting& place, std::uint64_t number, std:
     }
     const float cosine = glm::dot(p.shading_normal, p.outgoing);
     const glm::vec3 albedo = diffuse_albedo(p.bsdf, cosine) + glossy_albedo(p.bsdf, cosine);
-    const float brightest = std::max({albedo.x, albedo.y, albedo.z});
+    const float brightest = p.fibre ? 1.0f : std::max({albedo.x, albedo.y, albedo.z});
     if (!(brightest > 0.0f)) return;
     const float scale = std::min(largest_albedo / brightest, 1.0f);
     p.bsdf.scale(scale);
-    lesson.albedo += scale * weight * albedo;
     p.bsdf.alpha = std::max(p.bsdf.alpha, least_alpha);
     p.bsdf.alpha_along = std::max(p.bsdf.alpha_along, least_alpha);
 
-    const LightQuery query{p.position, shadow_origin(p), p.geometric_normal + p.smooth.tilt};
-    const glm::vec3 direct = weight * lamps(p, query, number, out.rays, kept);
-    if (kept != nullptr) {
-        kept->origin = query.origin;
-        kept->normal = core::PackedNormal(query.normal);
-        // Chosen between this side and beyond.
-        for (std::size_t kind = 0; kind < bounce && weight.x != 1.0f; ++kind)
-            kept->rays[kind].light = PackedLight(weight * unpacked(kept->rays[kind].light));
-    }
+    const Scatterer at(posed_scene_, p);
+    lesson.fibres = p.fibre;
+    lesson.albedo += p.fibre ? at.albedo() : scale * weight * albedo;
+    const glm::vec3 direct = weight * lamps(at, number, out.rays, kept);
+    if (kept != nullptr) note_place(at.query(), weight, *kept);
     const float share = near_field_.share(p.position);
     if (core::is_finite(direct)) {
         lesson.known += direct;
         lesson.near += share * direct;
     }
 
-    const float chance = lobe_chance(p);
-    const glm::vec3 direction = chosen_direction(p, uniform(number, part, 0) < chance,
-                                                 {uniform(number, bounce, 0), uniform(number, bounce, 1)});
-    const float density = direction_density(p, chance, direction);
-    if (!(glm::dot(direction, query.normal) > 0.0f) || !(density > 0.0f)) return;
-    weight *=
-        evaluate(p.bsdf, p.shading_normal, p.outgoing, direction) * (glm::dot(p.shading_normal, direction) / density);
+    const glm::vec3 direction =
+        at.sample(uniform(number, part, 0), {uniform(number, bounce, 0), uniform(number, bounce, 1)});
+    const float density = at.density(direction);
+    if (!at.query().may_see(direction) || !(density > 0.0f)) return;
+    weight *= at.weight(direction, density);
     if (!(core::luminance(weight) > 0.0f) || !core::is_finite(weight)) return;
     lesson.drawn += weight;
     out.rays += 1;
@@ -258,8 +263,8 @@ void SurfaceCache::light_place(const Sighting& place, std::uint64_t number, std:
         kept->density = density;
         kept->goes_on = PackedLight(weight);
     }
-    out.bounces.push_back({{query.origin, direction, std::numeric_limits<float>::infinity()},
-                           query,
+    out.bounces.push_back({{at.origin_of(direction), direction, std::numeric_limits<float>::infinity()},
+                           at.query(),
                            density,
                            weight,
                            share,
@@ -407,7 +412,8 @@ void SurfaceCache::solve(std::span<Lesson> lessons, std::vector<Link>& links) {
         for (int c = 0; c < 3; ++c) albedo[c] = core::divide_or(albedo[c], drawn[c], 0.0f);
         glm::vec3 row(0);
         links_of(l, [&](Link& link) { row += link.weight *= albedo; });
-        const glm::vec3 most(largest_albedo * static_cast<float>(taught.places));
+        const float largest = lessons[l].fibres ? largest_fibre_albedo : largest_albedo;
+        const glm::vec3 most(largest * static_cast<float>(taught.places));
         lessons[l].scale = albedo * most / glm::max(row, most);
         if (glm::any(glm::greaterThan(row, most)))
             links_of(l, [&](Link& link) { link.weight *= most / glm::max(row, most); });

@@ -16,6 +16,7 @@
 #include "renderer/gather/near_light.h"
 #include "renderer/geometry/light_change.h"
 #include "renderer/paths/light_sources.h"
+#include "renderer/paths/scatterer.h"
 
 namespace render2mpeg::renderer {
 
@@ -77,6 +78,13 @@ class SurfaceCache {
     /// Makes known what these sightings ask for; sorts them. Own cells are known until the next call.
     void learn(std::vector<Sighting>& wanted);
 
+    /// What a place scatters of lamps, shining surfaces and the image of a sky, by next events.
+    glm::vec3 lamps(const Scatterer& at, std::uint64_t number, std::uint64_t& rays) const {
+        return lamps(at, number, rays, nullptr);
+    }
+    /// Lights of the posed instant.
+    const LightSources& sources() const { return *sources_; }
+
     /// Whether an index is of one ray's own cell, known until the next `learn`.
     static bool is_own(std::uint32_t index) { return index != CellTable::none && (index & own_index) != 0; }
     /// Radiance of a cell.
@@ -117,6 +125,7 @@ class SurfaceCache {
         std::uint32_t first_link = 0, last_link = 0;  ///< once they are
         glm::vec3 known{0}, near{0};                  ///< sums over places
         glm::vec3 albedo{0}, drawn{0};                ///< likewise, of surfaces and of weights of the rays they send
+        bool fibres = false;                          ///< places are of hair
         std::optional<glm::vec3> scale;               ///< of these weights; of the last lesson
     };
     /// A ray of a place. Light is in units of its source's strength.
@@ -157,6 +166,7 @@ class SurfaceCache {
     std::uint32_t make_cell(std::uint64_t key);
     void plan_lessons(std::vector<Sighting>& wanted, std::uint32_t most, std::vector<Sighting>& places,
                       std::vector<Lesson>& lessons);
+    static void note_place(const LightQuery& query, glm::vec3 weight, KeptPlace& kept);
     void light_place(const Sighting& place, std::uint64_t number, std::uint32_t index, Lesson& lesson,
                      Evaluated& out) const;
     glm::vec3 strength(std::size_t kind, std::uint32_t source) const;
@@ -176,8 +186,7 @@ class SurfaceCache {
     void trace_met(std::span<const std::uint32_t> cells, const LightChange& change, Retraced& out);
     glm::vec3 known_of(const KeptPlace& place) const;
     void solve_kept();
-    glm::vec3 lamps(const SurfacePoint& p, const LightQuery& query, std::uint64_t number, std::uint64_t& rays,
-                    KeptPlace* kept) const;
+    glm::vec3 lamps(const Scatterer& at, std::uint64_t number, std::uint64_t& rays, KeptPlace* kept) const;
 
     const PosedScene& posed_scene_;
     GatherRays gather_rays_;

@@ -7,7 +7,9 @@
 #include "renderer/base/flush_denormals.h"
 #include "renderer/geometry/embree.h"
 #include "renderer/geometry/largest_triangles.h"
+#include "renderer/geometry/strands.h"
 #include "renderer/geometry/surface_shape.h"
+#include "scene/model/curves.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -73,11 +75,12 @@ EmbreeScene::EmbreeScene(const scene::Animation& animation, core::Isa isa, std::
     for (std::size_t i = 0; i < placed_.size(); ++i) {
         const scene::Object& object = animation.objects[i];
         const auto mesh = static_cast<std::size_t>(object.mesh);
-        const std::size_t copied = users[mesh] > 1 ? (users[mesh] - 1) * animation.meshes[mesh].triangles.size() : 0;
+        const std::size_t copied = users[mesh] > 1 ? (users[mesh] - 1) * animation.meshes[mesh].primitives() : 0;
         if (object.mobility == scene::Mobility::deforming)
             placed_[i].kind = Kind::deforming;
         else if (object.mobility == scene::Mobility::rigid || copied > most_copied_triangles)
             placed_[i].kind = Kind::instanced;
+        placed_[i].strands = animation.meshes[mesh].has_curves();
         all_baked = all_baked && placed_[i].kind == Kind::baked;
         any_translucent_ = any_translucent_ || is_filtered(static_cast<std::uint32_t>(i));
         const bool still = object.mobility == scene::Mobility::still;
@@ -121,10 +124,16 @@ bool EmbreeScene::is_still(std::uint32_t object) const {
     return animation_.objects[object].mobility == scene::Mobility::still;
 }
 
-/// The object's triangles, in Embree's own buffers: it reads some bytes past the end of shared ones.
-RTCGeometry EmbreeScene::new_triangles(std::span<const std::vector<glm::vec3>* const> steps,
-                                       std::uint32_t object) const {
+/// The object's triangles or strands, in Embree's own buffers: it reads some bytes past the end of shared ones.
+RTCGeometry EmbreeScene::new_triangles(std::span<const std::vector<glm::vec3>* const> steps, std::uint32_t object,
+                                       float width) const {
     const auto mesh = static_cast<std::size_t>(animation_.objects[object].mesh);
+    if (animation_.meshes[mesh].has_curves()) {
+        RTCGeometry strands = new_strands(device_.get(), animation_.meshes[mesh], steps, width);
+        if (is_filtered(object)) rtcSetGeometryOccludedFilterFunction(strands, filter_);
+        rtcCommitGeometry(strands);
+        return strands;
+    }
     const std::vector<glm::uvec3>& triangles = animation_.meshes[mesh].triangles;
     RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
     rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(steps.size()));
@@ -268,7 +277,7 @@ bool EmbreeScene::bake(std::uint32_t object, const glm::mat4& to_world) {
     std::vector<glm::vec3> world = animation_.meshes[mesh].positions;
     for (glm::vec3& p : world) p = glm::vec3(to_world * glm::vec4(p, 1.0f));
     if (placed.geometry != nullptr) rtcDetachGeometry(baked_.get(), object);
-    placed.geometry = new_triangles(world, object);
+    placed.geometry = new_triangles(world, object, scene::width_scale(to_world));
     rtcAttachGeometryByID(baked_.get(), placed.geometry, object);
     rtcReleaseGeometry(placed.geometry);
     placed.to_world = to_world;
@@ -329,8 +338,15 @@ bool EmbreeScene::deform(std::uint32_t object, const scene::Snapshot& snapshot) 
         return true;
     }
     bool changed = false;
+    const bool strands = animation_.meshes[static_cast<std::size_t>(animation_.objects[object].mesh)].has_curves();
     for (unsigned k = 0; k < steps.size(); ++k) {
         void* const vertices = rtcGetGeometryBufferData(placed.triangles, RTC_BUFFER_TYPE_VERTEX, k);
+        if (strands) {
+            if (!move_strands(static_cast<glm::vec4*>(vertices), *steps[k])) continue;
+            rtcUpdateGeometryBuffer(placed.triangles, RTC_BUFFER_TYPE_VERTEX, k);
+            changed = true;
+            continue;
+        }
         const std::size_t bytes = steps[k]->size() * sizeof(glm::vec3);
         if (std::memcmp(vertices, steps[k]->data(), bytes) == 0) continue;
         std::memcpy(vertices, steps[k]->data(), bytes);

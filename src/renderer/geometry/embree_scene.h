@@ -71,8 +71,12 @@ class EmbreeScene {
 
     /// What Embree's ids and barycentrics mean, which may lie outside by rounding.
     core::SurfaceAddress address(unsigned instance, unsigned geometry, unsigned primitive, float u, float v) const {
+        const std::uint32_t object = object_of(instance, geometry);
         const float inside_u = std::clamp(u, 0.0f, 1.0f);
-        return {object_of(instance, geometry), primitive, inside_u, std::clamp(v, 0.0f, 1.0f - inside_u)};
+        // Embree counts across strands from -1 to 1.
+        const float inside_v =
+            placed_[object].strands ? std::clamp(0.5f + 0.5f * v, 0.0f, 1.0f) : std::clamp(v, 0.0f, 1.0f - inside_u);
+        return {object, primitive, inside_u, inside_v};
     }
 
     /// An Embree normal in world space, along the triangle's winding there; any length.
@@ -102,7 +106,7 @@ class EmbreeScene {
     enum class Kind { baked, instanced, deforming };
     struct Placed {
         Kind kind = Kind::baked;
-        bool present = false;
+        bool present = false, strands = false;
         RTCGeometryTy* geometry =
             nullptr;  ///< baked: in `baked_`; else the instance in `top_`. None until first present
         RTCGeometryTy* triangles = nullptr;  ///< deforming: in `own`
@@ -116,11 +120,13 @@ class EmbreeScene {
 
     Scene new_scene(bool instances) const;
     bool is_filtered(std::uint32_t object) const;
-    /// `steps`: vertices evenly over the shutter, at least once.
-    RTCGeometryTy* new_triangles(std::span<const std::vector<glm::vec3>* const> steps, std::uint32_t object) const;
-    RTCGeometryTy* new_triangles(const std::vector<glm::vec3>& positions, std::uint32_t object) const {
+    /// `steps`: vertices evenly over the shutter, at least once. `width`: a factor on radii of strands.
+    RTCGeometryTy* new_triangles(std::span<const std::vector<glm::vec3>* const> steps, std::uint32_t object,
+                                 float width = 1.0f) const;
+    RTCGeometryTy* new_triangles(const std::vector<glm::vec3>& positions, std::uint32_t object,
+                                 float width = 1.0f) const {
         const std::vector<glm::vec3>* const still[] = {&positions};
-        return new_triangles(still, object);
+        return new_triangles(still, object, width);
     }
     RTCGeometryTy* new_instance(RTCSceneTy* of, unsigned id, unsigned mask) const;
     RTCSceneTy* shared_mesh(std::uint32_t object);

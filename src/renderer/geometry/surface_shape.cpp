@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/numeric.h"
+#include "renderer/geometry/strands.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -102,9 +103,8 @@ SurfaceShape shape_at(const ObjectInstant& object, const core::SurfaceAddress& a
     const scene::ObjectState& state = object.state();
     SurfaceShape shape;
     shape.mesh = &object.mesh();
-    shape.corners = shape.mesh->triangles[address.primitive];
+    set_corners(shape, address);
     const scene::Triangle triangle = triangle_of(object, shape.corners);
-    shape.weights = {1.0f - address.u - address.v, address.u, address.v};
     shape.edge1 = triangle.b - triangle.a;
     shape.edge2 = triangle.c - triangle.a;
     shape.position = shape.weights.x * triangle.a + shape.weights.y * triangle.b + shape.weights.z * triangle.c;

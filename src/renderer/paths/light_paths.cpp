@@ -1,14 +1,17 @@
 #include "renderer/paths/light_paths.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/color.h"
 #include "core/numeric.h"
 #include "core/sampling.h"
 #include "renderer/base/flush_denormals.h"
-#include "renderer/paths/path_directions.h"
+#include "renderer/paths/scatterer.h"
+#include "renderer/subsurface/probes.h"
 #include "renderer/surface/lobe_albedo.h"
 
 namespace render2mpeg::renderer {
@@ -16,6 +19,9 @@ namespace {
 
 /// Against a ray that never leaves: roulette leaves one path of 10^17 to so many events on one ray.
 constexpr int most_events = 4096;
+
+/// Fibres keep so much of what they scatter: light stays among white ones for hundreds of them, and ends.
+constexpr float largest_hair_albedo = 0.9995f;
 
 float mean(glm::vec3 v) {
     return (v.x + v.y + v.z) / 3.0f;
@@ -39,22 +45,16 @@ enum class LightPaths::Event : std::uint8_t { ends, passes, lands };
 
 /// A path on its way.
 struct LightPaths::Way {
-    SurfacePoint point;       ///< the last surface that scattered
-    LightQuery query;         ///< of it
+    Scatterer at;             ///< the last place that scattered
     glm::vec3 throughput{1};  ///< until there; after `leave`, of what comes along the ray
-    float chance = 0;         ///< lobe_chance
     glm::vec3 origin{0}, direction{0};
     float density = 0;          ///< of the direction
-    bool first = true;          ///< `point` is where the path began
-    bool mirrored = false;      ///< a mirror lies between `point` and the ray
+    bool first = true;          ///< `at` is where the path began
+    bool mirrored = false;      ///< a mirror lies between `at` and the ray
     glm::vec3 seen_in_lobe{0};  ///< share of a narrow lobe, on the ray from the first point; 0: it is not narrow
 
-    void stand_on(const SurfacePoint& p) {
-        point = p;
-        query.position = p.position;
-        query.origin = shadow_origin(p);
-        query.normal = p.geometric_normal + p.smooth.tilt;
-        chance = lobe_chance(p);
+    void stand_on(Scatterer place) {
+        at = std::move(place);
         mirrored = false;
     }
     /// Of light that was met by a direction that `other` chooses as well. [Veach1995, balance heuristic]
@@ -74,8 +74,14 @@ glm::vec3 LightPaths::scattered(const SurfacePoint& point, PathNumbers& numbers)
 glm::vec3 LightPaths::scattered(const SurfacePoint& point, glm::vec3 origin, PathNumbers& numbers) const {
     const FlushDenormals flushed;
     Way way;
-    way.stand_on(point);
-    way.query.origin = origin;
+    if (point.below) {
+        const auto place = probe(posed_scene_, point, core::mix(std::bit_cast<std::uint32_t>(numbers.next())));
+        if (!place) return glm::vec3(0);
+        way.stand_on({posed_scene_, *place});
+    } else {
+        way.stand_on({posed_scene_, point});
+        way.at.leave_from(origin);
+    }
     glm::vec3 light(0);
     do light += asked(way, numbers);
     while (leave(way, numbers) && meet(way, numbers, light));
@@ -95,51 +101,49 @@ glm::vec3 LightPaths::asked(const Way& way, PathNumbers& numbers) const {
     glm::vec3 sum(0);
     if (lights_.has_lamps()) {
         const Three n = three(FirstNumber::lamp, FirstNumber::lamp_u, FirstNumber::lamp_v);
-        sum += answer(way, lights_.to_lamp(way.query, n.choice, {n.u, n.v}));
+        sum += answer(way, lights_.to_lamp(way.at.query(), n.choice, {n.u, n.v}));
     }
     if (lights_.has_surfaces()) {
         const Three n = three(FirstNumber::surface, FirstNumber::surface_u, FirstNumber::surface_v);
-        sum += answer(way, lights_.to_surface(way.query, n.choice, {n.u, n.v}));
+        sum += answer(way, lights_.to_surface(way.at.query(), n.choice, {n.u, n.v}));
     }
     if (lights_.has_sky()) {
         const Three n = three(FirstNumber::sky, FirstNumber::sky_u, FirstNumber::sky_v);
-        sum += answer(way, lights_.to_sky(way.query, n.choice, {n.u, n.v}));
+        sum += answer(way, lights_.to_sky(way.at.query(), n.choice, {n.u, n.v}));
     }
     return way.throughput * sum;
 }
 
 glm::vec3 LightPaths::answer(const Way& way, const LightSample& sample) const {
-    const SurfacePoint& p = way.point;
-    if (!(core::luminance(sample.light) > 0.0f) || !(glm::dot(sample.direction, way.query.normal) > 0.0f))
-        return glm::vec3(0);
-    glm::vec3 share = evaluate(p.bsdf, p.shading_normal, p.outgoing, sample.direction) *
-                      (glm::dot(p.shading_normal, sample.direction) * sample.light);
+    if (!(core::luminance(sample.light) > 0.0f) || !way.at.query().may_see(sample.direction)) return glm::vec3(0);
+    glm::vec3 share = way.at.scatters(sample.direction) * sample.light;
     if (!(mean(share) > 0.0f)) return glm::vec3(0);
-    if (sample.density > 0.0f)
-        share *= sample.density / (sample.density + direction_density(p, way.chance, sample.direction));
+    if (sample.density > 0.0f) share *= sample.density / (sample.density + way.at.density(sample.direction));
     if (posed_scene_.air() != nullptr) {
         const float length = glm::length(sample.ray);
         const glm::vec3 direction = core::normalize_or(sample.ray, sample.direction);
         const Air& air = *posed_scene_.air();
-        share *= std::isinf(sample.far) ? std::exp(-air.depth_to_sky(way.query.origin, direction))
-                                        : air.transmittance(way.query.origin, direction, length * sample.far);
+        share *= std::isinf(sample.far) ? std::exp(-air.depth_to_sky(way.at.query().origin, direction))
+                                        : air.transmittance(way.at.query().origin, direction, length * sample.far);
     }
-    return share *
-           posed_scene_.tracer().passes(way.query.origin, sample.ray, sample.far, way.first ? bodies_ : Bodies::pass);
+    const float skipped = way.at.skipped(sample.ray);
+    if (!(skipped < sample.far)) return share;
+    return share * posed_scene_.tracer().passes(way.at.origin_of(sample.ray), sample.ray, sample.far - skipped,
+                                                way.first ? bodies_ : Bodies::pass);
 }
 
 /// Chooses where the path goes on from its point.
 bool LightPaths::leave(Way& way, PathNumbers& numbers) const {
-    const SurfacePoint& p = way.point;
     const auto number = [&](FirstNumber which) { return way.first ? numbers.first(which) : numbers.next(); };
-    const float choice = number(FirstNumber::lobe), u = number(FirstNumber::direction_u);
-    way.direction = chosen_direction(p, choice < way.chance, {u, number(FirstNumber::direction_v)});
-    way.density = direction_density(p, way.chance, way.direction);
-    if (!(way.density > 0.0f) || !(glm::dot(way.direction, way.query.normal) > 0.0f)) return false;
-    way.throughput *= evaluate(p.bsdf, p.shading_normal, p.outgoing, way.direction) *
-                      (glm::dot(p.shading_normal, way.direction) / way.density);
+    const float choice = number(FirstNumber::lobe), u = number(FirstNumber::direction_u),
+                v = number(FirstNumber::direction_v);
+    way.direction = way.at.sample(choice, {u, v});
+    way.density = way.at.density(way.direction);
+    if (!(way.density > 0.0f) || !way.at.query().may_see(way.direction)) return false;
+    way.throughput *= way.at.weight(way.direction, way.density);
     if (!(mean(way.throughput) > 0.0f) || !core::is_finite(way.throughput)) return false;
-    way.origin = way.query.origin;
+    way.origin = way.at.origin_of(way.direction);
+    const SurfacePoint& p = way.at.point();
     way.seen_in_lobe = way.first && p.bsdf.has_narrow_lobe() ? share_of_lobe(p, way.direction) : glm::vec3(0);
     return true;
 }
@@ -171,7 +175,7 @@ glm::vec3 LightPaths::escaped(const Way& way) const {
     if (sky_light_)
         sum = posed_scene_.sky()->radiance(way.direction, 0.0f) * way.weight(lights_.sky_density(way.direction));
     if (way.first && way.mirrored) return sum;
-    return sum + lights_.suns(way.query, way.direction, [&](float other) { return way.weight(other); });
+    return sum + lights_.suns(way.at.query(), way.direction, [&](float other) { return way.weight(other); });
 }
 
 /// Radiance that a surface on the ray sends back along it.
@@ -181,16 +185,18 @@ glm::vec3 LightPaths::emitted(const Way& way, const SurfacePoint& met) const {
     if (met.unlit) return way.first ? met.alpha * way.seen_in_lobe * met.emission : glm::vec3(0);
     if (way.first && way.mirrored) return glm::vec3(0);
     // Alpha hides what is seen of a lamp, not what it shines.
-    return met.emission * way.weight(lights_.surface_density(way.query, met.address));
+    return met.emission * way.weight(lights_.surface_density(way.at.query(), met.address));
 }
 
 /// What becomes of the path at a surface. Roulette by what each event would carry on, as photons have it.
 LightPaths::Event LightPaths::go_on(Way& way, const SurfacePoint& met, float choice) const {
     const float before = mean(way.throughput);
     const auto kept = [&](glm::vec3 share) { return core::divide_or(mean(way.throughput * share), before, 0.0f); };
-    const glm::vec3 albedo = whole_albedo(met);
+    Scatterer there(posed_scene_, met);
+    const glm::vec3 albedo = there.albedo();
+    const float largest = there.is_fibre() ? largest_hair_albedo : largest_albedo;
     const float whole = kept(albedo + met.bsdf.mirror + met.bsdf.transmission + met.bsdf.diffuse_transmission);
-    const float cut = met.alpha * (whole > largest_albedo ? largest_albedo / whole : 1.0f);
+    const float cut = met.alpha * (whole > largest ? largest / whole : 1.0f);
     const bool translucent = met.alpha < 1.0f || mean(met.bsdf.transmission) > 0.0f;
     const bool blocks = way.first && bodies_ == Bodies::block && met.bounds_body &&
                         posed_scene_.animation().objects[met.address.object].body == scene::Body::solid;
@@ -224,7 +230,7 @@ LightPaths::Event LightPaths::go_on(Way& way, const SurfacePoint& met, float cho
     if (beyond && !(choice - chances[2] < chances[3])) return Event::ends;
     way.throughput *= cut / chances[beyond ? 3 : 2];
     way.first = false;
-    way.stand_on(beyond ? posed_scene_.other_side(met) : met);
+    way.stand_on(beyond ? Scatterer(posed_scene_, posed_scene_.other_side(met)) : std::move(there));
     return Event::lands;
 }
 

@@ -141,10 +141,10 @@ void LightSources::find_sky() {
 float LightSources::lamp_weight(const LightQuery& query, const Lamp& lamp) const {
     const float strength = core::luminance(lamp.state.intensity);
     if (lamp.state.kind == scene::LightKind::directional)
-        return glm::dot(query.normal, lamp.to_light) > -lamp.sine ? strength : 0.0f;
+        return query.may_see(lamp.to_light, lamp.sine) ? strength : 0.0f;
     const glm::vec3 d = lamp.state.position - query.position;
     const float distance = glm::length(d);
-    if (!(glm::dot(d, query.normal) > 0.0f)) return 0.0f;
+    if (!query.may_see(d)) return 0.0f;
     return strength * falloff(lamp.state, distance, -d / distance);
 }
 
@@ -196,7 +196,7 @@ LightSample LightSources::lamp_sample(const LightQuery& query, const Lamp& lamp,
 double LightSources::emitter_weight(const LightQuery& query, const Emitter& emitter) {
     const glm::vec3 d = emitter.centre - query.position;
     // Wholly behind.
-    if (!(glm::dot(d, query.normal) > -1.001f * emitter.radius)) return 0.0;
+    if (!query.may_see(d, 1.001f * emitter.radius)) return 0.0;
     return emitter.power / std::max(static_cast<double>(glm::dot(d, d)),
                                     static_cast<double>(emitter.radius) * static_cast<double>(emitter.radius));
 }
@@ -220,7 +220,7 @@ LightSample LightSources::to_surface(const LightQuery& query, float choice, glm:
     LightSample sample;
     sample.source = emitter.object;
     sample.direction = core::normalize_or(at - query.position, query.normal);
-    if (!(glm::dot(sample.direction, query.normal) > 0.0f)) return {};
+    if (!query.may_see(sample.direction)) return {};
     sample.density = surface_density(query, address);
     if (!(sample.density > 0.0f) || !std::isfinite(sample.density)) return {};
     const SurfacePoint point = posed_scene_.surface_at(address, -sample.direction);
@@ -253,7 +253,7 @@ LightSample LightSources::to_sky(const LightQuery& query, float choice, glm::vec
     LightSample sample;
     const float cosine = row_edge(row) + u.x * (row_edge(row + 1) - row_edge(row));
     sample.direction = sample.ray = sky_direction(cosine, two_pi * (static_cast<float>(column) + u.y) / sky_columns);
-    if (!(glm::dot(sample.direction, query.normal) > 0.0f)) return {};
+    if (!query.may_see(sample.direction)) return {};
     sample.far = unlimited;
     sample.density = static_cast<float>(share_of(sky_, cell)) / cell_angle(row);
     if (!(sample.density > 0.0f)) return {};

@@ -81,7 +81,7 @@ void SourceTree::split(std::uint32_t index) {
 /// About the irradiance of a node, if it faced the surface and was seen; 0 only where it is wholly behind.
 double SourceTree::weight_of(const LightQuery& query, const Node& node) {
     const glm::vec3 d = node.centre - query.position;
-    if (!(node.near_power > 0.0) || !(glm::dot(d, query.normal) > -1.001f * node.radius)) return node.far_power;
+    if (!(node.near_power > 0.0) || !query.may_see(d, 1.001f * node.radius)) return node.far_power;
     const double radius = static_cast<double>(node.radius);
     return node.far_power +
            core::divide_or(node.near_power, std::max(static_cast<double>(glm::dot(d, d)), radius * radius), 0.0);

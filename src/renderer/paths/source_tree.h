@@ -12,7 +12,12 @@ namespace render2mpeg::renderer {
 struct LightQuery {
     glm::vec3 position{0};  ///< of the surface
     glm::vec3 origin{0};    ///< where rays leave it
-    glm::vec3 normal{0};    ///< light from behind it is none
+    glm::vec3 normal{0};    ///< light from behind it is none; 0: light comes from all sides
+
+    /// Whether light may come from a place at `to` with so large a radius about it.
+    bool may_see(glm::vec3 to, float radius = 0.0f) const {
+        return normal == glm::vec3(0) || glm::dot(to, normal) > -radius;
+    }
 };
 
 /// What the tree knows of a source.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/mattes.h"
+#include "core/packed_normal.h"
 #include "core/visible.h"
 #include "renderer/surface/surface_point.h"
 
@@ -62,6 +63,18 @@ using MovedPoints = std::vector<std::vector<MovedPoint>>;
 
 /// All gather points of one 16x16 tile, by pixel in raster order.
 using GatherTile = std::vector<GatherPoint>;
+
+/// What one sample of the eye shows of a fibre, or of light below a surface, which is found by itself (hair_light.h).
+struct FibreSample {
+    core::SurfaceAddress address;
+    core::PackedNormal outgoing;  ///< to where it is seen from
+    glm::vec3 weight{1};          ///< as GatherPoint's
+    std::uint16_t pixel = 0;      ///< likewise
+    bool specular = false;        ///< seen in mirrors or through glass
+    bool below = false;           ///< SurfacePoint's
+};
+/// Those of a tile, by pixel in raster order.
+using FibreTile = std::vector<FibreSample>;
 
 /// Light of the air on a straight way from the eye: `weight` times what air scatters to the eye from that far on.
 struct AirSpan {
@@ -120,6 +133,7 @@ struct Exposure {
     std::vector<std::uint32_t> first_point;            ///< by tile: points of all tiles before it; one more: of all
     std::vector<SeenAir> air{};                        ///< as Seen's, of exposed pixels
     std::vector<std::vector<SeenMatte>> mattes{};      ///< likewise
+    std::vector<FibreTile> fibres{};                   ///< likewise
 
     bool is_exposed(std::size_t tile) const { return !starts[tile].empty(); }
     /// Of a pixel of a tile that has any: GatherPoint::pixel.
@@ -153,6 +167,9 @@ struct Seen {
     std::vector<std::vector<SeenMatte>> mattes{};  ///< by tile; empty: nobody wants them
     /// Light of the air: a part of `emitted`, and what exposed pixels show of it. Empty without.
     core::Plane<glm::vec3> airlight{}, air_of_exposed{};
+    std::vector<FibreTile> fibres{};  ///< by tile, until they are lit; empty: the plan knows of none
+    /// Light of fibres and below surfaces: a part of `emitted`, and what exposed pixels show of it. Empty without.
+    core::Plane<glm::vec3> hair{}, hair_of_exposed{};
     std::shared_ptr<const Exposure> exposure{};  ///< null: no pixel is blurred
     int tiles_across() const { return (visible.width() + tile_size - 1) / tile_size; }
 };

@@ -11,6 +11,7 @@
 #include "core/numeric.h"
 #include "image/image.h"
 #include "renderer/base/sampled_clock.h"
+#include "renderer/geometry/strands.h"
 #include "renderer/geometry/surface_shape.h"
 #include "renderer/surface/surface_material.h"
 
@@ -106,8 +107,7 @@ struct PosedScene::Impl {
         // Textures and vertex colours need the mesh and the weights, but not where the triangle is.
         SurfaceShape shape;
         shape.mesh = &animation.meshes[static_cast<std::size_t>(animation.objects[address.object].mesh)];
-        shape.corners = shape.mesh->triangles[address.primitive];
-        shape.weights = {1.0f - address.u - address.v, address.u, address.v};
+        set_corners(shape, address);
         const bool is_glass = animation.materials[material].transmission > 0.0f;
         return materials.transmittance_at(material, shape, *snapshot,
                                           is_glass ? cosine_at(address, shape, direction) : 1.0f);
@@ -175,7 +175,10 @@ SurfacePoint PosedScene::surface_at(const core::SurfaceAddress& address, glm::ve
 SurfacePoint PosedScene::surface_in(const MediaStack& media, Band band, const core::SurfaceAddress& address,
                                     glm::vec3 outgoing, const SurfaceFootprint& footprint, float time) const {
     const ObjectInstant object(*impl_->snapshot, address.object, time);
-    const SurfaceShape shape = impl_->shape(object, address, footprint);
+    const bool is_strand = object.mesh().has_curves();
+    const SurfaceShape shape =
+        is_strand ? strand_shape_at(object, address, outgoing, impl_->tracer.is_instanced(address.object))
+                  : impl_->shape(object, address, footprint);
     SurfacePoint point;
     point.address = address;
     point.material = impl_->material_of(address.object);
@@ -184,7 +187,7 @@ SurfacePoint PosedScene::surface_in(const MediaStack& media, Band band, const co
     point.outgoing = outgoing;
     point.back_side = glm::dot(shape.front_normal, outgoing) < 0.0f;
     point.geometric_normal = point.back_side ? -shape.front_normal : shape.front_normal;
-    point.smooth = smooth_surface_at(object, shape, point.back_side);
+    if (!is_strand) point.smooth = smooth_surface_at(object, shape, point.back_side);
     float index = 0.0f;
     if (const Medium* medium = medium_within(address.object)) {
         point.bounds_body = true;
@@ -204,6 +207,19 @@ SurfacePoint PosedScene::other_side(const SurfacePoint& point, const SurfaceFoot
     other.bsdf.diffuse = point.bsdf.diffuse_transmission;
     other.emission = glm::vec3{0.0f};
     return other;
+}
+
+HairScattering PosedScene::hair_at(const SurfacePoint& point, float time) const {
+    const ObjectInstant object(*impl_->snapshot, point.address.object, time);
+    const StrandPoint strand = strand_at(object, point.address);
+    scene::Hair hair = *impl_->animation.materials[point.material].hair;
+    if (!object.mesh().colors.empty()) {
+        SurfaceShape shape;
+        shape.mesh = &object.mesh();
+        set_corners(shape, point.address);
+        hair.absorption += scene::absorption_of(glm::vec3(vertex_color(shape)), hair.azimuthal_roughness);
+    }
+    return {hair, {strand.axis, strand.tangent, strand.radius, 2.0f * point.address.v - 1.0f}, point.outgoing};
 }
 
 SurfaceShape PosedScene::shape_at(const core::SurfaceAddress& address, float time) const {
@@ -246,6 +262,7 @@ glm::vec3 PosedScene::mean_emission(std::uint32_t object, std::uint32_t primitiv
 SurfaceFootprint PosedScene::normal_change(const core::SurfaceAddress& address, const SurfaceFootprint& footprint,
                                            float time) const {
     const ObjectInstant object(*impl_->snapshot, address.object, time);
+    if (object.mesh().has_curves()) return {};
     const SurfaceShape shape = impl_->shape(object, address, footprint);
     const auto change = [&](glm::vec2 d) {
         // Beyond the triangle's neighbours its own curvature says nothing.

@@ -10,6 +10,7 @@
 #include "renderer/base/plan.h"
 #include "renderer/geometry/ray_tracer.h"
 #include "renderer/surface/dielectric.h"
+#include "renderer/surface/hair_scattering.h"
 #include "renderer/surface/surface_point.h"
 #include "scene/pose/snapshot.h"
 
@@ -52,6 +53,9 @@ class PosedScene {
     /// surface of that transmittance, seen from the mirrored direction, without emission.
     SurfacePoint other_side(const SurfacePoint& point, const SurfaceFootprint& footprint = {},
                             float time = scene::middle_time) const;
+
+    /// How a point of a fibre scatters light towards its `outgoing`.
+    HairScattering hair_at(const SurfacePoint& point, float time = scene::middle_time) const;
 
     /// The same where a ray meets the surface from within these media. `band`: what light it carries.
     SurfacePoint surface_in(const MediaStack& media, Band band, const core::SurfaceAddress& address, glm::vec3 outgoing,

@@ -141,6 +141,8 @@ SurfaceMaterials::SurfaceMaterials(const scene::Animation& animation, const Plan
       mirrors_(plan.runs(Pass::mirrors)),
       glass_(plan.runs(Pass::glass)),
       glossy_(plan.runs(Pass::glossy)),
+      hair_(plan.runs(Pass::hair)),
+      subsurface_(plan.runs(Pass::subsurface)),
       textures_(animation, plan) {}
 
 glm::vec4 SurfaceMaterials::look_up(std::uint32_t material, TextureRole role, const SurfaceShape& shape) const {
@@ -220,6 +222,8 @@ void SurfaceMaterials::fill(SurfacePoint& point, const SurfaceShape& shape, cons
     }
     if (!point.back_side || m.double_sided)
         point.emission = object.snapshot().emission_factor[material] * emission_at(material, shape);
+    point.fibre = hair_ && m.hair && shape.mesh->has_curves();
+    if (point.fibre) return;
     const float cosine = glm::dot(point.shading_normal, point.outgoing);
     const glm::vec3 color = unit_range(glm::vec3(base));
     Detail detail;
@@ -229,6 +233,7 @@ void SurfaceMaterials::fill(SurfacePoint& point, const SurfaceShape& shape, cons
     point.bsdf = bsdf_at(material, shape, color, cosine, detail, index);
     if (detail.leaf.share > 0.0f) part_sides(point.bsdf, color, detail.leaf.share, detail.leaf.color, cosine);
     if (m.has_sheen()) add_sheen(material, shape, cosine, point.bsdf);
+    point.spreads = subsurface_ && m.subsurface && point.bsdf.has_diffuse() && !shape.mesh->has_curves();
     if (m.coat > 0.0f) add_coat(material, shape, cosine, point.bsdf);
 }
 

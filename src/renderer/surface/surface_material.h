@@ -66,7 +66,7 @@ class SurfaceMaterials {
                  const Detail& detail, float index) const;
 
     const scene::Animation& animation_;
-    bool alpha_, mirrors_, glass_, glossy_;  ///< whether these passes run
+    bool alpha_, mirrors_, glass_, glossy_, hair_, subsurface_;  ///< whether these passes run
     MaterialTextures textures_;
 };
 

@@ -24,7 +24,13 @@ struct SurfacePoint {
     float alpha = 1;           ///< 0: not there; mask already decided
     bool back_side = false;    ///< seen from behind (of the winding)
     bool bounds_body = false;  ///< what bsdf.transmission lets pass is bent by bsdf.ior (dielectric.h)
+    bool fibre = false;        ///< of hair: `bsdf` is black, PosedScene::hair_at has its scattering
+    bool spreads = false;      ///< a share of what `bsdf.diffuse` sends on entered elsewhere (subsurface/probes.h)
+    bool below = false;        ///< stands for that share alone; `bsdf.diffuse` is all of it
     bool unlit = false;        ///< `emission` is its colour, `bsdf` is black
+
+    /// Whether its light is found sample by sample (hair_light.h).
+    bool is_sampled() const { return fibre || below; }
 };
 
 }  // namespace render2mpeg::renderer

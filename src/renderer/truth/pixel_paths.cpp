@@ -21,6 +21,7 @@ double luminance_of(glm::dvec3 rgb) {
 /// About what part of its weight a surface scatters: chances follow it.
 float brightness(const SurfacePoint& p, glm::vec3 weight) {
     const float cosine = glm::dot(p.shading_normal, p.outgoing);
+    if (p.fibre) return core::luminance(weight);
     return core::luminance(weight * (diffuse_albedo(p.bsdf, cosine) + glossy_albedo(p.bsdf, cosine)));
 }
 

@@ -101,6 +101,7 @@ class TileExposer {
     void forget_pixel(int x, int y, TileExposure& found) const {
         forget_air(pixel_at(x, y), found.air);
         forget_mattes(pixel_at(x, y), found.mattes);
+        forget_fibres(pixel_at(x, y), found.fibres);
     }
     float blur_of(const EyeSample& sample, glm::vec2 position) const;
     void to_middle(Fragment& fragment, float time) const;
@@ -277,6 +278,10 @@ std::pair<std::uint32_t, std::uint32_t> TileExposer::point_for(const Fragment& f
 
 void TileExposer::take(Fragment& fragment, int x, int y, float time, std::size_t first, TileExposure& found) {
     const glm::vec3 weight = fragment.weight / static_cast<float>(pattern_->samples());
+    if (fragment.point.is_sampled()) {
+        found.fibres.push_back(fibre_sample(fragment, pixel_at(x, y), weight));
+        return;
+    }
     const glm::vec3 diffuse = weight * fragment.point.bsdf.diffuse;
     to_middle(fragment, time);
     const std::size_t new_points = found.points.size();
@@ -464,10 +469,12 @@ void expose(const PosedScene& posed_scene, const SeeSettings& settings, const Pl
     exposure->starts.resize(tiles);
     if (posed_scene.air() != nullptr) exposure->air.resize(tiles);
     if (!seen.mattes.empty()) exposure->mattes.resize(tiles);
+    if (!seen.fibres.empty()) exposure->fibres.resize(tiles);
     parallel::for_each(tiles, [&](std::size_t t) {
         exposure->starts[t] = std::move(found[t].starts);
         if (!exposure->air.empty()) exposure->air[t] = std::move(found[t].air);
         if (!exposure->mattes.empty()) exposure->mattes[t] = std::move(found[t].mattes);
+        if (!exposure->fibres.empty()) exposure->fibres[t] = std::move(found[t].fibres);
         for (const TileExposure::Part& part : found[t].parts) {
             const auto [tile, point] = merger.of(t, part);
             exposure->contributions[t].push_back({exposure->first_point[tile] + point, part.weight, part.diffuse});

@@ -35,6 +35,7 @@ struct TileExposure {
     ExposureCounts counts;
     SeenAir air;                    ///< of all pixels that were looked through
     std::vector<SeenMatte> mattes;  ///< likewise
+    FibreTile fibres{};             ///< likewise
 
     static std::uint64_t cell_of(std::uint32_t tile, std::uint16_t pixel) {
         return std::uint64_t{tile} << 16 | std::uint64_t{pixel};

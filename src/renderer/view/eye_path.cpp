@@ -222,6 +222,17 @@ void EyePaths::follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& cou
     }
 }
 
+/// Parts what light below the surface brings from what stays where it is.
+void EyePaths::spread(Fragment& fragment, EyeSample& sample) const {
+    const float weight = posed_scene_.animation().materials[fragment.point.material].subsurface->weight;
+    Fragment& below = sample.fragments.emplace_back(fragment);
+    below.point.below = true;
+    below.point.bsdf = {};
+    below.point.bsdf.diffuse = weight * fragment.point.bsdf.diffuse;
+    below.point.emission = glm::vec3(0);
+    fragment.point.bsdf.diffuse *= 1.0f - weight;
+}
+
 /// Goes so far through air, which dims what comes and adds light of its own.
 void EyePaths::pass_air(PathState& path, float distance, EyeSample& sample) const {
     const float through = air_->transmittance(path.ray.origin, path.ray.direction, distance);
@@ -277,7 +288,9 @@ glm::vec3 EyePaths::show(PathState& path, Fragment& fragment, const SurfaceFootp
         sample.main = {share, kind, point, {}};
     }
     const bool gathers = !path.dim;
-    if (gathers && (point.bsdf.has_diffuse() || point.bsdf.has_glossy())) sample.fragments.push_back(fragment);
+    if (gathers && point.spreads) spread(fragment, sample);
+    if (gathers && (point.bsdf.has_diffuse() || point.bsdf.has_glossy() || point.fibre))
+        sample.fragments.push_back(fragment);
     if (gathers && point.bsdf.has_diffuse_transmission()) {
         sample.fragments.push_back(fragment);
         sample.fragments.back().point = posed_scene_.other_side(point, footprint, path.ray.time);

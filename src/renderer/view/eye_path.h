@@ -81,6 +81,7 @@ class EyePaths {
     void mirror(const PathState& path, const Fragment& fragment, const SurfaceFootprint& footprint, EyeSample& sample,
                 SeeCounts& counts) const;
     bool split_colors(const PathState& path, const Hit& hit, EyeSample& sample, SeeCounts& counts) const;
+    void spread(Fragment& fragment, EyeSample& sample) const;
     void pass_air(PathState& path, float distance, EyeSample& sample) const;
     bool is_turned(const SurfacePoint& point) const;
     glm::vec3 facet(const PathState& path, const SurfacePoint& point) const;

@@ -103,6 +103,8 @@ Seen see(const PosedScene& posed_scene, const SeeSettings& settings, const Plan&
     const int across = seen.tiles_across(), down = (height + tile_size - 1) / tile_size;
     if (posed_scene.air() != nullptr)
         seen.air.resize(static_cast<std::size_t>(across) * static_cast<std::size_t>(down));
+    if (plan.runs(Pass::hair) || plan.runs(Pass::subsurface))
+        seen.fibres.resize(static_cast<std::size_t>(across) * static_cast<std::size_t>(down));
     seen.tiles.resize(static_cast<std::size_t>(across) * static_cast<std::size_t>(down));
     if (settings.mattes) seen.mattes.resize(seen.tiles.size());
 

@@ -171,6 +171,16 @@ class TileLook {
             fragments = sample_.fragments.size();
             for (const Fragment& fragment : sample_.fragments) {
                 const glm::vec3 weight = share * fragment.weight;
+                const auto pixel = static_cast<std::uint16_t>((y % tile_size) * tile_size + x % tile_size);
+                if (fragment.point.is_sampled()) {
+                    const auto across = static_cast<std::size_t>(seen_.tiles_across());
+                    seen_
+                        .fibres[static_cast<std::size_t>(y / tile_size) * across +
+                                static_cast<std::size_t>(x / tile_size)]
+                        .push_back(fibre_sample(fragment, pixel, weight));
+                    differ = differ || s > 0;
+                    continue;
+                }
                 const float extent = core::divide_or(fragment.extent, looking_.spacing, 0.0f);
                 const auto match =
                     std::find_if(tile.begin() + static_cast<std::ptrdiff_t>(first), tile.end(),
@@ -218,6 +228,11 @@ class TileLook {
 
 }  // namespace
 
+FibreSample fibre_sample(const Fragment& fragment, std::uint16_t pixel, glm::vec3 weight) {
+    const SurfacePoint& p = fragment.point;
+    return {p.address, core::PackedNormal(p.outgoing), weight, pixel, fragment.way != straight_way, p.below};
+}
+
 bool same_surface(const GatherPoint& a, const Fragment& b, float pixel_extent) {
     if (a.point.address.object != b.point.address.object || a.point.back_side != b.point.back_side) return false;
     if (a.way != b.way) return false;
@@ -226,6 +241,10 @@ bool same_surface(const GatherPoint& a, const Fragment& b, float pixel_extent) {
     const float off = std::max(std::abs(glm::dot(apart, a.point.geometric_normal)),
                                std::abs(glm::dot(apart, b.point.geometric_normal)));
     return off <= same_plane * pixel_extent + a.point.position_error + b.point.position_error;
+}
+
+void forget_fibres(std::uint16_t pixel, FibreTile& fibres) {
+    while (!fibres.empty() && fibres.back().pixel == pixel) fibres.pop_back();
 }
 
 void forget_air(std::uint16_t pixel, SeenAir& air) {
@@ -291,6 +310,10 @@ void look_again(const Looking& looking, std::size_t t, const PixelMarks& marks, 
     GatherTile before = std::move(seen.tiles[t]);
     GatherTile tile;
     tile.reserve(before.size());
+    const auto is_marked = [&](const FibreSample& f) {
+        return marks[static_cast<std::size_t>(f.pixel / tile_size)][static_cast<std::size_t>(f.pixel % tile_size)];
+    };
+    if (!seen.fibres.empty()) std::erase_if(seen.fibres[t], is_marked);
     std::size_t next = 0;
     for (int y = area.first.y; y < area.end.y; ++y)
         for (int x = area.first.x; x < area.end.x; ++x) {
@@ -306,6 +329,9 @@ void look_again(const Looking& looking, std::size_t t, const PixelMarks& marks, 
                             std::make_move_iterator(before.begin() + static_cast<std::ptrdiff_t>(next)));
             }
         }
+    if (!seen.fibres.empty())
+        std::stable_sort(seen.fibres[t].begin(), seen.fibres[t].end(),
+                         [](const FibreSample& a, const FibreSample& b) { return a.pixel < b.pixel; });
     seen.tiles[t] = fitted(std::move(tile));
     found.give(seen, t);
 }

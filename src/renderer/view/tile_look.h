@@ -31,6 +31,11 @@ struct TileArea {
 };
 TileArea area_of(const Seen& seen, std::size_t tile);
 
+/// What a fragment that shows a fibre leaves in its pixel.
+FibreSample fibre_sample(const Fragment& fragment, std::uint16_t pixel, glm::vec3 weight);
+/// Takes back those of the last pixel.
+void forget_fibres(std::uint16_t pixel, FibreTile& fibres);
+
 /// Whether a fragment lies on the surface that a point stands for. `pixel_extent`: of a pixel there, scene units.
 bool same_surface(const GatherPoint& point, const Fragment& fragment, float pixel_extent);
 

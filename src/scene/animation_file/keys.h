@@ -37,11 +37,11 @@ inline constexpr std::array light{K("name"),      K("kind"),          K("color")
                                   K("stagger"),   K("seen"),          K("round")};
 inline constexpr std::array light_key{K("at"), K("position"), K("look_at"), K("rotate"), K("power")};
 
-inline constexpr std::array object{K("name"),        K("shape"),  K("size"),    K("radius"),     K("top_radius"),
-                                   K("tube_radius"), K("height"), K("opening"), K("profile"),    K("crease"),
-                                   K("segments"),    K("uv"),     K("parts"),   K("material"),   K("position"),
-                                   K("rotate"),      K("scale"),  K("visible"), K("keys"),       K("interpolation"),
-                                   K("loop"),        K("repeat"), K("colors"),  K("reflections")};
+inline constexpr std::array object{
+    K("name"),          K("shape"),    K("size"),     K("radius"),   K("top_radius"), K("tube_radius"), K("height"),
+    K("opening"),       K("profile"),  K("crease"),   K("segments"), K("strands"),    K("tip_radius"),  K("uv"),
+    K("parts"),         K("material"), K("position"), K("rotate"),   K("scale"),      K("visible"),     K("keys"),
+    K("interpolation"), K("loop"),     K("repeat"),   K("colors"),   K("reflections")};
 inline constexpr std::array object_key{K("at"), K("position"), K("rotate"), K("scale"), K("visible"), K("reflections")};
 inline constexpr std::array reflection{K("at"), K("see"), K("radius"), K("border")};
 
@@ -68,6 +68,8 @@ inline constexpr std::array material{K("base_color"),
                                      K("attenuation"),
                                      K("attenuation_distance"),
                                      K("dispersion"),
+                                     K("hair"),
+                                     K("subsurface"),
                                      K("double_sided"),
                                      K("unlit"),
                                      K("holdout"),
@@ -75,6 +77,12 @@ inline constexpr std::array material{K("base_color"),
                                      K("keys"),
                                      K("interpolation"),
                                      K("loop")};
+inline constexpr std::array hair{K("color"),   K("absorption"), K("melanin"),
+                                 K("redness"), K("roughness"),  K("azimuthal_roughness"),
+                                 K("coat"),    K("ior"),        K("tilt")};
+
+inline constexpr std::array subsurface{K("weight"), K("free_path")};
+
 inline constexpr std::array material_key{K("at"), K("power")};
 
 inline constexpr std::array checker{K("checker"), K("squares")};

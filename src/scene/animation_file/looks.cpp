@@ -55,6 +55,43 @@ void change_body(const JsonValue& value, Material& material) {
     value.set("dispersion", material.dispersion, 0, 20);
 }
 
+void change_hair(const JsonValue& value, Material& material) {
+    value.allow_only(keys::hair);
+    Hair hair = material.hair.value_or(Hair{});
+    value.set("roughness", hair.roughness, 0, 1);
+    value.set("azimuthal_roughness", hair.azimuthal_roughness, 0, 1);
+    value.set("coat", hair.coat, 0, 1);
+    value.set("ior", hair.ior, 1, 5);
+    if (const auto v = value.find("tilt")) hair.tilt = static_cast<float>(v->number(-45, 45) * 0.017453292519943295);
+    const bool known = material.hair.has_value() || value.has("absorption") || value.has("melanin");
+    if (const auto v = value.find("absorption")) {
+        const std::vector<double> a = v->numbers(3);
+        for (int c = 0; c < 3; ++c) {
+            if (!(a[static_cast<std::size_t>(c)] >= 0 && a[static_cast<std::size_t>(c)] <= 1e4))
+                v->fail("must be 0 to 10000");
+            hair.absorption[c] = static_cast<float>(a[static_cast<std::size_t>(c)]);
+        }
+    }
+    if (const auto v = value.find("melanin"))
+        hair.absorption = absorption_of_melanin(static_cast<float>(v->number(0, 1)),
+                                                static_cast<float>(value.number_or("redness", 0, 1, 0)));
+    if (const auto v = value.find("color"))
+        hair.absorption = absorption_of(v->color(1), hair.azimuthal_roughness) +
+                          (value.has("melanin") ? hair.absorption : glm::vec3(0));
+    else if (!known)
+        hair.absorption = absorption_of(glm::vec3(material.base_color), hair.azimuthal_roughness);
+    material.hair = hair;
+}
+
+void change_subsurface(const JsonValue& value, Material& material) {
+    value.allow_only(keys::subsurface);
+    Subsurface below = material.subsurface.value_or(Subsurface{});
+    value.set("weight", below.weight, 0, 1);
+    if (const auto v = value.find("free_path")) below.free_path = v->color(1e6);
+    const bool spreads = below.weight > 0 && below.free_path != glm::vec3(0);
+    material.subsurface = spreads ? std::optional(below) : std::nullopt;
+}
+
 }  // namespace
 
 fs::path Looks::file_below(const fs::path& folder, const JsonValue& name) {
@@ -123,6 +160,8 @@ void Looks::change(const JsonValue& value, int index) {
     value.set("transmission", material().transmission, 0, 1);
     value.set("ior", material().ior, 1, 5);
     change_body(value, material());
+    if (const auto v = value.find("subsurface")) change_subsurface(*v, material());
+    if (const auto v = value.find("hair")) change_hair(*v, material());
     const bool derived = value.has("metallic") || value.has("roughness") || value.has("transmission");
     if (material().specular_glossiness && derived) material().specular_glossiness = false;
     if (const auto v = value.find("double_sided")) material().double_sided = v->boolean();

@@ -2,26 +2,28 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "core/text.h"
 #include "scene/animation_file/keys.h"
 #include "scene/animation_file/reflections.h"
 #include "scene/animation_file/shapes.h"
+#include "scene/model/curves.h"
 
 namespace render2mpeg::scene {
 namespace {
 
 namespace keys = animation_file_keys;
 
-constexpr std::array<std::string_view, 11> shapes{"box",  "plane", "quad",  "sphere", "cylinder", "cone",
-                                                  "disc", "torus", "lathe", "arch",   "group"};
-enum Shape { box, plane, quad, sphere, cylinder, cone, disc, torus, lathe, arch, group };
+constexpr std::array<std::string_view, 12> shapes{"box",  "plane", "quad",  "sphere", "cylinder", "cone",
+                                                  "disc", "torus", "lathe", "arch",   "strands",  "group"};
+enum Shape { box, plane, quad, sphere, cylinder, cone, disc, torus, lathe, arch, strands, group };
 
 constexpr std::size_t most_objects = 500000;
 constexpr double largest = largest_size;
 
 /// Keys of each shape; others would be ignored in silence.
-constexpr std::array<std::string_view, 11> own_keys{"size",
+constexpr std::array<std::string_view, 12> own_keys{"size",
                                                     "size",
                                                     "size",
                                                     "radius, segments",
@@ -31,12 +33,13 @@ constexpr std::array<std::string_view, 11> own_keys{"size",
                                                     "radius, tube_radius, segments",
                                                     "profile, crease, segments",
                                                     "size, opening, segments",
+                                                    "strands, radius, tip_radius",
                                                     "parts"};
 
 void refuse_foreign_keys(const JsonValue& value, Shape shape) {
     const std::string own = ", " + std::string(own_keys[shape]) + ",";
-    for (const std::string_view key :
-         {"size", "radius", "top_radius", "tube_radius", "height", "opening", "profile", "crease", "segments", "parts"})
+    for (const std::string_view key : {"size", "radius", "top_radius", "tube_radius", "height", "opening", "profile",
+                                       "crease", "segments", "strands", "tip_radius", "parts"})
         if (value.has(key) && own.find(" " + std::string(key) + ",") == std::string::npos)
             value.need(key).fail("a " + std::string(shapes[shape]) + " has no such key; it has " +
                                  std::string(own_keys[shape]));
@@ -67,6 +70,22 @@ Mesh arch_of(const JsonValue& value, int segments, TextureLayout layout) {
     if (opening[0] >= size[0] || opening[1] >= size[1] || 2 * opening[1] < opening[0])
         value.fail("`opening` must be smaller than the wall, and at least half as high as wide");
     return arch_mesh({size[0], size[1], size[2]}, {opening[0], opening[1]}, segments, layout);
+}
+
+Mesh strands_of(const JsonValue& value) {
+    Mesh mesh;
+    const double root = value.number_or("radius", smallest_size, largest_size, 0.001),
+                 tip = value.number_or("tip_radius", 0, largest_size, root);
+    for (const JsonValue& strand : value.need("strands").list(1, 1000000)) {
+        std::vector<glm::vec3> points;
+        std::vector<float> radii;
+        for (const JsonValue& point : strand.list(2, 1000)) points.emplace_back(point.position());
+        for (std::size_t k = 0; k < points.size(); ++k)
+            radii.push_back(static_cast<float>(
+                std::lerp(root, tip, static_cast<double>(k) / static_cast<double>(points.size() - 1))));
+        add_strand(mesh, points, radii);
+    }
+    return mesh;
 }
 
 }  // namespace
@@ -117,6 +136,9 @@ int Objects::mesh_of(const JsonValue& value) {
             break;
         case arch:
             mesh = arch_of(value, segments, layout);
+            break;
+        case strands:
+            mesh = strands_of(value);
             break;
         case group:
             break;

@@ -7,12 +7,13 @@
 #include "core/module.h"
 #include "scene/gltf/accessor.h"
 #include "scene/gltf/parts.h"
+#include "scene/model/curves.h"
 #include "scene/model/wording.h"
 
 namespace render2mpeg::scene::gltf {
 namespace {
 
-enum Mode : std::size_t { triangles = 4, triangle_strip = 5, triangle_fan = 6 };
+enum Mode : std::size_t { lines = 1, line_strip = 3, triangles = 4, triangle_strip = 5, triangle_fan = 6 };
 
 /// Corners in drawing order to triangles, each with the winding it is drawn with. [glTF2, 3.7.2.1]
 std::vector<glm::uvec3> triangles_of(const Element& primitive, std::size_t mode,
@@ -60,6 +61,33 @@ std::vector<glm::vec4> quadruples_at(const Floats& floats, const std::vector<std
         result.emplace_back(f[0], f[1], f[2], n > 3 ? f[3] : 1.0f);
     }
     return result;
+}
+
+/// Strands of hair: lines whose vertices have radii, each from one vertex to the next. Returns for each of the mesh's
+/// positions the vertex that it is.
+std::vector<std::uint32_t> strands_of(const Element& primitive, std::size_t mode, const Floats& positions,
+                                      const Floats& radii, const std::vector<std::uint32_t>& corners, Mesh& mesh) {
+    std::vector<std::uint32_t> vertices;
+    const auto add = [&](std::size_t first, std::size_t end, std::size_t step) {
+        std::vector<glm::vec3> points;
+        std::vector<float> widths;
+        for (std::size_t k = first; k < end; k += k + 1 < end && k > first ? step : 1) {
+            const std::uint32_t v = corners[k];
+            points.emplace_back(positions.values[3 * v], positions.values[3 * v + 1], positions.values[3 * v + 2]);
+            widths.push_back(radii.values[v]);
+            vertices.insert(vertices.end(), k == first || k + 1 == end ? 2 : 1, v);
+        }
+        add_strand(mesh, points, widths);
+    };
+    if (corners.size() < 2 || (mode == lines && corners.size() % 2 != 0))
+        primitive.refuse("has " + std::to_string(corners.size()) + " ends of lines");
+    if (mode == line_strip) return add(0, corners.size(), 1), vertices;
+    for (std::size_t first = 0, k = 2; k <= corners.size(); k += 2) {
+        if (k < corners.size() && corners[k] == corners[k - 1]) continue;
+        add(first, k, 2);
+        first = k;
+    }
+    return vertices;
 }
 
 }  // namespace
@@ -221,10 +249,12 @@ void MeshReader::read_morph_targets(const Element& primitive, const std::vector<
 std::optional<Mesh> MeshReader::read_primitive(const Element& primitive) {
     const std::size_t mode = primitive.size("mode", triangles);
     if (mode > triangle_fan) primitive.refuse("mode " + std::to_string(mode) + " is none of glTF's");
-    if (mode < triangles) return ++undrawn_, std::nullopt;
     std::map<std::string, int> attributes;
     for (const auto& [name, accessor] : primitive.index_map("attributes", "accessors"))
         attributes.emplace(name, accessor);
+    const auto radius = attributes.find("_RADIUS");
+    const bool strands = (mode == lines || mode == line_strip) && radius != attributes.end();
+    if (mode < triangles && !strands) return ++undrawn_, std::nullopt;
     const auto position = attributes.find("POSITION");
     if (position == attributes.end()) return ++without_positions_, std::nullopt;
     if (read_draco(primitive, attributes) != nullptr && mode != triangles)
@@ -234,6 +264,17 @@ std::optional<Mesh> MeshReader::read_primitive(const Element& primitive) {
     const Floats& positions = floats(position->second, {3}, 0, primitive.where() + ", POSITION");
     const std::size_t vertices = positions.count();
     std::vector<std::uint32_t> corners = read_corners(primitive, vertices);
+    if (strands) {
+        Mesh mesh;
+        const Floats& radii = floats(radius->second, {1}, vertices, primitive.where() + ", _RADIUS");
+        const std::vector<std::uint32_t> own = strands_of(primitive, mode, positions, radii, corners, mesh);
+        const auto color = attributes.find("COLOR_0");
+        if (color != attributes.end())
+            mesh.colors = quadruples_at(floats(color->second, {3, 4}, vertices, primitive.where() + ", COLOR_0"), own);
+        read_joints(primitive, attributes, own, mesh);
+        read_morph_targets(primitive, own, vertices, mesh);
+        return mesh;
+    }
     std::vector<std::uint32_t> used = corners;
     std::sort(used.begin(), used.end());
     used.erase(std::unique(used.begin(), used.end()), used.end());

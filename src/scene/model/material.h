@@ -1,8 +1,10 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <optional>
 #include <string>
 
+#include "scene/model/hair.h"
 #include "scene/model/image_source.h"
 
 namespace render2mpeg::scene {
@@ -11,6 +13,12 @@ enum class AlphaMode { opaque, mask, blend };
 
 /// Glass without thickness, a body's boundary, or that where it is closed.
 enum class Thickness { thin, solid, solid_where_closed };
+
+/// Light that leaves a surface elsewhere than where it entered [Christensen2015].
+struct Subsurface {
+    float weight = 1;             ///< 0..1, of the Lambert part
+    glm::vec3 free_path{0.001f};  ///< mean, by channel, scene units, >= 0
+};
 
 /// Surface in glTF 2.0's terms [glTF2, 3.9 and appendix B]. Factors are linear, colour textures sRGB, others linear;
 /// values are factor x texture.
@@ -88,6 +96,9 @@ struct Material {
     TextureUse diffuse_transmission_texture;        ///< a
     glm::vec3 diffuse_transmission_color{1, 1, 1};  ///< 0..1
     TextureUse diffuse_transmission_color_texture;  ///< sRGB
+
+    std::optional<Hair> hair;
+    std::optional<Subsurface> subsurface;
 
     bool changes_specular() const {
         return specular_weight != 1 || specular_tint != glm::vec3(1) || specular_weight_texture.present() ||

@@ -20,7 +20,8 @@ struct VertexJoints {
     std::array<float, 8> weight{};
 };
 
-/// Triangles of one material in object space; after validation indices are in range, positions finite, and areas > 0.
+/// Triangles or strands of one material in object space; after validation indices are in range, positions finite, areas
+/// and radii > 0.
 struct Mesh {
     std::string name;
     std::vector<glm::vec3> positions;
@@ -31,6 +32,12 @@ struct Mesh {
     std::vector<glm::uvec3> triangles;
     std::vector<MorphTarget> morph_targets;
     std::vector<VertexJoints> joints;  ///< empty: not skinned
+    /// Instead of triangles: the first of four positions in a row of each segment of a strand (curves.h).
+    std::vector<std::uint32_t> curves;
+    std::vector<float> radii;  ///< of strands at each position; empty without
+
+    bool has_curves() const { return !curves.empty(); }
+    std::size_t primitives() const { return triangles.size() + curves.size(); }
 };
 
 }  // namespace render2mpeg::scene

@@ -42,7 +42,14 @@ std::optional<Extent> extent_at(const Animation& animation, double seconds) {
         const std::vector<glm::dvec3> positions = world_positions(animation, object, pose);
         if (positions.empty()) continue;
         // Unused vertices do not count.
-        for (const glm::uvec3& t : animation.meshes[static_cast<std::size_t>(object.mesh)].triangles) {
+        const Mesh& mesh = animation.meshes[static_cast<std::size_t>(object.mesh)];
+        if (mesh.has_curves())
+            for (const glm::dvec3& p : positions) {
+                extent.low = glm::min(extent.low, p);
+                extent.high = glm::max(extent.high, p);
+                any = true;
+            }
+        for (const glm::uvec3& t : mesh.triangles) {
             for (int k = 0; k < 3; ++k) {
                 extent.low = glm::min(extent.low, positions[t[k]]);
                 extent.high = glm::max(extent.high, positions[t[k]]);
@@ -72,7 +79,10 @@ Extent detailed_extent_at(const Animation& animation, double seconds) {
     for (const Object& object : animation.objects) {
         const std::vector<glm::dvec3> positions = world_positions(animation, object, pose);
         if (positions.empty()) continue;
-        for (const glm::uvec3& t : animation.meshes[static_cast<std::size_t>(object.mesh)].triangles)
+        const Mesh& mesh = animation.meshes[static_cast<std::size_t>(object.mesh)];
+        for (const std::uint32_t first : mesh.curves)
+            for (int k = 0; k < 3; ++k) centres[k].push_back(positions[first + 1][k]);
+        for (const glm::uvec3& t : mesh.triangles)
             for (int k = 0; k < 3; ++k)
                 centres[k].push_back((positions[t.x][k] + positions[t.y][k] + positions[t.z][k]) / 3);
     }

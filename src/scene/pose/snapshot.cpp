@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/numeric.h"
+#include "scene/model/curves.h"
 #include "scene/pose/extent.h"
 #include "scene/pose/pose.h"
 #include "scene/pose/posing.h"
@@ -203,6 +204,22 @@ Triangle triangle_of(const Snapshot& snapshot, std::uint32_t object, std::uint32
             position_of(snapshot, object, corners.z)};
 }
 
+glm::dvec3 interpolated(const Mesh& mesh, const std::vector<glm::vec3>& positions,
+                        const core::SurfaceAddress& address) {
+    const double u = static_cast<double>(address.u), v = static_cast<double>(address.v);
+    if (mesh.has_curves()) {
+        // The strand's middle: it is hardly wider than a pixel, and what is seen of it turns with the eye.
+        const CurveWeights weights(u);
+        glm::dvec3 sum(0);
+        for (std::uint32_t k = 0; k < 4; ++k)
+            sum += weights.value[k] * glm::dvec3(positions[mesh.curves[address.primitive] + k]);
+        return sum;
+    }
+    const glm::uvec3 corners = mesh.triangles[address.primitive];
+    return (1 - u - v) * glm::dvec3(positions[corners.x]) + u * glm::dvec3(positions[corners.y]) +
+           v * glm::dvec3(positions[corners.z]);
+}
+
 std::optional<glm::dvec3> carry_exact(const core::SurfaceAddress& address, const Snapshot& to) {
     if (!address.is_surface()) return std::nullopt;
     const ObjectState& state = to.objects[address.object];
@@ -212,10 +229,7 @@ std::optional<glm::dvec3> carry_exact(const core::SurfaceAddress& address, const
     const Mesh& mesh = to.animation->meshes[static_cast<std::size_t>(to.animation->objects[address.object].mesh)];
     const std::vector<glm::vec3>& positions =
         state.deformed >= 0 ? to.deformed[static_cast<std::size_t>(state.deformed)].positions : mesh.positions;
-    const glm::uvec3 corners = mesh.triangles[address.primitive];
-    const double u = static_cast<double>(address.u), v = static_cast<double>(address.v);
-    const glm::dvec3 p = (1 - u - v) * glm::dvec3(positions[corners.x]) + u * glm::dvec3(positions[corners.y]) +
-                         v * glm::dvec3(positions[corners.z]);
+    const glm::dvec3 p = interpolated(mesh, positions, address);
     return state.deformed >= 0 ? p : glm::dvec3(glm::dmat4(state.to_world) * glm::dvec4(p, 1));
 }
 

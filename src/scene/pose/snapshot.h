@@ -76,6 +76,9 @@ struct Triangle {
 };
 Triangle triangle_of(const Snapshot& snapshot, std::uint32_t object, std::uint32_t primitive);
 
+/// The place at an address among these positions of its mesh: of a triangle, or of a strand's middle.
+glm::dvec3 interpolated(const Mesh& mesh, const std::vector<glm::vec3>& positions, const core::SurfaceAddress& address);
+
 /// Where the surface point is at this instant (docs/model/scene.md); nothing where its object is not present.
 std::optional<glm::vec3> carry(const core::SurfaceAddress& address, const Snapshot& to);
 /// The same before it is rounded to single precision.

@@ -200,9 +200,7 @@ std::optional<glm::vec3> swept_position(const core::SurfaceAddress& address, con
         snapshot.animation->meshes[static_cast<std::size_t>(snapshot.animation->objects[address.object].mesh)];
     const std::vector<glm::vec3>& positions =
         state.deformed >= 0 ? knot.deformed[static_cast<std::size_t>(state.deformed)].positions : mesh.positions;
-    const glm::uvec3 corners = mesh.triangles[address.primitive];
-    const glm::vec3 p = (1 - address.u - address.v) * positions[corners.x] + address.u * positions[corners.y] +
-                        address.v * positions[corners.z];
+    const glm::vec3 p(interpolated(mesh, positions, address));
     return state.deformed >= 0 ? p : glm::vec3(state.to_world * glm::vec4(p, 1));
 }
 

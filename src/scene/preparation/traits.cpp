@@ -119,6 +119,9 @@ Traits traits_of(const Animation& animation) {
     for (const Object& object : animation.objects) {
         const Material& material = animation.materials[static_cast<std::size_t>(object.material)];
         add_material(material, traits);
+        if (material.subsurface) traits.has_subsurface = true;
+        if (material.hair && animation.meshes[static_cast<std::size_t>(object.mesh)].has_curves())
+            traits.has_hair = true;
         if (object.body != Body::none) traits.has_bodies = true;
         if (object.body == Body::solid) traits.throws_light = true;
         const bool by_node = object.node >= 0 && moves[static_cast<std::size_t>(object.node)] && object.skin < 0;

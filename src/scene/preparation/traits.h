@@ -20,6 +20,8 @@ struct Traits {
     bool throws_light = false;          ///< things that mirror or bend the light of lamps onto others
     bool has_alpha_mask = false;
     bool has_alpha_blend = false;
+    bool has_hair = false;  ///< strands that scatter light as fibres
+    bool has_subsurface = false;
     bool has_normal_maps = false;
     bool has_textures = false;
     bool camera_moves = false;

@@ -274,7 +274,7 @@ void validate_objects(Animation& animation) {
 
     // Remove objects that have nothing to show.
     const auto is_empty = [&](const Object& o) {
-        return animation.meshes[static_cast<std::size_t>(o.mesh)].triangles.empty();
+        return animation.meshes[static_cast<std::size_t>(o.mesh)].primitives() == 0;
     };
     std::erase_if(animation.objects, is_empty);
     const std::size_t unseen = std::erase_if(animation.objects, [&](const Object& o) {

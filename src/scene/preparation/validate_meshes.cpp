@@ -31,6 +31,12 @@ void check_sizes(const Animation& animation, const Mesh& mesh, const std::string
                 refuse(animation, name,
                        "triangle " + std::to_string(t) + " has the corner " + std::to_string(mesh.triangles[t][k]) +
                            ", but there are " + std::to_string(n) + " vertices");
+    if (!mesh.curves.empty() && mesh.radii.size() != n)
+        refuse(animation, name, "has " + std::to_string(mesh.radii.size()) + " radii for " + counted(n, "position"));
+    for (std::size_t s = 0; s < mesh.curves.size(); ++s)
+        if (n < 4 || mesh.curves[s] > n - 4)
+            refuse(animation, name,
+                   "segment " + std::to_string(s) + " of its strands has positions that are not there");
 }
 
 /// Twice the area over the square of the longest edge: 0 for a triangle without area, whatever its size.
@@ -75,6 +81,7 @@ class Tally {
 
 struct Tallies {
     Tally flat{"dropped", "triangle", "without area"};
+    Tally thin{"dropped", "segment", "of hair without width or length"};
     Tally normals{"derived", "normal", "in place of what is not finite"};
     Tally attributes{"replaced", "texture coordinate or colour", "as not finite"};
 };
@@ -110,6 +117,27 @@ void drop_triangles(const Animation& animation, Mesh& mesh, const std::string& n
         for (MorphTarget& target : mesh.morph_targets)
             if (!target.positions.empty()) target.positions[v] = glm::vec3(0);
     }
+}
+
+/// Broken points are damage as corners are.
+void drop_segments(const Animation& animation, Mesh& mesh, const std::string& name, Tallies& tallies) {
+    if (!mesh.has_curves()) return;
+    const std::vector<char> sound = sound_vertices(mesh);
+    const bool bends = !mesh.joints.empty() || !mesh.morph_targets.empty();
+    std::size_t thin = 0;
+    const auto is_bad = [&](std::uint32_t first) {
+        for (std::uint32_t k = first; k < first + 4; ++k) {
+            if (!sound[k]) refuse(animation, name, "point " + std::to_string(k) + " of its strands is not finite");
+            if (!std::isfinite(mesh.radii[k]))
+                refuse(animation, name, "radius " + std::to_string(k) + " of its strands is not finite");
+        }
+        const float a = mesh.radii[first + 1], b = mesh.radii[first + 2];
+        if (a < 0 || b < 0) refuse(animation, name, "has a strand with a radius below 0");
+        const bool short_one = !bends && mesh.positions[first + 1] == mesh.positions[first + 2];
+        return (a == 0 && b == 0) || short_one ? (++thin, true) : false;
+    };
+    mesh.curves.erase(std::remove_if(mesh.curves.begin(), mesh.curves.end(), is_bad), mesh.curves.end());
+    tallies.thin.add(thin, name);
 }
 
 /// Area-weighted mean normal of the triangles about each vertex that is marked.
@@ -191,11 +219,13 @@ void validate_meshes(Animation& animation) {
         Mesh& mesh = animation.meshes[i];
         const std::string name = described("mesh", i, mesh.name);
         check_sizes(animation, mesh, name);
+        drop_segments(animation, mesh, name, tallies);
         drop_triangles(animation, mesh, name, tallies);
         mend_normals(mesh, name, tallies);
         mend_attributes(mesh, name, tallies);
     }
-    for (const Tally* tally : {&tallies.flat, &tallies.normals, &tallies.attributes}) tally->write(animation);
+    for (const Tally* tally : {&tallies.flat, &tallies.thin, &tallies.normals, &tallies.attributes})
+        tally->write(animation);
 }
 
 }  // namespace render2mpeg::scene

@@ -1,0 +1,19 @@
+#pragma once
+// What was done to light hair.
+#include <cstdint>
+
+namespace render2mpeg::renderer {
+
+/// Sums over frames.
+struct HairCounts {
+    std::uint64_t rays = 0, pixels = 0;
+    std::uint64_t capped = 0;  ///< pixels whose tolerance asks for more rays than there may be
+
+    void add(const HairCounts& more) {
+        rays += more.rays;
+        pixels += more.pixels;
+        capped += more.capped;
+    }
+};
+
+}  // namespace render2mpeg::renderer

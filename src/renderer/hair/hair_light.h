@@ -1,0 +1,45 @@
+#pragma once
+// Lights the fibres that a frame shows, and what shines from below surfaces.
+#include <span>
+#include <vector>
+
+#include "core/tolerance_map.h"
+#include "renderer/base/plan.h"
+#include "renderer/gather/gather_ray.h"
+#include "renderer/gather/surface_cache.h"
+#include "renderer/hair/hair_counts.h"
+#include "renderer/surface/gather_point.h"
+#include "renderer/surface/posed_scene.h"
+
+namespace render2mpeg::renderer {
+
+/// Light of fibres and below surfaces, at places that probes find. Every sample of the eye asks lamps by next events,
+/// and sends a ray by its fibre's scattering, whose end a cache on surfaces and among strands knows (surface_cache.h);
+/// again and again, until the standard error of its pixel is below its tolerance, as far as the tile's pixels together
+/// tell it. A function of the posed instant and of what is seen, for any number of threads.
+class HairLight {
+  public:
+    HairLight(const PosedScene& posed_scene, const Plan& plan);
+
+    /// Adds the light of all fibres that were seen to `seen.emitted`, `hair` and `hair_of_exposed`, and forgets them.
+    /// `tolerance`: null for a rough look.
+    void add_to(Seen& seen, const core::ToleranceMap* tolerance, HairCounts& counts);
+
+  private:
+    struct Pixel;
+    struct Traced;
+    void trace(const FibreSample& sample, std::uint64_t number, Traced& out) const;
+    void take_round(std::span<const FibreTile> tiles, std::vector<Pixel>& pixels, std::uint32_t round,
+                    HairCounts& counts);
+    static void add(std::span<const FibreTile> tiles, std::span<const glm::vec3> lights, Pixel& pixel);
+    static void want_rounds(std::span<Pixel> tile, const core::ToleranceMap& tolerance,
+                            const core::Plane<glm::vec3>& known, HairCounts& counts);
+    std::vector<Pixel> light(std::span<const FibreTile> tiles, int across, const core::ToleranceMap* tolerance,
+                             const core::Plane<glm::vec3>& known, HairCounts& counts);
+
+    const PosedScene& posed_scene_;
+    GatherRays gather_rays_;
+    SurfaceCache cache_;
+};
+
+}  // namespace render2mpeg::renderer
