@@ -199,6 +199,20 @@ glm::vec3 SurfaceCache::lamps(const Scatterer& at, std::uint64_t number, std::ui
     return sum;
 }
 
+/// Light comes from this side or from beyond, in proportion to what is reflected and let through. Returns its weight.
+glm::vec3 SurfaceCache::choose_side(std::uint64_t number, SurfacePoint& p) const {
+    const float through = core::luminance(p.bsdf.diffuse_transmission);
+    glm::vec3 weight(1);
+    if (through > 0.0f) {
+        const float reflected = core::luminance(p.bsdf.diffuse) + core::luminance(p.bsdf.f0);
+        const float chance = through / (through + reflected);
+        const bool beyond = uniform(number, side, 0) < chance;
+        weight = glm::vec3(1.0f / (beyond ? chance : 1.0f - chance));
+        if (beyond) p = posed_scene_.other_side(p);
+    }
+    return weight;
+}
+
 /// Notes where a place's rays leave. `weight`: of the side that was chosen.
 void SurfaceCache::note_place(const LightQuery& query, glm::vec3 weight, KeptPlace& kept) {
     kept.origin = query.origin;
@@ -221,16 +235,7 @@ void SurfaceCache::light_place(const Sighting& place, std::uint64_t number, std:
     core::make_frame(place.outgoing, along, across);
     SurfacePoint p = posed_scene_.surface_at(place.address, place.outgoing, {place.size * along, place.size * across});
     if (p.unlit) return;
-    // Light from this side or from beyond, in proportion to what is reflected and let through.
-    const float through = core::luminance(p.bsdf.diffuse_transmission);
-    glm::vec3 weight(1);
-    if (through > 0.0f) {
-        const float reflected = core::luminance(p.bsdf.diffuse) + core::luminance(p.bsdf.f0);
-        const float chance = through / (through + reflected);
-        const bool beyond = uniform(number, side, 0) < chance;
-        weight = glm::vec3(1.0f / (beyond ? chance : 1.0f - chance));
-        if (beyond) p = posed_scene_.other_side(p);
-    }
+    glm::vec3 weight = choose_side(number, p);
     const float cosine = glm::dot(p.shading_normal, p.outgoing);
     const glm::vec3 albedo = diffuse_albedo(p.bsdf, cosine) + glossy_albedo(p.bsdf, cosine);
     const float brightest = p.fibre ? 1.0f : std::max({albedo.x, albedo.y, albedo.z});

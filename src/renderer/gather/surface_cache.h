@@ -166,6 +166,7 @@ class SurfaceCache {
     std::uint32_t make_cell(std::uint64_t key);
     void plan_lessons(std::vector<Sighting>& wanted, std::uint32_t most, std::vector<Sighting>& places,
                       std::vector<Lesson>& lessons);
+    glm::vec3 choose_side(std::uint64_t number, SurfacePoint& p) const;
     static void note_place(const LightQuery& query, glm::vec3 weight, KeptPlace& kept);
     void light_place(const Sighting& place, std::uint64_t number, std::uint32_t index, Lesson& lesson,
                      Evaluated& out) const;
