@@ -44,6 +44,12 @@ constexpr GeometryClamp point_clamp{0.25f};
 /// does not do so for long, and representatives never change from frame to frame.
 constexpr std::int64_t rebuild_interval = 15;
 
+/// Whether light may change, of things whose boxes are known: strands are wider than their points.
+bool keeps_rays(const scene::Animation& film) {
+    return scene::traits_of(film).changes_light() &&
+           std::none_of(film.meshes.begin(), film.meshes.end(), [](const scene::Mesh& m) { return m.has_curves(); });
+}
+
 }  // namespace
 
 struct Renderer::Impl {
@@ -53,7 +59,7 @@ struct Renderer::Impl {
           posed_scene(film, s.isa, p),
           light_points(posed_scene, p, (p.runs(Pass::sky_light) ? 2 : 1) * s.direct_points, s.seed),
           thrown({s.caustic_photons}),
-          final_gather(posed_scene, plan, scene::traits_of(film).changes_light() && !p.runs(Pass::hair)),
+          final_gather(posed_scene, plan, keeps_rays(film)),
           hair_light(posed_scene, plan) {
         statistics.image_notes = posed_scene.notes();
         if (by_rays()) rays_of.push_back(RaysOf::hemispheres);

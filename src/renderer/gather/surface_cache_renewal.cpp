@@ -121,18 +121,18 @@ glm::vec3 SurfaceCache::known_of(const KeptPlace& place) const {
     return sum;
 }
 
-/// Marks what marked cells ask, and frees the rest.
+/// Frees cells that nobody asked for long, but for what those that stay ask.
 void SurfaceCache::mark_asked() {
     std::vector<std::uint32_t> asked;
     for (std::uint32_t i = 0; i < cells_.size(); ++i)
-        if (kept_cells_[i].used == mark_) asked.push_back(i);
+        if (mark_ - kept_cells_[i].used < keeps_unasked) asked.push_back(i);
     while (!asked.empty()) {
         const std::uint32_t cell = asked.back();
         asked.pop_back();
         for (std::uint32_t p = kept_cells_[cell].first; p != none; p = places_[p].next) {
             const std::uint32_t other = places_[p].cell;
-            if (other == none || kept_cells_[other].used == mark_) continue;
-            kept_cells_[other].used = mark_;
+            if (other == none || kept_cells_[other].used >= kept_cells_[cell].used) continue;
+            kept_cells_[other].used = kept_cells_[cell].used;
             asked.push_back(other);
         }
     }

@@ -63,13 +63,16 @@ void RestPoses::consider(const scene::Snapshot& now) {
 
 OrientedPoint RestPoses::at(const core::SurfaceAddress& a, bool front) const {
     const std::vector<glm::vec3>& positions = positions_of(a.object);
-    const glm::uvec3 t = mesh_of(a.object).triangles[a.primitive];
+    const scene::Mesh& mesh = mesh_of(a.object);
+    if (mesh.has_curves()) return {glm::vec3(scene::interpolated(mesh, positions, a)), {0, 0, 1}};
+    const glm::uvec3 t = mesh.triangles[a.primitive];
     const glm::vec3 p = positions[t.x], e1 = positions[t.y] - p, e2 = positions[t.z] - p;
     const glm::vec3 normal = core::normalize_or(glm::cross(e1, e2), {0, 0, 1});
     return {p + a.u * e1 + a.v * e2, front ? normal : -normal};
 }
 
 float RestPoses::area_scale(const scene::Snapshot& now, const core::SurfaceAddress& a) const {
+    if (mesh_of(a.object).has_curves()) return 1.0f;
     const std::vector<glm::vec3>& positions = positions_of(a.object);
     const glm::uvec3 t = mesh_of(a.object).triangles[a.primitive];
     const scene::Triangle world = scene::triangle_of(now, a.object, a.primitive);

@@ -86,6 +86,7 @@ struct PosedScene::Impl {
 
     /// Between a ray and the normal that is interpolated, whatever its side; 1 where there is none.
     float cosine_at(const core::SurfaceAddress& address, const SurfaceShape& shape, glm::vec3 direction) const {
+        if (shape.mesh->has_curves()) return 1.0f;
         const scene::ObjectState& state = snapshot->objects[address.object];
         const std::vector<glm::vec3>& normals =
             state.deformed >= 0 ? snapshot->deformed[static_cast<std::size_t>(state.deformed)].normals

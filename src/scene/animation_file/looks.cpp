@@ -13,6 +13,10 @@
 namespace render2mpeg::scene {
 namespace {
 
+/// Light that goes no farther below a surface stays where it came in, scene units. chosen: what single precision tells
+/// apart a few units from the origin.
+constexpr float least_free_path = 1e-6f;
+
 namespace fs = std::filesystem;
 namespace keys = animation_file_keys;
 
@@ -88,7 +92,8 @@ void change_subsurface(const JsonValue& value, Material& material) {
     Subsurface below = material.subsurface.value_or(Subsurface{});
     value.set("weight", below.weight, 0, 1);
     if (const auto v = value.find("free_path")) below.free_path = v->color(1e6);
-    const bool spreads = below.weight > 0 && below.free_path != glm::vec3(0);
+    const bool spreads =
+        below.weight > 0 && std::max({below.free_path.x, below.free_path.y, below.free_path.z}) > least_free_path;
     material.subsurface = spreads ? std::optional(below) : std::nullopt;
 }
 

@@ -143,7 +143,9 @@ void add_cell(const glm::dvec3 (&place)[3], const MirroredRay (&ray)[3], double 
 void add_near_cells(const LocalMirror& mirror, const Bend& bend, double usual, std::vector<Cell>& cells) {
     constexpr int rings = 12, spokes = 24;
     const double curved = std::max(glm::length(mirror.spot.turn[0]), glm::length(mirror.spot.turn[1]));
-    const double reach = std::min(bend.radius + 1 / bend.fade, 0.5 / curved), step = 1e-3 * reach;
+    const double reach = std::min(bend.radius + 1 / bend.fade,
+                                  curved > 0 ? 0.5 / curved : std::numeric_limits<double>::infinity()),
+                 step = 1e-3 * reach;
     for (int ring = 1; ring <= rings; ++ring)
         for (int spoke = 0; spoke < spokes; ++spoke) {
             const double angle = 2 * glm::pi<double>() * spoke / spokes;
