@@ -197,6 +197,28 @@ TEST(Strands, OfBezierSegmentsAreTheSameCurves) {
     }
 }
 
+TEST(Strands, OfGlassAndInMotionAreLitByRaysAndByLightPoints) {
+    SceneBuilder b;
+    const int glass = b.add_material();
+    b.material(glass).transmission = 0.8f;
+    add_strand_object(b, 0.2f, glass);
+    b.move_object(add_strand_object(b, 0.1f, b.add_material()), {{0.5f, 0, 0}, {0.6f, 0, 0}});
+    b.add_quad({-2, -2, -1}, {4, 0, 0}, {0, 4, 0}, b.add_material());
+    b.add_point_light({1, 1, 2}, 10.0f);
+    b.add_camera({0, 0, 4}, {0, 0, 0});
+    for (const Indirect indirect : {Indirect::rays, Indirect::lightcuts}) {
+        Settings s = test::small_frame(16, 16);
+        s.indirect = indirect;
+        s.cache = CacheUse::on;
+        FilmStage stage(b, s);
+        for (int second = 0; second < 2; ++second) {
+            const core::Radiance frame = stage.cut(0.1f, second);
+            EXPECT_GT(core::luminance(frame.combined.at(8, 8)), 0.0f);
+        }
+        EXPECT_EQ(stage.statistics().non_finite, 0u);
+    }
+}
+
 /// A tuft of fibres that absorb nothing.
 SceneBuilder white_tuft() {
     SceneBuilder b;
