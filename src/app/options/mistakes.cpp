@@ -79,7 +79,7 @@ const CLI::Option* option_named(const CLI::App& command, const std::string& name
 
 /// Explains a missing positional or required option.
 std::string missing_text(const CLI::App& app, const std::string& name) {
-    const std::string command = app.get_name();
+    const std::string& command = app.get_name();
     if (name == "INPUT")
         return "INPUT is missing: which scene? For example: render2mpeg " + command + " scene.glb" +
                (command == "render" ? " -o film.mpg"

@@ -1,6 +1,7 @@
 // How cells follow light that changes: as anchors of gather rays do in [Smyk2005].
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "core/color.h"
 #include "core/numeric.h"
