@@ -103,7 +103,6 @@ struct Renderer::Impl {
         shone_at.reset();
         thrown.forget();
         lit_frame.reset();
-        lit.reset();
         ambient_air = {};
         cache.forget();
         calibration.forget();
@@ -115,7 +114,8 @@ struct Renderer::Impl {
     /// Lets the lights of the posed snapshot shine, and what light bounces off with them; nothing is done where nothing
     /// that light touches has changed since the last time, nor a cut the near field of what is seen.
     void shine(const scene::Snapshot& snapshot) {
-        const bool is_same = shone_at && change_between(*shone_at, snapshot).none();
+        change = shone_at ? change_between(*shone_at, snapshot) : LightChange::everything();
+        const bool is_same = change.none();
         if (is_same && !(by_rays() && snapshot.cut_before)) return;
         std::vector<LightPoint> points;
         {
@@ -144,9 +144,7 @@ struct Renderer::Impl {
 
     /// It stays where sources do, as long as the view does.
     NearField near_field_of(const scene::Snapshot& snapshot, std::span<const LightPoint> lights) const {
-        if (shone_at && !snapshot.cut_before &&
-            !change_between(*shone_at, snapshot).changes_sources(posed_scene.animation()))
-            return rays_see.near_field;
+        if (!snapshot.cut_before && !change.changes_sources(posed_scene.animation())) return rays_see.near_field;
         return NearField(
             lights, look_about(posed_scene, plan, snapshot.camera, {settings.format.width, settings.format.height}));
     }
@@ -185,21 +183,19 @@ struct Renderer::Impl {
         light_trees.bodies = plan.runs(Pass::caustics) ? Bodies::block : Bodies::pass;
         light_trees.air = posed_scene.air();
         light_trees.translucent = plan.runs(Pass::alpha) || plan.runs(Pass::glass) || light_trees.air != nullptr;
-        carry_light(snapshot);
+        carry_light();
         lit_frame = snapshot.frame;
         has_trees = true;
     }
 
-    /// Takes light that was gathered over to the snapshot, as far as it still holds.
-    void carry_light(const scene::Snapshot& snapshot) {
-        if (lit && caches && by_rays()) {
-            cache.renew(change_between(*lit, snapshot), light_trees, posed_scene.tracer(), shade_settings().limits,
-                        rays_see, final_gather);
+    /// Takes light that was gathered over to the posed instant, as far as it still holds.
+    void carry_light() {
+        if (lit_frame && caches && by_rays()) {
+            cache.renew(change, light_trees, posed_scene.tracer(), shade_settings().limits, rays_see, final_gather);
         } else {
             if (lit_frame) cache.invalidate();
             if (!rays_of.empty()) final_gather.forget(rays_see);
         }
-        lit = snapshot;
     }
 
     /// Parts the time of gathering among the rows of the plan that it serves, by clusters.
@@ -288,7 +284,7 @@ struct Renderer::Impl {
     Caustics thrown;                          ///< how many photons a frame of the chunk has
     bool has_trees = false;                   ///< `light_trees` are of that instant, too
     std::optional<std::int64_t> lit_frame;    ///< the first frame that `light_trees` are of
-    std::optional<scene::Snapshot> lit;       ///< likewise
+    LightChange change;                       ///< since the instant that was lit before
     bool started = false;
     std::int64_t first_frame = 0;  ///< of the chunk
     FilmCalibration calibration;

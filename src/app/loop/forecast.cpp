@@ -34,7 +34,7 @@ constexpr std::uint64_t per_pixel = 250, per_sample = 60;
 constexpr std::uint64_t per_pixel_looked_at_closer = 500;
 constexpr std::uint64_t per_exposed_sample = 40;
 /// Of rays that are kept, and of all of them (most_kept_rays, most_kept_places).
-constexpr std::uint64_t per_kept_pixel = 60'000, most_kept = 1'700'000'000;
+constexpr std::uint64_t per_kept_pixel = 90'000, most_kept = 1'700'000'000;
 constexpr std::uint64_t samples_of_blurred_lamps = 32;  ///< of a pixel on the average, where a lens blurs
 constexpr std::uint64_t per_decoded_pixel = 48;
 constexpr std::uint64_t always = std::uint64_t{24} << 20;
