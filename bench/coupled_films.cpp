@@ -37,7 +37,8 @@ class LightJudge {
             const float y = core::luminance(light);
             const core::Tolerance t = frame.tolerance.pixels.values()[i];
             const float allowed = t.allows(y);
-            over_ += std::abs(core::luminance(frame.radiance.combined.values()[i]) - y) > allowed * 1.0001f + 1e-12f;
+            over_ +=
+                std::abs(core::luminance(frame.lit.radiance.combined.values()[i]) - y) > allowed * 1.0001f + 1e-12f;
             gathering_ += 1;
             if (!(y > 0)) continue;
             relative_ += static_cast<double>(std::min(allowed / y, 1.0f)), bright_ += 1;

@@ -36,7 +36,7 @@ class Hash {
 
 /// What a frame lit without clustering depends on.
 std::uint64_t key_of(const RenderJob& film, renderer::Renderer& renderer, const scene::Snapshot& world,
-                     const renderer::Seen& seen) {
+                     const renderer::Frame& seen) {
     Hash hash;
     const renderer::Settings& s = film.rendering;
     for (const std::int64_t value : {world.frame, std::int64_t{s.format.width}, std::int64_t{s.format.height},
@@ -45,12 +45,11 @@ std::uint64_t key_of(const RenderJob& film, renderer::Renderer& renderer, const 
     hash.add(seen.visible.depth);
     hash.add(seen.visible.material);
     hash.add(seen.emitted);
-    core::Radiance nothing;
-    nothing.frame = world.frame;
-    nothing.combined = core::Plane<glm::vec3>(s.format.width, s.format.height, glm::vec3(0));
-    nothing.capped = core::Plane<std::uint8_t>(s.format.width, s.format.height, 0);
-    for (const renderer::AuditedPixel& p :
-         renderer.audit(world, seen, core::ToleranceMap::reference(), nothing, probed)) {
+    renderer::Lit dark{{seen, renderer::UngatheredLight(seen)}, {}};
+    dark.radiance.frame = world.frame;
+    dark.radiance.combined = core::Plane<glm::vec3>(s.format.width, s.format.height, glm::vec3(0));
+    dark.radiance.capped = core::Plane<std::uint8_t>(s.format.width, s.format.height, 0);
+    for (const renderer::AuditedPixel& p : renderer.audit(world, dark, core::ToleranceMap::reference(), probed)) {
         hash.add(p.luminance);
         hash.add(p.chroma);
     }
@@ -72,7 +71,7 @@ core::Picture develop(const RenderJob& film, const core::Plane<glm::vec3>& light
     return picture;
 }
 
-core::Plane<std::uint8_t> gathering_pixels(const renderer::Seen& seen) {
+core::Plane<std::uint8_t> gathering_pixels(const renderer::Frame& seen) {
     core::Plane<std::uint8_t> plane(seen.visible.width(), seen.visible.height(), 0);
     for (std::size_t t = 0; t < seen.tiles.size(); ++t) {
         const int index = static_cast<int>(t), across = seen.tiles_across();
@@ -87,11 +86,11 @@ ReferenceFrame lit(const RenderJob& film, renderer::Renderer& renderer, std::int
                    const std::filesystem::path& folder) {
     ReferenceFrame reference;
     const scene::Snapshot world = film.snapshot(frame);
-    const renderer::Seen seen = renderer.see(world);
+    const renderer::Frame seen = renderer.look(world);
     const std::filesystem::path file = folder / fmt::format("{:016x}.light", key_of(film, renderer, world, seen));
     reference.light = core::Plane<glm::vec3>(film.format.width, film.format.height);
     if (!read(file, reference.light)) {
-        reference.light = renderer.shade(world, seen, core::ToleranceMap::reference()).combined;
+        reference.light = renderer.light(world, seen, {core::ToleranceMap::reference()}).radiance.combined;
         // Whole or not at all.
         const std::filesystem::path unfinished = file.string() + ".partial";
         std::ofstream(unfinished, std::ios::binary)
@@ -118,7 +117,7 @@ Stage stage_of(const RenderJob& film, int pairs, const std::filesystem::path& fo
             if (!stage.reference.contains(n)) stage.reference[n] = lit(film, renderer, n, folder);
     for (std::int64_t n = film.frames.first; n <= film.frames.last; ++n) {
         const scene::Snapshot world = film.snapshot(n);
-        stage.visible.push_back(renderer.see(world).visible);
+        stage.visible.push_back(renderer.look(world).visible);
         stage.motion.push_back(scene::motion_between(stage.visible.back(), world,
                                                      film.snapshot(std::max<std::int64_t>(film.frames.first, n - 1))));
     }

@@ -106,9 +106,9 @@ void Shade(benchmark::State& state) {
     settings.direct_points = 512;
     test::FilmStage stage(test::furnished_room(), settings);
     const scene::Snapshot world = stage.at(0);
-    const Seen seen = stage.renderer().see(world);
+    const Frame seen = stage.renderer().look(world);
     const auto tolerance = core::ToleranceMap::uniform(128, 128, {0, static_cast<float>(state.range(1)) * 0.01f});
-    for (auto _ : state) benchmark::DoNotOptimize(stage.renderer().shade(world, seen, tolerance));
+    for (auto _ : state) benchmark::DoNotOptimize(stage.renderer().light(world, seen, {tolerance}).radiance);
     const Statistics& s = stage.statistics();
     const auto points = static_cast<double>(s.gather_points);
     state.SetItemsProcessed(static_cast<std::int64_t>(s.direct_clusters + s.indirect_clusters));

@@ -23,7 +23,7 @@ namespace {
 constexpr int repeats = 3;
 
 /// Leaves every so manieth tile, in diagonals; returns gather points before over after.
-double thin_out(renderer::Seen& seen, std::size_t every) {
+double thin_out(renderer::Frame& seen, std::size_t every) {
     const auto across = static_cast<std::size_t>(seen.tiles_across());
     double all = 0, left = 0;
     for (std::size_t t = 0; t < seen.tiles.size(); ++t) {
@@ -46,7 +46,7 @@ void run(const std::string& scene, const bench::Wishes& wishes) {
     app::RenderJob film = app::prepare(options);
     const scene::Snapshot world = film.snapshot(wishes.number("frame", 0));
     renderer::Renderer renderer(*film.animation, film.rendering, film.plan);
-    renderer::Seen seen = renderer.see(world);
+    renderer::Frame seen = renderer.look(world);
     const double part = thin_out(seen, static_cast<std::size_t>(std::max(1, wishes.number("every", 16))));
     const double memory_before = app::peak_memory_mib();
 
@@ -57,14 +57,14 @@ void run(const std::string& scene, const bench::Wishes& wishes) {
     const auto tolerance =
         core::ToleranceMap::uniform(width, height, {0.0f, 0.01f * static_cast<float>(wishes.number("tolerance", 2))});
     double start = app::cpu_seconds();
-    renderer.shade(world, seen, tolerance);
+    renderer.light(world, seen, {tolerance}).radiance;
     const double first = app::cpu_seconds() - start;
     const double photons = renderer.seconds(renderer::Pass::photons) - anchors;
     const renderer::Statistics before = renderer.statistics();
     double gathering = 1e30;
     for (int i = 0; i < repeats; ++i) {
         start = app::cpu_seconds();
-        renderer.shade(world, seen, tolerance);
+        renderer.light(world, seen, {tolerance}).radiance;
         gathering = std::min(gathering, app::cpu_seconds() - start);
     }
     const renderer::Statistics& after = renderer.statistics();

@@ -71,7 +71,7 @@ core::MotionField ExactMotion::look(std::int64_t picture, std::int64_t reference
         renderer_->start_chunk(film_.snapshot(0));
     }
     const scene::Snapshot world = film_.snapshot(picture);
-    if (seen_ != picture) visible_ = renderer_->see(world).visible;
+    if (seen_ != picture) visible_ = renderer_->look(world).visible;
     seen_ = picture;
     return scene::motion_between(visible_, world, film_.snapshot(reference));
 }

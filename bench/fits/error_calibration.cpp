@@ -61,10 +61,11 @@ class Bench {
             told_.push_back(new_renderer(false));
             renderer::Renderer& renderer = *told_.back();
             renderer.start_chunk(worlds_.back());
-            seen_.push_back(thinned(renderer.see(worlds_.back())));
+            seen_.push_back(thinned(renderer.look(worlds_.back())));
             pixels_.push_back(renderer::drawn(renderer::lit_pixels(seen_.back()), audited, worlds_.back().frame));
             const core::Radiance all =
-                renderer.shade(worlds_.back(), only(seen_.back(), pixels_.back()), core::ToleranceMap::reference());
+                renderer.light(worlds_.back(), only(seen_.back(), pixels_.back()), {core::ToleranceMap::reference()})
+                    .radiance;
             truth_.emplace_back();
             for (const renderer::LitPixel& p : pixels_.back()) {
                 const glm::ivec2 place = renderer::place_of(seen_.back(), p);
@@ -87,12 +88,13 @@ class Bench {
                 learner = new_renderer(true);
                 learner->start_chunk(worlds_[f]);
                 // So that trees are no part of the time.
-                learner->sketch(worlds_[f], renderer::Seen{seen_[f].visible, {}, seen_[f].emitted, {}}, map);
+                learner->light(worlds_[f], renderer::Frame{seen_[f].visible, {}, seen_[f].emitted, {}},
+                               {map, renderer::Manner::rough});
             }
             renderer::Renderer& renderer = error_scale ? *told_[f] : *learner;
             const renderer::Statistics before = renderer.statistics();
             const double start = app::cpu_seconds();
-            const core::Radiance cut = renderer.shade(worlds_[f], seen_[f], map);
+            const core::Radiance cut = renderer.light(worlds_[f], seen_[f], {map}).radiance;
             const renderer::Statistics& after = renderer.statistics();
             sum.seconds += app::cpu_seconds() - start - (after.calibration_seconds - before.calibration_seconds);
             sum.rays += static_cast<double>(after.shadow_rays - before.shadow_rays);
@@ -125,8 +127,8 @@ class Bench {
     }
 
     /// The gather points of some pixels.
-    static renderer::Seen only(const renderer::Seen& seen, const std::vector<renderer::LitPixel>& pixels) {
-        renderer::Seen part{seen.visible, {}, seen.emitted, {}};
+    static renderer::Frame only(const renderer::Frame& seen, const std::vector<renderer::LitPixel>& pixels) {
+        renderer::Frame part{seen.visible, {}, seen.emitted, {}};
         part.tiles.resize(seen.tiles.size());
         for (const renderer::LitPixel& p : pixels)
             part.tiles[p.tile].insert(part.tiles[p.tile].end(), seen.tiles[p.tile].begin() + p.first,
@@ -135,7 +137,7 @@ class Bench {
     }
 
     /// Two blocks of sixteen pixels of every tile: an eighth of the frame.
-    static renderer::Seen thinned(renderer::Seen seen) {
+    static renderer::Frame thinned(renderer::Frame seen) {
         for (std::size_t t = 0; t < seen.tiles.size(); ++t) {
             const int first = static_cast<int>(core::uniform(7, t) * 16);
             std::erase_if(seen.tiles[t], [&](const renderer::GatherPoint& p) {
@@ -149,7 +151,7 @@ class Bench {
     app::RenderJob film_;
     float floor_ = 0;
     std::vector<scene::Snapshot> worlds_;
-    std::vector<renderer::Seen> seen_;
+    std::vector<renderer::Frame> seen_;
     std::vector<std::unique_ptr<renderer::Renderer>> told_;  ///< learn nothing
     std::vector<std::vector<renderer::LitPixel>> pixels_;    ///< that are held against
     std::vector<std::vector<glm::vec3>> truth_;

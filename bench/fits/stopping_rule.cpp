@@ -54,7 +54,7 @@ struct Key {
 using Results = std::map<Key, Measured>;
 
 /// Leaves one 4x4 block of every `tile_step`th tile and lists its pixels that have something to gather.
-std::vector<glm::ivec2> thin_out(renderer::Seen& seen) {
+std::vector<glm::ivec2> thin_out(renderer::Frame& seen) {
     std::vector<glm::ivec2> pixels;
     for (std::size_t t = 0; t < seen.tiles.size(); ++t) {
         const int tile_x = static_cast<int>(t) % seen.tiles_across(),
@@ -85,7 +85,7 @@ class Bench {
         world_.emplace(film_.snapshot(frame));
         renderer_.emplace(*film_.animation, film_.rendering, film_.plan);
         renderer_->start_chunk(*world_);
-        seen_ = renderer_->see(*world_);
+        seen_ = renderer_->look(*world_);
         pixels_ = thin_out(seen_);
         truth_ = colors(core::ToleranceMap::reference());
     }
@@ -147,7 +147,7 @@ class Bench {
 
     static double luminance(glm::dvec3 c) { return glm::dot(glm::dvec3(core::luminance_weights), c); }
     std::vector<glm::dvec3> colors(const core::ToleranceMap& tolerance) {
-        const core::Radiance radiance = renderer_->shade(*world_, seen_, tolerance);
+        const core::Radiance radiance = renderer_->light(*world_, seen_, {tolerance}).radiance;
         std::vector<glm::dvec3> values;
         for (const glm::ivec2 p : pixels_) values.push_back(radiance.combined.at(p.x, p.y));
         return values;
@@ -157,7 +157,7 @@ class Bench {
     float floor_ = 0;
     std::optional<scene::Snapshot> world_;
     std::optional<renderer::Renderer> renderer_;
-    renderer::Seen seen_;
+    renderer::Frame seen_;
     std::vector<glm::ivec2> pixels_;
     std::vector<glm::dvec3> truth_;
 };

@@ -4,29 +4,23 @@
 
 #include "core/color.h"
 #include "core/numeric.h"
-#include "renderer/air/airlight.h"
-#include "renderer/caustics/caustics.h"
 
 namespace render2mpeg::renderer {
 
-core::Plane<glm::vec3> light_of_bodies_and_air(const Seen& seen) {
-    core::Plane<glm::vec3> light(seen.visible.width(), seen.visible.height(), glm::vec3(0));
-    for (int y = 0; y < light.height(); ++y)
-        for (int x = 0; x < light.width(); ++x)
-            light.at(x, y) = caustic_light_at(seen, {x, y}) + airlight_at(seen, {x, y});
-    return light;
+glm::vec3 light_of_bodies_and_air(const UngatheredLight& ungathered, int x, int y) {
+    return value_or_zero(ungathered.caustics().all, x, y) + value_or_zero(ungathered.air().all, x, y);
 }
 
-std::vector<glm::vec3> exact_pixels(const LitFrame& frame, const std::vector<LitPixel>& pixels,
+std::vector<glm::vec3> exact_pixels(const JudgedFrame& frame, const std::vector<LitPixel>& pixels,
                                     const MovedPoints& moved) {
-    std::vector<glm::vec3> light =
-        gather_exactly(frame.light_trees, frame.posed_scene.tracer(), frame.seen, pixels, moved);
+    std::vector<glm::vec3> light = gather_exactly(frame.context, pixels, moved);
     if (frame.rays == nullptr) return light;
     std::vector<GatherPoint> points;
     std::vector<std::size_t> of_pixel;
     for (std::size_t k = 0; k < pixels.size(); ++k)
         for (std::uint32_t i = pixels[k].first; i < pixels[k].last; ++i) {
-            points.push_back(lit_at(frame.seen.tiles[pixels[k].tile][i], moved_point(moved, pixels[k].tile, i)));
+            points.push_back(
+                lit_at(frame.context.seen.tiles[pixels[k].tile][i], moved_point(moved, pixels[k].tile, i)));
             of_pixel.push_back(k);
         }
     for (const RaysOf which : frame.rays_of) {
@@ -38,23 +32,24 @@ std::vector<glm::vec3> exact_pixels(const LitFrame& frame, const std::vector<Lit
     return light;
 }
 
-std::vector<JudgedPixel> judge_pixels(const LitFrame& frame, const SeeSettings& see, const Plan& plan,
+std::vector<JudgedPixel> judge_pixels(const JudgedFrame& frame, const SeeSettings& see, const Plan& plan,
                                       std::span<const AuditedPixel> audited, const TruthSettings& finely) {
-    const Seen& seen = frame.seen;
+    const Frame& seen = frame.context.seen;
+    const core::ToleranceMap& tolerance = frame.context.tolerance;
     std::vector<JudgedPixel> judged;
     std::vector<TruthRequest> requests;
     for (const AuditedPixel& a : audited) {
         const LitPixel pixel = pixel_at(seen, {a.x, a.y});
         JudgedPixel& p = judged.emplace_back();
         p.shown = frame.radiance.combined.at(a.x, a.y), p.where_lit = p.at_points = a.radiance;
-        if (!frame.tolerance.is_reference()) p.least = frame.tolerance.pixels.at(a.x, a.y).absolute;
+        if (!tolerance.is_reference()) p.least = tolerance.pixels.at(a.x, a.y).absolute;
         if (any_moved(frame.moved, pixel)) p.at_points = exact_pixels(frame, {pixel}).front();
         const std::span<const GatherPoint> points(seen.tiles[pixel.tile]);
         requests.push_back({{a.x, a.y},
                             points.subspan(pixel.first, pixel.last - pixel.first),
                             std::max(core::luminance(p.at_points), p.least),
                             seen.samples.empty() ? see.samples : seen.samples.at(a.x, a.y),
-                            caustic_light_at(seen, {a.x, a.y}) + airlight_at(seen, {a.x, a.y})});
+                            light_of_bodies_and_air(frame.context.ungathered, a.x, a.y)});
     }
     std::size_t k = 0;
     for (const PixelTruth& t : pixel_truth(frame.posed_scene, see, plan, requests, finely)) judged[k++].truth = t;

@@ -4,41 +4,38 @@
 #include <vector>
 
 #include "core/radiance.h"
-#include "core/tolerance_map.h"
 #include "renderer/calibration/audit.h"
 #include "renderer/calibration/audited_pixel.h"
+#include "renderer/cut/lighting_context.h"
 #include "renderer/gather/final_gather.h"
 #include "renderer/gather/frame_rays.h"
 #include "renderer/surface/posed_scene.h"
-#include "renderer/tree/light_trees.h"
 #include "renderer/truth/error_split.h"
 #include "renderer/truth/pixel_truth.h"
 #include "renderer/view/see.h"
 
 namespace render2mpeg::renderer {
 
-/// A frame that was lit.
-struct LitFrame {
+/// A lit frame to be judged.
+struct JudgedFrame {
     const PosedScene& posed_scene;
-    const LightTrees& light_trees;
+    LightingContext context;      ///< that it was lit by
     FinalGather* rays;            ///< of `rays_of`; null: of none
     std::vector<RaysOf> rays_of;  ///< that see the sky and indirect light, which light trees hold else
-    const Seen& seen;
-    const core::ToleranceMap& tolerance;
     const core::Radiance& radiance;
-    const MovedPoints& moved;  ///< points that were lit elsewhere; empty: none
+    MovedPoints moved;  ///< points that were lit elsewhere; empty: none
 };
 
-/// What the pixels send when their light is gathered from every light point by itself, and by as many rays as there can
-/// be, where it was when the frame was lit: some points were `moved` (empty: none). Radiance, >= 0 and finite.
-std::vector<glm::vec3> exact_pixels(const LitFrame& frame, const std::vector<LitPixel>& pixels,
+/// Radiance of pixels whose light is gathered from every light point by itself, and by as many rays as there can be:
+/// at the places where the frame was lit (`moved`), or at its gather points (empty). >= 0 and finite.
+std::vector<glm::vec3> exact_pixels(const JudgedFrame& frame, const std::vector<LitPixel>& pixels,
                                     const MovedPoints& moved = {});
 
-/// Radiance of pixels that light trees and rays do not gather.
-core::Plane<glm::vec3> light_of_bodies_and_air(const Seen& seen);
+/// Light of a pixel that neither light trees nor paths find.
+glm::vec3 light_of_bodies_and_air(const UngatheredLight& ungathered, int x, int y);
 
 /// Audited pixels of the frame beside their truth, by paths (pixel_truth.h). The same for any number of threads.
-std::vector<JudgedPixel> judge_pixels(const LitFrame& frame, const SeeSettings& see, const Plan& plan,
+std::vector<JudgedPixel> judge_pixels(const JudgedFrame& frame, const SeeSettings& see, const Plan& plan,
                                       std::span<const AuditedPixel> audited, const TruthSettings& finely);
 
 }  // namespace render2mpeg::renderer

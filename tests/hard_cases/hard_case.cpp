@@ -14,7 +14,7 @@ namespace {
 class Keeper : public app::LoopObserver {
   public:
     explicit Keeper(Lit& lit) : lit_(lit) {}
-    void lit(const app::LitFrame& frame) override { lit_.frames.push_back(frame.radiance); }
+    void lit(const app::LitFrame& frame) override { lit_.frames.push_back(frame.lit.radiance); }
     void coded(const encoder::CodedPicture& picture) override {
         decoder_.push(picture.bytes);
         lit_.bytes += picture.bytes.size();

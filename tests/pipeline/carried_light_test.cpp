@@ -55,8 +55,9 @@ struct Frame {
 Frame frame_at(test::FilmStage& stage, int second) {
     Frame frame;
     frame.world = stage.at(second);
-    const renderer::Seen seen = stage.renderer().see(frame.world);
-    const core::Radiance radiance = stage.renderer().shade(frame.world, seen, core::ToleranceMap::reference());
+    const renderer::Frame seen = stage.renderer().look(frame.world);
+    const core::Radiance radiance =
+        stage.renderer().light(frame.world, seen, {core::ToleranceMap::reference()}).radiance;
     frame.visible = seen.visible;
     frame.picture = perceptual::Display(0, perceptual::ColorMatrix::bt601).develop(radiance);
     return frame;

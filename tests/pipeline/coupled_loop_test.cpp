@@ -19,7 +19,7 @@ namespace {
 struct Record : LoopObserver {
     void lit(const LitFrame& frame) override {
         tolerances[frame.world.frame] = frame.tolerance;
-        light[frame.world.frame] = frame.radiance.combined;
+        light[frame.world.frame] = frame.lit.radiance.combined;
         pictures[frame.world.frame] = frame.picture;
     }
     void coded(const encoder::CodedPicture& picture) override {

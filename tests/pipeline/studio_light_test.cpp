@@ -33,8 +33,9 @@ StudioLuma luma_in_studio(const std::string& objects) {
     renderer::Renderer renderer = app::renderer_of(film);
     const scene::Snapshot world = film.snapshot(0);
     renderer.start_chunk(world);
-    const renderer::Seen seen = renderer.see(world);
-    const core::Picture picture = film.display().develop(renderer.sketch(world, seen, film.tolerance_map()));
+    const renderer::Frame seen = renderer.look(world);
+    const core::Picture picture =
+        film.display().develop(renderer.light(world, seen, {film.tolerance_map(), renderer::Manner::rough}).radiance);
     const auto stage = static_cast<unsigned>(film.animation->stage);
     double sums[2]{}, counts[2]{};
     for (std::size_t i = 0; i < picture.y.size(); ++i) {

@@ -76,14 +76,14 @@ core::Radiance rendered(const scene::Animation& film, int samples) {
     renderer::Renderer renderer(film, settings, renderer::make_plan(scene::traits_of(film), wanted));
     const scene::Snapshot world =
         scene::snapshot_at(film, 1, {1, 1}, exposed_format, scene::interval_of(film.shutter, 1.0));
-    renderer::Seen seen = renderer.see(world);
-    const core::Radiance rough = renderer.shade(world, seen, core::ToleranceMap::reference());
+    renderer::Frame seen = renderer.look(world);
+    const core::Radiance rough = renderer.light(world, seen, {core::ToleranceMap::reference()}).radiance;
     core::ToleranceMap fine = core::ToleranceMap::uniform(frame_side, frame_side, {1e-4f, 0.0f});
     for (std::size_t i = 0; i < fine.pixels.size(); ++i)
         fine.pixels.values()[i].background = std::max(rough.combined.values()[i].y, 1e-3f);
     const renderer::ExposureSamples exposure{samples, samples};
-    seen = renderer.complete(world, std::move(seen), &fine, &exposure);
-    return renderer.shade(world, seen, core::ToleranceMap::reference());
+    renderer::PlacedFrame placed = renderer.place(world, std::move(seen), {fine, renderer::Manner::film, exposure});
+    return renderer.gather(world, std::move(placed), {core::ToleranceMap::reference()}).radiance;
 }
 
 /// Of 200 pixels, within four standard errors and `allowed`; `exceptions` of them in `more`. Allowed is what

@@ -255,8 +255,8 @@ TEST(Airlight, OfARoundLampIsThatOfAPointOfItsIntensity) {
     const Empty scene{b};
     const core::Fog fog = layered(20, 0, 0);
     LightTrees light_trees;
-    WholeLamp ball;
-    ball.kind = WholeLamp::Kind::sphere;
+    AreaLamp ball;
+    ball.kind = AreaLamp::Kind::sphere;
     ball.position = {2, 0, -4};
     ball.radius = 0.1f;
     ball.clearance = 1e-4f;

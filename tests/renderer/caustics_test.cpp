@@ -18,7 +18,7 @@ namespace {
 using renderer::CausticCounts;
 using renderer::Caustics;
 using renderer::CausticSettings;
-using renderer::Seen;
+using renderer::Frame;
 using renderer::SplatVisibility;
 
 constexpr double pi = std::numbers::pi;
@@ -37,8 +37,9 @@ void add_high_camera(SceneBuilder& b, glm::vec3 centre, float half) {
 }
 
 /// What caustics bring to each pixel.
-struct Thrown {
-    Seen seen;
+struct LitByCaustics {
+    Frame seen;
+    renderer::UngatheredLight light;
     CausticCounts counts;
 
     /// Irradiance over that of a white floor, at the floor's points.
@@ -49,7 +50,9 @@ struct Thrown {
                 const int x = static_cast<int>(t) % across * 16 + g.pixel % 16,
                           y = static_cast<int>(t) / across * 16 + g.pixel / 16;
                 if (g.weight.x > 0.99f)
-                    body(g.point.position, pi * static_cast<double>(core::luminance(seen.caustics.at(x, y))));
+                    body(
+                        g.point.position,
+                        pi * static_cast<double>(core::luminance(renderer::value_or_zero(light.caustics().all, x, y))));
             }
     }
     double flux(double area_of_pixel) const {
@@ -59,18 +62,19 @@ struct Thrown {
     }
 };
 
-Thrown throw_light(Stage& stage, Caustics& caustics, const core::ToleranceMap* tolerance) {
+LitByCaustics caustics_of(Stage& stage, Caustics& caustics, const core::ToleranceMap* tolerance) {
     renderer::LightPoints points(stage.posed_scene(), stage.plan(), 256, 1);
     auto& scene = const_cast<renderer::PosedScene&>(stage.posed_scene());
     points.place(scene, stage.world());
-    Thrown thrown{stage.see(1), {}};
-    caustics.add(stage.posed_scene(), points.at(stage.posed_scene()), tolerance, thrown.seen, thrown.counts);
-    return thrown;
+    LitByCaustics lit{stage.see(1), {}, {}};
+    lit.light = renderer::UngatheredLight(lit.seen);
+    caustics.add(stage.posed_scene(), points.at(stage.posed_scene()), tolerance, lit.seen, lit.light, lit.counts);
+    return lit;
 }
 
-Thrown throw_light(Stage& stage, std::uint64_t photons, SplatVisibility visibility = SplatVisibility::by_rays) {
+LitByCaustics caustics_of(Stage& stage, std::uint64_t photons, SplatVisibility visibility = SplatVisibility::by_rays) {
     Caustics caustics(CausticSettings{photons, visibility});
-    return throw_light(stage, caustics, nullptr);
+    return caustics_of(stage, caustics, nullptr);
 }
 
 /// A mirror cylinder of radius 1 that stands on the floor: the half at x > 0, or (`turns` 1) the whole.
@@ -147,9 +151,9 @@ class CupTruth {
 
 /// 95 of 100 floor pixels within the cylinder err by less than this; light is the caustic and a third of the sun's. At
 /// the wall itself kernels reach over the floor's edge.
-double error_of(const Thrown& thrown, const CupTruth& truth, double sun = std::sqrt(0.5)) {
+double error_of(const LitByCaustics& lit, const CupTruth& truth, double sun = std::sqrt(0.5)) {
     std::vector<double> errors;
-    thrown.each([&](glm::vec3 p, double e) {
+    lit.each([&](glm::vec3 p, double e) {
         const double r = std::hypot(static_cast<double>(p.x), static_cast<double>(p.z));
         if (r > 0.88 || p.y > 0.01f) return;
         const double expected = sun * truth.at(static_cast<double>(p.x), static_cast<double>(p.z));
@@ -162,10 +166,10 @@ double error_of(const Thrown& thrown, const CupTruth& truth, double sun = std::s
 
 TEST(Caustics, OfAHalfCylinderAreItsClosedFormOnTheAxis) {
     Stage stage(cup(), 96, 96);
-    const Thrown thrown = throw_light(stage, 40000);
+    const LitByCaustics lit = caustics_of(stage, 40000);
     const double sun = std::sqrt(0.5);
     int found = 0;
-    thrown.each([&](glm::vec3 p, double e) {
+    lit.each([&](glm::vec3 p, double e) {
         if (std::abs(p.z) > 0.011f || p.y > 0.01f) return;
         for (const auto& [a, expected] : {std::pair{0.0, 1.0}, {0.4, 5.0}, {0.75, 3.6}}) {
             if (std::abs(static_cast<double>(p.x) - a) > 0.0105) continue;
@@ -181,8 +185,8 @@ TEST(Caustics, OfAHalfCylinderAreItsClosedFormOnTheAxis) {
 TEST(Caustics, OfAHalfCylinderErrLittleSlow) {
     Stage stage(cup(), 96, 96);
     const CupTruth truth(96);
-    const double few = error_of(throw_light(stage, 10000), truth), many = error_of(throw_light(stage, 40000), truth),
-                 more = error_of(throw_light(stage, 160000), truth);
+    const double few = error_of(caustics_of(stage, 10000), truth), many = error_of(caustics_of(stage, 40000), truth),
+                 more = error_of(caustics_of(stage, 160000), truth);
     RecordProperty("error_10000", std::to_string(few));
     RecordProperty("error_40000", std::to_string(many));
     RecordProperty("error_160000", std::to_string(more));
@@ -195,7 +199,7 @@ TEST(Caustics, OfAHalfCylinderErrLittleSlow) {
 TEST(Caustics, OfAHalfCylinderErrAsLittleUnderALowSunSlow) {
     // Constants were not fitted here: long narrow kernels, a sun at 27 degrees.
     Stage stage(cup(0.5f), 96, 96);
-    const double error = error_of(throw_light(stage, 40000), CupTruth(96), 1 / std::sqrt(5.0));
+    const double error = error_of(caustics_of(stage, 40000), CupTruth(96), 1 / std::sqrt(5.0));
     RecordProperty("error_40000", std::to_string(error));
     EXPECT_LT(error, 0.08);
 }
@@ -216,7 +220,7 @@ TEST(Caustics, OfARingKeepItsLight) {
         inside += 2.0 / steps * std::min(static_cast<double>(height), 2 * std::sqrt(1 - z * z));
     }
     const double expected = std::sqrt(0.5) * (inside + 2 * static_cast<double>(height));
-    EXPECT_NEAR(throw_light(stage, 40000).flux(std::pow(4.4 / 128, 2)) / expected, 1, 0.02);
+    EXPECT_NEAR(caustics_of(stage, 40000).flux(std::pow(4.4 / 128, 2)) / expected, 1, 0.02);
 }
 
 TEST(Caustics, OfAFlatMirrorAreAPatchOfTheSun) {
@@ -227,10 +231,10 @@ TEST(Caustics, OfAFlatMirrorAreAPatchOfTheSun) {
     b.add_sun({1, -1, 0}, 2);
     add_high_camera(b, {-1.5f, 0, 0}, 0.8f);
     Stage stage(b, 64, 64);
-    const Thrown thrown = throw_light(stage, 80000);
+    const LitByCaustics lit = caustics_of(stage, 80000);
     int inside = 0;
     double sum = 0;
-    thrown.each([&](glm::vec3 p, double e) {
+    lit.each([&](glm::vec3 p, double e) {
         const float off = std::max(std::abs(p.x + 1.5f), std::abs(p.z)) - 0.5f;
         if (off < -0.08f) {
             EXPECT_NEAR(e, 0.8 * 2 * std::sqrt(0.5), 0.06) << p.x << " " << p.z;
@@ -254,7 +258,7 @@ TEST(Caustics, OfAWideSunAreBlurredByTheWayFromTheMirrorAlone) {
     b.film().lights.back().angle = 0.0046f;
     add_high_camera(b, {-1.5f, 0, 0}, 0.8f);
     Stage stage(b, 64, 64);
-    throw_light(stage, 80000).each([&](glm::vec3 p, double e) {
+    caustics_of(stage, 80000).each([&](glm::vec3 p, double e) {
         const float off = std::max(std::abs(p.x + 1.5f), std::abs(p.z)) - 0.5f;
         if (std::abs(off) > 0.12f) {
             EXPECT_NEAR(e, off < 0 ? 2 * std::sqrt(0.5) : 0, 0.08) << p.x << " " << p.z;
@@ -274,7 +278,7 @@ TEST(Caustics, OfAMirrorThatMovesAreBlurred) {
     Stage stage(b, 64, 64, 1);
     int inside = 0;
     double sum = 0, expected_sum = 0, squares = 0;
-    throw_light(stage, 80000).each([&](glm::vec3 p, double e) {
+    caustics_of(stage, 80000).each([&](glm::vec3 p, double e) {
         if (std::abs(p.x + 1.5f) > 0.4f || p.y > 0.01f) return;
         const double expected = std::max(1 - static_cast<double>(std::abs(p.z)), 0.0) * 2 * std::sqrt(0.5);
         EXPECT_NEAR(e, expected, 0.14) << p.z;
@@ -302,11 +306,11 @@ TEST(Caustics, AreDimmedByAirSlow) {
             b.add_camera({-3, 2, 0}, {-3, 0, 0}, 0.25f);
             b.film().fog = {visibility, glm::vec3(0.5f), 0, 0, sun ? 2.0f : 0.0f};
             Stage stage(b, 32, 32);
-            const Thrown thrown = throw_light(stage, 40000);
+            const LitByCaustics lit = caustics_of(stage, 40000);
             // What air leaves of the way to the eye is in the points' weights.
             double light = 0, weight = 0;
-            for (const glm::vec3& l : thrown.seen.caustics.values()) light += static_cast<double>(l.y);
-            for (const renderer::GatherTile& tile : thrown.seen.tiles)
+            for (const glm::vec3& l : lit.light.caustics().all.values()) light += static_cast<double>(l.y);
+            for (const renderer::GatherTile& tile : lit.seen.tiles)
                 for (const renderer::GatherPoint& g : tile) weight += static_cast<double>(g.weight.y);
             return light / weight;
         };
@@ -325,10 +329,10 @@ TEST(Caustics, OfAGlassBallKeepItsFlux) {
     // Beside the ball, whose image falls onto the floor 5 from its middle.
     b.add_camera({60, 60, 0}, {0, 0, 0}, 0.1f);
     Stage view(b, 96, 96);
-    const Thrown thrown = throw_light(view, 40000);
+    const LitByCaustics lit = caustics_of(view, 40000);
     double flux = 0;
     const scene::Camera& camera = view.world().camera;
-    thrown.each([&](glm::vec3 p, double e) {
+    lit.each([&](glm::vec3 p, double e) {
         // Area of the floor in a pixel.
         const glm::vec3 way = p - camera.position();
         const double pixel = 2 * std::tan(0.05) / 96 * static_cast<double>(glm::dot(way, camera.forward()));
@@ -373,7 +377,7 @@ TEST(Caustics, DoNotLeakThroughAWall) {
     Stage stage(b, 64, 64);
     const auto light_below = [&](SplatVisibility visibility) {
         double sum = 0;
-        throw_light(stage, 40000, visibility).each([&](glm::vec3 p, double e) {
+        caustics_of(stage, 40000, visibility).each([&](glm::vec3 p, double e) {
             if (p.y < 0.001f && std::abs(p.x) < 0.25f) sum += e;
         });
         return sum;
@@ -392,7 +396,7 @@ TEST(Caustics, HaveTheirCuspAtAThirdOfTheRadius) {
     add_high_camera(b, {0, 0, 0}, 1);
     Stage stage(b, 96, 96);
     double most = 0, at = 0;
-    throw_light(stage, 60000).each([&](glm::vec3 p, double e) {
+    caustics_of(stage, 60000).each([&](glm::vec3 p, double e) {
         if (std::abs(p.z) > 0.02f || p.x > 0.8f || !(e > most)) return;
         most = e;
         at = static_cast<double>(p.x);
@@ -410,7 +414,7 @@ TEST(Caustics, AreTheSameForAnyLamp) {
     Stage stage(b, 64, 64);
     double middle = 0;
     int count = 0;
-    throw_light(stage, 40000).each([&](glm::vec3 p, double e) {
+    caustics_of(stage, 40000).each([&](glm::vec3 p, double e) {
         if (std::abs(p.x + 1.5f) > 0.3f || std::abs(p.z) > 0.3f) return;
         middle += e;
         ++count;
@@ -425,8 +429,8 @@ TEST(Caustics, DoNotDependOnTheNumberOfThreads) {
     std::vector<glm::vec3> first;
     for (const int threads : {1, 7}) {
         const parallel::ThreadLimit limit(threads);
-        const Thrown thrown = throw_light(stage, 5000);
-        const auto values = thrown.seen.emitted.values();
+        const LitByCaustics lit = caustics_of(stage, 5000);
+        const auto values = lit.light.all().values();
         if (first.empty()) first.assign(values.begin(), values.end());
         EXPECT_TRUE(std::equal(first.begin(), first.end(), values.begin()));
     }
@@ -447,21 +451,21 @@ TEST(Caustics, AreThinnedOutWhereTheyAreDimSlow) {
     // Half a percent of the sun's light on the floor.
     const auto tolerance = core::ToleranceMap::uniform(96, 96, {0.0015f, 0.0f});
     Caustics caustics;
-    throw_light(stage, caustics, &tolerance);
-    const Thrown thinned = throw_light(stage, caustics, &tolerance);
+    caustics_of(stage, caustics, &tolerance);
+    const LitByCaustics thinned = caustics_of(stage, caustics, &tolerance);
     const renderer::CausticBudget& budget = caustics.budget();
     EXPECT_TRUE(budget.visible);
     EXPECT_GT(budget.dim, 0.0f);
-    const Thrown all = throw_light(stage, budget.photons);
+    const LitByCaustics all = caustics_of(stage, budget.photons);
     EXPECT_LT(thinned.counts.splats.pairs, all.counts.splats.pairs * 9 / 10);
     EXPECT_NEAR(thinned.flux(1) / all.flux(1), 1, 0.01);
     int far = 0, count = 0;
     for (int y = 0; y < 96; ++y)
         for (int x = 0; x < 96; ++x) {
-            const float a = core::luminance(all.seen.caustics.at(x, y));
+            const float a = core::luminance(all.light.caustics().all.at(x, y));
             if (!(a > 0.0015f)) continue;
             ++count;
-            if (std::abs(core::luminance(thinned.seen.caustics.at(x, y)) - a) > 0.0015f) ++far;
+            if (std::abs(core::luminance(thinned.light.caustics().all.at(x, y)) - a) > 0.0015f) ++far;
         }
     ASSERT_GT(count, 500);
     EXPECT_LT(far, count / 20);
@@ -471,22 +475,23 @@ TEST(Caustics, ThatNobodySeesAreNotThrown) {
     Stage stage(ball_over_floor(), 48, 48);
     const auto blind = core::ToleranceMap::uniform(48, 48, {1.0f, 0.0f});
     Caustics caustics;
-    EXPECT_EQ(throw_light(stage, caustics, &blind).flux(1), 0.0);
+    EXPECT_EQ(caustics_of(stage, caustics, &blind).flux(1), 0.0);
     EXPECT_FALSE(caustics.budget().visible);
     // The next frame asks whether there is anything now.
-    const Thrown next = throw_light(stage, caustics, &blind);
+    const LitByCaustics next = caustics_of(stage, caustics, &blind);
     EXPECT_EQ(next.flux(1), 0.0);
     EXPECT_LT(next.counts.followed.photons, 4096u);
     const auto strict = core::ToleranceMap::uniform(48, 48, {0.001f, 0.0f});
-    EXPECT_GT(throw_light(stage, caustics, &strict).flux(1), 0.0);
+    EXPECT_GT(caustics_of(stage, caustics, &strict).flux(1), 0.0);
     EXPECT_TRUE(caustics.budget().visible);
 }
 
 TEST(Caustics, AreNotThereWithoutLight) {
     Stage stage(cup(), 16, 16);
-    Seen seen = stage.see(1);
+    const Frame seen = stage.see(1);
+    renderer::UngatheredLight light(seen);
     CausticCounts counts;
-    Caustics().add(stage.posed_scene(), {}, nullptr, seen, counts);
+    Caustics().add(stage.posed_scene(), {}, nullptr, seen, light, counts);
     EXPECT_EQ(counts.followed.photons, 0u);
 }
 

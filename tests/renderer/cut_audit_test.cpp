@@ -26,35 +26,36 @@ test::SceneBuilder shiny_room() {
     return b;
 }
 
-struct Frame {
-    explicit Frame(int width = 40, int height = 36) : stage(shiny_room(), settings(width, height)), world(stage.at(0)) {
-        seen = stage.renderer().see(world);
+struct AuditedFrame {
+    explicit AuditedFrame(int width = 40, int height = 36)
+        : stage(shiny_room(), settings(width, height)), world(stage.at(0)) {
         loose = core::ToleranceMap::uniform(width, height, {0.0f, 0.3f});
-        cut = stage.renderer().shade(world, seen, loose);
+        cut = stage.renderer().light(world, stage.renderer().look(world), {loose});
     }
     static Settings settings(int width, int height) {
         Settings s = test::small_frame(width, height);
         s.samples = 2;
         return s;
     }
-    std::vector<AuditedPixel> audit(int count) { return stage.renderer().audit(world, seen, loose, cut, count); }
+    std::vector<AuditedPixel> audit(int count) { return stage.renderer().audit(world, cut, loose, count); }
     FilmStage stage;
     scene::Snapshot world;
-    Seen seen;
     core::ToleranceMap loose;
-    core::Radiance cut;
+    Lit cut;
 };
 
 TEST(Audit, FindsTheDifferenceToTheReferenceFrame) {
-    Frame frame;
-    const core::Radiance truth = frame.stage.renderer().shade(frame.world, frame.seen, core::ToleranceMap::reference());
+    AuditedFrame frame;
+    const core::Radiance truth =
+        frame.stage.renderer().light(frame.world, frame.cut.frame, {core::ToleranceMap::reference()}).radiance;
     const std::vector<AuditedPixel> pixels = frame.audit(300);
     ASSERT_EQ(pixels.size(), 300u);
     double errors = 0;
     for (const AuditedPixel& p : pixels) {
         const float expected = core::luminance(truth.combined.at(p.x, p.y));
         EXPECT_NEAR(p.luminance, expected, 1e-5f * (expected + 1e-3f));
-        EXPECT_NEAR(p.error, std::abs(core::luminance(frame.cut.combined.at(p.x, p.y)) - expected), 2e-5f * expected);
+        EXPECT_NEAR(p.error, std::abs(core::luminance(frame.cut.radiance.combined.at(p.x, p.y)) - expected),
+                    2e-5f * expected);
         EXPECT_EQ(p.tolerance, 0.3f * p.luminance);
         errors += p.error;
     }
@@ -62,7 +63,7 @@ TEST(Audit, FindsTheDifferenceToTheReferenceFrame) {
 }
 
 TEST(Audit, DrawsNoPixelTwiceAndAllOfASmallFrame) {
-    Frame frame(16, 16);
+    AuditedFrame frame(16, 16);
     for (const int count : {1, 100, 1000}) {
         std::set<std::pair<int, int>> places;
         const std::vector<AuditedPixel> pixels = frame.audit(count);
@@ -76,7 +77,7 @@ TEST(Audit, DrawsNoPixelTwiceAndAllOfASmallFrame) {
 }
 
 TEST(Audit, CostsNothingAndCountsNowhere) {
-    Frame frame;
+    AuditedFrame frame;
     const Statistics before = frame.stage.statistics();
     EXPECT_TRUE(frame.audit(0).empty());
     frame.audit(50);
@@ -85,14 +86,14 @@ TEST(Audit, CostsNothingAndCountsNowhere) {
 }
 
 TEST(Audit, OfAReferenceFrameFindsNothing) {
-    Frame frame;
+    AuditedFrame frame;
     frame.loose = core::ToleranceMap::reference();
-    frame.cut = frame.stage.renderer().shade(frame.world, frame.seen, frame.loose);
+    frame.cut = frame.stage.renderer().light(frame.world, frame.cut.frame, {frame.loose});
     for (const AuditedPixel& p : frame.audit(200)) EXPECT_FALSE(p.over()) << p.x << ", " << p.y << ": " << p.error;
 }
 
 TEST(Audit, IsTheSameForAnyNumberOfThreadsAndAnotherInAnotherFrame) {
-    Frame frame;
+    AuditedFrame frame;
     std::vector<AuditedPixel> one, two;
     {
         const parallel::ThreadLimit limit(1);
@@ -108,9 +109,8 @@ TEST(Audit, IsTheSameForAnyNumberOfThreadsAndAnotherInAnotherFrame) {
         EXPECT_EQ(one[i].error, two[i].error);
     }
     const scene::Snapshot later = frame.stage.at(1);
-    const Seen seen = frame.stage.renderer().see(later);
-    const core::Radiance cut = frame.stage.renderer().shade(later, seen, frame.loose);
-    const std::vector<AuditedPixel> other = frame.stage.renderer().audit(later, seen, frame.loose, cut, 64);
+    const Lit cut = frame.stage.renderer().light(later, frame.stage.renderer().look(later), {frame.loose});
+    const std::vector<AuditedPixel> other = frame.stage.renderer().audit(later, cut, frame.loose, 64);
     int same = 0;
     for (std::size_t i = 0; i < one.size(); ++i) same += one[i].x == other[i].x && one[i].y == other[i].y ? 1 : 0;
     EXPECT_LT(same, 5);

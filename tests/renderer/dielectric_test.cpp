@@ -202,7 +202,7 @@ TEST(SolidGlass, OfIndexOneIsNotThere) {
     }
     with.add_sphere({0, 0, 0}, 1, add_glass(with, 1.0f), 24);
     Stage a(with), b(without);
-    const renderer::Seen seen = a.see(4), plain = b.see(4);
+    const renderer::Frame seen = a.see(4), plain = b.see(4);
     for (int y = 0; y < 32; ++y)
         for (int x = 0; x < 32; ++x)
             EXPECT_LT(glm::length(seen.emitted.at(x, y) - plain.emitted.at(x, y)), 1e-5f) << x << " " << y;
@@ -216,7 +216,7 @@ TEST(SolidGlass, IsInvisibleInAnEvenLight) {
     b.film().sky.color = {1, 1, 1};
     b.add_camera({0.5f, 0.3f, 6}, {0.5f, 0, 0}, 0.6f);
     Stage stage(b, 64, 64);
-    const renderer::Seen seen = stage.see(1);
+    const renderer::Frame seen = stage.see(1);
     double sum = 0;
     float least = 2, most = 0;
     for (const glm::vec3& light : seen.emitted.values()) {
@@ -254,7 +254,7 @@ TEST(SolidGlass, HasNoAirInside) {
     b.add_camera({0, 0, 5}, {0, 0, 0}, 0.01f);
     b.film().fog.visibility = 30;
     Stage stage(b, 16, 16);
-    const renderer::Seen seen = stage.see(1);
+    const renderer::Frame seen = stage.see(1);
     constexpr float sigma = 3.0f / 30;
     float light = 0;
     for (const renderer::AirSpan& span : seen.air.front().straight)

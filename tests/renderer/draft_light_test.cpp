@@ -37,10 +37,12 @@ std::vector<core::Radiance> drafts(FilmStage& film, const std::vector<int>& seco
     film.renderer().start_chunk(film.at(seconds.front()));
     for (std::size_t i = 0; i < seconds.size(); ++i) {
         const scene::Snapshot world = film.at(seconds[i]);
-        const Seen seen = film.renderer().see(world);
+        const Frame seen = film.renderer().look(world);
         core::MotionField field;
         if (i > 0) field = scene::motion_between(seen.visible, world, film.at(seconds[i - 1]));
-        frames.push_back(film.renderer().draft(world, seen, tenth(), i > 0 && motion ? &field : nullptr));
+        frames.push_back(film.renderer()
+                             .light(world, seen, {tenth(), Manner::draft, {}, i > 0 && motion ? &field : nullptr})
+                             .radiance);
     }
     return frames;
 }

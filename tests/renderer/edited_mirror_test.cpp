@@ -91,7 +91,7 @@ TEST(EditedMirror, MovesItsImageAsTheBentRayGoes) {
     for (const bool curved : {false, true}) {
         const EditedFilm film(curved);
         Stage stage(film.b, 64, 64);
-        const renderer::Seen seen = stage.see(1);
+        const renderer::Frame seen = stage.see(1);
         const scene::Snapshot here = stage.world(), later = snapshot(stage.film(), 1, 64, 64);
         const core::MotionField field = scene::motion_between(seen.visible, here, later, &seen.imaged),
                                 still = scene::motion_between(seen.visible, here, here, &seen.imaged);
@@ -124,7 +124,7 @@ TEST(EditedMirror, IsTheSameForPathsOfTheTruth) {
     EditedFilm film(true, false);
     Stage stage(film.b, 64, 64);
     const glm::ivec2 pixel(stage.world().camera.project_exact(stage.world().bends->middle().front().at)->position);
-    const renderer::Seen seen = stage.see(4);
+    const renderer::Frame seen = stage.see(4);
     const std::size_t tile =
         static_cast<std::size_t>(pixel.y / renderer::tile_size * seen.tiles_across() + pixel.x / renderer::tile_size);
     renderer::GatherTile points;
@@ -167,14 +167,14 @@ TEST(EditedMirror, CostsNothingWhereThereIsNone) {
     EXPECT_EQ(a.world().bends, nullptr);
     EXPECT_FALSE(a.plan().runs(renderer::Pass::edited_reflections));
     // An edit that shows what is seen anyway, and one that reaches nobody, change no point.
-    const renderer::Seen before = a.see(4);
+    const renderer::Frame before = a.see(4);
     edited.b.film().nodes[static_cast<std::size_t>(edited.b.film().reflections.front().mirror)].translation = {0, 0, 0};
     edited.b.film().objects[static_cast<std::size_t>(edited.mirror)].name = "mirror";
     scene::Reflection& edit = edited.b.film().reflections.front();
     edited.b.film().nodes[static_cast<std::size_t>(edit.at)].translation = {0, 0, -1};  // behind
     Stage c(edited.b, 64, 64);
     EXPECT_TRUE(c.plan().runs(renderer::Pass::edited_reflections));
-    const renderer::Seen after = c.see(4);
+    const renderer::Frame after = c.see(4);
     EXPECT_TRUE(
         std::equal(before.emitted.values().begin(), before.emitted.values().end(), after.emitted.values().begin()));
     EXPECT_EQ(a.counts().specular_rays, c.counts().specular_rays);

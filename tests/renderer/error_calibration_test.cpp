@@ -261,7 +261,7 @@ TEST(Calibration, LearnsOfCoarserTolerancesAsWellSlow) {
 
 TEST(Calibration, TypicalSharesAreOfPixelsThatGatherLight) {
     FilmStage stage(test::furnished_room(), room_settings(true));
-    const Seen seen = stage.renderer().see(stage.at(0));
+    const Frame seen = stage.renderer().look(stage.at(0));
     core::ToleranceMap map = core::ToleranceMap::uniform(picture_side, picture_side, {0.0f, 0.02f});
     EXPECT_NEAR(typical_share(seen, map), 0.02f, 1e-6f);
     // Half of them told of a tenth of their light, one in eight of all of it.
@@ -270,7 +270,7 @@ TEST(Calibration, TypicalSharesAreOfPixelsThatGatherLight) {
             map.pixels.at(x, y) = {y % 8 == 0 ? 1.0f : x % 2 == 0 ? 0.1f : 0.0f, 0.001f, y % 8 == 0 ? 0.5f : 1.0f};
     EXPECT_NEAR(typical_share(seen, map), std::sqrt(0.1f * 0.001f), 0.002f);
     EXPECT_EQ(typical_share(seen, core::ToleranceMap::uniform(picture_side, picture_side, {1.0f, 0.0f, 0.5f})), 0.0f);
-    Seen nothing = seen;
+    Frame nothing = seen;
     for (GatherTile& tile : nothing.tiles) tile.clear();
     EXPECT_EQ(typical_share(nothing, map), 0.0f);
 }
@@ -286,16 +286,16 @@ TEST(Calibration, BeginsAnewWithEachChunkAndTeachesNothingByRoughLooksSlow) {
     settings.vpls = 200;
     FilmStage stage(test::furnished_room(), settings);
     const scene::Snapshot world = stage.at(0);
-    const Seen seen = stage.renderer().see(world);
+    const Frame seen = stage.renderer().look(world);
     const auto map = core::ToleranceMap::uniform(picture_side, picture_side, {0.0f, 0.2f});
-    const core::Radiance first = stage.renderer().shade(world, seen, map);
+    const core::Radiance first = stage.renderer().light(world, seen, {map}).radiance;
     stage.renderer().start_chunk(world);
     const Statistics before = stage.statistics();
-    stage.renderer().sketch(world, seen, map);
+    stage.renderer().light(world, seen, {map, Manner::rough}).radiance;
     EXPECT_EQ(stage.statistics().gather_points, before.gather_points);
     EXPECT_EQ(stage.statistics().shadow_rays, before.shadow_rays);
     EXPECT_EQ(stage.statistics().direct_clusters, before.direct_clusters);
-    EXPECT_TRUE(test::same_bytes(first, stage.renderer().shade(world, seen, map)));
+    EXPECT_TRUE(test::same_bytes(first, stage.renderer().light(world, seen, {map}).radiance));
 }
 
 }  // namespace

@@ -31,8 +31,7 @@ core::Radiance expose_frame(FilmStage& stage, int samples, int second = 1,
                             const core::ToleranceMap& tolerance = core::ToleranceMap::reference()) {
     const scene::Snapshot world = stage.at(second);
     const ExposureSamples exposure{samples, samples};
-    const Seen seen = stage.renderer().complete(world, stage.renderer().see(world), &tolerance, &exposure);
-    return stage.renderer().shade(world, seen, tolerance);
+    return stage.renderer().light(world, stage.renderer().look(world), {tolerance, Manner::film, exposure}).radiance;
 }
 
 int add_unlit(SceneBuilder& b, glm::vec3 color = glm::vec3(1)) {
@@ -211,8 +210,8 @@ TEST(Expose, LampsOutOfFocusAreSampledAgainSlow) {
     FilmStage stage(b, exposed_frame());
     const auto frame = [&](const ExposureSamples& samples) {
         const scene::Snapshot world = stage.at(1);
-        const Seen seen = stage.renderer().complete(world, stage.renderer().see(world), nullptr, &samples);
-        return stage.renderer().shade(world, seen, core::ToleranceMap::reference());
+        const core::ToleranceMap exact = core::ToleranceMap::reference();
+        return stage.renderer().light(world, stage.renderer().look(world), {exact, Manner::film, samples}).radiance;
     };
     const core::Radiance truth = frame({4096, 4096}), few = frame({16, 16});
     const auto code = [](float luminance) { return 16 + 219 * std::sqrt(std::min(luminance, 1.0f)); };

@@ -32,7 +32,7 @@ scene::Snapshot FilmStage::at(int second) const {
 
 core::Radiance FilmStage::shade(int second, const core::ToleranceMap& tolerance) {
     const scene::Snapshot world = at(second);
-    return renderer_->shade(world, renderer_->complete(world, renderer_->see(world), &tolerance), tolerance);
+    return renderer_->light(world, renderer_->look(world), {tolerance}).radiance;
 }
 
 core::ToleranceMap FilmStage::uniform(float relative) const {
@@ -46,7 +46,9 @@ core::Radiance FilmStage::cut(float relative, int second) {
 double FilmStage::share_beyond(const core::Radiance& frame, float relative, int second) {
     const scene::Snapshot world = at(second);
     const auto pixels = std::min(1024, static_cast<int>(frame.combined.size()));
-    const auto audited = renderer_->audit(world, renderer_->see(world), uniform(relative), frame, pixels);
+    const renderer::Frame seen = renderer_->look(world);
+    const renderer::Lit lit{{seen, renderer::UngatheredLight(seen)}, frame};
+    const auto audited = renderer_->audit(world, lit, uniform(relative), pixels);
     const auto over =
         std::count_if(audited.begin(), audited.end(), [](const auto& p) { return p.error > p.tolerance; });
     return static_cast<double>(over) / static_cast<double>(pixels);

@@ -296,7 +296,7 @@ TEST(NearLight, IsOfTheViewBehindACut) {
     world.camera = lit.at(1).camera;
     world.cut_before = true;
     const core::ToleranceMap tolerance = core::ToleranceMap::uniform(16, 16, {0.0f, 0.3f});
-    dark.renderer().shade(world, dark.renderer().see(world), tolerance);
+    dark.renderer().light(world, dark.renderer().look(world), {tolerance}).radiance;
     EXPECT_EQ(dark.renderer().statistics().indirect_points, lit.renderer().statistics().indirect_points);
 }
 

@@ -79,7 +79,9 @@ TEST_P(HardLightSlow, IsThatOfPaths) {
     test::FilmStage stage(GetParam().scene(), settings);
     const core::Radiance found = stage.cut(tolerance, GetParam().second);
     const scene::Snapshot world = stage.at(GetParam().second);
-    const core::Radiance truth = stage.renderer().trace(world, stage.renderer().see(world), {finely, 1u << 13, 1});
+    const core::ToleranceMap none = core::ToleranceMap::reference();
+    const LightOrder by_paths{none, Manner::truth, {}, nullptr, {finely, 1u << 13, 1}};
+    const core::Radiance truth = stage.renderer().light(world, stage.renderer().look(world), by_paths).radiance;
 
     // The mean, in all and of the darker half: nothing leaks, nothing is lost.
     std::vector<std::pair<float, float>> pixels;

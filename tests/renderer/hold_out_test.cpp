@@ -56,9 +56,11 @@ class HoldOutFrames : public ::testing::Test {
         model.reused = risen_;
         scene::Snapshot world = stage_.world();
         world.frame = frame;
-        FrameState state({light_trees_, stage_.tracer(), seen_, world.camera.position(), tolerance_}, world, {}, model,
-                         records_, nullptr);
-        start(state, tolerance_, history_);
+        const UngatheredLight ungathered(seen_);
+        const LightingContext context{light_trees_, stage_.tracer(),         seen_,
+                                      ungathered,   world.camera.position(), tolerance_};
+        FrameState state(context, world, {}, model, records_, nullptr);
+        start(state, context, history_);
         light_points(state, validation_);
         FrameLight light = finish(state, history_);
         counts_ = state.counts;
@@ -77,7 +79,7 @@ class HoldOutFrames : public ::testing::Test {
     test::Stage stage_;
     test::LitStage lit_;
     LightTrees light_trees_;
-    Seen seen_;
+    Frame seen_;
     core::ToleranceMap tolerance_;
     RecordStore records_;
     CacheValidation validation_;

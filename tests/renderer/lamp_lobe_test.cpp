@@ -1,4 +1,4 @@
-// Highlights of whole lamps: the integral of the lobe over the lamp.
+// Highlights of area lamps: the integral of the lobe over the lamp.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -88,8 +88,8 @@ double over_sun(glm::dvec3, const Scatters& scatters) {
 const Lamp all_lamps[] = {{add_panel, over_panel}, {add_ball, over_ball}, {add_soft_sun, over_sun}};
 
 TEST(LampSamples, OfASphereLieEvenlyBySolidAngleCloseToIt) {
-    WholeLamp ball;
-    ball.kind = WholeLamp::Kind::sphere;
+    AreaLamp ball;
+    ball.kind = AreaLamp::Kind::sphere;
     ball.position = {0, 1.01f, 0};
     ball.radius = 1;
     GatherPoint g;
@@ -110,8 +110,8 @@ TEST(LampSamples, OfASphereLieEvenlyBySolidAngleCloseToIt) {
 }
 
 TEST(LobeCoverage, IsTheShareOfDirectionsAlongTheLobeThatMeetTheLamp) {
-    WholeLamp ball;
-    ball.kind = WholeLamp::Kind::sphere;
+    AreaLamp ball;
+    ball.kind = AreaLamp::Kind::sphere;
     ball.position = {0, 0.6f, -0.8f};
     ball.radius = 0.4f;
     GatherPoint g;
@@ -157,7 +157,7 @@ TEST_P(Highlight, IsTheIntegralOfTheLobeOverTheLamp) {
     Settings settings = test::small_frame();
     settings.vpls = 0;
     FilmStage stage(b, settings);
-    const Seen seen = stage.renderer().see(stage.at(0));
+    const Frame seen = stage.renderer().look(stage.at(0));
     const core::Radiance exact = stage.reference(), frame = stage.cut(0.02f);
     double brightest = 0;
     for (const glm::vec3& v : exact.combined.values()) brightest = std::max<double>(brightest, v.x);

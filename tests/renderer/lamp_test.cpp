@@ -8,7 +8,7 @@
 #include "core/color.h"
 #include "core/sampling.h"
 #include "renderer/cut/lamp_irradiance.h"
-#include "renderer/lights/whole_lamps.h"
+#include "renderer/lights/area_lamps.h"
 #include "tests/renderer/film_stage.h"
 #include "tests/renderer/lighting.h"
 
@@ -106,8 +106,8 @@ SceneBuilder floor_of(float side = 10) {
 template <class Irradiance>
 std::pair<double, double> against(FilmStage& stage, const core::ToleranceMap& tolerance, const Irradiance& irradiance) {
     const scene::Snapshot world = stage.at(0);
-    const Seen seen = stage.renderer().see(world);
-    const core::Radiance r = stage.renderer().shade(world, seen, tolerance);
+    const Frame seen = stage.renderer().look(world);
+    const core::Radiance r = stage.renderer().light(world, seen, {tolerance}).radiance;
     double low = 1e9, high = 0;
     for (int y = 0; y < r.combined.height(); ++y)
         for (int x = 0; x < r.combined.width(); ++x) {
@@ -126,7 +126,7 @@ Settings without_bounces() {
     return settings;
 }
 
-TEST(WholeLamps, AreExactWhereNothingIsInTheWay) {
+TEST(AreaLamps, AreExactWhereNothingIsInTheWay) {
     const glm::vec3 corner{-0.5f, 1, -0.25f}, u{1, 0, 0}, v{0, 0, 0.5f};
     for (const auto& tolerance : {core::ToleranceMap::reference(), core::ToleranceMap::uniform(24, 24, {0, 0.02f})}) {
         SceneBuilder panel = floor_of();
@@ -165,8 +165,8 @@ double error_at_edge(int samples, bool cached, const core::ToleranceMap& toleran
     if (cached) settings.cache = CacheUse::on;
     FilmStage stage(b, settings);
     const scene::Snapshot world = stage.at(0);
-    const Seen seen = stage.renderer().see(world);
-    const core::Radiance r = stage.renderer().shade(world, seen, tolerance);
+    const Frame seen = stage.renderer().look(world);
+    const core::Radiance r = stage.renderer().light(world, seen, {tolerance}).radiance;
     double squares = 0, pixels = 0;
     for (int y = 0; y < 24; ++y)
         for (int x = 0; x < 24; ++x) {
@@ -207,9 +207,9 @@ TEST(SoftSun, HasThePenumbraOfADiscBehindAnEdge) {
     b.film().lights.back().angle = half_angle;
     FilmStage stage(b, without_bounces());
     const scene::Snapshot world = stage.at(0);
-    const Seen seen = stage.renderer().see(world);
+    const Frame seen = stage.renderer().look(world);
     for (const auto& tolerance : {core::ToleranceMap::reference(), core::ToleranceMap::uniform(24, 24, {0, 0.02f})}) {
-        const core::Radiance r = stage.renderer().shade(world, seen, tolerance);
+        const core::Radiance r = stage.renderer().light(world, seen, {tolerance}).radiance;
         int in_part = 0;
         for (int y = 0; y < 24; ++y)
             for (int x = 0; x < 24; ++x) {
@@ -233,8 +233,8 @@ TEST(SoftSun, IsAsBrightAsAPointWhereNothingIsInTheWay) {
         if (soft) b.film().lights.back().angle = 0.2f;
         FilmStage stage(b, without_bounces());
         const scene::Snapshot world = stage.at(0);
-        const Seen seen = stage.renderer().see(world);
-        const core::Radiance r = stage.renderer().shade(world, seen, core::ToleranceMap::reference());
+        const Frame seen = stage.renderer().look(world);
+        const core::Radiance r = stage.renderer().light(world, seen, {core::ToleranceMap::reference()}).radiance;
         bright[soft ? 1 : 0] = r.combined.at(12, 12).x;
     }
     EXPECT_NEAR(bright[1] / bright[0], 1, 1e-5);
@@ -298,7 +298,7 @@ TEST(SoftSun, OfTheRealSunsSizeIsSampledAnewForFinerTolerances) {
     EXPECT_GT(stage.statistics().shadow_rays, before + 1000);
 }
 
-TEST(WholeLamps, AreThoseThatShineEvenlyAndCarryMuchOfTheLight) {
+TEST(AreaLamps, AreThoseThatShineEvenlyAndCarryMuchOfTheLight) {
     SceneBuilder b = floor_of();
     const int panel = b.add_quad({-0.5f, 1, -0.25f}, {1, 0, 0}, {0, 0, 0.5f}, b.add_emitter(glm::vec3(3)));
     const int ball = b.add_sphere({3, 1, 0}, 0.3f, b.add_emitter(glm::vec3(2)), 24);
@@ -306,9 +306,9 @@ TEST(WholeLamps, AreThoseThatShineEvenlyAndCarryMuchOfTheLight) {
     const int dim = b.add_quad({-0.5f, 2, -0.25f}, {0.1f, 0, 0}, {0, 0, 0.05f}, b.add_emitter(glm::vec3(3)));
     LitStage stage(b);
     const auto points = stage.direct_points(256, 1);
-    const WholeLamps lamps(stage.posed_scene(), points);
+    const AreaLamps lamps(stage.posed_scene(), points);
     std::vector<int> whole;
-    for (const WholeLamp& lamp : lamps.at(stage.posed_scene())) whole.push_back(static_cast<int>(lamp.object));
+    for (const AreaLamp& lamp : lamps.at(stage.posed_scene())) whole.push_back(static_cast<int>(lamp.object));
     EXPECT_EQ(whole, (std::vector<int>{panel, ball}));
     for (const LightPoint& p : lamps.without(points))
         EXPECT_TRUE(static_cast<int>(p.object) == box || static_cast<int>(p.object) == dim);
@@ -319,12 +319,12 @@ TEST(WholeLamps, AreThoseThatShineEvenlyAndCarryMuchOfTheLight) {
 std::vector<int> whole_in(const SceneBuilder& b) {
     LitStage stage(b);
     std::vector<int> whole;
-    for (const WholeLamp& lamp : WholeLamps(stage.posed_scene(), stage.direct_points(256, 1)).at(stage.posed_scene()))
-        whole.push_back(lamp.kind == WholeLamp::Kind::sun ? -1 : static_cast<int>(lamp.object));
+    for (const AreaLamp& lamp : AreaLamps(stage.posed_scene(), stage.direct_points(256, 1)).at(stage.posed_scene()))
+        whole.push_back(lamp.kind == AreaLamp::Kind::sun ? -1 : static_cast<int>(lamp.object));
     return whole;
 }
 
-TEST(WholeLamps, AreNoBallsThatAreEverAnythingButRound) {
+TEST(AreaLamps, AreNoBallsThatAreEverAnythingButRound) {
     SceneBuilder b = floor_of();
     const int ball = b.add_sphere({0, 1, 0}, 0.3f, b.add_emitter(glm::vec3(2)), 24);
     const int node = b.film().objects[static_cast<std::size_t>(ball)].node;
@@ -351,7 +351,7 @@ TEST(WholeLamps, AreNoBallsThatAreEverAnythingButRound) {
     EXPECT_NEAR(mean[1] / mean[0], 1, 0.03);
 }
 
-TEST(WholeLamps, AreNoBallsThatShineInwards) {
+TEST(AreaLamps, AreNoBallsThatShineInwards) {
     SceneBuilder b = floor_of();
     const int glow = b.add_emitter(glm::vec3(2));
     const int ball = b.add_sphere({0, 1, 0}, 30, glow, 24);
@@ -360,7 +360,7 @@ TEST(WholeLamps, AreNoBallsThatShineInwards) {
     EXPECT_TRUE(whole_in(b).empty());
 }
 
-TEST(WholeLamps, AreNoBallsWithHolesNorDoubledOnes) {
+TEST(AreaLamps, AreNoBallsWithHolesNorDoubledOnes) {
     SceneBuilder b = floor_of();
     const int ball = b.add_sphere({0, 1, 0}, 0.3f, b.add_emitter(glm::vec3(2)), 48);
     EXPECT_EQ(whole_in(b), std::vector<int>{ball});
@@ -374,7 +374,7 @@ TEST(WholeLamps, AreNoBallsWithHolesNorDoubledOnes) {
     EXPECT_TRUE(whole_in(b).empty());
 }
 
-TEST(WholeLamps, AreAllSoftSuns) {
+TEST(AreaLamps, AreAllSoftSuns) {
     SceneBuilder b = floor_of();
     for (int i = 0; i < 17; ++i) {
         b.add_sun({0.3f, -1, 0.2f}, 0.1f);
@@ -383,7 +383,7 @@ TEST(WholeLamps, AreAllSoftSuns) {
     EXPECT_EQ(whole_in(b), std::vector<int>(17, -1));
 }
 
-TEST(WholeLamps, AreChosenByHowLargeThingsAreWhileTheyAreSeen) {
+TEST(AreaLamps, AreChosenByHowLargeThingsAreWhileTheyAreSeen) {
     // A hidden ball whose mesh is huge, and which the film never shows so.
     SceneBuilder b = floor_of();
     const int panel = b.add_quad({-0.5f, 1, -0.25f}, {1, 0, 0}, {0, 0, 0.5f}, b.add_emitter(glm::vec3(3)));
@@ -395,7 +395,7 @@ TEST(WholeLamps, AreChosenByHowLargeThingsAreWhileTheyAreSeen) {
     EXPECT_EQ(whole_in(b), std::vector<int>{panel});
 }
 
-TEST(WholeLamps, ThrowShadowsOfThingsThatMoveBesideRecords) {
+TEST(AreaLamps, ThrowShadowsOfThingsThatMoveBesideRecords) {
     SceneBuilder b = floor_of();
     b.film().cameras.clear();
     b.add_camera({0, 3, 4}, {0, 0, 0}, 0.8f);
@@ -415,7 +415,7 @@ TEST(WholeLamps, ThrowShadowsOfThingsThatMoveBesideRecords) {
     EXPECT_NEAR(mean[1] / mean[0], 1, 0.02);
 }
 
-TEST(WholeLamps, OfAnExtremeSceneAreFinite) {
+TEST(AreaLamps, OfAnExtremeSceneAreFinite) {
     // A lamp that covers the sky, one inside a wall, one that touches the floor, a hundred panels.
     SceneBuilder b = floor_of();
     b.add_quad({-1e6f, 5, -1e6f}, {2e6f, 0, 0}, {0, 0, 2e6f}, b.add_emitter(glm::vec3(1e-3f)));
@@ -424,9 +424,9 @@ TEST(WholeLamps, OfAnExtremeSceneAreFinite) {
         b.add_quad({0.01f * static_cast<float>(i), -1, 0}, {1, 0, 0}, {0, 1e-6f, 0}, b.add_emitter(glm::vec3(1e12f)));
     FilmStage stage(b, without_bounces());
     const scene::Snapshot world = stage.at(0);
-    const Seen seen = stage.renderer().see(world);
+    const Frame seen = stage.renderer().look(world);
     for (const auto& tolerance : {core::ToleranceMap::reference(), core::ToleranceMap::uniform(24, 24, {0, 0.02f})}) {
-        const core::Radiance r = stage.renderer().shade(world, seen, tolerance);
+        const core::Radiance r = stage.renderer().light(world, seen, {tolerance}).radiance;
         for (const glm::vec3& p : r.combined.values()) EXPECT_TRUE(std::isfinite(p.x) && p.x >= 0);
     }
     EXPECT_EQ(stage.statistics().non_finite, 0u);

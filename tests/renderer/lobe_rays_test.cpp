@@ -36,7 +36,7 @@ TEST_P(LobeFurnace, OfAMetalBallUnderAnEvenSkyHasOneColour) {
     b.film().sky.color = {1, 1, 1};
     b.add_camera({0, 0, 5}, {0, 0, 0}, 0.5f);
     FilmStage stage(b, without_bounces(24, 24));
-    const Seen seen = stage.renderer().see(stage.at(0));
+    const Frame seen = stage.renderer().look(stage.at(0));
     int compared = 0;
     for (const core::Radiance& frame : {stage.reference(), stage.cut(0.02f)}) {
         for (std::size_t i = 0; i < frame.combined.size(); ++i) {
@@ -107,7 +107,7 @@ TEST(LobeRays, OfAFloorByAWallAreTheIntegralOfItsLobe) {
     Settings settings = without_bounces(24, 16);
     settings.samples = 1;
     FilmStage stage(b, settings);
-    Seen seen = stage.renderer().see(stage.at(0));
+    Frame seen = stage.renderer().look(stage.at(0));
     const core::Radiance frame = stage.reference();
     double mean = 0, squares = 0;
     int compared = 0;
@@ -149,7 +149,7 @@ TEST(LobeRays, OfAFloorShowTheLightOfAWall) {
     settings.vpls = 1000;
     settings.bounces = 1;
     FilmStage stage(b, settings);
-    const Seen seen = stage.renderer().see(stage.at(0));
+    const Frame seen = stage.renderer().look(stage.at(0));
     const core::Radiance frame = stage.reference();
     double mean = 0, squares = 0;
     int compared = 0;
@@ -189,7 +189,7 @@ TEST(LobeRays, LeaveSoftSunsToLamps) {
     Settings settings = without_bounces(8, 8);
     settings.samples = 1;
     FilmStage stage(b, settings);
-    const Seen seen = stage.renderer().see(stage.at(0));
+    const Frame seen = stage.renderer().look(stage.at(0));
     const core::Radiance frame = stage.reference();
     int compared = 0;
     for (const GatherPoint& p : seen.tiles[0]) {
@@ -236,7 +236,7 @@ TEST(LobeRays, AreMissedByNoEdgeOfALobeThatIsJustNotNarrow) {
     settings.samples = 4;
     settings.edge_samples = 16;
     FilmStage stage(b, settings);
-    const Seen seen = stage.renderer().see(stage.at(0));
+    const Frame seen = stage.renderer().look(stage.at(0));
     const core::Radiance frame = stage.cut(0.02f);
     for (std::size_t i = 0; i < frame.combined.size(); ++i) {
         if (seen.visible.kind.values()[i] != core::PixelClass::surface) continue;
@@ -247,7 +247,7 @@ TEST(LobeRays, AreMissedByNoEdgeOfALobeThatIsJustNotNarrow) {
 TEST(LobeRays, AreInTheLayerOfLobes) {
     FilmStage stage(floor_by_a_wall(), without_bounces(24, 16));
     stage.restart(true);
-    const Seen seen = stage.renderer().see(stage.at(0));
+    const Frame seen = stage.renderer().look(stage.at(0));
     const core::Radiance frame = stage.reference();
     int lit = 0;
     for (std::size_t i = 0; i < frame.combined.size(); ++i) {

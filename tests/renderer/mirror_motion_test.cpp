@@ -29,7 +29,7 @@ SceneBuilder block_and_mirror(bool mirrored) {
 
 TEST(MirrorMotion, IsThatOfTheImage) {
     Stage mirror(block_and_mirror(true)), image(block_and_mirror(false));
-    const renderer::Seen a = mirror.see(1), b = image.see(1);
+    const renderer::Frame a = mirror.see(1), b = image.see(1);
     const scene::Snapshot later_a = snapshot(mirror.film(), 1, 32, 32), later_b = snapshot(image.film(), 1, 32, 32);
     const core::MotionField in_mirror = scene::motion_between(a.visible, mirror.world(), later_a, &a.imaged),
                             in_world = scene::motion_between(b.visible, image.world(), later_b);
@@ -50,7 +50,7 @@ TEST(MirrorMotion, OfBentMirrorsIsTheSurfaces) {
     b.film().objects.erase(b.film().objects.begin());
     b.add_sphere({0, 0, -1}, 1.5f, 0);
     Stage stage(b);
-    const renderer::Seen seen = stage.see(1);
+    const renderer::Frame seen = stage.see(1);
     for (const core::SurfaceAddress& imaged : seen.imaged.values()) EXPECT_FALSE(imaged.is_surface());
 }
 

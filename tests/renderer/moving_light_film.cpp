@@ -59,7 +59,7 @@ double MovingLightFilm::flicker(const FrameLuminances& frames, int first) {
     return sum > 0 ? change / sum : 0;
 }
 
-renderer::Seen MovingLightFilm::see(const scene::Snapshot& world) {
+renderer::Frame MovingLightFilm::see(const scene::Snapshot& world) {
     posed_scene_.pose(world);
     renderer::SeeCounts counts;
     renderer::SeeSettings settings;
@@ -73,9 +73,10 @@ core::Plane<float> MovingLightFilm::shade(const scene::Snapshot& world, const re
                                           const core::ToleranceMap& tolerance, FilmCost& cost) {
     const std::clock_t start = std::clock();
     renderer::ShadeCounts counts;
-    const renderer::Seen seen = see(world);
-    const core::Radiance radiance =
-        renderer::shade(light_trees, posed_scene_.tracer(), seen, world.camera.position(), tolerance, {}, counts);
+    const renderer::Frame seen = see(world);
+    const renderer::UngatheredLight ungathered(seen);
+    const core::Radiance radiance = renderer::shade(
+        {light_trees, posed_scene_.tracer(), seen, ungathered, world.camera.position(), tolerance}, {}, counts);
     cost.shadow_rays += counts.shadow_rays;
     cost.seconds += static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
     core::Plane<float> luminances(format_.width, format_.height);

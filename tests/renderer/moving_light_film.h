@@ -44,7 +44,7 @@ class MovingLightFilm {
   private:
     scene::Snapshot at(int frame) const { return scene::snapshot_at(*film_, frame, {frame, 25}, format_); }
 
-    renderer::Seen see(const scene::Snapshot& world);
+    renderer::Frame see(const scene::Snapshot& world);
 
     core::Plane<float> shade(const scene::Snapshot& world, const renderer::LightTrees& light_trees,
                              const core::ToleranceMap& tolerance, FilmCost& cost);

@@ -13,15 +13,14 @@ TEST(PhotonRays, CountWhatAnAuditFollowsNowhere) {
     FilmStage stage(b);
     const core::ToleranceMap tolerance = core::ToleranceMap::uniform(24, 24, {0.0f, 0.05f});
     const scene::Snapshot first = stage.at(0);
-    const Seen seen = stage.renderer().see(first);
-    const core::Radiance radiance = stage.renderer().shade(first, seen, tolerance);
+    const Lit lit = stage.renderer().light(first, stage.renderer().look(first), {tolerance});
     const std::uint64_t one = stage.statistics().photon_rays;
     stage.shade(1, tolerance);
     const std::uint64_t two = stage.statistics().photon_rays;
     EXPECT_GT(one, 0u);
     EXPECT_GT(two, one);
     // The first frame's light has to be made again.
-    EXPECT_FALSE(stage.renderer().audit(first, seen, tolerance, radiance, 20).empty());
+    EXPECT_FALSE(stage.renderer().audit(first, lit, tolerance, 20).empty());
     EXPECT_EQ(stage.statistics().photon_rays, two);
 }
 

@@ -26,7 +26,7 @@ SeeSettings see_settings(int width, int height, int samples) {
 /// The truth of the only pixel of a stage.
 PixelTruth only_pixel(const SceneBuilder& builder, int samples = 4) {
     Stage stage(builder, 1, 1);
-    const Seen seen = stage.see(samples);
+    const Frame seen = stage.see(samples);
     const TruthRequest request{{0, 0}, seen.tiles.front(), 1.0f};
     return pixel_truth(stage.posed_scene(), see_settings(1, 1, samples), stage.plan(), {&request, 1}).front();
 }
@@ -82,7 +82,7 @@ TEST(PixelTruth, OfAFurnaceIsAGeometricSum) {
 TEST(PixelTruth, KnowsItsOwnErrorSlow) {
     const SceneBuilder room = test::furnished_room();
     Stage stage(room, 8, 8);
-    const Seen seen = stage.see(4);
+    const Frame seen = stage.see(4);
     std::vector<TruthRequest> requests;
     const GatherTile& tile = seen.tiles.front();
     for (std::size_t i = 0; i < tile.size(); ++i)
@@ -116,10 +116,9 @@ double luma(glm::vec3 light) {
 /// A room, lit within a tolerance, and its audited pixels judged.
 struct JudgedRoom {
     explicit JudgedRoom(float relative) : stage(test::furnished_room(), settings()), world(stage.at(0)) {
-        seen = stage.renderer().see(world);
         tolerance =
             relative > 0 ? core::ToleranceMap::uniform(24, 24, {0.0f, relative}) : core::ToleranceMap::reference();
-        radiance = stage.renderer().shade(world, seen, tolerance);
+        lit = stage.renderer().light(world, stage.renderer().look(world), {tolerance});
     }
     static Settings settings() {
         Settings s = test::small_frame();
@@ -127,14 +126,13 @@ struct JudgedRoom {
         return s;
     }
     std::vector<JudgedPixel> judge(int count) {
-        const auto audited = stage.renderer().audit(world, seen, tolerance, radiance, count);
-        return stage.renderer().judge(world, seen, tolerance, radiance, audited);
+        const auto audited = stage.renderer().audit(world, lit, tolerance, count);
+        return stage.renderer().judge(world, lit, tolerance, audited);
     }
     FilmStage stage;
     scene::Snapshot world;
-    Seen seen;
     core::ToleranceMap tolerance;
-    core::Radiance radiance;
+    Lit lit;
 };
 
 TEST(Judge, IsTheSameForAnyNumberOfThreadsAndCountsNowhereSlow) {
@@ -178,7 +176,7 @@ TEST(Judge, FindsWhatAFrameLacksSlow) {
     // A fifth of the light is taken away after gathering.
     JudgedRoom room(0.0f);
     const auto before = room.judge(12);
-    for (glm::vec3& pixel : room.radiance.combined.values()) pixel *= 0.8f;
+    for (glm::vec3& pixel : room.lit.radiance.combined.values()) pixel *= 0.8f;
     ErrorSplit whole, dimmed;
     whole.add(before, luma);
     dimmed.add(room.judge(12), luma);

@@ -77,7 +77,7 @@ class Wall : public ::testing::Test {
     static constexpr float lobe_width = 0.25f;
 
     test::Stage stage_;
-    Seen seen_;
+    Frame seen_;
     RecordStore records_;
     RecordGrid map_;
 };

@@ -9,8 +9,8 @@ namespace render2mpeg::test {
 namespace {
 
 using core::PixelClass;
+using renderer::Frame;
 using renderer::GatherPoint;
-using renderer::Seen;
 using renderer::tile_size;
 
 int add_veil(SceneBuilder& builder, glm::vec3 color, float alpha) {
@@ -28,7 +28,7 @@ int add_mirror(SceneBuilder& builder, glm::vec3 reflectance) {
 }
 
 /// The gather points of the pixel in the middle of a 16 x 16 picture.
-std::vector<GatherPoint> middle(const Seen& seen) {
+std::vector<GatherPoint> middle(const Frame& seen) {
     std::vector<GatherPoint> points;
     for (const GatherPoint& g : seen.tiles.at(0))
         if (g.pixel == 8 * tile_size + 8) points.push_back(g);
@@ -46,7 +46,7 @@ TEST(Layers, AreComposedFrontToBack) {
     add_wall(builder, -5, add_veil(builder, {1, 1, 1}, 0.25f));
     builder.add_camera({0, 0, 0}, {0, 0, -1});
     Stage stage(builder, 16, 16);
-    const Seen seen = stage.see(1);
+    const Frame seen = stage.see(1);
     const auto points = middle(seen);
     ASSERT_EQ(points.size(), 3u);
     EXPECT_FLOAT_EQ(points[0].weight.x, 0.25f);
@@ -65,7 +65,7 @@ TEST(Layers, BeyondTheCapCountAsOpaque) {
     add_wall(builder, -9, builder.add_emitter({100, 100, 100}));
     builder.add_camera({0, 0, 0}, {0, 0, -1});
     Stage stage(builder, 16, 16);
-    const Seen seen = stage.see(1);
+    const Frame seen = stage.see(1);
     float sum = 0;
     for (const GatherPoint& g : middle(seen)) sum += g.weight.x;
     EXPECT_NEAR(sum, 1.0f, 1e-5f);
@@ -83,7 +83,7 @@ TEST(Layers, ThatAreHolesCostNothingButTheirRays) {
     add_wall(builder, -9, builder.add_emitter({3, 2, 1}));
     builder.add_camera({0, 0, 0}, {0, 0, -1});
     Stage stage(builder, 16, 16);
-    const Seen seen = stage.see(1);
+    const Frame seen = stage.see(1);
     EXPECT_TRUE(middle(seen).empty());
     EXPECT_EQ(seen.emitted.at(8, 8), (glm::vec3{3, 2, 1}));
     EXPECT_NEAR(seen.visible.depth.at(8, 8), 9.0f, 1e-4f);
@@ -98,7 +98,7 @@ TEST(Emission, LeavesTheFrontAndTheBackOnlyOfDoubleSidedSurfaces) {
         builder.add_quad({-50, 0, -5}, {100, 0, 0}, {0, -50, 0}, lamp);  // lower half: back
         builder.add_camera({0, 0, 0}, {0, 0, -1});
         Stage stage(builder, 16, 16);
-        const Seen seen = stage.see(4);
+        const Frame seen = stage.see(4);
         EXPECT_EQ(seen.emitted.at(8, 2), (glm::vec3{4, 5, 6}));
         EXPECT_EQ(seen.emitted.at(8, 13), double_sided ? glm::vec3(4, 5, 6) : glm::vec3(0));
         EXPECT_EQ(seen.visible.kind.at(8, 13), PixelClass::surface);
@@ -112,7 +112,7 @@ TEST(UnlitSurfaces, ShowTheirColourAndGatherNothing) {
     add_wall(builder, -5, card);
     builder.add_camera({0, 0, 0}, {0, 0, -1});
     Stage stage(builder, 16, 16);
-    const Seen seen = stage.see(4);
+    const Frame seen = stage.see(4);
     EXPECT_TRUE(seen.tiles[0].empty());
     for (const glm::vec3 light : seen.emitted.values()) EXPECT_LT(glm::distance(light, {0.3f, 0.6f, 0.9f}), 1e-6f);
 }
@@ -123,7 +123,7 @@ TEST(Sky, IsSeenWhereThereIsNoSurface) {
     builder.film().sky.color = {0.1f, 0.2f, 0.4f};
     builder.add_camera({0, 0, 0}, {0, 0, -1});
     Stage stage(builder, 16, 16);
-    const Seen seen = stage.see(4);
+    const Frame seen = stage.see(4);
     EXPECT_EQ(seen.visible.kind.at(3, 2), PixelClass::sky);
     EXPECT_EQ(seen.visible.material.at(3, 2), core::no_id);
     EXPECT_LT(glm::distance(seen.emitted.at(3, 2), {0.1f, 0.2f, 0.4f}), 1e-6f);
@@ -139,7 +139,7 @@ TEST(Mirrors, ShowASphereWhereItsMirrorImageWouldStand) {
     const int ball = builder.add_sphere({0, 2, -1}, 1, builder.add_material(), 48);
     builder.add_camera({0, 3, 8}, {0, -0.5f, 0}, 0.7f);
     Stage stage(builder, 64, 64);
-    const Seen seen = stage.see(1);
+    const Frame seen = stage.see(1);
     int reflected = 0;
     for (std::size_t t = 0; t < seen.tiles.size(); ++t) {
         for (const GatherPoint& g : seen.tiles[t]) {
@@ -183,7 +183,7 @@ TEST(SmoothDielectrics, MirrorAFewPercentOnce) {
     builder.add_quad({50, -50, 2}, {-100, 0, 0}, {0, 100, 0}, polished);
     builder.add_camera({0, 0, 0}, {0, 0, -1}, 0.2f);
     Stage stage(builder, 16, 16);
-    const Seen seen = stage.see(1);
+    const Frame seen = stage.see(1);
     const auto points = middle(seen);
     ASSERT_EQ(points.size(), 2u);
     EXPECT_EQ(points[0].weight, glm::vec3{1.0f});
@@ -222,7 +222,7 @@ TEST(Glass, TintsWhatIsBehindItAndMirrorsALittle) {
     builder.add_quad({50, -50, 3}, {-100, 0, 0}, {0, 100, 0}, builder.add_emitter({1, 1, 1}));
     builder.add_camera({0, 0, 0}, {0, 0, -1}, 0.2f);
     Stage stage(builder, 16, 16);
-    const Seen seen = stage.see(1);
+    const Frame seen = stage.see(1);
     const auto points = middle(seen);
     ASSERT_EQ(points.size(), 1u);
     EXPECT_EQ(points[0].point.address.object, static_cast<std::uint32_t>(wall));
@@ -257,7 +257,7 @@ TEST(Energy, OfAPixelsWeightsNeverExceedsOne) {
     builder.film().sky.color = {1, 1, 1};
     builder.add_camera({0, 0.5f, 0}, {0, 0, -5});
     Stage stage(builder, 48, 48);
-    const Seen seen = stage.see(4, 12);
+    const Frame seen = stage.see(4, 12);
     core::Plane<glm::vec3> sum = seen.emitted;
     for (std::size_t t = 0; t < seen.tiles.size(); ++t) {
         for (const GatherPoint& g : seen.tiles[t]) {

@@ -14,8 +14,8 @@ namespace render2mpeg::test {
 namespace {
 
 using core::PixelClass;
+using renderer::Frame;
 using renderer::GatherPoint;
-using renderer::Seen;
 using renderer::tile_size;
 
 /// A gather point with the pixel of the picture that it belongs to.
@@ -24,7 +24,7 @@ struct Placed {
     const GatherPoint* point;
 };
 
-std::vector<Placed> points_of(const Seen& seen) {
+std::vector<Placed> points_of(const Frame& seen) {
     std::vector<Placed> all;
     for (std::size_t t = 0; t < seen.tiles.size(); ++t) {
         const int x0 = static_cast<int>(t) % seen.tiles_across() * tile_size;
@@ -66,7 +66,7 @@ TEST(Seeing, APlaneGivesItsDepthAndNormalInClosedForm) {
     builder.add_quad(middle - 40.0f * u - 40.0f * v, 80.0f * u, 80.0f * v, builder.add_material());
     builder.add_camera({0, 0, 0}, {0, 0, -1}, 0.8f);
     Stage stage(builder, 37, 21);
-    const Seen seen = stage.see(4);
+    const Frame seen = stage.see(4);
     for (int y = 0; y < 21; ++y) {
         for (int x = 0; x < 37; ++x) {
             const scene::Ray ray =
@@ -93,7 +93,7 @@ TEST(Seeing, ASphereGivesItsDepthAndNormalInClosedForm) {
     builder.add_sphere({0.2f, -0.1f, -5}, 1.5f, builder.add_material(), 200);
     builder.add_camera({0, 0, 0}, {0, 0, -1}, 0.8f);
     Stage stage(builder, 48, 48);
-    const Seen seen = stage.see(1);
+    const Frame seen = stage.see(1);
     int inside = 0;
     for (int y = 0; y < 48; ++y) {
         for (int x = 0; x < 48; ++x) {
@@ -127,7 +127,7 @@ TEST(Edges, WeighTheirSurfacesByCoveredArea) {
         const int sheet = builder.add_quad({0, -8, -5}, {8, 0, 0}, {2.4f, 16, 0}, white);
         builder.add_camera({0, 0, 0}, {0, 0, -1}, 0.8f);
         Stage stage(builder, 48, 48);
-        const Seen seen = stage.see(samples);
+        const Frame seen = stage.see(samples);
 
         std::map<std::pair<int, int>, float> sums, covered;
         for (const Placed& p : points_of(seen)) {
@@ -171,7 +171,7 @@ TEST(Edges, WeighTheirSurfacesByCoveredArea) {
 std::vector<float> coverage(Stage& stage, std::uint32_t object, int samples, int edge_samples, int width, int height,
                             std::uint64_t& rays) {
     const std::uint64_t before = stage.counts().primary_rays;
-    const Seen seen = stage.see(samples, 6, edge_samples);
+    const Frame seen = stage.see(samples, 6, edge_samples);
     rays = stage.counts().primary_rays - before;
     std::vector<float> covered(static_cast<std::size_t>(width * height), 0.0f);
     for (const Placed& p : points_of(seen))
@@ -264,9 +264,9 @@ TEST(Seeing, IsTheSameForAnyNumberOfThreadsAndForStillFrames) {
         stage.pose(second);
         return stage.see(4);
     };
-    const Seen one = look(1, 0), two = look(2, 0), later = look(2, 3);
+    const Frame one = look(1, 0), two = look(2, 0), later = look(2, 3);
     EXPECT_GT(stage.counts().specular_rays, 100u);
-    for (const Seen* other : {&two, &later}) {
+    for (const Frame* other : {&two, &later}) {
         EXPECT_EQ(one.emitted, other->emitted);
         EXPECT_EQ(one.emitted_specular, other->emitted_specular);
         EXPECT_EQ(one.visible.address, other->visible.address);
@@ -288,7 +288,7 @@ TEST(Seeing, WorksForPicturesOfAnySize) {
     builder.add_camera({0, 0, 0}, {0, 0, -1});
     for (const auto& [width, height] : {std::pair{1, 1}, {16, 16}, {17, 1}, {3, 33}}) {
         Stage stage(builder, width, height);
-        const Seen seen = stage.see(2);
+        const Frame seen = stage.see(2);
         EXPECT_EQ(seen.tiles.size(), static_cast<std::size_t>((width + 15) / 16 * ((height + 15) / 16)));
         std::map<std::pair<int, int>, int> points;
         for (const Placed& p : points_of(seen)) ++points[{p.x, p.y}];
@@ -302,7 +302,7 @@ TEST(Seeing, NothingAtAllIsSky) {
     builder.film().sky.color = {1, 2, 3};
     builder.add_camera({0, 0, 0}, {0, 0, -1});
     Stage stage(builder, 20, 20);
-    const Seen seen = stage.see(4);
+    const Frame seen = stage.see(4);
     EXPECT_TRUE(points_of(seen).empty());
     for (const PixelClass kind : seen.visible.kind.values()) EXPECT_EQ(kind, PixelClass::sky);
     for (const glm::vec3 light : seen.emitted.values()) EXPECT_EQ(light, (glm::vec3{1, 2, 3}));
@@ -313,7 +313,7 @@ TEST(Seeing, FromInsideAnObjectShowsItsInsideFaces) {
     builder.add_box({-1, -1, -1}, {1, 1, 1}, builder.add_material());  // faces point outwards
     builder.add_camera({0.2f, 0.1f, 0}, {0, 0, -1});
     Stage stage(builder, 16, 16);
-    const Seen seen = stage.see(1);
+    const Frame seen = stage.see(1);
     const auto points = points_of(seen);
     ASSERT_EQ(points.size(), 256u);
     for (const Placed& p : points) {
@@ -330,13 +330,13 @@ TEST(Seeing, BeginsAtTheNearPlaneAndEndsAtTheFarOne) {
     lens.near = 2.0f;
     builder.add_camera(lens, {0, 0, 0}, {0, 0, -1});
     Stage stage(builder, 16, 16);
-    const Seen seen = stage.see(1);
+    const Frame seen = stage.see(1);
     for (const float depth : seen.visible.depth.values()) EXPECT_NEAR(depth, 3.0f, 1e-5f);
 
     builder.film().cameras[0].near = 4.0f;
     builder.film().cameras[0].far = 8.0f;
     Stage beyond(builder, 16, 16);
-    const Seen nothing = beyond.see(1);
+    const Frame nothing = beyond.see(1);
     for (const PixelClass kind : nothing.visible.kind.values()) EXPECT_EQ(kind, PixelClass::sky);
 }
 

@@ -53,8 +53,8 @@ TEST(Shade, LightsTheSeamsOfWalls) {
     constexpr int size = 24;
     FilmStage stage(b);
     const scene::Snapshot world = stage.at(0);
-    const Seen seen = stage.renderer().see(world);
-    const core::Radiance r = stage.renderer().shade(world, seen, core::ToleranceMap::reference());
+    const Frame seen = stage.renderer().look(world);
+    const core::Radiance r = stage.renderer().light(world, seen, {core::ToleranceMap::reference()}).radiance;
     for (int i = 1; i + 1 < size; ++i)
         for (const int y : {i, size - 1 - i}) {
             const float here = r.combined.at(i, y).x, left = r.combined.at(i - 1, y).x,
@@ -67,9 +67,9 @@ TEST(Shade, LightsTheSeamsOfWalls) {
 TEST(Shade, OfOnePointLightIsTheInverseSquareLaw) {
     FilmStage stage(floor_and_lamp(7));
     const scene::Snapshot world = stage.at(0);
-    const Seen seen = stage.renderer().see(world);
+    const Frame seen = stage.renderer().look(world);
     for (const auto& tolerance : {core::ToleranceMap::reference(), core::ToleranceMap::uniform(24, 24, {0, 0.02f})}) {
-        const core::Radiance r = stage.renderer().shade(world, seen, tolerance);
+        const core::Radiance r = stage.renderer().light(world, seen, {tolerance}).radiance;
         int compared = 0;
         for (int y = 0; y < 24; ++y) {
             for (int x = 0; x < 24; ++x) {
@@ -226,9 +226,10 @@ TEST(Shade, SeesAheadWithoutChangingWhatIsShaded) {
     stage.renderer().start_chunk(stage.at(0));
     const core::Radiance plain = stage.cut(0.02f, 1);
     const scene::Snapshot now = stage.at(1), later = stage.at(2);
-    const Seen seen = stage.renderer().see(now);
-    stage.renderer().see(later);
-    EXPECT_TRUE(same_bytes(plain, stage.renderer().shade(now, seen, core::ToleranceMap::uniform(24, 24, {0, 0.02f}))));
+    const Frame seen = stage.renderer().look(now);
+    stage.renderer().look(later);
+    EXPECT_TRUE(same_bytes(
+        plain, stage.renderer().light(now, seen, {core::ToleranceMap::uniform(24, 24, {0, 0.02f})}).radiance));
 }
 
 TEST(Shade, CountsPointsWhoseToleranceTheLargestCutMissed) {
@@ -257,7 +258,7 @@ TEST(Shade, ReplacesAndCountsWhatIsNotFinite) {
     // A lamp as strong as single precision has, a hair above what one pixel shows.
     FilmStage dim(floor_and_lamp(1));
     const scene::Snapshot world = dim.at(0);
-    const auto place = scene::carry(dim.renderer().see(world).visible.address.at(7, 9), world);
+    const auto place = scene::carry(dim.renderer().look(world).visible.address.at(7, 9), world);
     ASSERT_TRUE(place.has_value());
     SceneBuilder b = floor_and_lamp(1e30f);
     b.film().nodes[static_cast<std::size_t>(b.film().lights[0].node)].translation =

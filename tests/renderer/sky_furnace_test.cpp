@@ -14,7 +14,7 @@ using test::SceneBuilder;
 
 /// Largest relative error of the lit pixels of `stage` against `expected`, in any channel.
 double largest_error(FilmStage& stage, glm::vec3 expected) {
-    const Seen seen = stage.renderer().see(stage.at(0));
+    const Frame seen = stage.renderer().look(stage.at(0));
     const core::Radiance r = stage.reference();
     double largest = 0;
     int compared = 0;

@@ -34,7 +34,7 @@ class Stage {
     const renderer::RayTracer& tracer() const { return posed_scene_.tracer(); }
     const scene::Snapshot& world() const { return *world_; }
 
-    renderer::Seen see(int samples = 1, int specular_depth = 6, int edge_samples = 0) {
+    renderer::Frame see(int samples = 1, int specular_depth = 6, int edge_samples = 0) {
         renderer::SeeSettings settings;
         settings.edge_samples = edge_samples;
         settings.format = {width_, height_, 1.0f};

@@ -32,7 +32,7 @@ TEST_P(Terminator, OfASmoothBallLiesWhereItsShadingEnds) {
     settings.samples = 1;
     settings.vpls = 0;
     test::FilmStage stage(b, settings);
-    const Seen seen = stage.renderer().see(stage.at(0));
+    const Frame seen = stage.renderer().look(stage.at(0));
     const core::Radiance frame = stage.reference();
     int lit = 0, off = 0;
     for (std::size_t i = 0; i < frame.combined.size(); ++i) {

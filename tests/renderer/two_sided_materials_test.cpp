@@ -72,7 +72,7 @@ TEST(DiffuseTransmission, UnderAnEvenSkyALeafShowsBothSidesOfIt) {
     Settings settings = test::small_frame(32, 32);
     settings.vpls = 0;
     FilmStage stage(b, settings);
-    const Seen seen = stage.renderer().see(stage.at(0));
+    const Frame seen = stage.renderer().look(stage.at(0));
     const core::Radiance r = stage.reference();
     int compared = 0;
     for (std::size_t i = 0; i < r.combined.size(); ++i) {

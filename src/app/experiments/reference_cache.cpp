@@ -11,7 +11,7 @@
 #include "app/files/file_io.h"
 #include "core/error.h"
 #include "renderer/gather/final_gather.h"
-#include "renderer/surface/gather_point.h"
+#include "renderer/surface/frame.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -66,7 +66,8 @@ std::filesystem::path ReferenceCache::file_of(std::uint64_t key) const {
 }
 
 std::uint64_t ReferenceCache::key_of(const RenderJob& film, renderer::Renderer& renderer, const scene::Snapshot& world,
-                                     const renderer::Seen& seen) const {
+                                     const renderer::PlacedFrame& placed) const {
+    const renderer::Frame& seen = placed.frame;
     if (folder_.empty()) return 0;
     Checksum sum;
     const renderer::Settings& s = film.rendering;
@@ -82,8 +83,8 @@ std::uint64_t ReferenceCache::key_of(const RenderJob& film, renderer::Renderer& 
         add(sum, tile.size());
         for (const renderer::GatherPoint& p : tile) add(sum, p);
     }
-    add_plane(sum, seen.emitted);
-    add_plane(sum, seen.emitted_specular);
+    add_plane(sum, placed.ungathered.all());
+    add_plane(sum, placed.ungathered.specular());
     if (seen.exposure) {
         add_plane(sum, seen.exposure->exposed);
         add_plane(sum, seen.exposure->emitted);
@@ -94,12 +95,11 @@ std::uint64_t ReferenceCache::key_of(const RenderJob& film, renderer::Renderer& 
                 add(sum, c.diffuse);
             }
     }
-    core::Radiance nothing;
-    nothing.frame = world.frame;
-    nothing.combined = core::Plane<glm::vec3>(s.format.width, s.format.height, glm::vec3(0));
-    nothing.capped = core::Plane<std::uint8_t>(s.format.width, s.format.height, 0);
-    for (const renderer::AuditedPixel& p :
-         renderer.audit(world, seen, core::ToleranceMap::reference(), nothing, probed)) {
+    renderer::Lit dark{placed, {}};
+    dark.radiance.frame = world.frame;
+    dark.radiance.combined = core::Plane<glm::vec3>(s.format.width, s.format.height, glm::vec3(0));
+    dark.radiance.capped = core::Plane<std::uint8_t>(s.format.width, s.format.height, 0);
+    for (const renderer::AuditedPixel& p : renderer.audit(world, dark, core::ToleranceMap::reference(), probed)) {
         add(sum, p.luminance);
         add(sum, p.chroma);
     }

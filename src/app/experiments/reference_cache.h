@@ -27,7 +27,7 @@ class ReferenceCache {
 
     /// Key of a seen frame; the renderer has begun its chunk. 0 where nothing is kept.
     std::uint64_t key_of(const RenderJob& film, renderer::Renderer& renderer, const scene::Snapshot& world,
-                         const renderer::Seen& seen) const;
+                         const renderer::PlacedFrame& placed) const;
     /// None without a whole file of this key and size.
     std::optional<KeptReference> find(std::uint64_t key, int width, int height) const;
     /// A full disk is no error.

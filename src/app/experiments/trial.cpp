@@ -54,7 +54,7 @@ void set_counts(Trial& trial, const renderer::Statistics& before, const renderer
 constexpr std::uint64_t parting_seed = 0x7a97;
 
 /// Non-empty tiles in random order, so that any stretch of them is like all others.
-std::vector<std::size_t> lit_tiles(const renderer::Seen& seen) {
+std::vector<std::size_t> lit_tiles(const renderer::Frame& seen) {
     std::vector<std::pair<float, std::size_t>> dice;
     for (std::size_t t = 0; t < seen.tiles.size(); ++t)
         if (!seen.tiles[t].empty())
@@ -111,13 +111,14 @@ class Trials::Judge : public LoopObserver {
     void lit(const LitFrame& frame) override {
         waiting_.insert_or_assign(frame.world.frame, frame.picture);
         if (keep_ != nullptr)
-            keep_->frames.insert_or_assign(frame.world.frame, LitWindows::Frame{frame.picture, frame.seen.visible});
+            keep_->frames.insert_or_assign(frame.world.frame,
+                                           LitWindows::Shown{frame.picture, frame.lit.frame.visible});
         const auto known = trials_.truths_.find(frame.world.frame);
         if (known == trials_.truths_.end()) return;
         const Truth& truth = known->second;
         for (const glm::ivec2 place : truth.gathering) {
             const renderer::AuditedPixel p =
-                renderer::compare(place, truth.light.at(place.x, place.y), frame.tolerance, frame.radiance);
+                renderer::compare(place, truth.light.at(place.x, place.y), frame.tolerance, frame.lit.radiance);
             trial_.errors.add(core::divide_or(p.error, std::max(p.luminance, trials_.half_code_), 0.0f));
             trial_.over += p.over() ? 1 : 0;
             trial_.over_twice += p.noticed() > 2 * p.tolerance ? 1 : 0;
@@ -158,7 +159,7 @@ class Trials::Judge : public LoopObserver {
   private:
     void keep_sample_frame(const LitFrame& frame, const Truth& truth) {
         const ViewBox box = view_of(frame.picture.width(), frame.picture.height());
-        const core::Plane<glm::vec3>& light = frame.radiance.combined;
+        const core::Plane<glm::vec3>& light = frame.lit.radiance.combined;
         core::Plane<float> error(light.width(), light.height()), tolerance(light.width(), light.height());
         for (std::size_t i = 0; i < light.size(); ++i) {
             const float right = core::luminance(truth.light.values()[i]);
@@ -364,19 +365,21 @@ bool Trials::light_reference(std::int64_t frame, int left, ReferenceStanding& st
     renderer::ExposureSamples samples = exposure_samples(film_, 1, film_.display());
     samples.fewest = samples.most = 2 * samples.most;
     const core::ToleranceMap none = core::ToleranceMap::reference();
-    renderer::Seen seen = renderer_.complete(world, renderer_.see(world), &none, &samples);
+    const renderer::PlacedFrame placed =
+        renderer_.place(world, renderer_.look(world), {none, renderer::Manner::film, samples});
+    const renderer::Frame& seen = placed.frame;
     Truth truth;
     for (const renderer::LitPixel& pixel : renderer::lit_pixels(seen))
         truth.gathering.push_back(renderer::place_of(seen, pixel));
 
-    const std::uint64_t key = cache_.key_of(film_, renderer_, world, seen);
+    const std::uint64_t key = cache_.key_of(film_, renderer_, world, placed);
     std::optional<KeptReference> reference = cache_.find(key, film_.format.width, film_.format.height);
     if (reference) {
         standing.parts = ++standing.done + left - 1;
         if (!part_done(standing)) return false;
     } else {
         reference.emplace();
-        if (!light_parts(world, seen, left, standing, part_done, *reference)) return false;
+        if (!light_parts(world, placed, left, standing, part_done, *reference)) return false;
         cache_.keep(key, *reference);
     }
     reference_seconds_ += reference->seconds;
@@ -384,7 +387,7 @@ bool Trials::light_reference(std::int64_t frame, int left, ReferenceStanding& st
 
     core::Radiance whole;
     whole.combined = truth.light;
-    if (!shown_) shown_ = std::make_unique<ShownLight>(film_, shown_statistics_);
+    if (!shown_) shown_ = std::make_unique<GlareFilter>(film_, shown_statistics_);
     truth.picture = film_.display().develop(shown_->of(whole, world.time));
     truth.picture.number = frame;
     if (const auto before = truths_.find(frame - 1); before != truths_.end()) {
@@ -395,21 +398,24 @@ bool Trials::light_reference(std::int64_t frame, int left, ReferenceStanding& st
     return true;
 }
 
-bool Trials::light_parts(const scene::Snapshot& world, renderer::Seen& seen, int left, ReferenceStanding& standing,
-                         const std::function<bool(const ReferenceStanding&)>& part_done, KeptReference& reference) {
+bool Trials::light_parts(const scene::Snapshot& world, const renderer::PlacedFrame& placed, int left,
+                         ReferenceStanding& standing, const std::function<bool(const ReferenceStanding&)>& part_done,
+                         KeptReference& reference) {
     // Make the lights first: their time is no measure of the rest.
-    renderer::Seen part{seen.visible, {}, seen.emitted, seen.emitted_specular};
-    part.tiles.resize(seen.tiles.size());
+    const renderer::Frame& seen = placed.frame;
+    const core::ToleranceMap none = core::ToleranceMap::reference();
+    const renderer::LightOrder order{none, renderer::Manner::rough};
+    renderer::PlacedFrame part{{seen.visible, {}, seen.emitted, seen.emitted_specular}, placed.ungathered};
+    part.frame.tiles.resize(seen.tiles.size());
     if (seen.exposure) {
         // Its points light pixels of other tiles.
-        reference.light = timed(
-            reference.seconds, [&] { return renderer_.sketch(world, seen, core::ToleranceMap::reference()).combined; });
+        reference.light =
+            timed(reference.seconds, [&] { return renderer_.gather(world, placed, order).radiance.combined; });
         standing.parts = ++standing.done + left - 1;
         return part_done(standing);
     }
     const auto light = [&] {
-        return timed(reference.seconds,
-                     [&] { return renderer_.sketch(world, part, core::ToleranceMap::reference()).combined; });
+        return timed(reference.seconds, [&] { return renderer_.gather(world, part, order).radiance.combined; });
     };
     reference.light = light();
 
@@ -421,8 +427,8 @@ bool Trials::light_parts(const scene::Snapshot& world, renderer::Seen& seen, int
     for (int p = 0; p < parts; ++p) {
         const std::size_t first = tiles.size() * static_cast<std::size_t>(p) / static_cast<std::size_t>(parts);
         const std::size_t last = tiles.size() * static_cast<std::size_t>(p + 1) / static_cast<std::size_t>(parts);
-        part.tiles.assign(seen.tiles.size(), {});
-        for (std::size_t i = first; i < last; ++i) part.tiles[tiles[i]].swap(seen.tiles[tiles[i]]);
+        part.frame.tiles.assign(seen.tiles.size(), {});
+        for (std::size_t i = first; i < last; ++i) part.frame.tiles[tiles[i]] = seen.tiles[tiles[i]];
         const core::Plane<glm::vec3> lit = light();
         for (std::size_t i = first; i < last; ++i) copy_tile(lit, reference.light, tiles[i], seen.tiles_across());
         ++standing.done;

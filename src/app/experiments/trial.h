@@ -11,9 +11,9 @@
 #include "app/experiments/reference_cache.h"
 #include "app/experiments/windows.h"
 #include "app/loop/forecast.h"
+#include "app/loop/glare_filter.h"
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
-#include "app/loop/shown_light.h"
 #include "app/options/film.h"
 #include "app/system/error_histogram.h"
 #include "perceptual/metrics.h"
@@ -90,12 +90,12 @@ struct Trial {
 
 /// Frames that were lit once, to be coded in several ways.
 struct LitWindows {
-    struct Frame {
+    struct Shown {
         core::Picture picture;
         core::Visible visible;
     };
     Trial light;
-    std::map<std::int64_t, Frame> frames;
+    std::map<std::int64_t, Shown> frames;
 };
 
 struct ReferenceStanding {
@@ -163,8 +163,9 @@ class Trials {
         return trial;
     }
 
-    bool light_parts(const scene::Snapshot& world, renderer::Seen& seen, int left, ReferenceStanding& standing,
-                     const std::function<bool(const ReferenceStanding&)>& part_done, KeptReference& reference);
+    bool light_parts(const scene::Snapshot& world, const renderer::PlacedFrame& placed, int left,
+                     ReferenceStanding& standing, const std::function<bool(const ReferenceStanding&)>& part_done,
+                     KeptReference& reference);
     /// Lights one reference; `left` are to come, it included.
     bool light_reference(std::int64_t frame, int left, ReferenceStanding& standing,
                          const std::function<bool(const ReferenceStanding&)>& part_done);
@@ -179,7 +180,7 @@ class Trials {
     ReferenceCache cache_;
     bool masks_all_ = false, worst_tenth_ = false;
     RunStatistics shown_statistics_;
-    std::unique_ptr<ShownLight> shown_;  ///< of references; made with the first
+    std::unique_ptr<GlareFilter> shown_;  ///< of references; made with the first
 };
 
 struct Quality {

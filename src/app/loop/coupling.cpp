@@ -15,8 +15,8 @@ void Coupling::forget() {
     kept_.clear();
 }
 
-void Coupling::imagine(const core::Picture& picture, const core::Radiance& radiance, const core::Visible& visible,
-                       const PlannedPicture& plan) {
+void Coupling::take_rough_look(const core::Picture& picture, const core::Radiance& radiance,
+                               const core::Visible& visible, const PlannedPicture& plan) {
     state_ = model_.assume_coded(model_.observe(picture, radiance, std::make_shared<const core::Visible>(visible)),
                                  plan.steps);
     requantised_.reset();
@@ -32,7 +32,7 @@ core::ToleranceMap Coupling::tolerate(const core::Visible& visible, const Planne
     EXPECTS(state_.has_value());
     if (!requantised_ || !(requantised_->plan == plan.steps)) requantised_ = model_.requantise(*state_, plan.steps);
     perceptual::Tolerated tolerated = model_.tolerate(visible, *requantised_, *state_, motion, fraction_for(plan));
-    // An imagined picture has nothing to blend with.
+    // A rough look has nothing to blend with.
     warped_ = state_->number == plan.number ? perceptual::MaskedErrors() : std::move(tolerated.warped);
     return std::move(tolerated.map);
 }

@@ -49,8 +49,8 @@ class Coupling {
     /// Begins a chunk or a shot.
     void forget();
     /// Replaces a missing previous picture by a rough look at the planned frame.
-    void imagine(const core::Picture& picture, const core::Radiance& radiance, const core::Visible& visible,
-                 const PlannedPicture& plan);
+    void take_rough_look(const core::Picture& picture, const core::Radiance& radiance, const core::Visible& visible,
+                         const PlannedPicture& plan);
     bool remembers() const { return state_.has_value(); }
 
     /// Source of the next frame's tolerances.

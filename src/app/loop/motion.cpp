@@ -34,7 +34,7 @@ std::shared_ptr<const scene::Snapshot> PosedFrames::at(std::int64_t frame) {
 
 core::MotionField RenderedMotion::between(std::int64_t reference) {
     const StageTimer timer(statistics_, renderer::Pass::motion);
-    return scene::motion_between(visible_, world_, *posed_.at(reference), imaged_);
+    return scene::motion_between(visible_, world_, *posed_.at(reference), &imaged_);
 }
 
 std::optional<core::MotionField> RenderedMotion::find(std::int64_t reference) {

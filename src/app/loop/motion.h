@@ -48,10 +48,16 @@ class PosedFrames {
 /// Exact motion of a rendered frame.
 class RenderedMotion : public Motion {
   public:
-    /// `visible` shows `world`, `imaged` its mirror images; all must outlive it. Time counts as the pass `motion`.
-    RenderedMotion(const RenderJob& job, PosedFrames& posed, const core::Visible& visible, const scene::Snapshot& world,
-                   RunStatistics& statistics, const scene::MirrorImages* imaged = nullptr)
-        : job_(job), posed_(posed), visible_(visible), world_(world), statistics_(statistics), imaged_(imaged) {}
+    /// `visible` shows `world`, `imaged` its mirror images; references must outlive it. Time counts as the pass
+    /// `motion`.
+    RenderedMotion(const RenderJob& job, PosedFrames& posed, core::Visible visible, const scene::Snapshot& world,
+                   RunStatistics& statistics, scene::MirrorImages imaged = {})
+        : job_(job),
+          posed_(posed),
+          visible_(std::move(visible)),
+          world_(world),
+          statistics_(statistics),
+          imaged_(std::move(imaged)) {}
 
     /// As to(), also where nothing moves.
     const core::MotionField& exact_to(std::int64_t reference);
@@ -64,10 +70,10 @@ class RenderedMotion : public Motion {
 
     const RenderJob& job_;
     PosedFrames& posed_;
-    const core::Visible& visible_;
+    core::Visible visible_;
     const scene::Snapshot& world_;
     RunStatistics& statistics_;
-    const scene::MirrorImages* imaged_;
+    scene::MirrorImages imaged_;
     std::map<std::int64_t, core::MotionField> still_;  ///< fields of a scene in which nothing moves
 };
 

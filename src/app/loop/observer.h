@@ -15,10 +15,9 @@ namespace render2mpeg::app {
 
 struct LitFrame {
     const scene::Snapshot& world;
-    const renderer::Seen& seen;
+    const renderer::Lit& lit;
     const core::ToleranceMap& tolerance;  ///< that it was lit by
-    const core::Radiance& radiance;
-    const core::Radiance& shown;  ///< its light as an eye gets it (shown_light.h)
+    const core::Radiance& shown;          ///< its light as an eye gets it (glare_filter.h)
     const core::Picture& picture;
     RenderedMotion& motion;              ///< from it to others
     const renderer::Statistics& before;  ///< the renderer's counts before it was shaded

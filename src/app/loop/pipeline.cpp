@@ -7,10 +7,9 @@
 
 #include "app/loop/coding_terms.h"
 #include "app/loop/coupling.h"
+#include "app/loop/glare_filter.h"
 #include "app/loop/picture_coder.h"
-#include "app/loop/preview.h"
 #include "app/loop/scene_settings.h"
-#include "app/loop/shown_light.h"
 #include "app/loop/statistics_recorder.h"
 #include "parallel/loops.h"
 #include "perceptual/display.h"
@@ -22,6 +21,10 @@ namespace {
 /// Paths of a pixel of a frame by paths alone, at most. chosen: 65,536, some 0.4 CPU seconds.
 constexpr std::uint64_t most_true_paths = 1u << 16;
 
+/// Of a first rough look, as a share of light. chosen: 0.3 of 0.1 to 0.6, which light the frame alike in half to a
+/// quarter of the time.
+constexpr float rough_tolerance = 0.3f;
+
 class ChunkLoop {
   public:
     ChunkLoop(const RenderJob& job, renderer::Renderer& renderer, const Chunk& chunk, LoopObserver& observer,
@@ -31,23 +34,21 @@ class ChunkLoop {
     void finish();
 
   private:
-    renderer::Seen see(const scene::Snapshot& world);
-    renderer::Seen complete(const scene::Snapshot& world, renderer::Seen seen, const core::ToleranceMap& tolerance,
-                            int quantiser);
+    renderer::Frame look(const scene::Snapshot& world);
     /// Plan of the frame; meaningless without a coder.
     encoder::PicturePlan plan(const scene::Snapshot& world, Motion& motion);
     /// Tolerances of the frame's light. Valid until the next frame.
-    const core::ToleranceMap& tolerate(const scene::Snapshot& world, const renderer::Seen& seen,
+    const core::ToleranceMap& tolerate(const scene::Snapshot& world, const renderer::Frame& frame,
                                        const PlannedPicture& plan, Motion& motion);
-    /// Rough light in place of a previous picture.
-    void imagine(const scene::Snapshot& world, const renderer::Seen& seen, const PlannedPicture& plan);
-    core::Radiance shade(const scene::Snapshot& world, const core::ToleranceMap& tolerance, const renderer::Seen& seen);
-    core::Radiance draft(const scene::Snapshot& world, const renderer::Seen& seen, const core::ToleranceMap& tolerance,
-                         RenderedMotion& motion);
+    /// Rough light, for the tolerances of a frame without a picture before it.
+    void look_roughly(const scene::Snapshot& world, const renderer::Frame& frame, const PlannedPicture& plan);
+    renderer::Lit light(const scene::Snapshot& world, renderer::Frame frame, const core::ToleranceMap& tolerance,
+                        int quantiser, RenderedMotion& motion);
     core::Picture develop(const core::Radiance& radiance, std::int64_t n);
     /// Keeps a picture for the coupling until it is coded.
-    void keep(const core::Picture& picture, const core::Radiance& radiance, const renderer::Seen& seen,
+    void keep(const core::Picture& picture, const core::Radiance& radiance, const core::Visible& visible,
               const PlannedPicture& plan);
+    void code(const core::Picture& picture, const encoder::PicturePlan& plan, Motion& motion);
     void take(const std::vector<encoder::CodedPicture>& pictures);
 
     const RenderJob& job_;
@@ -55,7 +56,7 @@ class ChunkLoop {
     const Chunk& chunk_;
     RunStatistics& statistics_;
     perceptual::Display display_;
-    ShownLight shown_;
+    GlareFilter shown_;
     PosedFrames posed_;
     StatisticsRecorder recorder_;
     Auditor auditor_;
@@ -94,46 +95,34 @@ ChunkLoop::ChunkLoop(const RenderJob& job, renderer::Renderer& renderer, const C
 void ChunkLoop::frame(std::int64_t n) {
     const FrameTimer timer(statistics_);
     const std::shared_ptr<const scene::Snapshot> world = posed_.at(n);
-    renderer::Seen seen = see(*world);
-    RenderedMotion motion(job_, posed_, seen.visible, *world, statistics_, &seen.imaged);
+    renderer::Frame frame = look(*world);
+    RenderedMotion motion(job_, posed_, frame.visible, *world, statistics_, frame.imaged);
 
     // Plan its coding, and tolerances by it and the eye.
     const encoder::PicturePlan coding = plan(*world, motion);
     const PlannedPicture planned = terms_.planned(coding);
-    const core::ToleranceMap& tolerance = tolerate(*world, seen, planned, motion);
+    const core::ToleranceMap& tolerance = tolerate(*world, frame, planned, motion);
 
-    // Light it; a rough look counts apart.
+    // Light it within them, and show it.
     const renderer::Statistics before = renderer_.statistics();
-    seen = complete(*world, std::move(seen), tolerance, coding.quantiser);
-    const core::Radiance radiance =
-        job_.preview ? draft(*world, seen, tolerance, motion) : shade(*world, tolerance, seen);
-    const core::Radiance& shown = shown_.of(radiance, world->time);
+    const renderer::Lit lit = light(*world, std::move(frame), tolerance, coding.quantiser, motion);
+    const core::Radiance& shown = shown_.of(lit.radiance, world->time);
     const core::Picture picture = develop(shown, n);
 
-    // A lit frame is kept, whatever stops.
+    // Keep it, whatever stops, and code it with exact motion.
     const parallel::StopWhen never({});
-    observers_.lit({*world, seen, tolerance, radiance, shown, picture, motion, before, renderer_.statistics()});
-
-    // Code it with the renderer's own motion.
-    if (coder_) statistics_.frames.back().type = "-IPB"[static_cast<int>(coding.type)];
-    keep(picture, shown, seen, planned);
-    if (coder_) take(coder_->code(picture, coding, motion));
+    observers_.lit({*world, lit, tolerance, shown, picture, motion, before, renderer_.statistics()});
+    keep(picture, shown, lit.frame.visible, planned);
+    code(picture, coding, motion);
 }
 
 void ChunkLoop::finish() {
     if (coder_) take(coder_->flush());
 }
 
-renderer::Seen ChunkLoop::see(const scene::Snapshot& world) {
+renderer::Frame ChunkLoop::look(const scene::Snapshot& world) {
     const StageTimer timer(statistics_, Stage::see);
-    return renderer_.see(world);
-}
-
-renderer::Seen ChunkLoop::complete(const scene::Snapshot& world, renderer::Seen seen,
-                                   const core::ToleranceMap& tolerance, int quantiser) {
-    const StageTimer timer(statistics_, Stage::shade);
-    const renderer::ExposureSamples samples = exposure_samples(job_, quantiser, display_);
-    return renderer_.complete(world, std::move(seen), &tolerance, &samples);
+    return renderer_.look(world);
 }
 
 encoder::PicturePlan ChunkLoop::plan(const scene::Snapshot& world, Motion& motion) {
@@ -141,44 +130,47 @@ encoder::PicturePlan ChunkLoop::plan(const scene::Snapshot& world, Motion& motio
     return coder_ ? coder_->plan(world.frame, world.cut_before, motion) : encoder::PicturePlan();
 }
 
-const core::ToleranceMap& ChunkLoop::tolerate(const scene::Snapshot& world, const renderer::Seen& seen,
+const core::ToleranceMap& ChunkLoop::tolerate(const scene::Snapshot& world, const renderer::Frame& frame,
                                               const PlannedPicture& plan, Motion& motion) {
     if (!coupling_) return tolerance_;
     if (world.cut_before || plan.number == chunk_.first) coupling_->forget();
-    if (!coupling_->remembers()) imagine(world, seen, plan);
+    if (!coupling_->remembers()) look_roughly(world, frame, plan);
     const std::int64_t reference = coupling_->remembered();
     const core::MotionField* field = reference == plan.number ? nullptr : motion.to(reference);
     const StageTimer timer(statistics_, Stage::tolerate);
-    tolerance_ = coupling_->tolerate(seen.visible, plan, field);
+    tolerance_ = coupling_->tolerate(frame.visible, plan, field);
     shown_.carry_back(tolerance_);
     return tolerance_;
 }
 
-void ChunkLoop::imagine(const scene::Snapshot& world, const renderer::Seen& seen, const PlannedPicture& plan) {
-    const core::Radiance rough = [&] {
+void ChunkLoop::look_roughly(const scene::Snapshot& world, const renderer::Frame& frame, const PlannedPicture& plan) {
+    core::ToleranceMap about =
+        core::ToleranceMap::uniform(frame.visible.width(), frame.visible.height(), {0.0f, rough_tolerance});
+    about.typical = rough_tolerance;  // rays by price: dark corners need not keep it
+    const renderer::Lit rough = [&] {
         const StageTimer timer(statistics_, Stage::preview);
-        return preview(renderer_, world, renderer_.complete(world, seen, nullptr));
+        return renderer_.light(world, frame, {about, renderer::Manner::sparse});
     }();
-    const core::Radiance& shown = shown_.of(rough, world.time);
+    const core::Radiance& shown = shown_.of(rough.radiance, world.time);
     const StageTimer timer(statistics_, Stage::tolerate);
     core::Picture picture = display_.develop(shown);
     picture.number = plan.number;
-    coupling_->imagine(picture, shown, seen.visible, plan);
+    coupling_->take_rough_look(picture, shown, frame.visible, plan);
 }
 
-core::Radiance ChunkLoop::shade(const scene::Snapshot& world, const core::ToleranceMap& tolerance,
-                                const renderer::Seen& seen) {
+renderer::Lit ChunkLoop::light(const scene::Snapshot& world, renderer::Frame frame, const core::ToleranceMap& tolerance,
+                               int quantiser, RenderedMotion& motion) {
+    renderer::LightOrder order{tolerance};
+    order.exposure = exposure_samples(job_, quantiser, display_);
+    if (job_.preview) {
+        order.manner = renderer::Manner::draft;
+        if (world.frame > chunk_.first && !world.cut_before) order.to_before = &motion.exact_to(world.frame - 1);
+    } else if (job_.tolerance.truth) {
+        order.manner = renderer::Manner::truth;
+        order.truth = {*job_.tolerance.truth, most_true_paths};
+    }
     const StageTimer timer(statistics_, Stage::shade);
-    if (job_.tolerance.truth) return renderer_.trace(world, seen, {*job_.tolerance.truth, most_true_paths});
-    return renderer_.shade(world, seen, tolerance);
-}
-
-core::Radiance ChunkLoop::draft(const scene::Snapshot& world, const renderer::Seen& seen,
-                                const core::ToleranceMap& tolerance, RenderedMotion& motion) {
-    const bool goes_on = world.frame > chunk_.first && !world.cut_before;
-    const core::MotionField* to_before = goes_on ? &motion.exact_to(world.frame - 1) : nullptr;
-    const StageTimer timer(statistics_, Stage::shade);
-    return renderer_.draft(world, seen, tolerance, to_before);
+    return renderer_.light(world, std::move(frame), order);
 }
 
 core::Picture ChunkLoop::develop(const core::Radiance& radiance, std::int64_t n) {
@@ -188,11 +180,17 @@ core::Picture ChunkLoop::develop(const core::Radiance& radiance, std::int64_t n)
     return picture;
 }
 
-void ChunkLoop::keep(const core::Picture& picture, const core::Radiance& radiance, const renderer::Seen& seen,
+void ChunkLoop::keep(const core::Picture& picture, const core::Radiance& radiance, const core::Visible& visible,
                      const PlannedPicture& plan) {
     if (!coupling_) return;
     const StageTimer timer(statistics_, Stage::tolerate);
-    coupling_->keep(picture, radiance, seen.visible, plan);
+    coupling_->keep(picture, radiance, visible, plan);
+}
+
+void ChunkLoop::code(const core::Picture& picture, const encoder::PicturePlan& plan, Motion& motion) {
+    if (!coder_) return;
+    statistics_.frames.back().type = "-IPB"[static_cast<int>(plan.type)];
+    take(coder_->code(picture, plan, motion));
 }
 
 void ChunkLoop::take(const std::vector<encoder::CodedPicture>& pictures) {

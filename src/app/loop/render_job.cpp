@@ -374,12 +374,13 @@ float measure_exposure(const RenderJob& film) {
         const std::int64_t frame = film.frames.first + (film.frame_count() - 1) * (2 * i + 1) / (2 * frames);
         const scene::Snapshot world = small.snapshot(frame);
         if (i == 0) renderer.start_chunk(world);
-        const renderer::Seen seen = renderer.complete(world, renderer.see(world), nullptr);
-        const core::Radiance radiance = renderer.sketch(world, seen, about);
+        const renderer::Lit lit = renderer.light(world, renderer.look(world), {about, renderer::Manner::rough});
+        const core::Radiance& radiance = lit.radiance;
         for (std::size_t p = 0; p < radiance.combined.size(); ++p) {
             const float luminance = core::luminance(radiance.combined.values()[p]);
-            const bool of_stage = stage >= 0 && seen.visible.address.values()[p].object == static_cast<unsigned>(stage);
-            if (seen.visible.kind.values()[p] == core::PixelClass::sky)
+            const bool of_stage =
+                stage >= 0 && lit.frame.visible.address.values()[p].object == static_cast<unsigned>(stage);
+            if (lit.frame.visible.kind.values()[p] == core::PixelClass::sky)
                 sky.push_back(luminance);
             else if (!of_stage)
                 surfaces.push_back(luminance);

@@ -55,8 +55,9 @@ class ExrSink : public Sink {
   public:
     ExrSink(const RenderJob& film, const std::filesystem::path& pattern) : film_(film), pattern_(pattern) {}
     void lit(const LitFrame& frame) override {
-        image::write_frame(numbered(pattern_, frame.picture.number), frame.radiance.combined, facts_of(film_, frame),
-                           film_.has_alpha() ? renderer::mattes_of(frame.seen) : core::Mattes());
+        image::write_frame(numbered(pattern_, frame.picture.number), frame.lit.radiance.combined,
+                           facts_of(film_, frame),
+                           film_.has_alpha() ? renderer::mattes_of(frame.lit.frame) : core::Mattes());
     }
 
   private:
@@ -71,7 +72,7 @@ class PngSink : public Sink {
     void lit(const LitFrame& frame) override {
         const core::Picture& picture = frame.picture;
         image::write_png(numbered(pattern_, picture.number), picture.width(), picture.height(),
-                         film_.has_alpha() ? with_alpha(display_, frame.shown, renderer::mattes_of(frame.seen))
+                         film_.has_alpha() ? with_alpha(display_, frame.shown, renderer::mattes_of(frame.lit.frame))
                                            : display_.develop_srgb(frame.shown),
                          film_.format.pixel_aspect);
     }
@@ -95,9 +96,9 @@ void LayersWriter::lit(const LitFrame& frame) {
     const core::MotionField& before = frame.motion.exact_to(std::max<std::int64_t>(0, n - 1));
     const core::MotionField& after = frame.motion.exact_to(n + 1);
     const StageTimer timer(statistics_, renderer::Pass::layers);
-    image::write_layers(numbered(layers_in(folder_), n), frame.seen.visible, frame.radiance, &before, &after,
-                        facts_of(film_, frame), &frame.tolerance, renderer::mattes_of(frame.seen), names_);
-    write_motion_file(numbered(motion_in(folder_), n), before, after, frame.seen.visible.kind);
+    image::write_layers(numbered(layers_in(folder_), n), frame.lit.frame.visible, frame.lit.radiance, &before, &after,
+                        facts_of(film_, frame), &frame.tolerance, renderer::mattes_of(frame.lit.frame), names_);
+    write_motion_file(numbered(motion_in(folder_), n), before, after, frame.lit.frame.visible.kind);
 }
 
 void LastFrameWriter::lit(const LitFrame& frame) {

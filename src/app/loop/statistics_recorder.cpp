@@ -63,13 +63,13 @@ void Auditor::lit(const LitFrame& frame) {
     Audit& audit = statistics_.audit;
     timed(audit.seconds, [&] {
         const std::vector<renderer::AuditedPixel> pixels =
-            renderer_.audit(frame.world, frame.seen, frame.tolerance, frame.radiance, pixels_);
+            renderer_.audit(frame.world, frame.lit, frame.tolerance, pixels_);
         for (const renderer::AuditedPixel& p : pixels) {
             const float absolute = frame.tolerance.is_reference() ? 0.0f : frame.tolerance.pixels.at(p.x, p.y).absolute;
             audit.errors.add(core::divide_or(p.error, std::max(p.luminance, absolute), 0.0f));
             audit.over += p.over() ? 1 : 0;
         }
-        audit.split.add(renderer_.judge(frame.world, frame.seen, frame.tolerance, frame.radiance, pixels),
+        audit.split.add(renderer_.judge(frame.world, frame.lit, frame.tolerance, pixels),
                         [&](glm::vec3 light) { return static_cast<double>(perceptual::luma_of(display_, light)); });
     });
 }

@@ -70,8 +70,8 @@ const core::Plane<float>* of_records(HeatSubject subject, const core::Radiance& 
 }
 
 core::Plane<float> values_of(HeatSubject subject, const LitFrame& frame) {
-    const core::Plane<glm::vec3>& light = frame.radiance.combined;
-    if (const core::Plane<float>* plane = of_records(subject, frame.radiance)) {
+    const core::Plane<glm::vec3>& light = frame.lit.radiance.combined;
+    if (const core::Plane<float>* plane = of_records(subject, frame.lit.radiance)) {
         // None were kept where no light was.
         return plane->size() == light.size() ? *plane : core::Plane<float>(light.width(), light.height(), 0.0f);
     }
@@ -83,9 +83,10 @@ core::Plane<float> values_of(HeatSubject subject, const LitFrame& frame) {
             const core::Tolerance& t = frame.tolerance.pixels.values()[i];
             values.values()[i] = core::divide_or(t.allows(luminance), luminance, 1.0f);
         } else if (subject == HeatSubject::cut) {
-            values.values()[i] = frame.radiance.direct_cut.values()[i] + frame.radiance.indirect_cut.values()[i];
+            values.values()[i] =
+                frame.lit.radiance.direct_cut.values()[i] + frame.lit.radiance.indirect_cut.values()[i];
         } else if (subject == HeatSubject::error) {
-            values.values()[i] = core::divide_or(frame.radiance.error.values()[i], luminance, 0.0f);
+            values.values()[i] = core::divide_or(frame.lit.radiance.error.values()[i], luminance, 0.0f);
         }
     }
     return values;

@@ -21,7 +21,7 @@ void SampleFrameObserver::lit(const LitFrame& frame) {
     if (frame.world.frame != frame_) return;
     const ViewBox box = view_of(frame.picture.width(), frame.picture.height());
     lit_ = part_of(frame.picture, box);
-    const core::Plane<glm::vec3>& light = frame.radiance.combined;
+    const core::Plane<glm::vec3>& light = frame.lit.radiance.combined;
     const auto over_luminance = [&](auto&& value) {
         core::Plane<float> plane(light.width(), light.height());
         for (std::size_t i = 0; i < plane.size(); ++i)
@@ -33,8 +33,8 @@ void SampleFrameObserver::lit(const LitFrame& frame) {
             const core::Tolerance& t = frame.tolerance.pixels.values()[i];
             return t.allows(core::luminance(light.values()[i]));
         });
-    if (!frame.radiance.error.empty())
-        error_ = over_luminance([&](std::size_t i) { return frame.radiance.error.values()[i]; });
+    if (!frame.lit.radiance.error.empty())
+        error_ = over_luminance([&](std::size_t i) { return frame.lit.radiance.error.values()[i]; });
 }
 
 void SampleFrameObserver::coded(const encoder::CodedPicture& coded) {

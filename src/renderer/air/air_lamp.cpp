@@ -319,8 +319,8 @@ std::vector<AirLamp> air_lamps(std::span<const LightPoint> points, const LightTr
         lamp.range = p.range;
         lamps.push_back(lamp);
     }
-    for (const WholeLamp& whole : light_trees.lamps) {
-        if (whole.kind != WholeLamp::Kind::sphere) continue;
+    for (const AreaLamp& whole : light_trees.lamps) {
+        if (whole.kind != AreaLamp::Kind::sphere) continue;
         AirLamp lamp;
         lamp.position = whole.position;
         lamp.radius = 1.01f * whole.radius + whole.clearance;

@@ -112,7 +112,7 @@ std::vector<ThinShadow> both(const std::vector<ThinShadow>& a, const std::vector
 class Airlight {
   public:
     Airlight(const PosedScene& posed_scene, std::span<const AirLamp> lamps, Bodies bodies,
-             const AmbientColumns* ambient, const core::ToleranceMap* tolerance, const Seen& seen)
+             const AmbientColumns* ambient, const core::ToleranceMap* tolerance, const Frame& seen)
         : camera_(posed_scene.posed().camera),
           scene_{*posed_scene.air(), posed_scene.tracer(), bodies},
           lamps_(lamps),
@@ -159,7 +159,7 @@ class Airlight {
     std::span<const AirLamp> lamps_;
     const AmbientColumns* ambient_;        ///< null: there is none
     const core::ToleranceMap* tolerance_;  ///< null: of a first look
-    const Seen& seen_;
+    const Frame& seen_;
     int across_, down_;  ///< lattice points
     float half_pixel_;   ///< at distance 1
     std::vector<Column> columns_;
@@ -378,7 +378,7 @@ void Airlight::add(const std::vector<SeenAir>& air, const core::Plane<std::uint8
 }  // namespace
 
 std::uint64_t add_airlight(const AirInstant& instant, AmbientAir& ambient, const core::ToleranceMap* tolerance,
-                           Seen& seen) {
+                           const Frame& seen, UngatheredLight& sum) {
     if (seen.air.empty()) return 0;
     const PosedScene& posed_scene = instant.posed_scene;
     const scene::Animation& film = posed_scene.animation();
@@ -390,14 +390,15 @@ std::uint64_t add_airlight(const AirInstant& instant, AmbientAir& ambient, const
     std::optional<AmbientColumns> columns;
     if (ambient.shines()) columns.emplace(posed_scene, seen, ambient);
     Airlight airlight(posed_scene, lamps, instant.light_trees.bodies, columns ? &*columns : nullptr, tolerance, seen);
-    core::Plane<glm::vec3>* specular = seen.emitted_specular.empty() ? nullptr : &seen.emitted_specular;
-    seen.airlight = core::Plane<glm::vec3>(seen.visible.width(), seen.visible.height(), glm::vec3(0));
-    airlight.add(seen.air, nullptr, seen.airlight, specular);
-    for (std::size_t p = 0; p < seen.emitted.size(); ++p) seen.emitted.values()[p] += seen.airlight.values()[p];
+    const core::Plane<glm::vec3> black(seen.visible.width(), seen.visible.height(), glm::vec3(0));
+    EffectLight light{black, {}, {}};
+    if (!seen.emitted_specular.empty()) light.specular = black;
+    airlight.add(seen.air, nullptr, light.all, &light.specular);
     if (seen.exposure && !seen.exposure->air.empty()) {
-        seen.air_of_exposed = core::Plane<glm::vec3>(seen.visible.width(), seen.visible.height(), glm::vec3(0));
-        airlight.add(seen.exposure->air, &seen.exposure->exposed, seen.air_of_exposed, nullptr);
+        light.exposed = black;
+        airlight.add(seen.exposure->air, &seen.exposure->exposed, light.exposed, nullptr);
     }
+    sum.add_air(std::move(light));
     return airlight.rays() + (columns ? columns->rays() : 0);
 }
 

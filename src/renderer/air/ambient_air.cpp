@@ -113,7 +113,7 @@ void AmbientAir::start(std::int64_t lit_frame, const LightTrees& light_trees, st
     if (suns)
         light_trees_.trees[static_cast<std::size_t>(LightType::directional)] =
             build_light_tree(LightType::directional, sky, 1);
-    std::erase_if(light_trees_.lamps, [](const WholeLamp& lamp) { return lamp.kind != WholeLamp::Kind::polygon; });
+    std::erase_if(light_trees_.lamps, [](const AreaLamp& lamp) { return lamp.kind != AreaLamp::Kind::polygon; });
     shines_ = gather != nullptr || !light_trees_.lamps.empty() ||
               std::any_of(light_trees_.trees.begin(), light_trees_.trees.end(),
                           [](const LightTree& tree) { return !tree.empty(); });

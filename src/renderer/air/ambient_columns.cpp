@@ -17,7 +17,7 @@ constexpr float step_ratio = 1.4f;
 constexpr float deep_enough = 6.0f, scenes_away = 4.0f;
 
 /// That of the sharp picture, and of what shutter and lens blur.
-std::vector<const SeenAir*> all_air(const Seen& seen) {
+std::vector<const SeenAir*> all_air(const Frame& seen) {
     std::vector<const SeenAir*> all;
     for (const SeenAir& tile : seen.air) all.push_back(&tile);
     if (seen.exposure)
@@ -27,7 +27,7 @@ std::vector<const SeenAir*> all_air(const Seen& seen) {
 
 }  // namespace
 
-AmbientColumns::AmbientColumns(const PosedScene& posed_scene, const Seen& seen, AmbientAir& ambient)
+AmbientColumns::AmbientColumns(const PosedScene& posed_scene, const Frame& seen, AmbientAir& ambient)
     : air_(*posed_scene.air()),
       ambient_(ambient),
       eye_(posed_scene.posed().camera.position()),

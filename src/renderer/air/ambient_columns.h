@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "renderer/air/ambient_air.h"
-#include "renderer/surface/gather_point.h"
+#include "renderer/surface/frame.h"
 #include "renderer/surface/posed_scene.h"
 
 namespace render2mpeg::renderer {
@@ -15,7 +15,7 @@ namespace render2mpeg::renderer {
 class AmbientColumns {
   public:
     /// As far as any of `seen` looks.
-    AmbientColumns(const PosedScene& posed_scene, const Seen& seen, AmbientAir& ambient);
+    AmbientColumns(const PosedScene& posed_scene, const Frame& seen, AmbientAir& ambient);
 
     /// From the eye as far as a distance, about the middle of a pixel.
     glm::vec3 light(glm::ivec2 pixel, float distance) const;

@@ -122,7 +122,7 @@ constexpr Rule rules[] = {
     {sky_light, "sky light", "the sky shines", "the sky is black",
      [](const Traits& t) { return t.has_shining_sky && t.has_surfaces; },
      set_of({caustics, hair, direct_tree, photons}), never, "sky (film)", "light points (film)", "light of the sky"},
-    {whole_lamps, "whole lamps", "lamps shine evenly", "no lamp has a size and shines evenly",
+    {area_lamps, "area lamps", "lamps shine evenly", "no lamp has a size and shines evenly",
      [](const Traits& t) { return t.has_surfaces && t.has_even_lamps; }, set_of({shade}), never,
      "lamps (n), choice (film)", "lamps in closed form (n)", "lamps as a whole"},
     {caustics, "caustics", "things mirror or bend light onto others", "nothing mirrors or bends light onto others",

@@ -29,7 +29,7 @@ enum class Pass {
     punctual_lights,
     emissive_lights,
     sky_light,
-    whole_lamps,
+    area_lamps,
     caustics,
     hair,
     direct_tree,

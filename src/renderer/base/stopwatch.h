@@ -1,6 +1,10 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <ctime>
+
+#include "renderer/base/plan.h"
 
 namespace render2mpeg::renderer {
 
@@ -10,6 +14,16 @@ inline double cpu_seconds() {
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
     return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
+
+/// CPU seconds by pass.
+class PassTimes {
+  public:
+    double& operator[](Pass pass) { return seconds_[static_cast<std::size_t>(pass)]; }
+    double operator[](Pass pass) const { return seconds_[static_cast<std::size_t>(pass)]; }
+
+  private:
+    std::array<double, static_cast<std::size_t>(Pass::count)> seconds_{};
+};
 
 /// Adds the CPU time of its life to a row.
 class Stopwatch {

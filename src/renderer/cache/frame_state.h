@@ -59,7 +59,7 @@ struct FrameState {
     GatherAim aim;      ///< of them
     bool keeps_rays;    ///< of new records
     const RayTracer& tracer;
-    const Seen& seen;
+    const Frame& seen;
     const scene::Snapshot& snapshot;
     const scene::Camera& camera;
     CutLimits limits;

@@ -70,7 +70,7 @@ void IrradianceCache::renew(const LightChange& change, const LightTrees& trees, 
     records_.drop([](const IrradianceRecord& r) { return r.rays->is_lost; });
 }
 
-void IrradianceCache::cut_to(const Seen& seen, const scene::Snapshot& snapshot) {
+void IrradianceCache::cut_to(const Frame& seen, const scene::Snapshot& snapshot) {
     // The last frame's errors are of another error scale.
     history_.tiles.clear();
     validation_.forget();
@@ -90,7 +90,7 @@ FrameLight IrradianceCache::light(const LightingContext& context, const scene::S
 
     // Reuse the last frame's light,
     FrameState frame(context, snapshot, limits, errors_, records_, rays);
-    start(frame, context.tolerance, history_);
+    start(frame, context, history_);
     // ask the cache for the rest, or gather it,
     light_points(frame, validation_);
     // and remember.

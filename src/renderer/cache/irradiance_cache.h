@@ -40,7 +40,7 @@ class IrradianceCache {
 
   private:
     /// Another shot: forgets the last frame, and records of surfaces that are so far now that they crowd its pixels.
-    void cut_to(const Seen& seen, const scene::Snapshot& snapshot);
+    void cut_to(const Frame& seen, const scene::Snapshot& snapshot);
 
     RecordStore records_;
     FrameHistory history_;

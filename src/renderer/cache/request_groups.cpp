@@ -18,7 +18,7 @@ constexpr std::size_t most_open = 48;
 
 class Grouping {
   public:
-    Grouping(const Seen& seen, glm::vec3 eye, const Likeness& likeness, bool own_set)
+    Grouping(const Frame& seen, glm::vec3 eye, const Likeness& likeness, bool own_set)
         : seen_(seen), eye_(eye), likeness_(likeness), own_set_(own_set) {}
 
     void add(const PointRef& p, int set) {
@@ -40,7 +40,7 @@ class Grouping {
   private:
     const GatherPoint& point(const PointRef& p) const { return seen_.tiles[p.tile][p.index]; }
 
-    const Seen& seen_;
+    const Frame& seen_;
     glm::vec3 eye_;
     Likeness likeness_;
     bool own_set_;
@@ -62,7 +62,7 @@ int record_set(int x, int y) {
     return parity(x) + 2 * parity(y);
 }
 
-std::vector<RequestGroup> group_requests(const Seen& seen, const std::vector<PointRef>& requests, glm::vec3 eye) {
+std::vector<RequestGroup> group_requests(const Frame& seen, const std::vector<PointRef>& requests, glm::vec3 eye) {
     struct Placed {
         std::uint32_t code;
         int set;

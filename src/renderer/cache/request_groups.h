@@ -4,7 +4,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "renderer/surface/gather_point.h"
+#include "renderer/surface/frame.h"
 
 namespace render2mpeg::renderer {
 
@@ -29,6 +29,6 @@ inline constexpr int area_tiles = 4;
 
 /// Parts scattered requests of one area into groups of one set and one surface, as far as there are enough; what is
 /// left over joins others. As with group_points this decides only how work is shared.
-std::vector<RequestGroup> group_requests(const Seen& seen, const std::vector<PointRef>& requests, glm::vec3 eye);
+std::vector<RequestGroup> group_requests(const Frame& seen, const std::vector<PointRef>& requests, glm::vec3 eye);
 
 }  // namespace render2mpeg::renderer

@@ -70,8 +70,8 @@ bool reuse(FrameState& frame, std::size_t t, const FrameHistory& history) {
     const GatherTile& points = frame.seen.tiles[t];
     if (history.tiles.size() != frame.tiles.size() || history.tiles[t].size() != points.size()) return false;
     TileState& tile = frame.tiles[t];
-    const std::vector<WholeLamp>& lamps = frame.light_trees.lamps;
-    const bool has_suns = std::any_of(lamps.begin(), lamps.end(), [](const WholeLamp& lamp) { return lamp.sharp; });
+    const std::vector<AreaLamp>& lamps = frame.light_trees.lamps;
+    const bool has_suns = std::any_of(lamps.begin(), lamps.end(), [](const AreaLamp& lamp) { return lamp.sharp; });
     bool all = true;
     auto moved_point = history.moved_points[t].begin();
     const auto moved_end = history.moved_points[t].end();
@@ -129,15 +129,15 @@ std::size_t FrameHistory::bytes() const {
     return sum;
 }
 
-void start(FrameState& frame, const core::ToleranceMap& tolerance, const FrameHistory& history) {
-    frame.aim.typical = tolerance.typical;
+void start(FrameState& frame, const LightingContext& context, const FrameHistory& history) {
+    frame.aim.typical = context.tolerance.typical;
     frame.grid.build(frame.records.all(), frame.camera);
     std::vector<ShadeCounts> of_tile(frame.tiles.size());
     parallel::for_each(frame.tiles.size(), [&](std::size_t t) {
         const GatherTile& points = frame.seen.tiles[t];
         TileState& tile = frame.tiles[t];
         tile = empty_tile(points);
-        tile.tolerance = point_tolerances(frame.seen, t, tolerance);
+        tile.tolerance = point_tolerances(context, t);
         const bool knows = reuse(frame, t, history);
         if (!knows && frame.light_trees.has_exact()) gather_exact(frame, t, tile.exact, of_tile[t]);
         for (std::size_t i = 0; i < points.size(); ++i)

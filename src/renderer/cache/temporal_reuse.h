@@ -26,7 +26,7 @@ struct FrameHistory {
 
 /// Begins a frame: shares out its tolerances among points, reuses the light of points that are the very same as in the
 /// last frame, and gathers the lights that are not clustered where they are not known by that.
-void start(FrameState& frame, const core::ToleranceMap& tolerance, const FrameHistory& history);
+void start(FrameState& frame, const LightingContext& context, const FrameHistory& history);
 
 /// Ends it: adds the parts of each point's light, and becomes the history of the next frame.
 FrameLight finish(FrameState& frame, FrameHistory& history);

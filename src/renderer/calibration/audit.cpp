@@ -40,13 +40,13 @@ GatherPoint lit_at(GatherPoint p, const MovedPoint* moved) {
     return p;
 }
 
-glm::ivec2 place_of(const Seen& seen, const LitPixel& p) {
+glm::ivec2 place_of(const Frame& seen, const LitPixel& p) {
     const int pixel = seen.tiles[p.tile][p.first].pixel, across = seen.tiles_across();
     return {static_cast<int>(p.tile) % across * tile_size + pixel % tile_size,
             static_cast<int>(p.tile) / across * tile_size + pixel / tile_size};
 }
 
-LitPixel pixel_at(const Seen& seen, glm::ivec2 place) {
+LitPixel pixel_at(const Frame& seen, glm::ivec2 place) {
     LitPixel p;
     p.tile = static_cast<std::uint32_t>(place.y / tile_size * seen.tiles_across() + place.x / tile_size);
     const int within = place.y % tile_size * tile_size + place.x % tile_size;
@@ -65,7 +65,7 @@ bool any_moved(const MovedPoints& moved, const LitPixel& pixel) {
     return false;
 }
 
-std::vector<LitPixel> lit_pixels(const Seen& seen) {
+std::vector<LitPixel> lit_pixels(const Frame& seen) {
     std::vector<LitPixel> pixels;
     for (std::uint32_t t = 0; t < seen.tiles.size(); ++t) {
         const GatherTile& tile = seen.tiles[t];
@@ -102,8 +102,9 @@ std::vector<LitPixel> spread(const std::vector<LitPixel>& pixels, std::size_t co
     return chosen;
 }
 
-std::vector<glm::vec3> gather_exactly(const LightTrees& light_trees, const RayTracer& tracer, const Seen& seen,
-                                      const std::vector<LitPixel>& pixels, const MovedPoints& moved) {
+std::vector<glm::vec3> gather_exactly(const LightingContext& context, const std::vector<LitPixel>& pixels,
+                                      const MovedPoints& moved) {
+    const Frame& seen = context.seen;
     EXPECTS(moved.empty() || moved.size() == seen.tiles.size());
     struct Place {
         const GatherPoint* point;
@@ -116,7 +117,8 @@ std::vector<glm::vec3> gather_exactly(const LightTrees& light_trees, const RayTr
     std::vector<glm::vec3> light(places.size());
     parallel::for_each(places.size(), [&](std::size_t i) {
         GatheredLight gathered;
-        gather_all(light_trees, tracer, lit_at(*places[i].point, places[i].moved), *places[i].point, gathered);
+        gather_all(context.light_trees, context.tracer, lit_at(*places[i].point, places[i].moved), *places[i].point,
+                   gathered);
         light[i] = point_light(gathered, 0, *places[i].point).scattered(*places[i].point);
     });
 
@@ -126,7 +128,7 @@ std::vector<glm::vec3> gather_exactly(const LightTrees& light_trees, const RayTr
         glm::vec3 own(0);
         for (std::uint32_t i = p.first; i < p.last; ++i) own += light[next++];
         const glm::ivec2 place = place_of(seen, p);
-        const glm::vec3 sum = seen.emitted.at(place.x, place.y) + own;
+        const glm::vec3 sum = context.ungathered.all().at(place.x, place.y) + own;
         // What is not finite was replaced in the frame, and is counted there.
         sums.push_back(core::is_finite(sum) ? glm::max(sum, glm::vec3(0)) : glm::vec3(0));
     }
@@ -152,7 +154,7 @@ AuditedPixel compare(glm::ivec2 place, glm::vec3 truth, const core::ToleranceMap
     return a;
 }
 
-std::vector<AuditedPixel> compare(const Seen& seen, const std::vector<LitPixel>& pixels,
+std::vector<AuditedPixel> compare(const Frame& seen, const std::vector<LitPixel>& pixels,
                                   const std::vector<glm::vec3>& truth, const core::ToleranceMap& tolerance,
                                   const core::Radiance& radiance) {
     EXPECTS(truth.size() == pixels.size() && radiance.combined.width() == seen.visible.width());

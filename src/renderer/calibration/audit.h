@@ -7,8 +7,8 @@
 #include "core/radiance.h"
 #include "core/tolerance_map.h"
 #include "renderer/calibration/audited_pixel.h"
+#include "renderer/cut/lighting_context.h"
 #include "renderer/geometry/ray_tracer.h"
-#include "renderer/surface/gather_point.h"
 #include "renderer/tree/light_trees.h"
 
 namespace render2mpeg::renderer {
@@ -20,10 +20,10 @@ struct LitPixel {
 };
 
 /// Where in the frame it is.
-glm::ivec2 place_of(const Seen& seen, const LitPixel& pixel);
+glm::ivec2 place_of(const Frame& seen, const LitPixel& pixel);
 
 /// What is gathered for the pixel there; no points: nothing.
-LitPixel pixel_at(const Seen& seen, glm::ivec2 place);
+LitPixel pixel_at(const Frame& seen, glm::ivec2 place);
 
 /// Where a point of a tile was moved to; null: nowhere.
 const MovedPoint* moved_point(const MovedPoints& moved, std::uint32_t tile, std::uint32_t index);
@@ -34,7 +34,7 @@ GatherPoint lit_at(GatherPoint p, const MovedPoint* moved);
 bool any_moved(const MovedPoints& moved, const LitPixel& pixel);
 
 /// In order of their tiles, then of their rows.
-std::vector<LitPixel> lit_pixels(const Seen& seen);
+std::vector<LitPixel> lit_pixels(const Frame& seen);
 
 /// `count` of the pixels (all, where there are fewer), chosen by dice that only the frame's number decides.
 std::vector<LitPixel> drawn(std::vector<LitPixel> pixels, std::size_t count, std::int64_t frame);
@@ -45,15 +45,15 @@ std::vector<LitPixel> spread(const std::vector<LitPixel>& pixels, std::size_t co
 /// What the pixels send when their light is gathered from every light point by itself: radiance, >= 0 and finite. Light
 /// of the trees is gathered where it was when the frame was lit: some points were `moved` (empty: none). The same for
 /// any number of threads.
-std::vector<glm::vec3> gather_exactly(const LightTrees& light_trees, const RayTracer& tracer, const Seen& seen,
-                                      const std::vector<LitPixel>& pixels, const MovedPoints& moved = {});
+std::vector<glm::vec3> gather_exactly(const LightingContext& context, const std::vector<LitPixel>& pixels,
+                                      const MovedPoints& moved = {});
 
 /// Holds one pixel of a frame, lit by `tolerance`, against the radiance that it should have.
 AuditedPixel compare(glm::ivec2 place, glm::vec3 truth, const core::ToleranceMap& tolerance,
                      const core::Radiance& radiance);
 
 /// Holds the frame, lit by `tolerance`, against that.
-std::vector<AuditedPixel> compare(const Seen& seen, const std::vector<LitPixel>& pixels,
+std::vector<AuditedPixel> compare(const Frame& seen, const std::vector<LitPixel>& pixels,
                                   const std::vector<glm::vec3>& truth, const core::ToleranceMap& tolerance,
                                   const core::Radiance& radiance);
 

@@ -18,10 +18,9 @@ constexpr double audited_share = 0.02;        ///< of a frame's rays
 constexpr std::size_t least_audited = 8, most_audited = 64;
 
 /// What is left of a frame when only the blocks of some pixels are of interest.
-Seen blocks_of(const Seen& seen, const std::vector<LitPixel>& pixels) {
-    Seen thin;
+Frame blocks_of(const Frame& seen, const std::vector<LitPixel>& pixels) {
+    Frame thin;
     thin.visible = seen.visible;
-    thin.emitted = seen.emitted;
     thin.tiles.resize(seen.tiles.size());
     for (std::size_t i = 0; i < pixels.size();) {
         // All blocks of one tile at once, so that its points keep their order.
@@ -44,7 +43,7 @@ FrameKey key_of(const scene::Snapshot& snapshot, std::int64_t lit_frame, const c
     return {camera.to_world(), camera.lens().vertical_fov, camera.lens().y_magnification, lit_frame, tolerance.pixels};
 }
 
-/// Rays that a whole lamp takes where it is seen in part.
+/// Rays that a area lamp takes where it is seen in part.
 constexpr std::size_t samples_of_lamp = 256;
 
 std::size_t light_count(const LightTrees& light_trees) {
@@ -70,7 +69,7 @@ bool is_served(const LitPixel& p, const FrameLight& known) {
 
 }  // namespace
 
-float typical_share(const Seen& seen, const core::ToleranceMap& tolerance) {
+float typical_share(const Frame& seen, const core::ToleranceMap& tolerance) {
     const std::vector<LitPixel> lit = lit_pixels(seen);
     constexpr std::size_t every = 7;  // are enough for a mean
     double logs = 0, count = 0;
@@ -86,8 +85,8 @@ float typical_share(const Seen& seen, const core::ToleranceMap& tolerance) {
     return count > 0 ? static_cast<float>(std::exp(logs / count)) : 0.0f;
 }
 
-std::size_t calibrate(ErrorCalibration& calibration, const LightTrees& light_trees, const RayTracer& tracer,
-                      const Seen& seen, glm::vec3 eye, const core::ToleranceMap& tolerance, ShadeSettings settings) {
+std::size_t calibrate(ErrorCalibration& calibration, const LightingContext& context, ShadeSettings settings) {
+    const Frame& seen = context.seen;
     // Too few pixels of an earlier frame are no beginning.
     if (!calibration.knows()) calibration.forget();
     const std::size_t rounds = calibration.knows() ? 1 : most_rounds;
@@ -100,51 +99,49 @@ std::size_t calibrate(ErrorCalibration& calibration, const LightTrees& light_tre
         // Every round has its own pixels, since those that were lit twice err alike.
         std::vector<LitPixel> sample;
         for (std::size_t i = round; i < all.size(); i += rounds) sample.push_back(all[i]);
-        const std::vector<glm::vec3> truth = gather_exactly(light_trees, tracer, seen, sample);
+        const std::vector<glm::vec3> truth = gather_exactly(context, sample);
         settings.limits.error_scale = calibration.value();
         ShadeCounts uncounted;
-        const core::Radiance radiance =
-            shade(light_trees, tracer, blocks_of(seen, sample), eye, tolerance, settings, uncounted);
-        calibration.learn(compare(seen, sample, truth, tolerance, radiance), settings.limits.error_scale);
+        const Frame blocks = blocks_of(seen, sample);
+        const LightingContext of_blocks{context.light_trees, context.tracer, blocks,
+                                        context.ungathered,  context.eye,    context.tolerance};
+        const core::Radiance radiance = shade(of_blocks, settings, uncounted);
+        calibration.learn(compare(seen, sample, truth, context.tolerance, radiance), settings.limits.error_scale);
         calibration.settle();
     }
     return all.size();
 }
 
-std::size_t recalibrate(ErrorCalibration& calibration, const LightTrees& light_trees, const RayTracer& tracer,
-                        const Seen& seen, const core::ToleranceMap& tolerance, const ShadeSettings& settings,
+std::size_t recalibrate(ErrorCalibration& calibration, const LightingContext& context, const ShadeSettings& settings,
                         const core::Radiance& radiance, std::uint64_t rays, const FrameLight* known) {
     if (!calibration.knows()) return 0;
+    const Frame& seen = context.seen;
     std::vector<LitPixel> lit = lit_pixels(seen);
     if (known != nullptr) std::erase_if(lit, [&](const LitPixel& p) { return is_served(p, *known); });
-    const std::vector<LitPixel> pixels = spread(lit, affordable(light_trees, rays), seen.visible.frame);
-    calibration.learn(compare(seen, pixels, gather_exactly(light_trees, tracer, seen, pixels), tolerance, radiance),
+    const std::vector<LitPixel> pixels = spread(lit, affordable(context.light_trees, rays), seen.visible.frame);
+    calibration.learn(compare(seen, pixels, gather_exactly(context, pixels), context.tolerance, radiance),
                       settings.limits.error_scale);
     return pixels.size();
 }
 
 std::size_t FilmCalibration::before(const scene::Snapshot& snapshot, std::int64_t lit_frame,
-                                    const LightTrees& light_trees, const RayTracer& tracer, const Seen& seen,
-                                    const core::ToleranceMap& tolerance, const ShadeSettings& settings) {
+                                    const LightingContext& context, const ShadeSettings& settings) {
     if (snapshot.cut_before) calibration_.forget();
-    const float share = typical_share(seen, tolerance);
+    const float share = typical_share(context.seen, context.tolerance);
     if (calibration_.knows() && share <= coarser * share_) return 0;
-    const std::size_t pixels =
-        calibrate(calibration_, light_trees, tracer, seen, snapshot.camera.position(), tolerance, settings);
+    const std::size_t pixels = calibrate(calibration_, context, settings);
     if (pixels > 0) share_ = share;
-    last_ = key_of(snapshot, lit_frame, tolerance);
+    last_ = key_of(snapshot, lit_frame, context.tolerance);
     return pixels;
 }
 
 std::size_t FilmCalibration::after(const scene::Snapshot& snapshot, std::int64_t lit_frame,
-                                   const LightTrees& light_trees, const RayTracer& tracer, const Seen& seen,
-                                   const core::ToleranceMap& tolerance, const ShadeSettings& settings,
+                                   const LightingContext& context, const ShadeSettings& settings,
                                    const core::Radiance& radiance, std::uint64_t rays, const FrameLight* known) {
-    FrameKey key = key_of(snapshot, lit_frame, tolerance);
+    FrameKey key = key_of(snapshot, lit_frame, context.tolerance);
     const bool repeats = last_ == key;
     last_ = std::move(key);
-    return repeats ? 0
-                   : recalibrate(calibration_, light_trees, tracer, seen, tolerance, settings, radiance, rays, known);
+    return repeats ? 0 : recalibrate(calibration_, context, settings, radiance, rays, known);
 }
 
 }  // namespace render2mpeg::renderer

@@ -18,21 +18,19 @@ namespace render2mpeg::renderer {
 
 /// What part of their luminance the pixels that gather light may be off by, as told before they are lit: the geometric
 /// mean, < 1, without those that may be off by all of it. 0: there are none.
-float typical_share(const Seen& seen, const core::ToleranceMap& tolerance);
+float typical_share(const Frame& seen, const core::ToleranceMap& tolerance);
 
 /// Calibrates before a frame is lit. Where nothing is known (a first frame, or one after a cut): lights some hundreds
 /// of its pixels, with those they are gathered together with, and compares them with light by all light points; then
 /// once more with the error scale that this asks for. Where something is known already (a frame with other tolerances):
 /// only the second round, whose pixels are added. Small frames, whose sample would cost too much of them, leave it as
 /// it is. Returns how many pixels were gathered again.
-std::size_t calibrate(ErrorCalibration& calibration, const LightTrees& light_trees, const RayTracer& tracer,
-                      const Seen& seen, glm::vec3 eye, const core::ToleranceMap& tolerance, ShadeSettings settings);
+std::size_t calibrate(ErrorCalibration& calibration, const LightingContext& context, ShadeSettings settings);
 
 /// Goes on with some pixels of a frame that was lit with `settings` and traced `rays` for it: as many as cost about a
 /// fiftieth of it; none where nothing was learnt to begin with, so that no film changes its error scale in its midst.
 /// Of a frame lit by records (`known`), those that none of them served. Returns how many.
-std::size_t recalibrate(ErrorCalibration& calibration, const LightTrees& light_trees, const RayTracer& tracer,
-                        const Seen& seen, const core::ToleranceMap& tolerance, const ShadeSettings& settings,
+std::size_t recalibrate(ErrorCalibration& calibration, const LightingContext& context, const ShadeSettings& settings,
                         const core::Radiance& radiance, std::uint64_t rays, const FrameLight* known = nullptr);
 
 /// All that decides which pixels a frame shows, how they are lit and how well. `lit_frame` stands for its light.
@@ -54,13 +52,11 @@ class FilmCalibration {
 
     /// Before a frame after a cut, or whose tolerance is much larger than any so far. Returns how many pixels were
     /// gathered again.
-    std::size_t before(const scene::Snapshot& snapshot, std::int64_t lit_frame, const LightTrees& light_trees,
-                       const RayTracer& tracer, const Seen& seen, const core::ToleranceMap& tolerance,
+    std::size_t before(const scene::Snapshot& snapshot, std::int64_t lit_frame, const LightingContext& context,
                        const ShadeSettings& settings);
     /// Goes on with a frame that was lit: `recalibrate`. One that repeats the frame before teaches nothing, so that
     /// still films stay as they are to the last bit.
-    std::size_t after(const scene::Snapshot& snapshot, std::int64_t lit_frame, const LightTrees& light_trees,
-                      const RayTracer& tracer, const Seen& seen, const core::ToleranceMap& tolerance,
+    std::size_t after(const scene::Snapshot& snapshot, std::int64_t lit_frame, const LightingContext& context,
                       const ShadeSettings& settings, const core::Radiance& radiance, std::uint64_t rays,
                       const FrameLight* known);
 

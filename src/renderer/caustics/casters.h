@@ -56,7 +56,7 @@ class Casters {
     };
     struct Beam {
         std::uint32_t lamp = 0, thing = 0;
-        double light = 0;  ///< luminance flux that is thrown on, about
+        double light = 0;  ///< luminance flux that is sent on, about
         double share = 0;  ///< of the photons
     };
     /// What a light point sees of a thing: a rectangle across `towards`, or, where it is too near, all directions.

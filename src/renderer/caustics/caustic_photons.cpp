@@ -174,7 +174,7 @@ void follow(const PosedScene& scene, const AimedPhoton& aimed, std::vector<Landi
     Ray ray = start(aimed);
     const float least = least_share * core::luminance(ray.flux);
     std::uint32_t caster = aimed.object;
-    bool thrown = false;
+    bool is_sent_on = false;
     for (int surfaces = 0; surfaces < most_surfaces && core::luminance(ray.flux) > least; ++surfaces) {
         ++counts.rays;
         const Hit hit =
@@ -185,19 +185,19 @@ void follow(const PosedScene& scene, const AimedPhoton& aimed, std::vector<Landi
         ray.from_far = false;
         const SurfacePoint p = ray.glass.surface_at(scene, hit, ray.direction, {}, ray.time);
         advance(ray, hit.distance, p.geometric_normal);
-        if (!thrown && p.address.object != aimed.object) {
+        if (!is_sent_on && p.address.object != aimed.object) {
             if (!pass_before(scene, p, ray)) return;
             continue;
         }
         if (p.unlit) return;
-        if (thrown && p.alpha > 0.0f && (p.bsdf.has_diffuse() || p.bsdf.has_glossy()))
+        if (is_sent_on && p.alpha > 0.0f && (p.bsdf.has_diffuse() || p.bsdf.has_glossy()))
             landings.push_back(land(scene, ray, p, hit.distance, caster));
         const int dimension = first_choice + 3 * surfaces;
         const auto number = [&](int k) { return core::halton(dimension + k, aimed.number); };
         const Onward onward = choose(scene, p, number(0), ray.flux);
         if (onward == Onward::ends || !turn(scene, p, onward, {number(1), number(2)}, ray)) return;
         if (onward == Onward::straight) continue;
-        thrown = true;
+        is_sent_on = true;
         caster = p.address.object;
     }
 }

@@ -125,7 +125,7 @@ glm::vec3 scattered(const GatherPoint& g, const CausticLight& light) {
 }
 
 /// A pixel's place in the picture, row by row.
-std::size_t pixel_of(const Seen& seen, std::uint32_t tile, const GatherPoint& g) {
+std::size_t pixel_of(const Frame& seen, std::uint32_t tile, const GatherPoint& g) {
     const auto across = static_cast<std::uint32_t>(seen.tiles_across());
     const std::uint32_t x = tile % across * tile_size + g.pixel % tile_size;
     const std::uint32_t y = tile / across * tile_size + g.pixel / tile_size;
@@ -139,7 +139,7 @@ struct PixelCaustic {
     float squares = 0;                    ///< of photons' irradiances
 };
 
-std::vector<PixelCaustic> pixel_caustics(const Seen& seen, const SplatTree& tree,
+std::vector<PixelCaustic> pixel_caustics(const Frame& seen, const SplatTree& tree,
                                          const std::vector<CausticLight>& light) {
     std::vector<PixelCaustic> pixels(seen.emitted.size());
     for (std::size_t i = 0; i < tree.size(); ++i) {
@@ -164,7 +164,7 @@ float quantile(std::vector<float>& values, float share) {
 
 /// How many photons keep the tolerance, and which of them are too dim to be spread one by one, by what so many did.
 /// `shown`: what the tolerance was found for has caustics.
-CausticBudget budget_of(const Seen& seen, const SplatTree& tree, const std::vector<CausticLight>& light,
+CausticBudget budget_of(const Frame& seen, const SplatTree& tree, const std::vector<CausticLight>& light,
                         const core::ToleranceMap* tolerance, std::uint64_t photons, bool shown) {
     const std::vector<PixelCaustic> pixels = pixel_caustics(seen, tree, light);
     const auto tolerance_of = [&](std::size_t p) {
@@ -216,9 +216,9 @@ CausticBudget budget_of(const Seen& seen, const SplatTree& tree, const std::vect
 }  // namespace
 
 void Caustics::add(const PosedScene& posed_scene, std::span<const LightPoint> lights,
-                   const core::ToleranceMap* tolerance, Seen& seen, CausticCounts& counts) {
+                   const core::ToleranceMap* tolerance, const Frame& seen, UngatheredLight& sum,
+                   CausticCounts& counts) {
     const int width = seen.visible.width(), height = seen.visible.height();
-    seen.caustics = seen.caustics_specular = core::Plane<glm::vec3>(width, height, glm::vec3{0.0f});
     const Casters casters(posed_scene, lights);
     if (casters.empty()) return;
     const SplatTree tree(seen);
@@ -240,31 +240,22 @@ void Caustics::add(const PosedScene& posed_scene, std::span<const LightPoint> li
     }
 
     const std::vector<CausticLight> light = splatting.light(budget.photons, budget.dim, counts);
-    if (seen.exposure) seen.thrown.assign(seen.exposure->first_point.back(), {});
+    EffectLight of_pixels{core::Plane<glm::vec3>(width, height, glm::vec3(0)), {}, {}};
+    if (!seen.emitted_specular.empty()) of_pixels.specular = of_pixels.all;
+    std::vector<PointCaustic> of_points(seen.exposure ? seen.exposure->first_point.back() : 0);
     for (std::size_t i = 0; i < tree.size(); ++i) {
         if (!(light[i].sum > 0.0f)) continue;
         const glm::vec3 sent = scattered(tree[i], light[i]);
         if (!core::is_finite(sent)) continue;
         if (seen.exposure) {
             const auto of_tile = static_cast<std::size_t>(&tree[i] - seen.tiles[tree.tile(i)].data());
-            seen.thrown[seen.exposure->first_point[tree.tile(i)] + of_tile] = {light[i].irradiance, light[i].glossy};
+            of_points[seen.exposure->first_point[tree.tile(i)] + of_tile] = {light[i].irradiance, light[i].glossy};
         }
         const std::size_t pixel = pixel_of(seen, tree.tile(i), tree[i]);
-        seen.emitted.values()[pixel] += sent;
-        if (tree[i].reached_by_specular() && !seen.emitted_specular.empty()) {
-            seen.emitted_specular.values()[pixel] += sent;
-            seen.caustics_specular.values()[pixel] += sent;
-        } else {
-            seen.caustics.values()[pixel] += sent;
-        }
+        of_pixels.all.values()[pixel] += sent;
+        if (tree[i].reached_by_specular() && !of_pixels.specular.empty()) of_pixels.specular.values()[pixel] += sent;
     }
-}
-
-glm::vec3 caustic_light_at(const Seen& seen, glm::ivec2 place) {
-    glm::vec3 sum(0);
-    for (const auto* plane : {&seen.caustics, &seen.caustics_specular})
-        if (!plane->empty()) sum += plane->at(place.x, place.y);
-    return sum;
+    sum.add_caustics(std::move(of_pixels), std::move(of_points));
 }
 
 }  // namespace render2mpeg::renderer

@@ -6,8 +6,9 @@
 #include "core/tolerance_map.h"
 #include "renderer/base/light_point.h"
 #include "renderer/caustics/splat_tree.h"
-#include "renderer/surface/gather_point.h"
+#include "renderer/surface/frame.h"
 #include "renderer/surface/posed_scene.h"
+#include "renderer/surface/ungathered_light.h"
 
 namespace render2mpeg::renderer {
 
@@ -40,10 +41,10 @@ class Caustics {
     /// A chunk begins.
     void forget() { budget_ = {}; }
 
-    /// Adds caustics to what needs no gathering: `emitted`, `emitted_specular` and `caustics` of `seen`. `lights`: all
-    /// light points of the posed instant. `tolerance`: of the frame; null: a look that teaches nothing.
+    /// Adds caustics to `light`. `lights`: all light points of the posed instant. `tolerance`: of the frame; null: a
+    /// rough look that teaches nothing.
     void add(const PosedScene& posed_scene, std::span<const LightPoint> lights, const core::ToleranceMap* tolerance,
-             Seen& seen, CausticCounts& counts);
+             const Frame& seen, UngatheredLight& light, CausticCounts& counts);
 
     const CausticBudget& budget() const { return budget_; }
 
@@ -51,8 +52,5 @@ class Caustics {
     CausticSettings settings_;
     CausticBudget budget_;
 };
-
-/// What caustics brought to a pixel: radiance.
-glm::vec3 caustic_light_at(const Seen& seen, glm::ivec2 place);
 
 }  // namespace render2mpeg::renderer

@@ -120,7 +120,7 @@ Footprint footprint_of(const Landing& landing, float pixel, float limit) {
     return f;
 }
 
-SplatTree::SplatTree(const Seen& seen) {
+SplatTree::SplatTree(const Frame& seen) {
     std::size_t count = 0;
     for (const GatherTile& tile : seen.tiles) count += tile.size();
     points_.reserve(count);

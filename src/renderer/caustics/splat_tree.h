@@ -8,7 +8,7 @@
 
 #include "renderer/caustics/caustic_photons.h"
 #include "renderer/caustics/splat_lanes.h"
-#include "renderer/surface/gather_point.h"
+#include "renderer/surface/frame.h"
 #include "renderer/surface/posed_scene.h"
 
 namespace render2mpeg::renderer {
@@ -44,7 +44,7 @@ enum class SplatVisibility { by_rays, none };
 class SplatTree {
   public:
     /// `seen` outlives this.
-    explicit SplatTree(const Seen& seen);
+    explicit SplatTree(const Frame& seen);
 
     /// Adds landings, each with its footprint, to `light`: as many as there are points, in this tree's order. The same
     /// for any number of threads.

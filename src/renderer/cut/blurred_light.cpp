@@ -18,7 +18,7 @@ std::size_t tile_of(const Exposure& exposure, std::uint32_t point) {
 
 /// Calls `visit(x, y, tile, pixel)` for all exposed pixels of a tile.
 template <class Visit>
-void for_each_exposed(const Seen& seen, std::size_t tile, Visit visit) {
+void for_each_exposed(const Frame& seen, std::size_t tile, Visit visit) {
     const Exposure& exposure = *seen.exposure;
     if (!exposure.is_exposed(tile)) return;
     const auto across = static_cast<std::size_t>(seen.tiles_across());
@@ -32,8 +32,8 @@ void for_each_exposed(const Seen& seen, std::size_t tile, Visit visit) {
 /// One pixel's light.
 class PixelSum {
   public:
-    void add(const Contribution& c, const GatherPoint& p, const PointLight& l, const ThrownLight& thrown) {
-        const glm::vec3 shine = c.weight * (l.glossy + thrown.glossy), fallen = l.direct + thrown.irradiance,
+    void add(const Contribution& c, const GatherPoint& p, const PointLight& l, const PointCaustic& caustic) {
+        const glm::vec3 shine = c.weight * (l.glossy + caustic.glossy), fallen = l.direct + caustic.irradiance,
                         scattered = c.diffuse * (fallen + l.indirect) + shine;
         combined += scattered;
         ++count;
@@ -100,7 +100,7 @@ void blacken(core::Radiance& radiance, int x, int y) {
 
 }  // namespace
 
-core::ToleranceMap tolerance_of_points(const Seen& seen, const core::ToleranceMap& tolerance) {
+core::ToleranceMap tolerance_of_points(const Frame& seen, const core::ToleranceMap& tolerance) {
     if (!seen.exposure || tolerance.is_reference()) return tolerance;
     const Exposure& exposure = *seen.exposure;
     core::ToleranceMap least = tolerance;
@@ -122,8 +122,8 @@ core::ToleranceMap tolerance_of_points(const Seen& seen, const core::ToleranceMa
     return least;
 }
 
-void spread_light(const Seen& seen, const FrameLight& light, bool layers, core::Radiance& radiance,
-                  ShadeCounts& counts) {
+void spread_light(const Frame& seen, const UngatheredLight& ungathered, const FrameLight& light, bool layers,
+                  core::Radiance& radiance, ShadeCounts& counts) {
     if (!seen.exposure) return;
     const Exposure& exposure = *seen.exposure;
     struct Found {
@@ -131,6 +131,7 @@ void spread_light(const Seen& seen, const FrameLight& light, bool layers, core::
         std::int64_t first = -1;
     };
     if (layers) radiance.coverage = exposure.coverage;
+    const std::vector<PointCaustic>& caustics = ungathered.caustics_of_points();
     std::vector<Found> of_tile(seen.tiles.size());
     parallel::for_each(seen.tiles.size(), [&](std::size_t t) {
         for_each_exposed(seen, t, [&](int x, int y, int pixel) {
@@ -139,15 +140,14 @@ void spread_light(const Seen& seen, const FrameLight& light, bool layers, core::
                 const std::size_t tile = tile_of(exposure, c.point);
                 const std::size_t index = c.point - exposure.first_point[tile];
                 sum.add(c, seen.tiles[tile][index], light[tile][index],
-                        seen.thrown.empty() ? ThrownLight() : seen.thrown[c.point]);
+                        caustics.empty() ? PointCaustic() : caustics[c.point]);
             }
-            const glm::vec3 air = seen.air_of_exposed.empty() ? glm::vec3(0) : seen.air_of_exposed.at(x, y);
-            const glm::vec3 hair = seen.hair_of_exposed.empty() ? glm::vec3(0) : seen.hair_of_exposed.at(x, y);
+            const glm::vec3 air = value_or_zero(ungathered.air().exposed, x, y);
+            const glm::vec3 hair = value_or_zero(ungathered.hair().exposed, x, y);
             const glm::vec3 emitted = exposure.emitted.at(x, y) + air + hair;
             radiance.combined.at(x, y) = glm::max(emitted + sum.combined, glm::vec3(0));
             if (layers) {
-                const glm::vec3 specular =
-                    exposure.emitted_specular.empty() ? glm::vec3(0) : exposure.emitted_specular.at(x, y);
+                const glm::vec3 specular = value_or_zero(exposure.emitted_specular, x, y);
                 radiance.emission.at(x, y) = glm::max(emitted - specular - hair, glm::vec3(0));
                 radiance.specular.at(x, y) = specular;
                 sum.write_layers(x, y, radiance);

@@ -9,11 +9,11 @@ namespace render2mpeg::renderer {
 /// What the pixels of a frame's sharp middle may be off by, so that no pixel that gets light of their points is off by
 /// more than `tolerance` allows it: the least of theirs. Errors add up at worst: a pixel's contributions have weights
 /// that sum up to 1 at most.
-core::ToleranceMap tolerance_of_points(const Seen& seen, const core::ToleranceMap& tolerance);
+core::ToleranceMap tolerance_of_points(const Frame& seen, const core::ToleranceMap& tolerance);
 
-/// Replaces the pixels that are exposed (Seen::exposure) in a frame whose points have this light. `layers`: all planes
+/// Replaces the pixels that are exposed (Frame::exposure) in a frame whose points have this light. `layers`: all planes
 /// of Radiance. Counts what is not finite.
-void spread_light(const Seen& seen, const FrameLight& light, bool layers, core::Radiance& radiance,
-                  ShadeCounts& counts);
+void spread_light(const Frame& seen, const UngatheredLight& ungathered, const FrameLight& light, bool layers,
+                  core::Radiance& radiance, ShadeCounts& counts);
 
 }  // namespace render2mpeg::renderer

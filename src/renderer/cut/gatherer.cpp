@@ -66,7 +66,7 @@ void Gatherer::add_exact(const GatherLanes& lanes, CutSums& sums, Lanes& luminan
 void Gatherer::add_lamps(const GatherLanes& lanes, Shadow shadow, LampAccuracy accuracy, CutSums& sums,
                          Lanes& luminance, Lanes& variance, GatheredLight& out) {
     accuracy.luminance = &luminance;
-    for (const WholeLamp& lamp : light_trees_.lamps) {
+    for (const AreaLamp& lamp : light_trees_.lamps) {
         if (lamp.sharp != (shadow == Shadow::sharp)) continue;
         LampLight light;
         gather_lamp(lamp, lanes, light_trees_.translucent, accuracy, shadows_, light);

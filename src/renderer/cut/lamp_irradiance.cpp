@@ -50,11 +50,11 @@ double cone_irradiance(double cosine, double sine_squared) {
     return std::max((cosine * std::acos(y) - x * across) * sine_squared + std::atan2(across, x), 0.0);
 }
 
-float unoccluded_irradiance(const WholeLamp& lamp, glm::vec3 place, glm::vec3 normal) {
-    if (lamp.kind == WholeLamp::Kind::sun)
+float unoccluded_irradiance(const AreaLamp& lamp, glm::vec3 place, glm::vec3 normal) {
+    if (lamp.kind == AreaLamp::Kind::sun)
         return static_cast<float>(cone_irradiance(glm::dot(glm::dvec3(lamp.position), glm::dvec3(normal)),
                                                   double{lamp.radius} * lamp.radius));
-    if (lamp.kind == WholeLamp::Kind::polygon) {
+    if (lamp.kind == AreaLamp::Kind::polygon) {
         const bool in_front =
             glm::dot(glm::dvec3(place) - glm::dvec3(lamp.corners.front()), glm::dvec3(lamp.normal)) > 0;
         return in_front || lamp.two_sided ? static_cast<float>(polygon_irradiance(lamp.corners, place, normal)) : 0.0f;

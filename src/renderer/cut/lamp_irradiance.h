@@ -1,9 +1,9 @@
 #pragma once
-// The irradiance that whole lamps send where nothing stands in the way, in closed form.
+// The irradiance that area lamps send where nothing stands in the way, in closed form.
 #include <glm/glm.hpp>
 #include <span>
 
-#include "renderer/base/whole_lamp.h"
+#include "renderer/base/area_lamp.h"
 
 namespace render2mpeg::renderer {
 
@@ -18,6 +18,6 @@ double polygon_irradiance(std::span<const glm::vec3> corners, glm::vec3 place, g
 double cone_irradiance(double cosine, double sine_squared);
 
 /// Of a lamp of radiance 1, nothing in the way.
-float unoccluded_irradiance(const WholeLamp& lamp, glm::vec3 place, glm::vec3 normal);
+float unoccluded_irradiance(const AreaLamp& lamp, glm::vec3 place, glm::vec3 normal);
 
 }  // namespace render2mpeg::renderer

@@ -58,7 +58,7 @@ struct alignas(64) TracedSamples {
 /// One lamp, gathered for one group of points.
 class LampGatherer {
   public:
-    LampGatherer(const WholeLamp& lamp, const GatherLanes& lanes, bool translucent, const LampAccuracy& accuracy,
+    LampGatherer(const AreaLamp& lamp, const GatherLanes& lanes, bool translucent, const LampAccuracy& accuracy,
                  ShadowTester& shadows)
         : lamp_(lamp), lanes_(lanes), translucent_(translucent), accuracy_(accuracy), shadows_(shadows) {}
 
@@ -83,7 +83,7 @@ class LampGatherer {
     float allowed(int lane, float light) const;
     void store(LampLight& out) const;
 
-    const WholeLamp& lamp_;
+    const AreaLamp& lamp_;
     const GatherLanes& lanes_;
     bool translucent_;
     LampAccuracy accuracy_;
@@ -309,7 +309,7 @@ void LampGatherer::store(LampLight& out) const {
 
 }  // namespace
 
-void gather_lamp(const WholeLamp& lamp, const GatherLanes& lanes, bool translucent, const LampAccuracy& accuracy,
+void gather_lamp(const AreaLamp& lamp, const GatherLanes& lanes, bool translucent, const LampAccuracy& accuracy,
                  ShadowTester& shadows, LampLight& out) {
     LampGatherer(lamp, lanes, translucent, accuracy, shadows).gather(out);
 }

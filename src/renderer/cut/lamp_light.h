@@ -1,6 +1,6 @@
 #pragma once
-// Light of whole lamps: closed form times the share of the lamp that shadow rays see.
-#include "renderer/base/whole_lamp.h"
+// Light of area lamps: closed form times the share of the lamp that shadow rays see.
+#include "renderer/base/area_lamp.h"
 #include "renderer/cut/shadow_tester.h"
 #include "renderer/cut/stopping_rule.h"
 
@@ -20,8 +20,8 @@ struct LampLight {
 };
 
 /// As what kind of light its samples count.
-inline LightType type_of(const WholeLamp& lamp) {
-    return lamp.kind == WholeLamp::Kind::sun ? LightType::directional : LightType::oriented;
+inline LightType type_of(const AreaLamp& lamp) {
+    return lamp.kind == AreaLamp::Kind::sun ? LightType::directional : LightType::oriented;
 }
 
 /// How well a lamp must be sampled.
@@ -35,7 +35,7 @@ struct LampAccuracy {
 /// samples' weight that is visible, and the lobes' response to the samples in the same way. Each lane begins with four
 /// stratified samples of its own, so that sixteen lanes probe sixty-four places of the lamp, and takes four times as
 /// many, up to 1,024, as long as the share may still be off by more than a part of the lane's tolerance.
-void gather_lamp(const WholeLamp& lamp, const GatherLanes& lanes, bool translucent, const LampAccuracy& accuracy,
+void gather_lamp(const AreaLamp& lamp, const GatherLanes& lanes, bool translucent, const LampAccuracy& accuracy,
                  ShadowTester& shadows, LampLight& out);
 
 }  // namespace render2mpeg::renderer

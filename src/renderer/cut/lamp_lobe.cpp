@@ -72,7 +72,7 @@ void share_among_lanes(Lanes& values) {
     std::fill(std::begin(values), std::end(values), sum_of(all) / lane_count);
 }
 
-LobeIntegral::LobeIntegral(const WholeLamp& lamp, const GatherLanes& lanes, const LampSampler& sampler,
+LobeIntegral::LobeIntegral(const AreaLamp& lamp, const GatherLanes& lanes, const LampSampler& sampler,
                            const Lanes& whole)
     : lamp_(lamp), lanes_(lanes), sampler_(sampler), whole_(whole) {
     choose_lobes();

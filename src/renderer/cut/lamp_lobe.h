@@ -1,8 +1,8 @@
 #pragma once
-// What glossy lobes see of whole lamps where nothing is in the way.
+// What glossy lobes see of area lamps where nothing is in the way.
 #include <cstdint>
 
-#include "renderer/base/whole_lamp.h"
+#include "renderer/base/area_lamp.h"
 #include "renderer/cut/lamp_samples.h"
 #include "renderer/tree/light_kernels.h"
 
@@ -30,7 +30,7 @@ class LobeIntegral {
   public:
     /// `whole`: irradiance of the lamp at unit radiance, in closed form; what samples say of irradiance is scaled to
     /// it. All of them outlive this.
-    LobeIntegral(const WholeLamp& lamp, const GatherLanes& lanes, const LampSampler& sampler, const Lanes& whole);
+    LobeIntegral(const AreaLamp& lamp, const GatherLanes& lanes, const LampSampler& sampler, const Lanes& whole);
 
     /// Takes four times as many samples; false where there are no more.
     bool refine();
@@ -59,7 +59,7 @@ class LobeIntegral {
     void estimate();
     void unit_of(const LampResponse& sum, float samples, LightLanes& out) const;
 
-    const WholeLamp& lamp_;
+    const AreaLamp& lamp_;
     const GatherLanes& lanes_;
     const LampSampler& sampler_;
     const Lanes& whole_;

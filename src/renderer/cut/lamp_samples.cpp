@@ -98,8 +98,8 @@ void lower(const Vec3Lanes& __restrict edge, const Vec3Lanes& __restrict directi
 
 }  // namespace
 
-LampSampler::LampSampler(const WholeLamp& lamp, const GatherLanes& lanes) : lamp_(lamp), lanes_(lanes) {
-    if (lamp.kind == WholeLamp::Kind::polygon)
+LampSampler::LampSampler(const AreaLamp& lamp, const GatherLanes& lanes) : lamp_(lamp), lanes_(lanes) {
+    if (lamp.kind == AreaLamp::Kind::polygon)
         start_polygon();
     else
         start_cone();
@@ -126,7 +126,7 @@ void LampSampler::start_cone() {
     for (int i = 0; i < lane_count; ++i) {
         glm::vec3 axis = lamp_.position, tangent, bitangent;
         float sine = lamp_.radius;
-        if (lamp_.kind == WholeLamp::Kind::sphere) {
+        if (lamp_.kind == AreaLamp::Kind::sphere) {
             const glm::vec3 to_lamp = lamp_.position - lanes_.position.at(i);
             distance_[i] = std::max(glm::length(to_lamp), lamp_.radius * 1.0001f);
             sine = lamp_.radius / distance_[i];
@@ -169,7 +169,7 @@ LampSampler::Numbers LampSampler::numbers(std::span<const glm::vec2> all, int k)
 }
 
 void LampSampler::take(int k, LampSamples& __restrict samples) const {
-    if (lamp_.kind == WholeLamp::Kind::polygon)
+    if (lamp_.kind == AreaLamp::Kind::polygon)
         take_polygon(numbers(pattern.square, k), samples);
     else
         take_cone(numbers(pattern.disc, k), samples);
@@ -234,11 +234,11 @@ void LampSampler::start_at(int k, Vec3Lanes& origin) const {
 
 void LampSampler::aim(const LampSamples& samples, Vec3Lanes& targets) const {
     switch (lamp_.kind) {
-        case WholeLamp::Kind::polygon:
+        case AreaLamp::Kind::polygon:
             return aim_at_polygon(samples.direction, targets);
-        case WholeLamp::Kind::sphere:
+        case AreaLamp::Kind::sphere:
             return aim_at_sphere(samples.direction, targets);
-        case WholeLamp::Kind::sun:
+        case AreaLamp::Kind::sun:
             targets = samples.direction;
     }
 }
@@ -292,7 +292,7 @@ void LampSampler::take_lobe(int k, LampSamples& __restrict samples) const {
         samples.direction.y[i] = x * n.tangent.y[i] + y * n.bitangent.y[i] + z * n.axis.y[i];
         samples.direction.z[i] = x * n.tangent.z[i] + y * n.bitangent.z[i] + z * n.axis.z[i];
     }
-    if (lamp_.kind == WholeLamp::Kind::polygon)
+    if (lamp_.kind == AreaLamp::Kind::polygon)
         meet_polygon(samples);
     else
         meet_cone(samples);

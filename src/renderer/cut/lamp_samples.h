@@ -1,10 +1,10 @@
 #pragma once
-// Directions towards whole lamps: evenly over the lamp, and along glossy lobes.
+// Directions towards area lamps: evenly over the lamp, and along glossy lobes.
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
 
-#include "renderer/base/whole_lamp.h"
+#include "renderer/base/area_lamp.h"
 #include "renderer/tree/gather_lanes.h"
 
 namespace render2mpeg::renderer {
@@ -24,7 +24,7 @@ struct alignas(64) LampSamples {
 /// Chooses samples of one lamp for the lanes of a group. Both outlive it.
 class LampSampler {
   public:
-    LampSampler(const WholeLamp& lamp, const GatherLanes& lanes);
+    LampSampler(const AreaLamp& lamp, const GatherLanes& lanes);
 
     /// Each lane's k-th sample of the lamp: of a polygon evenly by area, of round lamps by solid angle.
     void take(int k, LampSamples& samples) const;
@@ -55,7 +55,7 @@ class LampSampler {
     void aim_at_polygon(const Vec3Lanes& direction, Vec3Lanes& targets) const;
     void aim_at_sphere(const Vec3Lanes& direction, Vec3Lanes& targets) const;
 
-    const WholeLamp& lamp_;
+    const AreaLamp& lamp_;
     const GatherLanes& lanes_;
     Vec3Lanes axis_, tangent_, bitangent_;  ///< round lamps: about the direction of their middle
     Lanes distance_;                        ///< spheres: of their middle

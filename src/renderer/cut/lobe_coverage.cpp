@@ -231,7 +231,7 @@ glm::vec3 local(const GatherLanes& lanes, int i, glm::vec3 v) {
 }
 
 /// A polygon from one lane, above the horizon; the number of corners.
-std::size_t clip(const WholeLamp& lamp, const GatherLanes& lanes, int i, std::array<glm::vec3, most_pieces>& above) {
+std::size_t clip(const AreaLamp& lamp, const GatherLanes& lanes, int i, std::array<glm::vec3, most_pieces>& above) {
     const std::size_t corners = std::min(lamp.corners.size(), most_pieces - 1);
     std::size_t count = 0;
     for (std::size_t k = 0; k < corners; ++k) {
@@ -243,7 +243,7 @@ std::size_t clip(const WholeLamp& lamp, const GatherLanes& lanes, int i, std::ar
     return count;
 }
 
-void add_polygon(const WholeLamp& lamp, const GatherLanes& lanes, const LobeFrames& f, Areas& areas) {
+void add_polygon(const AreaLamp& lamp, const GatherLanes& lanes, const LobeFrames& f, Areas& areas) {
     std::array<Piece, most_pieces> pieces;
     std::size_t most = 0;
     for (int i = 0; i < lane_count; ++i) {
@@ -260,7 +260,7 @@ void add_polygon(const WholeLamp& lamp, const GatherLanes& lanes, const LobeFram
     for (std::size_t k = 0; k < most; ++k) add(f, pieces[k], areas);
 }
 
-void add_cone(const WholeLamp& lamp, const GatherLanes& lanes, const LobeFrames& f, Areas& areas) {
+void add_cone(const AreaLamp& lamp, const GatherLanes& lanes, const LobeFrames& f, Areas& areas) {
     for (int q = 0; q < arcs; ++q) {
         const float turn = arc * static_cast<float>(q), x = std::cos(turn), y = std::sin(turn);
         Piece piece;
@@ -268,7 +268,7 @@ void add_cone(const WholeLamp& lamp, const GatherLanes& lanes, const LobeFrames&
         for (int i = 0; i < lane_count; ++i) {
             glm::vec3 axis = lamp.position, t, b;
             float sine = lamp.radius;
-            if (lamp.kind == WholeLamp::Kind::sphere) {
+            if (lamp.kind == AreaLamp::Kind::sphere) {
                 const glm::vec3 to_lamp = lamp.position - lanes.position.at(i);
                 sine = std::min(core::divide_or(lamp.radius, glm::length(to_lamp), 1.0f), 1.0f);
                 axis = core::normalize_or(to_lamp, {0, 0, 1});
@@ -284,10 +284,10 @@ void add_cone(const WholeLamp& lamp, const GatherLanes& lanes, const LobeFrames&
 
 }  // namespace
 
-void lobe_coverage(const WholeLamp& lamp, const GatherLanes& lanes, Lanes& share) {
+void lobe_coverage(const AreaLamp& lamp, const GatherLanes& lanes, Lanes& share) {
     const LobeFrames f = lobe_frames(lanes);
     Areas areas;
-    if (lamp.kind == WholeLamp::Kind::polygon)
+    if (lamp.kind == AreaLamp::Kind::polygon)
         add_polygon(lamp, lanes, f, areas);
     else
         add_cone(lamp, lanes, f, areas);

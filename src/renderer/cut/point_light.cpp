@@ -23,7 +23,8 @@ PointLight point_light(const GatheredLight& gathered, int lane, const GatherPoin
     return light;
 }
 
-std::vector<PointTolerance> point_tolerances(const Seen& seen, std::size_t tile, const core::ToleranceMap& tolerance) {
+std::vector<PointTolerance> point_tolerances(const LightingContext& context, std::size_t tile) {
+    const Frame& seen = context.seen;
     const GatherTile& points = seen.tiles[tile];
     std::array<float, tile_size * tile_size> weight{};
     for (const GatherPoint& p : points) weight[p.pixel] += core::luminance(p.weight);
@@ -34,10 +35,10 @@ std::vector<PointTolerance> point_tolerances(const Seen& seen, std::size_t tile,
     parts.reserve(points.size());
     for (const GatherPoint& p : points) {
         const int x = tile_x + p.pixel % tile_size, y = tile_y + p.pixel / tile_size;
-        const core::Tolerance& t = tolerance.pixels.at(x, y);
+        const core::Tolerance& t = context.tolerance.pixels.at(x, y);
         const float part = core::divide_or(core::luminance(p.weight), weight[p.pixel], 1.0f);
         parts.push_back({{std::max(t.absolute, 0.0f) * part, std::max(t.relative, 0.0f), t.background * part},
-                         std::max(core::luminance(seen.emitted.at(x, y)), 0.0f) * part});
+                         std::max(core::luminance(context.ungathered.all().at(x, y)), 0.0f) * part});
     }
     return parts;
 }

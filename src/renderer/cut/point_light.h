@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/tolerance_map.h"
-#include "renderer/surface/gather_point.h"
+#include "renderer/cut/lighting_context.h"
 
 namespace render2mpeg::renderer {
 
@@ -46,6 +46,6 @@ struct PointTolerance {
 
 /// Parts the tolerances of a tile's pixels among their points by weight; what a pixel shows without gathering counts as
 /// light. In the order of the tile.
-std::vector<PointTolerance> point_tolerances(const Seen& seen, std::size_t tile, const core::ToleranceMap& tolerance);
+std::vector<PointTolerance> point_tolerances(const LightingContext& context, std::size_t tile);
 
 }  // namespace render2mpeg::renderer

@@ -19,16 +19,16 @@ constexpr std::size_t tiles_at_once = 4;
 
 class TileShader {
   public:
-    TileShader(const LightTrees& light_trees, const RayTracer& tracer, const Seen& seen, glm::vec3 eye,
-               const core::ToleranceMap& tolerance, const ShadeSettings& settings, const FrameLight* known,
+    TileShader(const LightingContext& context, const ShadeSettings& settings, const FrameLight* known,
                core::Radiance& radiance)
-        : seen_(seen),
-          eye_(eye),
-          tolerance_(tolerance),
+        : context_(context),
+          seen_(context.seen),
+          ungathered_(context.ungathered),
+          tolerance_(context.tolerance),
           settings_(settings),
           known_(known),
           radiance_(radiance),
-          gatherer_(light_trees, tracer) {}
+          gatherer_(context.light_trees, context.tracer) {}
 
     ShadeCounts shade(std::size_t tile_index);
     /// Of the tile shaded last: light of its points.
@@ -45,8 +45,9 @@ class TileShader {
     int x_of(const GatherPoint& p) const { return tile_x_ + p.pixel % tile_size; }
     int y_of(const GatherPoint& p) const { return tile_y_ + p.pixel / tile_size; }
 
-    const Seen& seen_;
-    glm::vec3 eye_;
+    const LightingContext& context_;
+    const Frame& seen_;
+    const UngatheredLight& ungathered_;
     const core::ToleranceMap& tolerance_;
     const ShadeSettings& settings_;
     const FrameLight* known_;
@@ -84,8 +85,9 @@ void TileShader::gather_groups(std::size_t tile_index) {
     const GatherTile& tile = seen_.tiles[tile_index];
     light_.assign(tile.size(), {});
     std::vector<PointTolerance> tolerances;
-    if (!tolerance_.is_reference()) tolerances = point_tolerances(seen_, tile_index, tolerance_);
-    for (const GatherGroup& group : group_points(tile, eye_, representative_sets)) gather(tile, group, tolerances);
+    if (!tolerance_.is_reference()) tolerances = point_tolerances(context_, tile_index);
+    for (const GatherGroup& group : group_points(tile, context_.eye, representative_sets))
+        gather(tile, group, tolerances);
 }
 
 void TileShader::add_layers(const GatherTile& tile, std::size_t first, std::size_t last, int x, int y) {
@@ -120,7 +122,7 @@ void TileShader::add_layers(const GatherTile& tile, std::size_t first, std::size
             r[k] = core::divide_or(sum[k], weight[k], core::divide_or(plain[k], plain_weight[k], 0.0f));
         return r;
     };
-    if (!seen_.caustics.empty()) direct += seen_.caustics.at(x, y);
+    direct += ungathered_.caustics().straight_at(x, y);
     radiance_.albedo.at(x, y) = albedo;
     radiance_.direct_irradiance.at(x, y) = mean(direct, albedo, plain_direct, share);
     radiance_.indirect_irradiance.at(x, y) = mean(indirect, albedo, plain_indirect, share);
@@ -197,12 +199,12 @@ ShadeCounts TileShader::shade(std::size_t tile_index) {
     // Start from what needs no gathering.
     for (int y = tile_y_; y < y_end; ++y) {
         for (int x = tile_x_; x < x_end; ++x) {
-            const glm::vec3 all = seen_.emitted.at(x, y);
+            const glm::vec3 all = ungathered_.all().at(x, y);
             radiance_.combined.at(x, y) = all;
             if (!settings_.layers) continue;
-            const glm::vec3 specular = seen_.emitted_specular.empty() ? glm::vec3(0) : seen_.emitted_specular.at(x, y);
-            const glm::vec3 caustics = seen_.caustics.empty() ? glm::vec3(0) : seen_.caustics.at(x, y);
-            const glm::vec3 hair = seen_.hair.empty() ? glm::vec3(0) : seen_.hair.at(x, y);
+            const glm::vec3 specular = value_or_zero(ungathered_.specular(), x, y);
+            const glm::vec3 caustics = ungathered_.caustics().straight_at(x, y);
+            const glm::vec3 hair = ungathered_.hair().straight_at(x, y);
             radiance_.emission.at(x, y) = glm::max(all - specular - caustics - hair, glm::vec3(0));
             radiance_.glossy.at(x, y) = hair;
             radiance_.specular.at(x, y) = specular;
@@ -243,9 +245,10 @@ void ShadeCounts::add(const ShadeCounts& more) {
     bands.add(more.bands);
 }
 
-core::Radiance shade(const LightTrees& light_trees, const RayTracer& tracer, const Seen& seen, glm::vec3 eye,
-                     const core::ToleranceMap& tolerance, const ShadeSettings& settings, ShadeCounts& counts,
+core::Radiance shade(const LightingContext& context, const ShadeSettings& settings, ShadeCounts& counts,
                      const FrameLight* known, FrameLight* light) {
+    const Frame& seen = context.seen;
+    const core::ToleranceMap& tolerance = context.tolerance;
     EXPECTS(known == nullptr || known->size() == seen.tiles.size());
     const int width = seen.visible.width(), height = seen.visible.height();
     EXPECTS(tolerance.is_reference() || (tolerance.pixels.width() == width && tolerance.pixels.height() == height));
@@ -265,7 +268,7 @@ core::Radiance shade(const LightTrees& light_trees, const RayTracer& tracer, con
     std::vector<ShadeCounts> of_tile(seen.tiles.size());
     if (light != nullptr) light->resize(seen.tiles.size());
     parallel::for_ranges(seen.tiles.size(), tiles_at_once, [&](std::size_t first, std::size_t last) {
-        TileShader shader(light_trees, tracer, seen, eye, tolerance, settings, known, radiance);
+        TileShader shader(context, settings, known, radiance);
         for (std::size_t i = first; i < last; ++i) {
             of_tile[i] = shader.shade(i);
             if (light != nullptr) (*light)[i] = shader.take_light();

@@ -9,7 +9,7 @@
 #include "renderer/cut/gatherer.h"
 #include "renderer/cut/point_light.h"
 #include "renderer/geometry/ray_tracer.h"
-#include "renderer/surface/gather_point.h"
+#include "renderer/surface/frame.h"
 #include "renderer/tree/light_trees.h"
 
 namespace render2mpeg::renderer {
@@ -37,8 +37,7 @@ struct ShadeCounts {
 /// Gathers the light of every gather point of a frame, multiplies it by its textures and adds it up in pixels
 /// (docs/model/lightcut.md). Where all of it is `known` already, nothing is gathered. `light` gets that of all points.
 /// The same bytes for any number of threads.
-core::Radiance shade(const LightTrees& light_trees, const RayTracer& tracer, const Seen& seen, glm::vec3 eye,
-                     const core::ToleranceMap& tolerance, const ShadeSettings& settings, ShadeCounts& counts,
+core::Radiance shade(const LightingContext& context, const ShadeSettings& settings, ShadeCounts& counts,
                      const FrameLight* known = nullptr, FrameLight* light = nullptr);
 
 }  // namespace render2mpeg::renderer

@@ -38,16 +38,16 @@ PointTolerance tolerance_of(const DraftFrame& frame, const GatherPoint& p, int x
     const core::Tolerance& t = frame.tolerance.pixels.at(x, y);
     const float part = core::luminance(p.weight);
     return {{std::max(t.absolute, 0.0f) * part, std::max(t.relative, 0.0f), t.background * part},
-            std::max(core::luminance(frame.seen.emitted.at(x, y)), 0.0f) * part};
+            std::max(core::luminance(frame.ungathered.all().at(x, y)), 0.0f) * part};
 }
 
 /// Where a tile's upper left pixel is.
-glm::ivec2 corner_of(const Seen& seen, std::size_t tile) {
+glm::ivec2 corner_of(const Frame& seen, std::size_t tile) {
     const auto across = static_cast<std::size_t>(seen.tiles_across());
     return {static_cast<int>(tile % across) * tile_size, static_cast<int>(tile / across) * tile_size};
 }
 
-glm::ivec2 pixel_of(const Seen& seen, std::size_t tile, const GatherPoint& p) {
+glm::ivec2 pixel_of(const Frame& seen, std::size_t tile, const GatherPoint& p) {
     return corner_of(seen, tile) + glm::ivec2(p.pixel % tile_size, p.pixel / tile_size);
 }
 
@@ -128,7 +128,7 @@ class SharpLights {
                          [](const auto& a, const auto& b) { return a.first < b.first; });
         for (std::size_t k = 0; k < by_strength.size(); ++k)
             (k < most_sharp_lights ? sharp_exact_ : other_exact_).push_back(exact_[by_strength[k].second]);
-        for (const WholeLamp& lamp : lamps_) (lamp.sharp ? sharp_lamps_ : other_lamps_).push_back(lamp);
+        for (const AreaLamp& lamp : lamps_) (lamp.sharp ? sharp_lamps_ : other_lamps_).push_back(lamp);
     }
     ~SharpLights() {
         trees_.exact = std::move(exact_);
@@ -150,11 +150,11 @@ class SharpLights {
   private:
     LightTrees& trees_;
     std::vector<ExactLight> exact_, sharp_exact_, other_exact_;
-    std::vector<WholeLamp> lamps_, sharp_lamps_, other_lamps_;
+    std::vector<AreaLamp> lamps_, sharp_lamps_, other_lamps_;
 };
 
 /// Places that are seen, a few, spread over the picture.
-std::vector<glm::vec3> seen_places(const Seen& seen) {
+std::vector<glm::vec3> seen_places(const Frame& seen) {
     std::vector<glm::vec3> places;
     for (std::size_t t = 0; t < seen.tiles.size(); t += 1 + seen.tiles.size() / 64)
         if (!seen.tiles[t].empty()) places.push_back(seen.tiles[t].front().point.position);
@@ -169,7 +169,7 @@ Lattice lattice_of(std::int64_t n, const DraftFrame& frame) {
     return Lattice(frame.seen.visible.width(), frame.seen.visible.height(), phase, windows);
 }
 
-bool is_lit(const Lattices& lattices, const Seen& seen, std::size_t tile, const GatherPoint& p) {
+bool is_lit(const Lattices& lattices, const Frame& seen, std::size_t tile, const GatherPoint& p) {
     const glm::ivec2 at = pixel_of(seen, tile, p);
     return lattices.of(p, seen.visible.kind.at(at.x, at.y)).is_lit(at.x, at.y);
 }
@@ -179,7 +179,7 @@ bool is_lit(const Lattices& lattices, const Seen& seen, std::size_t tile, const 
 template <class Wants, class Take>
 void gather_by_areas(const DraftFrame& frame, const CutLimits& limits, ShadeCounts& counts, const Wants& wants,
                      const Take& take) {
-    const Seen& seen = frame.seen;
+    const Frame& seen = frame.seen;
     const int across = seen.tiles_across(), down = static_cast<int>(seen.tiles.size()) / std::max(across, 1);
     const int areas_across = (across + area_tiles - 1) / area_tiles, areas_down = (down + area_tiles - 1) / area_tiles;
     struct Area {
@@ -208,7 +208,7 @@ void gather_by_areas(const DraftFrame& frame, const CutLimits& limits, ShadeCoun
 }
 
 void light_lattices(const DraftFrame& frame, const CutLimits& limits, Lattices& lattices, ShadeCounts& counts) {
-    const Seen& seen = frame.seen;
+    const Frame& seen = frame.seen;
     const auto wants = [&](std::uint32_t t, std::vector<PointRef>& wanted) {
         for (std::uint32_t i = 0; i < seen.tiles[t].size(); ++i)
             if (is_lit(lattices, seen, t, seen.tiles[t][i])) wanted.push_back({t, i});
@@ -353,7 +353,7 @@ void DraftLight::interpolate(const DraftFrame& frame, const Lattices& lattices, 
 }
 
 FrameLight DraftLight::light(const DraftFrame& frame, const CutLimits& limits, ShadeCounts& counts) {
-    const Seen& seen = frame.seen;
+    const Frame& seen = frame.seen;
     const int width = seen.visible.width(), height = seen.visible.height();
     SharpLights sharp(frame.light_trees, seen_places(seen));
 

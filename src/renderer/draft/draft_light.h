@@ -21,7 +21,8 @@ namespace render2mpeg::renderer {
 struct DraftFrame {
     LightTrees& light_trees;
     const RayTracer& tracer;
-    const Seen& seen;
+    const Frame& seen;
+    const UngatheredLight& ungathered;  ///< of `seen`
     glm::vec3 eye{0};
     const core::ToleranceMap& tolerance;
     const core::MotionField* motion = nullptr;  ///< to the frame lit last; null: nothing of it is kept

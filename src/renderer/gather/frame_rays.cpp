@@ -25,15 +25,17 @@ GatherRequest ray_request(const GatherPoint& p, const PointTolerance& allowed, g
 
 }  // namespace
 
-void add_rays(FinalGather& gather, const scene::Camera& camera, const Seen& seen, const core::ToleranceMap& tolerance,
-              RaysOf which, FrameLight& light) {
+void add_rays(FinalGather& gather, const scene::Camera& camera, const LightingContext& context, RaysOf which,
+              FrameLight& light) {
+    const Frame& seen = context.seen;
+    const core::ToleranceMap& tolerance = context.tolerance;
     std::vector<GatherRequest> requests;
     std::vector<PointLight*> of_request;
     std::uint32_t pool = 0;
     for (std::size_t t = 0; t < seen.tiles.size(); ++t) {
         const GatherTile& tile = seen.tiles[t];
         const std::vector<PointTolerance> tolerances =
-            tolerance.is_reference() ? std::vector<PointTolerance>(tile.size()) : point_tolerances(seen, t, tolerance);
+            tolerance.is_reference() ? std::vector<PointTolerance>(tile.size()) : point_tolerances(context, t);
         const int across = seen.tiles_across(), index = static_cast<int>(t);
         const glm::ivec2 corner = tile_size * glm::ivec2(index % across, index / across);
         for (const GatherGroup& group : group_points(tile, camera.position(), 1)) {

@@ -6,7 +6,7 @@
 #include "core/tolerance_map.h"
 #include "renderer/cut/point_light.h"
 #include "renderer/gather/final_gather.h"
-#include "renderer/surface/gather_point.h"
+#include "renderer/surface/frame.h"
 #include "scene/model/camera.h"
 
 namespace render2mpeg::renderer {
@@ -17,8 +17,8 @@ enum class RaysOf { hemispheres, lobes };
 /// Adds the sky and indirect light, over hemispheres or along narrow lobes, to what light trees sent to the points of a
 /// frame. Points of one group share what they know of their rays (GatherRequest::pool). With the reference's tolerance
 /// each takes as many rays as there can be.
-void add_rays(FinalGather& gather, const scene::Camera& camera, const Seen& seen, const core::ToleranceMap& tolerance,
-              RaysOf which, FrameLight& light);
+void add_rays(FinalGather& gather, const scene::Camera& camera, const LightingContext& context, RaysOf which,
+              FrameLight& light);
 
 /// What such rays add to some pixels: sums over points that lie in one pixel each. As many rays as
 /// there can be, other ones than those of frames. `points`: copies, where they were lit; `of_pixel`: to which of

@@ -110,12 +110,12 @@ void HairLight::take_round(std::span<const FibreTile> tiles, std::vector<Pixel>&
             t.light[term.ray] += term.weight * cache_.radiance(cache_.index_of(term.place.key));
         std::size_t next = 0;
         for (std::size_t k = task * together; k < std::min((task + 1) * together, asked.size()); ++k)
-            add(tiles, std::span(t.light).subspan(next, asked[k]->end - asked[k]->first), *asked[k]),
+            add_round(tiles, std::span(t.light).subspan(next, asked[k]->end - asked[k]->first), *asked[k]),
                 next += asked[k]->end - asked[k]->first;
     });
 }
 
-void HairLight::add(std::span<const FibreTile> tiles, std::span<const glm::vec3> lights, Pixel& p) {
+void HairLight::add_round(std::span<const FibreTile> tiles, std::span<const glm::vec3> lights, Pixel& p) {
     double sum = 0, squares = 0;
     for (std::uint32_t s = p.first; s < p.end; ++s) {
         const FibreSample& sample = tiles[p.tile][s];
@@ -197,21 +197,23 @@ std::vector<HairLight::Pixel> HairLight::light(std::span<const FibreTile> tiles,
     return pixels;
 }
 
-void HairLight::add_to(Seen& seen, const core::ToleranceMap* tolerance, HairCounts& counts) {
+void HairLight::add(const Frame& seen, const core::ToleranceMap* tolerance, UngatheredLight& sum, HairCounts& counts) {
     const int across = seen.tiles_across();
-    const std::vector<FibreTile> fibres = std::exchange(seen.fibres, {});
-    seen.hair = core::Plane<glm::vec3>(seen.visible.width(), seen.visible.height(), glm::vec3(0));
+    const core::Plane<glm::vec3> black(seen.visible.width(), seen.visible.height(), glm::vec3(0));
+    EffectLight hair{black, {}, {}};
+    if (!seen.emitted_specular.empty()) hair.specular = black;
     cache_.forget({});
-    for (const Pixel& p : light(fibres, across, tolerance, seen.emitted, counts)) {
+    for (const Pixel& p : light(seen.fibres, across, tolerance, sum.all(), counts)) {
         const float share = 1.0f / static_cast<float>(p.rounds);
-        seen.hair.at(p.place.x, p.place.y) = share * p.light;
-        seen.emitted.at(p.place.x, p.place.y) += share * p.light;
-        if (!seen.emitted_specular.empty()) seen.emitted_specular.at(p.place.x, p.place.y) += share * p.specular;
+        hair.all.at(p.place.x, p.place.y) = share * p.light;
+        if (!hair.specular.empty()) hair.specular.at(p.place.x, p.place.y) = share * p.specular;
     }
-    if (!seen.exposure) return;
-    seen.hair_of_exposed = core::Plane<glm::vec3>(seen.visible.width(), seen.visible.height(), glm::vec3(0));
-    for (const Pixel& p : light(seen.exposure->fibres, across, tolerance, seen.exposure->emitted, counts))
-        seen.hair_of_exposed.at(p.place.x, p.place.y) = p.light / static_cast<float>(p.rounds);
+    if (seen.exposure) {
+        hair.exposed = black;
+        for (const Pixel& p : light(seen.exposure->fibres, across, tolerance, seen.exposure->emitted, counts))
+            hair.exposed.at(p.place.x, p.place.y) = p.light / static_cast<float>(p.rounds);
+    }
+    sum.add_hair(std::move(hair));
 }
 
 }  // namespace render2mpeg::renderer

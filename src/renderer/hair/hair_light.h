@@ -8,8 +8,9 @@
 #include "renderer/gather/gather_ray.h"
 #include "renderer/gather/surface_cache.h"
 #include "renderer/hair/hair_counts.h"
-#include "renderer/surface/gather_point.h"
+#include "renderer/surface/frame.h"
 #include "renderer/surface/posed_scene.h"
+#include "renderer/surface/ungathered_light.h"
 
 namespace render2mpeg::renderer {
 
@@ -21,9 +22,8 @@ class HairLight {
   public:
     HairLight(const PosedScene& posed_scene, const Plan& plan);
 
-    /// Adds the light of all fibres that were seen to `seen.emitted`, `hair` and `hair_of_exposed`, and forgets them.
-    /// `tolerance`: null for a rough look.
-    void add_to(Seen& seen, const core::ToleranceMap* tolerance, HairCounts& counts);
+    /// Adds the light of all fibres that a frame shows. `tolerance`: null for a rough look.
+    void add(const Frame& seen, const core::ToleranceMap* tolerance, UngatheredLight& light, HairCounts& counts);
 
   private:
     struct Pixel;
@@ -31,7 +31,7 @@ class HairLight {
     void trace(const FibreSample& sample, std::uint64_t number, Traced& out) const;
     void take_round(std::span<const FibreTile> tiles, std::vector<Pixel>& pixels, std::uint32_t round,
                     HairCounts& counts);
-    static void add(std::span<const FibreTile> tiles, std::span<const glm::vec3> lights, Pixel& pixel);
+    static void add_round(std::span<const FibreTile> tiles, std::span<const glm::vec3> lights, Pixel& pixel);
     static void want_rounds(std::span<Pixel> tile, const core::ToleranceMap& tolerance,
                             const core::Plane<glm::vec3>& known, HairCounts& counts);
     std::vector<Pixel> light(std::span<const FibreTile> tiles, int across, const core::ToleranceMap* tolerance,

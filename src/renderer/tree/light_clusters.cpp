@@ -125,8 +125,8 @@ double direction_scale2(const LightTree& tree) {
 
 /// Bit k: set k takes the representative of the first of two clusters, whose share of both powers this is. Every set
 /// for itself does so with a probability of `share`; together they are stratified, so that the mean over neighbouring
-/// pixels errs less than that of independent dice. A function of lasting ids: as powers change the dice fall the same,
-/// and a set changes its mind where the share crosses them and nowhere else.
+/// pixels errs less than that of independent dice. A function of persistent ids: as powers change the dice fall the
+/// same, and a set changes its mind where the share crosses them and nowhere else.
 std::uint16_t draw_first(double share, std::uint64_t seed, std::uint32_t first_id, std::uint32_t second_id) {
     const double turn = core::uniform(seed, first_id, second_id);
     std::uint64_t dice = core::mix(core::mix(seed + first_id) + second_id);

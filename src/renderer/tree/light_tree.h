@@ -192,8 +192,8 @@ LightTree build_light_tree(LightType type, std::span<const LightPoint> points, s
 /// The same, to be updated: dark and coincident lights stay lights of their own. Ids are unique.
 LightTree build_persistent_tree(LightType type, std::span<const LightPoint> points, std::uint64_t seed);
 
-/// Who is whose child in a lasting tree, and nothing else: 4.25 bytes per light, since nodes in depth-first order need
-/// only say which of their children are lights.
+/// Who is whose child in a persistent tree, and nothing else: 4.25 bytes per light, since nodes in depth-first order
+/// need only say which of their children are lights.
 struct TreeTopology {
     LightType type = LightType::oriented;
     std::vector<bool> leaves;  ///< of each node, whether its first and whether its second child is a light

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "renderer/base/air.h"
+#include "renderer/base/area_lamp.h"
 #include "renderer/base/bodies.h"
-#include "renderer/base/whole_lamp.h"
 #include "renderer/tree/light_kernels.h"
 #include "renderer/tree/light_tree.h"
 
@@ -29,7 +29,7 @@ struct LightTrees {
     static constexpr int tree_count = direct_trees + 2;
     std::array<LightTree, tree_count> trees;
     std::vector<ExactLight> exact;
-    std::vector<WholeLamp> lamps;  ///< not in the trees either
+    std::vector<AreaLamp> lamps;   ///< not in the trees either
     GeometryClamp point_clamp;     ///< of any light point
     bool lobe_rays = false;        ///< the sky and indirect light are seen by the rays of lobes that have them
     const Air* air = nullptr;      ///< dims light on its way; null: nothing does. With it `translucent` is set
@@ -39,7 +39,7 @@ struct LightTrees {
     /// Whether some light is gathered for every point by itself, not interpolated.
     bool has_exact() const {
         return !exact.empty() ||
-               std::any_of(lamps.begin(), lamps.end(), [](const WholeLamp& lamp) { return lamp.sharp; });
+               std::any_of(lamps.begin(), lamps.end(), [](const AreaLamp& lamp) { return lamp.sharp; });
     }
 
     /// Whether no light is clustered.
@@ -49,7 +49,7 @@ struct LightTrees {
 
     static bool is_direct(int tree) { return tree < direct_trees; }
     Bodies bodies_before(int tree) const { return is_direct(tree) ? bodies : Bodies::pass; }
-    /// Directions whose lights have a size are the sky's: suns with one are whole lamps.
+    /// Directions whose lights have a size are the sky's: suns with one are area lamps.
     GeometryClamp clamp(int tree) const {
         GeometryClamp clamp = point_clamp;
         const bool is_sky = trees[static_cast<std::size_t>(tree)].type == LightType::directional;

@@ -176,7 +176,7 @@ core::Plane<glm::vec2> Blur::ways(const core::Visible& visible) const {
     return ways;
 }
 
-void blur_shadows(const scene::Snapshot& snapshot, Seen& seen) {
+void blur_shadows(const scene::Snapshot& snapshot, Frame& seen) {
     if (!snapshot.sweep || snapshot.sweep->knots.empty()) return;
     const scene::Animation& film = *snapshot.animation;
     for (std::uint32_t o = 0; o < film.objects.size(); ++o)
@@ -190,7 +190,7 @@ void blur_shadows(const scene::Snapshot& snapshot, Seen& seen) {
     });
 }
 
-std::vector<float> blur_of_tiles(const Blur& blur, const scene::Snapshot& snapshot, const Seen& seen,
+std::vector<float> blur_of_tiles(const Blur& blur, const scene::Snapshot& snapshot, const Frame& seen,
                                  const std::vector<float>& found) {
     const int across = seen.tiles_across();
     std::vector<float> tiles = found;

@@ -2,7 +2,7 @@
 // How far the shutter and the lens blur what a snapshot shows.
 #include <vector>
 
-#include "renderer/surface/gather_point.h"
+#include "renderer/surface/frame.h"
 #include "renderer/surface/posed_scene.h"
 
 namespace render2mpeg::renderer {
@@ -50,10 +50,10 @@ class Blur {
 
 /// Tiles that may be blurred, by how far: what `see` found in them, what a few more samples find, and what moves
 /// across; each reaches as far as it is blurred. 0: not at all.
-std::vector<float> blur_of_tiles(const Blur& blur, const scene::Snapshot& snapshot, const Seen& seen,
+std::vector<float> blur_of_tiles(const Blur& blur, const scene::Snapshot& snapshot, const Frame& seen,
                                  const std::vector<float>& found);
 
 /// Has shadows of what moves blurred on what does not: its own would fall on itself. None where a lamp moves.
-void blur_shadows(const scene::Snapshot& snapshot, Seen& seen);
+void blur_shadows(const scene::Snapshot& snapshot, Frame& seen);
 
 }  // namespace render2mpeg::renderer

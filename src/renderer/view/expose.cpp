@@ -35,7 +35,7 @@ struct Exposing {
     const PosedScene& scene;
     const EyePaths& paths;
     const Blur& blur;
-    Seen& seen;
+    Frame& seen;
     Exposure& exposure;
     const ExposureSamples& samples;
     const std::vector<scene::Camera>& cameras;
@@ -387,7 +387,7 @@ void TileExposer::expose(TileExposure& found) {
 }
 
 /// Where pixels' points begin in their tile.
-std::vector<std::vector<std::uint32_t>> starts_of(const Seen& seen) {
+std::vector<std::vector<std::uint32_t>> starts_of(const Frame& seen) {
     std::vector<std::vector<std::uint32_t>> starts(seen.tiles.size());
     parallel::for_each(seen.tiles.size(), [&](std::size_t t) {
         starts[t].assign(tile_size * tile_size + 1, 0);
@@ -424,12 +424,12 @@ std::vector<TileExposure> sample_tiles(Exposing& all, ExposureCounts& counts) {
 
 }  // namespace
 
-void expose(const PosedScene& posed_scene, const SeeSettings& settings, const Plan& plan,
-            const ExposureSamples& samples, Seen& seen, ExposureCounts& counts) {
+Frame expose(const PosedScene& posed_scene, const SeeSettings& settings, const Plan& plan,
+             const ExposureSamples& samples, Frame seen, ExposureCounts& counts) {
     EXPECTS(samples.fewest >= 1 && samples.fewest <= samples.most && samples.most <= 4096);
     const scene::Snapshot& snapshot = posed_scene.posed();
     const Blur blur(snapshot);
-    if (!blur.any()) return;
+    if (!blur.any()) return seen;
     const EyePaths paths(posed_scene, settings, plan);
     const std::vector<scene::Camera> cameras = scene::cameras_over(snapshot, samples.most * dither_classes);
     auto exposure = std::make_shared<Exposure>();
@@ -453,7 +453,7 @@ void expose(const PosedScene& posed_scene, const SeeSettings& settings, const Pl
     std::vector<TileExposure> found = sample_tiles(all, counts);
     if (counts.pixels == 0) {
         blur_shadows(snapshot, seen);
-        return;
+        return seen;
     }
 
     const std::size_t tiles = seen.tiles.size();
@@ -481,6 +481,7 @@ void expose(const PosedScene& posed_scene, const SeeSettings& settings, const Pl
         }
     });
     seen.exposure = std::move(exposure);
+    return seen;
 }
 
 }  // namespace render2mpeg::renderer

@@ -12,11 +12,10 @@ struct ExposureCounts {
     std::uint64_t points = 0;   ///< gather points that the frame's middle does not show
 };
 
-/// Samples the pixels that the open shutter or the aperture of the posed snapshot's lens may blur, and says where light
-/// goes (Seen::exposure). Gather points that only
-/// they show are added to `seen`. Pixels in which nothing is blurred stay as they are. Nothing is done where nothing
-/// moves and the camera is a pinhole. Does not depend on the number of threads.
-void expose(const PosedScene& posed_scene, const SeeSettings& settings, const Plan& plan,
-            const ExposureSamples& samples, Seen& seen, ExposureCounts& counts);
+/// The frame with its exposure: samples the pixels that the open shutter or the aperture of the posed snapshot's lens
+/// may blur, and adds gather points that only they show. Pixels in which nothing is blurred stay as they are; so does
+/// the frame where nothing moves and the camera is a pinhole. Does not depend on the number of threads.
+Frame expose(const PosedScene& posed_scene, const SeeSettings& settings, const Plan& plan,
+             const ExposureSamples& samples, Frame seen, ExposureCounts& counts);
 
 }  // namespace render2mpeg::renderer

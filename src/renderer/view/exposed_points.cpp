@@ -6,7 +6,7 @@
 
 namespace render2mpeg::renderer {
 
-PointMerger::PointMerger(std::vector<TileExposure>& found, const Exposure& exposure, Seen& seen)
+PointMerger::PointMerger(std::vector<TileExposure>& found, const Exposure& exposure, Frame& seen)
     : found_(found), seen_(seen), of_tile_(seen.tiles.size()), place_(found.size()), moved_(seen.tiles.size()) {
     for (std::uint32_t t = 0; t < found.size(); ++t) {
         place_[t].resize(found[t].points.size());

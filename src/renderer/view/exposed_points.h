@@ -55,7 +55,7 @@ struct TileExposure {
 class PointMerger {
   public:
     /// Points whose cells are not exposed move to the pixel that found them.
-    PointMerger(std::vector<TileExposure>& found, const Exposure& exposure, Seen& seen);
+    PointMerger(std::vector<TileExposure>& found, const Exposure& exposure, Frame& seen);
 
     /// Of one tile, for all threads.
     void merge(std::size_t tile);
@@ -69,7 +69,7 @@ class PointMerger {
     void add(const std::vector<Ref>& more, std::size_t& next, GatherTile& merged);
 
     const std::vector<TileExposure>& found_;
-    Seen& seen_;
+    Frame& seen_;
     std::vector<std::vector<Ref>> of_tile_;
     std::vector<std::vector<std::uint32_t>> place_;  ///< of new points, by the tile that found them
     std::vector<std::vector<std::uint32_t>> moved_;  ///< where points that were there are now, by tile

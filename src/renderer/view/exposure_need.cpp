@@ -68,7 +68,7 @@ float least_white(const ExposureSamples& wanted) {
 
 }  // namespace
 
-core::Plane<std::uint8_t> near_white(const Blur& blur, const Seen& seen, const ExposureSamples& wanted) {
+core::Plane<std::uint8_t> near_white(const Blur& blur, const Frame& seen, const ExposureSamples& wanted) {
     if (!wanted.shown) return {};
     const core::Visible& visible = seen.visible;
     const int width = visible.width(), height = visible.height();

@@ -14,7 +14,7 @@ int most_samples_of(const ExposureSamples& wanted);
 
 /// Where the disc or the way of something as bright as white may end that the sharp picture shows: 1 there, 0
 /// elsewhere. Empty where nobody knows how bright white is.
-core::Plane<std::uint8_t> near_white(const Blur& blur, const Seen& seen, const ExposureSamples& wanted);
+core::Plane<std::uint8_t> near_white(const Blur& blur, const Frame& seen, const ExposureSamples& wanted);
 
 /// Luminance that the samples of a pixel bring without being lit: lamps, the sky.
 class BrightSamples {

@@ -6,7 +6,7 @@
 
 #include "core/visible.h"
 #include "renderer/base/sampled_clock.h"
-#include "renderer/surface/gather_point.h"
+#include "renderer/surface/frame.h"
 #include "renderer/surface/posed_scene.h"
 #include "renderer/view/see.h"
 

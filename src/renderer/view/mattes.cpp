@@ -30,7 +30,7 @@ void forget_mattes(std::uint16_t pixel, std::vector<SeenMatte>& mattes) {
     while (!mattes.empty() && mattes.back().pixel == pixel) mattes.pop_back();
 }
 
-core::Mattes mattes_of(const Seen& seen) {
+core::Mattes mattes_of(const Frame& seen) {
     core::Mattes all;
     if (seen.mattes.empty()) return all;
     all.width = seen.visible.width();

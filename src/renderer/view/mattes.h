@@ -1,7 +1,7 @@
 #pragma once
 // Mattes of pixels: which objects and materials cover them.
 #include "core/mattes.h"
-#include "renderer/surface/gather_point.h"
+#include "renderer/surface/frame.h"
 
 namespace render2mpeg::renderer {
 
@@ -12,6 +12,6 @@ void add_mattes(std::span<const core::Matte> sample, std::uint16_t pixel, float 
 void forget_mattes(std::uint16_t pixel, std::vector<SeenMatte>& mattes);
 
 /// All of a frame; exposed pixels have their own. Empty where none were looked for.
-core::Mattes mattes_of(const Seen& seen);
+core::Mattes mattes_of(const Frame& seen);
 
 }  // namespace render2mpeg::renderer

@@ -39,7 +39,7 @@ bool jumps(const core::Visible& visible, int x, int y, glm::ivec2 step, float an
 }
 
 /// Whether an edge passes by a pixel, as the middles of the pixels about it tell.
-bool is_at_edge(const Seen& seen, int x, int y, float angle) {
+bool is_at_edge(const Frame& seen, int x, int y, float angle) {
     const core::Visible& visible = seen.visible;
     const auto ends = [&](int dx, int dy) {
         const int x1 = x + dx, y1 = y + dy;
@@ -58,7 +58,7 @@ bool is_at_edge(const Seen& seen, int x, int y, float angle) {
 }
 
 /// Marks the pixels of a tile that show an edge, those that are marked among them.
-void mark_edges(const Seen& seen, std::size_t t, float angle, PixelMarks& marks) {
+void mark_edges(const Frame& seen, std::size_t t, float angle, PixelMarks& marks) {
     const TileArea area = area_of(seen, t);
     for (int y = area.first.y; y < area.end.y; ++y)
         for (int x = area.first.x; x < area.end.x; ++x) {
@@ -90,11 +90,11 @@ std::vector<glm::vec2> sample_pattern(int samples) {
     return pattern;
 }
 
-Seen see(const PosedScene& posed_scene, const SeeSettings& settings, const Plan& plan, SeeCounts& counts) {
+Frame see(const PosedScene& posed_scene, const SeeSettings& settings, const Plan& plan, SeeCounts& counts) {
     EXPECTS(settings.samples >= 1 && settings.format.width > 0 && settings.format.height > 0);
     const scene::Snapshot& snapshot = posed_scene.posed();
     const int width = settings.format.width, height = settings.format.height;
-    Seen seen;
+    Frame seen;
     seen.visible = core::Visible(snapshot.frame, width, height);
     seen.emitted = core::Plane<glm::vec3>(width, height, glm::vec3{0.0f});
     if (plan.runs(Pass::mirrors) || plan.runs(Pass::glass))

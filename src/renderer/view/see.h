@@ -4,7 +4,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "renderer/surface/gather_point.h"
+#include "renderer/surface/frame.h"
 #include "renderer/surface/posed_scene.h"
 
 namespace render2mpeg::renderer {
@@ -37,7 +37,7 @@ struct SeeCounts {
 /// gather points and its `emitted` together stand for the whole pixel: light gathered at a point is multiplied by
 /// its weight and added. A gather point always has something to gather (a diffuse or glossy part) and a weight > 0. The
 /// result does not depend on the number of threads. Adds to `counts`.
-Seen see(const PosedScene& posed_scene, const SeeSettings& settings, const Plan& plan, SeeCounts& counts);
+Frame see(const PosedScene& posed_scene, const SeeSettings& settings, const Plan& plan, SeeCounts& counts);
 
 /// Where the samples of a pixel lie, in pixels from its upper left corner: the same in every pixel and every frame, so
 /// that what is still stays still. Sample 0 is the centre, and (for more than two) so is their mean.

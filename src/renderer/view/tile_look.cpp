@@ -85,14 +85,14 @@ struct Found {
     SeenAir air;
     std::vector<SeenMatte> mattes;
 
-    void copy_pixel(const Seen& seen, std::size_t t, std::uint16_t pixel) {
+    void copy_pixel(const Frame& seen, std::size_t t, std::uint16_t pixel) {
         if (!seen.air.empty()) {
             copy_parts(seen.air[t].straight, pixel, air.straight);
             copy_parts(seen.air[t].beyond, pixel, air.beyond);
         }
         if (!seen.mattes.empty()) copy_parts(seen.mattes[t], pixel, mattes);
     }
-    void give(Seen& seen, std::size_t t) {
+    void give(Frame& seen, std::size_t t) {
         if (!seen.air.empty()) seen.air[t] = std::move(air);
         if (!seen.mattes.empty()) seen.mattes[t] = std::move(mattes);
     }
@@ -134,7 +134,7 @@ struct FirstLook {
 /// Looks through the pixels of a tile.
 class TileLook {
   public:
-    TileLook(const Looking& looking, Seen& seen, SeeCounts& counts, Found& found)
+    TileLook(const Looking& looking, Frame& seen, SeeCounts& counts, Found& found)
         : looking_(looking), seen_(seen), counts_(counts), found_(found) {}
 
     /// Pixels (first, y) to (end - 1, y), all of them; true in `edges`, by x % tile_size, where samples differ.
@@ -217,7 +217,7 @@ class TileLook {
     }
 
     const Looking& looking_;
-    Seen& seen_;
+    Frame& seen_;
     SeeCounts& counts_;
     Found& found_;
     EyeSample sample_;
@@ -279,13 +279,13 @@ void add_air(const EyeSample& sample, std::uint16_t pixel, float share, SeenAir&
     }
 }
 
-TileArea area_of(const Seen& seen, std::size_t tile) {
+TileArea area_of(const Frame& seen, std::size_t tile) {
     const int across = seen.tiles_across();
     const glm::ivec2 first = tile_size * glm::ivec2(static_cast<int>(tile) % across, static_cast<int>(tile) / across);
     return {first, glm::min(first + tile_size, glm::ivec2(seen.visible.width(), seen.visible.height()))};
 }
 
-PixelMarks look_through(const Looking& looking, std::size_t t, Seen& seen, SeeCounts& counts) {
+PixelMarks look_through(const Looking& looking, std::size_t t, Frame& seen, SeeCounts& counts) {
     const TileArea area = area_of(seen, t);
     const int together = std::max(1, static_cast<int>(most_rays / looking.pattern.size()));
     Found found;
@@ -301,7 +301,7 @@ PixelMarks look_through(const Looking& looking, std::size_t t, Seen& seen, SeeCo
     return edges;
 }
 
-void look_again(const Looking& looking, std::size_t t, const PixelMarks& marks, Seen& seen, SeeCounts& counts) {
+void look_again(const Looking& looking, std::size_t t, const PixelMarks& marks, Frame& seen, SeeCounts& counts) {
     const auto marked = [](const auto& row) { return std::find(row.begin(), row.end(), true) != row.end(); };
     if (std::none_of(marks.begin(), marks.end(), marked)) return;
     const TileArea area = area_of(seen, t);

@@ -5,7 +5,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "renderer/surface/gather_point.h"
+#include "renderer/surface/frame.h"
 #include "renderer/view/eye_path.h"
 #include "renderer/view/mattes.h"
 #include "renderer/view/see.h"
@@ -29,7 +29,7 @@ using PixelMarks = std::array<std::array<bool, tile_size>, tile_size>;
 struct TileArea {
     glm::ivec2 first, end;
 };
-TileArea area_of(const Seen& seen, std::size_t tile);
+TileArea area_of(const Frame& seen, std::size_t tile);
 
 /// What a fragment that shows a fibre leaves in its pixel.
 FibreSample fibre_sample(const Fragment& fragment, std::uint16_t pixel, glm::vec3 weight);
@@ -46,10 +46,10 @@ void add_air(const EyeSample& sample, std::uint16_t pixel, float share, SeenAir&
 void forget_air(std::uint16_t pixel, SeenAir& air);
 
 /// Looks through all pixels of a tile; tells whose samples differ.
-PixelMarks look_through(const Looking& looking, std::size_t tile, Seen& seen, SeeCounts& counts);
+PixelMarks look_through(const Looking& looking, std::size_t tile, Frame& seen, SeeCounts& counts);
 
 /// Looks again through those pixels of a tile that are marked; the others keep what they have. What Visible records
 /// stays.
-void look_again(const Looking& looking, std::size_t tile, const PixelMarks& marks, Seen& seen, SeeCounts& counts);
+void look_again(const Looking& looking, std::size_t tile, const PixelMarks& marks, Frame& seen, SeeCounts& counts);
 
 }  // namespace render2mpeg::renderer

@@ -118,7 +118,7 @@ Mesh flat_panel(glm::dvec2 size) {
     return mesh;
 }
 
-/// An octagon of the ellipse's area, since few corners allow light by the whole lamp.
+/// An octagon of the ellipse's area, since few corners allow light by the area lamp.
 Mesh round_panel(glm::dvec2 diameters) {
     const double radius = std::sqrt(std::numbers::pi / std::sqrt(8.0)) / 2;
     Mesh mesh = disc_mesh(1, 8, TextureLayout::fit);

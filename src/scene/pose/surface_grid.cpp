@@ -142,7 +142,7 @@ bool SurfaceGrid::closes_in(glm::dvec3 point) const {
     return true;
 }
 
-void SurfaceGrid::look_along(glm::dvec3 eye, glm::dvec3 direction, Seen& seen) {
+void SurfaceGrid::look_along(glm::dvec3 eye, glm::dvec3 direction, Frame& seen) {
     // Clip to the box.
     double from = 0, to = 1e300;
     for (int k = 0; k < 3; ++k) {
@@ -173,11 +173,11 @@ void SurfaceGrid::look_along(glm::dvec3 eye, glm::dvec3 direction, Seen& seen) {
     }
 }
 
-SurfaceGrid::Seen SurfaceGrid::seen_from(glm::dvec3 eye, const glm::dmat3& axes) {
+SurfaceGrid::Frame SurfaceGrid::seen_from(glm::dvec3 eye, const glm::dmat3& axes) {
     ++view_;
     constexpr int columns = 18, rows = 12;
     constexpr double half_width = 0.55, half_height = 0.3640;  // tangents of 29 and 20 degrees
-    Seen seen;
+    Frame seen;
     for (int y = 0; y < rows; ++y)
         for (int x = 0; x < columns; ++x) {
             const double right = half_width * ((2 * x + 1.0) / columns - 1),

@@ -16,7 +16,7 @@ class SurfaceGrid {
     SurfaceGrid(const Animation& animation, double seconds, const Extent& extent);
 
     /// Cells that a view sees, each once.
-    struct Seen {
+    struct Frame {
         int front = 0;      ///< their surface faces the eye
         int back = 0;       ///< it is turned away
         double detail = 0;  ///< of the facing cells: sum of log2(1 + triangles in the cell)
@@ -24,7 +24,7 @@ class SurfaceGrid {
 
     /// What a camera sees that looks along -z of `axes` (right, up, back), 58 by 40 degrees, by a raster of 18 x 12
     /// rays.
-    Seen seen_from(glm::dvec3 eye, const glm::dmat3& axes);
+    Frame seen_from(glm::dvec3 eye, const glm::dmat3& axes);
 
     /// Whether neither the cell of this point nor one beside it holds a surface.
     bool is_free(glm::dvec3 point) const;
@@ -49,7 +49,7 @@ class SurfaceGrid {
     bool inside(glm::ivec3 cell) const;
     Cell& at(glm::ivec3 cell) { return cells_[index(cell)]; }
     std::size_t index(glm::ivec3 cell) const;
-    void look_along(glm::dvec3 eye, glm::dvec3 direction, Seen& seen);
+    void look_along(glm::dvec3 eye, glm::dvec3 direction, Frame& seen);
 
     Extent extent_;
     double cell_ = 1;  ///< edge length

@@ -108,7 +108,7 @@ Framing judge_orbit(SurfaceGrid& grid, const Extent& extent) {
     Framing framing{View::orbit, extent.centre(), fitting_distance(extent, orbit_elevation), orbit_elevation, 0, 0, 0};
     for (int k = 0; k < headings; ++k) {
         const glm::dmat3 axes = axes_for(heading_of(k), -orbit_elevation);
-        const SurfaceGrid::Seen seen = grid.seen_from(framing.pivot + axes[2] * framing.distance, axes);
+        const SurfaceGrid::Frame seen = grid.seen_from(framing.pivot + axes[2] * framing.distance, axes);
         framing.facing += seen.front / static_cast<double>(headings);
         framing.turned_away += seen.back / static_cast<double>(headings);
     }
@@ -120,7 +120,7 @@ Framing judge_front(SurfaceGrid& grid, const Extent& extent) {
     Framing best{View::front, extent.centre(), fitting_distance(extent, front_elevation), front_elevation, 0, -1, 0};
     for (int k = 0; k < headings; ++k) {
         const glm::dmat3 axes = axes_for(heading_of(k), -front_elevation);
-        const SurfaceGrid::Seen seen = grid.seen_from(best.pivot + axes[2] * best.distance, axes);
+        const SurfaceGrid::Frame seen = grid.seen_from(best.pivot + axes[2] * best.distance, axes);
         if (seen.front <= best.facing) continue;
         best.facing = seen.front;
         best.turned_away = seen.back;
@@ -150,7 +150,7 @@ Framing judge_turn(const Animation& animation, const Extent& whole) {
                 if (!grid.is_free(eye)) continue;
                 double facing = 0, least = 1e9, detail = 0, best_heading = -1, best_yaw = 0;
                 for (int k = 0; k < headings; ++k) {
-                    const SurfaceGrid::Seen seen = grid.seen_from(eye, axes_for(heading_of(k), 0));
+                    const SurfaceGrid::Frame seen = grid.seen_from(eye, axes_for(heading_of(k), 0));
                     facing += seen.front / static_cast<double>(headings);
                     detail += seen.detail;
                     least = std::min(least, static_cast<double>(seen.front));

@@ -1,4 +1,4 @@
-#include "renderer/frame_statistics.h"
+#include "renderer/statistics.h"
 
 #include <algorithm>
 #include <string>

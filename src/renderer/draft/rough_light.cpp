@@ -1,40 +1,29 @@
-#include "app/loop/preview.h"
+#include "renderer/draft/rough_light.h"
 
 #include <algorithm>
 
 #include "core/numeric.h"
 
-namespace render2mpeg::app {
+namespace render2mpeg::renderer {
 namespace {
 
 /// Pixels from one to the next that is lit. chosen: 4 of 2, 4, 8, by how far tolerances are from the finished frame's
 /// (docs/measurements.md#pictures).
 constexpr int step = 4;
-/// chosen: 0.3 of 0.1 to 0.6, which light the frame alike in half to a quarter of the time.
-constexpr float tolerance = 0.3f;
 
 bool is_lit(int x, int y) {
     return x % step == step / 2 && y % step == step / 2;
 }
 
-renderer::Seen thinned(const renderer::Seen& seen) {
-    renderer::Seen thin = seen;
-    for (renderer::GatherTile& tile : thin.tiles)
-        std::erase_if(tile, [](const renderer::GatherPoint& p) {
-            return !is_lit(p.pixel % renderer::tile_size, p.pixel / renderer::tile_size);
-        });
-    return thin;
-}
-
 /// Response of each pixel to white light.
-core::Plane<glm::vec3> reflectances(const renderer::Seen& seen) {
-    core::Plane<glm::vec3> plane(seen.visible.width(), seen.visible.height(), glm::vec3(0));
-    for (std::size_t t = 0; t < seen.tiles.size(); ++t) {
-        const int across = seen.tiles_across(), index = static_cast<int>(t);
-        const int left = index % across * renderer::tile_size, top = index / across * renderer::tile_size;
-        for (const renderer::GatherPoint& p : seen.tiles[t]) {
+core::Plane<glm::vec3> reflectances(const Frame& frame) {
+    core::Plane<glm::vec3> plane(frame.visible.width(), frame.visible.height(), glm::vec3(0));
+    for (std::size_t t = 0; t < frame.tiles.size(); ++t) {
+        const int across = frame.tiles_across(), index = static_cast<int>(t);
+        const int left = index % across * tile_size, top = index / across * tile_size;
+        for (const GatherPoint& p : frame.tiles[t]) {
             const float cosine = glm::dot(p.point.shading_normal, p.point.outgoing);
-            plane.at(left + p.pixel % renderer::tile_size, top + p.pixel / renderer::tile_size) +=
+            plane.at(left + p.pixel % tile_size, top + p.pixel / tile_size) +=
                 p.weight * (diffuse_albedo(p.point.bsdf, cosine) + glossy_albedo(p.point.bsdf, cosine));
         }
     }
@@ -71,18 +60,20 @@ glm::vec3 light_at(const core::Visible& visible, const core::Plane<glm::vec3>& l
 
 }  // namespace
 
-core::Radiance preview(renderer::Renderer& renderer, const scene::Snapshot& world, const renderer::Seen& seen) {
-    const int width = seen.visible.width(), height = seen.visible.height();
-    core::ToleranceMap about = core::ToleranceMap::uniform(width, height, {0.0f, tolerance});
-    about.typical = tolerance;  // rays by price: dark corners need not keep it
-    core::Radiance radiance = renderer.sketch(world, thinned(seen), about);
+Frame every_fourth_pixel(Frame frame) {
+    for (GatherTile& tile : frame.tiles)
+        std::erase_if(tile, [](const GatherPoint& p) { return !is_lit(p.pixel % tile_size, p.pixel / tile_size); });
+    return frame;
+}
 
+void interpolate_light(const Frame& frame, const UngatheredLight& ungathered, core::Radiance& radiance) {
+    const int width = frame.visible.width(), height = frame.visible.height();
     // Divide lit pixels by their reflectance.
-    const core::Plane<glm::vec3> reflectance = reflectances(seen);
+    const core::Plane<glm::vec3> reflectance = reflectances(frame);
     core::Plane<glm::vec3> light(width, height, glm::vec3(0));
     for (int y = step / 2; y < height; y += step)
         for (int x = step / 2; x < width; x += step) {
-            const glm::vec3 sent = radiance.combined.at(x, y) - seen.emitted.at(x, y);
+            const glm::vec3 sent = radiance.combined.at(x, y) - ungathered.all().at(x, y);
             for (int k = 0; k < 3; ++k)
                 light.at(x, y)[k] = std::max(core::divide_or(sent[k], reflectance.at(x, y)[k], 0.0f), 0.0f);
         }
@@ -92,9 +83,8 @@ core::Radiance preview(renderer::Renderer& renderer, const scene::Snapshot& worl
         for (int x = 0; x < width; ++x) {
             if (is_lit(x, y)) continue;
             radiance.combined.at(x, y) =
-                seen.emitted.at(x, y) + reflectance.at(x, y) * light_at(seen.visible, light, x, y);
+                ungathered.all().at(x, y) + reflectance.at(x, y) * light_at(frame.visible, light, x, y);
         }
-    return radiance;
 }
 
-}  // namespace render2mpeg::app
+}  // namespace render2mpeg::renderer

@@ -1,4 +1,4 @@
-#include "renderer/lights/whole_lamps.h"
+#include "renderer/lights/area_lamps.h"
 
 #include <algorithm>
 #include <cmath>
@@ -218,7 +218,7 @@ std::vector<glm::vec3> convex_outline(const scene::Mesh& mesh) {
     return corners.size() >= 3 && corners.size() <= most_outline_corners ? corners : std::vector<glm::vec3>{};
 }
 
-WholeLamps::WholeLamps(const PosedScene& posed_scene, std::span<const LightPoint> points) {
+AreaLamps::AreaLamps(const PosedScene& posed_scene, std::span<const LightPoint> points) {
     const scene::Animation& film = posed_scene.animation();
     std::map<std::uint32_t, double> power;
     for (const LightPoint& p : points) {
@@ -254,7 +254,7 @@ WholeLamps::WholeLamps(const PosedScene& posed_scene, std::span<const LightPoint
     }
 }
 
-std::vector<LightPoint> WholeLamps::without(std::vector<LightPoint> points) const {
+std::vector<LightPoint> AreaLamps::without(std::vector<LightPoint> points) const {
     if (surfaces_.empty() && suns_.empty()) return points;
     std::erase_if(points, [&](const LightPoint& p) {
         const auto is_its = [&](const Surface& s) { return s.object == p.object; };
@@ -264,11 +264,11 @@ std::vector<LightPoint> WholeLamps::without(std::vector<LightPoint> points) cons
     return points;
 }
 
-WholeLamp WholeLamps::lamp_of(const PosedScene& posed_scene, const Surface& surface) const {
+AreaLamp AreaLamps::lamp_of(const PosedScene& posed_scene, const Surface& surface) const {
     const scene::Snapshot& now = posed_scene.posed();
     const glm::mat4& to_world = now.objects[surface.object].to_world;
     const auto placed = [&](glm::vec3 p) { return glm::vec3(to_world * glm::vec4(p, 1)); };
-    WholeLamp lamp;
+    AreaLamp lamp;
     lamp.object = surface.object;
     lamp.radiance = posed_scene.mean_emission(surface.object, 0);
     lamp.normal = posed_scene.front_normal(surface.object, 0);
@@ -288,7 +288,7 @@ WholeLamp WholeLamps::lamp_of(const PosedScene& posed_scene, const Surface& surf
         lamp.box = {0.5f * (low + high), 0.5f * (high - low) + glm::vec3(lamp.clearance)};
         return lamp;
     }
-    lamp.kind = WholeLamp::Kind::sphere;
+    lamp.kind = AreaLamp::Kind::sphere;
     lamp.position = placed(surface.centre);
     const float scale = std::cbrt(std::abs(glm::determinant(glm::mat3(to_world))));
     lamp.radius = scale * surface.radius;
@@ -298,16 +298,16 @@ WholeLamp WholeLamps::lamp_of(const PosedScene& posed_scene, const Surface& surf
     return lamp;
 }
 
-std::vector<WholeLamp> WholeLamps::at(const PosedScene& posed_scene) const {
+std::vector<AreaLamp> AreaLamps::at(const PosedScene& posed_scene) const {
     const scene::Snapshot& now = posed_scene.posed();
-    const auto shines = [](const WholeLamp& lamp) {
+    const auto shines = [](const AreaLamp& lamp) {
         return core::is_finite(lamp.radiance) && core::luminance(lamp.radiance) > 0.0f;
     };
-    std::vector<WholeLamp> lamps;
+    std::vector<AreaLamp> lamps;
     for (const scene::LightState& light : now.lights) {
         if (!std::binary_search(suns_.begin(), suns_.end(), first_punctual_id + light.id)) continue;
-        WholeLamp lamp;
-        lamp.kind = WholeLamp::Kind::sun;
+        AreaLamp lamp;
+        lamp.kind = AreaLamp::Kind::sun;
         lamp.object = core::no_id;
         lamp.position = -light.direction;
         lamp.radius = std::sin(light.angle);
@@ -319,7 +319,7 @@ std::vector<WholeLamp> WholeLamps::at(const PosedScene& posed_scene) const {
     }
     for (const Surface& surface : surfaces_) {
         if (!now.objects[surface.object].present) continue;
-        WholeLamp lamp = lamp_of(posed_scene, surface);
+        AreaLamp lamp = lamp_of(posed_scene, surface);
         if (shines(lamp) && lamp.area > 0 && std::isfinite(lamp.area)) lamps.push_back(std::move(lamp));
     }
     return lamps;

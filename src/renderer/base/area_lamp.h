@@ -10,7 +10,7 @@ namespace render2mpeg::renderer {
 
 /// A lamp whose unoccluded irradiance has a closed form, so that only the share of it that is visible must be sampled
 /// (docs/model/lights.md).
-struct WholeLamp {
+struct AreaLamp {
     enum class Kind : std::uint8_t { polygon, sphere, sun };
 
     Kind kind = Kind::polygon;

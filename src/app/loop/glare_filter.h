@@ -11,10 +11,10 @@ namespace render2mpeg::app {
 
 /// Light as an eye gets it: with glare, where that runs. Coding and visibility use it; layers and OpenEXR frames have
 /// the scene's own light.
-class ShownLight {
+class GlareFilter {
   public:
     /// An unknown exposure counts as 0 EV.
-    ShownLight(const RenderJob& film, RunStatistics& statistics);
+    GlareFilter(const RenderJob& film, RunStatistics& statistics);
 
     /// `light` itself without glare, else its `combined` and `frame`, valid until the next call.
     const core::Radiance& of(const core::Radiance& light, const core::Rational& seconds);

@@ -1,4 +1,4 @@
-#include "renderer/view/look_closer.h"
+#include "renderer/view/refine_edges.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,7 +27,7 @@ float contrast_at(const core::Plane<core::Tolerance>& pixels, int x, int y) {
 }
 
 /// The pixels of a tile in which an edge could show by more than their tolerance, lit by so many samples.
-bool mark_contrasts(const Seen& seen, std::size_t t, const core::ToleranceMap& tolerance, float error,
+bool mark_contrasts(const Frame& seen, std::size_t t, const core::ToleranceMap& tolerance, float error,
                     PixelMarks& marks) {
     const TileArea area = area_of(seen, t);
     bool any = false;
@@ -49,9 +49,9 @@ float edge_error(int samples) {
     return 0.3f * std::pow(static_cast<float>(samples), -0.75f);
 }
 
-void look_closer(const PosedScene& posed_scene, const SeeSettings& settings, const Plan& plan,
-                 const core::ToleranceMap& tolerance, int most_samples, Seen& seen, SeeCounts& counts) {
-    if (tolerance.is_reference()) return;
+Frame refine_edges(const PosedScene& posed_scene, const SeeSettings& settings, const Plan& plan,
+                   const core::ToleranceMap& tolerance, int most_samples, Frame seen, SeeCounts& counts) {
+    if (tolerance.is_reference()) return seen;
     int before = std::max(settings.samples, settings.edge_samples);
     if (seen.samples.empty())
         seen.samples = core::Plane<std::uint16_t>(settings.format.width, settings.format.height,
@@ -76,6 +76,7 @@ void look_closer(const PosedScene& posed_scene, const SeeSettings& settings, con
     }
     for (const SeeCounts& c : tile_counts) counts.add(c);
     counts.sky_seconds += paths.sky_seconds();
+    return seen;
 }
 
 }  // namespace render2mpeg::renderer

@@ -1,4 +1,4 @@
-#include "app/loop/shown_light.h"
+#include "app/loop/glare_filter.h"
 
 #include <algorithm>
 
@@ -6,13 +6,13 @@
 
 namespace render2mpeg::app {
 
-ShownLight::ShownLight(const RenderJob& film, RunStatistics& statistics) : statistics_(statistics) {
+GlareFilter::GlareFilter(const RenderJob& film, RunStatistics& statistics) : statistics_(statistics) {
     if (film.plan.runs(renderer::Pass::glare))
         glare_.emplace(film.animation->glare, film.format.width, film.format.height, film.format.pixel_aspect,
                        film.exposure.value_or(0));
 }
 
-const core::Radiance& ShownLight::of(const core::Radiance& light, const core::Rational& seconds) {
+const core::Radiance& GlareFilter::of(const core::Radiance& light, const core::Rational& seconds) {
     if (!glare_) return light;
     const StageTimer stage(statistics_, Stage::develop);
     const StageTimer pass(statistics_, renderer::Pass::glare);
@@ -25,7 +25,7 @@ const core::Radiance& ShownLight::of(const core::Radiance& light, const core::Ra
     return shown_;
 }
 
-void ShownLight::carry_back(core::ToleranceMap& tolerance) const {
+void GlareFilter::carry_back(core::ToleranceMap& tolerance) const {
     if (veil_.empty() || tolerance.is_reference()) return;
     for (std::size_t i = 0; i < veil_.size(); ++i) {
         core::Tolerance& t = tolerance.pixels.values()[i];

@@ -1,5 +1,5 @@
 // Pixels that are looked at more closely, since edges in them would show.
-#include "renderer/view/look_closer.h"
+#include "renderer/view/refine_edges.h"
 
 #include <gtest/gtest.h>
 
@@ -64,8 +64,7 @@ double lit_share(const scene::Camera& camera, int x, int y) {
 }
 
 struct ClosePicture {
-    core::Radiance radiance;
-    Seen seen;
+    Lit lit;
     double error = 0;  ///< root mean square of lit shares, of pixels that the edge crosses
 };
 
@@ -78,21 +77,22 @@ ClosePicture look(int most_samples, float tolerated) {
     FilmStage stage(shadow_edge(), settings);
     const scene::Snapshot world = stage.at(0);
     ClosePicture picture;
-    picture.seen = stage.renderer().see(world);
+    picture.lit.frame = stage.renderer().look(world);
     const core::Radiance rough =
-        stage.renderer().shade(world, picture.seen, core::ToleranceMap::uniform(size, size, {0, 0.02f}));
+        stage.renderer()
+            .light(world, picture.lit.frame, {core::ToleranceMap::uniform(size, size, {0, 0.02f})})
+            .radiance;
     core::ToleranceMap tolerance = core::ToleranceMap::uniform(size, size, {});
     for (int y = 0; y < size; ++y)
         for (int x = 0; x < size; ++x)
             tolerance.pixels.at(x, y) = {tolerated, 0.001f, core::luminance(rough.combined.at(x, y)) + tolerated};
-    picture.seen = stage.renderer().complete(world, std::move(picture.seen), &tolerance);
-    picture.radiance = stage.renderer().shade(world, picture.seen, tolerance);
+    picture.lit = stage.renderer().light(world, std::move(picture.lit.frame), {tolerance});
     double squares = 0, pixels = 0;
     for (int y = 0; y < size; ++y)
         for (int x = 0; x < size; ++x) {
             const double lit = lit_share(world.camera, x, y);
             if (lit < 0.02 || lit > 0.98) continue;
-            const double error = picture.radiance.combined.at(x, y).x / (2 * 0.5 / std::numbers::pi) - lit;
+            const double error = picture.lit.radiance.combined.at(x, y).x / (2 * 0.5 / std::numbers::pi) - lit;
             squares += error * error;
             pixels += 1;
         }
@@ -101,7 +101,7 @@ ClosePicture look(int most_samples, float tolerated) {
     return picture;
 }
 
-int pixels_with(const Seen& seen, int samples) {
+int pixels_with(const Frame& seen, int samples) {
     int count = 0;
     for (int y = 0; y < size; ++y)
         for (int x = 0; x < size; ++x) count += seen.samples.empty() || seen.samples.at(x, y) == samples ? 1 : 0;
@@ -114,11 +114,11 @@ TEST(LookCloser, MakesShadowEdgesAsFineAsTheyMayBe) {
     EXPECT_GT(first.error, 0.04);
     EXPECT_LT(some.error, 1.5 * edge_error(64));
     EXPECT_LT(most.error, 1.5 * edge_error(256));
-    EXPECT_GT(pixels_with(most.seen, 256), 20);
+    EXPECT_GT(pixels_with(most.lit.frame, 256), 20);
     // At most three pixels of each row, of 24.
-    EXPECT_GT(pixels_with(most.seen, 4), size * size / 2);
+    EXPECT_GT(pixels_with(most.lit.frame, 4), size * size / 2);
     // What may err by more is not looked at again.
-    EXPECT_EQ(pixels_with(look(256, 0.1f).seen, 4), size * size);
+    EXPECT_EQ(pixels_with(look(256, 0.1f).lit.frame, 4), size * size);
 }
 
 TEST(LookCloser, DoesNotDependOnThreads) {
@@ -127,7 +127,7 @@ TEST(LookCloser, DoesNotDependOnThreads) {
         const parallel::ThreadLimit limit(threads);
         pictures[threads / 4] = look(256, 0.001f);
     }
-    EXPECT_TRUE(test::same_bytes(pictures[0].radiance, pictures[1].radiance));
+    EXPECT_TRUE(test::same_bytes(pictures[0].lit.radiance, pictures[1].lit.radiance));
 }
 
 }  // namespace

@@ -1,0 +1,133 @@
+#include "renderer/film_lights.h"
+
+#include <utility>
+
+#include "renderer/base/lobe.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Up to which share of what its surroundings would give, if they filled the receiver's view, one light point may give.
+/// chosen: 25 % of 2 to 100 % (2 radii of a point's disc) for anchors and points of emissive surfaces, which lie in
+/// even strata; [Render2MPEG, 6.5]'s 2 % is for VPLs at random places (docs/model/clamping.md).
+constexpr GeometryClamp point_clamp{0.25f};
+
+/// Light trees are rebuilt at most every 15 frames of a chunk. chosen: half a second, for which what fits badly may
+/// last; representatives never change from frame to frame.
+constexpr std::int64_t rebuild_interval = 15;
+
+}  // namespace
+
+FilmLights::FilmLights(PosedScene& posed_scene, const Plan& plan, const Settings& settings, Statistics& statistics,
+                       PassTimes& times)
+    : posed_scene_(posed_scene),
+      plan_(plan),
+      settings_(settings),
+      statistics_(statistics),
+      times_(times),
+      light_points_(posed_scene, plan, (plan.runs(Pass::sky_light) ? 2 : 1) * settings.direct_points, settings.seed) {}
+
+void FilmLights::start_chunk(const scene::Snapshot& first) {
+    first_frame_ = first.frame;
+    {
+        const Stopwatch timer(times_[Pass::sky_light]);
+        statistics_.photon_rays += light_points_.look_at_sky(posed_scene_);
+    }
+    {
+        const Stopwatch timer(times_[Pass::pose]);
+        posed_scene_.pose(first);
+    }
+    if (!anchors_ && plan_.runs(Pass::photons) && settings_.vpls > 0 && !by_rays()) {
+        const Stopwatch timer(times_[Pass::photons]);
+        anchors_.emplace(posed_scene_, light_points_,
+                         AnchorSettings{settings_.vpls, settings_.bounces, settings_.photons});
+        statistics_.photon_rays += anchors_->rays();
+    }
+    {
+        const Stopwatch timer(times_[Pass::emissive_lights]);
+        light_points_.place(posed_scene_, first);
+    }
+    const Stopwatch timer(times_[Pass::direct_tree]);
+    const auto still = anchors_ ? anchors_->average_still() : std::vector<LightPoint>();
+    const auto moving = anchors_ ? anchors_->average_moving() : std::vector<LightPoint>();
+    if (plan_.runs(Pass::area_lamps)) lamps_ = AreaLamps(posed_scene_, light_points_.average());
+    // Light trees take two seeds, one for direct light and the next for indirect light.
+    persistent_trees_ =
+        PersistentLightTrees({clustered(light_points_.average()), still, moving}, settings_.seed + 2 * settings_.draw);
+    shone_at_.reset();
+}
+
+std::optional<LightChange> FilmLights::update(const scene::Snapshot& snapshot) {
+    LightChange change = shone_at_ ? change_between(*shone_at_, snapshot) : LightChange::everything();
+    if (!shine(snapshot, change)) return std::nullopt;
+    build_trees(snapshot);
+    return change;
+}
+
+/// Lets the lights of the posed snapshot shine, and what light bounces off with them. Nothing is done, and false
+/// returned, where nothing that light touches has changed since the last time, nor a cut the near field of the view.
+bool FilmLights::shine(const scene::Snapshot& snapshot, const LightChange& change) {
+    const bool is_same = change.none();
+    if (is_same && !(by_rays() && snapshot.cut_before)) return false;
+    std::vector<LightPoint> points;
+    {
+        const Stopwatch timer(times_[Pass::emissive_lights]);
+        points = light_points_.at(posed_scene_);
+    }
+    const NearField near_field = by_rays() ? near_field_of(snapshot, points, change) : NearField();
+    if (is_same && near_field == sky_of_rays_.near_field) return false;
+    shining_ = std::move(points);
+    shone_at_ = snapshot;
+    const Stopwatch timer(times_[by_rays() ? Pass::indirect_tree : Pass::photons]);
+    sky_of_rays_ = {brightest_of_rays(posed_scene_.sky()),
+                    light_points_.sky_part() * lobe::inverse_pi / lobe::lobe_rays_disc2,
+                    light_points_.sky_importance()};
+    if (by_rays()) {
+        sky_of_rays_.near_field = near_field;
+        indirect_.still =
+            near_light(posed_scene_, shining_, light_points_.average(), near_field, statistics_.photon_rays);
+    }
+    if (!anchors_) return true;
+    indirect_ = anchors_->at(posed_scene_, shining_);
+    statistics_.photon_rays += indirect_.rays;
+    statistics_.photon_energy += indirect_.landed;
+    statistics_.photon_energy_lost += indirect_.lost;
+    return true;
+}
+
+/// It stays where sources do, as long as the view does.
+NearField FilmLights::near_field_of(const scene::Snapshot& snapshot, std::span<const LightPoint> lights,
+                                    const LightChange& change) const {
+    if (!snapshot.cut_before && !change.changes_sources(posed_scene_.animation())) return sky_of_rays_.near_field;
+    return NearField(
+        lights, look_about(posed_scene_, plan_, snapshot.camera, {settings_.format.width, settings_.format.height}));
+}
+
+/// Light points that trees hold: all but those of area lamps, and of the sky that gather rays see.
+std::vector<LightPoint> FilmLights::clustered(std::vector<LightPoint> points) const {
+    points = lamps_.without(std::move(points));
+    return by_rays() ? beyond_rays(std::move(points), brightest_of_rays(posed_scene_.sky())) : points;
+}
+
+void FilmLights::build_trees(const scene::Snapshot& snapshot) {
+    statistics_.direct_points = shining_.size();
+    statistics_.indirect_points = indirect_.still.size() + indirect_.moving.size();
+    {
+        const Stopwatch timer(times_[Pass::direct_tree]);
+        trees_ = {};  // before the next ones grow: many light points take as much memory
+        trees_ = persistent_trees_.at({clustered(std::exchange(shining_, {})), indirect_.still, indirect_.moving},
+                                      (snapshot.frame - first_frame_) % rebuild_interval == 0);
+        trees_.lamps = lamps_.at(posed_scene_);
+        if (by_rays())
+            trees_.trees[LightTrees::static_tree] =
+                build_light_tree(LightType::oriented, indirect_.still, settings_.seed + 2 * settings_.draw + 1);
+    }
+    trees_.point_clamp = settings_.clamp == Clamp::bounded ? point_clamp : GeometryClamp::none();
+    trees_.lobe_rays = plan_.runs(Pass::lobe_rays);
+    trees_.bodies = plan_.runs(Pass::caustics) ? Bodies::block : Bodies::pass;
+    trees_.air = posed_scene_.air();
+    trees_.translucent = plan_.runs(Pass::alpha) || plan_.runs(Pass::glass) || trees_.air != nullptr;
+    lit_frame_ = snapshot.frame;
+}
+
+}  // namespace render2mpeg::renderer
