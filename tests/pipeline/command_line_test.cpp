@@ -173,23 +173,12 @@ TEST(DryRun, ChecksAllAndWritesNothing) {
     EXPECT_EQ(folder.entries(), 0u);
 }
 
-TEST(PlanCommand, GivesAReasonForEveryPassAndItsCostAfterARenderSlow) {
+TEST(PlanCommand, GivesAReasonForEveryPass) {
     const auto still = run(program() + " plan --within 0 " + film("still_room"));
     EXPECT_EQ(still.status, 0);
-    EXPECT_NE(still.output.find("no cause"), std::string::npos) << still.output;
-    const Folder folder;
-    const std::string stats = (folder / "s.json").string();
-    ASSERT_EQ(run(program() + " render " + film("still_room") +
-                  " --size 32x32 --samples 1 --indirect lightcuts --vpls 16 --frames 0:1 --quiet -o " +
-                  (folder / "x.mpg").string() + " --stats " + stats)
-                  .status,
-              0);
-    const auto priced = run(program() + " plan --within 0 " + film("still_room") + " --stats " + stats);
-    EXPECT_EQ(priced.status, 0);
-    EXPECT_NE(priced.output.find(" %"), std::string::npos) << priced.output;
     for (const char* row :
-         {"yes load ", "yes exposure ", "no  first pass ", "yes preview ", "yes tolerate ", "no  audit ", "whole run"})
-        EXPECT_NE(priced.output.find(row), std::string::npos) << row << "\n" << priced.output;
+         {"yes load ", "yes exposure ", "no  first pass ", "yes preview ", "yes tolerate ", "no  audit ", "no cause"})
+        EXPECT_NE(still.output.find(row), std::string::npos) << row << "\n" << still.output;
     // Rows follow what the render would be asked for.
     const auto other = run(program() + " plan --within 0 " + film("still_room") +
                            " --tolerance fixed=2% --bitrate 2M --exposure 1 --audit 5");
@@ -197,9 +186,6 @@ TEST(PlanCommand, GivesAReasonForEveryPassAndItsCostAfterARenderSlow) {
         EXPECT_NE(other.output.find(row), std::string::npos) << row << "\n" << other.output;
     EXPECT_NE(run(program() + " plan --within 0 " + film("still_room") + " -o f.%d.png").output.find("no  encode"),
               std::string::npos);
-    const auto passes = nlohmann::json::parse(contents(stats)).at("passes");
-    for (const char* pass : {"pose", "see", "direct light tree", "indirect light", "develop", "encode"})
-        EXPECT_GT(passes.value(pass, 0.0), 0.0) << pass;
 }
 
 TEST(Statistics, HaveEveryDocumentedKey) {

@@ -110,24 +110,6 @@ TEST(Windows, LieInEachShot) {
     EXPECT_EQ(app::windows_by_shot(film, {4, 5}).size(), 4u) << "one shot: its parts";
 }
 
-TEST(GopStarts, CountAsOftenAsTheFilmHasThem) {
-    RenderJob film = flash_cut();  // 72 frames
-    const std::vector<Chunk> windows{{0, 0, 14}, {1, 30, 44}};
-    app::GopStarts starts;
-    encoder::CodedPicture picture;
-    picture.bytes.resize(1000);
-    picture.plan.starts_gop = false;
-    starts.add(picture);
-    EXPECT_EQ(starts.surplus(film, windows, 160), 0) << "it begins none";
-    picture.plan.starts_gop = true;
-    starts.add(picture);
-    starts.add(picture);
-    film.coding.gop = 60;
-    EXPECT_NEAR(160 - starts.surplus(film, windows, 160), (1000 + 59 * 100) / 60.0, 1e-9);
-    film.coding.gop = 15;
-    EXPECT_NEAR(starts.surplus(film, windows, 160), 0, 1e-9);
-}
-
 TEST(Effects, LeaveOutTheOnlyLightOfMovingThings) {
     // The same as a lamp that goes out: no photon starts, and none can be kept.
     const RenderJob film = small_film(support::plain_film());

@@ -74,11 +74,10 @@ double bytes_of(const av::Inspection& stream, int gop) {
     return bytes - std::max(0.0, sums[0] / counts[0] - sums[1] / counts[1]);
 }
 
-/// Common part of the strongest commands.
 constexpr const char* strongest =
     "-b:v 400M -lmin {L} -lmax {L} -qmin 1 -qmax 31 -qcomp 0.6 -i_qfactor 0.8 -i_qoffset 0 -b_qfactor 1.5 "
     "-b_qoffset 0 -mbd rd -trellis 2 -mpv_flags +skip_rd+mv0 -mbcmp rd -subcmp satd -dia_size 770 -pre_dia_size 4 "
-    "-mepre 2 -last_pred 3 -g {g} ";
+    "-mepre 2 -last_pred 3 -g {g} -bf 3 -b_strategy 2";
 
 std::string library_of(encoder::Codec codec) {
     if (codec == encoder::Codec::h264) return "libx264";
@@ -115,12 +114,7 @@ FfmpegWay usual_ffmpeg(encoder::Codec codec) {
 FfmpegWay strongest_ffmpeg(encoder::Codec codec) {
     if (codec != encoder::Codec::mpeg2)
         return {"ffmpeg, strongest", by_crf(codec, true) + " -g {g}", library_of(codec)};
-    return {"ffmpeg, strongest", std::string(strongest) + "-bf 2"};
-}
-
-FfmpegWay strongest_free_ffmpeg(encoder::Codec codec) {
-    if (codec != encoder::Codec::mpeg2) return {"ffmpeg, free GOPs", by_crf(codec, true), library_of(codec)};
-    return {"ffmpeg, free GOPs", std::string(strongest) + "-bf 3 -b_strategy 2"};
+    return {"ffmpeg, strongest", strongest};
 }
 
 std::string options_of(const FfmpegWay& way, int quantiser, int gop) {

@@ -32,46 +32,4 @@ std::vector<Chunk> windows_by_shot(const RenderJob& film, const Sample& sample) 
     return windows;
 }
 
-std::set<std::int64_t> reference_frames(const Chunk& window, int count) {
-    std::set<std::int64_t> frames;
-    if (count == 1) frames.insert(window.last);
-    const int spots = count / 2;
-    for (int i = 1; i <= spots; ++i) {
-        const std::int64_t last = window.first + window.frames() * i / spots - 1;
-        frames.insert({last, std::max(last - 1, window.first)});
-    }
-    // An odd frame, and those of overlapping pairs, go to the remaining places.
-    std::int64_t next = window.first + window.frames() / 2;
-    for (std::int64_t i = 0; static_cast<std::int64_t>(frames.size()) < count && i < window.frames(); ++i) {
-        frames.insert(next);
-        next = next == window.last ? window.first : next + 1;
-    }
-    return frames;
-}
-
-void GopStarts::add(const encoder::CodedPicture& picture) {
-    if (!picture.plan.starts_gop) return;
-    bytes_ += static_cast<double>(picture.bytes.size());
-    ++count_;
-}
-
-void GopStarts::add(const GopStarts& others) {
-    bytes_ += others.bytes_;
-    count_ += others.count_;
-}
-
-double GopStarts::surplus(const RenderJob& film, const std::vector<Chunk>& windows, double bytes) const {
-    const std::int64_t gop = std::min<std::int64_t>(film.coding.gop, film.frame_count());
-    std::int64_t begun = 0, frames = 0;
-    for (const Chunk& window : windows) {
-        begun += (window.frames() + gop - 1) / gop;
-        frames += window.frames();
-    }
-    if (count_ == 0 || count_ >= frames) return 0;
-    const auto all = static_cast<double>(frames);
-    const double others = (bytes * all - bytes_) / (all - count_);
-    const double share = static_cast<double>(begun) / all - 1.0 / static_cast<double>(gop);
-    return std::max(0.0, share) * std::max(0.0, bytes_ / count_ - others);
-}
-
 }  // namespace render2mpeg::app

@@ -129,26 +129,23 @@ CLI::App* add_watch_command(CLI::App& app, RenderOptions& options) {
     return command;
 }
 
-CLI::App* add_plan_command(CLI::App& app, PlanOptions& options) {
+CLI::App* add_plan_command(CLI::App& app, RenderOptions& options) {
     CLI::App* command =
         app.add_subcommand("plan", "Show what a film will take, which passes its scene calls for, and why");
-    command->footer("Example: render2mpeg plan scene.glb --stats stats.json");
-    add_scene_options(*command, options.render);
-    command->add_option("-o,--output", options.render.output, "Only its ending counts (default: a film)")
-        ->type_name("OUT");
-    add_picture_options(*command, options.render);
-    add_effort_option(*command, options.render);
-    add_light_options(*command, options.render);
-    add_coding_options(*command, options.render.coding);
-    add_option(*command, run_group, "--audit", options.render.audit,
-               "Pixels of every frame that would be gathered again", "N", range(0, 1 << 20));
-    add_option(*command, run_group, "--aov", options.render.layers, "Folder of multilayer OpenEXR files", "DIR");
-    add_within_option(*command, options.render.within, run_group);
-    add_flag(*command, run_group, "--quiet", options.render.quiet, "Show no progress");
-    add_threads_option(*command, options.render.threads);
-    add_isa_option(*command, options.render.isa);
-    add_option(*command, run_group, "--stats", options.statistics,
-               "Statistics of a render of this scene: adds what each pass cost", "FILE.json");
+    command->footer("Example: render2mpeg plan scene.glb --within 1m");
+    add_scene_options(*command, options);
+    command->add_option("-o,--output", options.output, "Only its ending counts (default: a film)")->type_name("OUT");
+    add_picture_options(*command, options);
+    add_effort_option(*command, options);
+    add_light_options(*command, options);
+    add_coding_options(*command, options.coding);
+    add_option(*command, run_group, "--audit", options.audit, "Pixels of every frame that would be gathered again", "N",
+               range(0, 1 << 20));
+    add_option(*command, run_group, "--aov", options.layers, "Folder of multilayer OpenEXR files", "DIR");
+    add_within_option(*command, options.within, run_group);
+    add_flag(*command, run_group, "--quiet", options.quiet, "Show no progress");
+    add_threads_option(*command, options.threads);
+    add_isa_option(*command, options.isa);
     return command;
 }
 
@@ -284,7 +281,7 @@ CommandLine parse(int argc, char** argv) {
     if (encode->parsed()) settle_stream(line.encode.output, line.encode.as);
     keep_words(*render, line.render);
     line.encode.given = given_of(*encode);
-    line.plan.render.given = given_of(*plan);
+    line.plan.given = given_of(*plan);
     line.cost.render.given = given_of(*cost);
     keep_words(*tune, line.tune.render);
     line.compare.render.given = given_of(*compare);

@@ -72,13 +72,6 @@ std::string html_table(const std::string& title, std::string_view kinds, const s
     return text + "</table></div>\n";
 }
 
-std::string cards_of(const std::vector<std::pair<std::string, std::string>>& cards) {
-    std::string text = "<dl class=\"cards\">\n";
-    for (const auto& [name, value] : cards)
-        text += "<div><dt>" + escaped(name) + "</dt><dd>" + escaped(value) + "</dd></div>\n";
-    return text + "</dl>\n";
-}
-
 std::string folded(const std::string& title, const std::string& html) {
     return html.empty() ? "" : "<details><summary>" + escaped(title) + "</summary>\n" + html + "</details>\n";
 }

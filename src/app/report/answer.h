@@ -5,7 +5,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 namespace render2mpeg::app {
@@ -59,9 +58,6 @@ struct TableRow {
 /// cent. Without heads where they are all empty.
 std::string html_table(const std::string& title, std::string_view kinds, const std::vector<std::string>& heads,
                        const std::vector<TableRow>& rows);
-
-/// Names and values as small cards beside each other.
-std::string cards_of(const std::vector<std::pair<std::string, std::string>>& cards);
 
 /// HTML behind a fold that opens at a click and on paper. Empty where there is nothing.
 std::string folded(const std::string& title, const std::string& html);

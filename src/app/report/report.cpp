@@ -16,6 +16,7 @@
 #include "app/report/figures.h"
 #include "app/report/plan_table.h"
 #include "app/report/report_style.h"
+#include "app/report/summary.h"
 #include "app/system/progress.h"
 #include "core/error.h"
 #include "core/numeric.h"
@@ -49,20 +50,6 @@ double number(const json& s, const char* object, const char* key) {
     return s.at(object).at(key).get<double>();
 }
 
-/// What audited pixels say; statistics of earlier versions know no truth.
-std::string audit_text(const json& audit) {
-    std::string text =
-        fmt::format(" Of {} pixels gathered again by reference light, {:.2f} % are beyond their tolerance.",
-                    audit.at("pixels").get<std::int64_t>(), 100 * audit.at("over_tolerance").get<double>());
-    if (!audit.contains("truth")) return text;
-    const auto luma = [&](const char* cause) { return audit.at("truth").at(cause).at("code_value_rms").get<double>(); };
-    return text + fmt::format(
-                      " Against unbiased paths of light they are off by {:.2f} code values of luma (root mean square): "
-                      "{:.2f} by gathering and records, {:.2f} by light points, {:.2f} by eye samples.",
-                      luma("total"), std::hypot(luma("gathering"), luma("moved_points")), luma("light_points"),
-                      luma("eye_samples"));
-}
-
 /// The render in one or two sentences, as a reader would be told it.
 std::string sentence_of(const json& s) {
     const double cpu = number(s, "seconds", "cpu"), light = number(s, "seconds", "shade");
@@ -81,34 +68,15 @@ std::string sentence_of(const json& s) {
                                   s.at("psnr_y").get<double>(), s.at("ssim_y").get<double>())
                     : "; decoding it gives exactly what was rendered.";
     }
-    if (s.at("audit").is_object()) text += audit_text(s.at("audit"));
     if (!s.at("complete").get<bool>()) text = "Interrupted: this is a part of the film. " + text;
     return text;
 }
 
-std::string cards(const json& s) {
-    std::vector<std::pair<std::string, std::string>> all{
-        {"Pictures", fmt::format("{} at {:.5g} Hz", s.at("frames").get<std::int64_t>(), s.at("fps").get<double>())},
-        {"Size", fmt::format("{} x {}", s.at("width").get<int>(), s.at("height").get<int>())},
-        {"CPU time", fmt::format("{:.1f} s", number(s, "seconds", "cpu"))},
-        {"On the clock", clock_text(number(s, "seconds", "wall"))},
-        {"Mean cut",
-         fmt::format("{:.0f} + {:.0f}", number(s, "mean_cut", "direct"), number(s, "mean_cut", "indirect"))},
-        {"Shadow rays", count_text(number(s, "rays", "shadow"))},
-        {"Peak memory", fmt::format("{:.0f} MiB", s.at("peak_rss_mib").get<double>())}};
-    if (s.contains("rate")) {
-        all.emplace_back("Film", size_text(s.at("bytes").get<double>()));
-        all.emplace_back("Bit rate", kilobits(s));
-        all.emplace_back(capitalised(scale_of(s)),
-                         fmt::format("{:.1f} ({}..{})", number(s, "quantisers", "mean"),
-                                     s.at("quantisers").at("min").get<int>(), s.at("quantisers").at("max").get<int>()));
-        if (s.at("psnr_y").is_number())
-            all.emplace_back("PSNR-Y", fmt::format("{:.2f} dB", s.at("psnr_y").get<double>()));
-        all.emplace_back("SSIM-Y", fmt::format("{:.4f}", s.at("ssim_y").get<double>()));
-        if (s.at("pumping").is_number())
-            all.emplace_back("Pumping", fmt::format("{:.2f}", s.at("pumping").get<double>()));
-    }
-    return cards_of(all);
+/// What the terminal shows, without what follows in tables.
+std::string facts_table(const RenderJob& film, const RunStatistics& statistics) {
+    std::vector<TableRow> rows;
+    for (const SummaryLine& line : summary_lines(film, statistics)) rows.push_back({{line.label, line.text}});
+    return html_table("What became of it", "tt", {}, rows);
 }
 
 /// Values of frames by `value`, which gives NaN where there is none; of long films means over neighbours.
@@ -253,9 +221,7 @@ bool is_json_of_ours(const std::filesystem::path& file) {
     const json value = json::parse(stream, nullptr, false);
     if (!value.is_object() || !value.contains("summary")) return false;
     return (value.contains("per_frame") && value.contains("plan")) ||
-           (value.contains("fixed") && value.contains("coupled")) ||
-           (value.contains("ways") && value.contains("differences")) ||
-           (value.contains("probes") && value.contains("target"));
+           (value.contains("rows") && value.contains("windows"));
 }
 
 }  // namespace
@@ -287,10 +253,11 @@ void write_report(const std::filesystem::path& html, const RenderJob& film, cons
                   const RunFacts& facts, const std::string& views) {
     json s = statistics_of(film, statistics, facts);
     s["summary"] = sentence_of(s);
-    s["plan"] = plan_of(film, s);
+    s["plan"] = plan_of(film, statistics);
     write_whole(html,
                 report_page(std::filesystem::path(facts.output).filename().string(), s.at("summary").get<std::string>(),
-                            answer_screen(cards(s), views, s.at("command").get<std::string>()) + time_table(s) +
+                            answer_screen(facts_table(film, statistics), views, s.at("command").get<std::string>()) +
+                                time_table(s) +
                                 folded("Frame by frame, effects, passes, settings",
                                        plots(s) + effect_table(s) + plan_rows(s.at("plan"))) +
                                 settings_table(s)));
