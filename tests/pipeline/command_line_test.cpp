@@ -197,14 +197,18 @@ TEST(Statistics, HaveEveryDocumentedKey) {
                   .status,
               0);
     const auto statistics = nlohmann::json::parse(contents(file));
-    for (const char* key :
-         {"version", "command", "input", "output", "width", "height", "fps", "frames", "bytes", "seconds", "rays",
-          "light_points", "mean_cut", "peak_rss_mib", "non_finite", "clamped_energy", "psnr_y", "ssim_y", "per_frame"})
+    for (const char* key : {"version", "command", "input", "output", "width", "height", "fps", "frames", "bytes",
+                            "seconds", "counts", "mean_cut", "peak_rss_mib", "psnr_y", "ssim_y", "per_frame"})
         EXPECT_TRUE(statistics.contains(key)) << key;
     for (const char* key : {"load", "see", "shade", "develop", "encode", "wall", "cpu"})
         EXPECT_TRUE(statistics.at("seconds").contains(key)) << key;
-    for (const char* key : {"primary", "shadow", "gather"})
-        EXPECT_GT(statistics.at("rays").at(key).get<double>(), 0) << key;
+    for (const char* key : {"primary_rays", "shadow_rays", "gather_rays"})
+        EXPECT_GT(statistics.at("counts").at(key).get<double>(), 0) << key;
+    // The guide names each count and each member of a frame.
+    const std::string document = contents(support::source_folder() / "docs/json.md");
+    for (const auto* object : {&statistics.at("counts"), &statistics.at("per_frame")[0]})
+        for (const auto& [key, value] : object->items())
+            EXPECT_NE(document.find("`" + key + "`"), std::string::npos) << key;
     EXPECT_EQ(statistics.at("per_frame").size(), 2u);
     EXPECT_EQ(statistics.at("bytes"), std::filesystem::file_size(folder / "x.mpg"));
     EXPECT_EQ(statistics.at("per_frame")[0].at("type"), "I");

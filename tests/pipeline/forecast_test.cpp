@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "app/experiments/effect_costs.h"
-#include "app/experiments/windows.h"
+#include "app/experiments/trial.h"
 #include "support/program.h"
 
 /// What a few frames tell of a whole film, and of its effects.
@@ -102,9 +102,9 @@ TEST(Windows, LieInEachShot) {
     RenderJob film = flash_cut();  // 72 frames, a cut at 36
     const std::vector<Chunk> two = app::windows_by_shot(film, {4, 5});
     ASSERT_EQ(two.size(), 2u);
-    EXPECT_EQ(two[0].first, 15);
-    EXPECT_EQ(two[0].last, 19);
-    EXPECT_EQ(two[1].first, 51);
+    EXPECT_EQ(two[0].first, 16);
+    EXPECT_EQ(two[0].last, 20);
+    EXPECT_EQ(two[1].first, 52);
     EXPECT_EQ(two[1].index, 1);
     film.frames = {0, 35};
     EXPECT_EQ(app::windows_by_shot(film, {4, 5}).size(), 4u) << "one shot: its parts";

@@ -19,7 +19,7 @@ namespace {
 /// Runs the command; rows are printed as they come.
 class Comparing {
   public:
-    Comparing(const CompareOptions& options, const RenderJob& film, const std::string& ffmpeg);
+    Comparing(const CompareOptions& options, const RenderJob& film, const Sample& sample, const std::string& ffmpeg);
 
     void run();
     /// Sets the command of the recommended way.
@@ -46,10 +46,11 @@ class Comparing {
     Comparison found_;
 };
 
-Comparing::Comparing(const CompareOptions& options, const RenderJob& film, const std::string& ffmpeg)
+Comparing::Comparing(const CompareOptions& options, const RenderJob& film, const Sample& sample,
+                     const std::string& ffmpeg)
     : options_(options),
       quantisers_(in_scale_of(film.coding.codec, quantisers_from(options.quantisers))),
-      trials_(film, windows_of(film.frames, sample_from(options.sample)), options.references) {
+      trials_(film, middle_windows(film, sample.windows, sample.frames), options.references) {
     trials_.mask_all();
     found_.ffmpeg = ffmpeg;
     check_memory(trials_.bytes_held(true));
@@ -137,7 +138,7 @@ int compare(const CompareOptions& options, const std::vector<std::string>& words
     const RenderJob film = prepare_trials(options.render, options);
     std::optional<Comparing> comparing;
     if (!InterruptGuard::requested()) {
-        comparing.emplace(options, film, ffmpeg);
+        comparing.emplace(options, film, sample_from(options.sample), ffmpeg);
         comparing->run();
     }
     if (!comparing || comparing->found().ways[coupled_way].rows.empty()) {

@@ -98,7 +98,7 @@ class Cost {
         : options_(options),
           asked_(film),
           sample_(sample),
-          trials_(resized(film, sample.scale), windows_of(film.frames, sample.sweep)) {
+          trials_(resized(film, sample.scale), middle_windows(film, sample.sweep.windows, sample.sweep.frames)) {
         sweep_.forecast = sample.forecast;
         sweep_.pixels = static_cast<double>(film.format.width) * film.format.height;
         check_memory(trials_.bytes_held(false));

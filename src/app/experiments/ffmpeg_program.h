@@ -25,8 +25,7 @@ FfmpegWay strongest_ffmpeg(encoder::Codec codec);
 
 std::string options_of(const FfmpegWay& way, int quantiser, int gop);
 
-/// Runs it on one thread for one window; its seconds exclude reading. Surplus bytes of an extra I picture do not count,
-/// in ffmpeg's favour.
+/// Runs it on one thread for one window; its seconds exclude reading.
 Trials::Codec ffmpeg_codec(const FfmpegWay& way, int quantiser, int gop, const core::FrameRate& rate);
 
 }  // namespace render2mpeg::app

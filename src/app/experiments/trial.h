@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "app/experiments/windows.h"
 #include "app/loop/forecast.h"
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
@@ -26,6 +25,9 @@ struct ReferenceFrame {
     core::Picture picture;
     std::vector<glm::ivec2> gathering;  ///< pixels that have anything to gather
 };
+
+/// The middle frames of each shot, where there are cuts and no more than eight shots; else as middle_windows().
+std::vector<Chunk> windows_by_shot(const RenderJob& film, const Sample& sample);
 
 /// Coding of a film with one quantiser, or by --quality.
 RenderJob at_quantiser(RenderJob film, int quantiser);

@@ -140,7 +140,7 @@ bool TuneCommand::search() {
     const Sample sample = sample_of(film);
     // The worst tenth is often one shot.
     const bool by_shot = target.worst_tenth && !options_.sample;
-    trials_.emplace(film, by_shot ? windows_by_shot(film, sample) : windows_of(film.frames, sample),
+    trials_.emplace(film, by_shot ? windows_by_shot(film, sample) : middle_windows(film, sample.windows, sample.frames),
                     options_.references.value_or(target.is_rate() ? 0 : 1));
     if (target.worst_tenth) trials_->judge_worst_tenth();
     check_memory(trials_->bytes_held(target.kind != Kind::time));

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <nlohmann/json.hpp>
 
 #include "app/experiments/trial_command.h"
@@ -32,56 +33,13 @@ bool is_taken(const Tuning& tuning, std::size_t probe) {
     return tuning.chosen == probe && tuning.found != Found::beyond && film_is_near(tuning);
 }
 
-/// "41.97 dB PSNR-Y and 0.9834 SSIM"
-std::string quality_text(const Trial& trial) {
-    const Quality quality = trial.film_quality();
-    return fmt::format("{} dB PSNR-Y and {:.4f} SSIM", psnr_text(quality.psnr_y), quality.ssim_y);
-}
-
-std::string quality_sentence(const Tuning& tuning) {
-    const Probe& probe = tuning.probes[*tuning.chosen];
-    const std::string asked = target_text(tuning.target), name = name_of(tuning.target, probe);
-    const std::string value = figure_text(tuning.target.kind, probe.value);
-    if (tuning.found == Found::beyond)
-        return fmt::format("{} is out of reach: {}, the {}, comes to {}.", asked, name,
-                           probe.value < tuning.target.value ? "finest" : "coarsest", value);
-    if (is_lossless(tuning.target, probe.value) && tuning.found == Found::between && *probe.trial.quality <= 0)
-        return fmt::format(
-            "Nothing is lost on the sample whatever the quality, where {} was asked for: {}, the "
-            "coarsest, is taken; {}, {} s of CPU per frame for light.",
-            asked, name, figure_text(Kind::bitrate, probe.trial.bit_rate), short_figure(probe.trial.seconds));
-    std::string text =
-        fmt::format("Quality {} comes to {} on the sample, where {} was asked for", probe.setting, value, asked);
-    if (tuning.found == Found::between)
-        text += ": qualities rise in steps here, and none that was tried comes nearer" +
-                std::string(probe.value < tuning.target.value ? "" : " from above");
-    return text + fmt::format("; {}, {} s of CPU per frame for light.",
-                              figure_text(Kind::bitrate, probe.trial.bit_rate), short_figure(probe.trial.seconds));
-}
-
-std::string rate_sentence(const Tuning& tuning) {
-    const Probe& probe = tuning.probes[*tuning.chosen];
-    const std::string asked = target_text(tuning.target), name = name_of(tuning.target, probe);
-    const std::string rate = figure_text(Kind::bitrate, probe.trial.bit_rate);
-    if (tuning.found == Found::beyond)
-        return fmt::format("{} is out of reach: even {} needs {} on the sample.", asked, name, rate);
-    if (tuning.found == Found::between && *probe.trial.quality >= 100)
-        return fmt::format("{} are more than the finest film needs on the sample: {} is {}: {}.", asked, name, rate,
-                           quality_text(probe.trial));
-    const std::string text = tuning.target.kind == Kind::size
-                                 ? fmt::format("{} leave {} kb/s for pictures, which is ", asked,
-                                               std::stol(tuning.options.front().second) / 1000)
-                                 : asked + " is ";
-    return text + fmt::format("{} on the sample ({}): {}.", name, rate, quality_text(probe.trial));
-}
-
-std::string time_sentence(const Tuning& tuning) {
-    const Probe& probe = tuning.probes[*tuning.chosen];
-    const std::string asked = clock_text(tuning.target.value), film = clock_text(probe.value);
-    if (tuning.found == Found::beyond)
-        return fmt::format("{} on the clock is out of reach: {} takes about {}.", asked, probe.setting, film);
-    return fmt::format("The film takes about {} of {} on the clock ({}): {} on the sample.", film, asked, probe.setting,
-                       quality_text(probe.trial));
+/// Why a setting that is taken misses the target; empty where it meets it.
+std::string cause_of(const Tuning& tuning, const Probe& probe) {
+    if (tuning.found != Found::between) return {};
+    if (is_lossless(tuning.target, probe.value) && *probe.trial.quality <= 0)
+        return ": nothing is lost on the sample whatever the quality";
+    if (tuning.target.is_rate() && *probe.trial.quality >= 100) return ": the finest film needs no more";
+    return tuning.target.is_quality() ? ": qualities rise in steps here, and none that was tried comes nearer" : "";
 }
 
 json quality_json(const Quality& quality) {
@@ -168,8 +126,21 @@ std::string probe_row(const Target& target, const Probe& probe) {
 
 std::string sentence_of(const Tuning& tuning) {
     if (tuning.found == Found::stopped || !tuning.chosen) return {};
-    if (tuning.target.is_quality()) return quality_sentence(tuning);
-    return tuning.target.is_rate() ? rate_sentence(tuning) : time_sentence(tuning);
+    const Target& target = tuning.target;
+    const Probe& probe = tuning.probes[*tuning.chosen];
+    std::string name = target.kind == Kind::time ? "with " + probe.setting : name_of(target, probe);
+    const std::string value = figure_text(target.is_rate() ? Kind::bitrate : target.kind, probe.value);
+    if (tuning.found == Found::beyond)
+        return fmt::format("{} is out of reach: {} the sample comes to {}.", target_text(target),
+                           target.kind == Kind::time ? name : "with " + name, value);
+    name[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[0])));
+    const Quality quality = probe.trial.film_quality();
+    return fmt::format(
+        "{} {} comes to {}, where {} was asked for{}; {}, {} dB PSNR-Y and {:.4f} SSIM, {} s of CPU per frame for "
+        "light.",
+        name, target.kind == Kind::time ? "the film" : "on the sample", value, target_text(target),
+        cause_of(tuning, probe), figure_text(Kind::bitrate, probe.trial.bit_rate), psnr_text(quality.psnr_y),
+        quality.ssim_y, short_figure(probe.trial.seconds));
 }
 
 std::string film_sentence(const Tuning& tuning) {

@@ -15,11 +15,13 @@ std::string row_of(const AnswerRow& row) {
     const std::string bar = row.bar.empty() ? ""
                                             : fmt::format("<div class=\"len\" style=\"width:{:.1f}%\"></div>{}",
                                                           100 * row.share, escaped(row.bar));
+    const std::string note = row.note.empty() ? "" : "<br/><small>" + escaped(row.note) + "</small>";
     return fmt::format(
-        "<tr{}><td>{}{}</td><td class=\"bars\">{}</td><td><span class=\"{}\">{}</span><br/><small>{}</small></td>"
+        "<tr{}><td>{}{}{}</td><td class=\"bars\">{}</td><td><span class=\"{}\">{}</span><br/><small>{}</small></td>"
         "<td>{}</td></tr>\n",
-        row.recommended ? " class=\"taken\"" : "", escaped(row.name), badge, bar, grades[static_cast<int>(row.grade)],
-        escaped(row.word), escaped(row.detail), escaped(row.size));
+        row.recommended ? " class=\"taken\"" : "", escaped(row.name), badge, note, bar,
+        grades[static_cast<int>(row.grade)], escaped(row.word), escaped(row.detail),
+        row.picture.empty() ? escaped(row.size) : row.picture);
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace render2mpeg::app {
 /// How good something is, for the colour of its word.
 enum class Grade { good, fair, poor, none };
 
-/// One choice.
+/// One choice, as plain text.
 struct AnswerRow {
     std::string name;
     double share = 0;  ///< of the longest bar, 0 to 1
@@ -22,6 +22,8 @@ struct AnswerRow {
     std::string detail;  ///< under the word, soft
     std::string size;
     bool recommended = false;
+    std::string note = {};     ///< under the name, soft
+    std::string picture = {};  ///< HTML in place of the size
 };
 
 /// One of several ways to the same film, as the rule of all pages sees it.

@@ -59,8 +59,8 @@ std::string sentence_of(const json& s) {
         s.at("frames").get<std::int64_t>(), s.at("width").get<int>(), s.at("height").get<int>(),
         clock_text(number(s, "seconds", "wall")), cpu, 100 * core::divide_or(light, cpu, 0.0),
         number(s, "mean_cut", "direct") + number(s, "mean_cut", "indirect"),
-        s.at("light_points").at("direct").get<std::int64_t>() +
-            s.at("light_points").at("indirect").get<std::int64_t>());
+        s.at("counts").at("direct_points").get<std::int64_t>() +
+            s.at("counts").at("indirect_points").get<std::int64_t>());
     if (s.contains("rate")) {
         text += fmt::format(" The film has {} ({})", size_text(s.at("bytes").get<double>()), kilobits(s));
         text += s.at("psnr_y").is_number()
@@ -113,7 +113,6 @@ std::vector<Curve> by_type(const json& s, Value&& value) {
 std::string plots(const json& s) {
     if (s.at("per_frame").empty()) return {};
     const auto field = [](const char* key) { return [key](const json& f) { return f.at(key).get<double>(); }; };
-    const auto cut = [](const char* key) { return [key](const json& f) { return f.at("cut").at(key).get<double>(); }; };
     const auto plot = [](const std::string& title, const std::string& unit, std::vector<Curve> curves) {
         return figure_of({title, {"frame", false}, {unit, false}, std::move(curves)});
     };
@@ -129,8 +128,8 @@ std::string plots(const json& s) {
                 plot("PSNR-Y of the decoded picture", "dB", by_type(s, psnr));
     return text +
            plot("Cut: clusters of lights per point", "clusters",
-                {curve_of(s, "direct", "one", true, cut("direct")),
-                 curve_of(s, "indirect", "two", true, cut("indirect"))}) +
+                {curve_of(s, "direct", "one", true, field("direct_cut")),
+                 curve_of(s, "indirect", "two", true, field("indirect_cut"))}) +
            plot("CPU time", "s", {curve_of(s, "CPU", "one", true, field("seconds"))});
 }
 
@@ -196,7 +195,7 @@ std::string plain(const json& value) {
 std::string settings_table(const json& s) {
     std::vector<TableRow> rows{{{"command", s.at("command").get<std::string>()}}};
     for (const char* key : {"version", "isa", "input", "exposure", "view", "tolerance", "codec", "quantiser", "gop",
-                            "rate", "light_points", "aspect_ratio_code", "cadence"}) {
+                            "rate", "aspect_ratio_code", "cadence"}) {
         if (!s.contains(key) || s.at(key).is_null()) continue;
         std::string name = key == std::string_view("quantiser") ? scale_of(s) : key;
         std::replace(name.begin(), name.end(), '_', ' ');
