@@ -20,7 +20,6 @@
 #include "app/system/terminal.h"
 #include "core/error.h"
 #include "core/numeric.h"
-#include "encoder/av/av.h"
 #include "encoder/av/coders.h"
 #include "encoder/capabilities.h"
 #include "parallel/loops.h"

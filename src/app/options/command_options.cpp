@@ -106,9 +106,7 @@ CLI::App* add_cost_command(CLI::App& app, CostOptions& options) {
         "Example: render2mpeg cost scene.glb --size 320x180 --vpls 1000 --report cost.html");
     add_scene_options(*command, options.render);
     add_sweep_options(*command, options);
-    add_picture_options(*command, options.render);
-    add_light_options(*command, options.render);
-    add_coding_options(*command, options.render.coding);
+    add_film_options(*command, options.render);
     for (const char* name : unwanted) command->remove_option(command->get_option(name));
     add_trial_run_options(*command, options);
     return command;
@@ -132,9 +130,7 @@ CLI::App* add_compare_command(CLI::App& app, CompareOptions& options) {
                range(1, 1000), shown);
     add_option(*command, tried, "--quantisers", options.quantisers, "Quantisers to code with, two or more", "Q,Q,...",
                quantisers_from, shown);
-    add_picture_options(*command, options.render);
-    add_light_options(*command, options.render);
-    add_coding_options(*command, options.render.coding);
+    add_film_options(*command, options.render);
     for (const char* name : unwanted) command->remove_option(command->get_option(name));
     for (const char* name : {"--quantiser", "--for", "--keyframes"}) command->remove_option(command->get_option(name));
     add_trial_run_options(*command, options);
@@ -152,9 +148,7 @@ CLI::App* add_tune_command(CLI::App& app, TuneOptions& options) {
         ->type_name("OUT");
     add_targets(*command, options);
     add_tried(*command, options);
-    add_picture_options(*command, options.render);
-    add_light_options(*command, options.render);
-    add_coding_options(*command, options.render.coding);
+    add_film_options(*command, options.render);
     add_sound_options(*command, options.render.coding);
     for (const char* name : decided_by_tune) command->remove_option(command->get_option(name));
     add_trial_run_options(*command, options);
