@@ -77,11 +77,12 @@ std::vector<AnswerRow> answer_rows(const std::vector<FilmCost>& costs) {
     const std::optional<std::size_t> taken = recommended(costs);
     std::vector<AnswerRow> rows;
     double longest = 0;
-    for (const FilmCost& c : costs) longest = std::max(longest, c.cpu);
+    for (const FilmCost& c : costs)
+        if (c.value != by_truth) longest = std::max(longest, c.cpu);
     for (std::size_t i = 0; i < costs.size(); ++i) {
         const FilmCost& c = costs[i];
-        rows.push_back({c.name(), core::divide_or(c.cpu, longest, 0.0), time_text(c.clock, c.cpu), c.difference(),
-                        grade_of(c.added), "", size_text(c.bytes), taken == i});
+        rows.push_back({c.name(), std::min(1.0, core::divide_or(c.cpu, longest, 1.0)), time_text(c.clock, c.cpu),
+                        c.difference(), grade_of(c.added), "", size_text(c.bytes), taken == i});
     }
     return rows;
 }

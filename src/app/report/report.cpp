@@ -72,13 +72,6 @@ std::string sentence_of(const json& s) {
     return text;
 }
 
-/// What the terminal shows, without what follows in tables.
-std::string facts_table(const RenderJob& film, const RunStatistics& statistics) {
-    std::vector<TableRow> rows;
-    for (const SummaryLine& line : summary_lines(film, statistics)) rows.push_back({{line.label, line.text}});
-    return html_table("What became of it", "tt", {}, rows);
-}
-
 /// Values of frames by `value`, which gives NaN where there is none; of long films means over neighbours.
 template <class Value>
 Curve curve_of(const json& s, const char* name, const char* color, bool joined, Value&& value) {
@@ -253,13 +246,13 @@ void write_report(const std::filesystem::path& html, const RenderJob& film, cons
     json s = statistics_of(film, statistics, facts);
     s["summary"] = sentence_of(s);
     s["plan"] = plan_of(film, statistics);
-    write_whole(html,
-                report_page(std::filesystem::path(facts.output).filename().string(), s.at("summary").get<std::string>(),
-                            answer_screen(facts_table(film, statistics), views, s.at("command").get<std::string>()) +
-                                time_table(s) +
-                                folded("Frame by frame, effects, passes, settings",
-                                       plots(s) + effect_table(s) + plan_rows(s.at("plan"))) +
-                                settings_table(s)));
+    const std::string body = answer_screen(time_table(s), views, s.at("command").get<std::string>()) +
+                             "<h2>What became of it</h2>\n<pre>" + escaped(summary(film, statistics, facts)) +
+                             "</pre>\n" +
+                             folded("Frame by frame, effects, passes, settings",
+                                    plots(s) + effect_table(s) + plan_rows(s.at("plan")) + settings_table(s));
+    write_whole(html, report_page(std::filesystem::path(facts.output).filename().string(),
+                                  s.at("summary").get<std::string>(), body));
     write_json(report_json_of(html), s);
 }
 

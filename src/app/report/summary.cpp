@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <vector>
 
 #include "app/report/effects.h"
 #include "app/report/figures.h"
@@ -15,6 +16,12 @@
 
 namespace render2mpeg::app {
 namespace {
+
+/// A line of at most 67 characters; its label is empty where it goes on.
+struct SummaryLine {
+    std::string label, text;
+};
+using SummaryLines = std::vector<SummaryLine>;
 
 /// Share of counts as per cent.
 std::string percent_of(std::uint64_t part, std::uint64_t whole) {
@@ -98,13 +105,14 @@ void add_quantisers(SummaryLines& lines, const Film& film, const RunStatistics& 
     const RateOutcome rate = statistics.rate_outcome();
     const std::string scale(encoder::facts_of(film.coding.codec).scale);
     const QuantiserRange range = statistics.quantisers();
-    if (film.coding.rate_control.mode != encoder::RateMode::constant_quantiser)
+    const bool asked = film.coding.rate_control.mode == encoder::RateMode::constant_quantiser;
+    if (!asked)
         lines.push_back(
             {scale, fmt::format("{:.1f} on average, pictures from {} to {}", range.mean, range.min, range.max)});
     const auto were = [](int count) { return count == 1 ? " was" : " were"; };
     if (rate.off_plan > 0)
-        lines.push_back(
-            {scale, pictures_text(rate.off_plan) + were(rate.off_plan) + " coded with another than made for"});
+        lines.push_back({asked ? scale : "",
+                         pictures_text(rate.off_plan) + were(rate.off_plan) + " coded with another than made for"});
     if (rate.requantised > 0)
         lines.push_back({"buffer", pictures_text(rate.requantised) + were(rate.requantised) +
                                        " coded again, coarser, to reach the decoder in time"});
@@ -206,7 +214,7 @@ std::string text_of(const std::string& first, const SummaryLines& lines) {
 
 }  // namespace
 
-SummaryLines summary_lines(const RenderJob& film, const RunStatistics& statistics) {
+std::string summary(const RenderJob& film, const RunStatistics& statistics, const RunFacts& facts) {
     SummaryLines lines;
     add_time(lines, statistics);
     if (film.preview)
@@ -219,11 +227,7 @@ SummaryLines summary_lines(const RenderJob& film, const RunStatistics& statistic
     add_seconds(lines, "effects", effects);
     if (film.audit > 0) add_audit(lines, statistics.audit);
     if (film.kind == OutputKind::film) add_coding(lines, film.film(), statistics, "rendered");
-    return lines;
-}
-
-std::string summary(const RenderJob& film, const RunStatistics& statistics, const RunFacts& facts) {
-    return text_of(film_line(film.film(), statistics, facts), summary_lines(film, statistics));
+    return text_of(film_line(film.film(), statistics, facts), lines);
 }
 
 std::string encode_summary(const Film& film, const RunStatistics& statistics, const RunFacts& facts) {
