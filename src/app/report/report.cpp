@@ -172,32 +172,6 @@ std::string plan_rows(const json& plan) {
     return html_table("What ran, and why", "ttnt", {"Pass", "Runs", "CPU, s", "Reason"}, rows);
 }
 
-/// A value of the statistics as people read it: "mode coupled, masking warped".
-std::string plain(const json& value) {
-    if (value.is_string()) return value.get<std::string>();
-    if (value.is_number_float()) return fmt::format("{:.6g}", value.get<double>());
-    if (!value.is_object()) return value.dump();
-    std::string text;
-    for (const auto& [key, part] : value.items())
-        if (!part.is_null()) text += (text.empty() ? "" : ", ") + key + " " + plain(part);
-    std::replace(text.begin(), text.end(), '_', ' ');
-    return text;
-}
-
-/// All that decides the film besides its scene.
-std::string settings_table(const json& s) {
-    std::vector<TableRow> rows{{{"command", s.at("command").get<std::string>()}}};
-    for (const char* key : {"version", "isa", "input", "exposure", "view", "tolerance", "codec", "quantiser", "gop",
-                            "rate", "aspect_ratio_code", "cadence"}) {
-        if (!s.contains(key) || s.at(key).is_null()) continue;
-        std::string name = key == std::string_view("quantiser") ? scale_of(s) : key;
-        std::replace(name.begin(), name.end(), '_', ' ');
-        rows.push_back({{name, plain(s.at(key))}});
-    }
-    return html_table("To make it again", "tt", {}, rows) +
-           "<p class=\"soft\">Every figure is in the JSON file beside this page (docs/first-film.md).</p>\n";
-}
-
 constexpr const char* generator = "<meta name=\"generator\" content=\"render2mpeg";
 
 bool is_page_of_ours(const std::filesystem::path& file) {
@@ -246,11 +220,11 @@ void write_report(const std::filesystem::path& html, const RenderJob& film, cons
     json s = statistics_of(film, statistics, facts);
     s["summary"] = sentence_of(s);
     s["plan"] = plan_of(film, statistics);
-    const std::string body = answer_screen(time_table(s), views, s.at("command").get<std::string>()) +
-                             "<h2>What became of it</h2>\n<pre>" + escaped(summary(film, statistics, facts)) +
-                             "</pre>\n" +
-                             folded("Frame by frame, effects, passes, settings",
-                                    plots(s) + effect_table(s) + plan_rows(s.at("plan")) + settings_table(s));
+    const std::string body =
+        answer_screen(time_table(s), views, s.at("command").get<std::string>()) + "<h2>What became of it</h2>\n<pre>" +
+        escaped(summary(film, statistics, facts)) + "</pre>\n" +
+        folded("Frame by frame, effects, passes", plots(s) + effect_table(s) + plan_rows(s.at("plan"))) +
+        "<p class=\"soft\">Every figure is in the JSON file beside this page (docs/json.md).</p>\n";
     write_whole(html, report_page(std::filesystem::path(facts.output).filename().string(),
                                   s.at("summary").get<std::string>(), body));
     write_json(report_json_of(html), s);
