@@ -130,17 +130,20 @@ std::string sentence_of(const Tuning& tuning) {
     const Probe& probe = tuning.probes[*tuning.chosen];
     std::string name = target.kind == Kind::time ? "with " + probe.setting : name_of(target, probe);
     const std::string value = figure_text(target.is_rate() ? Kind::bitrate : target.kind, probe.value);
+    std::string asked = target_text(target);
+    if (target.kind == Kind::size && !tuning.options.empty())
+        asked += fmt::format(" ({} of pictures)", figure_text(Kind::bitrate, std::stod(tuning.options.front().second)));
     if (tuning.found == Found::beyond)
-        return fmt::format("{} is out of reach: {} the sample comes to {}.", target_text(target),
+        return fmt::format("{} is out of reach: {} the sample comes to {}.", asked,
                            target.kind == Kind::time ? name : "with " + name, value);
     name[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[0])));
     const Quality quality = probe.trial.film_quality();
     return fmt::format(
         "{} {} comes to {}, where {} was asked for{}; {}, {} dB PSNR-Y and {:.4f} SSIM, {} s of CPU per frame for "
         "light.",
-        name, target.kind == Kind::time ? "the film" : "on the sample", value, target_text(target),
-        cause_of(tuning, probe), figure_text(Kind::bitrate, probe.trial.bit_rate), psnr_text(quality.psnr_y),
-        quality.ssim_y, short_figure(probe.trial.seconds));
+        name, target.kind == Kind::time ? "the film" : "on the sample", value, asked, cause_of(tuning, probe),
+        figure_text(Kind::bitrate, probe.trial.bit_rate), psnr_text(quality.psnr_y), quality.ssim_y,
+        short_figure(probe.trial.seconds));
 }
 
 std::string film_sentence(const Tuning& tuning) {
