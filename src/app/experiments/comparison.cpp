@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "app/experiments/quality_search.h"
+#include "app/experiments/bd_rate.h"
 #include "app/experiments/trial_command.h"
 #include "app/files/file_io.h"
 #include "app/report/answer.h"

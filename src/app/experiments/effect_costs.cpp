@@ -145,9 +145,9 @@ EffectCosts effect_costs(const RenderJob& film, int frames, double limit, bool q
     costs.frames = static_cast<int>(windows.front().frames());
     for (const LeftOut& effect : effects) {
         if (clock_seconds() > limit) break;
-        std::optional<Lit> less = light(effect.film, windows, "without " + effect.name, quiet);
+        const std::optional<Lit> less = light(effect.film, windows, "without " + effect.name, quiet);
         if (!less) break;
-        EffectCost cost = difference_of(*whole, std::move(*less));
+        EffectCost cost = difference_of(*whole, *less);
         cost.name = effect.name;
         cost.option = effect.option;
         row_done(cost, costs.rows.empty());
