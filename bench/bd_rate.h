@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/experiments/quality_search.h"
+#include "app/experiments/bd_rate.h"
 
 namespace render2mpeg::bench {
 

@@ -21,10 +21,10 @@ rows() { # NAME INPUT
 import json, sys
 name, tolerance, file = sys.argv[1:]
 s = json.load(open(file))
-p, points = s["passes"], max(1, s["gather_points"])
-error_scale = (s.get("error_scale") or {}).get("seconds", 0)
+p, points = s["passes"], max(1, s["counts"]["gather_points"])
+error_scale = s["counts"]["calibration_seconds"]
 cut = sum(s["mean_cut"].values())
-print(f'| {name} | {tolerance[:-1]} % | {cut:.0f}, {s["rays"]["shadow"] / points:.0f} '
+print(f'| {name} | {tolerance[:-1]} % | {cut:.0f}, {s["counts"]["shadow_rays"] / points:.0f} '
       f'| {p.get("direct light tree", 0) + p.get("indirect light tree", 0) - error_scale:.2f} | {error_scale:.2f} | {p.get("photons", 0):.2f} |')
 PY
     done

@@ -23,8 +23,8 @@ name, file = sys.argv[1:]
 s = json.load(open(file))
 n, t = s["frames"], s["seconds"]
 per = lambda key: t[key] / n
-print(f'| {name} | {s["light_points"]["direct"]} + {s["light_points"]["indirect"]} | {s["mean_cut"]["direct"]:.0f} + {s["mean_cut"]["indirect"]:.0f} '
-      f'| {per("see"):.2f} | {per("shade"):.2f} | {per("develop") + per("encode"):.3f} | {100 * s["capped_points"] / max(1, s["gather_points"]):.1f} % |')
+print(f'| {name} | {s["counts"]["direct_points"]} + {s["counts"]["indirect_points"]} | {s["mean_cut"]["direct"]:.0f} + {s["mean_cut"]["indirect"]:.0f} '
+      f'| {per("see"):.2f} | {per("shade"):.2f} | {per("develop") + per("encode"):.3f} | {100 * s["counts"]["capped_points"] / max(1, s["counts"]["gather_points"]):.1f} % |')
 PY
 }
 

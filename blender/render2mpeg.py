@@ -244,7 +244,7 @@ class RENDER2MPEG_OT_cost(Working, bpy.types.Operator):
     bl_description = "What accuracy costs in time, on a few frames of the film"
 
     def words(self, context):
-        return ["cost", saved_copy(), "--sample", "2"] + size_words(context.scene)
+        return ["cost", saved_copy()] + size_words(context.scene)
 
     def finish(self, context):
         self.report({"INFO"}, "See the text render2mpeg")

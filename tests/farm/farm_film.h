@@ -69,8 +69,9 @@ inline void round_numbers(nlohmann::json& value) {
 inline nlohmann::json lasting_statistics(const std::filesystem::path& file) {
     nlohmann::json s = nlohmann::json::parse(support::contents(file));
     for (const char* key : {"seconds", "passes", "effects", "peak_rss_mib", "command", "output"}) s.erase(key);
-    s["rays"].erase("photon");
-    if (s["error_scale"].is_object()) s["error_scale"].erase("seconds");
+    for (const char* key :
+         {"photon_rays", "photon_energy", "photon_energy_lost", "calibration_seconds", "sky_seconds", "layer_seconds"})
+        s["counts"].erase(key);
     if (s["audit"].is_object()) s["audit"].erase("seconds");
     for (nlohmann::json& frame : s["per_frame"]) frame.erase("seconds");
     round_numbers(s);

@@ -32,8 +32,8 @@ json cost_of(const std::string& scene, const std::string& options) {
 /// Without what a clock says.
 json timeless(json value) {
     if (value.is_object())
-        for (const char* key :
-             {"seconds", "time_ratio", "summary", "command", "cpu", "clock", "recommended", "time_share", "render"})
+        for (const char* key : {"seconds", "light_seconds", "code_seconds", "summary", "command", "cpu", "clock",
+                                "recommended", "time_share", "render"})
             value.erase(key);
     if (value.is_structured())
         for (json& part : value) part = timeless(part);
@@ -46,28 +46,6 @@ json timeless(json value) {
 /// Null where nothing differs.
 double decibels(const json& psnr) {
     return psnr.is_null() ? std::numeric_limits<double>::infinity() : psnr.get<double>();
-}
-
-TEST(Windows, LieApartSpreadOverTheFilmAndInIt) {
-    for (const std::int64_t length : {1, 2, 5, 6, 7, 60, 1001})
-        for (const app::Sample sample : {app::Sample{2, 3}, {1, 1}, {7, 5}, {3, 400}}) {
-            const app::FrameRange film{10, 9 + length};
-            const std::vector<app::Chunk> windows = app::windows_of(film, sample);
-            ASSERT_FALSE(windows.empty());
-            const std::int64_t frames = std::min<std::int64_t>(sample.frames, length);
-            EXPECT_EQ(static_cast<std::int64_t>(windows.size()),
-                      std::min<std::int64_t>(sample.windows, length / frames));
-            std::int64_t free = film.first;
-            for (const app::Chunk& window : windows) {
-                EXPECT_GE(window.first, free);
-                EXPECT_EQ(window.frames(), frames);
-                free = window.last + 1;
-            }
-            EXPECT_LE(free, film.last + 1);
-            // As much is left before the first as behind the last, but for what does not divide.
-            EXPECT_NEAR(static_cast<double>(windows.front().first - film.first),
-                        static_cast<double>(film.last - windows.back().last), 2.0);
-        }
 }
 
 TEST(CostOptions, AreReadAndRefused) {
@@ -97,47 +75,46 @@ TEST(CostOptions, AreReadAndRefused) {
 }
 
 TEST(Cost, RisesAndErrorsFallAsTolerancesTightenSlow) {
-    const json found =
-        cost_of(support::panel_film(), brief + " --tolerances 0.001,2,40 --quantisers 4,31 --quantiser 4");
+    const json found = cost_of(support::panel_film(), brief + " --tolerances 0.001,2,40 --quantiser 31");
     EXPECT_TRUE(found.at("complete").get<bool>());
     EXPECT_EQ(found.at("windows"), (json{{29, 30}}));
     EXPECT_EQ(found.at("reference").at("frames"), 1);
     EXPECT_EQ(found.at("cache"), "off");
     EXPECT_EQ(found.at("masking"), "warped");
-    const json& fixed = found.at("fixed");
-    ASSERT_EQ(fixed.size(), 3u);
-    for (std::size_t i = 0; i < 3; ++i) {
-        EXPECT_FLOAT_EQ(fixed[i].at("tolerance").get<float>(), (std::vector<float>{0.4f, 0.02f, 1e-5f})[i]);
-        EXPECT_GT(fixed[i].at("seconds").get<double>(), 0.0);
-        EXPECT_EQ(fixed[i].at("requantised"), 0);
-        EXPECT_EQ(fixed[i].at("error").at("pixels"), 1008) << "all but the lamp's";
-        if (i == 0) continue;
-        EXPECT_GT(fixed[i].at("rays_per_point"), fixed[i - 1].at("rays_per_point"));
-        EXPECT_GT(fixed[i].at("cut"), fixed[i - 1].at("cut"));
-        EXPECT_LT(fixed[i].at("error").at("p95"), fixed[i - 1].at("error").at("p95"));
-        EXPECT_GT(decibels(fixed[i].at("lit").at("psnr_y")), decibels(fixed[i - 1].at("lit").at("psnr_y")));
+    const json& rows = found.at("rows");
+    ASSERT_EQ(rows.size(), 7u);
+    const std::vector<std::string> names{"fixed=40%", "fixed=2%", "fixed=0.001%", "coupled", "draft", "low", "high"};
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        EXPECT_EQ(rows[i].at("name"), names[i]);
+        EXPECT_GT(rows[i].at("light_seconds").get<double>(), 0.0);
+        EXPECT_EQ(rows[i].at("requantised"), 0);
+        EXPECT_EQ(rows[i].at("error_pixels"), 1008) << "all but the lamp's";
+        if (i == 0 || i > 2) continue;
+        EXPECT_GT(rows[i].at("rays_per_point"), rows[i - 1].at("rays_per_point"));
+        EXPECT_GT(rows[i].at("cut"), rows[i - 1].at("cut"));
+        EXPECT_LT(rows[i].at("error_p95"), rows[i - 1].at("error_p95"));
+        EXPECT_GT(decibels(rows[i].at("lit_psnr_y")), decibels(rows[i - 1].at("lit_psnr_y")));
     }
 
     // Almost no tolerance leaves almost no error: what is tried and what it is held against are lit by the same points.
-    EXPECT_LT(fixed[2].at("error").at("p95").get<double>(), 1e-3);
-    EXPECT_LT(fixed[2].at("error").at("p99").get<double>(), 6e-3) << "where it is nearly black";
-    EXPECT_GT(decibels(fixed[2].at("lit").at("psnr_y")), 65.0) << "but for roundings of code values";
-    EXPECT_LT(fixed[2].at("cut").get<double>(), found.at("light_points").at("direct").get<double>() +
-                                                    found.at("light_points").at("indirect").get<double>() + 1);
-
-    // What is lit once and coded again comes to what is lit and coded at once.
-    const json& pairs = found.at("coupled");
-    ASSERT_EQ(pairs.size(), 2u);
-    EXPECT_EQ(pairs[0].at("fixed"), fixed[1]);
-    EXPECT_LT(pairs[1].at("fixed").at("bytes"), pairs[0].at("fixed").at("bytes"));
-    EXPECT_LT(pairs[1].at("coupled").at("rays_per_point").get<double>(),
-              0.7 * pairs[1].at("fixed").at("rays_per_point").get<double>())
+    EXPECT_LT(rows[2].at("error_p95").get<double>(), 1e-3);
+    EXPECT_LT(rows[2].at("error_p99").get<double>(), 6e-3) << "where it is nearly black";
+    EXPECT_GT(decibels(rows[2].at("lit_psnr_y")), 65.0) << "but for roundings of code values";
+    EXPECT_LT(rows[2].at("cut").get<double>(), found.at("light_points").get<double>() + 1);
+    EXPECT_LT(rows[3].at("rays_per_point").get<double>(), 0.7 * rows[1].at("rays_per_point").get<double>())
         << "coarse coding hides much";
-    EXPECT_NEAR(pairs[1].at("psnr_y_loss").get<double>(), 0.0, 0.3);
+
+    // The truth has a price and says how exact the reference is.
+    const json& truth = found.at("truth");
+    EXPECT_EQ(truth.at("pixels"), 64);
+    EXPECT_GT(truth.at("seconds").get<double>(), 0.0);
+    EXPECT_GT(truth.at("psnr_y").get<double>(), 20.0);
+    const json& film = found.at("film");
+    EXPECT_EQ(std::count_if(film.begin(), film.end(), [](const json& row) { return row.at("value") == "truth"; }), 1);
 }
 
 TEST(Cost, DependsOnThreadsInItsTimesAloneSlow) {
-    const std::string options = brief + " --tolerances 10 --quantisers 8 --b-pictures 0";
+    const std::string options = brief + " --tolerances 10 --quantiser 8 --b-pictures 0";
     EXPECT_EQ(timeless(cost_of(plain_film(), options + " --threads 1")),
               timeless(cost_of(plain_film(), options + " --threads 3")));
 }
@@ -145,9 +122,8 @@ TEST(Cost, DependsOnThreadsInItsTimesAloneSlow) {
 TEST(Cost, OfWhatIsBlackIsTold) {
     const json found = cost_of(plain_film(),
                                " --size 16x16 --indirect lightcuts --vpls 16 --samples 1 --exposure -40 --sample 1x1"
-                               " --tolerances 16,8,4 --quantisers 4");
-    EXPECT_TRUE(found.at("fixed")[0].at("decoded").at("psnr_y").is_null()) << "the same to the last bit";
-    EXPECT_TRUE(found.at("coupled")[0].at("psnr_y_loss").is_null());
+                               " --tolerances 16,8,4");
+    EXPECT_TRUE(found.at("rows")[0].at("psnr_y").is_null()) << "the same to the last bit";
     EXPECT_NE(found.at("summary").get<std::string>().find("none you can see"), std::string::npos);
 }
 
@@ -157,19 +133,19 @@ TEST(Cost, OfASceneWithoutAnythingToLightIsToldSlow) {
         "objects": [{"name": "away", "shape": "box", "position": [0, 0, 50], "material": "grey"}],
         "materials": {"grey": {"base_color": 0.5}}})";
     const auto outcome = run(program() + " cost " + path(folder, "film.json") + brief + " --report " +
-                             path(folder, "c.html") + " --tolerances 4,2 --quantisers 4");
+                             path(folder, "c.html") + " --tolerances 4,2");
     EXPECT_EQ(outcome.status, 0) << outcome.output;
     EXPECT_NE(outcome.output.find("none you can see"), std::string::npos) << outcome.output;
     const json found = json::parse(contents(folder / "c.report.json"));
-    EXPECT_EQ(found.at("fixed")[0].at("points"), 0);
-    EXPECT_EQ(found.at("fixed")[0].at("error").at("pixels"), 0);
-    EXPECT_TRUE(found.at("coupled")[0].at("time_ratio").is_null());
+    EXPECT_EQ(found.at("rows")[0].at("points"), 0);
+    EXPECT_EQ(found.at("rows")[0].at("error_pixels"), 0);
+    EXPECT_TRUE(found.at("truth").is_null());
 }
 
 TEST(Cost, PrintsRowsThatFitATerminalAndAPageThatStandsAloneSlow) {
     const Folder folder;
-    const std::string command = program() + " cost " + plain_film() + brief +
-                                " --tolerances 32,16,4,1 --quantisers 8 --report " + path(folder, "c.html");
+    const std::string command =
+        program() + " cost " + plain_film() + brief + " --tolerances 32,16,4,1 --report " + path(folder, "c.html");
     const auto outcome = run(command);
     ASSERT_EQ(outcome.status, 0) << outcome.output;
     std::istringstream lines(outcome.output);
@@ -177,20 +153,20 @@ TEST(Cost, PrintsRowsThatFitATerminalAndAPageThatStandsAloneSlow) {
         if (!line.starts_with(plain_film()) && !line.starts_with(program())) {
             EXPECT_LE(line.size(), 80u) << line;
         }
-    for (const char* row : {"\n32 %  ", "\n4 %  ", "\n 8 coup."})
+    for (const char* row : {"\nfixed=32%  ", "\nfixed=4%  ", "\ncoupled  ", "\neffort low  ", "\ntruth  "})
         EXPECT_NE(outcome.output.find(row), std::string::npos) << outcome.output;
 
     const std::string page = contents(folder / "c.html");
     const json found = json::parse(contents(folder / "c.report.json"));
     EXPECT_NE(page.find(found.at("summary").get<std::string>()), std::string::npos);
     test::expect_alone(page);
-    for (const char* label : {">32 %<", ">16 %<", ">1 %<", ">q 8<"}) EXPECT_NE(page.find(label), std::string::npos);
+    for (const char* label : {">fixed=32%<", ">fixed=16%<", ">fixed=1%<", ">coupled<"})
+        EXPECT_NE(page.find(label), std::string::npos);
 
     // Such a page may be replaced, and nothing else.
-    const std::string again =
-        program() + " cost " + plain_film() + brief + " --quantisers none --tolerances 50 --quiet";
+    const std::string again = program() + " cost " + plain_film() + brief + " --tolerances 50 --quiet";
     EXPECT_EQ(run(again + " --report " + path(folder, "c.html")).status, 0);
-    EXPECT_EQ(contents(folder / "c.html").find(">q 8<"), std::string::npos);
+    EXPECT_EQ(contents(folder / "c.html").find(">fixed=32%<"), std::string::npos);
     std::ofstream(folder / "other.html") << "mine";
     EXPECT_EQ(run(again + " --report " + path(folder, "other.html")).status, 1);
     EXPECT_EQ(contents(folder / "other.html"), "mine");
@@ -213,43 +189,44 @@ TEST(Trials, CountPicturesThatABufferHasNoRoomFor) {
         // The smallest buffer that a header can tell.
         film.coding.rate_control.buffer_bits = tight ? 16384 : 0;
         film.coding.rate_control.max_rate = tight ? 12000 : 0;
-        app::Trials trials(film, app::windows_of(film.frames, {1, 20}));
+        app::Trials trials(film, app::middle_windows(film, 1, 20));
         ASSERT_TRUE(trials.light_references([](const app::ReferenceStanding&) { return true; }));
         app::LitWindows lit;
+        const app::RenderJob coarse =
+            app::at_quantiser(app::with_tolerance(trials.film(), app::fixed_tolerance(0.5f)), 1);
         const auto trial = trials.run(
-            {false, 0.5f, false, {}}, 1, [] { return true; }, &lit);
+            coarse, [] { return true; }, &lit);
         ASSERT_TRUE(trial);
         EXPECT_EQ(trial->requantised > 0, tight) << trial->bytes;
         EXPECT_LE(trial->requantised, trial->frames);
-        EXPECT_EQ(trials.coded_again(lit, 1).requantised, trial->requantised);
+        EXPECT_EQ(trials.coded_again(lit, coarse).requantised, trial->requantised);
     }
 }
 
 TEST(Trials, GiveCoupledLightTheShareThatTheyAreAskedFor) {
     const app::RenderJob film = tiny_film(support::panel_film());
-    app::Trials trials(film, app::windows_of(film.frames, {1, 2}), 0);
+    app::Trials trials(film, app::middle_windows(film, 1, 2), 0);
     ASSERT_TRUE(trials.light_references([](const app::ReferenceStanding&) { return true; }));
     EXPECT_EQ(trials.references(), 0);
     const auto rays = [&](std::optional<float> share) {
-        return trials.run({false, 0, true, share}, 8, [] { return true; })->rays;
+        const app::RenderJob coupled = app::with_tolerance(trials.film(), {false, 0, true, share});
+        return trials.run(app::at_quantiser(coupled, 8), [] { return true; })->rays;
     };
     EXPECT_LT(rays(8.0f), 0.7 * rays({})) << "the usual share is less than a tenth of it";
 }
 
 TEST(Trials, TellTheirMemoryBeforeTheyTakeIt) {
     const app::RenderJob film = tiny_film();
-    const app::Trials few(film, app::windows_of(film.frames, {2, 3})),
-        many(film, app::windows_of(film.frames, {2, 30}));
+    const app::Trials few(film, app::middle_windows(film, 2, 3)), many(film, app::middle_windows(film, 2, 20));
     EXPECT_EQ(few.bytes_held(false), many.bytes_held(false)) << "references alone";
-    EXPECT_NEAR((many.bytes_held(true) - few.bytes_held(true)) / (54 * 32 * 32), 40, 5);
-    EXPECT_EQ(app::memory_note(0.9e9, 8e9), "");
-    EXPECT_NE(app::memory_note(3.21e9, 8e9).find("3.2 GB"), std::string::npos);
-    EXPECT_THROW(app::memory_note(8.1e9, 8e9), core::Error);
+    EXPECT_NEAR((many.bytes_held(true) - few.bytes_held(true)) / (34 * 32 * 32), 40, 5);
+    EXPECT_NO_THROW(app::check_memory(3.21e9, 8e9));
+    EXPECT_THROW(app::check_memory(8.1e9, 8e9), core::Error);
 }
 
 TEST(Trials, EndWhenTheyAreToldTo) {
     const app::RenderJob film = tiny_film();
-    app::Trials trials(film, app::windows_of(film.frames, {2, 2}));
+    app::Trials trials(film, app::middle_windows(film, 2, 2));
     int parts = 0;
     EXPECT_FALSE(trials.light_references([&](const app::ReferenceStanding& standing) {
         EXPECT_EQ(standing.done, ++parts);
@@ -261,9 +238,10 @@ TEST(Trials, EndWhenTheyAreToldTo) {
     ASSERT_TRUE(trials.light_references([](const app::ReferenceStanding&) { return true; }));
     EXPECT_EQ(trials.references(), 2);
     int frames = 0;
-    EXPECT_FALSE(trials.run({false, 0.3f, false, {}}, 8, [&] { return ++frames < 2; })) << "in the midst";
+    const app::RenderJob coarse = app::with_tolerance(trials.film(), app::fixed_tolerance(0.3f));
+    EXPECT_FALSE(trials.run(coarse, [&] { return ++frames < 2; })) << "in the midst";
     EXPECT_EQ(frames, 2);
-    EXPECT_TRUE(trials.run({false, 0.3f, false, {}}, 8, [] { return true; })) << "nothing is left of it";
+    EXPECT_TRUE(trials.run(coarse, [] { return true; })) << "nothing is left of it";
 }
 
 }  // namespace

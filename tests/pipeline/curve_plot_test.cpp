@@ -6,8 +6,6 @@
 #include <limits>
 #include <string>
 
-#include "app/report/curve_axis.h"
-
 /// Curves of reports.
 namespace render2mpeg::app {
 namespace {
@@ -56,19 +54,6 @@ TEST(Curves, ShowEveryPointThatTheAxesHaveOnWideAndNarrowPaper) {
 
     // Even axes have 0.
     EXPECT_EQ(times_in(figure_of(plot_of(points, false)), "<title>one"), 2u * 3u);
-}
-
-TEST(Curves, WriteNoValueOverAnother) {
-    // On narrow paper there is room for some of 300, 400 .. 1000 alone: for the last of them.
-    const std::string figure =
-        figure_of(plot_of({{260, 30, "", false}, {520, 35, "", false}, {1300, 44, "", false}}, true));
-    const std::string wide = figure.substr(0, figure.find("</svg>")), narrow = figure.substr(wide.size());
-    for (const char* value : {">300<", ">500<", ">1000<"}) {
-        EXPECT_EQ(times_in(wide, value), 1u) << value;
-        EXPECT_EQ(times_in(narrow, value), 1u) << value;
-    }
-    EXPECT_EQ(times_in(wide, ">900<"), 1u);
-    EXPECT_EQ(times_in(narrow, ">900<"), 0u);
 }
 
 TEST(Curves, OfNothingAndOfOnePointAreDrawnToo) {

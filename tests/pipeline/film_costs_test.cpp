@@ -29,35 +29,32 @@ TEST(Offers, AreTakenByOneRule) {
 
 TEST(FilmCosts, TakeTheCheapestRowThatNobodyCanTellFromTheBest) {
     const std::vector<FilmCost> costs{row("fixed=8%", 10, 43, 1.2), row("coupled", 14, 51, 0.1),
-                                      row("fixed=1%", 14.2, {}, 0), row("reference", 99, {}, 0)};
+                                      row("fixed=1%", 14.2, {}, 0), row("truth", 99, {}, 0)};
     EXPECT_EQ(app::recommended(costs), 1u);
     EXPECT_FALSE(app::recommended(std::vector<FilmCost>()).has_value());
     EXPECT_EQ(app::words_for(43), "slight in flat areas");
     EXPECT_EQ(app::words_for(30), "visible");
     EXPECT_EQ(app::words_for({}), "none you can see");
 
-    // The table, the sentence and the rows of the page say the same.
-    app::RenderJob film;
-    film.frames = {0, 59};
+    // The table and the sentence say the same.
     const std::string table = app::film_cost_table(costs);
     EXPECT_EQ(table.find("<- take"), table.find("<- take", table.find("coupled")));
-    EXPECT_TRUE(app::answer_of(costs, film).starts_with("Take coupled: your film of 60 frames takes about 0:07 ("));
-    EXPECT_TRUE(app::answer_rows(costs)[1].recommended);
+    EXPECT_NE(table.find("exact, by paths to 1 %\n"), std::string::npos) << table;
+    EXPECT_TRUE(app::answer_of(costs, 60).starts_with("Take coupled: your film of 60 frames takes about 0:07 ("));
 }
 
 /// Two rows by quantiser; bits at equal quality follow from `bytes`, times from `cpu`.
 app::Way way(const std::string& name, double bytes, double cpu) {
-    app::Way made{name, name, {}, std::nullopt, {}, {}};
+    app::Way made{name, name, "", std::nullopt, {}};
     for (const int quantiser : {4, 8}) {
         app::Trial trial;
         trial.quantiser = quantiser;
         trial.cpu = cpu;
         trial.clock = cpu / 2;
-        trial.bytes = bytes / quantiser;
+        trial.bytes = trial.film_bytes = bytes / quantiser;
         for (perceptual::FilmQuality* quality : {&trial.shown, &trial.shown_there, &trial.decoded})
             quality->add(quantiser, 0.9);
         made.rows.push_back(trial);
-        made.times.emplace_back();
     }
     return made;
 }
@@ -65,10 +62,10 @@ app::Way way(const std::string& name, double bytes, double cpu) {
 TEST(Comparison, TakesTheFasterOfTwoWhoseFilmsAreAsLarge) {
     app::Comparison found;
     found.complete = true;
-    found.ways = {way("coupled", 1000, 10), way("fixed 2 %, ours", 999, 16), way("free", 900, 16),
-                  way("ffmpeg", 1300, 9),   way("strongest", 1100, 20),      way("ffmpeg, free", 1000, 20)};
+    found.ways = {way("coupled", 1000, 10), way("fixed 2 %, ours", 999, 16), way("ffmpeg", 1300, 9),
+                  way("strongest", 1100, 20)};
     const std::vector<app::WayCost> costs = app::way_costs(found, 60, 0);
-    ASSERT_EQ(costs.size(), 4u) << "longer groups of pictures are another comparison";
+    ASSERT_EQ(costs.size(), 4u);
     EXPECT_EQ(costs[0].way, app::fixed_way) << "it has 0.1 % fewer bits";
     EXPECT_EQ(costs[*app::recommended(costs)].way, app::coupled_way) << "and takes longer";
     EXPECT_NEAR(costs[0].bits, 0.999, 1e-6);
@@ -77,42 +74,42 @@ TEST(Comparison, TakesTheFasterOfTwoWhoseFilmsAreAsLarge) {
 }
 
 TEST(FilmCosts, HaveSizeAndTimeOfTheFilmAsItWasAskedFor) {
-    // Two rows of a single frame, which is an I picture: 60 of them are no film.
     const auto trial = [](double cpu, double bytes) {
         app::Trial t;
         t.frames = 1;
         t.cpu = t.clock = cpu;
-        t.bytes = bytes;
+        t.film_bytes = bytes;
         return t;
     };
     app::Sweep sweep;
-    sweep.fixed = {trial(1, 4400), trial(4, 4000)};
-    sweep.fixed[0].tolerance.relative = 0.08f;
-    sweep.pairs = {{trial(2, 4000), sweep.fixed[1]}};
-    app::RenderJob film;
-    film.frames = {0, 59};
-    film.tolerance.coupled = true;
+    sweep.rows = {{app::Sweep::fixed, "fixed=8%", trial(1, 4400)},
+                  {app::Sweep::fixed, "fixed=1%", trial(4, 4000)},
+                  {app::Sweep::coupled, "coupled", trial(2, 4000)},
+                  {app::Sweep::effort, "draft", trial(0.5, 1000)}};
     const auto row_of = [](const std::vector<FilmCost>& rows, const std::string& name) {
         for (const FilmCost& r : rows)
             if (r.name() == name) return r;
         return FilmCost{};
     };
-    sweep.efforts.emplace_back("draft", trial(0.5, 1000));
-    const std::vector<FilmCost> sampled = app::film_costs(sweep, film);
+    const std::vector<FilmCost> sampled = app::film_costs(sweep, 60);
     EXPECT_DOUBLE_EQ(row_of(sampled, "effort draft").bytes, 60'000);
     EXPECT_DOUBLE_EQ(row_of(sampled, "coupled").bytes, 240'000);
     EXPECT_DOUBLE_EQ(row_of(sampled, "coupled").cpu, 120);
+    EXPECT_EQ(row_of(sampled, "truth").option, "") << "nobody found it";
     sweep.forecast.emplace();
     sweep.forecast->cpu = 180;
     sweep.forecast->clock = 90;
     sweep.forecast->bytes = 50'000;
-    const std::vector<FilmCost> told = app::film_costs(sweep, film);
+    sweep.truth = app::PathTruth{64, 0.01, 0.5, 45};
+    sweep.pixels = 2000;
+    const std::vector<FilmCost> told = app::film_costs(sweep, 60);
     EXPECT_DOUBLE_EQ(row_of(told, "coupled").bytes, 50'000) << "one forecast for all that is told";
     EXPECT_DOUBLE_EQ(row_of(told, "coupled").clock, 90);
     EXPECT_DOUBLE_EQ(row_of(told, "coupled").cpu, 180);
     EXPECT_DOUBLE_EQ(row_of(told, "fixed=8%").bytes, 55'000) << "others in proportion";
     EXPECT_DOUBLE_EQ(row_of(told, "fixed=8%").cpu, 90);
     EXPECT_DOUBLE_EQ(row_of(told, "effort draft").bytes, 12'500);
+    EXPECT_DOUBLE_EQ(row_of(told, "truth").cpu, 60 * 2000 * 0.5 * 0.01 + 90 * 4) << "light of each pixel, and all else";
 }
 
 TEST(Forecast, IsWhatPlanBeginsWith) {

@@ -30,7 +30,7 @@ std::string fog_film(const Folder& folder, const std::string& film, const std::s
                             options + " -o " + (folder / name).string() + " --stats " + (folder / "s.json").string());
     EXPECT_EQ(result.status, 0) << result.output;
     if (result.status == 0) {
-        EXPECT_EQ(statistics_in(folder).at("non_finite"), 0) << options;
+        EXPECT_EQ(statistics_in(folder).at("counts").at("non_finite"), 0) << options;
     }
     return contents(folder / name);
 }
@@ -40,10 +40,10 @@ TEST(FogInFilms, CostsNothingWhereThereIsNoneAndComesFromFileOrCommandLine) {
     const std::string plain = fog_film(folder, post_in(folder, ""), "", "plain.m2v");
     const nlohmann::json clear = statistics_in(folder);
     EXPECT_EQ(fog_film(folder, post_in(folder, R"("fog": "off",)"), "", "none.m2v"), plain);
-    EXPECT_EQ(statistics_in(folder).at("rays"), clear.at("rays"));
-    EXPECT_EQ(clear.at("rays").at("air"), 0);
+    EXPECT_EQ(statistics_in(folder).at("counts").at("shadow_rays"), clear.at("counts").at("shadow_rays"));
+    EXPECT_EQ(clear.at("counts").at("air_rays"), 0);
     const std::string of_file = fog_film(folder, post_in(folder, R"("fog": { "visibility": 12 },)"), "", "file.m2v");
-    EXPECT_GT(statistics_in(folder).at("rays").at("air"), 0);
+    EXPECT_GT(statistics_in(folder).at("counts").at("air_rays"), 0);
     EXPECT_NE(of_file, plain);
     EXPECT_EQ(fog_film(folder, post_in(folder, ""), "--fog 12", "line.m2v"), of_file);
     EXPECT_EQ(fog_film(folder, post_in(folder, R"("fog": 12,)"), "--fog off", "off.m2v"), plain);

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "app/experiments/effect_costs.h"
-#include "app/experiments/windows.h"
+#include "app/experiments/trial.h"
 #include "support/program.h"
 
 /// What a few frames tell of a whole film, and of its effects.
@@ -102,30 +102,12 @@ TEST(Windows, LieInEachShot) {
     RenderJob film = flash_cut();  // 72 frames, a cut at 36
     const std::vector<Chunk> two = app::windows_by_shot(film, {4, 5});
     ASSERT_EQ(two.size(), 2u);
-    EXPECT_EQ(two[0].first, 15);
-    EXPECT_EQ(two[0].last, 19);
-    EXPECT_EQ(two[1].first, 51);
+    EXPECT_EQ(two[0].first, 16);
+    EXPECT_EQ(two[0].last, 20);
+    EXPECT_EQ(two[1].first, 52);
     EXPECT_EQ(two[1].index, 1);
     film.frames = {0, 35};
     EXPECT_EQ(app::windows_by_shot(film, {4, 5}).size(), 4u) << "one shot: its parts";
-}
-
-TEST(GopStarts, CountAsOftenAsTheFilmHasThem) {
-    RenderJob film = flash_cut();  // 72 frames
-    const std::vector<Chunk> windows{{0, 0, 14}, {1, 30, 44}};
-    app::GopStarts starts;
-    encoder::CodedPicture picture;
-    picture.bytes.resize(1000);
-    picture.plan.starts_gop = false;
-    starts.add(picture);
-    EXPECT_EQ(starts.surplus(film, windows, 160), 0) << "it begins none";
-    picture.plan.starts_gop = true;
-    starts.add(picture);
-    starts.add(picture);
-    film.coding.gop = 60;
-    EXPECT_NEAR(160 - starts.surplus(film, windows, 160), (1000 + 59 * 100) / 60.0, 1e-9);
-    film.coding.gop = 15;
-    EXPECT_NEAR(starts.surplus(film, windows, 160), 0, 1e-9);
 }
 
 TEST(Effects, LeaveOutTheOnlyLightOfMovingThings) {

@@ -68,7 +68,7 @@ TEST(GlareInFilms, TakesFewerRaysUnderTheVeilSlow) {
             run(program() + " render " + (folder / "film.json").string() + " -y --quiet --glare " + glare + " -o " +
                 (folder / "film.m2v").string() + " --stats " + (folder / "s.json").string());
         EXPECT_EQ(result.status, 0) << result.output;
-        return nlohmann::json::parse(contents(folder / "s.json")).at("rays").at("shadow").get<double>();
+        return nlohmann::json::parse(contents(folder / "s.json")).at("counts").at("shadow_rays").get<double>();
     };
     // 5 % fewer if tolerances of what is shown were the light's.
     EXPECT_LT(shadow_rays("static:0.3"), 0.9 * shadow_rays("off"));

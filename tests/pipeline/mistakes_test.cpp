@@ -83,7 +83,6 @@ const std::vector<Mistake>& words() {
         {"render S -o x.mpg --heatmap tolerance --size 64x64", 2, {"--heatmap tolerance:", "heat.mpg"}},
         {"render S -o x.mpg --heatmap", 2, {"--heatmap:", "heat.mpg"}},
         {"render S -o x.mpg --heatmap colours h.mpg", 2, {"--heatmap colours:", "tolerance, cut, error"}},
-        {"compare S --film there.mpg", 2, {"--film: give --reference too"}},
     };
     return all;
 }
@@ -128,7 +127,7 @@ const std::vector<Mistake>& values() {
         {"render S -o x.mpg --keyframes a,b", 2, {"--keyframes a,b: expected frame numbers", "0,48,96"}},
         {"render S -o x.mpg --audio-offset later", 2, {"--audio-offset later: expected a number from"}},
         {"cost S --tolerances 8,,2", 2, {"--tolerances 8,,2: expected per cent", "8,4,2,1"}},
-        {"cost S --quantisers 40", 2, {"--quantisers 40: expected numbers from 1 to 31"}},
+        {"compare S --quantisers 40", 2, {"--quantisers 40: expected numbers from 1 to 31"}},
         {"cost S --sample 3", 2, {"--sample 3: expected WINDOWSxFRAMES", "2x3"}},
         {"tune S --target-psnr 400 --dry-run", 2, {"--target-psnr 400: expected a number from 1 to 99"}},
         {"tune S --max-time soon --dry-run", 2, {"--max-time soon: expected hours, minutes and seconds", "1:30"}},

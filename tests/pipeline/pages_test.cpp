@@ -56,9 +56,8 @@ std::vector<Example> examples_of(const std::string& page) {
 /// Without what depends on time: measured seconds, and what is reckoned from them.
 std::string timeless(std::string text) {
     static const std::pair<std::regex, const char*> forms[] = {
-        {std::regex("(^|\n)( *[0-9.]+ (?:%|coup\\.) +)[0-9.]+"), "$1$2T"},                         // cost: a row
+        {std::regex("(^|\n)((?:fixed=|coupled|effort )[^ ]* +)[0-9.]+"), "$1$2T"},                 // cost: a row
         {std::regex("(?:saves |under )?[0-9]+ %(  (?:none|hardly|slight|visible))"), "T$1"},       // cost: an effect
-        {std::regex("[0-9.]+ times the time"), "T times the time"},                                //
         {std::regex("\nThe whole film on this machine's[^]*"), "\n"},                              //
         {std::regex("\n( +[0-9.]+)( +[0-9.]+)? +[0-9.]+( +[0-9.]+ +[0-9.]+ +0\\.)"), "\n$1 T$3"},  // tune: a row
         {std::regex("[0-9.]+ s of CPU"), "T s of CPU"},                                            //
@@ -93,13 +92,13 @@ TEST(ExamplesSlow, OfChoosingAreWhatIsFound) {
 }
 
 TEST(Timeless, IsWhatNoClockDecides) {
-    EXPECT_EQ(timeless("\n16 %        0.10     51     58\n 8 coup.    0.17    110\n"),
-              timeless("\n16 %        10.1     51     58\n 8 coup.    0.2    110\n"));
-    EXPECT_NE(timeless("\n16 %        0.10     51     58\n"), timeless("\n16 %        0.10     52     58\n"));
+    EXPECT_EQ(timeless("\nfixed=16%     0.10     51     58\neffort low    0.17    110\n"),
+              timeless("\nfixed=16%     10.1     51     58\neffort low    0.2    110\n"));
+    EXPECT_NE(timeless("\nfixed=16%     0.10     51     58\n"), timeless("\nfixed=16%     0.10     52     58\n"));
     EXPECT_EQ(timeless("\n    60.0     0.22    0.003        166   42.85  0.9870\n"),
               timeless("\n    60.0     0.25    0.004        166   42.85  0.9870\n"));
-    EXPECT_NE(timeless("\n    45.7             0.003        114   39.96  0.9770\n"),
-              timeless("\n    45.7             0.003        115   39.96  0.9770\n"));
+    EXPECT_NE(timeless("\n    45.7     0.22    0.003        114   39.96  0.9770\n"),
+              timeless("\n    45.7     0.22    0.003        115   39.96  0.9770\n"));
 }
 
 }  // namespace

@@ -1,19 +1,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <limits>
 #include <string>
 #include <vector>
 
-#include "app/report/curve_axis.h"
 #include "app/report/figures.h"
 #include "pipeline/fixture.h"
 
 /// --report: a page that stands alone, and its figures beside it.
 namespace render2mpeg::test {
 namespace {
-
-using app::round_up;
 
 std::size_t count(const std::string& text, const std::string& word) {
     std::size_t found = 0;
@@ -123,17 +119,6 @@ TEST(Report, IsRefusedUnderNamesThatWouldNotDo) {
     };
     refused(" --report " + path(folder, "r.pdf"), ".html");
     refused(" --report " + path(folder, "r.html") + " --stats " + path(folder, "r.report.json"), "two outputs");
-}
-
-TEST(RoundNumbers, AreTheNextOneTwoOrFive) {
-    EXPECT_EQ(round_up(1), 1);
-    EXPECT_EQ(round_up(1.1), 2);
-    EXPECT_EQ(round_up(30), 50);
-    EXPECT_EQ(round_up(51), 100);
-    EXPECT_NEAR(round_up(0.0021), 0.005, 1e-12);
-    for (const double odd :
-         {0.0, -3.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()})
-        EXPECT_EQ(round_up(odd), 1);
 }
 
 }  // namespace

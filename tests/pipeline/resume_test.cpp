@@ -36,13 +36,13 @@ std::string scene_in(const Folder& folder) {
 json lasting(const std::filesystem::path& file) {
     json s = json::parse(contents(file));
     for (const char* key : {"seconds", "passes", "effects", "peak_rss_mib", "command", "output"}) s.erase(key);
-    s["rays"].erase("photon");
-    if (s["error_scale"].is_object()) s["error_scale"].erase("seconds");
+    json& counts = s["counts"];
+    for (const char* key : {"photon_rays", "calibration_seconds", "sky_seconds", "layer_seconds"}) counts.erase(key);
     if (s["audit"].is_object()) s["audit"].erase("seconds");
     // Means are put together from two runs' means.
-    s["clamped_energy"] = std::round(1e9 * s["clamped_energy"].get<double>());
-    if (s["error_scale"].is_object())
-        s["error_scale"]["mean"] = std::round(1e9 * s["error_scale"]["mean"].get<double>());
+    for (const char* key : {"clamped_energy", "mean_error_scale"})
+        counts[key] = std::round(1e9 * counts[key].get<double>());
+    for (const char* key : {"luminance", "photon_energy", "photon_energy_lost"}) counts.erase(key);
     for (json& frame : s["per_frame"]) frame.erase("seconds");
     return s;
 }

@@ -23,8 +23,8 @@ TEST(Truth, MakesFilmsAndFramesAndTellsItsPathsSlow) {
         EXPECT_EQ(outcome.status, 0) << outcome.output;
         const nlohmann::json written = nlohmann::json::parse(support::contents(stats));
         EXPECT_EQ(written.at("tolerance").at("mode"), "truth");
-        EXPECT_EQ(written.at("truth").at("pixels"), 128);
-        EXPECT_GE(written.at("truth").at("paths"), 128 * 160);
+        EXPECT_EQ(written.at("counts").at("true_pixels"), 128);
+        EXPECT_GE(written.at("counts").at("true_paths"), 128 * 160);
     }
 }
 

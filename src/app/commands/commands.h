@@ -19,7 +19,7 @@ std::string info_of(const InfoOptions& options, const std::function<void()>& fil
 /// `render`. Exit status: 0, or 130 after an interruption. `rendered` is filled unless null.
 int render(const RenderOptions& options, const std::string& command, Rendered* rendered = nullptr);
 
-int plan(const PlanOptions& options);
+int plan(const RenderOptions& options);
 
 /// `watch`: a draft of the film, and a new one whenever its files change, until the player is closed or an interrupt.
 int watch(const RenderOptions& options, const std::string& command);

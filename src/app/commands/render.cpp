@@ -35,7 +35,7 @@ int interrupted_before_frames(const RenderOptions& options) {
 }
 
 /// Forecast (as far as --within allows) and plan. Settles the film.
-std::string plan_text(RenderJob& film, const RenderOptions& options, const std::filesystem::path& statistics = {}) {
+std::string plan_text(RenderJob& film, const RenderOptions& options) {
     const double within = within_from(options.within);
     const auto found = within > 0 ? forecast(film, options.output, within, options.quiet) : std::nullopt;
     const std::string reason = within > 0 && !InterruptGuard::requested()
@@ -43,7 +43,7 @@ std::string plan_text(RenderJob& film, const RenderOptions& options, const std::
                                          " is over before two frames are lit, however small; give more\n"
                                    : "";
     return film_text(film) + "\n" + (found ? text_of(*found) : reason) + "\n" +
-           plan_table(film, statistics, found ? &found->sample : nullptr);
+           plan_table(film, found ? &found->sample : nullptr);
 }
 
 std::string dry_run_text(RenderJob& film, const RenderOptions& options) {
@@ -109,7 +109,7 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
     settle(film, options, *work, statistics);
     if (InterruptGuard::requested()) return interrupted_before_frames(options);
 
-    if (options.verbose) print(film_text(film) + "\n" + plan_table(film, {}));
+    if (options.verbose) print(film_text(film) + "\n" + plan_table(film));
     SampleFrameObserver sample_frame(film);
     if (options.report) take_up(sample_frame, files);
     const OpenRender open{film, options, identity, clock, *work, heatmaps, sample_frame, statistics, files};
@@ -125,12 +125,12 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
                       "it takes more memory than --memory " + *options.memory + " allows");
 }
 
-int plan(const PlanOptions& options) {
-    const parallel::ThreadLimit threads(options.render.threads);
-    const InterruptGuard guard(options.render.quiet);
-    RenderJob film = prepare(options.render);
-    print_notes(film, options.render);
-    print(plan_text(film, options.render, options.statistics.value_or("")));
+int plan(const RenderOptions& options) {
+    const parallel::ThreadLimit threads(options.threads);
+    const InterruptGuard guard(options.quiet);
+    RenderJob film = prepare(options);
+    print_notes(film, options);
+    print(plan_text(film, options));
     return InterruptGuard::requested() ? InterruptGuard::status() : 0;
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -14,8 +15,6 @@
 #include "app/files/file_io.h"
 #include "app/loop/forecast.h"
 #include "app/options/option_text.h"
-#include "app/options/options.h"
-#include "app/system/error_collector.h"
 #include "app/system/interrupt.h"
 #include "app/system/terminal.h"
 #include "core/numeric.h"
@@ -24,118 +23,25 @@
 namespace render2mpeg::app {
 namespace {
 
-/// Runs the command; rows are printed as they come.
-class Cost {
-  public:
-    Cost(const CostOptions& options, const RenderJob& film, const Sample& sample, std::optional<Forecast> forecast)
-        : options_(options),
-          quantisers_(options.quantisers ? in_scale_of(film.coding.codec, quantisers_from(*options.quantisers))
-                                         : std::vector<int>{film.coding.quantiser}),
-          pairs_(!quantisers_.empty()),
-          trials_(film, windows_of(film.frames, sample)) {
-        sweep_.windows = trials_.windows();
-        sweep_.forecast = std::move(forecast);
-        if (options.kept_references) trials_.keep_references_in(ReferenceCache(*options.kept_references));
-        print_memory_note(trials_.bytes_held(pairs_), options.render.quiet);
-    }
-
-    /// Returns whether nobody interrupted.
-    bool light_references();
-    bool try_efforts();
-    bool try_fixed();
-    bool try_coupled();
-    /// The film without each of its effects.
-    bool try_effects(const RenderJob& asked, int frames, double limit);
-    void settle(const std::string& render) { sweep_.render = render; }
-    void complete() { sweep_.complete = true; }
-
-    const Sweep& sweep() const { return sweep_; }
-    std::vector<FilmCost> film_rows() const { return film_costs(sweep_, film()); }
-    const RenderJob& film() const { return trials_.film(); }
-
-  private:
-    bool is_quiet() const { return options_.render.quiet; }
-    void log(const std::string& text) const {
-        if (!is_quiet()) print(text);
-    }
-    std::optional<Trial> run(const ToleranceRequest& tolerance, int quantiser, const std::string& name,
-                             LitWindows* keep) {
-        return run_trial(trials_, tolerance, quantiser, name, is_quiet(), keep);
-    }
-
-    const CostOptions& options_;
-    std::vector<int> quantisers_;  ///< to couple light to, ascending
-    bool pairs_;                   ///< coupled light is asked for: light of a fixed 2 % is kept to be coded beside it
-    Trials trials_;
-    Sweep sweep_;
-    LitWindows usual_;  ///< lit by a fixed 2 %
+/// A way to make the film: one option of `render`.
+struct Setting {
+    const char* group;
+    std::string value;
+    RenderJob film;
 };
 
-bool Cost::light_references() {
-    if (!app::light_references(trials_, is_quiet())) return false;
-    const renderer::Statistics& statistics = trials_.statistics();
-    sweep_.direct_points = statistics.direct_points;
-    sweep_.indirect_points = statistics.indirect_points;
-    sweep_.references = trials_.references();
-    sweep_.reference_seconds = trials_.reference_seconds();
-    log(cost_heading(film(), sweep_));
-    return true;
-}
-
-bool Cost::try_efforts() {
-    const auto attempt = [&](const std::string& name, const RenderJob& job) {
-        Progress progress(trials_.frames(), is_quiet() || !shows_steps(), "effort " + name, Counted::frames_of_step);
-        const std::optional<Trial> trial = trials_.run_other(job, [&] {
-            progress.advance();
-            return !InterruptGuard::requested();
-        });
-        if (trial) sweep_.efforts.emplace_back(name, *trial);
-        return trial.has_value();
-    };
-    if (!attempt("draft", draft_of(film()))) return false;
+/// From cheap to dear within each group.
+std::vector<Setting> settings_of(const CostOptions& options, const RenderJob& film) {
+    std::vector<Setting> all;
+    for (const float share : percents_from(options.tolerances))
+        all.push_back(
+            {Sweep::fixed, fmt::format("fixed={:.4g}%", 100 * share), with_tolerance(film, fixed_tolerance(share))});
+    all.push_back({Sweep::coupled, "coupled", film});
+    all.push_back({Sweep::effort, "draft", draft_of(film)});
     for (const Effort& effort : efforts)
-        if (std::string_view(effort.name) != "default" && !attempt(effort.name, at_effort(film(), effort)))
-            return false;
-    return true;
-}
-
-bool Cost::try_fixed() {
-    const int quantiser = film().coding.quantiser;
-    log(fixed_heading(quantiser));
-    for (const float share : percents_from(options_.tolerances)) {
-        const bool keep = share == 0.02f && pairs_;
-        const auto trial =
-            run({false, share, false, {}}, quantiser, "fixed " + tolerance_text(share), keep ? &usual_ : nullptr);
-        if (!trial) return false;
-        sweep_.fixed.push_back(*trial);
-        log(fixed_row(*trial));
-    }
-    return true;
-}
-
-bool Cost::try_coupled() {
-    if (!pairs_) return true;
-    if (usual_.frames.empty() && !run({}, film().coding.quantiser, "fixed 2 %", &usual_)) return false;
-    log(pair_heading());
-    for (const int quantiser : quantisers_) {
-        const auto coupled =
-            run({false, 0, true, {}}, quantiser, fmt::format("coupled, quantiser {}", quantiser), nullptr);
-        if (!coupled) return false;
-        sweep_.pairs.push_back(
-            {*coupled, told("coding", is_quiet(), [&] { return trials_.coded_again(usual_, quantiser); })});
-        log(pair_rows(sweep_.pairs.back()));
-    }
-    return true;
-}
-
-bool Cost::try_effects(const RenderJob& asked, int frames, double limit) {
-    sweep_.effects = effect_costs(asked, frames, limit, is_quiet(), [&](const EffectCost& cost, bool is_first) {
-        log((is_first ? effects_heading() : "") + effect_row(cost));
-    });
-    if (sweep_.effects.left > 0 && !InterruptGuard::requested())
-        log(fmt::format("\n{} effects were not left out: --within {} has no time for them\n", sweep_.effects.left,
-                        options_.within));
-    return !InterruptGuard::requested();
+        if (std::string_view(effort.name) != "default")
+            all.push_back({Sweep::effort, effort.name, at_effort(film, effort)});
+    return all;
 }
 
 /// Sample of the film, and of its effects.
@@ -146,21 +52,14 @@ struct CostSample {
     std::optional<Forecast> forecast;
 };
 
-/// Light of a window's later frames over that of the film's own settings, by fixed tolerance.
-/// chosen: as cornell's 16 to 2 % beside its coupled light at quantiser 4; references take some ten frames.
-constexpr double usual_share = 0.065, of_reference = 10, of_efforts = 2.6;
-
-/// Frames of the film's own settings that all settings light, for each frame of the sample.
-double settings_of(const CostOptions& options) {
-    double settings = 1 + of_efforts;
-    for (const float share : percents_from(options.tolerances)) settings += usual_share / static_cast<double>(share);
-    return settings;
-}
-
 /// The largest sample that there is time for; of smaller pictures where one frame takes too long.
 void fit_sample(const CostOptions& options, const RenderJob& film, double first, double frame, double time,
                 CostSample& chosen) {
-    const double settings = settings_of(options);
+    // chosen: frames of the film's own settings that take as long: a fixed tolerance as cornell's 16 to 2 % beside its
+    // coupled light at quantiser 4; efforts; and references with their truth.
+    constexpr double of_tolerance = 0.065, of_efforts = 2.6, of_reference = 14;
+    double settings = 1 + of_efforts;
+    for (const float share : percents_from(options.tolerances)) settings += of_tolerance / static_cast<double>(share);
     const auto takes = [&](const Sample& s) {
         return s.windows * (settings * (first + (s.frames - 1) * frame) + of_reference * frame);
     };
@@ -192,50 +91,118 @@ std::optional<CostSample> first_answer(const CostOptions& options, RenderJob& fi
     return chosen;
 }
 
+/// Runs the command; rows are printed as they come.
+class Cost {
+  public:
+    Cost(const CostOptions& options, const RenderJob& film, const CostSample& sample)
+        : options_(options),
+          asked_(film),
+          sample_(sample),
+          trials_(resized(film, sample.scale), middle_windows(film, sample.sweep.windows, sample.sweep.frames)) {
+        sweep_.forecast = sample.forecast;
+        sweep_.pixels = static_cast<double>(film.format.width) * film.format.height;
+        check_memory(trials_.bytes_held(false));
+    }
+
+    /// Returns whether anything was found out.
+    bool run(double began);
+    void write(const std::vector<std::string>& words);
+    bool is_complete() const { return sweep_.complete; }
+
+  private:
+    bool is_quiet() const { return options_.render.quiet; }
+    void log(const std::string& text) const {
+        if (!is_quiet()) print(text);
+    }
+    bool try_settings();
+    /// The film without each of its effects.
+    bool try_effects(double limit);
+
+    const CostOptions& options_;
+    const RenderJob& asked_;
+    const CostSample& sample_;
+    Trials trials_;
+    Sweep sweep_;
+};
+
+bool Cost::try_settings() {
+    log(trial_heading(trials_) +
+        "\nLight: CPU seconds per frame, rays and clusters per point; error of a pixel's\n"
+        "light, %: 50 and 95 of 100 err by no more, over: beyond tolerance; as decoded\n" +
+        heads_text(cost_columns, "setting", cost_name_width));
+    for (const Setting& setting : settings_of(options_, trials_.film())) {
+        const std::string name = (setting.group == Sweep::effort ? "effort " : "") + setting.value;
+        const std::optional<Trial> trial = run_trial(trials_, setting.film, name, is_quiet());
+        if (!trial) return false;
+        sweep_.rows.push_back({setting.group, setting.value, *trial});
+        log(row_text(cost_columns, name, cost_name_width, *trial));
+    }
+    // chosen: pixels that tell both figures to about a tenth; each takes up to 0.2 CPU seconds (32 to 256).
+    constexpr int judged = 64;
+    sweep_.truth = told("truth", is_quiet(), [&] { return trials_.by_paths(judged); });
+    if (!is_quiet()) print_sentence(truth_text(sweep_));
+    return !InterruptGuard::requested();
+}
+
+bool Cost::try_effects(double limit) {
+    sweep_.effects = effect_costs(
+        asked_, sample_.effect_frames, limit, is_quiet(),
+        [&](const EffectCost& cost, bool is_first) { log((is_first ? effects_heading() : "") + effect_row(cost)); });
+    if (sweep_.effects.left > 0 && !InterruptGuard::requested())
+        log(fmt::format("\n{} effects were not left out: --within {} has no time for them\n", sweep_.effects.left,
+                        options_.within));
+    return !InterruptGuard::requested();
+}
+
+bool Cost::run(double began) {
+    const bool whole = light_references(trials_, is_quiet()) && try_settings();
+    if (sweep_.rows.empty()) return false;
+    // An explicit sample has no time limit.
+    const double limit = options_.sample ? std::numeric_limits<double>::infinity()
+                                         : std::max(began + time_in_seconds(options_.within), clock_seconds() + 5);
+    sweep_.complete = whole && try_effects(limit);
+    return true;
+}
+
+void Cost::write(const std::vector<std::string>& words) {
+    const RenderJob& film = trials_.film();
+    const std::vector<FilmCost> costs = film_costs(sweep_, film.frame_count());
+    if (const auto taken = recommended(costs))
+        sweep_.render = render_command(words, options_.render.input, film.coding.codec,
+                                       {{costs[*taken].option, costs[*taken].value}});
+    const std::string answer = answer_of(costs, film.frame_count());
+    if (!is_quiet()) {
+        print(film_cost_table(costs));
+        print_sentence(answer);
+        if (!sweep_.render.empty()) print("\n" + sweep_.render + "\n");
+        if (!sweep_.complete) print_line("interrupted: this is a part of the table");
+    }
+    write_results(options_, trials_, with_head(cost_json(sweep_, costs, film.frame_count()), trials_, line_of(words)),
+                  [&] {
+                      return TrialPage{"what accuracy costs",
+                                       (sweep_.complete ? "" : "Interrupted: this is a part of it. ") + answer,
+                                       cost_page(film, sweep_, costs)};
+                  });
+}
+
 }  // namespace
 
 int cost(const CostOptions& options, const std::vector<std::string>& words) {
-    const std::string command = line_of(words);
     const parallel::ThreadLimit threads(options.render.threads);
     const InterruptGuard guard(options.render.quiet);
-    const bool quiet = options.render.quiet;
+    const double began = clock_seconds();
     const auto interrupted = [&] {
-        if (!quiet) print_line("interrupted before the first row: nothing was found out");
+        if (!options.render.quiet) print_line("interrupted before the first row: nothing was found out");
         return InterruptGuard::status();
     };
-    require_trial_consent(options);
-    const double began = clock_seconds();
-    RenderJob film = prepare_trials(options.render);
+    RenderJob film = prepare_trials(options.render, options);
     if (InterruptGuard::requested()) return interrupted();
-    check_trial_outputs(film, options);
     const std::optional<CostSample> sample = first_answer(options, film);
     if (!sample) return interrupted();
-
-    Cost sweep(options, resized(film, sample->scale), sample->sweep, sample->forecast);
-    const bool whole = sweep.light_references() && sweep.try_fixed() && sweep.try_coupled() && sweep.try_efforts();
-    const Sweep& found = sweep.sweep();
-    if (found.fixed.empty() && found.pairs.empty()) return interrupted();
-    // An explicit sample has no time limit.
-    const double limit = options.sample ? std::numeric_limits<double>::infinity()
-                                        : std::max(began + time_in_seconds(options.within), clock_seconds() + 5);
-    if (whole && sweep.try_effects(film, sample->effect_frames, limit)) sweep.complete();
-
-    const std::vector<FilmCost> rows = sweep.film_rows();
-    if (const auto taken = recommended(rows))
-        sweep.settle(render_command(words, options.render.input, sweep.film().coding.codec,
-                                    {{rows[*taken].option, rows[*taken].value}}));
-    ErrorCollector errors;
-    if (options.json) errors.attempt([&] { write_json(*options.json, cost_json(sweep.film(), found, rows, command)); });
-    if (options.report) errors.attempt([&] { write_cost_report(*options.report, sweep.film(), found, rows, command); });
-    if (!quiet)
-        errors.attempt([&] {
-            print(film_cost_table(rows));
-            print_sentence(answer_of(rows, sweep.film()));
-            if (!found.render.empty()) print("\n" + found.render + "\n");
-        });
-    if (!found.complete && !quiet) print_line("interrupted: this is a part of the table");
-    errors.rethrow();
-    return found.complete ? 0 : InterruptGuard::status();
+    Cost sweep(options, film, *sample);
+    if (!sweep.run(began)) return interrupted();
+    sweep.write(words);
+    return sweep.is_complete() ? 0 : InterruptGuard::status();
 }
 
 }  // namespace render2mpeg::app

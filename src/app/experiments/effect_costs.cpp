@@ -86,22 +86,18 @@ constexpr const char* show_effect =
     "document.getElementById(this.dataset.whole).src; large.querySelector('.grip span').textContent = chosen.alt; "
     "large.scrollIntoView({ block: 'nearest' })";
 
-constexpr const char* grades[] = {"good", "fair", "poor", "plain"};
-
-std::string row_of(const EffectCost& cost, double longest, perceptual::ColorMatrix matrix) {
-    const std::string option =
-        cost.option.empty() ? "" : "<br/><small>" + escaped(cost.option) + " leaves it out</small>";
-    const std::string bar =
-        cost.share > 0 && longest > 0
-            ? fmt::format("<div class=\"len\" style=\"width:{:.1f}%\"></div>", 100 * cost.share / longest)
-            : "";
-    return fmt::format(
-        "<tr><td>{}{}</td><td class=\"bars\">{}{}</td><td><span "
-        "class=\"{}\">{}</span><br/><small>{}</small></td><td><button class=\"thumb\" data-whole=\"whole-{}\" "
-        "onclick=\"{}\">{}</button></td></tr>\n",
-        escaped(cost.name), option, bar, share_text(cost.share), grades[static_cast<int>(grade_of(cost.difference))],
-        words_for(cost.difference), cost.difference ? fmt::format("{:.0f} dB", *cost.difference) : "the same",
-        cost.whole.number, show_effect, image_of("without " + cost.name, cost.without, matrix));
+AnswerRow row_of(const EffectCost& cost, double longest, perceptual::ColorMatrix matrix) {
+    return {cost.name,
+            std::max(0.0, core::divide_or(cost.share, longest, 0.0)),
+            share_text(cost.share),
+            words_for(cost.difference),
+            grade_of(cost.difference),
+            cost.difference ? fmt::format("{:.0f} dB", *cost.difference) : "the same",
+            "",
+            false,
+            cost.option.empty() ? "" : cost.option + " leaves it out",
+            fmt::format("<button class=\"thumb\" data-whole=\"whole-{}\" onclick=\"{}\">{}</button>", cost.whole.number,
+                        show_effect, image_of("without " + cost.name, cost.without, matrix))};
 }
 
 /// Whole pictures of the rows, each once.
@@ -149,9 +145,9 @@ EffectCosts effect_costs(const RenderJob& film, int frames, double limit, bool q
     costs.frames = static_cast<int>(windows.front().frames());
     for (const LeftOut& effect : effects) {
         if (clock_seconds() > limit) break;
-        std::optional<Lit> less = light(effect.film, windows, "without " + effect.name, quiet);
+        const std::optional<Lit> less = light(effect.film, windows, "without " + effect.name, quiet);
         if (!less) break;
-        EffectCost cost = difference_of(*whole, std::move(*less));
+        EffectCost cost = difference_of(*whole, *less);
         cost.name = effect.name;
         cost.option = effect.option;
         row_done(cost, costs.rows.empty());
@@ -186,15 +182,14 @@ std::string effects_section(const EffectCosts& effects, perceptual::ColorMatrix 
     const auto rank = [](const EffectCost& cost) { return cost.difference.value_or(99) < 10 ? -1 : cost.share; };
     for (const EffectCost& cost : effects.rows)
         if (rank(cost) > rank(*first)) first = &cost;
-    std::string table =
-        "<table class=\"answer\">\n<tr><th>effect</th><th>share of time</th><th>difference "
-        "without it</th><th>without it</th></tr>\n";
-    for (const EffectCost& cost : effects.rows) table += row_of(cost, longest, matrix);
-    table += fmt::format(
-        "</table>\n<p class=\"soft\">From {} frame{} of {}x{}, lit again without each effect. Shares need not add up: "
-        "effects share work. dB: PSNR-HVS-M of the lit pictures with and without it. Choose a picture to see it beside "
-        "the whole.</p>\n",
-        effects.frames, effects.frames == 1 ? "" : "s", effects.size.width, effects.size.height);
+    std::vector<AnswerRow> rows;
+    for (const EffectCost& cost : effects.rows) rows.push_back(row_of(cost, longest, matrix));
+    const std::string table = answer_table(
+        {"effect", "share of time", "difference without it", "without it"}, rows,
+        fmt::format("From {} frame{} of {}x{}, lit again without each effect. Shares need not add up: effects share "
+                    "work. dB: PSNR-HVS-M of the lit pictures with and without it. Choose a picture to see it beside "
+                    "the whole.",
+                    effects.frames, effects.frames == 1 ? "" : "s", effects.size.width, effects.size.height));
     const std::string figure =
         slider_figure(fmt::format("Frame {}", first->whole.number), {"without " + first->name, first->without},
                       {"all effects", first->whole}, matrix);

@@ -59,26 +59,10 @@ std::string replaced(std::string text, const std::string& what, const std::strin
     return text;
 }
 
-double bytes_of(const av::Inspection& stream, int gop) {
-    double bytes = 0, sums[2] = {};
-    int counts[2] = {};
-    for (const av::PictureFacts& picture : stream.pictures) {
-        bytes += static_cast<double>(picture.bytes);
-        if (picture.type == 'B') continue;
-        const int kind = picture.type == 'I' ? 0 : 1;
-        sums[kind] += static_cast<double>(picture.bytes);
-        ++counts[kind];
-    }
-    const int due = 1 + (static_cast<int>(stream.pictures.size()) - 1) / gop;
-    if (counts[0] != due + 1 || counts[1] == 0) return bytes;
-    return bytes - std::max(0.0, sums[0] / counts[0] - sums[1] / counts[1]);
-}
-
-/// Common part of the strongest commands.
 constexpr const char* strongest =
     "-b:v 400M -lmin {L} -lmax {L} -qmin 1 -qmax 31 -qcomp 0.6 -i_qfactor 0.8 -i_qoffset 0 -b_qfactor 1.5 "
     "-b_qoffset 0 -mbd rd -trellis 2 -mpv_flags +skip_rd+mv0 -mbcmp rd -subcmp satd -dia_size 770 -pre_dia_size 4 "
-    "-mepre 2 -last_pred 3 -g {g} ";
+    "-mepre 2 -last_pred 3 -g {g} -bf 3 -b_strategy 2";
 
 std::string library_of(encoder::Codec codec) {
     if (codec == encoder::Codec::h264) return "libx264";
@@ -115,12 +99,7 @@ FfmpegWay usual_ffmpeg(encoder::Codec codec) {
 FfmpegWay strongest_ffmpeg(encoder::Codec codec) {
     if (codec != encoder::Codec::mpeg2)
         return {"ffmpeg, strongest", by_crf(codec, true) + " -g {g}", library_of(codec)};
-    return {"ffmpeg, strongest", std::string(strongest) + "-bf 2"};
-}
-
-FfmpegWay strongest_free_ffmpeg(encoder::Codec codec) {
-    if (codec != encoder::Codec::mpeg2) return {"ffmpeg, free GOPs", by_crf(codec, true), library_of(codec)};
-    return {"ffmpeg, free GOPs", std::string(strongest) + "-bf 3 -b_strategy 2"};
+    return {"ffmpeg, strongest", strongest};
 }
 
 std::string options_of(const FfmpegWay& way, int quantiser, int gop) {
@@ -132,8 +111,8 @@ std::string options_of(const FfmpegWay& way, int quantiser, int gop) {
 Trials::Codec ffmpeg_codec(const FfmpegWay& way, int quantiser, int gop, const core::FrameRate& rate) {
     const std::string options = options_of(way, quantiser, gop);
     const std::string encoder = way.encoder;
-    return [options, encoder, gop, rate](const Chunk& window, const std::vector<const core::Picture*>& pictures,
-                                         const std::function<void(const core::Picture&)>& decoded) {
+    return [options, encoder, rate](const Chunk& window, const std::vector<const core::Picture*>& pictures,
+                                    const std::function<void(const core::Picture&)>& decoded) {
         const TemporaryFolder folder;
         const std::string frames = folder.file("frames.y4m"),
                           stream = folder.file(encoder == "mpeg2video" ? "coded.m2v" : "coded.mkv");
@@ -150,7 +129,8 @@ Trials::Codec ffmpeg_codec(const FfmpegWay& way, int quantiser, int gop, const c
         for (const char* word : {"-f", "null", "-"}) nothing.emplace_back(word);
         Trials::Coded coded;
         coded.seconds = std::max(0.0, seconds_of(coding) - seconds_of(nothing));
-        coded.bytes = bytes_of(av::inspect(stream), gop);
+        for (const av::PictureFacts& picture : av::inspect(stream).pictures)
+            coded.bytes += static_cast<double>(picture.bytes);
 
         std::int64_t count = 0;
         av::decode(stream, [&](const core::Picture& picture) {

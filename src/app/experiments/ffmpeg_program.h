@@ -19,16 +19,13 @@ struct FfmpegWay {
 
 /// Usual settings: a fixed quantiser (or crf), two B pictures, default motion search.
 FfmpegWay usual_ffmpeg(encoder::Codec codec);
-/// Strongest known command for closed GOPs: RD decisions, trellis, UMH motion search (docs/measurements.md); for other
+/// Strongest known command for long GOPs: RD decisions, trellis, UMH motion search (docs/measurements.md); for other
 /// codecs the slowest preset but one.
 FfmpegWay strongest_ffmpeg(encoder::Codec codec);
-/// Strongest known command for free GOPs.
-FfmpegWay strongest_free_ffmpeg(encoder::Codec codec);
 
 std::string options_of(const FfmpegWay& way, int quantiser, int gop);
 
-/// Runs it on one thread for one window; its seconds exclude reading. Surplus bytes of an extra I picture do not count,
-/// in ffmpeg's favour.
+/// Runs it on one thread for one window; its seconds exclude reading.
 Trials::Codec ffmpeg_codec(const FfmpegWay& way, int quantiser, int gop, const core::FrameRate& rate);
 
 }  // namespace render2mpeg::app

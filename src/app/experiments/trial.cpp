@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -13,12 +12,9 @@
 #include "app/report/frame_view.h"
 #include "core/color.h"
 #include "core/numeric.h"
-#include "core/sampling.h"
 #include "encoder/encoder.h"
 #include "parallel/loops.h"
-#include "perceptual/pumping.h"
 #include "renderer/calibration/audit.h"
-#include "scene/pose/motion.h"
 #include "scene/preparation/traits.h"
 
 namespace render2mpeg::app {
@@ -33,9 +29,23 @@ RenderJob plainly_coded(RenderJob film, int references) {
     return film;
 }
 
-void set_coarseness(Trial& trial, const Coarseness& coarseness) {
-    trial.quantiser = coarseness.quantiser;
-    trial.quality = coarseness.quality;
+/// Whether one renderer serves both.
+bool is_same_light(const RenderJob& a, const RenderJob& b) {
+    const renderer::Settings &r = a.rendering, &s = b.rendering;
+    return a.preview == b.preview && r.indirect == s.indirect && r.samples == s.samples &&
+           r.edge_samples == s.edge_samples && r.most_samples == s.most_samples && r.vpls == s.vpls &&
+           r.cache == s.cache;
+}
+
+void set_coding(Trial& trial, const encoder::Settings& coding) {
+    trial.quantiser = coding.quantiser;
+    trial.quality.reset();
+    if (coding.rate_control.mode == encoder::RateMode::constant_quality) trial.quality = coding.rate_control.quality;
+}
+
+void set_film_bytes(Trial& trial, double bytes, const RenderJob& film) {
+    trial.film_bytes = bytes;
+    trial.bit_rate = 8 * bytes * film.rate.hertz.value();
 }
 
 /// Sets counts per gather point from the renderer's growth.
@@ -51,17 +61,13 @@ void set_counts(Trial& trial, const renderer::Statistics& before, const renderer
     trial.capped = per_point(after.capped_points - before.capped_points);
 }
 
-constexpr std::uint64_t parting_seed = 0x7a97;
-
-/// Non-empty tiles in random order, so that any stretch of them is like all others.
+/// Non-empty tiles, scattered so that any stretch of them is like all others.
 std::vector<std::size_t> lit_tiles(const renderer::Frame& seen) {
-    std::vector<std::pair<float, std::size_t>> dice;
-    for (std::size_t t = 0; t < seen.tiles.size(); ++t)
-        if (!seen.tiles[t].empty())
-            dice.emplace_back(core::uniform(parting_seed, static_cast<std::uint64_t>(seen.visible.frame), t), t);
-    std::sort(dice.begin(), dice.end());
+    constexpr std::size_t step = 7919;  // prime, and no picture has as many tiles across
+    const std::size_t count = seen.tiles.size();
     std::vector<std::size_t> tiles;
-    for (const auto& [die, tile] : dice) tiles.push_back(tile);
+    for (std::size_t t = 0; t < count; ++t)
+        if (const std::size_t tile = t * step % count; !seen.tiles[tile].empty()) tiles.push_back(tile);
     return tiles;
 }
 
@@ -89,11 +95,32 @@ double sum_of(double shown, double there, double decoded) {
 
 }  // namespace
 
-void Coarseness::apply_to(encoder::Settings& coding) const {
-    coding.quantiser = quantiser;
-    coding.rate_control.mode = quality ? encoder::RateMode::constant_quality : encoder::RateMode::constant_quantiser;
-    if (quality) coding.rate_control.quality = *quality;
-    if (gop) coding.gop = *gop;
+std::vector<Chunk> windows_by_shot(const RenderJob& film, const Sample& sample) {
+    std::vector<std::int64_t> begins = cuts_of(film);
+    // chosen: eight shots are sampled one by one (4 to 16); of more the parts tell enough.
+    if (begins.empty() || begins.size() >= 8) return middle_windows(film, sample.windows, sample.frames);
+    begins.insert(begins.begin(), film.frames.first);
+    std::vector<Chunk> windows;
+    for (std::size_t k = 0; k < begins.size(); ++k) {
+        const std::int64_t end = k + 1 < begins.size() ? begins[k + 1] : film.frames.last + 1;
+        RenderJob shot = film;
+        shot.frames = {begins[k], end - 1};
+        windows.push_back(middle_windows(shot, 1, sample.frames).front());
+        windows.back().index = static_cast<int>(k);
+    }
+    return windows;
+}
+
+RenderJob at_quantiser(RenderJob film, int quantiser) {
+    film.coding.quantiser = quantiser;
+    film.coding.rate_control.mode = encoder::RateMode::constant_quantiser;
+    return film;
+}
+
+RenderJob at_quality(RenderJob film, double quality) {
+    film.coding.rate_control.mode = encoder::RateMode::constant_quality;
+    film.coding.rate_control.quality = quality;
+    return film;
 }
 
 double Trial::share_over() const {
@@ -103,7 +130,18 @@ double Trial::share_over_twice() const {
     return core::divide_or(static_cast<double>(over_twice), static_cast<double>(errors.count()), 0.0);
 }
 
-/// Compares lit and coded pictures with the truth, where that is known.
+Quality Trial::film_quality(const Quality& shown_all) const {
+    const auto of = [](const perceptual::FilmQuality& q, double masked) {
+        return Quality{q.psnr_y(), q.ssim_y(), perceptual::psnr(masked)};
+    };
+    return has_references ? with_light(shown_all, of(shown_there, shown_masked_there), of(decoded, masked_error))
+                          : shown_all;
+}
+Quality Trial::film_quality() const {
+    return film_quality({shown.psnr_y(), shown.ssim_y(), perceptual::psnr(shown_masked)});
+}
+
+/// Compares lit and coded pictures with references, where there are any.
 class Trials::Judge : public LoopObserver {
   public:
     Judge(const Trials& trials, Trial& trial, LitWindows* keep) : trials_(trials), trial_(trial), keep_(keep) {}
@@ -113,9 +151,9 @@ class Trials::Judge : public LoopObserver {
         if (keep_ != nullptr)
             keep_->frames.insert_or_assign(frame.world.frame,
                                            LitWindows::Shown{frame.picture, frame.lit.frame.visible});
-        const auto known = trials_.truths_.find(frame.world.frame);
-        if (known == trials_.truths_.end()) return;
-        const Truth& truth = known->second;
+        const auto known = trials_.references_.find(frame.world.frame);
+        if (known == trials_.references_.end()) return;
+        const ReferenceFrame& truth = known->second;
         for (const glm::ivec2 place : truth.gathering) {
             const renderer::AuditedPixel p =
                 renderer::compare(place, truth.light.at(place.x, place.y), frame.tolerance, frame.lit.radiance);
@@ -124,12 +162,11 @@ class Trials::Judge : public LoopObserver {
             trial_.over_twice += p.noticed() > 2 * p.tolerance ? 1 : 0;
         }
         trial_.lit.add(frame.picture, truth.picture);
-        if (known == std::prev(trials_.truths_.end())) keep_sample_frame(frame, truth);
+        if (known == std::prev(trials_.references_.end())) keep_sample_frame(frame, truth);
     }
 
     void coded(const encoder::CodedPicture& picture) override {
         trial_.bytes += static_cast<double>(picture.bytes.size());
-        starts_.add(picture);
         trial_.requantised += picture.tries > 1 ? 1 : 0;
         const auto lit = waiting_.find(picture.plan.number);
         decoded(picture.plan.number, picture.reconstruction, lit->second);
@@ -140,8 +177,8 @@ class Trials::Judge : public LoopObserver {
         trial_.shown.add(picture, lit);
         const double masked = trials_.masks_all_ ? perceptual::masked_error(picture.y, lit.y) : 0.0;
         trial_.shown_masked += masked / trials_.frames();
-        const auto known = trials_.truths_.find(number);
-        if (known == trials_.truths_.end()) return;
+        const auto known = trials_.references_.find(number);
+        if (known == trials_.references_.end()) return;
         trial_.decoded.add(picture, known->second.picture);
         if (trial_.sample_frame && trial_.sample_frame->frame == number) {
             auto sample_frame = std::make_shared<SampleFrame>(*trial_.sample_frame);
@@ -150,14 +187,11 @@ class Trials::Judge : public LoopObserver {
         }
         trial_.shown_there.add(picture, lit);
         trial_.shown_masked_there += masked / trials_.references();
-        watch_change(number, picture.y);
         trial_.masked_error += perceptual::masked_error(picture.y, known->second.picture.y) / trials_.references();
     }
 
-    const GopStarts& starts() const { return starts_; }
-
   private:
-    void keep_sample_frame(const LitFrame& frame, const Truth& truth) {
+    void keep_sample_frame(const LitFrame& frame, const ReferenceFrame& truth) {
         const ViewBox box = view_of(frame.picture.width(), frame.picture.height());
         const core::Plane<glm::vec3>& light = frame.lit.radiance.combined;
         core::Plane<float> error(light.width(), light.height()), tolerance(light.width(), light.height());
@@ -177,34 +211,17 @@ class Trials::Judge : public LoopObserver {
                                                                         part_of(tolerance, box)});
     }
 
-    /// Adds the change along motion of a pair once both are decoded.
-    void watch_change(std::int64_t number, const core::Plane<std::uint8_t>& luma) {
-        decoded_.insert_or_assign(number, luma);
-        for (const std::int64_t later : {number, number + 1}) {
-            const auto now = decoded_.find(later), before = decoded_.find(later - 1);
-            const auto truth = trials_.truths_.find(later);
-            if (now == decoded_.end() || before == decoded_.end() || !truth->second.to_previous) continue;
-            change_ += perceptual::change_along(*truth->second.to_previous, now->second, before->second) -
-                       truth->second.change;
-            trial_.flicker = change_ / ++pairs_;
-        }
-    }
-
     const Trials& trials_;
     Trial& trial_;
     LitWindows* keep_;
-    GopStarts starts_;
-    std::map<std::int64_t, core::Picture> waiting_;              ///< lit, and not coded yet
-    std::map<std::int64_t, core::Plane<std::uint8_t>> decoded_;  ///< luma of references
-    double change_ = 0;
-    int pairs_ = 0;
+    std::map<std::int64_t, core::Picture> waiting_;  ///< lit, and not coded yet
 };
 
 Trials::Trials(const RenderJob& film, std::vector<Chunk> windows, int references)
     : film_(plainly_coded(film, references)),
       windows_(std::move(windows)),
       renderer_(*film_.animation, film_.rendering, film_.plan),
-      references_(std::clamp(references, 0, static_cast<int>(windows_.front().frames()))) {
+      references_of_window_(std::clamp(references, 0, static_cast<int>(windows_.front().frames()))) {
     RenderJob fixed = film_;
     fixed.tolerance = {};
     half_code_ = fixed.tolerance_map().pixels.values()[0].absolute;
@@ -220,64 +237,42 @@ double Trials::bytes_held(bool keeps_frames) const {
     constexpr double picture = 1.5 + sizeof(float);
     constexpr double visible = sizeof(core::SurfaceAddress) + sizeof(float) + 2 * sizeof(core::PackedNormal) +
                                sizeof(std::uint32_t) + sizeof(core::PixelClass);
-    constexpr double truth = sizeof(glm::vec3) + picture + sizeof(glm::ivec2) + sizeof(glm::vec2) + sizeof(float);
-    return pixels * (truth * references_ * static_cast<double>(windows_.size()) +
+    constexpr double truth = sizeof(glm::vec3) + picture + sizeof(glm::ivec2);
+    return pixels * (truth * references_of_window_ * static_cast<double>(windows_.size()) +
                      (keeps_frames ? (picture + visible) * frames() : 0.0));
 }
 
-void Trials::set_times(Trial& trial, const FrameSample& sample) const {
-    trial.cpu = film_by(film_, sample).seconds / static_cast<double>(film_.frame_count());
-    trial.clock = trial.cpu * core::divide_or(sample.clock, sample.cpu, 0.0);
-}
-
-std::optional<Trial> Trials::run(const ToleranceRequest& tolerance, const Coarseness& coarseness,
-                                 const std::function<bool()>& frame_done, LitWindows* keep) {
+std::optional<Trial> Trials::run(const RenderJob& film, const std::function<bool()>& frame_done, LitWindows* keep) {
     Trial trial;
-    trial.tolerance = tolerance;
-    set_coarseness(trial, coarseness);
+    set_coding(trial, film.coding);
     trial.frames = frames();
+    trial.has_references = references() > 0;
     Judge judge(*this, trial, keep);
-    RenderJob film = film_;
-    film.tolerance = tolerance;
-    film.coupling.fraction = tolerance.fraction;
-    coarseness.apply_to(film.coding);
     RunStatistics statistics;
-    const renderer::Statistics before = renderer_.statistics();
-    const std::optional<FrameSample> sample = light_windows(film, renderer_, windows_, judge, statistics, frame_done);
+    std::optional<renderer::Renderer> own;
+    if (!is_same_light(film, film_)) own.emplace(*film.animation, film.rendering, film.plan);
+    renderer::Renderer& renderer = own ? *own : renderer_;
+    const renderer::Statistics before = renderer.statistics();
+    const std::optional<FrameSample> sample = light_windows(film, renderer, windows_, judge, statistics, frame_done);
     if (!sample) return std::nullopt;
-    set_counts(trial, before, renderer_.statistics());
+    set_counts(trial, before, renderer.statistics());
     trial.seconds = statistics.stage_seconds(Stage::shade) + statistics.stage_seconds(Stage::preview);
-    if (tolerance.coupled) trial.seconds += statistics.stage_seconds(Stage::tolerate);
+    if (film.tolerance.coupled) trial.seconds += statistics.stage_seconds(Stage::tolerate);
     trial.seconds /= trial.frames;
-    trial.bytes /= trial.frames;
-    trial.surplus = judge.starts().surplus(film_, windows_, trial.bytes);
-    set_times(trial, *sample);
     trial.code_seconds = (statistics.stage_seconds(Stage::encode) +
                           statistics.pass_seconds[static_cast<std::size_t>(renderer::Pass::motion)]) /
                          trial.frames;
-    if (keep != nullptr) keep->light = trial;
-    return pooled(std::move(trial));
-}
-
-std::optional<Trial> Trials::run_other(const RenderJob& film, const std::function<bool()>& frame_done) const {
-    Trial trial;
-    trial.tolerance = film.tolerance;
-    set_coarseness(trial, film.coding.quantiser);
-    trial.frames = frames();
-    Judge judge(*this, trial, nullptr);
-    RunStatistics statistics;
-    renderer::Renderer renderer(*film.animation, film.rendering, film.plan);
-    const std::optional<FrameSample> sample = light_windows(film, renderer, windows_, judge, statistics, frame_done);
-    if (!sample) return std::nullopt;
     trial.bytes /= trial.frames;
-    trial.surplus = judge.starts().surplus(film_, windows_, trial.bytes);
-    set_times(trial, *sample);
+    const FrameCost whole = film_by(film_, *sample);
+    set_film_bytes(trial, whole.bytes / static_cast<double>(film_.frame_count()), film_);
+    trial.cpu = whole.seconds / static_cast<double>(film_.frame_count());
+    trial.clock = trial.cpu * core::divide_or(sample->clock, sample->cpu, 0.0);
+    if (keep != nullptr) keep->light = trial;
+    if (worst_tenth_) trial.shown = trial.shown.worst_tenth();
     return trial;
 }
 
-Trial Trials::coded_again(const LitWindows& lit, const Coarseness& coarseness) const {
-    RenderJob film = film_;
-    coarseness.apply_to(film.coding);
+Trial Trials::coded_again(const LitWindows& lit, RenderJob film) const {
     return coded_by(
         [&film, &lit](const Chunk& window, const std::vector<const core::Picture*>& pictures,
                       const std::function<void(const core::Picture&)>& decoded) {
@@ -286,7 +281,6 @@ Trial Trials::coded_again(const LitWindows& lit, const Coarseness& coarseness) c
             const auto take = [&](const std::vector<encoder::CodedPicture>& coded) {
                 for (const encoder::CodedPicture& picture : coded) {
                     sum.bytes += static_cast<double>(picture.bytes.size());
-                    sum.starts.add(picture);
                     sum.requantised += picture.tries > 1 ? 1 : 0;
                     core::Picture shown = picture.reconstruction;
                     shown.number = picture.plan.number - window.first;
@@ -308,18 +302,17 @@ Trial Trials::coded_again(const LitWindows& lit, const Coarseness& coarseness) c
             take(timed(sum.seconds, [&] { return coder.flush(); }));
             return sum;
         },
-        lit, coarseness);
+        lit, film);
 }
 
-Trial Trials::coded_by(const Codec& codec, const LitWindows& lit, const Coarseness& coarseness) const {
+Trial Trials::coded_by(const Codec& codec, const LitWindows& lit, const RenderJob& film) const {
     Trial trial = lit.light;
-    set_coarseness(trial, coarseness);
+    set_coding(trial, film.coding);
     trial.decoded = trial.shown = trial.shown_there = {};
     trial.shown_masked = trial.shown_masked_there = 0;
-    trial.masked_error = trial.bytes = trial.code_seconds = trial.flicker = 0;
+    trial.masked_error = trial.bytes = trial.code_seconds = 0;
     trial.requantised = 0;
     Judge judge(*this, trial, nullptr);
-    GopStarts starts;
     for (const Chunk& window : windows_) {
         std::vector<const core::Picture*> pictures;
         for (std::int64_t n = window.first; n <= window.last; ++n) pictures.push_back(&lit.frames.at(n).picture);
@@ -327,97 +320,108 @@ Trial Trials::coded_by(const Codec& codec, const LitWindows& lit, const Coarsene
             judge.decoded(window.first + picture.number, picture, *pictures[static_cast<std::size_t>(picture.number)]);
         });
         trial.bytes += coded.bytes;
-        starts.add(coded.starts);
         trial.requantised += coded.requantised;
         trial.code_seconds += coded.seconds;
     }
     trial.bytes /= trial.frames;
-    trial.surplus = starts.surplus(film_, windows_, trial.bytes);
+    set_film_bytes(trial, trial.bytes * core::divide_or(lit.light.film_bytes, lit.light.bytes, 1.0), film_);
     trial.code_seconds /= trial.frames;
-    return pooled(std::move(trial));
+    if (worst_tenth_) trial.shown = trial.shown.worst_tenth();
+    return trial;
 }
 
 double Trials::reference_seconds() const {
-    return core::divide_or(reference_seconds_, static_cast<double>(truths_.size()), 0.0);
+    return core::divide_or(reference_seconds_, static_cast<double>(references_.size()), 0.0);
 }
 
-bool Trials::light_references(const std::function<bool(const ReferenceStanding&)>& part_done) {
+bool Trials::light_references(const PartDone& part_done) {
     ReferenceStanding standing;
-    int left = references_ * static_cast<int>(windows_.size());
+    int left = references_of_window_ * static_cast<int>(windows_.size());
     for (const Chunk& window : windows_) {
         renderer_.start_chunk(film_.snapshot(window.first));
-        for (const std::int64_t frame : reference_frames(window, references_))
+        for (int i = 1; i <= references_of_window_; ++i) {
+            const std::int64_t frame = window.first + window.frames() * i / references_of_window_ - 1;
             if (!light_reference(frame, left--, standing, part_done)) return false;
+        }
     }
     return true;
 }
 
-void Trials::take_references(const Trials& other) {
-    truths_ = other.truths_;
-    reference_seconds_ = other.reference_seconds_;
-    references_ = other.references_;
-}
-
-bool Trials::light_reference(std::int64_t frame, int left, ReferenceStanding& standing,
-                             const std::function<bool(const ReferenceStanding&)>& part_done) {
-    const scene::Snapshot world = film_.snapshot(frame);
+renderer::PlacedFrame Trials::reference_frame(const scene::Snapshot& world) {
     // Twice the samples of the finest pictures halve errors at least.
     renderer::ExposureSamples samples = exposure_samples(film_, 1, film_.display());
     samples.fewest = samples.most = 2 * samples.most;
     const core::ToleranceMap none = core::ToleranceMap::reference();
-    const renderer::PlacedFrame placed =
-        renderer_.place(world, renderer_.look(world), {none, renderer::Manner::film, samples});
+    return renderer_.place(world, renderer_.look(world), {none, renderer::Manner::film, samples});
+}
+
+bool Trials::light_reference(std::int64_t frame, int left, ReferenceStanding& standing, const PartDone& part_done) {
+    const scene::Snapshot world = film_.snapshot(frame);
+    const renderer::PlacedFrame placed = reference_frame(world);
     const renderer::Frame& seen = placed.frame;
-    Truth truth;
+    ReferenceFrame reference;
     for (const renderer::LitPixel& pixel : renderer::lit_pixels(seen))
-        truth.gathering.push_back(renderer::place_of(seen, pixel));
-
-    const std::uint64_t key = cache_.key_of(film_, renderer_, world, placed);
-    std::optional<KeptReference> reference = cache_.find(key, film_.format.width, film_.format.height);
-    if (reference) {
-        standing.parts = ++standing.done + left - 1;
-        if (!part_done(standing)) return false;
-    } else {
-        reference.emplace();
-        if (!light_parts(world, placed, left, standing, part_done, *reference)) return false;
-        cache_.keep(key, *reference);
-    }
-    reference_seconds_ += reference->seconds;
-    truth.light = std::move(reference->light);
-
+        reference.gathering.push_back(renderer::place_of(seen, pixel));
+    if (!light_parts(world, placed, left, standing, part_done, reference.light)) return false;
     core::Radiance whole;
-    whole.combined = truth.light;
+    whole.combined = reference.light;
     if (!shown_) shown_ = std::make_unique<GlareFilter>(film_, shown_statistics_);
-    truth.picture = film_.display().develop(shown_->of(whole, world.time));
-    truth.picture.number = frame;
-    if (const auto before = truths_.find(frame - 1); before != truths_.end()) {
-        truth.to_previous = scene::motion_between(seen.visible, world, film_.snapshot(frame - 1));
-        truth.change = perceptual::change_along(*truth.to_previous, truth.picture.y, before->second.picture.y);
-    }
-    truths_.insert_or_assign(frame, std::move(truth));
+    reference.picture = film_.display().develop(shown_->of(whole, world.time));
+    reference.picture.number = frame;
+    references_.insert_or_assign(frame, std::move(reference));
     return true;
 }
 
+std::optional<PathTruth> Trials::by_paths(int pixels) {
+    if (references_.empty()) return {};
+    const auto& [frame, reference] = *references_.rbegin();
+    const scene::Snapshot world = film_.snapshot(frame);
+    renderer_.start_chunk(world);
+    renderer::Lit lit{reference_frame(world), {}};
+    if (lit.frame.exposure || reference.gathering.empty()) return {};
+    core::Radiance& shown = lit.radiance;
+    shown.frame = frame;
+    shown.combined = reference.light;
+    shown.capped = core::Plane<std::uint8_t>(shown.combined.width(), shown.combined.height(), 0);
+    const core::ToleranceMap none = core::ToleranceMap::reference();
+    const std::vector<renderer::AuditedPixel> audited = renderer_.audit(world, lit, none, pixels);
+    PathTruth found;
+    renderer::ErrorSplit split;
+    const perceptual::Display display = film_.display();
+    // About what a pixel of a frame by paths takes: fewer paths at most, but its gather points are judged as well.
+    timed(found.seconds, [&] {
+        split.add(renderer_.judge(world, lit, none, audited),
+                  [&](glm::vec3 light) { return static_cast<double>(perceptual::luma_of(display, light)); });
+    });
+    found.pixels = split.pixels();
+    found.seconds = core::divide_or(found.seconds, static_cast<double>(found.pixels), 0.0);
+    found.share = static_cast<double>(reference.gathering.size()) / static_cast<double>(shown.combined.size());
+    // Chance may hide the error: its standard error bounds it.
+    const renderer::MeanError square =
+        split.mean_square(renderer::ErrorCause::light_points, renderer::ErrorMeasure::code_value);
+    found.psnr_y = perceptual::psnr(std::max(square.value, 0.0) + square.error);
+    return found;
+}
+
 bool Trials::light_parts(const scene::Snapshot& world, const renderer::PlacedFrame& placed, int left,
-                         ReferenceStanding& standing, const std::function<bool(const ReferenceStanding&)>& part_done,
-                         KeptReference& reference) {
-    // Make the lights first: their time is no measure of the rest.
+                         ReferenceStanding& standing, const PartDone& part_done, core::Plane<glm::vec3>& light) {
     const renderer::Frame& seen = placed.frame;
     const core::ToleranceMap none = core::ToleranceMap::reference();
-    const renderer::LightOrder order{none, renderer::Manner::rough};
-    renderer::PlacedFrame part{{seen.visible, {}, seen.emitted, seen.emitted_specular}, placed.ungathered};
-    part.frame.tiles.resize(seen.tiles.size());
+    const auto lit_by = [&](const renderer::PlacedFrame& part) {
+        return timed(reference_seconds_, [&] {
+            return renderer_.gather(world, part, {none, renderer::Manner::rough}).radiance.combined;
+        });
+    };
     if (seen.exposure) {
         // Its points light pixels of other tiles.
-        reference.light =
-            timed(reference.seconds, [&] { return renderer_.gather(world, placed, order).radiance.combined; });
+        light = lit_by(placed);
         standing.parts = ++standing.done + left - 1;
         return part_done(standing);
     }
-    const auto light = [&] {
-        return timed(reference.seconds, [&] { return renderer_.gather(world, part, order).radiance.combined; });
-    };
-    reference.light = light();
+    // Make the lights first: their time is no measure of the rest.
+    renderer::PlacedFrame part{{seen.visible, {}, seen.emitted, seen.emitted_specular}, placed.ungathered};
+    part.frame.tiles.resize(seen.tiles.size());
+    light = lit_by(part);
 
     // Light some tiles at a time: a frame can take an hour.
     const std::vector<std::size_t> tiles = lit_tiles(seen);
@@ -429,8 +433,8 @@ bool Trials::light_parts(const scene::Snapshot& world, const renderer::PlacedFra
         const std::size_t last = tiles.size() * static_cast<std::size_t>(p + 1) / static_cast<std::size_t>(parts);
         part.frame.tiles.assign(seen.tiles.size(), {});
         for (std::size_t i = first; i < last; ++i) part.frame.tiles[tiles[i]] = seen.tiles[tiles[i]];
-        const core::Plane<glm::vec3> lit = light();
-        for (std::size_t i = first; i < last; ++i) copy_tile(lit, reference.light, tiles[i], seen.tiles_across());
+        const core::Plane<glm::vec3> lit = lit_by(part);
+        for (std::size_t i = first; i < last; ++i) copy_tile(lit, light, tiles[i], seen.tiles_across());
         ++standing.done;
         standing.seconds = before + clock_seconds() - start;
         if (!part_done(standing)) return false;
@@ -442,15 +446,6 @@ Quality with_light(const Quality& shown, const Quality& there, const Quality& de
     return {sum_of(shown.psnr_y, there.psnr_y, decoded.psnr_y),
             std::clamp(shown.ssim_y + decoded.ssim_y - there.ssim_y, -1.0, 1.0),
             sum_of(shown.psnr_hvs_m, there.psnr_hvs_m, decoded.psnr_hvs_m)};
-}
-
-Quality quality_of(const Trial& trial, bool against_references) {
-    const auto of = [](const perceptual::FilmQuality& q, double masked) {
-        return Quality{q.psnr_y(), q.ssim_y(), perceptual::psnr(masked)};
-    };
-    const Quality shown = of(trial.shown, trial.shown_masked);
-    if (!against_references) return shown;
-    return with_light(shown, of(trial.shown_there, trial.shown_masked_there), of(trial.decoded, trial.masked_error));
 }
 
 }  // namespace render2mpeg::app

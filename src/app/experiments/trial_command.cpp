@@ -14,34 +14,15 @@
 #include "app/report/frame_view.h"
 #include "app/report/heatmap_film.h"
 #include "app/report/report.h"
+#include "app/system/error_collector.h"
 #include "app/system/interrupt.h"
 #include "app/system/probes.h"
 #include "app/system/terminal.h"
 #include "core/error.h"
+#include "renderer/gather/final_gather.h"
 
 namespace render2mpeg::app {
-
-void require_trial_consent(const TrialOptions& options) {
-    Wishes wishes{{}, {options.json.value_or(""), options.report.value_or("")}};
-    const RenderOptions& render = options.render;
-    if (!render.output.empty() && !render.dry_run) wishes.films.emplace_back(render.output);
-    require_consent(wishes, render.overwrite);
-}
-
-std::string render_command(const std::vector<std::string>& words, const std::filesystem::path& input,
-                           encoder::Codec codec, std::vector<std::pair<std::string, std::string>> with) {
-    std::vector<std::string> without{"--sample", "--within", "--tolerances",      "--quantisers",
-                                     "--json",   "--report", "--keep-references", "--references",
-                                     "--runs",   "--film",   "--reference"};
-    for (const auto& [name, value] : with) {
-        without.push_back(name);
-        if (name == "--quantiser") without.emplace_back("-q");
-    }
-    if (std::none_of(with.begin(), with.end(), [](const auto& option) { return option.first == "-o"; }))
-        with.emplace_back("-o",
-                          std::filesystem::absolute(input).lexically_normal().stem().string() + usual_ending(codec));
-    return line_of(changed_command(words, "render", without, {"--quiet", "-y"}, with));
-}
+namespace {
 
 void check_trial_outputs(const RenderJob& film, const TrialOptions& options) {
     std::vector<Files> outputs{options.json.value_or("")};
@@ -56,31 +37,59 @@ void check_trial_outputs(const RenderJob& film, const TrialOptions& options) {
     check_apart(inputs_of(film, options.render), outputs);
 }
 
-RenderJob prepare_trials(const RenderOptions& options) {
-    RenderJob film = prepare(options);
-    for (const std::string& note : film.animation->notes)
-        if (!options.quiet && !note.empty()) print_line(note);
-    if (!probe_images(*film.animation, image_probes(false))) return film;
-    if (!film.exposure) {
-        const Progress progress(1, options.quiet || !shows_steps(), "exposure", Counted::parts_of_step);
-        film.exposure = measure_exposure(film);
+}  // namespace
+
+void require_trial_consent(const TrialOptions& options) {
+    Wishes wishes{{}, {options.json.value_or(""), options.report.value_or("")}};
+    const RenderOptions& render = options.render;
+    if (!render.output.empty() && !render.dry_run) wishes.films.emplace_back(render.output);
+    require_consent(wishes, render.overwrite);
+}
+
+std::string render_command(const std::vector<std::string>& words, const std::filesystem::path& input,
+                           encoder::Codec codec, std::vector<std::pair<std::string, std::string>> with) {
+    std::vector<std::string> without{
+        "--sample", "--within",      "--tolerances",  "--quantisers",     "--json",     "--report",  "--references",
+        "--of",     "--target-psnr", "--target-ssim", "--target-bitrate", "--max-size", "--max-time"};
+    std::vector<std::string> flags{"--quiet", "--dry-run"};
+    const auto is_output = [](const std::string& word) {
+        return word == "-o" || word == "--output" || word.starts_with("--output=");
+    };
+    const bool named = std::any_of(words.begin(), words.end(), is_output) ||
+                       std::any_of(with.begin(), with.end(), [](const auto& option) { return option.first == "-o"; });
+    if (!named) {
+        // Consent was to other files.
+        flags.insert(flags.end(), {"-y", "--overwrite"});
+        with.emplace_back("-o",
+                          std::filesystem::absolute(input).lexically_normal().stem().string() + usual_ending(codec));
     }
+    for (const auto& [name, value] : with) {
+        without.push_back(name);
+        if (name == "--quantiser") without.emplace_back("-q");
+    }
+    return line_of(changed_command(words, "render", without, flags, with));
+}
+
+RenderJob prepare_trials(const RenderOptions& render, const TrialOptions& options) {
+    require_trial_consent(options);
+    RenderJob film = prepare(render);
+    for (const std::string& note : film.animation->notes)
+        if (!render.quiet && !note.empty()) print_line(note);
+    if (!probe_images(*film.animation, image_probes(false))) return film;
+    if (!film.exposure) film.exposure = told("exposure", render.quiet, [&] { return measure_exposure(film); });
+    check_trial_outputs(film, options);
     return film;
 }
 
-std::string memory_note(double bytes, double machine) {
-    const std::string held = fmt::format("the sample's references and frames take {:.1f} GB of memory", bytes / 1e9);
+void check_memory(double bytes, double machine) {
     if (bytes > machine)
-        throw core::Error(held +
-                          fmt::format(", of {:.1f} GB that there are: try less (--sample, --size)", machine / 1e9));
-    // chosen: what a machine that renders can spare without a word (0.5..4 GB).
-    return bytes > 1e9 ? held + "; a smaller --sample takes less" : "";
+        throw core::Error(
+            fmt::format("the sample's references and frames take {:.1f} GB of memory, of {:.1f} GB that "
+                        "there are: try less (--sample, --size)",
+                        bytes / 1e9, machine / 1e9));
 }
-
-void print_memory_note(double bytes, bool quiet) {
-    const double machine = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-    const std::string note = memory_note(bytes, machine);
-    if (!quiet && !note.empty()) print_line(note);
+void check_memory(double bytes) {
+    check_memory(bytes, static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE)));
 }
 
 bool light_references(Trials& trials, bool quiet) {
@@ -103,11 +112,11 @@ bool light_references(Trials& trials, bool quiet) {
     });
 }
 
-std::optional<Trial> run_trial(Trials& trials, const ToleranceRequest& tolerance, const Coarseness& coarseness,
-                               const std::string& name, bool quiet, LitWindows* keep) {
+std::optional<Trial> run_trial(Trials& trials, const RenderJob& film, const std::string& name, bool quiet,
+                               LitWindows* keep) {
     Progress progress(trials.frames(), quiet || !shows_steps(), name, Counted::frames_of_step);
     return trials.run(
-        tolerance, coarseness,
+        film,
         [&] {
             progress.advance();
             return !InterruptGuard::requested();
@@ -115,37 +124,79 @@ std::optional<Trial> run_trial(Trials& trials, const ToleranceRequest& tolerance
         keep);
 }
 
+RenderJob with_tolerance(RenderJob film, const ToleranceRequest& tolerance) {
+    film.tolerance = tolerance;
+    film.coupling.fraction = tolerance.fraction;
+    return film;
+}
+
+ToleranceRequest fixed_tolerance(float share) {
+    return {false, share, false, {}, {}};
+}
+
+std::string trial_heading(const Trials& trials) {
+    const RenderJob& film = trials.film();
+    std::string text = fmt::format("{}: {} of {} frames of {}x{} in {} window{}\n", film.animation->source,
+                                   trials.frames(), film.frame_count(), film.format.width, film.format.height,
+                                   trials.windows().size(), trials.windows().size() == 1 ? "" : "s");
+    if (trials.references() == 0) return text + "quality against these frames as they were lit\n";
+    const renderer::Statistics& found = trials.statistics();
+    const bool rays = film.rendering.indirect == renderer::Indirect::rays && film.rendering.vpls > 0;
+    return text + fmt::format("{} by {} light points{} as reference, {} s of CPU each\n", trials.references(),
+                              found.direct_points + found.indirect_points,
+                              rays ? fmt::format(" and {} rays a point", renderer::most_gather_rays) : "",
+                              short_figure(trials.reference_seconds()));
+}
+
 void print_sentence(const std::string& text) {
     if (!text.empty()) print("\n" + wrapped(text, std::clamp(columns_of_output(), 60, 110)) + "\n");
 }
 
-using nlohmann::json;
-
-json trial_json(const RenderJob& film, const std::string& command, const std::vector<Chunk>& windows, int references,
-                double reference_seconds) {
-    json frames = json::array();
-    for (const Chunk& window : windows) frames.push_back({window.first, window.last});
-    return {{"command", command},
-            {"version", RENDER2MPEG_VERSION},
-            {"isa", core::name_of(film.rendering.isa)},
-            {"input", film.animation->source},
-            {"width", film.format.width},
-            {"height", film.format.height},
-            {"fps", film.rate.hertz.value()},
-            {"windows", frames},
-            {"reference", {{"frames", references}, {"seconds", reference_seconds}}}};
+nlohmann::json with_head(nlohmann::json figures, const Trials& trials, const std::string& command) {
+    const RenderJob& film = trials.film();
+    nlohmann::json windows = nlohmann::json::array();
+    for (const Chunk& window : trials.windows()) windows.push_back({window.first, window.last});
+    const bool quantised = film.coupling.strategy == perceptual::Strategy::quantised;
+    figures.update({{"command", command},
+                    {"version", RENDER2MPEG_VERSION},
+                    {"isa", core::name_of(film.rendering.isa)},
+                    {"input", film.animation->source},
+                    {"width", film.format.width},
+                    {"height", film.format.height},
+                    {"fps", film.rate.hertz.value()},
+                    {"exposure", film.exposure.value_or(0)},
+                    {"view", core::text_of(film.view)},
+                    {"quantiser", film.coding.quantiser},
+                    {"gop", film.coding.gop},
+                    {"samples", film.rendering.samples},
+                    {"edge_samples", film.rendering.edge_samples},
+                    {"vpls", film.rendering.vpls},
+                    {"masking", quantised ? "quantised" : "warped"},
+                    {"cache", cache_word(film.rendering)},
+                    {"windows", windows},
+                    {"light_points", trials.statistics().direct_points + trials.statistics().indirect_points},
+                    {"reference", {{"frames", trials.references()}, {"seconds", trials.reference_seconds()}}}});
+    return figures;
 }
 
-json light_json(const RenderJob& film) {
-    return {{"samples", film.rendering.samples},
-            {"edge_samples", film.rendering.edge_samples},
-            {"vpls", film.rendering.vpls},
-            {"masking", film.coupling.strategy == perceptual::Strategy::quantised ? "quantised" : "warped"},
-            {"cache", cache_word(film.rendering)}};
-}
-
-json quality_json(double psnr_y, double ssim_y) {
-    return {{"psnr_y", finite_or_null(psnr_y)}, {"ssim_y", ssim_y}};
+void write_results(const TrialOptions& options, const Trials& trials, const nlohmann::json& figures,
+                   const std::function<TrialPage()>& page) {
+    ErrorCollector errors;
+    if (options.json) errors.attempt([&] { write_json(*options.json, figures); });
+    if (options.report)
+        errors.attempt([&] {
+            const std::filesystem::path source = trials.film().animation->source;
+            const std::string name = (source.has_filename() ? source : source.parent_path()).filename().string();
+            const TrialPage made = page();
+            write_whole(*options.report,
+                        report_page(name + ": " + made.title, made.lead,
+                                    made.body + "<h2>To find it out again</h2>\n<pre>" +
+                                        escaped(figures.at("command").get<std::string>()) +
+                                        "</pre>\n<p class=\"soft\">Every figure is in the JSON file beside this page "
+                                        "(docs/json.md).</p>\n"));
+            write_json(report_json_of(*options.report), figures);
+        });
+    errors.rethrow();
 }
 
 std::string sample_frame_figures(const std::string& name, const Trial& trial, const RenderJob& film) {
@@ -155,29 +206,10 @@ std::string sample_frame_figures(const std::string& name, const Trial& trial, co
     perceptual::HeatScale error = scale_of(HeatSubject::tolerance);
     error.title = "TRUE ERROR / LUMINANCE";
     return slider_figure(fmt::format("Frame {}: {} decoded, beside reference light, not coded", own.frame, name),
-                         {name, own.decoded}, {"reference light", own.truth},
+                         {name, own.decoded}, {"reference light", own.reference},
                          perceptual::matrix_for(film.format.height)) +
            heat_figure("What each pixel's light may be off by", own.tolerance, scale_of(HeatSubject::tolerance)) +
            heat_figure("What it is off by", own.error, error);
-}
-
-std::string decoded_pair(const std::string& title, const std::string& name, const Trial& trial,
-                         const std::string& other_name, const Trial& other, const RenderJob& film) {
-    if (!trial.sample_frame || !other.sample_frame) return {};
-    return slider_figure(title, {name, trial.sample_frame->decoded}, {other_name, other.sample_frame->decoded},
-                         perceptual::matrix_for(film.format.height));
-}
-
-void write_trial_page(const std::filesystem::path& html, const RenderJob& film, const std::string& title,
-                      const std::string& lead, const std::string& body, const std::string& command,
-                      const std::string& guide, const json& figures) {
-    const std::filesystem::path source = film.animation->source;
-    const std::string name = (source.has_filename() ? source : source.parent_path()).filename().string();
-    write_whole(html, report_page(name + ": " + title, lead,
-                                  body + "<h2>To find it out again</h2>\n<pre>" + escaped(command) +
-                                      "</pre>\n<p class=\"soft\">Every figure is in the JSON file beside this page (" +
-                                      guide + ").</p>\n"));
-    write_json(report_json_of(html), figures);
 }
 
 }  // namespace render2mpeg::app

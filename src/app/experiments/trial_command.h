@@ -1,5 +1,7 @@
 #pragma once
+// Steps that `cost`, `tune` and `compare` share.
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
@@ -18,22 +20,20 @@ void require_trial_consent(const TrialOptions& options);
 std::string render_command(const std::vector<std::string>& words, const std::filesystem::path& input,
                            encoder::Codec codec, std::vector<std::pair<std::string, std::string>> with);
 
-/// Refuses outputs that would replace other files, or cannot be written.
-void check_trial_outputs(const RenderJob& film, const TrialOptions& options);
+/// Loads and settles the film, its exposure included, prints its notes and refuses outputs that would replace other
+/// files; a part of it after an interrupt.
+RenderJob prepare_trials(const RenderOptions& render, const TrialOptions& options);
 
-/// Loads and settles the film, its exposure included, and prints its notes; a part of it after an interrupt.
-RenderJob prepare_trials(const RenderOptions& options);
-
-/// Note about so many bytes of memory; empty for few. Throws core::Error where they exceed `machine`.
-std::string memory_note(double bytes, double machine);
-void print_memory_note(double bytes, bool quiet);
+/// Throws core::Error where so many bytes exceed `machine`'s.
+void check_memory(double bytes, double machine);
+void check_memory(double bytes);
 
 /// Lights the references with a progress line. Returns whether nobody interrupted.
 bool light_references(Trials& trials, bool quiet);
 
 /// Lights and codes the windows with a progress line. None after an interruption.
-std::optional<Trial> run_trial(Trials& trials, const ToleranceRequest& tolerance, const Coarseness& coarseness,
-                               const std::string& name, bool quiet, LitWindows* keep = nullptr);
+std::optional<Trial> run_trial(Trials& trials, const RenderJob& film, const std::string& name, bool quiet,
+                               LitWindows* keep = nullptr);
 
 /// Calls `work` with its elapsed time on a terminal.
 template <class Work>
@@ -42,24 +42,25 @@ auto told(const std::string& name, bool quiet, Work&& work) {
     return work();
 }
 
+RenderJob with_tolerance(RenderJob film, const ToleranceRequest& tolerance);
+ToleranceRequest fixed_tolerance(float share);
+inline constexpr float usual_share = 0.02f;  ///< of fixed tolerances
+
+/// "film: 3 frames of 320x180 in 1 window; 1 by ... as reference, 2 s of CPU each"
+std::string trial_heading(const Trials& trials);
+
 void print_sentence(const std::string& text);
 
-/// Keys of a file's head: command, film, sample and references.
-nlohmann::json trial_json(const RenderJob& film, const std::string& command, const std::vector<Chunk>& windows,
-                          int references, double reference_seconds);
-nlohmann::json light_json(const RenderJob& film);
-nlohmann::json quality_json(double psnr_y, double ssim_y);
+/// Results as files: `figures` and what all commands know, and a page about them. `title` follows the film's name.
+struct TrialPage {
+    std::string title, lead;
+    std::string body;  ///< HTML
+};
+nlohmann::json with_head(nlohmann::json figures, const Trials& trials, const std::string& command);
+void write_results(const TrialOptions& options, const Trials& trials, const nlohmann::json& figures,
+                   const std::function<TrialPage()>& page);
 
-/// A trial's last reference frame: decoded beside the truth, tolerances and errors. Empty without a truth.
+/// A trial's last reference frame: decoded beside the reference, tolerances and errors. Empty without references.
 std::string sample_frame_figures(const std::string& name, const Trial& trial, const RenderJob& film);
-
-/// The decoded reference frames of two trials side by side. Empty where either has none.
-std::string decoded_pair(const std::string& title, const std::string& name, const Trial& trial,
-                         const std::string& other_name, const Trial& other, const RenderJob& film);
-
-/// Writes a page and its figures. `title` follows the film's name; `guide` is the document about both.
-void write_trial_page(const std::filesystem::path& html, const RenderJob& film, const std::string& title,
-                      const std::string& lead, const std::string& body, const std::string& command,
-                      const std::string& guide, const nlohmann::json& figures);
 
 }  // namespace render2mpeg::app

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -17,12 +16,10 @@
 #include "app/options/output_kind.h"
 #include "app/options/rate_options.h"
 #include "app/options/usage_error.h"
-#include "app/system/error_collector.h"
 #include "app/system/interrupt.h"
 #include "app/system/terminal.h"
 #include "core/error.h"
 #include "core/numeric.h"
-#include "encoder/av/av.h"
 #include "encoder/av/coders.h"
 #include "encoder/capabilities.h"
 #include "parallel/loops.h"
@@ -31,11 +28,6 @@ namespace render2mpeg::app {
 namespace {
 
 using Kind = Target::Kind;
-
-/// Options that `render` does not have, or reads otherwise.
-constexpr std::array tune_only{"--target-psnr", "--target-ssim", "--target-bitrate", "--max-size",
-                               "--max-time",    "--of",          "--sample",         "--references",
-                               "--json",        "--report",      "--keep-references"};
 
 Target target_of(const TuneOptions& o) {
     std::vector<Target> asked;
@@ -101,9 +93,7 @@ class TuneCommand {
     bool search();
     int make(const RenderFilm& render_film);
     void write_reports() const;
-
     const Tuning& tuning() const { return tuning_; }
-    double hertz() const { return trials_->film().rate.hertz.value(); }
 
   private:
     bool quiet() const { return options_.render.quiet; }
@@ -111,7 +101,9 @@ class TuneCommand {
         if (!quiet()) print(text);
     }
     void settle_options();
-    void settle_command();
+    void settle_command() {
+        tuning_.command = render_command(words_, options_.render.input, trials_->film().coding.codec, tuning_.options);
+    }
     Sample sample_of(const RenderJob& film) const;
     void look_at_film(const Rendered& rendered);
 
@@ -138,31 +130,27 @@ bool TuneCommand::search() {
     const parallel::ThreadLimit threads(options_.render.threads);
     const InterruptGuard guard(quiet());
     const Target& target = tuning_.target;
-    require_trial_consent(options_);
-    const RenderJob film = prepare_trials(options_.render);
+    const RenderJob film = prepare_trials(options_.render, options_);
     if (InterruptGuard::requested()) return false;
     check_rate(target, film);
-    check_trial_outputs(film, options_);
     if (!options_.render.dry_run) check_reachable(options_.render.output);
 
     // Rates need no references.
     const Sample sample = sample_of(film);
     // The worst tenth is often one shot.
     const bool by_shot = target.worst_tenth && !options_.sample;
-    trials_.emplace(film, by_shot ? windows_by_shot(film, sample) : windows_of(film.frames, sample),
+    trials_.emplace(film, by_shot ? windows_by_shot(film, sample) : middle_windows(film, sample.windows, sample.frames),
                     options_.references.value_or(target.is_rate() ? 0 : 1));
     if (target.worst_tenth) trials_->judge_worst_tenth();
-    if (options_.kept_references) trials_->keep_references_in(ReferenceCache(*options_.kept_references));
-    print_memory_note(trials_->bytes_held(target.kind != Kind::time), quiet());
+    check_memory(trials_->bytes_held(target.kind != Kind::time));
     const double ready = clock_seconds();
     if (!light_references(*trials_, quiet())) return false;
-    tuning_.windows = trials_->windows();
-    tuning_.references = trials_->references();
-    tuning_.reference_seconds = trials_->reference_seconds();
-    log(tune_heading(film, tuning_));
-    const LogProbe log_probe = [&](const Probe& probe) { log(probe_row(tuning_, probe, hertz())); };
+    log(trial_heading(*trials_) + probe_heads(target));
+    const LogProbe log_probe = [&](const Probe& probe) { log(probe_row(target, probe)); };
+    const std::optional<double>& quality = options_.render.coding.quality;
     if (target.kind == Kind::time)
-        tune_time(*trials_, options_.render, ready - began_, quiet(), tuning_, log_probe);
+        tune_time(*trials_, quality ? at_quality(trials_->film(), *quality) : trials_->film(), ready - began_, quiet(),
+                  tuning_, log_probe);
     else
         tune_coding(*trials_, searched(target, film, options_.render.output), quiet(), tuning_, log_probe);
     if (tuning_.found == Found::stopped) return false;
@@ -193,16 +181,6 @@ void TuneCommand::settle_options() {
     if (tuning_.found != Found::beyond) settle_command();
 }
 
-void TuneCommand::settle_command() {
-    std::vector<std::string> without(tune_only.begin(), tune_only.end());
-    for (const auto& [name, value] : tuning_.options) without.push_back(name);
-    std::vector<std::pair<std::string, std::string>> with = tuning_.options;
-    if (options_.render.output.empty())
-        with.emplace_back("-o", std::filesystem::absolute(options_.render.input).lexically_normal().stem().string() +
-                                    usual_ending(trials_->film().coding.codec));
-    tuning_.command = line_of(changed_command(words_, "render", without, {"--dry-run"}, with));
-}
-
 int TuneCommand::make(const RenderFilm& render_film) {
     RenderOptions render_options = options_.render;
     render_options.overwrite = true;  // that was settled before anything was tried
@@ -215,7 +193,9 @@ int TuneCommand::make(const RenderFilm& render_film) {
         render_options.given.push_back(name);
     }
     // As in the printed command, so that --resume recognises it.
-    for (const char* looked_for : tune_only) render_options.said.erase(looked_for);
+    for (const char* looked_for : {"--target-psnr", "--target-ssim", "--target-bitrate", "--max-size", "--max-time",
+                                   "--of", "--sample", "--references", "--json", "--report"})
+        render_options.said.erase(looked_for);
     for (const auto& [name, value] : tuning_.options) render_options.said[name] = value;
     Rendered rendered;
     const int status = render_film(render_options, *tuning_.command, &rendered);
@@ -228,30 +208,15 @@ void TuneCommand::look_at_film(const Rendered& rendered) {
     film.frames = static_cast<std::int64_t>(rendered.statistics.frames.size());
     film.bytes = static_cast<double>(rendered.bytes);
     film.seconds = rendered.statistics.wall;
-    film.bit_rate = core::divide_or(8 * static_cast<double>(rendered.statistics.rate_outcome().bytes) * hertz(),
-                                    static_cast<double>(film.frames), 0.0);
+    film.bit_rate = core::divide_or(
+        8 * static_cast<double>(rendered.statistics.rate_outcome().bytes) * trials_->film().rate.hertz.value(),
+        static_cast<double>(film.frames), 0.0);
     perceptual::FilmQuality shown;
     for (const FrameEntry& entry : rendered.statistics.frames) shown.add(entry.mse_y, entry.ssim_y);
     if (tuning_.target.worst_tenth) shown = shown.worst_tenth();
     film.psnr_y = shown.psnr_y();
     film.ssim_y = shown.ssim_y();
-
-    // Compare the sample's reference frames.
-    perceptual::FilmQuality decoded;
-    double error = 0, similarity = 0;
-    if (tuning_.against_references())
-        av::decode(rendered.film, [&](const core::Picture& picture) {
-            const auto known = trials_->truths().find(trials_->film().frames.first + picture.number);
-            if (known == trials_->truths().end()) return;
-            decoded.add(picture, known->second.picture);
-            const FrameEntry& entry = rendered.statistics.frames[static_cast<std::size_t>(picture.number)];
-            error += entry.mse_y;
-            similarity += entry.ssim_y;
-            ++film.references;
-        });
-    const double count = std::max(1, film.references);
-    film.reference = with_light({film.psnr_y, film.ssim_y}, {perceptual::psnr(error / count), similarity / count},
-                                {decoded.psnr_y(), decoded.ssim_y()});
+    film.reference = tuning_.probes[*tuning_.chosen].trial.film_quality({film.psnr_y, film.ssim_y, 0});
     tuning_.film = film;
     if (const auto quality = nearer_quality(tuning_)) {
         tuning_.options = {{"--quality", fmt::format("{:.1f}", *quality)}};
@@ -260,13 +225,10 @@ void TuneCommand::look_at_film(const Rendered& rendered) {
 }
 
 void TuneCommand::write_reports() const {
-    ErrorCollector errors;
-    const std::string command = line_of(words_);
-    if (options_.json)
-        errors.attempt([&] { write_json(*options_.json, tune_json(trials_->film(), tuning_, command)); });
-    if (options_.report)
-        errors.attempt([&] { write_tune_report(*options_.report, trials_->film(), tuning_, command); });
-    errors.rethrow();
+    write_results(options_, *trials_, with_head(tune_json(tuning_), *trials_, line_of(words_)), [&] {
+        return TrialPage{"tuned to " + target_text(tuning_.target), sentence_of(tuning_),
+                         tune_page(trials_->film(), tuning_)};
+    });
 }
 
 }  // namespace
@@ -279,7 +241,7 @@ int tune(const TuneOptions& options, const std::vector<std::string>& words, cons
         if (!quiet) print_line("interrupted: nothing was settled");
         return InterruptGuard::status();
     }
-    if (!quiet) print_sentence(sentence_of(tuning, command.hertz()));
+    if (!quiet) print_sentence(sentence_of(tuning));
     if (tuning.found == Found::beyond) {
         command.write_reports();
         print_error(target_text(tuning.target) + ": out of reach");

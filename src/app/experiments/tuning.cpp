@@ -40,26 +40,18 @@ std::string setting_of(double quality) {
 class CodingTuner {
   public:
     CodingTuner(Trials& trials, const Target& target, bool quiet, Tuning& tuning, const LogProbe& log)
-        : trials_(trials),
-          target_(target),
-          quiet_(quiet),
-          tuning_(tuning),
-          log_(log),
-          lit_(even_figure(target, target.value), even_slope(target)) {}
+        : trials_(trials), target_(target), quiet_(quiet), tuning_(tuning), log_(log) {}
 
     void settle();
 
   private:
     double figure(const Probe& probe) const { return even_figure(target_, probe.value); }
+    bool is_right(const Probe& probe) const {
+        return target_.is_rate() ? probe.value <= target_.value : probe.value >= target_.value;
+    }
     const Probe& add(double quality, Trial trial, bool lit);
-    /// A quality, its figure by light for another one, and whether quantiser steps bar the target.
-    struct Aim {
-        QualitySearch::Known known;
-        bool at_step = false;
-    };
-    Aim coded_again(const LitWindows& light, QualitySearch search);
-    /// Whether light of its own quality confirmed the aim.
-    bool confirms(const Aim& aim, const Probe& probe) const;
+    /// The quality that meets the target with this light, made for `quality`.
+    double coded_again(const LitWindows& light, double quality, const Probe& lit);
     /// Concludes where no quality is left to be lit.
     void conclude();
 
@@ -68,78 +60,58 @@ class CodingTuner {
     bool quiet_;
     Tuning& tuning_;
     const LogProbe& log_;
-    QualitySearch lit_;  ///< what was lit for its own coding
 };
 
 const Probe& CodingTuner::add(double quality, Trial trial, bool lit) {
     Probe probe{setting_of(quality), std::move(trial), 0, lit};
-    probe.value = value_of(target_, probe.trial, trials_.film().rate.hertz.value(), tuning_.against_references());
+    probe.value = value_of(target_, probe.trial);
     tuning_.probes.push_back(std::move(probe));
     log_(tuning_.probes.back());
     return tuning_.probes.back();
 }
 
-CodingTuner::Aim CodingTuner::coded_again(const LitWindows& light, QualitySearch search) {
+double CodingTuner::coded_again(const LitWindows& light, double quality, const Probe& lit) {
+    QualitySearch search(even_figure(target_, target_.value));
+    search.add(quality, figure(lit));
     for (int i = 0; i < most_codings && !InterruptGuard::requested(); ++i) {
-        const std::optional<double> quality = search.next();
-        if (!quality) break;
+        const std::optional<double> next = search.next();
+        if (!next) break;
         const Probe& probe =
-            add(*quality,
-                told("coding", quiet_, [&] { return trials_.coded_again(light, Coarseness::of_quality(*quality)); }),
+            add(*next,
+                told("coding", quiet_, [&] { return trials_.coded_again(light, at_quality(trials_.film(), *next)); }),
                 false);
-        search.add(*quality, figure(probe));
+        search.add(*next, figure(probe));
         // After three tries a quantiser step is in the way.
         if (is_near(target_, probe.value, i < 3 ? close : 0.8)) break;
     }
     // Between two steps: a rate is not exceeded, a quality is reached.
-    const QualitySearch::Known nearest = search.nearest();
     const std::optional<QualitySearch::Known> side =
         target_.is_rate() ? search.finest_below() : search.coarsest_above();
-    const bool steps = !search.next().has_value();
-    return {steps && side ? *side : nearest, steps};
-}
-
-bool CodingTuner::confirms(const Aim& aim, const Probe& probe) const {
-    const bool right = target_.is_rate() ? probe.value <= target_.value : probe.value >= target_.value;
-    const double left = std::abs(figure(probe) - even_figure(target_, target_.value));
-    // chosen: a quarter of what the step leaves (0.1..0.5).
-    return aim.at_step && right && std::abs(figure(probe) - aim.known.figure) <= 0.25 * left;
+    return !search.next() && side ? side->quality : search.nearest().quality;
 }
 
 void CodingTuner::settle() {
-    const bool coupled = trials_.film().tolerance.coupled;
     double quality = first_quality;
-    Aim aim;
+    std::vector<double> lit;
     for (int i = 0; i < most_lightings; ++i) {
         LitWindows light;
-        const auto trial = run_trial(trials_, trials_.film().tolerance, Coarseness::of_quality(quality),
-                                     "quality " + setting_of(quality), quiet_, &light);
+        const auto trial =
+            run_trial(trials_, at_quality(trials_.film(), quality), "quality " + setting_of(quality), quiet_, &light);
         if (!trial) return;
-        const Probe& probe = add(quality, *trial, true);
-        lit_.add(quality, figure(probe));
-        if (is_near(target_, probe.value) || confirms(aim, probe)) break;
-
-        QualitySearch search =
-            coupled && i == 0 ? lit_ : QualitySearch(even_figure(target_, target_.value), even_slope(target_));
-        search.add(quality, figure(probe));
-        aim = coded_again(light, search);
-        const double next = aim.known.quality;
+        const Probe probe = add(quality, *trial, true);
+        lit.push_back(quality);
+        if (is_near(target_, probe.value)) break;
+        quality = coded_again(light, quality, probe);
         if (InterruptGuard::requested()) return;
-        if (!coupled) break;
-        // A quality that was lit for is not lit again.
-        bool known = false;
-        for (const QualitySearch::Known& k : lit_.known())
-            known = known || std::abs(k.quality - next) < 0.5 * QualitySearch::step;
-        const std::optional<double> instead = known ? lit_.next() : next;
-        if (!instead) break;
-        if (known) aim = {};
-        quality = *instead;
+        // Light of a fixed tolerance is right for every coding.
+        const bool known = std::any_of(lit.begin(), lit.end(),
+                                       [&](double q) { return std::abs(q - quality) < 0.5 * QualitySearch::step; });
+        if (known || !trials_.film().tolerance.coupled) break;
     }
     conclude();
 }
 
 void CodingTuner::conclude() {
-    // Light of a fixed tolerance is right for every coding.
     const bool coupled = trials_.film().tolerance.coupled;
     std::optional<std::size_t> nearest, side;
     const auto distance = [&](std::size_t i) {
@@ -150,8 +122,7 @@ void CodingTuner::conclude() {
         if (coupled && !probe.lit) continue;
         // Of equally near ones the last, which the search approached.
         if (!nearest || distance(i) <= distance(*nearest)) nearest = i;
-        const bool right = target_.is_rate() ? probe.value <= target_.value : probe.value >= target_.value;
-        if (right && (!side || distance(i) <= distance(*side))) side = i;
+        if (is_right(probe) && (!side || distance(i) <= distance(*side))) side = i;
     }
     const bool near = is_near(target_, tuning_.probes[*nearest].value);
     tuning_.chosen = near || !side ? nearest : side;
@@ -165,8 +136,7 @@ void CodingTuner::conclude() {
 }
 
 struct Rung {
-    ToleranceRequest tolerance;
-    int samples = 0, vpls = 0;
+    RenderJob film;
     std::vector<std::pair<std::string, std::string>> options;  ///< that differ from what was asked for
     std::string name;
 };
@@ -192,16 +162,18 @@ std::string text_of(const ToleranceRequest& t) {
 /// chosen: in this order steps cost least of the picture (docs/measurements.md#tolerance-fraction, "Steps of tune"):
 /// tolerances up to four times what hides, then edges, then light points, whose light is another one; four steps of
 /// each.
-std::vector<Rung> ladder_of(const ToleranceRequest& tolerance, int samples, int vpls) {
+std::vector<Rung> ladder_of(const RenderJob& film) {
+    const int samples = film.rendering.samples, vpls = film.rendering.vpls;
     std::vector<Rung> rungs;
     const auto add = [&](float factor, int fewer_samples, int fewer_points) {
-        Rung rung;
-        rung.tolerance = factor > 1 ? loosened(tolerance, factor) : tolerance;
-        rung.samples = std::max(1, samples / fewer_samples);
-        rung.vpls = vpls == 0 ? 0 : std::max(std::min(vpls, 64), vpls / fewer_points);
-        if (factor > 1) rung.options.emplace_back("--tolerance", text_of(rung.tolerance));
-        if (rung.samples != samples) rung.options.emplace_back("--samples", std::to_string(rung.samples));
-        if (rung.vpls != vpls) rung.options.emplace_back("--vpls", std::to_string(rung.vpls));
+        Rung rung{factor > 1 ? with_tolerance(film, loosened(film.tolerance, factor)) : film, {}, ""};
+        renderer::Settings& r = rung.film.rendering;
+        r.samples = std::max(1, samples / fewer_samples);
+        r.vpls = vpls == 0 ? 0 : std::max(std::min(vpls, 64), vpls / fewer_points);
+        if (r.samples != samples) r.edge_samples = r.most_samples = 0;
+        if (factor > 1) rung.options.emplace_back("--tolerance", text_of(rung.film.tolerance));
+        if (r.samples != samples) rung.options.emplace_back("--samples", std::to_string(r.samples));
+        if (r.vpls != vpls) rung.options.emplace_back("--vpls", std::to_string(r.vpls));
         for (const auto& [name, value] : rung.options)
             rung.name += (rung.name.empty() ? "" : ", ") + name.substr(2) + " " + value;
         if (rung.name.empty()) rung.name = "as asked for";
@@ -216,29 +188,10 @@ std::vector<Rung> ladder_of(const ToleranceRequest& tolerance, int samples, int 
     return rungs;
 }
 
-RenderJob on_rung(const RenderJob& film, const Rung& rung) {
-    RenderJob changed = film;
-    changed.tolerance = rung.tolerance;
-    if (rung.samples != film.rendering.samples) changed.rendering.edge_samples = changed.rendering.most_samples = 0;
-    changed.rendering.samples = rung.samples;
-    changed.rendering.vpls = rung.vpls;
-    return changed;
-}
-
 class TimeTuner {
   public:
-    TimeTuner(Trials& trials, const RenderOptions& asked, double once, bool quiet, Tuning& tuning, const LogProbe& log)
-        : trials_(trials),
-          once_(once),
-          quiet_(quiet),
-          tuning_(tuning),
-          log_(log),
-          rungs_(ladder_of(trials.film().tolerance, asked.samples, trials.film().rendering.vpls)) {
-        if (asked.coding.quality)
-            coarseness_ = Coarseness::of_quality(*asked.coding.quality);
-        else
-            coarseness_ = Coarseness(trials.film().coding.quantiser);
-    }
+    TimeTuner(Trials& trials, const RenderJob& film, double once, bool quiet, Tuning& tuning, const LogProbe& log)
+        : trials_(trials), once_(once), quiet_(quiet), tuning_(tuning), log_(log), rungs_(ladder_of(film)) {}
 
     void settle();
 
@@ -255,29 +208,21 @@ class TimeTuner {
     const LogProbe& log_;
     std::vector<Rung> rungs_;
     std::vector<std::size_t> rungs_of_;  ///< of the probes
-    Coarseness coarseness_;
 };
 
 std::optional<bool> TimeTuner::fits(std::size_t index) {
     const Rung& rung = rungs_[index];
-    const RenderJob& film = trials_.film();
-    std::optional<Trials> other;
-    if (rung.samples != film.rendering.samples || rung.vpls != film.rendering.vpls) {
-        other.emplace(on_rung(film, rung), trials_.windows(), 0);
-        other->take_references(trials_);
-    }
-    const auto trial = run_trial(other ? *other : trials_, rung.tolerance, coarseness_, rung.name, quiet_);
+    const auto trial = run_trial(trials_, rung.film, rung.name, quiet_);
     if (!trial) return std::nullopt;
-    const double seconds = once_ + trial->clock * static_cast<double>(film.frame_count());
+    const double seconds = once_ + trial->clock * static_cast<double>(rung.film.frame_count());
     tuning_.probes.push_back({rung.name, *trial, seconds, true});
     log_(tuning_.probes.back());
-
     rungs_of_.push_back(index);
     return seconds <= tuning_.target.value;
 }
 
 void TimeTuner::choose() {
-    const auto psnr = [&](const Probe& probe) { return quality_of(probe.trial, tuning_.against_references()).psnr_y; };
+    const auto psnr = [&](const Probe& probe) { return probe.trial.film_quality().psnr_y; };
     const auto in_time = [&](const Probe& probe) { return probe.value <= tuning_.target.value; };
     double best = -1;
     for (const Probe& probe : tuning_.probes)
@@ -334,11 +279,10 @@ std::string target_text(const Target& target) {
     return figure_text(target.kind, target.value);
 }
 
-double value_of(const Target& target, const Trial& trial, double pictures_per_second, bool against_references) {
-    const Quality quality = quality_of(trial, against_references);
+double value_of(const Target& target, const Trial& trial) {
+    const Quality quality = trial.film_quality();
     if (target.kind == Target::Kind::psnr) return std::min(quality.psnr_y, same);
-    if (target.kind == Target::Kind::ssim) return quality.ssim_y;
-    return 8 * trial.bytes_in_film() * pictures_per_second;
+    return target.kind == Target::Kind::ssim ? quality.ssim_y : trial.bit_rate;
 }
 
 double even_figure(const Target& target, double value) {
@@ -368,9 +312,8 @@ void tune_coding(Trials& trials, const Target& target, bool quiet, Tuning& tunin
     CodingTuner(trials, target, quiet, tuning, log).settle();
 }
 
-void tune_time(Trials& trials, const RenderOptions& asked, double once, bool quiet, Tuning& tuning,
-               const LogProbe& log) {
-    TimeTuner(trials, asked, once, quiet, tuning, log).settle();
+void tune_time(Trials& trials, const RenderJob& film, double once, bool quiet, Tuning& tuning, const LogProbe& log) {
+    TimeTuner(trials, film, once, quiet, tuning, log).settle();
 }
 
 }  // namespace render2mpeg::app

@@ -34,7 +34,7 @@ std::string target_text(const Target& target);
 std::string figure_text(Target::Kind kind, double value);
 
 /// A trial's value in the target's unit; for sizes, bits per second.
-double value_of(const Target& target, const Trial& trial, double pictures_per_second, bool against_references);
+double value_of(const Target& target, const Trial& trial);
 
 /// A value on a scale that is even in --quality: decibels, or the logarithm of a rate. Finite for all values.
 double even_figure(const Target& target, double value);
@@ -60,8 +60,7 @@ struct WholeFilm {
     double seconds = 0;   ///< on the clock, to make it
     double psnr_y = 0;    ///< decoded against the pictures as they were lit
     double ssim_y = 0;    ///< likewise
-    int references = 0;   ///< frames that say what light adds; 0: none is known
-    Quality reference;    ///< decoded against light by every light point (with_light)
+    Quality reference;    ///< with what light adds on the sample (with_light)
 };
 
 enum class Found {
@@ -74,28 +73,22 @@ enum class Found {
 /// Results of `tune`.
 struct Tuning {
     Target target;
-    std::vector<Chunk> windows;
-    int references = 0;  ///< frames lit by every light point; 0: quality is against the pictures as they were lit
-    double reference_seconds = 0;  ///< CPU, each
     std::vector<Probe> probes;
     Found found = Found::stopped;
     std::optional<std::size_t> chosen;                         ///< of the probes
     std::vector<std::pair<std::string, std::string>> options;  ///< of `render` that it comes to: name and value
     std::optional<std::string> command;                        ///< to paste; none where nothing is to be rendered
     std::optional<WholeFilm> film;
-
-    bool against_references() const { return references > 0; }
 };
 
 using LogProbe = std::function<void(const Probe&)>;
 
 /// Finds the quality for a PSNR, an SSIM or a bit rate. Coupled light is made for a first guess, coded again until that
-/// meets the target, and lit anew for the quality found, until light of its own quality meets the target.
+/// meets the target, and lit anew for the quality found.
 void tune_coding(Trials& trials, const Target& target, bool quiet, Tuning& tuning, const LogProbe& log);
 
 /// Loosens tolerance, samples and light points until the film takes no more than the target's seconds; `once` are spent
-/// beside its frames.
-void tune_time(Trials& trials, const RenderOptions& asked, double once, bool quiet, Tuning& tuning,
-               const LogProbe& log);
+/// beside its frames. `film`: of the trials, coded as asked.
+void tune_time(Trials& trials, const RenderJob& film, double once, bool quiet, Tuning& tuning, const LogProbe& log);
 
 }  // namespace render2mpeg::app

@@ -100,6 +100,7 @@ void each_count(Visit&& visit, Counts&... s) {
     visit("records_held_out", added, s.cache.held_out...);
     visit("records_missed", added, s.cache.missed...);
     visit("records_most", largest, s.cache.most...);
+    visit("hair_rays", added, s.hair.rays...);
 }
 
 template <class Visit, class... Sums>
@@ -292,20 +293,28 @@ RunStatistics totals_of(const RunStatistics& statistics, const renderer::Rendere
     return sum;
 }
 
+json json_of(const renderer::Statistics& counts) {
+    json written;
+    each_count(Writer{written}, counts);
+    return written;
+}
+
+json json_of(const FrameEntry& entry) {
+    json written;
+    each_member(entry, Writer{written});
+    return written;
+}
+
 json json_of(const RunStatistics& statistics, std::size_t first_frame) {
-    json written, rendering, frames = json::array();
+    json written, frames = json::array();
     each_sum(Writer{written}, statistics);
     if (statistics.audit.errors.count() > 0) {
         written["audit_errors"] = statistics.audit.errors.counts();
         each_split_sum(statistics.audit.split.sums(), Writer{written["audit_split"]});
     }
-    each_count(Writer{rendering}, statistics.rendering);
-    written["rendering"] = rendering;
-    for (std::size_t i = first_frame; i < statistics.frames.size(); ++i) {
-        json frame;
-        each_member(statistics.frames[i], Writer{frame});
-        frames.push_back(frame);
-    }
+    written["rendering"] = json_of(statistics.rendering);
+    for (std::size_t i = first_frame; i < statistics.frames.size(); ++i)
+        frames.push_back(json_of(statistics.frames[i]));
     written["frames"] = frames;
     return written;
 }

@@ -174,6 +174,10 @@ RunStatistics totals_of(const RunStatistics& statistics, const renderer::Rendere
 /// Statistics with the frames from index `first_frame` on, in full precision, for a later run.
 nlohmann::json json_of(const RunStatistics& statistics, std::size_t first_frame);
 
+/// The renderer's counts, and the members of an entry, by name.
+nlohmann::json json_of(const renderer::Statistics& counts);
+nlohmann::json json_of(const FrameEntry& entry);
+
 /// Reads json_of(): sums are replaced, frames added. Throws std::exception for anything else.
 void restore(RunStatistics& statistics, const nlohmann::json& written);
 

@@ -29,24 +29,6 @@ void add_sweep_options(CLI::App& command, CostOptions& options) {
                "Choose a sample that takes about so long, where --sample does not", "TIME", time_in_seconds, shown);
     add_option(command, sweep, "--tolerances", options.tolerances, "Fixed tolerances, per cent of a pixel's luminance",
                "P,P,...", percents_from, shown);
-    add_option(command, sweep, "--quantisers", options.quantisers,
-               "Quantisers to couple light to, each beside a fixed 2 % coded with it; or `none` (default: the "
-               "film's own)",
-               "Q,Q,...|none", quantisers_from);
-}
-
-void add_foreign_film(CLI::App& command, CompareOptions& options) {
-    const std::string tried = "What is tried";
-    CLI::Option* film = add_option(command, tried, "--film", options.film,
-                                   "Also tell the size and quality of this film, made by another renderer, "
-                                   "against its own --reference",
-                                   "FILE");
-    add_option(command, tried, "--reference", options.reference,
-               "What --film should look like: a folder of numbered images (EXR as scene light, PNG as shown), or "
-               "their pattern; their first is the film's first frame",
-               "DIR|PATTERN")
-        ->needs(film);
-    film->needs("--reference");
 }
 
 /// Options that `tune` decides, or that would change the film.
@@ -108,10 +90,6 @@ void add_trial_run_options(CLI::App& command, TrialOptions& options) {
     const std::string run = "Run";
     add_threads_option(command, options.render.threads);
     add_isa_option(command, options.render.isa);
-    add_option(command, run, "--keep-references", options.kept_references,
-               "Keep frames lit as the reference in this folder, and take them from there where nothing has "
-               "changed",
-               "DIR");
     add_option(command, run, "--json", options.json, "Write all figures as JSON", "FILE.json");
     add_option(command, run, "--report", options.report,
                "Write a page with plots for any browser, and its figures beside it", "FILE.html");
@@ -122,16 +100,13 @@ void add_trial_run_options(CLI::App& command, TrialOptions& options) {
 CLI::App* add_cost_command(CLI::App& app, CostOptions& options) {
     CLI::App* command = app.add_subcommand("cost", "Show what accuracy costs in time, and what it buys");
     command->footer(
-        "Lights a sample of the film with one tolerance after the other, and coupled to its coding; tells what the "
-        "whole "
-        "film takes with each, what one sees of it, and the true errors behind that (docs/choosing.md). The reference "
-        "is dear: it comes first, with an estimate.\n"
+        "Lights a sample of the film with one tolerance after the other, coupled to its coding and by each --effort; "
+        "tells what the whole film takes with each, and by unbiased paths, and what one sees of it "
+        "(docs/choosing.md). The reference is dear: it comes first, with an estimate.\n"
         "Example: render2mpeg cost scene.glb --size 320x180 --vpls 1000 --report cost.html");
     add_scene_options(*command, options.render);
     add_sweep_options(*command, options);
-    add_picture_options(*command, options.render);
-    add_light_options(*command, options.render);
-    add_coding_options(*command, options.render.coding);
+    add_film_options(*command, options.render);
     for (const char* name : unwanted) command->remove_option(command->get_option(name));
     add_trial_run_options(*command, options);
     return command;
@@ -150,22 +125,14 @@ CLI::App* add_compare_command(CLI::App& app, CompareOptions& options) {
                "Windows spread over the film, by consecutive frames of each; better whole GOPs", "WINDOWSxFRAMES",
                sample_from, shown);
     add_option(*command, tried, "--references", options.references,
-               "Frames of each window that are also lit as the reference, in adjacent pairs where there are "
-               "several: they tell what light adds to the errors of all frames, and their pairs flicker",
+               "Frames of each window that are also lit as the reference: they tell what light adds to the errors of "
+               "all frames",
                range(1, 1000), shown);
     add_option(*command, tried, "--quantisers", options.quantisers, "Quantisers to code with, two or more", "Q,Q,...",
                quantisers_from, shown);
-    add_option(*command, tried, "--runs", options.runs,
-               "Runs of everything that is timed, one way after the other and over again; times are their "
-               "medians, told with their spread",
-               range(1, 100), shown);
-    add_foreign_film(*command, options);
-    add_picture_options(*command, options.render);
-    add_light_options(*command, options.render);
-    add_coding_options(*command, options.render.coding);
+    add_film_options(*command, options.render);
     for (const char* name : unwanted) command->remove_option(command->get_option(name));
     for (const char* name : {"--quantiser", "--for", "--keyframes"}) command->remove_option(command->get_option(name));
-    command->get_option("--gop")->default_str("15");  // short_gop
     add_trial_run_options(*command, options);
     return command;
 }
@@ -181,9 +148,7 @@ CLI::App* add_tune_command(CLI::App& app, TuneOptions& options) {
         ->type_name("OUT");
     add_targets(*command, options);
     add_tried(*command, options);
-    add_picture_options(*command, options.render);
-    add_light_options(*command, options.render);
-    add_coding_options(*command, options.render.coding);
+    add_film_options(*command, options.render);
     add_sound_options(*command, options.render.coding);
     for (const char* name : decided_by_tune) command->remove_option(command->get_option(name));
     add_trial_run_options(*command, options);

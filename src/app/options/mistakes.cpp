@@ -192,7 +192,6 @@ std::string mistake_text(const CLI::App& command, const CLI::Error& error) {
             return extra + ": a scene goes without an option, and the film by -o: -o " + extra + help;
         return extra + ": what is this for? Only one name goes without an option" + help;
     }
-    if (kind == "RequiresError") return first + ": give " + last + " too" + help;
     if (kind == "ExcludesError") return first + " and " + last + " contradict each other: give one" + help;
     // "Could not convert: --name = value"
     if (kind == "ConversionError" && text.starts_with("Could not convert: ")) {

@@ -50,13 +50,6 @@ void add_product_options(CLI::App& command, RenderOptions& options) {
         ->group(run_group);
 }
 
-void add_effort_option(CLI::App& command, RenderOptions& options) {
-    add_option(command, "Light", "--effort", options.effort,
-               "All settings of light by one name: `draft`, as --preview but in the film's size, `low`, `default` or "
-               "`high`; other options win over it; `cost` tells what each takes and loses",
-               one_of({"draft", "low", "default", "high"}));
-}
-
 void add_whole_run_options(CLI::App& command, RenderOptions& options) {
     add_flag(command, run_group, "--resume", options.resume,
              "Go on where a run of the same film was interrupted or killed, after its last whole chunk: the same "
@@ -99,10 +92,8 @@ CLI::App* add_render_command(CLI::App& app, RenderOptions& options) {
     add_flag(*command, "Picture and time", "--preview", options.preview,
              "A draft of every frame, in minutes: half the size unless --size is given, rough light, coded fast; "
              "timing, framing, light and cuts are the film's (docs/pictures.md)");
-    add_picture_options(*command, options);
     add_effort_option(*command, options);
-    add_light_options(*command, options);
-    add_coding_options(*command, options.coding);
+    add_film_options(*command, options);
     add_sound_options(*command, options.coding);
     add_run_options(*command, options, true);
     return command;
@@ -119,9 +110,7 @@ CLI::App* add_watch_command(CLI::App& app, RenderOptions& options) {
         ->type_name("OUT");
     add_option(*command, run_group, "--player", options.player,
                "Player to start: ffplay, mpv, or a program that reads bare MPEG-2", "PROGRAM");
-    add_picture_options(*command, options);
-    add_light_options(*command, options);
-    add_coding_options(*command, options.coding);
+    add_film_options(*command, options);
     add_threads_option(*command, options.threads);
     add_flag(*command, run_group, "--quiet", options.quiet, "Print nothing but errors");
     options.preview = true;
@@ -129,26 +118,21 @@ CLI::App* add_watch_command(CLI::App& app, RenderOptions& options) {
     return command;
 }
 
-CLI::App* add_plan_command(CLI::App& app, PlanOptions& options) {
+CLI::App* add_plan_command(CLI::App& app, RenderOptions& options) {
     CLI::App* command =
         app.add_subcommand("plan", "Show what a film will take, which passes its scene calls for, and why");
-    command->footer("Example: render2mpeg plan scene.glb --stats stats.json");
-    add_scene_options(*command, options.render);
-    command->add_option("-o,--output", options.render.output, "Only its ending counts (default: a film)")
-        ->type_name("OUT");
-    add_picture_options(*command, options.render);
-    add_effort_option(*command, options.render);
-    add_light_options(*command, options.render);
-    add_coding_options(*command, options.render.coding);
-    add_option(*command, run_group, "--audit", options.render.audit,
-               "Pixels of every frame that would be gathered again", "N", range(0, 1 << 20));
-    add_option(*command, run_group, "--aov", options.render.layers, "Folder of multilayer OpenEXR files", "DIR");
-    add_within_option(*command, options.render.within, run_group);
-    add_flag(*command, run_group, "--quiet", options.render.quiet, "Show no progress");
-    add_threads_option(*command, options.render.threads);
-    add_isa_option(*command, options.render.isa);
-    add_option(*command, run_group, "--stats", options.statistics,
-               "Statistics of a render of this scene: adds what each pass cost", "FILE.json");
+    command->footer("Example: render2mpeg plan scene.glb --within 1m");
+    add_scene_options(*command, options);
+    command->add_option("-o,--output", options.output, "Only its ending counts (default: a film)")->type_name("OUT");
+    add_effort_option(*command, options);
+    add_film_options(*command, options);
+    add_option(*command, run_group, "--audit", options.audit, "Pixels of every frame that would be gathered again", "N",
+               range(0, 1 << 20));
+    add_option(*command, run_group, "--aov", options.layers, "Folder of multilayer OpenEXR files", "DIR");
+    add_within_option(*command, options.within, run_group);
+    add_flag(*command, run_group, "--quiet", options.quiet, "Show no progress");
+    add_threads_option(*command, options.threads);
+    add_isa_option(*command, options.isa);
     return command;
 }
 
@@ -164,10 +148,8 @@ CLI::App* add_farm_command(CLI::App& app, FarmOptions& options) {
         ->type_name("OUT")
         ->required();
     add_spreading_options(*command, options);
-    add_picture_options(*command, options.render);
     add_effort_option(*command, options.render);
-    add_light_options(*command, options.render);
-    add_coding_options(*command, options.render.coding);
+    add_film_options(*command, options.render);
     add_sound_options(*command, options.render.coding);
     add_run_options(*command, options.render, false);
     return command;
@@ -256,46 +238,42 @@ CommandLine parse(int argc, char** argv) {
         "name. `render2mpeg help COMMAND` shows a command's options.");
     app.formatter(help_format());
 
-    const CLI::App* render = add_render_command(app, line.render);
-    const CLI::App* encode = add_encode_command(app, line.encode);
-    const CLI::App* plan = add_plan_command(app, line.plan);
-    const CLI::App* info = add_info_command(app, line.info);
-    const CLI::App* cost = add_cost_command(app, line.cost);
-    const CLI::App* tune = add_tune_command(app, line.tune);
-    const CLI::App* compare = add_compare_command(app, line.compare);
-    const CLI::App* watch = add_watch_command(app, line.watch);
-
-    const CLI::App* farm = add_farm_command(app, line.farm);
-    const CLI::App* part = add_part_command(app, line.part);
-    const CLI::App* join = add_join_command(app, line.join);
-    const CLI::App* status = add_farm_status_command(app, line.farm_status);
-
-    const auto shows_progress = [&](const CLI::App* c) { return c != info && c != join && c != status; };
-    for (CLI::App* command : app.get_subcommands(shows_progress))
-        add_option(*command, run_group, "--progress", line.progress,
-                   "How far it is: `line`, for people; `minute`, a line a minute, for logs; `json`, a line for "
-                   "programs at every step; `openjd`, as OpenJD reads it; or `none`",
-                   one_of({"line", "minute", "json", "openjd", "none"}), shown);
+    struct Known {
+        CLI::App* app;
+        Command command;
+        RenderOptions* render;  ///< whose words are kept; null: none
+        bool shows_progress = true;
+    };
+    const Known all[] = {{add_render_command(app, line.render), Command::render, &line.render},
+                         {add_encode_command(app, line.encode), Command::encode, nullptr},
+                         {add_plan_command(app, line.plan), Command::plan, &line.plan},
+                         {add_info_command(app, line.info), Command::info, nullptr, false},
+                         {add_cost_command(app, line.cost), Command::cost, &line.cost.render},
+                         {add_tune_command(app, line.tune), Command::tune, &line.tune.render},
+                         {add_compare_command(app, line.compare), Command::compare, &line.compare.render},
+                         {add_watch_command(app, line.watch), Command::watch, &line.watch},
+                         {add_farm_command(app, line.farm), Command::farm, nullptr},
+                         {add_part_command(app, line.part), Command::part, nullptr},
+                         {add_join_command(app, line.join), Command::join, nullptr, false},
+                         {add_farm_status_command(app, line.farm_status), Command::farm_status, nullptr, false}};
+    for (const Known& known : all)
+        if (known.shows_progress)
+            add_option(*known.app, run_group, "--progress", line.progress,
+                       "How far it is: `line`, for people; `minute`, a line a minute, for logs; `json`, a line for "
+                       "programs at every step; `openjd`, as OpenJD reads it; or `none`",
+                       one_of({"line", "minute", "json", "openjd", "none"}), shown);
     line.exit_code = read(app, without_help_command(line.words));
     if (line.exit_code) return line;
-    // Parts run without a terminal.
-    if (part->parsed() && part->get_option("--progress")->empty()) line.progress = "minute";
-    if (render->parsed()) settle_stream(line.render.output, line.render.as);
-    if (encode->parsed()) settle_stream(line.encode.output, line.encode.as);
-    keep_words(*render, line.render);
-    line.encode.given = given_of(*encode);
-    line.plan.render.given = given_of(*plan);
-    line.cost.render.given = given_of(*cost);
-    keep_words(*tune, line.tune.render);
-    line.compare.render.given = given_of(*compare);
-    keep_words(*watch, line.watch);
-    const std::pair<const CLI::App*, Command> commands[] = {
-        {render, Command::render},      {encode, Command::encode},   {plan, Command::plan},
-        {info, Command::info},          {cost, Command::cost},       {tune, Command::tune},
-        {farm, Command::farm},          {part, Command::part},       {join, Command::join},
-        {status, Command::farm_status}, {compare, Command::compare}, {watch, Command::watch}};
-    for (const auto& [app_command, which] : commands)
-        if (app_command->parsed()) line.command = which;
+    for (const Known& known : all) {
+        if (!known.app->parsed()) continue;
+        line.command = known.command;
+        if (known.render != nullptr) keep_words(*known.app, *known.render);
+        if (known.command == Command::encode) line.encode.given = given_of(*known.app);
+        // Parts run without a terminal.
+        if (known.command == Command::part && known.app->get_option("--progress")->empty()) line.progress = "minute";
+    }
+    if (line.command == Command::render) settle_stream(line.render.output, line.render.as);
+    if (line.command == Command::encode) settle_stream(line.encode.output, line.encode.as);
     return line;
 }
 

@@ -114,11 +114,6 @@ struct RenderOptions {
     bool is_given(std::string_view name) const { return std::find(given.begin(), given.end(), name) != given.end(); }
 };
 
-struct PlanOptions {
-    RenderOptions render;  ///< only what decides the plan
-    std::optional<std::filesystem::path> statistics;
-};
-
 struct EncodeOptions {
     std::filesystem::path input;  ///< a Y4M file, numbered images, or "-": Y4M from standard input
     std::filesystem::path output;
@@ -151,23 +146,18 @@ struct Sample {
 struct TrialOptions {
     RenderOptions render;  ///< decides light and coding
     std::optional<std::filesystem::path> json;
-    std::optional<std::filesystem::path> report;           ///< HTML
-    std::optional<std::filesystem::path> kept_references;  ///< folder
+    std::optional<std::filesystem::path> report;  ///< HTML
 };
 
 struct CostOptions : TrialOptions {
     std::optional<std::string> sample;  ///< none: as much as there is time for
     std::string within = "1m";          ///< as time_in_seconds reads it
     std::string tolerances = "16,8,4,2,1";
-    std::optional<std::string> quantisers;  ///< none: the film's own
 };
 
 struct CompareOptions : TrialOptions {
     std::string sample = "1x15";
-    int references = 4;                              ///< of every window
-    int runs = 1;                                    ///< of everything that is timed
-    std::optional<std::filesystem::path> film;       ///< --film, with the next
-    std::optional<std::filesystem::path> reference;  ///< --reference: numbered images, or a folder of them
+    int references = 4;  ///< of every window
     std::string quantisers = "2,4,8,16";
 };
 
@@ -220,7 +210,7 @@ struct CommandLine {
     Command command = Command::none;
     RenderOptions render;
     EncodeOptions encode;
-    PlanOptions plan;
+    RenderOptions plan;
     InfoOptions info;
     CostOptions cost;
     TuneOptions tune;

@@ -111,6 +111,19 @@ void add_exposure_options(CLI::App& command, RenderOptions& options, const std::
 
 }  // namespace
 
+void add_film_options(CLI::App& command, RenderOptions& options) {
+    add_picture_options(command, options);
+    add_light_options(command, options);
+    add_coding_options(command, options.coding);
+}
+
+void add_effort_option(CLI::App& command, RenderOptions& options) {
+    add_option(command, "Light", "--effort", options.effort,
+               "All settings of light by one name: `draft`, as --preview but in the film's size, `low`, `default` or "
+               "`high`; other options win over it; `cost` tells what each takes and loses",
+               one_of({"draft", "low", "default", "high"}));
+}
+
 void add_picture_options(CLI::App& command, RenderOptions& options) {
     const std::string picture = "Picture and time";
     add_option(command, picture, "-s,--size", options.size,

@@ -89,7 +89,7 @@ bool render_whole_chunks(const OpenRender& open) {
         if (!open.heatmaps.empty()) products.add(open.heatmaps);
         if (options.report) products.add(open.sample_frame);
         whole = render_chunk(film, renderer, chunk, products, statistics, [&] {
-            progress.advance(statistics.frames.back().type);
+            progress.advance();
             if (open.frames_done) open.frames_done(static_cast<std::int64_t>(statistics.frames.size()));
             return !InterruptGuard::requested();
         });

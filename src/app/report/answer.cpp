@@ -15,11 +15,13 @@ std::string row_of(const AnswerRow& row) {
     const std::string bar = row.bar.empty() ? ""
                                             : fmt::format("<div class=\"len\" style=\"width:{:.1f}%\"></div>{}",
                                                           100 * row.share, escaped(row.bar));
+    const std::string note = row.note.empty() ? "" : "<br/><small>" + escaped(row.note) + "</small>";
     return fmt::format(
-        "<tr{}><td>{}{}</td><td class=\"bars\">{}</td><td><span class=\"{}\">{}</span><br/><small>{}</small></td>"
+        "<tr{}><td>{}{}{}</td><td class=\"bars\">{}</td><td><span class=\"{}\">{}</span><br/><small>{}</small></td>"
         "<td>{}</td></tr>\n",
-        row.recommended ? " class=\"taken\"" : "", escaped(row.name), badge, bar, grades[static_cast<int>(row.grade)],
-        escaped(row.word), escaped(row.detail), escaped(row.size));
+        row.recommended ? " class=\"taken\"" : "", escaped(row.name), badge, note, bar,
+        grades[static_cast<int>(row.grade)], escaped(row.word), escaped(row.detail),
+        row.picture.empty() ? escaped(row.size) : row.picture);
 }
 
 }  // namespace
@@ -70,13 +72,6 @@ std::string html_table(const std::string& title, std::string_view kinds, const s
         text += "</tr>\n";
     }
     return text + "</table></div>\n";
-}
-
-std::string cards_of(const std::vector<std::pair<std::string, std::string>>& cards) {
-    std::string text = "<dl class=\"cards\">\n";
-    for (const auto& [name, value] : cards)
-        text += "<div><dt>" + escaped(name) + "</dt><dd>" + escaped(value) + "</dd></div>\n";
-    return text + "</dl>\n";
 }
 
 std::string folded(const std::string& title, const std::string& html) {

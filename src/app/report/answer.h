@@ -5,7 +5,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 namespace render2mpeg::app {
@@ -13,7 +12,7 @@ namespace render2mpeg::app {
 /// How good something is, for the colour of its word.
 enum class Grade { good, fair, poor, none };
 
-/// One choice.
+/// One choice, as plain text.
 struct AnswerRow {
     std::string name;
     double share = 0;  ///< of the longest bar, 0 to 1
@@ -23,6 +22,8 @@ struct AnswerRow {
     std::string detail;  ///< under the word, soft
     std::string size;
     bool recommended = false;
+    std::string note = {};     ///< under the name, soft
+    std::string picture = {};  ///< HTML in place of the size
 };
 
 /// One of several ways to the same film, as the rule of all pages sees it.
@@ -59,9 +60,6 @@ struct TableRow {
 /// cent. Without heads where they are all empty.
 std::string html_table(const std::string& title, std::string_view kinds, const std::vector<std::string>& heads,
                        const std::vector<TableRow>& rows);
-
-/// Names and values as small cards beside each other.
-std::string cards_of(const std::vector<std::pair<std::string, std::string>>& cards);
 
 /// HTML behind a fold that opens at a click and on paper. Empty where there is nothing.
 std::string folded(const std::string& title, const std::string& html);

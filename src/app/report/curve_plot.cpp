@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "app/report/curve_axis.h"
 #include "app/report/figures.h"
 
 namespace render2mpeg::app {
@@ -75,12 +74,31 @@ double width_of(const std::string& text) {
     return 0.56 * font * static_cast<double>(text.size());
 }
 
-/// Which values are written where there is no room for all: first powers of ten, then halves of them, then doubles.
-int shortness(double value) {
-    if (value == 0) return 0;
-    const double digits = std::abs(value) / std::pow(10.0, std::floor(std::log10(std::abs(value)) + 1e-9));
-    const auto is = [&](double digit) { return std::abs(digits - digit) < 1e-6; };
-    return is(1) ? 0 : is(5) ? 1 : is(2) || is(3) ? 2 : 3;
+/// The next round number (1, 2 or 5 times a power of ten) that is at least `value` > 0.
+double round_up(double value) {
+    const double power = std::pow(10.0, std::floor(std::log10(value)));
+    for (const double step : {1.0, 2.0, 5.0})
+        if (step * power >= value * (1 - 1e-9)) return step * power;
+    return 10 * power;
+}
+
+std::vector<double> even_values(double low, double high, int wanted) {
+    const double step = round_up((high - low) / (wanted + 1));
+    std::vector<double> values;
+    for (double k = std::ceil(low / step); k * step <= high * (1 + 1e-12) && values.size() < 100; ++k)
+        values.push_back(k * step + 0.0);  // not "-0"
+    return values;
+}
+
+/// Those of `digits` times a power of ten, of every so many powers.
+std::vector<double> decade_values(double low, double high, const std::vector<double>& digits, int every) {
+    std::vector<double> values;
+    const int first = static_cast<int>(std::floor(std::log10(low)));
+    for (int power = first - (first % every + every) % every; std::pow(10.0, power) <= high; power += every)
+        for (const double digit : digits)
+            if (const double value = digit * std::pow(10.0, power); value >= low && value <= high)
+                values.push_back(value);
+    return values;
 }
 
 class Drawing {
@@ -118,17 +136,9 @@ std::string Drawing::axes() const {
         text += fmt::format(R"(<line class="grid" x1="{}" x2="{}" y1="{:.1f}" y2="{:.1f}"/>)", left, right_, y, y);
         text += fmt::format(R"(<text x="{}" y="{:.1f}" text-anchor="end">{}</text>)", left - 6, y + 4, figure(value));
     }
-    std::vector<double> values = round_values(x_.low, x_.high, x_.logarithmic, paper_.columns);
-    std::stable_sort(values.begin(), values.end(), [](double a, double b) { return shortness(a) < shortness(b); });
-    std::vector<std::pair<double, double>> written;  // from, to
-    for (const double value : values) {
+    for (const double value : round_values(x_.low, x_.high, x_.logarithmic, paper_.columns)) {
         const double x = left + (right_ - left) * x_.share(value);
         text += fmt::format(R"(<line class="grid" x1="{:.1f}" x2="{:.1f}" y1="{}" y2="{}"/>)", x, x, top, bottom_);
-        const double half = 0.5 * width_of(figure(value)) + 3;
-        if (std::any_of(written.begin(), written.end(),
-                        [&](const auto& other) { return x - half < other.second && other.first < x + half; }))
-            continue;
-        written.emplace_back(x - half, x + half);
         text +=
             fmt::format(R"(<text x="{:.1f}" y="{}" text-anchor="middle">{}</text>)", x, bottom_ + 17, figure(value));
     }
@@ -209,6 +219,17 @@ std::string key(const Curve& curve, std::size_t kind) {
 }
 
 }  // namespace
+
+std::vector<double> round_values(double low, double high, bool logarithmic, int wanted) {
+    if (!logarithmic) return even_values(low, high, wanted);
+    // The finest digits that give no more values than wanted; where all of them are too many, fewer powers of ten.
+    const auto most = static_cast<std::size_t>(wanted);
+    std::vector<double> values = decade_values(low, high, {1}, 1);
+    for (const std::vector<double>& digits : {std::vector<double>{1, 3}, {1, 2, 5}, {1, 2, 3, 4, 5, 6, 7, 8, 9}})
+        if (std::vector<double> more = decade_values(low, high, digits, 1); more.size() <= most) values = more;
+    for (int every = 2; values.size() > most; ++every) values = decade_values(low, high, {1}, every);
+    return values.size() >= 2 ? values : even_values(low, high, wanted);
+}
 
 std::string figure_of(const CurvePlot& plot) {
     const auto any = [&](const Curve& curve) {

@@ -31,6 +31,10 @@ struct CurvePlot {
     std::vector<Curve> curves;
 };
 
+/// Round values on an axis from `low` to `high` (low < high, 0 < low where it is logarithmic), ascending, two or more,
+/// and about `wanted`.
+std::vector<double> round_values(double low, double high, bool logarithmic, int wanted);
+
 /// The plot as a figure for a page with the styles of report_style: drawn twice, for a desktop's width and for a
 /// phone's, of which the page shows one. Empty for a plot without points.
 std::string figure_of(const CurvePlot& plot);

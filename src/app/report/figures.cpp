@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 namespace render2mpeg::app {
 
 std::string psnr_text(double psnr) {
@@ -22,6 +24,14 @@ std::string count_text(double count) {
 
 std::string percent_text(double share) {
     return fmt::format("{:.1f} %", 100 * share);
+}
+
+std::string short_figure(double value) {
+    if (!std::isfinite(value)) return "-";
+    if (value >= 999.5) return fmt::format("{:.0f}", value);
+    if (value < 0.0005) return "0";
+    const int digits = value >= 99.95 ? 0 : value >= 9.995 ? 1 : 2;
+    return fmt::format("{:.{}f}", value, value < 0.095 ? 3 : digits);
 }
 
 std::string pictures_text(std::int64_t count) {

@@ -1,6 +1,7 @@
 #pragma once
 // Writes the false-colour films of `--heatmap`.
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
@@ -96,18 +97,10 @@ class HeatmapFilms : public LoopObserver {
     void append(HeatmapFilms& part) {
         for (std::size_t i = 0; i < films_.size(); ++i) films_[i]->append(*part.films_[i]);
     }
-    void begins(const Chunk& chunk) override {
-        each([&](HeatmapFilm& film) { film.begins(chunk); });
-    }
-    void ends(const Chunk& chunk) override {
-        each([&](HeatmapFilm& film) { film.ends(chunk); });
-    }
-    void lit(const LitFrame& frame) override {
-        each([&](HeatmapFilm& film) { film.lit(frame); });
-    }
-    void coded(const encoder::CodedPicture& coded) override {
-        each([&](HeatmapFilm& film) { film.coded(coded); });
-    }
+    void begins(const Chunk& chunk) override { each(&HeatmapFilm::begins, chunk); }
+    void ends(const Chunk& chunk) override { each(&HeatmapFilm::ends, chunk); }
+    void lit(const LitFrame& frame) override { each(&HeatmapFilm::lit, frame); }
+    void coded(const encoder::CodedPicture& coded) override { each(&HeatmapFilm::coded, coded); }
     /// After the film's last picture: gives them their names. Whether nothing is left to be done: what could not have
     /// its name now may have it later, by --resume.
     bool finish() {
@@ -125,27 +118,24 @@ class HeatmapFilms : public LoopObserver {
     /// Whether one failed; only a film that begins anew makes it.
     bool has_lost() const { return lost_; }
     /// Removes what they were made of.
-    void clear_away() {
-        each([](HeatmapFilm& film) { film.clear_away(); });
-    }
+    void clear_away() { each(&HeatmapFilm::clear_away); }
     /// Throws what went wrong first, be it while the film was made.
     void rethrow() const { failures_.rethrow(); }
 
   private:
-    template <class Step>
-    void each(Step&& step) {
+    template <class Step, class... Arguments>
+    void each(Step step, const Arguments&... arguments) {
         for (std::unique_ptr<HeatmapFilm>& film : films_) {
-            bool done = film == nullptr;
-            if (!done)
-                failures_.attempt([&] {
-                    step(*film);
-                    done = true;
-                });
-            if (!done && film != nullptr) {
-                lost_ = true;
-                film->discard();
-                film.reset();
-            }
+            if (film == nullptr) continue;
+            bool done = false;
+            failures_.attempt([&] {
+                std::invoke(step, *film, arguments...);
+                done = true;
+            });
+            if (done) continue;
+            lost_ = true;
+            film->discard();
+            film.reset();
         }
     }
 

@@ -1,8 +1,6 @@
 #pragma once
 // The table of passes, with their reasons and costs.
-#include <filesystem>
 #include <nlohmann/json_fwd.hpp>
-#include <optional>
 #include <string>
 
 #include "app/loop/forecast.h"
@@ -10,13 +8,10 @@
 
 namespace render2mpeg::app {
 
-/// The plan as a table: each pass, whether it runs, why, and, if `statistics` names the file of a render, what it cost.
-/// `sample`: what sample frames cost instead; null: none were lit. Throws core::Error where that file is none.
-std::string plan_table(const RenderJob& film, const std::filesystem::path& statistics,
-                       const FrameSample* sample = nullptr);
+/// The plan as a table: each pass, whether it runs, why, and its cost in sample frames; null: none were lit.
+std::string plan_table(const RenderJob& film, const FrameSample* sample = nullptr);
 
-/// The plan's rows as plan_table() shows them: `pass`, `runs`, `reason`, and `seconds` (CPU) or null, as the statistics
-/// of a render tell. Statistics may be null: not known.
-nlohmann::json plan_of(const RenderJob& film, const nlohmann::json& statistics);
+/// The plan's rows: `pass`, `runs`, `reason`, and `seconds` (CPU) or null.
+nlohmann::json plan_of(const RenderJob& film, const RunStatistics& statistics);
 
 }  // namespace render2mpeg::app

@@ -16,6 +16,7 @@
 #include "app/report/figures.h"
 #include "app/report/plan_table.h"
 #include "app/report/report_style.h"
+#include "app/report/summary.h"
 #include "app/system/progress.h"
 #include "core/error.h"
 #include "core/numeric.h"
@@ -49,20 +50,6 @@ double number(const json& s, const char* object, const char* key) {
     return s.at(object).at(key).get<double>();
 }
 
-/// What audited pixels say; statistics of earlier versions know no truth.
-std::string audit_text(const json& audit) {
-    std::string text =
-        fmt::format(" Of {} pixels gathered again by reference light, {:.2f} % are beyond their tolerance.",
-                    audit.at("pixels").get<std::int64_t>(), 100 * audit.at("over_tolerance").get<double>());
-    if (!audit.contains("truth")) return text;
-    const auto luma = [&](const char* cause) { return audit.at("truth").at(cause).at("code_value_rms").get<double>(); };
-    return text + fmt::format(
-                      " Against unbiased paths of light they are off by {:.2f} code values of luma (root mean square): "
-                      "{:.2f} by gathering and records, {:.2f} by light points, {:.2f} by eye samples.",
-                      luma("total"), std::hypot(luma("gathering"), luma("moved_points")), luma("light_points"),
-                      luma("eye_samples"));
-}
-
 /// The render in one or two sentences, as a reader would be told it.
 std::string sentence_of(const json& s) {
     const double cpu = number(s, "seconds", "cpu"), light = number(s, "seconds", "shade");
@@ -72,8 +59,8 @@ std::string sentence_of(const json& s) {
         s.at("frames").get<std::int64_t>(), s.at("width").get<int>(), s.at("height").get<int>(),
         clock_text(number(s, "seconds", "wall")), cpu, 100 * core::divide_or(light, cpu, 0.0),
         number(s, "mean_cut", "direct") + number(s, "mean_cut", "indirect"),
-        s.at("light_points").at("direct").get<std::int64_t>() +
-            s.at("light_points").at("indirect").get<std::int64_t>());
+        s.at("counts").at("direct_points").get<std::int64_t>() +
+            s.at("counts").at("indirect_points").get<std::int64_t>());
     if (s.contains("rate")) {
         text += fmt::format(" The film has {} ({})", size_text(s.at("bytes").get<double>()), kilobits(s));
         text += s.at("psnr_y").is_number()
@@ -81,34 +68,8 @@ std::string sentence_of(const json& s) {
                                   s.at("psnr_y").get<double>(), s.at("ssim_y").get<double>())
                     : "; decoding it gives exactly what was rendered.";
     }
-    if (s.at("audit").is_object()) text += audit_text(s.at("audit"));
     if (!s.at("complete").get<bool>()) text = "Interrupted: this is a part of the film. " + text;
     return text;
-}
-
-std::string cards(const json& s) {
-    std::vector<std::pair<std::string, std::string>> all{
-        {"Pictures", fmt::format("{} at {:.5g} Hz", s.at("frames").get<std::int64_t>(), s.at("fps").get<double>())},
-        {"Size", fmt::format("{} x {}", s.at("width").get<int>(), s.at("height").get<int>())},
-        {"CPU time", fmt::format("{:.1f} s", number(s, "seconds", "cpu"))},
-        {"On the clock", clock_text(number(s, "seconds", "wall"))},
-        {"Mean cut",
-         fmt::format("{:.0f} + {:.0f}", number(s, "mean_cut", "direct"), number(s, "mean_cut", "indirect"))},
-        {"Shadow rays", count_text(number(s, "rays", "shadow"))},
-        {"Peak memory", fmt::format("{:.0f} MiB", s.at("peak_rss_mib").get<double>())}};
-    if (s.contains("rate")) {
-        all.emplace_back("Film", size_text(s.at("bytes").get<double>()));
-        all.emplace_back("Bit rate", kilobits(s));
-        all.emplace_back(capitalised(scale_of(s)),
-                         fmt::format("{:.1f} ({}..{})", number(s, "quantisers", "mean"),
-                                     s.at("quantisers").at("min").get<int>(), s.at("quantisers").at("max").get<int>()));
-        if (s.at("psnr_y").is_number())
-            all.emplace_back("PSNR-Y", fmt::format("{:.2f} dB", s.at("psnr_y").get<double>()));
-        all.emplace_back("SSIM-Y", fmt::format("{:.4f}", s.at("ssim_y").get<double>()));
-        if (s.at("pumping").is_number())
-            all.emplace_back("Pumping", fmt::format("{:.2f}", s.at("pumping").get<double>()));
-    }
-    return cards_of(all);
 }
 
 /// Values of frames by `value`, which gives NaN where there is none; of long films means over neighbours.
@@ -145,7 +106,6 @@ std::vector<Curve> by_type(const json& s, Value&& value) {
 std::string plots(const json& s) {
     if (s.at("per_frame").empty()) return {};
     const auto field = [](const char* key) { return [key](const json& f) { return f.at(key).get<double>(); }; };
-    const auto cut = [](const char* key) { return [key](const json& f) { return f.at("cut").at(key).get<double>(); }; };
     const auto plot = [](const std::string& title, const std::string& unit, std::vector<Curve> curves) {
         return figure_of({title, {"frame", false}, {unit, false}, std::move(curves)});
     };
@@ -161,8 +121,8 @@ std::string plots(const json& s) {
                 plot("PSNR-Y of the decoded picture", "dB", by_type(s, psnr));
     return text +
            plot("Cut: clusters of lights per point", "clusters",
-                {curve_of(s, "direct", "one", true, cut("direct")),
-                 curve_of(s, "indirect", "two", true, cut("indirect"))}) +
+                {curve_of(s, "direct", "one", true, field("direct_cut")),
+                 curve_of(s, "indirect", "two", true, field("indirect_cut"))}) +
            plot("CPU time", "s", {curve_of(s, "CPU", "one", true, field("seconds"))});
 }
 
@@ -212,32 +172,6 @@ std::string plan_rows(const json& plan) {
     return html_table("What ran, and why", "ttnt", {"Pass", "Runs", "CPU, s", "Reason"}, rows);
 }
 
-/// A value of the statistics as people read it: "mode coupled, masking warped".
-std::string plain(const json& value) {
-    if (value.is_string()) return value.get<std::string>();
-    if (value.is_number_float()) return fmt::format("{:.6g}", value.get<double>());
-    if (!value.is_object()) return value.dump();
-    std::string text;
-    for (const auto& [key, part] : value.items())
-        if (!part.is_null()) text += (text.empty() ? "" : ", ") + key + " " + plain(part);
-    std::replace(text.begin(), text.end(), '_', ' ');
-    return text;
-}
-
-/// All that decides the film besides its scene.
-std::string settings_table(const json& s) {
-    std::vector<TableRow> rows{{{"command", s.at("command").get<std::string>()}}};
-    for (const char* key : {"version", "isa", "input", "exposure", "view", "tolerance", "codec", "quantiser", "gop",
-                            "rate", "light_points", "aspect_ratio_code", "cadence"}) {
-        if (!s.contains(key) || s.at(key).is_null()) continue;
-        std::string name = key == std::string_view("quantiser") ? scale_of(s) : key;
-        std::replace(name.begin(), name.end(), '_', ' ');
-        rows.push_back({{name, plain(s.at(key))}});
-    }
-    return html_table("To make it again", "tt", {}, rows) +
-           "<p class=\"soft\">Every figure is in the JSON file beside this page (docs/first-film.md).</p>\n";
-}
-
 constexpr const char* generator = "<meta name=\"generator\" content=\"render2mpeg";
 
 bool is_page_of_ours(const std::filesystem::path& file) {
@@ -253,9 +187,7 @@ bool is_json_of_ours(const std::filesystem::path& file) {
     const json value = json::parse(stream, nullptr, false);
     if (!value.is_object() || !value.contains("summary")) return false;
     return (value.contains("per_frame") && value.contains("plan")) ||
-           (value.contains("fixed") && value.contains("coupled")) ||
-           (value.contains("ways") && value.contains("differences")) ||
-           (value.contains("probes") && value.contains("target"));
+           (value.contains("rows") && value.contains("windows"));
 }
 
 }  // namespace
@@ -287,13 +219,14 @@ void write_report(const std::filesystem::path& html, const RenderJob& film, cons
                   const RunFacts& facts, const std::string& views) {
     json s = statistics_of(film, statistics, facts);
     s["summary"] = sentence_of(s);
-    s["plan"] = plan_of(film, s);
-    write_whole(html,
-                report_page(std::filesystem::path(facts.output).filename().string(), s.at("summary").get<std::string>(),
-                            answer_screen(cards(s), views, s.at("command").get<std::string>()) + time_table(s) +
-                                folded("Frame by frame, effects, passes, settings",
-                                       plots(s) + effect_table(s) + plan_rows(s.at("plan"))) +
-                                settings_table(s)));
+    s["plan"] = plan_of(film, statistics);
+    const std::string body =
+        answer_screen(time_table(s), views, s.at("command").get<std::string>()) + "<h2>What became of it</h2>\n<pre>" +
+        escaped(summary(film, statistics, facts)) + "</pre>\n" +
+        folded("Frame by frame, effects, passes", plots(s) + effect_table(s) + plan_rows(s.at("plan"))) +
+        "<p class=\"soft\">Every figure is in the JSON file beside this page (docs/json.md).</p>\n";
+    write_whole(html, report_page(std::filesystem::path(facts.output).filename().string(),
+                                  s.at("summary").get<std::string>(), body));
     write_json(report_json_of(html), s);
 }
 

@@ -21,10 +21,6 @@ h2 { font-size: 1.2rem; margin: 2.2rem 0 .6rem; border-bottom: 1px solid var(--l
 h3 { font-size: 1rem; margin: 0; }
 h3 small, .soft { color: var(--soft); font-weight: normal; }
 .lead { font-size: 1.15rem; overflow-wrap: anywhere; }
-.cards { display: grid; grid-template-columns: repeat(auto-fill, minmax(9.5rem, 1fr)); gap: .6rem; margin: 0; }
-.cards div { background: var(--card); border-radius: .4rem; padding: .5rem .7rem; }
-.cards dt { color: var(--soft); font-size: .85rem; }
-.cards dd { margin: 0; font-size: 1.2rem; font-variant-numeric: tabular-nums; }
 figure { margin: 1.2rem 0; }
 figcaption { display: flex; flex-wrap: wrap; gap: .2rem 1rem; justify-content: space-between; }
 .key { display: inline-block; margin-right: .9rem; font-size: .85rem; color: var(--soft); white-space: nowrap; }

@@ -76,76 +76,11 @@ json audit_of(const RenderJob& film, const Audit& audit) {
             {"seconds", audit.seconds}};
 }
 
-/// Null where no light is kept.
-json records_of(const RenderJob& film, const renderer::Statistics& r) {
-    if (!kept_records(film.rendering, r)) return nullptr;
-    return {{"created", r.cache.created},
-            {"most", r.cache.most},
-            {"held_out", r.cache.held_out},
-            {"missed", r.cache.missed},
-            {"served", core::divide_or(static_cast<double>(r.cache.served), static_cast<double>(r.gather_points), 0.0)},
-            {"at_record",
-             core::divide_or(static_cast<double>(r.cache.at_record), static_cast<double>(r.gather_points), 0.0)}};
-}
-
-/// Null where no error scale was learnt.
-json error_scale_of(const renderer::Statistics& r) {
-    if (r.calibrated_pixels == 0) return nullptr;
-    return {{"mean", r.mean_error_scale},
-            {"least", r.least_error_scale},
-            {"largest", r.largest_error_scale},
-            {"pixels", r.calibrated_pixels},
-            {"seconds", r.calibration_seconds}};
-}
-
-/// What light was spent on pixels that may be off by much or little.
-json bands_of(const renderer::ToleranceBands& bands) {
-    json all = json::array();
-    double points = 0, clusters = 0;
-    for (std::size_t i = 0; i < bands.count; ++i) {
-        points += static_cast<double>(bands.points[i]);
-        clusters += static_cast<double>(bands.clusters[i]);
-    }
-    for (std::size_t i = 0; i < bands.count; ++i)
-        all.push_back(
-            {{"below",
-              i < bands.ends.size() ? json(std::round(1e4 * static_cast<double>(bands.ends[i])) / 1e4) : json(nullptr)},
-             {"points", core::divide_or(static_cast<double>(bands.points[i]), points, 0.0)},
-             {"clusters", core::divide_or(static_cast<double>(bands.clusters[i]), clusters, 0.0)}});
-    return all;
-}
-
-json by_source(const encoder::BySource& counts) {
-    return {{"exact", counts.exact}, {"predicted", counts.predicted}, {"searched", counts.searched}};
-}
-
-void add_coding(json& entry, const FrameEntry& frame) {
+/// The entry's members, with what is not known as null.
+json entry_of(const FrameEntry& frame) {
+    json entry = json_of(frame);
     entry["type"] = std::string(1, frame.type);
-    entry["quantiser"] = frame.quantiser;
-    entry["mean_quantiser"] = frame.mean_quantiser;
-    entry["bytes"] = frame.bytes;
-    entry["planned_quantiser"] = frame.planned_quantiser;
-    entry["tries"] = frame.tries;
-    entry["minimal"] = frame.minimal;
-    entry["stuffing"] = frame.stuffing;
-    entry["vbv"] = {frame.fullness_before, frame.fullness_after};
-    entry["vectors"] = {{"tried", by_source(frame.motion.evaluations)},
-                        {"chosen", by_source(frame.motion.chosen)},
-                        {"searches", frame.motion.searches}};
-    entry["mse_y"] = frame.mse_y;
-    entry["ssim_y"] = frame.ssim_y;
-    entry["pumping"] = frame.pumping < 0 ? json(nullptr) : json(frame.pumping);
-}
-
-json entry_of(const FrameEntry& frame, bool coded, bool by_records) {
-    json entry{{"frame", frame.frame},
-               {"seconds", frame.seconds},
-               {"shadow_rays", frame.shadow_rays},
-               {"cut", {{"direct", frame.direct_cut}, {"indirect", frame.indirect_cut}}}};
-    if (by_records)
-        entry["records"] = {
-            {"created", frame.records.created}, {"live", frame.records.live}, {"served", frame.records.served}};
-    if (coded) add_coding(entry, frame);
+    if (frame.pumping < 0) entry["pumping"] = nullptr;
     return entry;
 }
 
@@ -194,6 +129,8 @@ json tolerance_of(const RenderJob& film) {
 /// What is said of every run. Quality counts where the film was coded.
 json common_of(const Film& film, const RunStatistics& statistics, const RunFacts& facts) {
     const encoder::Settings& coding = film.coding;
+    json frames = json::array();
+    for (const FrameEntry& frame : statistics.frames) frames.push_back(entry_of(frame));
     return {{"version", RENDER2MPEG_VERSION},
             {"command", facts.command},
             {"input", facts.input},
@@ -214,11 +151,11 @@ json common_of(const Film& film, const RunStatistics& statistics, const RunFacts
             {"gop", coding.gop},
             {"seconds", seconds_of(statistics)},
             {"peak_rss_mib", peak_memory_mib()},
-            {"non_finite", statistics.rendering.non_finite},
+            {"counts", json_of(statistics.rendering)},
             {"psnr_y", finite_or_null(statistics.psnr_y())},
             {"ssim_y", statistics.ssim_y()},
             {"pumping", statistics.pumping() ? json(*statistics.pumping()) : json(nullptr)},
-            {"per_frame", json::array()}};
+            {"per_frame", frames}};
 }
 
 json glare_of(const RenderJob& film) {
@@ -249,7 +186,6 @@ double peak_memory_mib() {
 }
 
 json statistics_of(const RenderJob& film, const RunStatistics& statistics, const RunFacts& facts) {
-    const renderer::Statistics& r = statistics.rendering;
     const bool coded = film.kind == OutputKind::film;
     json written = common_of(film.film(), statistics, facts);
     written.update({
@@ -262,36 +198,14 @@ json statistics_of(const RenderJob& film, const RunStatistics& statistics, const
         {"tolerance", tolerance_of(film)},
         {"passes", passes_of(film, statistics)},
         {"effects", effects_json(film, statistics)},
-        {"rays",
-         {{"primary", r.primary_rays},
-          {"specular", r.specular_rays},
-          {"exposure", r.exposure_rays},
-          {"shadow", r.shadow_rays},
-          {"gather", r.gather_rays},
-          {"photon", r.photon_rays},
-          {"caustic", r.caustic_rays},
-          {"air", r.air_rays}}},
-        {"light_points", {{"direct", r.direct_points}, {"indirect", r.indirect_points}}},
         {"mean_cut", {{"direct", statistics.mean_direct_cut()}, {"indirect", statistics.mean_indirect_cut()}}},
-        {"gather_points", r.gather_points},
-        {"capped_points", r.capped_points},
-        {"truth", {{"paths", r.true_paths}, {"pixels", r.true_pixels}, {"capped_pixels", r.capped_pixels}}},
-        {"tolerance_bands", bands_of(r.bands)},
-        {"error_scale", error_scale_of(r)},
-        {"records", records_of(film, r)},
+        {"image_notes", statistics.rendering.image_notes},
         {"audit", audit_of(film, statistics.audit)},
-        {"first_non_finite", r.first_non_finite},
-        {"image_notes", r.image_notes},
-        {"clamped_energy", r.clamped_energy},
-        {"photon_energy_lost", core::divide_or(r.photon_energy_lost, r.photon_energy, 0.0)},
     });
     if (coded) written["rate"] = rate_of(film.film(), statistics);
     written["quantisers"] = coded ? quantisers_of(statistics) : json(nullptr);
     if (!coded)
         for (const char* key : {"psnr_y", "ssim_y", "pumping", "quantiser", "gop"}) written[key] = nullptr;
-    const bool by_records = kept_records(film.rendering, statistics.rendering);
-    for (const FrameEntry& frame : statistics.frames)
-        written["per_frame"].push_back(entry_of(frame, coded, by_records));
     return written;
 }
 
@@ -306,11 +220,6 @@ void write_encode_statistics(const std::filesystem::path& file, const Film& film
     written["motion"] = with_motion;
     written["quantisers"] = quantisers_of(statistics);
     written["rate"] = rate_of(film, statistics);
-    for (const FrameEntry& frame : statistics.frames) {
-        json entry{{"frame", frame.frame}, {"seconds", frame.seconds}};
-        add_coding(entry, frame);
-        written["per_frame"].push_back(entry);
-    }
     write_json(file, written);
 }
 

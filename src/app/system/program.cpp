@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <signal.h>
-#include <spawn.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -15,8 +14,6 @@
 #include <sstream>
 
 #include "core/error.h"
-
-extern char** environ;
 
 namespace render2mpeg::app {
 namespace {
@@ -51,6 +48,24 @@ std::vector<std::string> words_of(const std::string& program, const std::string&
     return {program};
 }
 
+/// Starts a program with its standard input, or both outputs, at these descriptors (below 0: as they are), and then
+/// without interrupts of the terminal. 127 where there is none; below 0 without a process.
+pid_t started(std::vector<std::string>& words, int input, int outputs) {
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    const pid_t child = fork();
+    if (child != 0) return child;
+    if (input >= 0 || outputs >= 0) setpgid(0, 0);
+    if (input >= 0) dup2(input, STDIN_FILENO);
+    for (const int own : {STDOUT_FILENO, STDERR_FILENO})
+        if (outputs >= 0) dup2(outputs, own);
+    for (const int ignored : {SIGPIPE, SIGXFSZ, SIGINT, SIGTERM, SIGHUP})
+        if (input >= 0) signal(ignored, SIG_DFL);
+    execvp(arguments[0], arguments.data());
+    _exit(127);
+}
+
 }  // namespace
 
 bool is_installed(const std::string& program) {
@@ -64,22 +79,10 @@ bool is_installed(const std::string& program) {
 
 Finished run_program(std::vector<std::string> words, Output output) {
     const bool caught = output == Output::caught;
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
     int ends[2] = {-1, -1};
     if (caught && pipe2(ends, O_CLOEXEC) != 0) throw core::Error("running", words[0], std::strerror(errno));
-    const pid_t child = fork();
-    if (child == 0) {
-        if (caught) {
-            setpgid(0, 0);
-            dup2(ends[1], 1);
-            dup2(ends[1], 2);
-        }
-        execvp(arguments[0], arguments.data());
-        _exit(127);
-    }
     Finished finished;
+    const pid_t child = started(words, -1, ends[1]);
     if (caught) close(ends[1]);
     char buffer[4096];
     while (caught) {
@@ -108,28 +111,12 @@ Player::Player(const std::string& program, const std::string& title, const std::
     std::array<int, 2> ends{};
     if (pipe2(ends.data(), O_CLOEXEC) != 0) throw core::Error("starting", name_, std::strerror(errno));
     std::vector<std::string> words = words_of(name_, title, frame_rate);
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
-
-    // Ctrl-C is for this program alone.
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_adddup2(&actions, ends[0], STDIN_FILENO);
-    posix_spawnattr_t attributes;
-    posix_spawnattr_init(&attributes);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
-    sigset_t all;
-    sigfillset(&all);
-    posix_spawnattr_setsigdefault(&attributes, &all);
-    const int failure = posix_spawnp(&process_, name_.c_str(), &actions, &attributes, arguments.data(), environ);
-    posix_spawnattr_destroy(&attributes);
-    posix_spawn_file_actions_destroy(&actions);
+    process_ = started(words, ends[0], -1);
     close(ends[0]);
     pipe_ = ends[1];
-    if (failure == 0) return;
+    if (process_ >= 0) return;
     close(pipe_);
-    throw core::Error("starting", name_, std::strerror(failure));
+    throw core::Error("starting", name_, "no process to be had");
 }
 
 Player::~Player() {

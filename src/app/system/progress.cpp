@@ -130,15 +130,11 @@ void Progress::reckon(Clock::time_point now) {
     standing_.activity = standing_.frames ? activity.load() : "";
 }
 
-void Progress::advance(char type) {
-    advance_to(standing_.done + 1, standing_.total, type);
+void Progress::advance() {
+    advance_to(standing_.done + 1, standing_.total);
 }
 
 void Progress::advance_to(std::int64_t done, std::int64_t total) {
-    advance_to(done, total, '-');
-}
-
-void Progress::advance_to(std::int64_t done, std::int64_t total, char type) {
     const std::lock_guard lock(mutex_);
     const Clock::time_point now = Clock::now();
     const std::int64_t more = done - standing_.done;
@@ -149,8 +145,7 @@ void Progress::advance_to(std::int64_t done, std::int64_t total, char type) {
     else
         for (std::int64_t i = 0; i < more; ++i)
             // Time before the film's first frame counts apart.
-            pace_.add((took + (standing_.done == 0 && !standing_.frames ? before_ : 0)) / static_cast<double>(more),
-                      type);
+            pace_.add((took + (standing_.done == 0 && !standing_.frames ? before_ : 0)) / static_cast<double>(more));
     advanced_at_ = now;
     standing_.done = done;
     standing_.total = total;

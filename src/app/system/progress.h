@@ -53,14 +53,12 @@ class Progress {
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
 
-    /// `type`: as in Pace.
-    void advance(char type = '-');
+    void advance();
     /// The total may change.
     void advance_to(std::int64_t done, std::int64_t total);
 
   private:
     using Clock = std::chrono::steady_clock;
-    void advance_to(std::int64_t done, std::int64_t total, char type);
     void draw();
     void draw_openjd() const;
     void reckon(Clock::time_point now);
