@@ -166,15 +166,11 @@ bool is_cut_off_jpeg(std::span<const std::byte> bytes) {
 bool is_packed_bmp(std::span<const std::byte> bytes) {
     // After the file's own 14 bytes a header begins with its size; that of 12 bytes knows no packing, all others say at
     // byte 16 of theirs how: 0 not at all, 3 and 6 with masks.
-    constexpr std::size_t header = 14, packing = header + 16;
-    if (bytes.size() < packing + 4) return false;
-    const auto number_at = [&](std::size_t at) {
-        std::uint32_t value = 0;
-        for (std::size_t k = 4; k-- > 0;) value = value << 8 | std::to_integer<std::uint32_t>(bytes[at + k]);
-        return value;
-    };
-    if (number_at(header) <= 12) return false;
-    const std::uint32_t how = number_at(packing);
+    Walk walk(bytes);
+    walk.skip(14);
+    if (walk.little_endian() <= 12) return false;
+    walk.skip(12);
+    const std::uint32_t how = walk.little_endian();
     return how != 0 && how != 3 && how != 6;
 }
 

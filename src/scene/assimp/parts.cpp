@@ -103,7 +103,6 @@ Mesh mesh_from(const aiMesh& source) {
     for (unsigned v = 0; v < source.mNumVertices; ++v) mesh.positions.push_back(vec3_of(source.mVertices[v]));
     for (unsigned v = 0; source.mNormals && v < source.mNumVertices; ++v)
         mesh.normals.push_back(vec3_of(source.mNormals[v]));
-    if (!mesh.normals.empty()) mend_normals(mesh);
     for (unsigned set = 0; set < 2; ++set)
         for (unsigned v = 0; source.mTextureCoords[set] && v < source.mNumVertices; ++v)
             mesh.uv[set].emplace_back(source.mTextureCoords[set][v].x, source.mTextureCoords[set][v].y);

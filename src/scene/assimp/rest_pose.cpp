@@ -37,21 +37,6 @@ bool front_is_plain(const Mesh& mesh, const glm::dmat4& to_world, glm::dvec3 mid
 
 }  // namespace
 
-void mend_normals(Mesh& mesh) {
-    const auto spoilt = [](glm::vec3 n) { return !core::is_finite(n) || glm::dot(n, n) < 1e-12f; };
-    for (const glm::uvec3& t : mesh.triangles) {
-        glm::vec3 flat{0};
-        for (int k = 0; k < 3; ++k) {
-            glm::vec3& n = mesh.normals[t[k]];
-            if (!spoilt(n)) continue;
-            const glm::vec3 a = mesh.positions[t.x];
-            if (flat == glm::vec3(0)) flat = glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a);
-            n = core::normalize_or(flat, glm::vec3(0, 1, 0));
-        }
-    }
-    for (glm::vec3& n : mesh.normals) n = core::normalize_or(n, glm::vec3(0, 1, 0));
-}
-
 glm::dquat upright(SignedAxis right, SignedAxis up, SignedAxis front) {
     const auto vector = [](SignedAxis a) {
         glm::dvec3 v{0};

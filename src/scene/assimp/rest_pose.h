@@ -8,9 +8,6 @@
 /// Rest pose of a whole scene, where a format leaves physical facts open.
 namespace render2mpeg::scene {
 
-/// Replaces unusable normals by a triangle's, and normalises all: importers leave NaN or 0 for flat corners.
-void mend_normals(Mesh& mesh);
-
 /// Axis 0, 1, 2 (x, y, z), direction -1 or 1.
 struct SignedAxis {
     int axis = 0;

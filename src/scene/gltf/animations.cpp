@@ -110,15 +110,18 @@ class AnimationReader {
         return is_new;
     }
 
-    /// Keys of `components` numbers each, whatever they stand for.
-    Track keys_of(const Element& sampler, int components) {
+    /// Keys of `width` elements of `components` numbers each, whatever they stand for.
+    Track keys_of(TrackTarget what, int index, const Element& sampler, int components, int width = 1) {
         Track track;
+        track.target = what;
+        track.index = index;
         track.interpolation = interpolation_of(sampler);
-        track.width = components;
+        track.width = components * width;
         const int input = sampler.required_index("input", "accessors"),
                   output = sampler.required_index("output", "accessors");
         track.times = read_finite_floats(document_, input, {1}, 0, sampler.where() + ", input").values;
-        const std::size_t per_key = track.interpolation == Interpolation::cubic_spline ? 3 : 1;
+        const auto per_key =
+            static_cast<std::size_t>(width) * (track.interpolation == Interpolation::cubic_spline ? 3 : 1);
         track.values = read_finite_floats(document_, output, {components}, track.times.size() * per_key,
                                           sampler.where() + ", output")
                            .values;
@@ -128,18 +131,14 @@ class AnimationReader {
     /// A track of single numbers over `unit`.
     void add_numbers(TrackTarget what, int index, const Element& sampler, const std::string& name, float unit) {
         if (!is_first(what, index, name)) return;
-        Track track = keys_of(sampler, 1);
-        track.target = what;
-        track.index = index;
+        Track track = keys_of(what, index, sampler, 1);
         for (float& value : track.values) value /= unit;
         animation_.tracks.push_back(std::move(track));
     }
 
     void add_color(TrackTarget what, int index, int components, const Element& sampler, const std::string& name) {
         if (!is_first(what, index, name)) return;
-        Track track = keys_of(sampler, components);
-        track.target = what;
-        track.index = index;
+        Track track = keys_of(what, index, sampler, components);
         // Traits ask before keys are read.
         const auto n = static_cast<std::size_t>(components);
         const std::size_t step = track.interpolation == Interpolation::cubic_spline ? 3 * n : n;
@@ -173,9 +172,7 @@ class AnimationReader {
         const auto extension = element.extension("KHR_materials_emissive_strength");
         const auto strength = static_cast<float>(extension ? extension->number("emissiveStrength", 1) : 1);
         const bool by_color = pointed.what == PointedTrack::What::emission;
-        Track track = keys_of(sampler, by_color ? 3 : 1);
-        track.target = TrackTarget::emission;
-        track.index = pointed.index;
+        Track track = keys_of(TrackTarget::emission, pointed.index, sampler, by_color ? 3 : 1);
         if (!by_color) {
             material.emission = factor.empty() ? glm::vec3(0) : glm::vec3(factor[0], factor[1], factor[2]);
             animation_.tracks.push_back(std::move(track));
@@ -222,31 +219,17 @@ class AnimationReader {
   private:
     void add_track(TrackTarget what, int node, const Element& sampler, const std::string& name) {
         if (!is_first(what, node, name)) return;
-        Track track;
-        track.target = what;
-        track.index = node;
-        track.interpolation = interpolation_of(sampler);
-        track.width = what == TrackTarget::rotation ? 4 : 3;
-        if (what == TrackTarget::weights) {
-            const int mesh = document_.at("nodes", node).index("mesh", "meshes");
-            track.width = mesh < 0 ? 0 : static_cast<int>(meshes_.morph_targets_of(mesh));
-            if (track.width == 0) {
-                note_once(animation_,
-                          sampler.where() + ": moves morph weights of a node without morph targets; left out");
-                return;
-            }
+        if (what != TrackTarget::weights) {
+            const int components = what == TrackTarget::rotation ? 4 : 3;
+            animation_.tracks.push_back(keys_of(what, node, sampler, components));
+            return;
         }
-
-        const int input = sampler.required_index("input", "accessors"),
-                  output = sampler.required_index("output", "accessors");
-        track.times = read_finite_floats(document_, input, {1}, 0, sampler.where() + ", input").values;
-        const std::size_t per_key = track.interpolation == Interpolation::cubic_spline ? 3 : 1;
-        const std::size_t width = what == TrackTarget::weights ? static_cast<std::size_t>(track.width) : 1;
-        const int components = what == TrackTarget::weights ? 1 : track.width;
-        track.values = read_finite_floats(document_, output, {components}, track.times.size() * per_key * width,
-                                          sampler.where() + ", output")
-                           .values;
-        animation_.tracks.push_back(std::move(track));
+        const int mesh = document_.at("nodes", node).index("mesh", "meshes");
+        const int targets = mesh < 0 ? 0 : static_cast<int>(meshes_.morph_targets_of(mesh));
+        if (targets > 0)
+            animation_.tracks.push_back(keys_of(what, node, sampler, 1, targets));
+        else
+            note_once(animation_, sampler.where() + ": moves morph weights of a node without morph targets; left out");
     }
 
     const Document& document_;

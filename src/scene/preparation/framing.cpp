@@ -195,28 +195,41 @@ Framing choose_framing(const Animation& animation) {
     return turn.facing > gain_within * orbit.facing ? turn : orbit;
 }
 
-/// Rotation keys about +y that last for the film, or for one period where nothing else moves.
-Track turning_track(int node, const Framing& framing, double duration) {
+/// Rotation of a node about +y, by `keys` equal parts of `seconds`; `yaw` gives the angle at a time.
+template <class Yaw>
+Track turning_track(int node, double seconds, double keys, const Yaw& yaw) {
+    const int count = std::max(1, static_cast<int>(std::ceil(std::min(1e5, keys))));
+    Track track;
+    track.target = TrackTarget::rotation;
+    track.index = node;
+    track.width = 4;
+    for (int k = 0; k <= count; ++k) {
+        const double time = seconds * k / count, half = yaw(time) / 2;
+        track.times.push_back(static_cast<float>(time));
+        track.values.insert(track.values.end(),
+                            {0.0f, static_cast<float>(std::sin(half)), 0.0f, static_cast<float>(std::cos(half))});
+    }
+    return track;
+}
+
+/// Lasts for the film, or for one period where nothing else moves.
+Track track_of(int node, const Framing& framing, double duration) {
     const bool sways = framing.kind == View::front;
     const double period = framing.kind == View::orbit ? orbit_period : sways ? sway_period : turn_period;
     const double length = duration > 0 ? duration : period;
     // chosen: a quarter turn a key is within the half turn that a shortest path allows; 32 keys make a sine look
     // smooth.
-    const double keys_per_period = sways ? 32 : 4;
-    const int keys = std::max(1, static_cast<int>(std::ceil(std::min(1e5, keys_per_period * length / period))));
+    return turning_track(node, length, (sways ? 32 : 4) * length / period, [&](double seconds) {
+        const double phase = 2 * glm::pi<double>() * seconds / period;
+        return framing.start_yaw + (sways ? 0.25 * std::sin(phase) : phase);
+    });
+}
 
-    Track track;
-    track.target = TrackTarget::rotation;
-    track.index = node;
-    track.width = 4;
-    for (int k = 0; k <= keys; ++k) {
-        const double seconds = length * k / keys, phase = 2 * glm::pi<double>() * seconds / period;
-        const double yaw = framing.start_yaw + (sways ? 0.25 * std::sin(phase) : phase);
-        track.times.push_back(static_cast<float>(seconds));
-        track.values.insert(track.values.end(),
-                            {0.0f, static_cast<float>(std::sin(yaw / 2)), 0.0f, static_cast<float>(std::cos(yaw / 2))});
-    }
-    return track;
+/// A slow turn in the studio: of still things for four seconds, from the left past the front to the right.
+Track studio_track(int node, double duration) {
+    const double length = duration > 0 ? duration : studio_seconds;
+    return turning_track(node, length, 4 * studio_turns * length,
+                         [](double seconds) { return studio_start - 2 * glm::pi<double>() * studio_turns * seconds; });
 }
 
 /// `aspect`: width of the picture over its height, at most 1. Moves an orbit up or down and as near as it can go, so
@@ -261,24 +274,6 @@ void fill_picture(const Animation& animation, Framing& framing, double aspect) {
     framing.pivot.y += rise;
     // chosen: a margin of 12 %, room for the shadow.
     framing.distance = 1.12 * distance;
-}
-
-/// A slow turn about +y in the studio: of still things for four seconds, from the left past the front to the right.
-Track studio_track(int node, double duration) {
-    const double length = duration > 0 ? duration : studio_seconds;
-    const int keys = std::max(1, static_cast<int>(std::ceil(std::min(1e5, 4 * studio_turns * length))));
-    Track track;
-    track.target = TrackTarget::rotation;
-    track.index = node;
-    track.width = 4;
-    for (int k = 0; k <= keys; ++k) {
-        const double seconds = length * k / keys;
-        const double yaw = studio_start - 2 * glm::pi<double>() * studio_turns * seconds;
-        track.times.push_back(static_cast<float>(seconds));
-        track.values.insert(track.values.end(),
-                            {0.0f, static_cast<float>(std::sin(yaw / 2)), 0.0f, static_cast<float>(std::cos(yaw / 2))});
-    }
-    return track;
 }
 
 }  // namespace
@@ -354,7 +349,7 @@ AutomaticCamera add_automatic_camera(Animation& animation, bool in_studio) {
                                                                       : vertical_fov);
 
     animation.tracks.push_back(studio ? studio_track(eye.parent, animation.duration)
-                                      : turning_track(eye.parent, framing, animation.duration));
+                                      : track_of(eye.parent, framing, animation.duration));
     animation.nodes.push_back(std::move(pivot));
     animation.nodes.push_back(std::move(eye));
     animation.cameras.push_back(std::move(lens));
