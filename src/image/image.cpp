@@ -77,6 +77,14 @@ struct Encoded {
     Format format = Format::png;
 };
 
+std::vector<std::byte> bytes_of_exr(const fs::path& path) {
+    const std::string name = path.string();
+    std::vector<std::byte> bytes = bytes_of_file(path, name);
+    if (format_of(bytes, name) != Format::exr) throw core::Error("reading", name, "not an OpenEXR file");
+    check_exr_attributes(bytes, name);
+    return bytes;
+}
+
 /// Readers of a folder of frames must never see half a file: the name appears when the bytes are there.
 void replace_file(const fs::path& path, std::span<const unsigned char> bytes) {
     fs::path unfinished = path;
@@ -118,18 +126,12 @@ ImageHeader read_image_header(const fs::path& path, std::span<const std::byte> b
 }
 
 ExrChannels read_exr(const fs::path& path, const std::function<bool(const std::string&)>& wanted) {
-    const std::string name = path.string();
-    const std::vector<std::byte> bytes = bytes_of_file(path, name);
-    if (format_of(bytes, name) != Format::exr) throw core::Error("reading", name, "not an OpenEXR file");
-    check_exr_attributes(bytes, name);
-    return exr_codec().decode(bytes, wanted, name);
+    return exr_codec().decode(bytes_of_exr(path), wanted, path.string());
 }
 
 ExrFrame read_exr_frame(const fs::path& path, const std::function<bool(const std::string&)>& wanted) {
     const std::string name = path.string();
-    const std::vector<std::byte> bytes = bytes_of_file(path, name);
-    if (format_of(bytes, name) != Format::exr) throw core::Error("reading", name, "not an OpenEXR file");
-    check_exr_attributes(bytes, name);
+    const std::vector<std::byte> bytes = bytes_of_exr(path);
 
     // See which channels there are, then read those that anybody wants.
     std::vector<std::string> names;
