@@ -395,7 +395,7 @@ def groomed_head():
     settings.physics_type, settings.normal_factor, settings.effector_weights.gravity = "NEWTON", 0.1, 0.03
     add_primitive("cube", add_matt("Shoulders", (0.2, 0.25, 0.3)), location=(0, 0.1, -0.75), scale=(1.3, 0.6, 0.5))
     add_lamp("SUN", (3, -4, 6), energy=3, angle=0.1)
-    add_camera((1.2, -5, 1.5), (0, 0, 0.85), lens=50)
+    add_camera((1.4, -5.6, 1.5), (0, 0, 1), lens=45)
 
 
 def curves():

@@ -5,6 +5,7 @@
 
 #include "core/color.h"
 #include "core/sampling.h"
+#include "renderer/geometry/strands.h"
 #include "renderer/paths/light_paths.h"
 #include "renderer/surface/hair_scattering.h"
 #include "scene/model/curves.h"
@@ -194,6 +195,22 @@ TEST(Strands, OfBezierSegmentsAreTheSameCurves) {
         const glm::vec3 expected = w * w * w * b[0] + 3 * w * w * u * b[1] + 3 * w * u * u * b[2] + u * u * u * b[3];
         const glm::dvec3 found = scene::interpolated(mesh, mesh.positions, {0, 0, u, 0});
         EXPECT_NEAR(glm::length(found - glm::dvec3(expected)), 0, 1e-5);
+    }
+}
+
+TEST(Strands, LetLightGoBetweenThemAsFarAsTheyAreThin) {
+    for (const float radius : {0.002f, 0.01f}) {
+        scene::Mesh mesh;
+        for (std::uint64_t i = 0; i < 4000; ++i) {
+            const glm::vec3 at(core::uniform(i, 0, 0), core::uniform(i, 0, 1), core::uniform(i, 0, 2));
+            const glm::vec3 d = core::sample_sphere({core::uniform(i, 1, 0), core::uniform(i, 1, 1)});
+            const glm::vec3 points[] = {at - 0.05f * d, at, at + 0.05f * d};
+            const float radii[] = {radius, radius, radius};
+            scene::add_strand(mesh, points, radii);
+        }
+        const double met = 4000 * 0.1 * 2 * static_cast<double>(radius) * std::numbers::pi / 4;
+        // The box of all is wider than what they fill.
+        EXPECT_NEAR(static_cast<double>(free_path_among(mesh)) * met, 1.1, 0.2) << radius;
     }
 }
 

@@ -89,7 +89,7 @@ std::optional<SurfacePoint> random_walk(const PosedScene& posed_scene, const Sur
             place.bsdf = {};
             place.bsdf.diffuse = below.weight * carried * passes / std::max(glm::dot(chance, passes), 1e-30f);
             place.emission = glm::vec3(0);
-            place.outgoing = place.shading_normal = place.geometric_normal;
+            place.outgoing = place.shading_normal;
             return core::is_finite(place.bsdf.diffuse) ? std::optional(place) : std::nullopt;
         }
         carried *= albedo * passes / path / std::max(glm::dot(chance, passes / path), 1e-30f);
