@@ -5,12 +5,28 @@ import math
 from .nodes import incoming, number_of
 
 
-# Mean free path of Christensen and Burley's profile over the radius of a random walk. chosen: 0.25 of 0.1 to 1, on one head; others not tried.
-WALK = 0.25
-
 # Inputs that may be textures.
 CHANNELS = ("base", "metallic", "roughness", "emission", "strength", "alpha", "transmission", "coat", "coat_roughness", "sheen",
             "specular_tint")
+
+
+def dipole_reflectance(root, ior):
+    """Of a half space whose sqrt(3 (1 - albedo of scattering)) is `root`. [Jensen2001]"""
+    inside = -1.44 / ior**2 + 0.71 / ior + 0.668 + 0.0636 * ior
+    return 0.5 * (1 - root**2 / 3) * (1 + math.exp(-4 / 3 * (1 + inside) / (1 - inside) * root)) * math.exp(-root)
+
+
+def free_path(radius, albedo, method, ior):
+    """Mean free path of a channel for [Christensen2015, eq. 6], of what Cycles makes of a radius."""
+    if method != "RANDOM_WALK":
+        # The walk's path is the radius over 4 pi, by a convention of old; the profile's own is so long without regard to albedo.
+        return radius / (4 * math.pi) * (1.9 - albedo + 3.5 * (albedo - 0.8) ** 2 if method == "BURLEY" else 1.0)
+    # The radius is the diffuse path: [Jensen2001]'s reflectance is the albedo, and falls with the root.
+    low, high = 0.0, math.sqrt(3)
+    for _ in range(24):
+        root = (low + high) / 2
+        low, high = (root, high) if dipole_reflectance(root, ior) > albedo else (low, root)
+    return radius * low
 
 
 class Constant:
@@ -48,7 +64,7 @@ class Look:
         self.attenuation = None                               # (colour, distance) of light in a body
         self.normal = None    # (Picture, strength), or a socket to bake
         self.hair = None      # an animation file's parameters of fibres
-        self.subsurface = None  # likewise, of light below a surface
+        self.subsurface = None  # weight, radius, method and index of light below a surface, as Cycles has them
         self.surface = True   # False: reflects nothing
         self.refracts = False
         self.hole = False     # Holdout
@@ -203,18 +219,30 @@ class Reader:
         weight = self.constant_or(node, ["Subsurface Weight", "Subsurface"], 0.0)
         if not weight:
             return
-        radius = [float(r) for r in node.inputs["Subsurface Radius"].default_value]
         scale = self.constant_or(node, ["Subsurface Scale"], weight)
-        if self.constant_or(node, ["Subsurface Anisotropy"], 0.0):
-            self.lost.add(self.name, "anisotropy of light below the surface")
         if "Subsurface Color" in node.inputs:
             color = self.input(node, ["Subsurface Color"], True)
             if isinstance(color, Constant) and isinstance(look.base, Constant):
                 look.base = Constant(tuple(b + weight * (s - b) for b, s in zip(look.base.value, color.value)))
             weight = 1.0
-        # [Christensen2015]'s mean free path is the radius over 4 pi in Cycles; a random walk's is the radius itself.
-        path = scale / (4 * math.pi) if node.subsurface_method == "BURLEY" else scale * WALK
-        look.subsurface = {"weight": round(weight, 6), "free_path": [round(r * path, 9) for r in radius]}
+        self.spread(node, look, "Subsurface ", node.subsurface_method, weight, scale)
+
+    def spread(self, node, look, prefix, method, weight, scale):
+        if self.constant_or(node, [prefix + "Anisotropy"], 0.0):
+            self.lost.add(self.name, "anisotropy of light below the surface")
+        if node.inputs[prefix + "Radius"].is_linked:
+            self.lost.add(self.name, "texture of how far light goes below the surface; the node's own value is used")
+        # Blender 4 has other names for the same.
+        methods = node.bl_rna.properties["subsurface_method" if prefix else "falloff"].enum_items.keys()
+        if "RANDOM_WALK_SKIN" in methods:
+            method = {"RANDOM_WALK": "RANDOM_WALK_FIXED_RADIUS", "RANDOM_WALK_SKIN": "RANDOM_WALK"}.get(method, method)
+        look.subsurface = {"weight": weight, "radius": [scale * r for r in node.inputs[prefix + "Radius"].default_value], "method": method,
+                           "ior": min(max(self.constant_or(node, [prefix + "IOR"], 1.4), 1.01), 3.8)}
+
+    def read_subsurface_scattering(self, node):
+        look = Look(base=self.input(node, ["Color"], True), ior=1.0, normal=self.normal(node))
+        self.spread(node, look, "", node.falloff, 1.0, self.constant(node, ["Scale"], 1.0))
+        return look
 
     def read_layers(self, node, look):
         """What lies on a Principled surface. Blender 3 has it in Disney's terms, 4 in OpenPBR's."""
@@ -430,6 +458,10 @@ class Reader:
             setattr(out, name, getattr(first, name) * (1 - share) + getattr(second, name) * share)
         out.leaf_color = second.leaf_color if second.leaf else first.leaf_color
         out.refracts, out.attenuation = first.refracts or second.refracts, first.attenuation or second.attenuation
+        heavier, lighter = looks if share <= 0.5 else looks[::-1]
+        out.hair, out.subsurface = heavier.hair or lighter.hair, heavier.subsurface or lighter.subsurface
+        if (first.hair, first.subsurface) != (second.hair, second.subsurface):
+            self.lost.add(self.name, "mix of fibres or light below surfaces with others; the heavier part's are kept")
         for name in CHANNELS:
             a, b = getattr(first, name), getattr(second, name)
             # What only one of them has is that one's: black emits nothing, whatever its colour.

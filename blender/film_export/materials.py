@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 
 from . import png
-from .looks import CHANNELS, Baked, Constant, Picture, look_of, without_bakes
+from .looks import CHANNELS, Baked, Constant, Picture, free_path, look_of, without_bakes
 from .nodes import inline_groups, number_of
 from .shapes import BAKE_UV
 from .walk import curves_of
@@ -145,10 +145,22 @@ class Materials:
         """What glTF has no words for: fibres of hair, light below surfaces."""
         for key, made in self.made.items():
             look = self.looks[key[0]][0] if key else None
-            for name in ("hair", "subsurface"):
-                if look is not None and getattr(look, name):
-                    material = self.glb.document["materials"][made[0]]["name"]
-                    film.setdefault("materials", {}).setdefault(material, {})[name] = getattr(look, name)
+            if look is None or not (look.hair or look.subsurface):
+                continue
+            says = film.setdefault("materials", {}).setdefault(self.glb.document["materials"][made[0]]["name"], {})
+            if look.hair:
+                says["hair"] = look.hair
+            if look.subsurface:
+                below, base = look.subsurface, self.mean_base(look, self.baked.get((key[1], key[0]), {}).get("base"))
+                says["subsurface"] = {"weight": round(below["weight"], 6), "free_path": [
+                    round(free_path(r, a, below["method"], below["ior"]), 9) for r, a in zip(below["radius"], base)]}
+
+    def mean_base(self, look, baked):
+        """One free path goes for all of a texture."""
+        if isinstance(look.base, Constant):
+            return [min(max(float(c), 0.0), 1.0) for c in look.base.value]
+        pixels = self.values(look.base, baked, True)
+        return np.clip(pixels[..., :3].reshape(-1, 3).mean(axis=0), 0, 1).tolist()
 
     def plain(self):
         if None not in self.made:

@@ -110,7 +110,7 @@ class Walk:
         bent = set()
         for instance in depsgraph.object_instances:
             thing = instance.object
-            if instance.show_particles:
+            if instance.show_self if thing.type == "CURVES" else instance.show_particles:
                 self.meet_hair(number, instance, thing, depsgraph, bent)
             if not instance.show_self:
                 continue

@@ -309,18 +309,41 @@ def armature_and_shapes():
     add_camera((0, -7, 2.5), (0, 0, 1.2))
 
 
+def add_shader(name, kind, **inputs):
+    """A material of one shader."""
+    material = bpy.data.materials.new(name)
+    material.use_nodes = True
+    nodes = material.node_tree.nodes
+    nodes.clear()
+    shader, end = nodes.new(kind), nodes.new("ShaderNodeOutputMaterial")
+    for key, value in inputs.items():
+        shader.inputs[key.replace("_", " ").title()].default_value = value
+    material.node_tree.links.new(shader.outputs[0], end.inputs["Surface"])
+    return material, shader
+
+
+def add_hair(melanin):
+    material, shader = add_shader("Fur", "ShaderNodeBsdfHairPrincipled")
+    shader.parametrization = "MELANIN"
+    shader.inputs["Melanin"].default_value, shader.inputs["Melanin Redness"].default_value = melanin, 0.5
+    return material
+
+
+def add_particles(thing, count, length, children, radius):
+    """Hair of a thing's second material."""
+    system = thing.modifiers.new("Fur", "PARTICLE_SYSTEM").particle_system
+    settings = system.settings
+    settings.type, settings.count, settings.hair_length, settings.material = "HAIR", count, length, 2
+    settings.child_type, settings.rendered_child_count, settings.render_step = "INTERPOLATED", children, 2
+    settings.root_radius, settings.tip_radius, settings.radius_scale = 1, 0.2, radius
+    return system
+
+
 def fur():
     """A ball of fur with children that bends with two bones, by Principled Hair."""
     start(3)
     world_of((0.4, 0.5, 0.7))
-    hair = bpy.data.materials.new("Fur")
-    hair.use_nodes = True
-    nodes = hair.node_tree.nodes
-    nodes.clear()
-    fibre, end = nodes.new("ShaderNodeBsdfHairPrincipled"), nodes.new("ShaderNodeOutputMaterial")
-    fibre.parametrization = "MELANIN"
-    fibre.inputs["Melanin"].default_value, fibre.inputs["Melanin Redness"].default_value = 0.6, 0.5
-    hair.node_tree.links.new(fibre.outputs[0], end.inputs["Surface"])
+    hair = add_hair(0.6)
     ball = add_primitive("uv_sphere", add_matt("Skin", (0.6, 0.4, 0.3)), location=(0, 0, 1), segments=24, ring_count=12)
     ball.data.materials.append(hair)
     add_primitive("plane", add_matt("Floor", (0.5, 0.5, 0.5)), size=20, location=(0, 0, -0.3))
@@ -334,15 +357,60 @@ def fur():
     for name, sign in (("low", -1), ("high", 1)):
         ball.vertex_groups.new(name=name).add([v.index for v in ball.data.vertices if sign * v.co.z >= 0], 1, "REPLACE")
     ball.modifiers.new("Bend", "ARMATURE").object = rig
-    settings = ball.modifiers.new("Fur", "PARTICLE_SYSTEM").particle_system.settings
-    settings.type, settings.count, settings.hair_length, settings.material = "HAIR", 80, 0.5, 2
-    settings.child_type, settings.rendered_child_count, settings.render_step = "INTERPOLATED", 10, 2
-    settings.root_radius, settings.tip_radius, settings.radius_scale = 1, 0.2, 0.03
+    add_particles(ball, 80, 0.5, 10, 0.03)
     bone = rig.pose.bones["high"]
     bone.rotation_mode = "XYZ"
     for frame, turn in ((1, 0), (3, 0.8)):
         bone.rotation_euler.x = turn
         bone.keyframe_insert("rotation_euler", frame=frame)
+    add_lamp("SUN", (3, -4, 6), energy=3, angle=0.1)
+    add_camera((0, -6, 2), (0, 0, 1))
+
+
+def groomed_head():
+    """A head of skin whose hair falls to all sides, and curls."""
+    start(1)
+    world_of((0.4, 0.5, 0.7))
+    skin, shader = add_shader("Skin", "ShaderNodeSubsurfaceScattering", Color=(0.72, 0.42, 0.32, 1), Scale=0.12, Radius=(1, 0.4, 0.25))
+    shader.falloff = "RANDOM_WALK"
+    head = add_primitive("uv_sphere", skin, True, location=(0, 0, 1), segments=48, ring_count=32)
+    for vertex in head.data.vertices:
+        x, y, z = vertex.co
+        nose = math.exp(-((x / 0.16) ** 2 + ((z + 0.1) / 0.28) ** 2)) if y < 0 else 0
+        jaw = 1 - 0.25 * max(-z, 0)
+        vertex.co = Vector((0.78 * x * jaw, (0.92 - 0.05 * max(-z, 0)) * y - 0.2 * nose, 1.1 * z))
+    for side in (-1, 1):
+        ear = add_primitive("uv_sphere", skin, True, name=f"Ear {side}", location=(0.77 * side, 0.05, 0.95), segments=24, ring_count=12)
+        ear.scale = (0.07, 0.16, 0.26)
+        add_primitive("uv_sphere", add_matt("Eye", (0.05, 0.05, 0.08)), True, location=(0.27 * side, -0.74, 1.15), radius=0.11)
+    head.data.materials.append(add_hair(0.55))
+    scalp = [v.index for v in head.data.vertices if v.co.z > 0.45 or v.co.y > 0.3 and v.co.z > -0.3]
+    head.vertex_groups.new(name="Scalp").add(scalp, 1, "REPLACE")
+    system = add_particles(head, 150, 0.5, 40, 0.012)
+    system.vertex_group_density = "Scalp"
+    settings = system.settings
+    settings.use_advanced_hair, settings.hair_step, settings.child_length = True, 6, 1.0
+    settings.kink, settings.kink_amplitude, settings.kink_frequency, settings.clump_factor = "CURL", 0.03, 3, 0.5
+    # Guides grow as what is thrown falls.
+    settings.physics_type, settings.normal_factor, settings.effector_weights.gravity = "NEWTON", 0.1, 0.03
+    add_primitive("cube", add_matt("Shoulders", (0.2, 0.25, 0.3)), location=(0, 0.1, -0.75), scale=(1.3, 0.6, 0.5))
+    add_lamp("SUN", (3, -4, 6), energy=3, angle=0.1)
+    add_camera((1.4, -5.6, 1.5), (0, 0, 1), lens=45)
+
+
+def curves():
+    """A Curves object: the strands of particle hair, taken over."""
+    start(1)
+    world_of((0.4, 0.5, 0.7))
+    ball = add_primitive("uv_sphere", add_matt("Skin", (0.6, 0.4, 0.3)), location=(0, 0, 1), segments=24, ring_count=12)
+    ball.data.materials.append(add_hair(0.3))
+    add_particles(ball, 1500, 0.4, 0, 0.02).settings.child_type = "NONE"
+    bpy.ops.curves.convert_from_particle_system()
+    strands = bpy.context.object
+    strands.data.materials.clear()
+    strands.data.materials.append(ball.data.materials[1])
+    ball.modifiers.clear()
+    add_primitive("plane", add_matt("Floor", (0.5, 0.5, 0.5)), size=20, location=(0, 0, -0.3))
     add_lamp("SUN", (3, -4, 6), energy=3, angle=0.1)
     add_camera((0, -6, 2), (0, 0, 1))
 
@@ -558,7 +626,7 @@ def hostile():
     cube.data.materials[0] = material
 
 
-FILMS = {film.__name__: film for film in (tracked_camera, markers, lamps_and_sky, looks, armature_and_shapes, fur, instances, glass_and_emission,
+FILMS = {film.__name__: film for film in (tracked_camera, markers, lamps_and_sky, looks, armature_and_shapes, fur, groomed_head, curves, instances, glass_and_emission,
                                           procedural, odds_and_ends, hostile, open_shutter, shallow_focus, holes)}
 
 

@@ -178,11 +178,6 @@ TEST(EditedMirror, CostsNothingWhereThereIsNone) {
     EXPECT_TRUE(
         std::equal(before.emitted.values().begin(), before.emitted.values().end(), after.emitted.values().begin()));
     EXPECT_EQ(a.counts().specular_rays, c.counts().specular_rays);
-    // A matt thing has nothing that could be edited.
-    EditedFilm matt(true, false);
-    matt.b.material(0).metallic = 0;
-    matt.b.material(0).ior = 1;
-    EXPECT_FALSE(Stage(matt.b, 8, 8).plan().runs(renderer::Pass::edited_reflections));
 }
 
 }  // namespace

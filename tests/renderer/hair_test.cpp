@@ -5,6 +5,7 @@
 
 #include "core/color.h"
 #include "core/sampling.h"
+#include "renderer/geometry/strands.h"
 #include "renderer/paths/light_paths.h"
 #include "renderer/surface/hair_scattering.h"
 #include "scene/model/curves.h"
@@ -86,7 +87,7 @@ TEST(HairScattering, AgreesWithASlowReferenceInDoublePrecision) {
                 const glm::dvec3 slow =
                     reference(hair, static_cast<double>(h), glm::dvec3(along), glm::dvec3(seen_from), glm::dvec3(in));
                 most = std::max(most, slow.x);
-                off = std::max(off, std::abs(slow.x - static_cast<double>(fast.evaluate(in).x)));
+                off = std::max(off, std::abs(slow.x - static_cast<double>(fast.scattered(in).share.x)));
             }
             worst = std::max(worst, off / most);
         }
@@ -103,9 +104,9 @@ TEST(HairScattering, KeepsAllLightThatAFibreDoesNotAbsorb) {
             double kept = 0, tinted = 0, density = 0;
             for (int i = 0; i < n; ++i) {
                 const glm::vec3 in = even_direction(i, n);
-                kept += static_cast<double>(w.evaluate(in).y);
-                tinted += static_cast<double>(b.evaluate(in).z);
-                density += static_cast<double>(b.density(in));
+                kept += static_cast<double>(w.scattered(in).share.y);
+                tinted += static_cast<double>(b.scattered(in).share.z);
+                density += static_cast<double>(b.scattered(in).density);
             }
             const double angle = 2 * two_pi / n;
             // Tilted scales let some light of steep directions leave the sphere [Chiang2016].
@@ -125,10 +126,10 @@ TEST(HairScattering, DrawsDirectionsByItsDensity) {
         const auto number = static_cast<std::uint64_t>(i);
         const glm::vec3 d =
             hair.sample(core::uniform(number, 0, 0), {core::uniform(number, 0, 1), core::uniform(number, 0, 2)});
-        light += glm::dvec3(hair.evaluate(d) / hair.density(d)) / static_cast<double>(n);
+        light += glm::dvec3(hair.scattered(d).share / hair.scattered(d).density) / static_cast<double>(n);
         drawn += glm::dvec3(d) / static_cast<double>(n);
         const glm::vec3 even = even_direction(i, n);
-        meant += glm::dvec3(even) * (static_cast<double>(hair.density(even)) * 2 * two_pi / n);
+        meant += glm::dvec3(even) * (static_cast<double>(hair.scattered(even).density) * 2 * two_pi / n);
     }
     for (int c = 0; c < 3; ++c) {
         EXPECT_NEAR(light[c], static_cast<double>(hair.albedo()[c]), 0.01);
@@ -194,6 +195,22 @@ TEST(Strands, OfBezierSegmentsAreTheSameCurves) {
         const glm::vec3 expected = w * w * w * b[0] + 3 * w * w * u * b[1] + 3 * w * u * u * b[2] + u * u * u * b[3];
         const glm::dvec3 found = scene::interpolated(mesh, mesh.positions, {0, 0, u, 0});
         EXPECT_NEAR(glm::length(found - glm::dvec3(expected)), 0, 1e-5);
+    }
+}
+
+TEST(Strands, LetLightGoBetweenThemAsFarAsTheyAreThin) {
+    for (const float radius : {0.002f, 0.01f}) {
+        scene::Mesh mesh;
+        for (std::uint64_t i = 0; i < 4000; ++i) {
+            const glm::vec3 at(core::uniform(i, 0, 0), core::uniform(i, 0, 1), core::uniform(i, 0, 2));
+            const glm::vec3 d = core::sample_sphere({core::uniform(i, 1, 0), core::uniform(i, 1, 1)});
+            const glm::vec3 points[] = {at - 0.05f * d, at, at + 0.05f * d};
+            const float radii[] = {radius, radius, radius};
+            scene::add_strand(mesh, points, radii);
+        }
+        const double met = 4000 * 0.1 * 2 * static_cast<double>(radius) * std::numbers::pi / 4;
+        // The box of all is wider than what they fill.
+        EXPECT_NEAR(static_cast<double>(free_path_among(mesh)) * met, 1.1, 0.2) << radius;
     }
 }
 

@@ -5,8 +5,7 @@
 
 #include "core/color.h"
 #include "core/sampling.h"
-#include "renderer/subsurface/probes.h"
-#include "renderer/subsurface/profile.h"
+#include "renderer/subsurface/random_walk.h"
 #include "tests/renderer/film_stage.h"
 #include "tests/renderer/stage.h"
 
@@ -19,29 +18,6 @@ using test::Stage;
 
 constexpr double pi = std::numbers::pi;
 
-TEST(SubsurfaceProfile, ShinesAllLightAndIsDrawnByItsDensity) {
-    const SubsurfaceProfile profile({0.8f, 0.5f, 0.3f}, {1.0f, 0.4f, 0.2f});
-    glm::dvec3 all(0);
-    double density = 0;
-    constexpr int n = 200000;
-    const double step = static_cast<double>(profile.reach()) / n;
-    for (int i = 0; i < n; ++i) {
-        const double r = (i + 0.5) * step;
-        all += 2 * pi * r * step * glm::dvec3(profile.at(static_cast<float>(r)));
-        density += 2 * pi * r * step * static_cast<double>(profile.density(static_cast<float>(r)));
-    }
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(all[c], 1, 0.005);
-    EXPECT_NEAR(density, 1, 0.005);
-    double drawn = 0, meant = 0;
-    for (int i = 0; i < n; ++i) {
-        const auto number = static_cast<std::uint64_t>(i);
-        drawn += static_cast<double>(profile.sample(core::uniform(number, 0, 0), core::uniform(number, 0, 1))) / n;
-        const double r = (i + 0.5) * step;
-        meant += 2 * pi * r * r * step * static_cast<double>(profile.density(static_cast<float>(r)));
-    }
-    EXPECT_NEAR(drawn, meant, 0.01 * meant);
-}
-
 int skin(SceneBuilder& b, float free_path) {
     const int material = b.add_material({0.8f, 0.5f, 0.3f});
     b.material(material).subsurface = scene::Subsurface{1.0f, glm::vec3(free_path)};
@@ -49,15 +25,15 @@ int skin(SceneBuilder& b, float free_path) {
     return material;
 }
 
-/// Mean of what probes around a point of the first object find, as reflectance.
-glm::dvec3 found_at(const Stage& stage, glm::vec3 from, glm::vec3 to, int n = 4000) {
+/// Mean of what walks from a point of the first object come to, as reflectance.
+glm::dvec3 found_at(const Stage& stage, glm::vec3 from, glm::vec3 to, int n = 20000) {
     const Hit hit = stage.tracer().nearest(from, to, 1e3f);
     SurfacePoint p = stage.posed_scene().surface_at(hit.address, -to);
     EXPECT_TRUE(p.spreads);
     p.below = true;
     glm::dvec3 sum(0);
     for (int i = 0; i < n; ++i)
-        if (const auto place = probe(stage.posed_scene(), p, core::mix(static_cast<std::uint64_t>(i))))
+        if (const auto place = random_walk(stage.posed_scene(), p, core::mix(static_cast<std::uint64_t>(i))))
             sum += glm::dvec3(place->bsdf.diffuse) / static_cast<double>(n);
     return sum;
 }
@@ -71,18 +47,54 @@ TEST(Subsurface, OfASemiInfiniteSlabReflectsItsAlbedo) {
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(reflectance[c], albedo[c], 0.02 * albedo[c]);
 }
 
-TEST(Subsurface, ReflectsLessAtAnEdgeAndNothingAcrossAGapToAnotherThing) {
-    const auto edge = [](bool neighbour) {
+/// Slow and plain: an analog walk in a ball of radius 1, in double precision. Returns the share that leaves.
+double share_of_ball(double albedo, double path, int n) {
+    std::uint64_t drawn = 0;
+    const auto next = [&] { return (static_cast<double>(core::mix(++drawn) >> 11) + 0.5) * 0x1p-53; };
+    int left = 0;
+    for (int i = 0; i < n; ++i) {
+        glm::dvec3 at(0, 0, 1);
+        const double phi = 2 * pi * next(), down = std::sqrt(next()), across = std::sqrt(1 - down * down);
+        glm::dvec3 d(across * std::cos(phi), across * std::sin(phi), -down);
+        for (;;) {
+            const double b = glm::dot(at, d), out = -b + std::sqrt(std::max(b * b + 1 - glm::dot(at, at), 0.0));
+            const double far = -path * std::log(next());
+            if (far >= out && ++left) break;
+            if (next() >= albedo) break;
+            at += far * d;
+            const double z = 2 * next() - 1, turn = 2 * pi * next(), s = std::sqrt(1 - z * z);
+            d = {s * std::cos(turn), s * std::sin(turn), z};
+        }
+    }
+    return left / static_cast<double>(n);
+}
+
+TEST(Subsurface, OfABallIsThatOfASlowWalkForEachChannel) {
+    SceneBuilder b;
+    const int material = skin(b, 0.1f);
+    b.material(material).subsurface->free_path = {0.1f, 0.3f, 0.02f};
+    b.add_sphere({0, 0, 0}, 1.0f, material, 96);
+    b.add_sun({0, -1, 0}, 1);
+    const glm::dvec3 reflectance = found_at(Stage(b), {0.1f, 0.2f, 3}, {0, 0, -1});
+    const float colors[3] = {0.8f, 0.5f, 0.3f};
+    const double paths[3] = {0.1, 0.3, 0.02};
+    for (int c = 0; c < 3; ++c) {
+        const double walked = share_of_ball(static_cast<double>(scattering_albedo(colors[c])), paths[c], 40000);
+        EXPECT_NEAR(reflectance[c], walked, 0.02 * walked + 0.004) << c;
+        EXPECT_GT(reflectance[c], static_cast<double>(colors[c])) << "light leaves a ball sooner than a plane";
+    }
+}
+
+TEST(Subsurface, SendsNothingAcrossAGapToAnotherThing) {
+    const auto beside = [](bool neighbour) {
         SceneBuilder b;
         const int material = skin(b, 0.3f);
-        b.add_quad({-50, 0, 50}, {50, 0, 0}, {0, 0, -100}, material);
-        if (neighbour) b.add_quad({0.01f, 0, 50}, {50, 0, 0}, {0, 0, -100}, material);
+        b.add_box({-1, -1, -1}, {0, 0, 1}, material);
+        if (neighbour) b.add_box({0.01f, -1, -1}, {1, 0, 1}, material);
         b.add_sun({0, -1, 0}, 1);
-        return found_at(Stage(b), {-1e-3f, 2, 0.1f}, {0, -1, 0});
+        return found_at(Stage(b), {-0.05f, 2, 0.1f}, {0, -1, 0});
     };
-    const glm::dvec3 alone = edge(false), beside = edge(true);
-    EXPECT_NEAR(alone.x, 0.4, 0.03);
-    EXPECT_NEAR(beside.x, alone.x, 1e-9);
+    EXPECT_NEAR(beside(true).x, beside(false).x, 1e-9);
 }
 
 TEST(Subsurface, LetsLightThroughThinParts) {
@@ -130,7 +142,7 @@ TEST(Subsurface, BlursTheEdgeOfAShadowAndKeepsItsMean) {
     EXPECT_NEAR(all_soft, all_sharp, 0.05 * all_sharp);
     EXPECT_LT(sharp[13], 0.05);
     EXPECT_GT(soft[14], 2 * sharp[14] + 0.01);
-    EXPECT_LT(soft[17], 0.95 * sharp[17]);
+    EXPECT_LT(soft[17], 0.97 * sharp[17]);
 }
 
 }  // namespace

@@ -89,6 +89,16 @@ TEST(AimedFile, IsRefusedInOneLineThatNamesObjectAndCause) {
     EXPECT_NE(
         refusal(R"("visible": true}, {"shape": "group", "parts": [{"shape": "box"}], "reflections": [])").find("parts"),
         std::string::npos);
+    for (const char* thing :
+         {R"("shape": "quad")",
+          R"("shape": "strands", "strands": [[[0, 0, 0], [0, 1, 0]]], "material": {"metallic": 1})"})
+        EXPECT_NE(
+            refusal(
+                R"("visible": true}, {"name": "wall", "reflections": [{"at": [0, 0, 0], "see": "box", "radius": 1}], )" +
+                std::string(thing))
+                .find(R"(reflection 0 of "wall": nothing there has a surface that mirrors)"),
+            std::string::npos)
+            << thing;
     std::string many;
     for (int k = 0; k < 65; ++k)
         many += std::string(k > 0 ? "," : "") + R"({"at": [0, 0, 0], "see": [1, 1, 1], "radius": 1})";

@@ -115,6 +115,12 @@ TEST_F(AnimationFile, RefusesWhatContradictsItself) {
     expect_complaint(R"({"objects": [{"shape": "torus", "radius": 1, "tube_radius": 1}]})",
                      {"objects[0]", "tube_radius"});
     expect_complaint(R"({"objects": [{"shape": "arch", "size": 0.5}]})", {"objects[0]", "opening"});
+    expect_complaint(R"({"materials": {"a": {"hair": {"redness": 1}}}})", {"materials.a.hair.redness", "melanin"});
+    for (const char* more : {R"("color": 0.5)", R"("melanin": 0.5)"})
+        expect_complaint(R"({"materials": {"a": {"hair": {"absorption": 1, )" + std::string(more) + "}}}}",
+                         {"materials.a.hair", "absorption", "color", "melanin"});
+    expect_complaint(R"({"materials": {"a": {"subsurface": {"free_path": "#ff8000"}}}})",
+                     {"materials.a.subsurface.free_path", "three"});
 }
 
 TEST_F(AnimationFile, RefusesFilesThatAreNoJsonOrTooLargeOrTooDeep) {

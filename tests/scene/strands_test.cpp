@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <functional>
 #include <limits>
+#include <utility>
 
 #include "core/error.h"
 #include "scene/gltf_file.h"
@@ -85,11 +87,21 @@ TEST(Strands, ThatAreBrokenAreRefusedByNameAndThoseWithoutWidthAreLeftOut) {
         return said;
     };
     const float nan = std::numeric_limits<float>::quiet_NaN();
-    EXPECT_NE(broken([&](Mesh& m) { m.positions[2].y = nan; }).find("not finite"), std::string::npos);
-    EXPECT_NE(broken([&](Mesh& m) { m.radii[1] = nan; }).find("radius"), std::string::npos);
-    EXPECT_NE(broken([&](Mesh& m) { m.radii[1] = -1; }).find("below 0"), std::string::npos);
+    // A second strand, whose points are named as files have them.
+    EXPECT_EQ(add_strand(good, points, radii), 6u);
+    const std::pair<std::string, std::function<void(Mesh&)>> all[] = {
+        {"point 1 of strand 0 is not finite", [&](Mesh& m) { m.positions[2].y = nan; }},
+        {"point 0 of strand 1 has a radius that is not finite", [&](Mesh& m) { m.radii[5] = m.radii[6] = nan; }},
+        {"point 2 of strand 1 has a radius below 0", [&](Mesh& m) { m.radii[8] = -1; }},
+        {"point 1 of strand 1 has a radius above 1000000", [&](Mesh& m) { m.radii[7] = 2e6f; }}};
+    for (const auto& [cause, change] : all) EXPECT_NE(broken(change).find(cause), std::string::npos) << cause;
     EXPECT_NE(broken([&](Mesh& m) { m.radii.pop_back(); }).find("radii"), std::string::npos);
     EXPECT_NE(broken([&](Mesh& m) { m.curves[0] = 7; }).find("segment 0"), std::string::npos);
+    test::SceneBuilder b;
+    const int glowing = b.add_material();
+    b.material(glowing).emission = glm::vec3(1);
+    b.add_object(b.add_mesh(good), glowing);
+    EXPECT_NE(std::string(b.build().notes.front()).find("its strands are seen to shine"), std::string::npos);
     Mesh thin = good;
     thin.radii.assign(thin.radii.size(), 0.0f);
     EXPECT_TRUE(film_of(thin).objects.empty());

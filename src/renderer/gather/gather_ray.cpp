@@ -7,6 +7,8 @@
 
 #include "core/color.h"
 #include "core/sampling.h"
+#include "renderer/geometry/strands.h"
+#include "scene/model/curves.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -16,9 +18,17 @@ namespace {
 constexpr int most_surfaces = 8;
 constexpr float least_passing = 0.02f;
 
-/// Cells among strands are at least so many radii large. chosen: 16, about the way of light between strands of a thick
-/// fur; not tuned.
-constexpr float fibre_cell = 16.0f;
+/// Cells among strands are half as large as light goes between them, within so many radii. chosen: of a whole way, fur
+/// that is deep and dark is a fifth too dark where it shades itself, of half a tenth; 16 and 64, where fur is thin.
+constexpr float ways_to_cell = 0.5f, least_fibre_cell = 16.0f, most_fibre_cell = 64.0f;
+
+/// Least size of cells among an object's strands, in its own space; 0: they are no fibres.
+float fibre_cell_of(const scene::Mesh& mesh, const scene::Material& material) {
+    if (!mesh.has_curves() || !material.hair) return 0.0f;
+    const double sum = std::accumulate(mesh.radii.begin(), mesh.radii.end(), 0.0);
+    const float radius = static_cast<float>(sum) / static_cast<float>(mesh.radii.size());
+    return std::clamp(ways_to_cell * free_path_among(mesh), least_fibre_cell * radius, most_fibre_cell * radius);
+}
 
 /// Own cells beyond this many in a row share the cells of others. chosen: 3, so that rays between two walls that nearly
 /// touch end.
@@ -72,11 +82,8 @@ GatherRays::GatherRays(const PosedScene& posed_scene, const Plan& plan)
     }
     if (!plan.runs(Pass::hair)) return;
     for (const scene::Object& object : film.objects) {
-        const scene::Mesh& mesh = film.meshes[static_cast<std::size_t>(object.mesh)];
-        const bool is_hair = mesh.has_curves() && film.materials[static_cast<std::size_t>(object.material)].hair;
-        const double sum = std::accumulate(mesh.radii.begin(), mesh.radii.end(), 0.0);
-        fibre_cells_.push_back(is_hair ? fibre_cell * static_cast<float>(sum) / static_cast<float>(mesh.radii.size())
-                                       : 0.0f);
+        fibre_cells_.push_back(fibre_cell_of(film.meshes[static_cast<std::size_t>(object.mesh)],
+                                             film.materials[static_cast<std::size_t>(object.material)]));
     }
 }
 
@@ -98,7 +105,7 @@ Sighting GatherRays::sighting(const RayQuery& ray, const Hit& hit, float distanc
     const std::uint64_t dither = core::mix(number);
     const auto part = [&](unsigned shift) { return static_cast<float>(dither >> shift & 0xffffu) * 0x1p-16f - 0.5f; };
     float size = rules.spread * distance;
-    if (is_fibre) size = std::max(size, fibre_cells_[hit.address.object]);
+    if (is_fibre) size = std::max(size, fibre_cell(hit.address.object));
     const int level = std::ilogb(std::max(std::exp2(part(0)) * size, std::numeric_limits<float>::min()));
     s.size = std::ldexp(1.0f, level);
     glm::vec3 at = ray.origin + hit.distance * ray.direction;
@@ -120,6 +127,11 @@ Sighting GatherRays::sighting(const RayQuery& ray, const Hit& hit, float distanc
     }
     s.key = (place << 45 | hash >> 19) & ~own_cell;
     return s;
+}
+
+float GatherRays::fibre_cell(std::uint32_t object) const {
+    const scene::ObjectState& state = posed_scene_.posed().objects[object];
+    return fibre_cells_[object] * (state.deformed >= 0 ? 1.0f : scene::width_scale(state.to_world));
 }
 
 float GatherRays::length(const Hit& hit) const {

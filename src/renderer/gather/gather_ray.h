@@ -79,6 +79,7 @@ class GatherRays {
 
   private:
     glm::vec3 escaped(glm::vec3 direction, const RayRules& rules, bool mirrored, float solid_angle) const;
+    float fibre_cell(std::uint32_t object) const;
     Sighting sighting(const RayQuery& ray, const Hit& hit, float distance, const RayRules& rules,
                       std::uint64_t number) const;
 
@@ -88,7 +89,8 @@ class GatherRays {
     int extent_level_;          ///< power of two in it: scaled scenes have the same cells
     std::vector<bool> plain_;   ///< by material: opaque, neither mirror nor glass
     std::vector<bool> shines_;
-    std::vector<float> fibre_cells_;  ///< by object: the least size of cells among its strands; empty: there is no hair
+    std::vector<float> fibre_cells_;  ///< by object: the least size of cells among its strands, in its own space;
+                                      ///< empty: there is no hair
 };
 
 }  // namespace render2mpeg::renderer

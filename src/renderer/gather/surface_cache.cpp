@@ -171,9 +171,10 @@ glm::vec3 SurfaceCache::lamps(const Scatterer& at, std::uint64_t number, std::ui
     glm::vec3 sum(0);
     const auto add = [&](const LightSample& s, Number kind) {
         if (!(core::luminance(s.light) > 0.0f) || !query.may_see(s.direction)) return;
-        glm::vec3 light = at.scatters(s.direction) * s.light;
+        const Scattered to = at.scattered(s.direction, s.density > 0.0f);
+        glm::vec3 light = to.share * s.light;
         if (!(core::luminance(light) > 0.0f)) return;
-        if (s.density > 0.0f) light *= s.density / (s.density + at.density(s.direction));
+        if (s.density > 0.0f) light *= s.density / (s.density + to.density);
         if (!(core::luminance(light) > 0.0f)) return;
         if (const Air* air = posed_scene_.air(); air != nullptr) {
             const glm::vec3 direction = core::normalize_or(s.ray, s.direction);
@@ -256,11 +257,11 @@ void SurfaceCache::light_place(const Sighting& place, std::uint64_t number, std:
         lesson.near += share * direct;
     }
 
-    const glm::vec3 direction =
-        at.sample(uniform(number, part, 0), {uniform(number, bounce, 0), uniform(number, bounce, 1)});
-    const float density = at.density(direction);
+    glm::vec3 direction, chosen(0);
+    const float density = at.sample(uniform(number, part, 0), {uniform(number, bounce, 0), uniform(number, bounce, 1)},
+                                    direction, chosen);
     if (!at.query().may_see(direction) || !(density > 0.0f)) return;
-    weight *= at.weight(direction, density);
+    weight *= chosen;
     if (!(core::luminance(weight) > 0.0f) || !core::is_finite(weight)) return;
     lesson.drawn += weight;
     out.rays += 1;

@@ -68,6 +68,18 @@ void begin(TieContext& context, const EmbreeScene& scene, const RayQuery* querie
     context.best = best;
 }
 
+/// What one ray meets, of surfaces in one plane any; its normal is Embree's.
+Hit any_alone(const EmbreeScene& scene, const RayQuery& query) {
+    if (!is_traceable(query)) return {};
+    embree::Context context;
+    RTCRayHit found = unanswered(query, 0.0f, query.far);
+    embree::intersect(scene.root(), context, found);
+    if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+    return {scene.address(found.hit.instID[0], found.hit.geomID, found.hit.primID, found.hit.u, found.hit.v),
+            found.ray.tfar,
+            {found.hit.Ng_x, found.hit.Ng_y, found.hit.Ng_z}};
+}
+
 /// Up to sixteen rays on their way, lane by lane.
 class HitPacket {
   public:
@@ -178,17 +190,10 @@ RTCRay ray_of(const RayQuery& query, float near, float far) {
 }
 
 Hit nearest_hit(const EmbreeScene& scene, const RayQuery& query) {
-    if (!is_traceable(query)) return {};
     const FlushDenormals flushed;
-    embree::Context context;
-    RTCRayHit found = unanswered(query, 0.0f, query.far);
-    embree::intersect(scene.root(), context, found);
-    if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-
-    const float t = found.ray.tfar;
-    Hit hit{scene.address(found.hit.instID[0], found.hit.geomID, found.hit.primID, found.hit.u, found.hit.v),
-            t,
-            {found.hit.Ng_x, found.hit.Ng_y, found.hit.Ng_z}};
+    Hit hit = any_alone(scene, query);
+    if (!hit.found()) return {};
+    const float t = hit.distance;
     TieContext ties;
     begin(ties, scene, &query, &hit);
     RTCRayHit again = unanswered(query, t * (1.0f - coplanar), std::min(query.far, t * (1.0f + coplanar)));
@@ -207,6 +212,16 @@ void nearest_hits(const EmbreeScene& scene, std::span<const RayQuery> queries, s
 
 void any_nearest_hits(const EmbreeScene& scene, std::span<const RayQuery> queries, std::span<Hit> hits, bool coherent) {
     const FlushDenormals flushed;
+    // Alone they go through all at once.
+    if (queries.size() == 1 || (!coherent && scene.has_instances())) {
+        for (std::size_t i = 0; i < queries.size(); ++i) {
+            hits[i] = any_alone(scene, queries[i]);
+            if (hits[i].found())
+                hits[i].geometric_normal =
+                    scene.world_normal(hits[i].address.object, hits[i].geometric_normal, queries[i].time);
+        }
+        return;
+    }
     for (std::size_t first = 0; first < queries.size(); first += packet_size) {
         const std::size_t count = std::min<std::size_t>(packet_size, queries.size() - first);
         HitPacket(scene, queries.subspan(first, count), coherent).answer_any_turned(&hits[first]);

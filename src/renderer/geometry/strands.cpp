@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
+#include <numbers>
+#include <utility>
 
 #include "core/numeric.h"
 #include "renderer/geometry/embree.h"
@@ -14,6 +17,10 @@ namespace {
 /// Points of strands lie so far above the fibre that rays leave, by its radius and by where it lies. chosen: a
 /// hundredth, since strands bend, and the digits of surfaces (surface_shape.cpp).
 constexpr float share_of_radius = 0.01f, strand_digits = 0x1p-20f;
+
+/// Segments to a box in which strands are counted, if they were spread over all of the mesh. chosen: 64; a shell of fur
+/// fills some tenth of its box.
+constexpr double segments_to_box = 64;
 
 }  // namespace
 
@@ -69,6 +76,37 @@ void set_corners(SurfaceShape& shape, const core::SurfaceAddress& address) {
     }
     shape.corners = shape.mesh->triangles[address.primitive];
     shape.weights = {1.0f - address.u - address.v, address.u, address.v};
+}
+
+float free_path_among(const scene::Mesh& mesh) {
+    glm::vec3 low(std::numeric_limits<float>::max()), high(-low);
+    for (const glm::vec3& p : mesh.positions) low = glm::min(low, p), high = glm::max(high, p);
+    const glm::dvec3 extent(high - low);
+    const double widest = std::max({extent.x, extent.y, extent.z}), volume = std::max(extent.x, 0.01 * widest) *
+                                                                             std::max(extent.y, 0.01 * widest) *
+                                                                             std::max(extent.z, 0.01 * widest);
+    const double side = std::max(
+        std::cbrt(volume * segments_to_box / std::max(static_cast<double>(mesh.curves.size()), 1.0)), widest * 0x1p-20);
+    // What each box is covered by, as seen from all sides: a cylinder shows pi / 4 of its length times its width.
+    std::vector<std::pair<std::uint64_t, double>> areas;
+    for (const std::uint32_t first : mesh.curves) {
+        const glm::dvec3 a(mesh.positions[first + 1]), b(mesh.positions[first + 2]);
+        const glm::dvec3 at = (0.5 * (a + b) - glm::dvec3(low)) / side;
+        std::uint64_t box = 0;
+        for (int k = 0; k < 3; ++k) box = box << 21 | static_cast<std::uint64_t>(std::max(at[k], 0.0));
+        const auto width = static_cast<double>(mesh.radii[first + 1] + mesh.radii[first + 2]);
+        areas.emplace_back(box, 0.25 * std::numbers::pi * glm::length(b - a) * width);
+    }
+    std::sort(areas.begin(), areas.end());
+    double all = 0, squares = 0;
+    for (std::size_t first = 0, last = 0; first < areas.size(); first = last) {
+        double sum = 0;
+        for (; last < areas.size() && areas[last].first == areas[first].first; ++last) sum += areas[last].second;
+        all += sum;
+        squares += sum * sum;
+    }
+    return squares > 0 ? static_cast<float>(side * side * side * all / squares)
+                       : std::numeric_limits<float>::infinity();
 }
 
 RTCGeometryTy* new_strands(RTCDeviceTy* device, const scene::Mesh& mesh,

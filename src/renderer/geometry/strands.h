@@ -28,6 +28,10 @@ SurfaceShape strand_shape_at(const ObjectInstant& object, const core::SurfaceAdd
 /// Corners and weights by which attributes of a mesh are interpolated, of triangles and strands.
 void set_corners(SurfaceShape& shape, const core::SurfaceAddress& address);
 
+/// How far light goes among a mesh's strands until it meets one, in the mean over them and over directions; in its own
+/// space. Infinite without strands that have a width.
+float free_path_among(const scene::Mesh& mesh);
+
 /// Embree's geometry of a mesh's strands, not yet committed; `width` is a factor on their radii.
 RTCGeometryTy* new_strands(RTCDeviceTy* device, const scene::Mesh& mesh,
                            std::span<const std::vector<glm::vec3>* const> steps, float width);

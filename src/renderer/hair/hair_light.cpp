@@ -12,7 +12,7 @@
 #include "parallel/loops.h"
 #include "renderer/base/flush_denormals.h"
 #include "renderer/base/lobe.h"
-#include "renderer/subsurface/probes.h"
+#include "renderer/subsurface/random_walk.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -52,16 +52,15 @@ void HairLight::trace(const FibreSample& sample, std::uint64_t number, Traced& o
     if (sample.below) {
         point.below = true;
         point.bsdf.diffuse *= posed_scene_.animation().materials[point.material].subsurface->weight;
-        const std::optional<SurfacePoint> place = probe(posed_scene_, point, core::mix(number + 1));
+        const std::optional<SurfacePoint> place = random_walk(posed_scene_, point, core::mix(number + 1));
         if (!place) return void(out.light.emplace_back(0.0f));
         point = *place;
     }
     const Scatterer at(posed_scene_, point);
     glm::vec3& light = out.light.emplace_back(cache_.lamps(at, number, out.rays));
     const auto u = [&](std::uint64_t which) { return core::uniform(number, 16, which); };
-    const glm::vec3 direction = at.sample(u(0), {u(1), u(2)});
-    const float density = at.density(direction);
-    const glm::vec3 weight = at.weight(direction, std::max(density, std::numeric_limits<float>::min()));
+    glm::vec3 direction, weight(0);
+    const float density = at.sample(u(0), {u(1), u(2)}, direction, weight);
     if (!(density > 0.0f) || !at.query().may_see(direction) || !core::is_finite(weight)) return;
     const RayQuery ray{at.origin_of(direction), direction, std::numeric_limits<float>::infinity()};
     Hit hit;

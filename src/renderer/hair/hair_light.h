@@ -14,7 +14,7 @@
 
 namespace render2mpeg::renderer {
 
-/// Light of fibres and below surfaces, at places that probes find. Every sample of the eye asks lamps by next events,
+/// Light of fibres and below surfaces, at places where walks end. Every sample of the eye asks lamps by next events,
 /// and sends a ray by its fibre's scattering, whose end a cache on surfaces and among strands knows (surface_cache.h);
 /// again and again, until the standard error of its pixel is below its tolerance, as far as the tile's pixels together
 /// tell it. A function of the posed instant and of what is seen, for any number of threads.

@@ -11,7 +11,7 @@
 #include "core/sampling.h"
 #include "renderer/base/flush_denormals.h"
 #include "renderer/paths/scatterer.h"
-#include "renderer/subsurface/probes.h"
+#include "renderer/subsurface/random_walk.h"
 #include "renderer/surface/lobe_albedo.h"
 
 namespace render2mpeg::renderer {
@@ -75,7 +75,7 @@ glm::vec3 LightPaths::scattered(const SurfacePoint& point, glm::vec3 origin, Pat
     const FlushDenormals flushed;
     Way way;
     if (point.below) {
-        const auto place = probe(posed_scene_, point, core::mix(std::bit_cast<std::uint32_t>(numbers.next())));
+        const auto place = random_walk(posed_scene_, point, core::mix(std::bit_cast<std::uint32_t>(numbers.next())));
         if (!place) return glm::vec3(0);
         way.stand_on({posed_scene_, *place});
     } else {
@@ -116,9 +116,10 @@ glm::vec3 LightPaths::asked(const Way& way, PathNumbers& numbers) const {
 
 glm::vec3 LightPaths::answer(const Way& way, const LightSample& sample) const {
     if (!(core::luminance(sample.light) > 0.0f) || !way.at.query().may_see(sample.direction)) return glm::vec3(0);
-    glm::vec3 share = way.at.scatters(sample.direction) * sample.light;
+    const Scattered to = way.at.scattered(sample.direction, sample.density > 0.0f);
+    glm::vec3 share = to.share * sample.light;
     if (!(mean(share) > 0.0f)) return glm::vec3(0);
-    if (sample.density > 0.0f) share *= sample.density / (sample.density + way.at.density(sample.direction));
+    if (sample.density > 0.0f) share *= sample.density / (sample.density + to.density);
     if (posed_scene_.air() != nullptr) {
         const float length = glm::length(sample.ray);
         const glm::vec3 direction = core::normalize_or(sample.ray, sample.direction);
@@ -137,10 +138,10 @@ bool LightPaths::leave(Way& way, PathNumbers& numbers) const {
     const auto number = [&](FirstNumber which) { return way.first ? numbers.first(which) : numbers.next(); };
     const float choice = number(FirstNumber::lobe), u = number(FirstNumber::direction_u),
                 v = number(FirstNumber::direction_v);
-    way.direction = way.at.sample(choice, {u, v});
-    way.density = way.at.density(way.direction);
+    glm::vec3 weight(0);
+    way.density = way.at.sample(choice, {u, v}, way.direction, weight);
     if (!(way.density > 0.0f) || !way.at.query().may_see(way.direction)) return false;
-    way.throughput *= way.at.weight(way.direction, way.density);
+    way.throughput *= weight;
     if (!(mean(way.throughput) > 0.0f) || !core::is_finite(way.throughput)) return false;
     way.origin = way.at.origin_of(way.direction);
     const SurfacePoint& p = way.at.point();

@@ -34,27 +34,26 @@ class Scatterer {
     float skipped(glm::vec3 direction) const { return hair_ ? hair_->way_out(direction) : 0.0f; }
     glm::vec3 origin_of(glm::vec3 direction) const { return query_.origin + skipped(direction) * direction; }
 
-    /// f_s times the cosine, per steradian.
-    glm::vec3 scatters(glm::vec3 to_light) const {
-        return hair_ ? hair_->evaluate(to_light)
-                     : evaluate(point_.bsdf, point_.shading_normal, point_.outgoing, to_light) *
-                           glm::dot(point_.shading_normal, to_light);
-    }
-    /// The same over the density of choosing the direction.
-    glm::vec3 weight(glm::vec3 to_light, float density) const {
-        return hair_ ? hair_->evaluate(to_light) / density
-                     : evaluate(point_.bsdf, point_.shading_normal, point_.outgoing, to_light) *
-                           (glm::dot(point_.shading_normal, to_light) / density);
+    /// Without a density where nobody asks for it.
+    Scattered scattered(glm::vec3 to_light, bool with_density) const {
+        if (hair_) return hair_->scattered(to_light);
+        return {evaluate(point_.bsdf, point_.shading_normal, point_.outgoing, to_light) *
+                    glm::dot(point_.shading_normal, to_light),
+                with_density ? direction_density(point_, chance_, to_light) : 0.0f};
     }
     /// What it scatters of even light.
     glm::vec3 albedo() const { return hair_ ? hair_->albedo() : whole_albedo(point_); }
 
-    /// A direction, `number` and `u` in [0, 1); and its density.
-    glm::vec3 sample(float number, glm::vec2 u) const {
-        return hair_ ? hair_->sample(number, u) : chosen_direction(point_, number < chance_, u);
-    }
-    float density(glm::vec3 direction) const {
-        return hair_ ? hair_->density(direction) : direction_density(point_, chance_, direction);
+    /// A direction, `number` and `u` in [0, 1), and its density; 0: none. `weight` becomes its share over its density.
+    float sample(float number, glm::vec2 u, glm::vec3& direction, glm::vec3& weight) const {
+        direction = hair_ ? hair_->sample(number, u) : chosen_direction(point_, number < chance_, u);
+        const Scattered to = hair_ ? hair_->scattered(direction) : Scattered{};
+        const float density = hair_ ? to.density : direction_density(point_, chance_, direction);
+        if (!(density > 0.0f)) return 0.0f;
+        weight = hair_ ? to.share / density
+                       : evaluate(point_.bsdf, point_.shading_normal, point_.outgoing, direction) *
+                             (glm::dot(point_.shading_normal, direction) / density);
+        return density;
     }
 
   private:

@@ -26,13 +26,20 @@ float power(float x, int n) {
     return result;
 }
 
-/// Logarithm of the modified Bessel function of order 0, x >= 0, less x: its series, or beyond 12 its asymptote.
-float log_bessel_less(float x) {
-    if (x > 12.0f) return std::log1p(0.125f / x + 0.0703125f / (x * x)) - 0.5f * std::log(two_pi * x);
-    float sum = 1.0f, term = 1.0f;
-    const float quarter = 0.25f * x * x;
-    for (int k = 1; k < 24; ++k) sum += term *= quarter / static_cast<float>(k * k);
-    return std::log(sum) - x;
+/// The modified Bessel function of order 0 where 0 <= x < `near_bessel`, and times exp(-x) beyond; within 2e-7.
+/// [Abramowitz1964, 9.8.1, 9.8.2]
+constexpr float near_bessel = 3.75f;
+float bessel_near(float x) {
+    const float t = x * x / (near_bessel * near_bessel);
+    return 1.0f + t * (3.5156229f +
+                       t * (3.0899424f + t * (1.2067492f + t * (0.2659732f + t * (0.0360768f + t * 0.0045813f)))));
+}
+float bessel_beyond(float x) {
+    constexpr float c[] = {0.00392377f,  -0.01647633f, 0.02635537f, -0.02057706f, 0.00916281f,
+                           -0.00157565f, 0.00225319f,  0.01328592f, 0.39894228f};
+    float sum = 0.0f;
+    for (const float k : c) sum = sum * (near_bessel / x) + k;
+    return sum / std::sqrt(x);
 }
 
 /// Of light that leaves a dielectric for another one. [Chiang2016, eq. 10]
@@ -123,8 +130,9 @@ HairScattering::Angles HairScattering::angles(glm::vec3 direction) const {
 
 /// M_p [Chiang2016, eq. 4].
 float HairScattering::longitudinal(const Lobe& lobe, const Angles& in) {
-    const float a = in.cosine * lobe.cosine, b = in.sine * lobe.sine;
-    return std::exp(log_bessel_less(a / lobe.variance) + (a - b - 1.0f) / lobe.variance + lobe.shift);
+    const float a = in.cosine * lobe.cosine, b = in.sine * lobe.sine, part = 1.0f / lobe.variance, x = a * part;
+    return x < near_bessel ? bessel_near(x) * std::exp(lobe.shift - (b + 1.0f) * part)
+                           : bessel_beyond(x) * std::exp(lobe.shift + (a - b - 1.0f) * part);
 }
 
 /// N_p [Chiang2016, eq. 5].
@@ -134,19 +142,14 @@ float HairScattering::azimuthal(std::size_t p, float azimuth) const {
     return trim_ * x / (scale_ * sqr(1.0f + x));
 }
 
-glm::vec3 HairScattering::evaluate(glm::vec3 to_light) const {
+Scattered HairScattering::scattered(glm::vec3 to_light) const {
     const Angles in = angles(to_light);
-    glm::vec3 sum(0);
-    for (std::size_t p = 0; p < lobes; ++p)
-        sum += longitudinal(lobes_[p], in) * azimuthal(p, in.azimuth) * lobes_[p].attenuation;
-    return sum;
-}
-
-float HairScattering::density(glm::vec3 to_light) const {
-    const Angles in = angles(to_light);
-    float sum = 0;
-    for (std::size_t p = 0; p < lobes; ++p)
-        sum += longitudinal(lobes_[p], in) * azimuthal(p, in.azimuth) * lobes_[p].chance;
+    Scattered sum;
+    for (std::size_t p = 0; p < lobes; ++p) {
+        const float here = longitudinal(lobes_[p], in) * azimuthal(p, in.azimuth);
+        sum.share += here * lobes_[p].attenuation;
+        sum.density += here * lobes_[p].chance;
+    }
     return sum;
 }
 

@@ -15,6 +15,12 @@ struct FibrePlace {
     float across = 0;  ///< -1..1: along cross(tangent, outgoing) from the middle of what is seen
 };
 
+/// What a place scatters of light from a direction, and how likely its samples choose that.
+struct Scattered {
+    glm::vec3 share{0};  ///< f_s times the cosine, per steradian
+    float density = 0;   ///< per steradian
+};
+
 /// Scattering of light towards one direction: a reflection, two ways through, and all that stays longer inside
 /// (p = 0, 1, 2, more). Directions are unit and away from the fibre. Energy is kept but for what the fibre absorbs.
 class HairScattering {
@@ -22,10 +28,8 @@ class HairScattering {
     /// `outgoing`: unit, to where the fibre is seen from.
     HairScattering(const scene::Hair& hair, const FibrePlace& place, glm::vec3 outgoing);
 
-    /// f_s times the cosine, per steradian, of light that comes from there: integrates to `albedo`.
-    glm::vec3 evaluate(glm::vec3 to_light) const;
-    /// Density of `sample`, per steradian.
-    float density(glm::vec3 to_light) const;
+    /// Of light that comes from there; integrates to `albedo` and to 1.
+    Scattered scattered(glm::vec3 to_light) const;
     /// A direction to light; `u` in [0, 1).
     glm::vec3 sample(float lobe, glm::vec2 u) const;
     /// What the fibre sends on of even light.

@@ -25,7 +25,7 @@ struct SurfacePoint {
     bool back_side = false;    ///< seen from behind (of the winding)
     bool bounds_body = false;  ///< what bsdf.transmission lets pass is bent by bsdf.ior (dielectric.h)
     bool fibre = false;        ///< of hair: `bsdf` is black, PosedScene::hair_at has its scattering
-    bool spreads = false;      ///< a share of what `bsdf.diffuse` sends on entered elsewhere (subsurface/probes.h)
+    bool spreads = false;      ///< a share of what `bsdf.diffuse` sends on entered elsewhere (subsurface/random_walk.h)
     bool below = false;        ///< stands for that share alone; `bsdf.diffuse` is all of it
     bool unlit = false;        ///< `emission` is its colour, `bsdf` is black
 

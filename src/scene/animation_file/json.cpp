@@ -175,8 +175,14 @@ glm::dvec3 JsonValue::position() const {
     return {v[0], v[1], v[2]};
 }
 
-glm::vec3 JsonValue::color(double at_most) const {
+glm::vec3 JsonValue::channels(double at_most) const {
     if (value_->is_number()) return glm::vec3(static_cast<float>(number(0, at_most)));
+    if (!value_->is_array() || value_->size() != 3) expected("one number, or three of red, green and blue");
+    const std::vector<JsonValue> v = list(3, 3);
+    return {v[0].number(0, at_most), v[1].number(0, at_most), v[2].number(0, at_most)};
+}
+
+glm::vec3 JsonValue::color(double at_most) const {
     if (value_->is_string()) {
         const auto& hex = value_->get_ref<const std::string&>();
         const bool well_formed =
@@ -188,9 +194,9 @@ glm::vec3 JsonValue::color(double at_most) const {
         };
         return {linear(16), linear(8), linear(0)};
     }
-    if (!value_->is_array() || value_->size() != 3) expected("a colour like \"#ff8000\" or [1, 0.5, 0]");
-    const std::vector<JsonValue> v = list(3, 3);
-    return {v[0].number(0, at_most), v[1].number(0, at_most), v[2].number(0, at_most)};
+    if (!value_->is_number() && (!value_->is_array() || value_->size() != 3))
+        expected("a colour like \"#ff8000\" or [1, 0.5, 0]");
+    return channels(at_most);
 }
 
 void JsonValue::allow_only(std::span<const std::string_view> keys) const {

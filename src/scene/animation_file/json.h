@@ -51,7 +51,9 @@ class JsonValue {
     std::vector<JsonValue> list(std::size_t at_least, std::size_t at_most) const;
     std::vector<double> numbers(std::size_t count) const;
     glm::dvec3 position() const;  ///< [x, y, z], each within 1e7
-    /// Linear colour: "#rrggbb" (sRGB), [r, g, b] or one number for grey, each 0..`at_most`.
+    /// One number for all channels or [r, g, b], each 0..`at_most`.
+    glm::vec3 channels(double at_most) const;
+    /// Linear colour: "#rrggbb" (sRGB), or `channels`.
     glm::vec3 color(double at_most) const;
 
     /// Throws for another key and names the nearest.

@@ -67,15 +67,12 @@ void change_hair(const JsonValue& value, Material& material) {
     value.set("coat", hair.coat, 0, 1);
     value.set("ior", hair.ior, 1, 5);
     if (const auto v = value.find("tilt")) hair.tilt = static_cast<float>(v->number(-45, 45) * 0.017453292519943295);
+    if (value.has("absorption") && (value.has("color") || value.has("melanin")))
+        value.fail("says how much is absorbed twice: by `absorption`, and by `color` or `melanin`");
+    if (value.has("redness") && !value.has("melanin"))
+        value.need("redness").fail("is that of `melanin`, which is not said");
     const bool known = material.hair.has_value() || value.has("absorption") || value.has("melanin");
-    if (const auto v = value.find("absorption")) {
-        const std::vector<double> a = v->numbers(3);
-        for (int c = 0; c < 3; ++c) {
-            if (!(a[static_cast<std::size_t>(c)] >= 0 && a[static_cast<std::size_t>(c)] <= 1e4))
-                v->fail("must be 0 to 10000");
-            hair.absorption[c] = static_cast<float>(a[static_cast<std::size_t>(c)]);
-        }
-    }
+    if (const auto v = value.find("absorption")) hair.absorption = v->channels(1e4);
     if (const auto v = value.find("melanin"))
         hair.absorption = absorption_of_melanin(static_cast<float>(v->number(0, 1)),
                                                 static_cast<float>(value.number_or("redness", 0, 1, 0)));
@@ -91,7 +88,7 @@ void change_subsurface(const JsonValue& value, Material& material) {
     value.allow_only(keys::subsurface);
     Subsurface below = material.subsurface.value_or(Subsurface{});
     value.set("weight", below.weight, 0, 1);
-    if (const auto v = value.find("free_path")) below.free_path = v->color(1e6);
+    if (const auto v = value.find("free_path")) below.free_path = v->channels(1e6);
     const bool spreads =
         below.weight > 0 && std::max({below.free_path.x, below.free_path.y, below.free_path.z}) > least_free_path;
     material.subsurface = spreads ? std::optional(below) : std::nullopt;

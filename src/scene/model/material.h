@@ -14,7 +14,7 @@ enum class AlphaMode { opaque, mask, blend };
 /// Glass without thickness, a body's boundary, or that where it is closed.
 enum class Thickness { thin, solid, solid_where_closed };
 
-/// Light that leaves a surface elsewhere than where it entered [Christensen2015].
+/// Light that leaves a surface elsewhere than where it entered, after a random walk.
 struct Subsurface {
     float weight = 1;             ///< 0..1, of the Lambert part
     glm::vec3 free_path{0.001f};  ///< mean, by channel, scene units, >= 0

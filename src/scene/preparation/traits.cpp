@@ -82,16 +82,10 @@ bool deforms(const Animation& animation, const Object& object, const std::vector
     });
 }
 
-/// Edits of reflections of what reflects.
 void add_edits(const Animation& animation, const std::vector<char>& moves, Traits& traits) {
+    traits.has_edited_reflections = !animation.reflections.empty();
     for (std::size_t k = 0; k < animation.reflections.size(); ++k) {
         const Reflection& edit = animation.reflections[k];
-        Traits mirror;
-        for (const Object& object : animation.objects)
-            if (object.node == edit.mirror)
-                add_material(animation.materials[static_cast<std::size_t>(object.material)], mirror);
-        if (!mirror.has_mirrors && !mirror.has_glossy_surfaces) continue;
-        traits.has_edited_reflections = true;
         const bool grows = std::any_of(animation.tracks.begin(), animation.tracks.end(), [&](const Track& t) {
             return (t.target == TrackTarget::reflection_radius || t.target == TrackTarget::reflection_border) &&
                    t.index == static_cast<int>(k) && varies(t);
@@ -102,6 +96,13 @@ void add_edits(const Animation& animation, const std::vector<char>& moves, Trait
 }
 
 }  // namespace
+
+bool mirrors(const Animation& animation, const Object& object) {
+    Traits traits;
+    add_material(animation.materials[static_cast<std::size_t>(object.material)], traits);
+    return (traits.has_mirrors || traits.has_glossy_surfaces) &&
+           !animation.meshes[static_cast<std::size_t>(object.mesh)].has_curves();
+}
 
 Traits traits_of(const Animation& animation) {
     Traits traits;

@@ -45,6 +45,9 @@ struct Traits {
 
 Traits traits_of(const Animation& animation);
 
+/// Whether an object has a surface, no strands, that mirrors sharply or in a lobe.
+bool mirrors(const Animation& animation, const Object& object);
+
 /// Below this perceptual roughness a lobe counts as a mirror: light points would show as dots in it.
 /// chosen: GGX alpha 0.01; tried 0.05..0.2, see docs/model/materials.md.
 inline constexpr float mirror_roughness = 0.1f;

@@ -227,6 +227,22 @@ void validate_lights(Animation& animation) {
     }
 }
 
+/// Strands are no lamps: next events ask triangles.
+void note_shining_strands(Animation& animation) {
+    std::string first;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < animation.objects.size(); ++i) {
+        const Object& object = animation.objects[i];
+        const Material& material = animation.materials[static_cast<std::size_t>(object.material)];
+        if (!animation.meshes[static_cast<std::size_t>(object.mesh)].has_curves() || !material.emits()) continue;
+        if (count++ == 0) first = described("object", i, object.name);
+    }
+    if (count == 0) return;
+    const std::string others = count > 1 ? " and " + counted(count - 1, "other") : "";
+    note_once(animation,
+              first + others + ": its strands are seen to shine, but are no lamps: they light little or nothing");
+}
+
 void validate_objects(Animation& animation) {
     for (std::size_t i = 0; i < animation.skins.size(); ++i) {
         const Skin& skin = animation.skins[i];
@@ -271,6 +287,8 @@ void validate_objects(Animation& animation) {
         for (const float w : object.morph_weights)
             if (!std::isfinite(w)) refuse(animation, name, "a morph weight is not finite");
     }
+
+    note_shining_strands(animation);
 
     // Remove objects that have nothing to show.
     const auto is_empty = [&](const Object& o) {

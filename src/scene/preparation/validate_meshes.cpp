@@ -9,6 +9,9 @@
 namespace render2mpeg::scene {
 namespace {
 
+/// chosen: as animation files have it (json.h).
+constexpr float widest_strand = 1e6f;
+
 void check_sizes(const Animation& animation, const Mesh& mesh, const std::string& name) {
     const std::size_t n = mesh.positions.size();
     const auto check = [&](std::size_t size, const char* what) {
@@ -119,20 +122,41 @@ void drop_triangles(const Animation& animation, Mesh& mesh, const std::string& n
     }
 }
 
+/// `point 3 of strand 12`, as files count them: from 0, without the ends' doubles. Segments of a strand lie in a row.
+std::string place_on_strand(const Mesh& mesh, std::size_t segment, std::uint32_t position) {
+    const auto starts = [&](std::size_t s) { return s == 0 || mesh.curves[s] != mesh.curves[s - 1] + 1; };
+    std::size_t strand = 0, first = 0, last = segment;
+    for (std::size_t s = 1; s <= segment; ++s)
+        if (starts(s)) ++strand, first = s;
+    while (last + 1 < mesh.curves.size() && !starts(last + 1)) ++last;
+    const std::uint32_t root = mesh.curves[first] + 1, tip = mesh.curves[last] + 2;
+    return "point " + std::to_string(std::clamp(position, root, tip) - root) + " of strand " + std::to_string(strand);
+}
+
 /// Broken points are damage as corners are.
-void drop_segments(const Animation& animation, Mesh& mesh, const std::string& name, Tallies& tallies) {
-    if (!mesh.has_curves()) return;
+void refuse_broken_strands(const Animation& animation, const Mesh& mesh, const std::string& name) {
     const std::vector<char> sound = sound_vertices(mesh);
+    for (std::size_t s = 0; s < mesh.curves.size(); ++s) {
+        const std::uint32_t first = mesh.curves[s];
+        for (std::uint32_t k = first; k < first + 4; ++k) {
+            const auto is_bad = [&](const std::string& cause) {
+                refuse(animation, name, place_on_strand(mesh, s, k) + " " + cause);
+            };
+            if (!sound[k]) is_bad("is not finite");
+            if (!std::isfinite(mesh.radii[k])) is_bad("has a radius that is not finite");
+            // Points before and behind only bend it.
+            if (k == first || k == first + 3) continue;
+            if (mesh.radii[k] < 0) is_bad("has a radius below 0");
+            if (mesh.radii[k] > widest_strand) is_bad("has a radius above 1000000");
+        }
+    }
+}
+
+void drop_segments(Mesh& mesh, const std::string& name, Tallies& tallies) {
     const bool bends = !mesh.joints.empty() || !mesh.morph_targets.empty();
     std::size_t thin = 0;
     const auto is_bad = [&](std::uint32_t first) {
-        for (std::uint32_t k = first; k < first + 4; ++k) {
-            if (!sound[k]) refuse(animation, name, "point " + std::to_string(k) + " of its strands is not finite");
-            if (!std::isfinite(mesh.radii[k]))
-                refuse(animation, name, "radius " + std::to_string(k) + " of its strands is not finite");
-        }
         const float a = mesh.radii[first + 1], b = mesh.radii[first + 2];
-        if (a < 0 || b < 0) refuse(animation, name, "has a strand with a radius below 0");
         const bool short_one = !bends && mesh.positions[first + 1] == mesh.positions[first + 2];
         return (a == 0 && b == 0) || short_one ? (++thin, true) : false;
     };
@@ -219,7 +243,8 @@ void validate_meshes(Animation& animation) {
         Mesh& mesh = animation.meshes[i];
         const std::string name = described("mesh", i, mesh.name);
         check_sizes(animation, mesh, name);
-        drop_segments(animation, mesh, name, tallies);
+        refuse_broken_strands(animation, mesh, name);
+        drop_segments(mesh, name, tallies);
         drop_triangles(animation, mesh, name, tallies);
         mend_normals(mesh, name, tallies);
         mend_attributes(mesh, name, tallies);

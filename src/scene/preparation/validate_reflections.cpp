@@ -7,6 +7,7 @@
 #include "scene/pose/bent_reflections.h"
 #include "scene/pose/pose.h"
 #include "scene/pose/snapshot.h"
+#include "scene/preparation/traits.h"
 #include "scene/preparation/validate.h"
 
 namespace render2mpeg::scene {
@@ -32,9 +33,10 @@ void validate_reflections(const Animation& animation, core::Rational first) {
                in_quotes(animation.nodes[static_cast<std::size_t>(edits[k].mirror)].name);
     };
     for (std::size_t k = 0; k < edits.size(); ++k)
-        if (std::none_of(animation.objects.begin(), animation.objects.end(),
-                         [&](const Object& object) { return object.node == edits[k].mirror; }))
-            refuse(animation, name_of(k), "nothing there has a surface");
+        if (std::none_of(animation.objects.begin(), animation.objects.end(), [&](const Object& object) {
+                return object.node == edits[k].mirror && mirrors(animation, object);
+            }))
+            refuse(animation, name_of(k), "nothing there has a surface that mirrors");
 
     // As all stands when the film begins; what is hidden then is not looked at.
     const Pose pose = pose_at(animation, first.value());
