@@ -48,7 +48,7 @@ TEST(Documents, NameEveryKeyOfStatisticsReportsAndInformationSlow) {
 
     const auto tried = run(program() + " cost " + support::plain_film() +
                            " --size 16x16 --samples 1 --indirect lightcuts --vpls 16 --exposure 0 --sample 1x1 "
-                           "--tolerances 20 --quantisers 31" +
+                           "--tolerances 20" +
                            " --quiet --json " + path(folder, "c.json"));
     ASSERT_EQ(tried.status, 0) << tried.output;
     expect_keys(json::parse(contents(folder / "c.json")), page("json.md"), "");
