@@ -7,7 +7,7 @@
 
 #include "core/rational.h"
 
-/// Reads what a container has to know of an MPEG-2 stream from the headers before its first picture.
+/// Reads a container's facts about an MPEG-2 stream from the headers before its first picture.
 namespace render2mpeg::av {
 
 /// What a container has to know of an MPEG-2 video stream, as the stream itself says it before its first picture.
