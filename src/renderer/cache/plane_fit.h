@@ -40,8 +40,8 @@ class PlaneFit {
     float residual() const;
     /// Rise of the plane's luminance up to the nearest sample.
     float rise() const;
-    /// The same along rows and columns of the picture, and its own way up, where that is what samples in two columns
-    /// make: through two a plane always passes, and a step between them looks like a slope.
+    /// Largest such rise along rows, columns or the plane's own gradient, of the directions in which samples lie in two
+    /// columns: through two a plane always passes, and a step between them looks like a slope.
     float unsure_rise() const;
     /// Index of that.
     int nearest() const;
