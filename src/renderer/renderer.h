@@ -87,7 +87,7 @@ class Renderer {
                                    std::span<const AuditedPixel> audited, const TruthSettings& finely = {});
 
     const Statistics& statistics() const;
-    /// What is posed as of the last frame, for measurements.
+    /// The scene as posed for the last frame, for measurements.
     const RayTracer& tracer() const;
     /// CPU seconds by pass since construction, for the plan's table.
     double seconds(Pass pass) const;

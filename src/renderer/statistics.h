@@ -15,7 +15,7 @@
 
 namespace render2mpeg::renderer {
 
-/// What was done and found, summed since construction. Counts of rays are rays, not packets.
+/// Counts of work and findings, summed since construction. Counts of rays are rays, not packets.
 struct Statistics {
     std::uint64_t primary_rays = 0, shadow_rays = 0, photon_rays = 0, specular_rays = 0;
     std::uint64_t exposure_rays = 0, exposed_pixels = 0;  ///< of pixels that shutter or lens blur, over frames

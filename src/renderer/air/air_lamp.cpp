@@ -183,7 +183,7 @@ class LitRuns {
     std::uint64_t rays() const { return rays_; }
     bool is_dark() const { return std::find(lit_.begin(), lit_.end(), true) == lit_.end(); }
 
-    /// What arrives at a place: of the place asked that no border parts from it.
+    /// Light arriving at a place: that of the queried place that no border separates from it.
     glm::vec3 passes(float parameter) const {
         const auto i = std::upper_bound(borders_.begin(), borders_.end(), parameter) - borders_.begin();
         return lit_[static_cast<std::size_t>(i)] ? passes_[static_cast<std::size_t>(i)] : glm::vec3(0);

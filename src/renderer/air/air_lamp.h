@@ -1,5 +1,5 @@
 #pragma once
-// What air along a ray scatters of one lamp's light, shadows included.
+// In-scattering of one lamp's light along a ray through air, shadows included.
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
@@ -33,7 +33,7 @@ struct AirRay {
     float width = 0;  ///< half of what it stands for at distance 1: no lamp is nearer to it
 };
 
-/// What light is asked about.
+/// Surroundings of a query of light: air, occluders, and the treatment of bodies of glass.
 struct AirScene {
     const Air& air;
     const RayTracer& tracer;

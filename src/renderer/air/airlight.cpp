@@ -245,7 +245,7 @@ void Airlight::fill_row(std::size_t row, std::vector<Rungs> rungs, std::uint64_t
     }
 }
 
-/// What light of air may be off by in a pixel.
+/// Tolerance of the light of air in a pixel.
 float Airlight::allowed(glm::ivec2 pixel, float luminance) const {
     if (tolerance_ == nullptr) return rough_tolerance * luminance;
     if (tolerance_->is_reference()) return reference_tolerance * luminance;
@@ -253,7 +253,7 @@ float Airlight::allowed(glm::ivec2 pixel, float luminance) const {
     return tolerance_->pixels.at(pixel.x, pixel.y).allows(luminance);
 }
 
-/// What the rays at a cell's corners know.
+/// Thin shadows known to the rays at a cell's corners.
 std::vector<ThinShadow> thin_of(const std::array<const Column*, 4>& corners) {
     return both(both(corners[0]->thin, corners[1]->thin), both(corners[2]->thin, corners[3]->thin));
 }

@@ -10,8 +10,8 @@
 
 namespace render2mpeg::renderer {
 
-/// What air on the way from the eye scatters of ambient light, at the corners of tiles and at distances that grow
-/// evenly; between them it is interpolated.
+/// Ambient light that air scatters on the way from the eye, sampled at the corners of tiles and at evenly growing
+/// distances; interpolated in between.
 class AmbientColumns {
   public:
     /// As far as any of `seen` looks.

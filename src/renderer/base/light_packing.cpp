@@ -52,7 +52,7 @@ std::array<std::uint32_t, 2> BoxGrid::pack(int axis, float low, float high) cons
     };
     const double first = std::floor((static_cast<double>(low) - low_[axis]) / step_[axis]);
     const double end = std::ceil((static_cast<double>(high) - low_[axis]) / step_[axis]);
-    // What is unpacked is rounded: widen it until it holds both ends.
+    // Unpacking rounds: widen the interval until it holds both ends.
     for (double wider = 0;; wider = 2 * wider + 1) {
         const std::uint32_t a = clamped(first - wider), b = clamped(end + wider);
         float middle = 0, half = 0;

@@ -13,9 +13,9 @@ inline constexpr float inverse_pi = std::numbers::inv_pi_v<float>;
 /// Below it a squared length or a denominator counts as 0.
 inline constexpr float tiny = 1e-30f;
 
-/// A part of the sky whose LightPoint::disc2 is so large is seen by lobe rays alone, a point of light by trees alone;
-/// what lies between is parted (`by_trees`). chosen: 2.5e-4, a part of 1.8 degrees across; a sky of one colour has
-/// narrower ones from 16,384 points on, suns always.
+/// Least LightPoint::disc2 of a part of the sky for lobe rays alone to see it; a point of light is seen by trees alone,
+/// and values in between are divided (`by_trees`). chosen: 2.5e-4, a part of 1.8 degrees across; a sky of one colour
+/// has narrower ones from 16,384 points on, suns always.
 inline constexpr float lobe_rays_disc2 = 2.5e-4f;
 
 /// Share of a directional light that light trees send along a lobe that has rays; they see the rest. `rays_see`: 1 /
@@ -92,7 +92,7 @@ RENDER2MPEG_ALWAYS_INLINED float cone_bound(float cos_theta, float cos_beta) {
     return c >= cos_beta ? 1.0f : inlined::max(turned, 0.0f);
 }
 
-/// What bounds of the GGX lobe towards a box of directions are made of; see `glossy_bound`.
+/// Cosines from which bounds of the GGX lobe over a box of directions are computed; see `glossy_bound`.
 struct BoxCosines {
     float normal;    ///< upper bound of the cosine to the normal, >= 0
     float mirrored;  ///< to the mirrored outgoing direction

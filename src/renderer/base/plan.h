@@ -45,7 +45,7 @@ enum class Pass {
     count
 };
 
-/// What the user asked for, as far as it decides which passes run.
+/// Requests of the user that decide which passes run.
 struct Wanted {
     bool picture = true;          ///< shaded pixels at all
     bool film = true;             ///< coded pictures: develop, motion, encode
@@ -62,11 +62,10 @@ struct PlanRow {
     Pass pass;
     const char* name;
     bool runs = false;
-    std::string reason;  ///< "no cause: nothing is transparent", "nobody reads it", or what calls for it
-    const char* reads =
-        "";  ///< what it reads, and of which frames: n this one, n-1, the chunk (its first frame), the film
+    std::string reason;      ///< "no cause: nothing is transparent", "nobody reads it", or what calls for it
+    const char* reads = "";  ///< inputs, and of which frames: n this one, n-1, the chunk (its first frame), the film
     const char* writes = "";
-    const char* effect = "";  ///< what pictures lose where it is left out; empty: it cannot be left out by itself
+    const char* effect = "";  ///< loss in pictures where it is left out; empty: it cannot be left out by itself
 };
 
 /// Which passes run: a pass runs if its cause is in the scene and its product is wanted.

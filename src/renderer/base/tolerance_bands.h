@@ -6,7 +6,7 @@
 
 namespace render2mpeg::renderer {
 
-/// What was spent on pixels, sorted by what their light was allowed to be off by, as a share of their luminance.
+/// Costs of pixels, binned by the tolerance of their light as a share of their luminance.
 struct ToleranceBands {
     /// The bands' ends, not included; the last band has none.
     static constexpr std::array<float, 5> ends{0.01f, 0.02f, 0.04f, 0.08f, 0.16f};

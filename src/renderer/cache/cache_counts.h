@@ -1,11 +1,11 @@
 #pragma once
-// What the irradiance cache did, in numbers.
+// Counts of the irradiance cache.
 #include <algorithm>
 #include <cstdint>
 
 namespace render2mpeg::renderer {
 
-/// What the irradiance cache did.
+/// Counts of the irradiance cache.
 struct CacheCounts {
     std::uint64_t created = 0;    ///< records
     std::uint64_t served = 0;     ///< gather points lit by records, or as the very same point before

@@ -68,7 +68,7 @@ class Neighbours {
     float fit();
     PlaneFit& plane() { return plane_; }
     float weight(int i) const { return plane_.weight(i); }
-    /// What gathering may be off by, given what the point makes of irradiance.
+    /// Possible error of gathering, given the point's response to irradiance.
     float noise(float receives, bool independent) const;
     /// Mean square of the error that chance puts on its records, in luminance of the pixel.
     float chance(float receives) const;
@@ -177,7 +177,7 @@ float Neighbours::noise(float receives, bool independent) const {
     return receives * std::sqrt(square) + turn_error * glm::length(turned);
 }
 
-/// What interpolation may be off by: luminance of the pixel.
+/// Possible error of interpolation: luminance of the pixel.
 struct ErrorEstimate {
     float tolerance = 0;
     float unscaled = std::numeric_limits<float>::infinity();       ///< of interpolation, at an error scale of 1
@@ -195,7 +195,7 @@ ErrorEstimate estimate_error(Neighbours& near, const CacheQuery& q, const CacheE
     const PlaneFit& plane = near.plane();
     const float light = core::luminance(plane.value());
     error.tolerance = q.tolerance.allows(light);
-    // What records are off the plane by,
+    // Residual of the records about the plane,
     const float factor = residual_factor(q.tolerance, light, error.tolerance);
     float off = plane.residual();
     if (model.independent) off = core::sqrt_or_zero(off * off - chance_factor * near.chance(q.receives));
@@ -258,7 +258,7 @@ CacheEstimate query_cache(const CacheQuery& q, const RecordGrid& grid, RecordSto
             for (int i = 0; i < near.count(); ++i) records.mark_used(near[i].index, frame);
             return result;
         }
-        // What is too many for this radius is too many for the next.
+        // Too many records for this radius are too many for the next.
         if (near.is_full()) break;
     }
     // else reuse the nearest record in the point's own pixel.

@@ -8,8 +8,8 @@ namespace render2mpeg::renderer {
 
 /// A point that records served and that was gathered all the same.
 struct HeldOutPoint {
-    float estimate = 0;  ///< what neighbours disagreed by over its tolerance, at a cache_error_scale of 1
-    float error = 0;     ///< what its light was off by, as it is noticed, over its tolerance
+    float estimate = 0;  ///< disagreement of neighbours over its tolerance, at a cache_error_scale of 1
+    float error = 0;     ///< error of its light, as it is noticed, over its tolerance
     float share = 1;     ///< of its frame's points that records serve
 };
 
@@ -33,8 +33,7 @@ class CacheValidation {
     /// Takes the held-out points of one frame, or of part of one. None change nothing.
     void learn(std::span<const HeldOutPoint> points);
 
-    /// What multiplies disagreement, so that of all points at most the aimed share is served and off by more than
-    /// it may.
+    /// Multiplier of disagreement: at most the aimed share of all points is served with an error over its tolerance.
     float cache_error_scale() const { return cache_error_scale_; }
     bool knows() const { return points_.size() >= least_points; }
     /// As many points as are ever kept.

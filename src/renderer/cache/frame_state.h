@@ -1,5 +1,5 @@
 #pragma once
-// What is known of a frame while the irradiance cache lights it.
+// State of a frame while the irradiance cache lights it.
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -28,7 +28,7 @@ enum class PointState : std::uint8_t {
     held_out    ///< likewise: the cache served it, and it was gathered as well
 };
 
-/// What is known of a tile's gather points; lists have one entry for each, in the tile's order.
+/// State of a tile's gather points; lists have one entry per point, in the tile's order.
 struct TileState {
     std::vector<PointTolerance> tolerance;
     std::vector<PointState> state;

@@ -7,7 +7,7 @@
 
 namespace render2mpeg::renderer {
 
-/// What was found of some requests, in the order in which they were gathered.
+/// Results of some requests, in the order of gathering.
 struct GatheredRequests {
     std::vector<PointRef> points;
     std::vector<PointLight> light;

@@ -6,9 +6,9 @@
 
 namespace render2mpeg::renderer {
 
-/// What a lobe's light changes by as its half vectors turn by its width, as far as `seen_from` does not know. It counts
-/// by the weighted sum of what records are off, which is nothing where a plane lies through them and the eye stands
-/// still. chosen: 0.6 of 0, 0.3, 0.6 and 1 (docs/measurements.md#irradiance-cache).
+/// Change of a lobe's light as its half vectors turn by its width, beyond that known by `seen_from`. Counts by the
+/// weighted sum of the records' turns, which is zero where a plane lies through them and the eye stands still. chosen:
+/// 0.6 of 0, 0.3, 0.6 and 1 (docs/measurements.md#irradiance-cache).
 inline constexpr float turn_error = 0.6f;
 
 /// A record's lobe towards the eye of a point that asks, by the point's material.

@@ -15,16 +15,16 @@
 
 namespace render2mpeg::renderer {
 
-/// What a surface's glossy lobe sends one way, by unit of its two parts: the radiance is f0 x `f0` + `schlick`.
+/// Light of a surface's glossy lobe towards one direction, per unit of its two parts: radiance is f0 x `f0` +
+/// `schlick`.
 struct GlossyRecord {
     float alpha = 0;        ///< its width; 0: no lobe
     glm::vec3 outgoing{0};  ///< unit, world
     glm::vec3 f0{0}, schlick{0};
 };
 
-/// What one place on a surface receives, whatever its texture (docs/model/irradiance-cache.md): kept where it was
-/// gathered and never resampled. Of a light light trees' trees alone; lights that are gathered exactly are no part of
-/// it.
+/// Incident light at one place on a surface, independent of its texture (docs/model/irradiance-cache.md): kept where it
+/// was gathered and never resampled. Light of the light trees alone; exactly gathered lights are no part of it.
 struct IrradianceRecord {
     core::SurfaceAddress address;
     bool back_side = false;
@@ -37,7 +37,7 @@ struct IrradianceRecord {
     GlossyRecord lobe;
     float error =
         0;  ///< luminance by which a white receiver may be off, as the cut's rule reckons with an error scale of 1
-    float clamped = 0;                 ///< what the clamp of near lights took, as a share of what arrived
+    float clamped = 0;                 ///< loss to the clamp of near lights, as a share of arriving light
     std::int64_t born = 0, used = 0;   ///< frames
     std::shared_ptr<KeptRays> rays{};  ///< that brought `indirect` and the lobe; null: not kept
 };

@@ -66,8 +66,8 @@ class NearbyRecords {
 
     float distance(int i) const { return glm::length((*this)[i].mark->at - q_.at); }
 
-    /// What light is noticed to change by from the record to the point, if as on the steepest way to another; infinite
-    /// where there are too few.
+    /// Noticeable change of light from the record to the point, if as on the steepest way to another; infinite where
+    /// there are too few.
     float change(int i) const {
         const float way = distance(i);
         if (way == 0.0f) return 0.0f;
@@ -110,8 +110,8 @@ void reuse_nearest(const CacheQuery& q, const RecordGrid& grid, RecordStore& rec
         if (!near.is_own(i) || !(near.distance(i) < nearest)) continue;
         const IrradianceRecord& r = near.record(i);
         const float tolerance = q.tolerance.allows(core::luminance(near[i].sent));
-        // What a cut that was capped is off by would be no less if it were gathered again. That surfaces bend counts as
-        // if light were told at the point.
+        // The error of a capped cut would be no less if it were gathered again. That surfaces bend counts as if light
+        // were told at the point.
         const float turned = model.noise * turn_error * glm::length(near[i].lobe.turned),
                     gathered = turned + model.noise * q.receives * r.error, changed = near.change(i),
                     disagreement = model.residual * here_factor * changed;

@@ -14,9 +14,8 @@ namespace {
 /// the rim of the picture be served; not tuned.
 constexpr float most_stretch = 1.25f;
 
-/// What lies in two columns exceeds by so much more at most what two exact ones would (in_two_columns). chosen: 0.15:
-/// three columns alike exceed it by 0.5, two that scatter evenly by a seventh of their distance to either side by 0.15;
-/// not tuned.
+/// Most relative excess of samples in two columns over two exact columns (in_two_columns). chosen: 0.15: three columns
+/// alike exceed it by 0.5, two that scatter evenly by a seventh of their distance to either side by 0.15; not tuned.
 constexpr double two_columns = 0.15;
 
 }  // namespace

@@ -36,12 +36,12 @@ class PlaneFit {
     glm::vec3 value() const { return plane_[0]; }
     float weight(int i) const { return weights_[static_cast<std::size_t>(i)]; }
 
-    /// What samples are off the plane by, as it is noticed: root of the mean square, freedoms counted.
+    /// Residual of samples about the plane, as it is noticed: root of the mean square, degrees of freedom counted.
     float residual() const;
-    /// What its luminance rises by up to the nearest sample.
+    /// Rise of the plane's luminance up to the nearest sample.
     float rise() const;
-    /// The same along rows and columns of the picture, and its own way up, where that is what samples in two columns
-    /// make: through two a plane always passes, and a step between them looks like a slope.
+    /// Largest such rise along rows, columns or the plane's own gradient, of the directions in which samples lie in two
+    /// columns: through two a plane always passes, and a step between them looks like a slope.
     float unsure_rise() const;
     /// Index of that.
     int nearest() const;

@@ -49,9 +49,9 @@ void gather_exact(const FrameState& frame, std::size_t t, std::vector<PointLight
     }
 }
 
-/// Whether light of the last frame is still within what a point tolerates. Only another tolerance, or an error scale
-/// that has risen since (`error_factor` > 1), asks that: else a still film would gather the same light again and again.
-/// What was capped is asked by tolerances alone, since gathering it again changes nothing.
+/// Whether light of the last frame is still within a point's tolerance. Only another tolerance, or an error scale that
+/// has risen since (`error_factor` > 1), asks that: else a still film would gather the same light again and again.
+/// Capped light is asked by tolerances alone, since gathering it again changes nothing.
 bool is_good_enough(const LitPoint& before, const PointTolerance& now, const GatherPoint& p, float error_factor) {
     const bool has_risen = error_factor > 1.0f && !before.trees.capped;
     if (now.part == before.tolerance.part && !has_risen) return true;

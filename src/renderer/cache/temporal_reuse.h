@@ -7,7 +7,7 @@
 
 namespace render2mpeg::renderer {
 
-/// What a point of the last frame was lit with; kept for a frame that shows the very same.
+/// Light of a point of the last frame; kept for a frame that shows the very same point.
 struct LitPoint {
     core::SurfaceAddress address;
     glm::vec3 outgoing{0}, weight{0};

@@ -129,7 +129,7 @@ std::vector<glm::vec3> gather_exactly(const LightingContext& context, const std:
         for (std::uint32_t i = p.first; i < p.last; ++i) own += light[next++];
         const glm::ivec2 place = place_of(seen, p);
         const glm::vec3 sum = context.ungathered.all().at(place.x, place.y) + own;
-        // What is not finite was replaced in the frame, and is counted there.
+        // Values that are not finite were replaced in the frame, and are counted there.
         sums.push_back(core::is_finite(sum) ? glm::max(sum, glm::vec3(0)) : glm::vec3(0));
     }
     return sums;

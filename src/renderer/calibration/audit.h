@@ -22,7 +22,7 @@ struct LitPixel {
 /// Where in the frame it is.
 glm::ivec2 place_of(const Frame& seen, const LitPixel& pixel);
 
-/// What is gathered for the pixel there; no points: nothing.
+/// Gather points of the pixel there; none: nothing is gathered.
 LitPixel pixel_at(const Frame& seen, glm::ivec2 place);
 
 /// Where a point of a tile was moved to; null: nowhere.
@@ -42,9 +42,9 @@ std::vector<LitPixel> drawn(std::vector<LitPixel> pixels, std::size_t count, std
 /// As many, one out of each of `count` equal stretches of the list: spread over the picture. Other dice.
 std::vector<LitPixel> spread(const std::vector<LitPixel>& pixels, std::size_t count, std::int64_t frame);
 
-/// What the pixels send when their light is gathered from every light point by itself: radiance, >= 0 and finite. Light
-/// of the trees is gathered where it was when the frame was lit: some points were `moved` (empty: none). The same for
-/// any number of threads.
+/// Radiance of the pixels, >= 0 and finite, with light gathered from every light point by itself. Light of the trees is
+/// gathered where it was when the frame was lit: some points were `moved` (empty: none). The same for any number of
+/// threads.
 std::vector<glm::vec3> gather_exactly(const LightingContext& context, const std::vector<LitPixel>& pixels,
                                       const MovedPoints& moved = {});
 

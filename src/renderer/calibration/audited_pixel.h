@@ -12,7 +12,7 @@ struct AuditedPixel {
     float luminance = 0;    ///< of that
     float error = 0;        ///< by how much the frame's luminance differs from it, >= 0
     float chroma = 0;       ///< by how much its Cr or Cb of linear light do, the larger; >= 0
-    float tolerance = 0;    ///< what was allowed, given `luminance`
+    float tolerance = 0;    ///< allowed error, given `luminance`
     bool capped = false;    ///< stopped by the largest cut: nothing was promised
 
     /// Chroma counts for half, as in the bounds (light_kernels.cpp): an eye forgives twice as much of it.

@@ -17,7 +17,7 @@ constexpr std::size_t blocks_per_sample = 4;  ///< so that lighting a sample cos
 constexpr double audited_share = 0.02;        ///< of a frame's rays
 constexpr std::size_t least_audited = 8, most_audited = 64;
 
-/// What is left of a frame when only the blocks of some pixels are of interest.
+/// Part of a frame with only the blocks of some pixels.
 Frame blocks_of(const Frame& seen, const std::vector<LitPixel>& pixels) {
     Frame thin;
     thin.visible = seen.visible;
@@ -77,7 +77,7 @@ float typical_share(const Frame& seen, const core::ToleranceMap& tolerance) {
         const glm::ivec2 at = place_of(seen, lit[i]);
         const core::Tolerance& t = tolerance.pixels.at(at.x, at.y);
         const float share = t.background > 0.0f ? std::max(t.relative, t.weber_fraction()) : t.relative;
-        // What is all that a dark pixel shows has no share.
+        // A tolerance of all that a dark pixel shows has no share.
         if (!(share > 0.0f && share < 1.0f)) continue;
         logs += std::log(share);
         ++count;

@@ -16,8 +16,8 @@ namespace render2mpeg::renderer {
 // How a film's own light decides the error scale of its cuts (docs/model/lightcut.md). All of it is a function of what
 // a chunk shows and of its tolerances, for any number of threads.
 
-/// What part of their luminance the pixels that gather light may be off by, as told before they are lit: the geometric
-/// mean, < 1, without those that may be off by all of it. 0: there are none.
+/// Geometric mean of the tolerances of pixels that gather light, as shares of their luminance, < 1, as told before they
+/// are lit; without pixels that may be off by all of it. 0: there are none.
 float typical_share(const Frame& seen, const core::ToleranceMap& tolerance);
 
 /// Calibrates before a frame is lit. Where nothing is known (a first frame, or one after a cut): lights some hundreds

@@ -27,9 +27,9 @@ float next_step(float value) {
     return std::min(std::pow(step, std::round(std::log(value) / std::log(step))), most);
 }
 
-/// What a share of `aimed_share` exceeds where the excess over a high threshold is an exponential's [Pickands1975]:
-/// all pixels of the tail count, so that it scatters less than the one that stands at that place. `falling`: the
-/// largest in falling order, those of the tail and one more, of n.
+/// Quantile exceeded by a share of `aimed_share`, if the excess over a high threshold is exponential [Pickands1975]:
+/// all pixels of the tail count, so it scatters less than the one pixel at that place. `falling`: the largest in
+/// falling order, those of the tail and one more, of n.
 double tail_quantile(std::span<const float> falling, double n) {
     const auto tail = static_cast<double>(falling.size() - 1);
     double excess = 0;

@@ -28,8 +28,8 @@ class ErrorCalibration {
     /// nor do black ones: their light may come on.
     void learn(std::span<const AuditedPixel> pixels, float error_scale);
 
-    /// What multiplies the law, > 0; 1 while too few pixels are known. In steps, and held while what is learnt scatters
-    /// about it, so that a film's cuts do not change from frame to frame for the sake of the audit's dice.
+    /// Multiplier of the law, > 0; 1 while too few pixels are known. Changes in steps, and is held while estimates
+    /// scatter about it: a film's cuts shall not change from frame to frame because of the audit's random choices.
     float value() const { return value_; }
     /// Lets go of what is held: what is known now counts.
     void settle();

@@ -15,7 +15,7 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// What reflects less at normal incidence throws nothing that is seen. chosen: water's.
+/// Least reflectance at normal incidence for which thrown light is seen. chosen: water's.
 constexpr float least_reflectance = 0.02f;
 
 /// Share of photons that all beams have alike. [Hesterberg1995] chosen: 0.1, as photons.
@@ -242,7 +242,7 @@ Casters::Rectangle Casters::seen_from(const LightPoint& light, const Corners& co
     }
     const glm::vec2 centre = 0.5f * (low + high);
     seen.middle += centre.x * seen.right + centre.y * seen.up;
-    // What has no thickness is still met.
+    // Things without thickness are still met.
     seen.half = glm::max(0.5f * (high - low), glm::vec2(1e-6f * size));
     return seen;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// What throws light, and photons that are aimed at it.
+// Casters of caustics, and photons aimed at them.
 #include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -59,7 +59,7 @@ class Casters {
         double light = 0;  ///< luminance flux that is sent on, about
         double share = 0;  ///< of the photons
     };
-    /// What a light point sees of a thing: a rectangle across `towards`, or, where it is too near, all directions.
+    /// View of a thing from a light point: a rectangle across `towards`, or all directions if it is too near.
     struct Rectangle {
         glm::vec3 towards{0}, right{0}, up{0};
         glm::vec3 middle{0};

@@ -21,7 +21,7 @@ namespace {
 /// Surfaces on one way. chosen: 12, of 8 to 16: a slab in the sun loses less than 1e-4 of its light.
 constexpr int most_surfaces = 12;
 
-/// What carries less of its photon is given up.
+/// Least share of a photon that is followed further.
 constexpr float least_share = 1e-3f;
 
 /// First Halton dimension of choices on the way; two for each surface.
@@ -83,7 +83,7 @@ Ray start(const AimedPhoton& aimed) {
     return ray;
 }
 
-/// What air leaves of light on a way outside of glass.
+/// Transmittance of air on a way outside of glass.
 float left_by_air(const Air& air, const Ray& ray, float distance) {
     if (!ray.from_far) return air.transmittance(ray.origin, ray.direction, distance);
     return std::exp(-air.depth_to_sky(ray.origin + distance * ray.direction, -ray.direction));

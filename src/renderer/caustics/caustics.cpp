@@ -33,7 +33,8 @@ constexpr float largest_axis = 0.05f;
 /// fit: docs/measurements.md#caustics
 constexpr float evenness = 0.3f;
 
-/// What of a pixel's tolerance twice the standard error may take in 95 of 100 pixels with caustics. chosen: a half.
+/// Share of a pixel's tolerance that twice the standard error may take in 95 of 100 pixels with caustics. chosen: a
+/// half.
 constexpr float share_of_tolerance = 0.5f, share_of_pixels = 0.95f;
 
 /// Caustics whose root mean square over the picture is below this share of the tolerance are left out: films lose 0.1
@@ -132,7 +133,7 @@ std::size_t pixel_of(const Frame& seen, std::uint32_t tile, const GatherPoint& g
     return std::size_t{y} * static_cast<std::size_t>(seen.visible.width()) + x;
 }
 
-/// What caustics do to a pixel.
+/// Light of caustics in a pixel.
 struct PixelCaustic {
     float luminance = 0, irradiance = 0;  ///< sums over its points; of white
     float variance = 0;                   ///< of the luminance

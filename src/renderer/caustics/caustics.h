@@ -17,14 +17,14 @@ struct CausticSettings {
     SplatVisibility visibility = SplatVisibility::by_rays;
 };
 
-/// What the frames of a chunk spend on caustics.
+/// Budget for caustics of the frames of a chunk.
 struct CausticBudget {
     std::uint64_t photons = 0;  ///< 0: not known yet
     float dim = 0;              ///< irradiance of a landing below which it stands for several
     bool visible = true;        ///< false: what there is would not be seen
 };
 
-/// What the caustics of frames took, summed up.
+/// Costs of caustics, summed over frames.
 struct CausticCounts {
     LandingCounts followed;
     std::uint64_t landings = 0;

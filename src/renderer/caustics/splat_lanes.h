@@ -24,7 +24,7 @@ struct SplatQuery {
     std::uint32_t object = 0;
 };
 
-/// What a landing does to the lanes: irradiance over flux, and whether that is sure (1), asks a ray (2) or is none (0).
+/// Effect of a landing on the lanes: irradiance over flux, and whether it is sure (1), asks a ray (2) or is none (0).
 struct alignas(64) SplatShares {
     float weight[16];
     std::uint32_t state[16];

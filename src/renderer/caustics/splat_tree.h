@@ -13,8 +13,8 @@
 
 namespace render2mpeg::renderer {
 
-/// What a landing spreads over: an ellipse across its way, in which light falls off with the squared distance.
-/// [Herzog2007, eq. 4.6]
+/// Footprint of a landing: an ellipse across its way, in which light falls off with the squared distance. [Herzog2007,
+/// eq. 4.6]
 struct Footprint {
     glm::vec3 across[2]{};  ///< unit vectors across the way
     glm::mat2 inverse{1};   ///< of the squared semi-axes' matrix
@@ -32,7 +32,7 @@ struct CausticLight {
     float sum = 0, squares = 0;  ///< of the photons' luminances
 };
 
-/// What spreading costs.
+/// Costs of splatting.
 struct SplatCounts {
     std::uint64_t pairs = 0, doubtful = 0;  ///< photons and points; of them those that took a ray
 };

@@ -30,7 +30,7 @@ constexpr float overlap = 1.75f;
 /// 0.25.
 constexpr float probe_radii = 0.25f;
 
-/// What sends less than this share of what it would if it filled the view is left as it is. chosen: 1e-5.
+/// Least light that is compensated, as a share of that from a light which fills the view. chosen: 1e-5.
 constexpr float least_share = 1e-5f;
 
 /// A polygon as a point sees it: corners relative to the point. A plane cuts a convex one into at most one corner more.
@@ -140,7 +140,7 @@ bool find_deficit(const GatherLanes& lanes, const TreeLight& light, GeometryClam
     return true;
 }
 
-/// What passes from the light to each lane that lacks something of it; traces a ray for each of those.
+/// Transmittance from the light to each lane with a deficit; traces a ray for each of those.
 void see(const GatherLanes& lanes, const TreeLight& light, const RayTracer& tracer, Lanes& deficit, glm::vec3* passes,
          GatheredLight& out) {
     ShadowPacket packet;

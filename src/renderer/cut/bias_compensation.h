@@ -14,9 +14,8 @@ namespace render2mpeg::renderer {
 /// than `far_radii` are points; between, partly. chosen: 2, from where on the clamp bounds what points send, and 3.
 inline constexpr float near_radii = 2.0f, far_radii = 3.0f;
 
-/// What a point receives from unit intensity of a light on a surface, without visibility, when it leaves the light's
-/// whole disc, as far as that lies before the point's surface; and the share, 0..1, with which that counts. Both 0
-/// where the light is farther than far_radii.
+/// Unoccluded irradiance at a point from unit intensity of a light on a surface, if its whole disc emits, as far as
+/// that lies before the point's surface; and its weight, 0..1. Both 0 where the light is farther than far_radii.
 struct DiscLight {
     float irradiance = 0, share = 0;
 };

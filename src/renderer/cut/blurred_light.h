@@ -6,9 +6,9 @@
 
 namespace render2mpeg::renderer {
 
-/// What the pixels of a frame's sharp middle may be off by, so that no pixel that gets light of their points is off by
-/// more than `tolerance` allows it: the least of theirs. Errors add up at worst: a pixel's contributions have weights
-/// that sum up to 1 at most.
+/// Tolerances of the pixels of a frame's sharp middle: the least of all pixels that get light of their points, which
+/// keeps each of these within `tolerance`. Errors add up at worst: a pixel's contributions have weights that sum up to
+/// 1 at most.
 core::ToleranceMap tolerance_of_points(const Frame& seen, const core::ToleranceMap& tolerance);
 
 /// Replaces the pixels that are exposed (Frame::exposure) in a frame whose points have this light. `layers`: all planes

@@ -51,13 +51,13 @@ class Clusters {
     /// Adds the cluster of a tree's node; returns its index.
     std::uint32_t add(int tree, LightRef ref);
 
-    /// What is known of the light of a cluster's children before they are traced.
+    /// Known light of a cluster's children before they are traced.
     LightContribution inherited(std::uint32_t index) const;
 
     /// Keeps what its representative sends.
     void set(std::uint32_t index, const LightContribution& contribution);
 
-    /// What it sends by unit intensity.
+    /// Contribution of a cluster per unit intensity.
     RENDER2MPEG_ALWAYS_INLINED UnitLight unit(std::size_t index) const {
         const bool glossy = !lobes_.empty();
         return {clusters_.data()[index].diffuse, glossy ? &lobes_.data()[index].f0 : nullptr,

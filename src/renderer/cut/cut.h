@@ -12,7 +12,7 @@
 
 namespace render2mpeg::renderer {
 
-/// What bounds a cut from outside.
+/// External limits of a cut.
 struct CutLimits {
     int least = 8;  ///< clusters of all trees together
     int most = 1000;
@@ -70,7 +70,7 @@ class Cut {
     std::size_t next_look_ = 0;            ///< fewer clusters are not looked at as a whole
     bool summed_ = false;                  ///< `sum_of_squares_` is kept
     bool accepted_ = false;                ///< by the stopping rule
-    std::uint32_t limiting_ = no_cluster;  ///< what kept the cut from being safe, when last looked at
+    std::uint32_t limiting_ = no_cluster;  ///< cluster that kept the cut from being safe, when last looked at
     alignas(64) Lanes exact_luminance_{}, luminance_{};
     alignas(64) double sum_of_squares_[lane_count]{};  ///< of the bounds of all clusters
     alignas(64) Lanes largest_{};                      ///< their largest bounds, as of the last fresh sum

@@ -123,7 +123,7 @@ bool GroupOccluders::hide(const GatherLanes& lanes, LightType type, const glm::v
                 inlined::abs(c.normal.x) * hx + inlined::abs(c.normal.y) * hy + inlined::abs(c.normal.z) * hz + c.far;
             beyond = along - reach;
             before = -along - reach;
-            // What lies before an occluder is never hidden by it, nor is anything of it.
+            // Anything before an occluder is never hidden by it, nor is any part of it.
             if (!(c.any_before && along + reach > 0.0f) && !(c.any_behind && reach - along > 0.0f)) {
                 viable = static_cast<std::uint16_t>(viable & ~(1u << k));
                 continue;

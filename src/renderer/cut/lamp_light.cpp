@@ -103,7 +103,7 @@ void LampGatherer::gather(LampLight& out) {
     for (Lanes* part : {&out.unit.diffuse, &out.unit.f0, &out.unit.schlick}) std::fill(*part, *part + lane_count, 0.0f);
     out.unit.any_clamped = false;
     std::fill(&out.tint.passes[0][0], &out.tint.passes[0][0] + lane_count * 3, 1.0f);
-    // What arrives if nothing is in the way,
+    // Unoccluded irradiance,
     for (int i = 0; i < lanes_.count; ++i) {
         whole_[i] = unoccluded_irradiance(lamp_, lanes_.position.at(i), lanes_.normal.axis.at(i));
         reached_ |= whole_[i] > 0.0f ? 1u << i : 0u;
@@ -182,7 +182,7 @@ void LampGatherer::trace(std::uint32_t asked, int first, int end) {
     }
 }
 
-/// What lies behind the surface itself is not seen, and needs no ray.
+/// Traces a sample. Places behind the surface itself are not seen, and need no ray.
 void LampGatherer::trace_sample(const LampSamples& samples, const LampResponse& response, std::uint32_t asked,
                                 Which which, const Vec3Lanes& from) {
     const bool along_lobe = which.along_lobe;
@@ -260,7 +260,7 @@ void LampGatherer::trace_as_needed() {
     for (std::size_t s = 0; s < steps.size() && asked != 0; ++s) {
         trace(asked, s == 0 ? 0 : steps[s - 1], steps[s]);
         asked = too_rough(asked, steps[s]);
-        // What seems dark may be so for certain.
+        // A lamp that seems dark may be so for certain.
         if (s == 0 && asked == reached_ && traced_.is_dark(reached_)) {
             std::uint16_t viable = GroupOccluders::all;
             if (!shadows_.is_occluded(type_of(lamp_), lamp_.box, viable)) continue;

@@ -6,7 +6,7 @@
 
 namespace render2mpeg::renderer {
 
-/// What a lamp of unit radiance sends to the lanes, visibility included.
+/// Contribution of a lamp of unit radiance to the lanes, visibility included.
 struct LampLight {
     LightLanes unit;
     LayerTint tint;             ///< unset where nothing is translucent

@@ -1,5 +1,5 @@
 #pragma once
-// What glossy lobes see of area lamps where nothing is in the way.
+// Unoccluded light of area lamps in glossy lobes.
 #include <cstdint>
 
 #include "renderer/base/area_lamp.h"
@@ -8,12 +8,12 @@
 
 namespace render2mpeg::renderer {
 
-/// What a sample of unit radiance sends to each lane, over the density of choosing it. Of lanes that take directions
-/// along their lobes as well, both kinds count by the balance heuristic [Veach1995].
+/// Contribution of a sample of unit radiance to each lane, over the density of choosing it. In lanes that take
+/// directions along their lobes as well, both kinds count by the balance heuristic [Veach1995].
 struct alignas(64) LampResponse {
     Lanes plain;     ///< irradiance, over the density of the lamp's samples alone
     Lanes geometry;  ///< irradiance
-    Lanes diffuse;   ///< what of it passes the lobe
+    Lanes diffuse;   ///< part of it that passes the lobe
     Lanes f0, schlick;
     Lanes along;  ///< density of choosing it along the lobe
 };

@@ -1,5 +1,5 @@
 #pragma once
-// What gathering a frame needs.
+// Inputs of gathering a frame.
 #include <glm/glm.hpp>
 
 #include "core/tolerance_map.h"

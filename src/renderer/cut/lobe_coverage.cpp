@@ -174,7 +174,7 @@ RENDER2MPEG_ALWAYS_INLINED void add_piece(const LobeFrames& __restrict f, const 
             if constexpr (straight) {
                 length = inlined::sqrt(l.x * l.x + l.y * l.y + l.z * l.z);
             } else {
-                // What lies below the horizon goes along it.
+                // Directions below the horizon are turned along it.
                 const float across = inlined::sqrt(inlined::max(l.x * l.x + l.y * l.y, lobe::tiny));
                 const float lift = l.z < 0.0f ? 1.0f / across : 1.0f;
                 l = {l.x * lift, l.y * lift, inlined::max(l.z, 0.0f)};

@@ -22,7 +22,7 @@ struct PointLight {
     bool held_out = false;  ///< gathered with another error scale than the frame's, to validate what records said
     bool capped = false;    ///< the largest cut came before the tolerance was kept
 
-    /// What the point sends into its pixel.
+    /// Radiance of the point in its pixel.
     glm::vec3 scattered(const GatherPoint& p) const {
         return p.weight * (p.point.bsdf.diffuse * (direct + indirect) + glossy);
     }
@@ -30,13 +30,13 @@ struct PointLight {
 
 struct GatheredLight;
 
-/// What a lane's gathering comes to at its point.
+/// Light of a lane's point by its gathering.
 PointLight point_light(const GatheredLight& gathered, int lane, const GatherPoint& point);
 
 /// Light of all gather points of a frame, tile by tile.
 using FrameLight = std::vector<std::vector<PointLight>>;
 
-/// What one gather point's light may be off by, in luminance of its pixel.
+/// Tolerance of one gather point's light, in luminance of its pixel.
 struct PointTolerance {
     core::Tolerance part;  ///< this point's part of its pixel's
     float base = 0;        ///< luminance of the pixel that is known already, this point's part of it

@@ -7,10 +7,10 @@
 
 namespace render2mpeg::renderer {
 
-/// What one point receives from every light point by itself; lane 0 of `out` is all that is written.
-/// Gatherer::gather_all asks for one light from sixteen points, which are a packet only where they are near each other;
-/// this asks for sixteen neighbouring lights of a tree from one point, whose rays are as alike wherever it lies. Lights
-/// that are not clustered light `exact_at`.
+/// Light of one point from every light point by itself; writes lane 0 of `out` alone. Asks for sixteen neighbouring
+/// lights of a tree from one point, whose rays are as alike wherever it lies; Gatherer::gather_all asks for one light
+/// from sixteen points, which are a packet only where they are near each other. Lights that are not clustered light
+/// `exact_at`.
 void gather_all(const LightTrees& light_trees, const RayTracer& tracer, const GatherPoint& point,
                 const GatherPoint& exact_at, GatheredLight& out);
 

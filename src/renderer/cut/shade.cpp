@@ -40,7 +40,7 @@ class TileShader {
     void add_to_pixels(const GatherTile& tile);
     void add_layers(const GatherTile& tile, std::size_t first, std::size_t last, int x, int y);
     void check(int x, int y);
-    /// What a pixel that is lit was allowed to be off by, as a share of its luminance; 1 where it is black.
+    /// Tolerance of a lit pixel, as a share of its luminance; 1 where it is black.
     float allowed_share(int x, int y) const;
     int x_of(const GatherPoint& p) const { return tile_x_ + p.pixel % tile_size; }
     int y_of(const GatherPoint& p) const { return tile_y_ + p.pixel / tile_size; }

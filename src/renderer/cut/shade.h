@@ -19,7 +19,7 @@ struct ShadeSettings {
     bool layers = false;  ///< fill all planes of Radiance, not only `combined`
 };
 
-/// What one frame's gathering did and found.
+/// Counts of one frame's gathering.
 struct ShadeCounts {
     std::uint64_t gather_points = 0, capped_points = 0, groups = 0;
     std::uint64_t direct_clusters = 0, indirect_clusters = 0;  ///< summed over gather points
@@ -29,7 +29,7 @@ struct ShadeCounts {
     double gathered = 0, clamped = 0;    ///< luminance summed over pixels: what arrived, what the clamp took
     ToleranceBands bands;
 
-    /// What gathering a group of so many points took; what it found counts where it is added to pixels.
+    /// Adds the costs of gathering a group of so many points; its findings count where they are added to pixels.
     void add(const GatheredLight& gathered, std::size_t points);
     void add(const ShadeCounts& more);
 };

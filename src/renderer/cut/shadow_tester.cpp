@@ -162,7 +162,7 @@ void ShadowTester::trace_place(ShadowPacket& packet, int place, PlaceCounts& cou
         const std::uint32_t lit = reach(packet, passes);
         for (int i = 0; i < lane_count; ++i) {
             if ((packet.active >> i & 1u) == 0) continue;
-            // What nothing moving hides it sees at all times.
+            // A place that nothing moving hides is seen at all times.
             const bool at_all = lanes.timed && (over_time >> i & 1u) == 0;
             counts.add(i, (lit >> i & 1u) != 0, passes[i], at_all ? times_of_place : 1);
         }

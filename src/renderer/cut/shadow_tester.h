@@ -8,12 +8,12 @@
 
 namespace render2mpeg::renderer {
 
-/// What translucent surfaces let through to each lane, per channel; 1 where nobody knows.
+/// Transmittance of translucent surfaces to each lane, per channel; 1 where nobody knows.
 struct LayerTint {
     float passes[lane_count][3];
 };
 
-/// What a light sends to the lanes, visibility included. Before it is traced: what is known of its parent's.
+/// Contribution of a light to the lanes, visibility included. Before it is traced: as known of its parent's.
 struct LightContribution {
     LightLanes unit;
     std::uint16_t lit = 0, unknown = 0;  ///< as of Cluster

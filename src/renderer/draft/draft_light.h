@@ -48,13 +48,13 @@ class DraftLight {
     FrameLight light(const DraftFrame& frame, const CutLimits& limits, ShadeCounts& counts);
 
   private:
-    /// What is known of a pixel's main surface.
+    /// Known light of a pixel's main surface.
     struct Kept {
         SmoothLight light;
         float weight = 0;  ///< lit points that it stands for; 0: nothing is known
     };
 
-    /// What the frame before knows of a pixel [Herzog2010, eq. 8.4].
+    /// Light of a pixel as known from the frame before [Herzog2010, eq. 8.4].
     Kept carried(const DraftFrame& frame, int x, int y) const;
     /// By how much light has changed at a window's lit pixel, as a share of it, -1..1.
     float change_at(const DraftFrame& frame, const Lattice& lattice, glm::ivec2 window,

@@ -102,7 +102,7 @@ Lattice::Interpolated Lattice::interpolated(glm::ivec2 pixel, const GatherPoint&
         sum.light.irradiance /= sum.weight;
         sum.light.glossy /= sum.weight;
     }
-    // What only unlike points tell weighs next to nothing.
+    // Light told by unlike points only weighs next to nothing.
     sum.weight = best < 0.01f ? 0.0f : sum.weight;
     return sum;
 }

@@ -37,7 +37,7 @@ struct SmoothLight {
     glm::vec3 glossy{0};      ///< radiance over what the lobe reflects of even light
 };
 
-/// What the lobe of a point reflects of even light; 0 where it has none.
+/// Reflectance of a point's lobe under even light; 0 where it has none.
 glm::vec3 lobe_reflectance(const GatherPoint& p);
 
 /// A point of the lattice that was lit.

@@ -73,7 +73,7 @@ struct FinalGather::Pool {
     }
 };
 
-/// What they found: by ray.
+/// Results of tracing, by ray.
 struct FinalGather::Traced {
     struct Ray {
         glm::vec3 light{0};             ///< radiance

@@ -33,13 +33,13 @@ struct GatherRequest {
     bool keeps = false;        ///< its rays are wanted as well; not of lobes
 };
 
-/// What tolerances mean for numbers of rays.
+/// Conversion of tolerances to numbers of rays.
 struct GatherAim {
     float typical = 0;  ///< ToleranceMap::typical
     float finer = 1;    ///< errors are to be so much less than without it
 };
 
-/// What rays found for one point.
+/// Light found by rays for one point.
 struct RayLight {
     glm::vec3 irradiance{0};      ///< over pi; under a lobe what passes it
     glm::vec3 f0{0}, schlick{0};  ///< the lobe's radiance is f0 x `f0` + f90 x `schlick`
@@ -55,7 +55,7 @@ GatherRequest request_of(const GatherPoint& point, const PointTolerance& toleran
 /// Adds what rays found to a point's light.
 void add(const RayLight& rays, const GatherPoint& point, PointLight& light);
 
-/// What rays see of the sky and of places near lamps; the light trees have the rest.
+/// Light of the sky and of places near lamps as rays see it; the light trees have the rest.
 struct SkyOfRays {
     float brightest = 0;                ///< luminance over hemispheres, at most
     float lobe_brightest = 0;           ///< along lobes: luminance times `importance`, at most
@@ -63,7 +63,7 @@ struct SkyOfRays {
     NearField near_field{};             ///< of whose light rays over hemispheres miss a part
 };
 
-/// What gathering did, summed since construction.
+/// Counts of final gathering, summed since construction.
 struct FinalGatherCounts {
     std::uint64_t points = 0;
     std::uint64_t rays = 0;       ///< over hemispheres

@@ -20,9 +20,9 @@ enum class RaysOf { hemispheres, lobes };
 void add_rays(FinalGather& gather, const scene::Camera& camera, const LightingContext& context, RaysOf which,
               FrameLight& light);
 
-/// What such rays add to some pixels: sums over points that lie in one pixel each. As many rays as
-/// there can be, other ones than those of frames. `points`: copies, where they were lit; `of_pixel`: to which of
-/// `pixels` each belongs.
+/// Contribution of such rays to some pixels: sums over points that lie in one pixel each. As many rays as there can be,
+/// other ones than those of frames. `points`: copies, where they were lit; `of_pixel`: to which of `pixels` each
+/// belongs.
 std::vector<glm::vec3> exact_rays(FinalGather& gather, const scene::Camera& camera, std::span<const GatherPoint> points,
                                   std::span<const std::size_t> of_pixel, std::size_t pixels, RaysOf which);
 

@@ -54,8 +54,8 @@ struct RayRules {
     float near = 0;       ///< hits nearer than this get a cell of their own, world
     float brightest = 0;  ///< luminance that the sky shows at most
     const AskedLights* asked =
-        nullptr;                 ///< what shines is seen, in mirrors too; else surfaces shine not, mirrors are black
-    bool is_lobe = false;        ///< of a narrow lobe: it is mirrored on and sees unlit surfaces
+        nullptr;           ///< set: emitters are seen, in mirrors too; null: surfaces shine not, mirrors are black
+    bool is_lobe = false;  ///< of a narrow lobe: it is mirrored on and sees unlit surfaces
     float spread = cell_spread;  ///< size of cells over the ray's length
     bool bodies_block = false;   ///< solid bodies of glass let nothing through: caustics have it
     std::uint8_t depth = 0;      ///< of the place that it leaves, if that has a cell of its own

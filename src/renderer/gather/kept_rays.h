@@ -49,13 +49,13 @@ struct KeptRays {
     float brighter = 1;                 ///< luminance, over that by which their number was chosen
     bool is_lost = false;               ///< some of its light is none of these rays'
     std::array<glm::vec3, 3> mean{};    ///< RayLight's parts by these rays, as of the last instant
-    std::array<glm::vec3, 3> change{};  ///< what the last change of light adds to them
+    std::array<glm::vec3, 3> change{};  ///< added to them by the last change of light
     std::vector<KeptGatherRay> rays;
     GatherPoint receiver{};                  ///< that is lit
     PointTolerance tolerance{};              ///< within which
     std::uint8_t set = 0;                    ///< of representatives
     std::array<glm::vec3, 4> trees{};        ///< light trees' light: direct, indirect, the lobe's parts
-    std::array<glm::vec3, 4> tree_change{};  ///< what the last change adds to it
+    std::array<glm::vec3, 4> tree_change{};  ///< added to it by the last change
 
     /// RayLight's parts by these rays, as cells are.
     std::array<glm::vec3, 3> sum(const SurfaceCache& cells) const;

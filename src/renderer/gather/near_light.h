@@ -18,7 +18,7 @@ struct EyeLook {
     float luminance = 0;
 };
 
-/// What this camera sees at the posed instant.
+/// View of this camera at the posed instant.
 EyeLook look_about(const PosedScene& posed_scene, const Plan& plan, const scene::Camera& camera, glm::ivec2 size);
 
 /// Places so near a lamp or shining object that they far outshine the rest: its shade, the wall behind it. Gather rays
@@ -32,7 +32,7 @@ class NearField {
     /// hidden from it, and have no near field; nor have objects that are wider than theirs.
     NearField(std::span<const LightPoint> lights, const EyeLook& look);
 
-    /// What a place in the near field has.
+    /// Near-field light of a place.
     struct Part {
         float share = 0;       ///< of what a surface reflects: 1 - d^2 / r^2 at distance d from a source, the largest
         float irradiance = 0;  ///< about, of that source, luminance

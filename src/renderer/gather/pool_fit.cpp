@@ -79,7 +79,7 @@ PoolFit::PoolFit(std::span<const GatherRequest> requests, std::span<const PointS
     off /= static_cast<double>(n) - 3.0;
     noise /= static_cast<double>(n);
     own = off > noise ? 1.0 - noise / off : 0.0;
-    // What is infinite stays at its point.
+    // Infinite light stays at its point.
     if (!(off + noise < std::numeric_limits<double>::infinity())) plane.clear(), own = plane_share = 1;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// What points of a pool tell of each other's light.
+// Fit of light among the points of a pool.
 #include <array>
 #include <glm/glm.hpp>
 #include <span>

@@ -1,5 +1,5 @@
 #pragma once
-// What the gather rays of a point have found so far.
+// Sums of a point's gather rays so far.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -40,7 +40,7 @@ struct RaySums {
     }
 };
 
-/// What a point's rays have found so far.
+/// Sums of a point's rays so far.
 struct PointSums : RaySums {
     std::optional<LobeAlbedo> albedo{};     ///< of a request along a lobe
     double batches = 0, batch_squares = 0;  ///< of luminances of the pixel, means of batches

@@ -106,7 +106,7 @@ struct SurfaceCache::Bounce {
     std::uint8_t depth = 0;
 };
 
-/// What some places of lessons found.
+/// Results of some places of lessons.
 struct SurfaceCache::Evaluated {
     std::vector<Bounce> bounces;
     std::vector<RayTerm> terms;

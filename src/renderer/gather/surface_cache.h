@@ -78,7 +78,7 @@ class SurfaceCache {
     /// Makes known what these sightings ask for; sorts them. Own cells are known until the next call.
     void learn(std::vector<Sighting>& wanted);
 
-    /// What a place scatters of lamps, shining surfaces and the image of a sky, by next events.
+    /// Light of lamps, shining surfaces and the image of a sky that a place scatters, by next-event estimation.
     glm::vec3 lamps(const Scatterer& at, std::uint64_t number, std::uint64_t& rays) const {
         return lamps(at, number, rays, nullptr);
     }

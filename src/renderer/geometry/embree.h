@@ -18,11 +18,12 @@ using LibraryContext = RTCIntersectContext;
 constexpr RTCSceneFlags filters_of_contexts = RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
 #endif
 
-/// What goes to Embree beside the rays, and from there to filters.
+/// Context handed to Embree beside the rays, and from there to filters.
 struct Context {
-    LibraryContext library;               ///< first, so that its pointer is ours; prepared by each call
-    bool coherent = false;                ///< whether the rays of a packet go about the same way
-    RTCFilterFunctionN filter = nullptr;  ///< called for what any ray meets, beside the geometries' own; none: nullptr
+    LibraryContext library;  ///< first, so that its pointer is ours; prepared by each call
+    bool coherent = false;   ///< whether the rays of a packet go about the same way
+    RTCFilterFunctionN filter =
+        nullptr;  ///< called for every hit of any ray, beside the geometries' own; none: nullptr
 };
 
 /// The context of a call in which Embree calls a filter; `Ours` is or begins with Context.

@@ -47,8 +47,8 @@ class EmbreeScene {
 
     RTCSceneTy* root() const { return top_ ? top_.get() : baked_.get(); }
 
-    /// What never moves, but for instances: the same as `root` where there are none. Embree never returns from some
-    /// coherent packets that meet instances, so packets are traced here first and then, incoherently and with
+    /// Geometry that never moves, but for instances: the same as `root` where there are none. Embree never returns from
+    /// some coherent packets that meet instances. Hence packets are traced here first and then, incoherently and with
     /// `instance_mask` in their rays, in `root`.
     RTCSceneTy* baked() const { return baked_.get(); }
     bool has_instances() const { return top_ != nullptr; }
@@ -69,7 +69,7 @@ class EmbreeScene {
         return within_still ? geometry : instance;
     }
 
-    /// What Embree's ids and barycentrics mean, which may lie outside by rounding.
+    /// Address of Embree's ids and barycentrics, which may lie outside by rounding.
     core::SurfaceAddress address(unsigned instance, unsigned geometry, unsigned primitive, float u, float v) const {
         const std::uint32_t object = object_of(instance, geometry);
         const float inside_u = std::clamp(u, 0.0f, 1.0f);

@@ -25,7 +25,7 @@ class LargestTriangles {
 
     void add(const scene::Triangle& t);
 
-    /// What is below this in area2 would be left out; below 0 while none would.
+    /// Lower limit of area2: smaller triangles would be left out; below 0 while none would.
     double least() const { return least_; }
 
     /// The `most` largest so far, of several as large those that came first, in the order in which they came.

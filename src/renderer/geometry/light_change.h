@@ -1,5 +1,5 @@
 #pragma once
-// What of the light in one instant does not hold in another.
+// Differences of light between two instants.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -11,8 +11,8 @@
 
 namespace render2mpeg::renderer {
 
-/// What changes light between two instants: rays that meet none of its boxes find what they found before, of surfaces
-/// and lamps that are not among its own.
+/// Causes of changed light between two instants: rays that meet none of its boxes find the same as before on surfaces
+/// and lamps other than its own.
 struct LightChange {
     /// World; of both instants.
     struct Box {

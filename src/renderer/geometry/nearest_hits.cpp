@@ -25,7 +25,7 @@ RTCRayHit unanswered(const RayQuery& query, float near, float far) {
     return ray;
 }
 
-/// What Embree hands through to the filter; its own part comes first, so that its pointer is ours.
+/// Context that Embree hands through to the filter; its own part comes first, so that its pointer is ours.
 struct TieContext {
     embree::Context embree;
     const EmbreeScene* scene;
@@ -33,7 +33,8 @@ struct TieContext {
     Hit* best;                ///< likewise
 };
 
-/// What wins is less: a front before a back, which a thin body has in one place with it; then the lowest id.
+/// Rank of a hit, the least wins: a front before a back, which a thin body has in one place with it; then the lowest
+/// id.
 auto rank(const EmbreeScene& scene, const Hit& hit, const RayQuery& query) {
     return std::tuple(scene.is_back(hit.address.object, hit.geometric_normal, query.direction, query.time),
                       hit.address.object, hit.address.primitive);
@@ -68,7 +69,7 @@ void begin(TieContext& context, const EmbreeScene& scene, const RayQuery* querie
     context.best = best;
 }
 
-/// What one ray meets, of surfaces in one plane any; its normal is Embree's.
+/// Hit of a single ray, of surfaces in one plane any; its normal is Embree's.
 Hit any_alone(const EmbreeScene& scene, const RayQuery& query) {
     if (!is_traceable(query)) return {};
     embree::Context context;
@@ -137,7 +138,7 @@ class HitPacket {
         rays_.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
     }
 
-    /// What is baked first, coherently; then instances (EmbreeScene::baked).
+    /// Traces baked geometry first, coherently; then instances (EmbreeScene::baked).
     void trace(embree::Context& context) {
         context.coherent = coherent_;
         embree::intersect(valid_, scene_.baked(), context, rays_);
@@ -147,7 +148,7 @@ class HitPacket {
         embree::intersect(valid_, scene_.root(), context, rays_);
     }
 
-    /// What ray i met, and prepares it to look once more about there.
+    /// Returns the hit of ray i, and prepares it to look once more about there.
     Hit take(int i) {
         const RTCHit16& h = rays_.hit;
         if (valid_[i] == 0 || h.geomID[i] == RTC_INVALID_GEOMETRY_ID) {
@@ -165,7 +166,7 @@ class HitPacket {
 
     const EmbreeScene& scene_;
     std::span<const RayQuery> queries_;
-    bool coherent_;  ///< what is baked is met so
+    bool coherent_;  ///< whether baked geometry is traced coherently
     alignas(64) int valid_[packet_size];
     RTCRayHit16 rays_;
 };

@@ -1,5 +1,5 @@
 #pragma once
-// What rays meet first.
+// Nearest hits of rays.
 #include <span>
 
 #include "renderer/geometry/ray_tracer.h"
@@ -11,7 +11,7 @@ namespace render2mpeg::renderer {
 
 class EmbreeScene;
 
-// What rays meet first, for RayTracer.
+// Nearest hits of rays, for RayTracer.
 
 /// Components beyond this overflow in Embree's products and are refused by its own check.
 inline constexpr float largest_component = 1e18f;

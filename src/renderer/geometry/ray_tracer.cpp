@@ -109,7 +109,7 @@ struct RayTracer::Impl {
         std::uint32_t object;
         float distance;
     };
-    /// What Embree hands through to our filters; its own part comes first, so that its pointer is ours.
+    /// Context that Embree hands through to our filters; its own part comes first, so that its pointer is ours.
     struct ShadowContext {
         embree::Context embree;
         const Impl* self;
@@ -162,7 +162,7 @@ struct RayTracer::Impl {
 
     static void filter_shadow(const RTCFilterFunctionNArguments* arguments);
 
-    /// What RayTracer::occluded says of what is baked and these instances.
+    /// Result of RayTracer::occluded for baked geometry and these instances.
     std::uint32_t occluded(const ShadowPacket& packet, unsigned instances, glm::vec3* light) const;
 };
 

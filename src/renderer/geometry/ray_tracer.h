@@ -23,7 +23,7 @@ struct RayQuery {
     float time = scene::middle_time;  ///< of the shutter, 0..1
 };
 
-/// What a ray meets. The normal is that of the triangle as it is wound, not turned to the ray, not normalised.
+/// A ray's hit. The normal is that of the triangle as it is wound, not turned to the ray, not normalised.
 struct Hit {
     core::SurfaceAddress address;  ///< no surface: the ray left the scene
     float distance = 0;            ///< in units of the direction's length

@@ -87,7 +87,7 @@ float free_path_among(const scene::Mesh& mesh) {
                                                                              std::max(extent.z, 0.01 * widest);
     const double side = std::max(
         std::cbrt(volume * segments_to_box / std::max(static_cast<double>(mesh.curves.size()), 1.0)), widest * 0x1p-20);
-    // What each box is covered by, as seen from all sides: a cylinder shows pi / 4 of its length times its width.
+    // Cover of each box, as seen from all sides: a cylinder shows pi / 4 of its length times its width.
     std::vector<std::pair<std::uint64_t, double>> areas;
     for (const std::uint32_t first : mesh.curves) {
         const glm::dvec3 a(mesh.positions[first + 1]), b(mesh.positions[first + 2]);

@@ -1,5 +1,5 @@
 #pragma once
-// What was done to light hair.
+// Counts of lighting hair.
 #include <cstdint>
 
 namespace render2mpeg::renderer {

@@ -25,7 +25,7 @@ constexpr double standard_errors = 1.3;
 
 }  // namespace
 
-/// What the samples of one pixel found.
+/// Results of the samples of one pixel.
 struct HairLight::Pixel {
     std::uint32_t tile = 0, first = 0, end = 0;  ///< of its samples
     glm::ivec2 place{0};
@@ -35,7 +35,7 @@ struct HairLight::Pixel {
     double spread = 0;                ///< variance of its sum: of rays, and of what samples show
 };
 
-/// What one round found for the pixels of a task.
+/// Results of one round for the pixels of a task.
 struct HairLight::Traced {
     std::vector<RayTerm> terms;    ///< by sample of the task
     std::vector<glm::vec3> light;  ///< of each sample

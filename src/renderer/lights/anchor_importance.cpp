@@ -19,7 +19,7 @@ constexpr int looks = 8;
 /// outweigh all others. chosen: a tenth.
 constexpr double nearest_share = 0.1;
 
-/// What passes between a place and a seen point: both cosines, and the squared distance; 0 where something is between.
+/// Geometry between a place and a seen point: both cosines, and the squared distance; 0 where something is between.
 struct Look {
     float cosines = 0, distance2 = 0;
 };

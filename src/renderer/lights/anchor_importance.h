@@ -17,8 +17,8 @@ struct SeenPoint {
     glm::vec3 position, normal;
 };
 
-/// What the camera of the posed instant sees, which is made for `importance_format`: one for each of its pixels that
-/// shows a surface.
+/// Points seen by the camera of the posed instant, which is made for `importance_format`: one for each of its pixels
+/// that shows a surface.
 std::vector<SeenPoint> seen_points(const PosedScene& posed_scene);
 
 /// The film at one of `count` instants spread over it, its lights at their average strength, its camera one of its

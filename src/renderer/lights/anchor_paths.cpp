@@ -5,9 +5,9 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// VPLs that are spread in a frame for this many anchors: 32 for each, since a lamp that moves should change them by
-/// what it does and not by noise. From 4,096 anchors on their noise is small in sum: no more than 131,072, but 8 for
-/// each, and of these no more than 524,288, but 2.
+/// VPLs that are spread in a frame for this many anchors: 32 for each, since a moving lamp should change them by its
+/// motion and not by noise. From 4,096 anchors on their noise is small in sum: no more than 131,072, but 8 for each,
+/// and of these no more than 524,288, but 2.
 std::uint64_t photons_for(std::uint64_t anchors) {
     const std::uint64_t few = std::min<std::uint64_t>(32 * anchors, 1u << 17),
                         some = std::min<std::uint64_t>(8 * anchors, 1u << 19);

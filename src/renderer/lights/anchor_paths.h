@@ -4,7 +4,7 @@
 
 namespace render2mpeg::renderer {
 
-/// What a film's light was seen to do at the instants that were looked at.
+/// Counts of a film's light paths at the sampled instants.
 struct Landings {
     std::uint64_t paths = 0;   ///< followed
     std::uint64_t landed = 0;  ///< VPLs that they left

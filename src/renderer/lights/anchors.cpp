@@ -142,7 +142,7 @@ void Anchors::Impl::look(PosedScene& posed_scene, LightPoints& lights) {
         look_at(posed_scene, lights.at(posed_scene),
                 std::max<std::uint64_t>(wanted / static_cast<std::uint64_t>(count), 1));
     }
-    // What is still lies the same at any instant.
+    // Still objects lie the same at any instant.
     posed_scene.pose(first);
     add_even(posed_scene, wanted / even_part);
     add_unlit();
@@ -214,7 +214,7 @@ LightPoint Anchors::Impl::moving_light(const PosedScene& posed_scene, std::uint3
     return p;
 }
 
-/// What a photon leaves, as a part of those of all batches.
+/// Hit of a photon, as a part of those of all batches.
 PhotonHit Anchors::Impl::hit_of(const PosedScene& posed_scene, const PhotonResult& photons, std::size_t i,
                                 float part) const {
     const LightPoint& vpl = photons.vpls[i];

@@ -34,7 +34,7 @@ class Anchors {
     ~Anchors();
     Anchors(Anchors&&) noexcept;
 
-    /// What the anchors are over the film, on the average, with a little light for all: what trees are planned by.
+    /// Anchors averaged over the film, with a little light for all: trees are planned by them.
     std::vector<LightPoint> average_still() const;
     std::vector<LightPoint> average_moving() const;
 

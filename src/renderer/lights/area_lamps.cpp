@@ -31,7 +31,7 @@ constexpr float sharp_sun = 0.01745f;
 /// sixty-fourth many_lamps took 14 % more rays, since clusters of many lamps are cheaper than each by itself.
 constexpr double least_share = 1.0 / 8;
 
-/// What one triangle's edges leave open: for each corner where the outline goes from there.
+/// Edges that belong to one triangle alone: for each corner where the outline goes from there.
 std::map<std::uint32_t, std::uint32_t> outline_of(const scene::Mesh& mesh, const std::vector<std::uint32_t>& welded,
                                                   bool& simple) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
@@ -152,7 +152,7 @@ bool shines_evenly(const scene::Animation& film, std::uint32_t object) {
              !material.alpha_texture.present()));
 }
 
-/// What a triangle spans as seen from `centre` [VanOosterom1983].
+/// Solid angle of a triangle as seen from `centre` [VanOosterom1983].
 double solid_angle(const scene::Mesh& mesh, glm::uvec3 t, glm::vec3 centre) {
     const glm::dvec3 a(mesh.positions[t.x] - centre), b(mesh.positions[t.y] - centre), c(mesh.positions[t.z] - centre);
     const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);

@@ -104,7 +104,7 @@ void LightPoints::place(PosedScene& posed_scene, const scene::Snapshot& first) {
     const scene::Snapshot average = with_average_light(lit);
     posed_scene.pose(average);
     average_ = at(posed_scene);
-    // What has no surface yet lies where its mesh does.
+    // Emitters without a surface yet lie where their mesh does.
     for (std::size_t i = 0; i < emitters_.size(); ++i) {
         const EmitterPoint& e = emitters_[i];
         if (average.objects[e.object].present) continue;

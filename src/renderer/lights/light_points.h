@@ -47,7 +47,7 @@ class LightPoints {
     /// Luminance of the irradiance of a usual point of the sky, of half of them more, times `sky_importance` of its
     /// direction; infinite without any.
     float sky_part() const { return sky_part_; }
-    /// What the sky was divided by; empty: evenly.
+    /// Importance by which the sky was divided; empty: evenly.
     const image::SkyImportance& sky_importance() const { return sky_importance_; }
 
   private:

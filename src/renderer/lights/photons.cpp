@@ -32,13 +32,13 @@ LightPoint vpl_at(const SurfacePoint& p, glm::vec3 flux) {
     vpl.normal = p.geometric_normal;
     vpl.position = offset_origin(p, p.geometric_normal);
     const float cosine = glm::dot(p.shading_normal, p.outgoing);
-    // What the lobe reflects leaves as if it were dull: right in power, too wide in direction.
+    // Light reflected by the lobe leaves as if it were dull: right in power, too wide in direction.
     vpl.intensity = flux * (diffuse_albedo(p.bsdf, cosine) + glossy_albedo(p.bsdf, cosine)) * lobe::inverse_pi;
     vpl.object = p.address.object;
     return vpl;
 }
 
-/// What air leaves of a photon on its way.
+/// Transmittance of air for a photon on its way.
 float left_by_air(const Air& air, const Photon& photon, float distance) {
     if (!photon.from_far) return air.transmittance(photon.origin, photon.direction, distance);
     return std::exp(-air.depth_to_sky(photon.origin + distance * photon.direction, -photon.direction));
@@ -63,7 +63,7 @@ Onward scatter(const SurfacePoint& p, glm::vec3 flux, float choice, glm::vec2 u)
     const auto kept = [&](glm::vec3 albedo) { return core::divide_or(glm::dot(flux, albedo), before, 0.0f); };
     float chance[5] = {kept(diffuse), kept(glossy), kept(b.mirror), kept(b.transmission), kept(b.diffuse_transmission)};
     const float sum = chance[0] + chance[1] + chance[2] + chance[3] + chance[4];
-    // What is brighter than any real surface is taken as the brightest: probabilities fall, weights do not rise.
+    // A surface brighter than any real one is taken as the brightest: probabilities fall, weights do not rise.
     const float lost = std::max(sum - largest_albedo, 0.0f) * core::luminance(flux);
     const float kept_share = sum > largest_albedo ? largest_albedo / sum : 1.0f;
     choice = core::divide_or(choice, kept_share, 1.0f);

@@ -27,7 +27,7 @@ double area_of(const scene::Mesh& mesh, const std::vector<glm::vec3>& positions)
     return area;
 }
 
-/// What no triangle grows beyond under an affine map.
+/// Bound of a triangle's growth under an affine map.
 float largest_scale(const glm::mat4& m) {
     float a = glm::length(glm::vec3(m[0])), b = glm::length(glm::vec3(m[1])), c = glm::length(glm::vec3(m[2]));
     if (a < b) std::swap(a, b);

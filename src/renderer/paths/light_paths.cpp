@@ -40,7 +40,7 @@ glm::vec3 share_of_lobe(const SurfacePoint& p, glm::vec3 direction) {
 
 }  // namespace
 
-/// What a surface on a ray does: the path is over, the ray goes on, the path scatters there.
+/// Event at a surface on a ray: the path is over, the ray goes on, the path scatters there.
 enum class LightPaths::Event : std::uint8_t { ends, passes, lands };
 
 /// A path on its way.
@@ -88,7 +88,7 @@ glm::vec3 LightPaths::scattered(const SurfacePoint& point, glm::vec3 origin, Pat
     return core::is_finite(light) ? light : glm::vec3(0);
 }
 
-/// What lights send straight to the point.
+/// Direct light at the point.
 glm::vec3 LightPaths::asked(const Way& way, PathNumbers& numbers) const {
     const auto number = [&](FirstNumber which) { return way.first ? numbers.first(which) : numbers.next(); };
     // One by one: the order in which arguments are evaluated is not told.
@@ -189,7 +189,7 @@ glm::vec3 LightPaths::emitted(const Way& way, const SurfacePoint& met) const {
     return met.emission * way.weight(lights_.surface_density(way.at.query(), met.address));
 }
 
-/// What becomes of the path at a surface. Roulette by what each event would carry on, as photons have it.
+/// Continues the path at a surface. Roulette by the light that each event would carry on, as photons have it.
 LightPaths::Event LightPaths::go_on(Way& way, const SurfacePoint& met, float choice) const {
     const float before = mean(way.throughput);
     const auto kept = [&](glm::vec3 share) { return core::divide_or(mean(way.throughput * share), before, 0.0f); };

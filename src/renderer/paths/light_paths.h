@@ -9,15 +9,15 @@
 
 namespace render2mpeg::renderer {
 
-/// What surface points scatter of all light, by unbiased paths: the rendering equation of the product's own surfaces
-/// and lights, without its light points (docs/model/truth.md). Any thread.
+/// All light scattered by surface points, by unbiased paths: the rendering equation of the product's own surfaces and
+/// lights, without its light points (docs/model/truth.md). Any thread.
 class LightPaths {
   public:
     LightPaths(const PosedScene& posed_scene, const Plan& plan);
 
     /// Radiance that the point scatters to its `outgoing`, along one path: right in the mean over `numbers`, finite.
-    /// What mirrors and bodies of glass throw on the point itself is not in it (caustics.h), but for what a narrow lobe
-    /// sees in mirrors.
+    /// Excludes light thrown on the point itself by mirrors and bodies of glass (caustics.h), but for light that a
+    /// narrow lobe sees in mirrors.
     glm::vec3 scattered(const SurfacePoint& point, PathNumbers& numbers) const;
     /// The same; its rays leave the surface at `origin` (GatherPoint::elsewhere).
     glm::vec3 scattered(const SurfacePoint& point, glm::vec3 origin, PathNumbers& numbers) const;

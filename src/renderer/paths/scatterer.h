@@ -41,7 +41,7 @@ class Scatterer {
                     glm::dot(point_.shading_normal, to_light),
                 with_density ? direction_density(point_, chance_, to_light) : 0.0f};
     }
-    /// What it scatters of even light.
+    /// Albedo under even light.
     glm::vec3 albedo() const { return hair_ ? hair_->albedo() : whole_albedo(point_); }
 
     /// A direction, `number` and `u` in [0, 1), and its density; 0: none. `weight` becomes its share over its density.

@@ -20,7 +20,7 @@ struct LightQuery {
     }
 };
 
-/// What the tree knows of a source.
+/// Extent and power of a source.
 struct SourceExtent {
     glm::vec3 centre{0};
     float radius = 0;

@@ -56,7 +56,7 @@ glm::vec3 evaluate(const Bsdf& bsdf, glm::vec3 normal, glm::vec3 outgoing, glm::
 /// Lambert reflectance for a pair of unit directions: `diffuse`, less what the lobe above it takes.
 glm::vec3 diffuse_weight(const Bsdf& bsdf, glm::vec3 outgoing, glm::vec3 to_light);
 
-/// What the two parts reflect of even light, seen from a direction with this cosine to the normal.
+/// Reflectance of the two parts under even light, seen from a direction with this cosine to the normal.
 glm::vec3 diffuse_albedo(const Bsdf& bsdf, float cosine);
 glm::vec3 glossy_albedo(const Bsdf& bsdf, float cosine);
 

@@ -1,5 +1,5 @@
 #pragma once
-// What the boundary between two clear media does to light, and the media that a ray is in.
+// Refraction and reflection at the boundary between two clear media, and the media that a ray is in.
 #include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -28,7 +28,7 @@ glm::vec3 mirrored_change(glm::vec3 direction, glm::vec3 direction_change, glm::
 /// Which light a ray carries, where glass splits colours: all, or one channel.
 enum class Band : std::uint8_t { all, red, green, blue };
 
-/// What fills a body of glass.
+/// Medium of a body of glass.
 struct Medium {
     float index = 1;          ///< of refraction, of yellow light, >= 1
     float dispersion = 0;     ///< red light's is so much less, blue light's more
@@ -47,7 +47,7 @@ Medium medium_of(const scene::Material& material);
 /// that was entered last counts. Holds four; those entered first are forgotten.
 class MediaStack {
   public:
-    /// What fills the place; null: air.
+    /// Medium of the place; null: air.
     const Medium* top() const { return count_ > 0 ? entries_[static_cast<std::size_t>(count_ - 1)].medium : nullptr; }
     bool empty() const { return count_ == 0; }
 

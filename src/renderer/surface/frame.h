@@ -1,5 +1,5 @@
 #pragma once
-// What the eye sees of one instant: surfaces, their shares of pixels, and light that needs no gathering.
+// The eye's view of one instant: surfaces, their shares of pixels, and light that needs no gathering.
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -34,7 +34,7 @@ struct SeenAir {
     std::vector<AirWay> beyond;
 };
 
-/// What covers the pixels of a tile, by pixel in raster order (mattes.h).
+/// Matte of a pixel of a tile, by pixel in raster order (mattes.h).
 struct SeenMatte {
     std::uint16_t pixel = 0;  ///< as GatherPoint's
     core::Matte matte;
@@ -50,10 +50,10 @@ struct ExposureSamples {
     float visible = 0;
 };
 
-/// What one gather point gives one pixel that is exposed.
+/// Contribution of one gather point to one exposed pixel.
 struct Contribution {
     std::uint32_t point = 0;  ///< of all points of the frame: Exposure::first_point of its tile and its place there
-    glm::vec3 weight{0};      ///< share of the pixel x what mirrors, glass and layers let through, summed over samples
+    glm::vec3 weight{0};      ///< share of the pixel x transmittance of mirrors, glass and layers, summed over samples
     glm::vec3 diffuse{0};     ///< the same times each sample's own diffuse reflectance: textures are the samples' own
 };
 
@@ -80,7 +80,7 @@ struct Exposure {
     }
 };
 
-/// What the eye sees of one instant, without light. `look` makes it, and it never changes: finer edges and exposure are
+/// The eye's view of one instant, without light. `look` makes it, and it never changes: finer edges and exposure are
 /// another frame.
 struct Frame {
     core::Visible visible;
@@ -88,7 +88,7 @@ struct Frame {
     core::Plane<glm::vec3> emitted;           ///< radiance of emission, sky and unlit surfaces
     core::Plane<glm::vec3> emitted_specular;  ///< the part of `emitted` seen by mirrors or glass; empty without them
     core::Plane<core::SurfaceAddress>
-        imaged{};                          ///< what flat mirrors show; no surface: none, or no mirror; may be empty
+        imaged{};  ///< surfaces shown by flat mirrors; no surface: none, or no mirror; may be empty
     core::Plane<std::uint16_t> samples{};  ///< eye samples of each pixel; empty where all have SeeSettings::samples
     std::vector<SeenAir> air{};            ///< by tile; empty: it is clear
     std::vector<std::vector<SeenMatte>> mattes{};  ///< by tile; empty: nobody wants them

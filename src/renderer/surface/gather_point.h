@@ -64,7 +64,7 @@ using MovedPoints = std::vector<std::vector<MovedPoint>>;
 /// All gather points of one 16x16 tile, by pixel in raster order.
 using GatherTile = std::vector<GatherPoint>;
 
-/// What one sample of the eye shows of a fibre, or of light below a surface, which is found by itself (hair_light.h).
+/// One eye sample of a fibre, or of light below a surface; its light is found by itself (hair_light.h).
 struct FibreSample {
     core::SurfaceAddress address;
     core::PackedNormal outgoing;  ///< to where it is seen from

@@ -157,7 +157,7 @@ Scattered HairScattering::scattered(glm::vec3 to_light) const {
 glm::vec3 HairScattering::sample(float number, glm::vec2 u) const {
     std::size_t p = 0;
     while (p + 1 < lobes && number >= lobes_[p].chance) number -= lobes_[p++].chance;
-    // What is left of the number is one of its own.
+    // The rest of the number is a number of its own.
     const float left = std::clamp(core::divide_or(number, lobes_[p].chance, 0.0f), 0.0f, 0.9999999f);
     const Lobe& lobe = lobes_[p];
     const float v = lobe.variance, first = std::max(u.x, 1e-7f);

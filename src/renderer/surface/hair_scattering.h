@@ -15,7 +15,7 @@ struct FibrePlace {
     float across = 0;  ///< -1..1: along cross(tangent, outgoing) from the middle of what is seen
 };
 
-/// What a place scatters of light from a direction, and how likely its samples choose that.
+/// Scattering at a place of light from a direction, and the density with which its samples choose that.
 struct Scattered {
     glm::vec3 share{0};  ///< f_s times the cosine, per steradian
     float density = 0;   ///< per steradian
@@ -32,7 +32,7 @@ class HairScattering {
     Scattered scattered(glm::vec3 to_light) const;
     /// A direction to light; `u` in [0, 1).
     glm::vec3 sample(float lobe, glm::vec2 u) const;
-    /// What the fibre sends on of even light.
+    /// Albedo of the fibre under even light.
     glm::vec3 albedo() const;
 
     /// How far a ray from the fibre's middle goes until it is outside, in units of its length.

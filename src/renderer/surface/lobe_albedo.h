@@ -7,9 +7,9 @@ namespace render2mpeg::renderer {
 /// light.
 inline constexpr float largest_albedo = 0.99f;
 
-/// What a GGX lobe reflects in all of even light, seen from one direction: `f0` x its reflectance at normal incidence +
-/// `f90` x that at grazing incidence. Their sum is the lobe's directional albedo without Fresnel loss: below 1 by what
-/// its facets shadow of one another.
+/// Reflectance of a GGX lobe under even light, seen from one direction: `f0` x its reflectance at normal incidence +
+/// `f90` x that at grazing incidence. Their sum is the lobe's directional albedo without Fresnel loss: below 1 by the
+/// facets' shadowing of one another.
 struct LobeAlbedo {
     float f0 = 0, f90 = 0;
     float whole() const { return f0 + f90; }

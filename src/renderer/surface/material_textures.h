@@ -12,7 +12,7 @@
 
 namespace render2mpeg::renderer {
 
-/// What is to be said of an image's values that are not finite; empty where all are.
+/// Note on an image's values that are not finite; empty where all are.
 std::string note_of(const image::Image& image, const std::string& name);
 
 /// The roles that an image can have in a material.

@@ -4,8 +4,8 @@
 
 namespace render2mpeg::renderer {
 
-/// What one ray carries through bodies of glass: the media it is in, and which light. Where the scene has none, it
-/// costs nothing.
+/// State of one ray in bodies of glass: the media it is in, and its band of light. Costs nothing in scenes without such
+/// bodies.
 struct MediaPath {
     MediaStack media;
     Band band = Band::all;

@@ -61,7 +61,7 @@ class PosedScene {
     SurfacePoint surface_in(const MediaStack& media, Band band, const core::SurfaceAddress& address, glm::vec3 outgoing,
                             const SurfaceFootprint& footprint = {}, float time = scene::middle_time) const;
 
-    /// What fills the body of glass that an object bounds; null: it bounds none, or the plan bends no light.
+    /// Medium of the body of glass that an object bounds; null: it bounds none, or the plan bends no light.
     const Medium* medium_within(std::uint32_t object) const;
     /// Whether any object does.
     bool has_bodies() const;
@@ -82,10 +82,10 @@ class PosedScene {
     SurfaceFootprint normal_change(const core::SurfaceAddress& address, const SurfaceFootprint& footprint,
                                    float time = scene::middle_time) const;
 
-    /// What dims and scatters light on its way; null: the plan says that the air is clear.
+    /// Air that dims and scatters light on its way; null: the plan says that the air is clear.
     const Air* air() const;
 
-    /// What is seen where there is no surface, and its light; null where the plan wants neither.
+    /// Background where there is no surface, and its light; null where the plan wants neither.
     const image::SkyMap* sky() const;
 
     /// A line for each image with values that are not finite.

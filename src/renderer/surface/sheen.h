@@ -2,9 +2,9 @@
 
 namespace render2mpeg::renderer {
 
-/// What Charlie's sheen of colour 1 reflects of an even light, seen at this cosine to the normal (0..1):
-/// the integral of D V cos over light directions, alpha = roughness squared, interpolated between 16 x 16 of them.
-/// Below roughness 0.1 as at 0.1. [KHR_materials_sheen]
+/// Reflectance of Charlie's sheen of colour 1 under even light, seen at this cosine to the normal (0..1): the integral
+/// of D V cos over light directions, alpha = roughness squared, interpolated between 16 x 16 of them. Below roughness
+/// 0.1 as at 0.1. [KHR_materials_sheen]
 float sheen_albedo(float cosine, float roughness);
 
 }  // namespace render2mpeg::renderer

@@ -63,7 +63,7 @@ struct Interface {
 
 /// Makes the GGX lobe of `bsdf.f0` whole and lays the Lambert part below it [glTF2, appendix B].
 void lay_below_lobe(Bsdf& bsdf, const Interface& surface, float cosine) {
-    // What facets shadow of one another's light leaves metal after more reflections [Turquin2019]; elsewhere most of it
+    // Light lost to facets' mutual shadowing leaves metal after more reflections [Turquin2019]; elsewhere most of it
     // goes below. chosen: no more than a hundredth of that, so that glTF's formula is kept so exactly.
     constexpr float most_regain = 1.01f;
     const LobeAlbedo lobe = lobe_albedo(cosine, bsdf.mean_alpha());

@@ -39,7 +39,7 @@ class SurfaceMaterials {
     float transmission_at(std::uint32_t material, const SurfaceShape& shape) const;
     void bend_normal(SurfacePoint& point, const SurfaceShape& shape, const ObjectInstant& object,
                      float& variance) const;
-    /// What a dielectric interface reflects at normal and at grazing incidence [KHR_materials_specular].
+    /// Reflectance of a dielectric interface at normal and at grazing incidence [KHR_materials_specular].
     struct Dielectric {
         glm::vec3 f0{0};
         float f90 = 1;
@@ -52,7 +52,7 @@ class SurfaceMaterials {
         glm::vec3 color{0};
     };
     Leaf leaf_at(std::uint32_t material, const SurfaceShape& shape) const;
-    /// What a point's place in its surface adds to its material.
+    /// Detail of a material at a point's place in its surface.
     struct Detail {
         Leaf leaf;
         float normal_variance = 0;  ///< of the normal map's slopes within the footprint

@@ -23,11 +23,12 @@ struct SurfacePoint {
     glm::vec3 emission{0};     ///< radiance towards `outgoing`
     float alpha = 1;           ///< 0: not there; mask already decided
     bool back_side = false;    ///< seen from behind (of the winding)
-    bool bounds_body = false;  ///< what bsdf.transmission lets pass is bent by bsdf.ior (dielectric.h)
+    bool bounds_body = false;  ///< light passed by bsdf.transmission is bent by bsdf.ior (dielectric.h)
     bool fibre = false;        ///< of hair: `bsdf` is black, PosedScene::hair_at has its scattering
-    bool spreads = false;      ///< a share of what `bsdf.diffuse` sends on entered elsewhere (subsurface/random_walk.h)
-    bool below = false;        ///< stands for that share alone; `bsdf.diffuse` is all of it
-    bool unlit = false;        ///< `emission` is its colour, `bsdf` is black
+    bool spreads =
+        false;  ///< a share of the light sent on by `bsdf.diffuse` entered elsewhere (subsurface/random_walk.h)
+    bool below = false;  ///< stands for that share alone; `bsdf.diffuse` is all of it
+    bool unlit = false;  ///< `emission` is its colour, `bsdf` is black
 
     /// Whether its light is found sample by sample (hair_light.h).
     bool is_sampled() const { return fibre || below; }

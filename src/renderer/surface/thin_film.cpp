@@ -18,7 +18,7 @@ float rising_power(float cosine) {
     return squared(squared(m)) * m;
 }
 
-/// What eyes make of a wave that is late by `path` nanometres and `shift`, as linear BT.709, per channel of `shift`.
+/// Colour of a wave that is late by `path` nanometres and `shift`, as linear BT.709, per channel of `shift`.
 glm::vec3 sensitivity(float path, glm::vec3 shift) {
     const float phase = 2 * pi_of_film * path * 1e-9f;
     const glm::vec3 val(5.4856e-13f, 4.4201e-13f, 5.2481e-13f), pos(1.6810e6f, 1.7953e6f, 2.2084e6f),

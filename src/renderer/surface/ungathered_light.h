@@ -24,7 +24,7 @@ struct EffectLight {
     core::Plane<glm::vec3> specular;  ///< the part of `all` seen by mirrors or glass; empty where a frame has none
     core::Plane<glm::vec3> exposed;   ///< in exposed pixels, in place of `all`
 
-    /// What is seen neither by mirrors nor through glass.
+    /// Radiance seen neither by mirrors nor through glass.
     glm::vec3 straight_at(int x, int y) const { return value_or_zero(all, x, y) - value_or_zero(specular, x, y); }
 };
 

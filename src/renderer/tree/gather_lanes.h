@@ -58,7 +58,7 @@ struct alignas(64) GatherLanes {
     Vec3Lanes along, across;        ///< the lobe's axes in the surface
     Lanes along2, across2;          ///< its squared widths there; alike in lanes whose lobe is round
     Lanes view_along, view_across;  ///< cosines of these axes to the eye
-    Lanes rays_see;                 ///< what of the sky lobe rays see; 0: no rays. See `by_trees`
+    Lanes rays_see;                 ///< scale of the sky lobe's share that rays see; 0: no rays. See `by_trees`
     Lanes coat;                     ///< 1: the diffuse part lies under the lobe and gets 1 - s of light; 0: all of it
 };
 
@@ -70,9 +70,9 @@ inline const Vec3Lanes& origins(const GatherLanes& lanes, int place) {
 /// Fills `lanes` from 1..16 points.
 void fill(GatherLanes& lanes, std::span<const GatherPoint* const> points);
 
-/// What a light of unit intensity sends to each lane, visible or not: `diffuse` is irradiance, under a lobe what passes
-/// it; `f0` and `schlick` are the radiance of the GGX lobe, to be multiplied by f0 and by f90. Filled only for glossy
-/// lanes but for `diffuse`.
+/// Unoccluded contribution of a light of unit intensity to each lane: `diffuse` is irradiance, under a lobe the part
+/// that passes it; `f0` and `schlick` are the radiance of the GGX lobe, to be multiplied by f0 and by f90. Filled only
+/// for glossy lanes but for `diffuse`.
 struct alignas(64) LightLanes {
     Lanes diffuse, f0, schlick;
     bool any_clamped = false;  ///< some lane was nearer than the clamping distance

@@ -6,7 +6,7 @@
 #include "renderer/base/isa_clones.h"
 #include "renderer/tree/gather_lanes.h"
 
-/// What sixteen lanes come to, in an order of halves, so that wide registers keep it as it is.
+/// Reductions over sixteen lanes, in an order of halves that wide registers keep as it is.
 namespace render2mpeg::renderer {
 
 RENDER2MPEG_ALWAYS_INLINED float sum_of(Lanes& values) {

@@ -165,7 +165,7 @@ GrowingCluster joined(const GrowingCluster& a, const GrowingCluster& b) {
 /// Sets all of a node but its children.
 void set_node(LightNode& node, const BoxGrid& grid, const GrowingCluster& c, const GrowingCluster& a,
               const GrowingCluster& b, std::uint64_t seed) {
-    // What is dark may lie anywhere.
+    // Dark clusters may lie anywhere.
     node.box = c.power > 0.0f ? PackedBox(grid, c.low, c.high) : PackedBox();
     node.intensity = PackedLight(c.intensity);
     node.cone = PackedCone(std::min(c.half_angle + packing_angle, pi));

@@ -72,11 +72,11 @@ struct LaneLight {
     float x, y, z, nx, ny, nz;
     float blur2, clamp;  ///< GeometryClamp
     float range2, spot_scale, spot_offset;
-    float rays;  ///< what `lobe::by_trees` takes for its disc2
+    float rays;  ///< argument of `lobe::by_trees` for its disc2
 };
 
-/// What `lobe::by_trees` takes for a light's disc2: its own of the sky; of lights on surfaces, if rays see them, all of
-/// it.
+/// Argument of `lobe::by_trees` for a light's disc2: its own of the sky; of lights on surfaces, if rays see them, all
+/// of it.
 RENDER2MPEG_ALWAYS_INLINED float seen_by_rays(LightType type, float disc2, GeometryClamp clamp) {
     if (!clamp.by_rays) return 0.0f;
     return type == LightType::directional ? disc2 : 1.0f;

@@ -19,7 +19,7 @@ struct GeometryClamp {
     static GeometryClamp none() { return {1e30f, false}; }
 };
 
-/// What unit intensity of `light` sends to the lanes, without visibility. `spot`: of punctual lights, LightTree::spot.
+/// Unoccluded contribution of unit intensity of `light` to the lanes. `spot`: of punctual lights, LightTree::spot.
 void evaluate_light(const GatherLanes& lanes, LightType type, const TreeLight& light, const Spot* spot,
                     GeometryClamp clamp, LightLanes& out);
 
@@ -50,13 +50,13 @@ void add_irradiance(const GatherLanes& lanes, LightType type, const Representati
 /// them visible.
 void bound_node(const GatherLanes& lanes, const LightTree& tree, std::uint32_t node, GeometryClamp clamp, Lanes& out);
 
-/// What a light of unit intensity sends to each lane, visibility included, wherever it is kept.
+/// Contribution of a light of unit intensity to each lane, visibility included, wherever it is kept.
 struct UnitLight {
     const Lanes& diffuse;
     const Lanes* f0;  ///< null, as `schlick`, where no lane is glossy
     const Lanes* schlick;
     const float (
-        *passes)[3];  ///< of each lane, what translucent surfaces let through; null where nothing is translucent
+        *passes)[3];  ///< of each lane, transmittance of translucent surfaces; null where nothing is translucent
 };
 
 RENDER2MPEG_ALWAYS_INLINED UnitLight unit_light(const GatherLanes& lanes, const LightLanes& unit) {

@@ -126,7 +126,7 @@ void set_children(const std::vector<bool>& leaves, LightTree& tree) {
             continue;
         }
         tree.nodes[i].set_children(i, first, LightRef::leaf(light++));
-        // What ends with this node ends.
+        // Subtrees that end with this node end.
         for (; !open.empty(); open.pop_back()) {
             const std::uint32_t above = open.back().node;
             if (open.back().in_second) continue;

@@ -12,10 +12,10 @@ namespace {
 /// places do.
 constexpr double most_cost = 1.5;
 
-/// What every light counts with at least, of their mean, when a tree is rebuilt: it may be lit later.
+/// Least weight of a light when a tree is rebuilt, as a share of the lights' mean: it may be lit later.
 constexpr float least_counted = 0.01f;
 
-/// What is punctual: a true point or beam, not a sample of something larger.
+/// Whether a light is punctual: a true point or beam, not a sample of something larger.
 bool is_punctual(const LightPoint& p) {
     return p.kind != LightPointKind::oriented && p.disc2 == 0.0f;
 }

@@ -10,7 +10,7 @@
 
 namespace render2mpeg::renderer {
 
-/// What makes a pixel differ from the truth (docs/model/truth.md). The first four add up to the last.
+/// Causes of a pixel's difference from the truth (docs/model/truth.md). The first four add up to the last.
 enum class ErrorCause : std::uint8_t {
     gathering,     ///< cuts and records, against every light point at the places where light was gathered
     moved_points,  ///< places of records, against the pixel's own gather points
@@ -22,7 +22,7 @@ enum class ErrorCause : std::uint8_t {
 inline constexpr std::size_t cause_count = static_cast<std::size_t>(ErrorCause::count);
 inline constexpr std::array cause_names{"gathering", "moved_points", "light_points", "eye_samples", "total"};
 
-/// What an error is counted in.
+/// Measure of an error.
 enum class ErrorMeasure : std::uint8_t {
     luminance,
     relative,    ///< over the true luminance

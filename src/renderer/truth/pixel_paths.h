@@ -34,7 +34,7 @@ class PixelPaths {
     PixelPaths(const PosedScene& posed_scene, const SeeSettings& see, const Plan& plan)
         : posed_scene_(posed_scene), eye_(posed_scene, see, plan), paths_(posed_scene, plan) {}
 
-    /// What the pixel's own eye samples show without gathering, but for lobe rays.
+    /// Radiance of the pixel's own eye samples without gathering, but for lobe rays.
     glm::vec3 shown_by_pattern(const TruthRequest& request) const;
 
     /// Paths 0 to `count` - 1 of a batch, from the gather points and over the whole pixel; finite.
@@ -64,7 +64,7 @@ struct Estimate {
     double luminance_of(std::size_t half) const;
 };
 
-/// What batches come to by their means, and what is added to them.
+/// Estimate by the means of batches, plus a given term.
 Estimate estimate_of(const std::array<glm::dvec3, truth_batches>& means, glm::dvec3 added);
 
 }  // namespace render2mpeg::renderer

@@ -8,9 +8,9 @@
 
 namespace render2mpeg::renderer {
 
-/// What a pixel's radiance truly is. Half 0 of one is independent of half 1 of the other; alike halves are not.
+/// True radiance of a pixel. Half 0 of one is independent of half 1 of the other; alike halves are not.
 struct PixelTruth {
-    Estimate at_points;       ///< from its gather points, and what its own eye samples show without them
+    Estimate at_points;       ///< from its gather points, and from its own eye samples without them
     Estimate whole;           ///< over the whole area of the pixel
     std::uint64_t paths = 0;  ///< that each of them took
 };

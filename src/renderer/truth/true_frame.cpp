@@ -18,7 +18,7 @@ constexpr std::uint64_t frame_pilot_paths = 32, least_batch = 8;
 /// whose mean is mid grey.
 constexpr double darkest = 0.01;
 
-/// What a pilot found.
+/// Result of a pilot.
 struct Pilot {
     double mean = 0, variance = 0;  ///< of one path's luminance
 };

@@ -24,7 +24,7 @@ void mark(std::vector<float>& tiles, int across, glm::vec2 low, glm::vec2 high, 
         }
 }
 
-/// What an object covers on the picture while the shutter is open, about its boxes at all knots.
+/// Cover of an object on the picture while the shutter is open, about its boxes at all knots.
 struct Cover {
     glm::vec2 low{1e30f}, high{-1e30f};  ///< on the picture of the middle, pixels
     float blur = 0;
@@ -203,7 +203,7 @@ std::vector<float> blur_of_tiles(const Blur& blur, const scene::Snapshot& snapsh
     });
     mark_objects(blur, snapshot, across, tiles);
 
-    // What is blurred reaches into tiles around.
+    // Blurred objects reach into tiles around.
     std::vector<float> reached = tiles;
     for (std::size_t t = 0; t < tiles.size(); ++t) {
         if (tiles[t] < least_blur) continue;

@@ -30,7 +30,7 @@ constexpr int most_rays_together = 1024;
 /// its blocks of 4 x 4 pixels.
 constexpr int scouts = 16;
 
-/// What all tiles share.
+/// State that all tiles share.
 struct Exposing {
     const PosedScene& scene;
     const EyePaths& paths;
@@ -306,7 +306,7 @@ void TileExposer::take(Fragment& fragment, int x, int y, float time, std::size_t
     found.parts.push_back({tile, point, weight, diffuse});
 }
 
-/// What a pixel's samples show; nothing where none of it is blurred.
+/// Bright samples of a pixel; nothing where none of it is blurred.
 std::optional<BrightSamples> TileExposer::look(int x, int y, const EyeRays& rays, std::size_t first_ray,
                                                TileExposure& found) {
     const std::size_t first = found.parts.size(), new_points = found.points.size();

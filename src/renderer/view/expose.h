@@ -4,7 +4,7 @@
 
 namespace render2mpeg::renderer {
 
-/// What an exposure comes to, for the statistics.
+/// Counts of an exposure, for the statistics.
 struct ExposureCounts {
     std::uint64_t rays = 0;     ///< of exposed samples, and on through layers; mirrors included
     std::uint64_t pixels = 0;   ///< that are blurred

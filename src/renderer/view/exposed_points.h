@@ -21,7 +21,7 @@ struct NewPoint {
 /// Marks places in TileExposure::points.
 inline constexpr std::uint32_t is_new = 0x80000000u;
 
-/// What one tile's samples found. Points of contributions: an existing point's place in `tile`, or is_new and a place
+/// Results of one tile's samples. Points of contributions: an existing point's place in `tile`, or is_new and a place
 /// in `points`.
 struct TileExposure {
     struct Part {

@@ -9,8 +9,8 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// What is shown in this code value, or a higher one, is as bright as white (235), or brighter: lamps, mostly. chosen:
-/// 210, the light 1 after exposure where there is no view.
+/// Least code value that counts as bright as white (235), or brighter: lamps, mostly. chosen: 210, the light 1 after
+/// exposure where there is no view.
 constexpr float white_code = 210;
 
 /// Pixels; wider discs and longer ways are dimmer, so that what one sample shows of them is less. chosen: 64 and 256.
@@ -79,7 +79,7 @@ core::Plane<std::uint8_t> near_white(const Blur& blur, const Frame& seen, const 
     Marks marks(width, height);
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
-            // What lies around an edge of it is what may end there.
+            // Blurred edges of a bright area may end anywhere around them.
             if (!is_bright(x, y) ||
                 (is_bright(x - 1, y) && is_bright(x + 1, y) && is_bright(x, y - 1) && is_bright(x, y + 1)))
                 continue;

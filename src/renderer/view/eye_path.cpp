@@ -108,7 +108,7 @@ struct EyePaths::PathState {
     std::uint8_t way = straight_way;
     MediaPath glass;
     float passed = 0;  ///< of the straight way so far
-    float clear = 1;   ///< what air would let through of it
+    float clear = 1;   ///< transmittance of air for it
     bool specular() const { return way != straight_way; }
     bool straight() const { return mirrors == 0 && !bent; }
 };
@@ -237,7 +237,7 @@ void EyePaths::spread(Fragment& fragment, EyeSample& sample) const {
 void EyePaths::pass_air(PathState& path, float distance, EyeSample& sample) const {
     const float through = air_->transmittance(path.ray.origin, path.ray.direction, distance);
     if (!path.glass.media.empty()) {
-        // What air beyond is weighed by is dimmed by the air that the glass replaces.
+        // The weight of air beyond is dimmed by the air that the glass replaces.
         path.passed += distance;
         path.clear *= through;
         return;

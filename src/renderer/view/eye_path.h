@@ -21,7 +21,7 @@ struct EyeRay {
     std::uint32_t number =
         0;  ///< of the sample, and from bit 16 of the pixel among 4 x 4: rough glass bends each another way
 
-    /// What the ray and its neighbours cut out of the plane at `distance` with this normal.
+    /// Footprint of the ray and its neighbours on the plane at `distance` with this normal.
     SurfaceFootprint footprint_at(float distance, glm::vec3 normal) const;
 };
 
@@ -37,12 +37,13 @@ struct Fragment {
     std::uint8_t way = straight_way;  ///< mirrors and glass before
 };
 
-/// What a sample shows most of, straight ahead through layers and glass.
+/// Main surface of a sample, straight ahead through layers and glass.
 struct MainSurface {
     float share = -1;  ///< luminance of its share; -1: nothing yet
     core::PixelClass kind = core::PixelClass::none;
-    SurfacePoint point;           ///< for kinds `surface` and `reflected`
-    core::SurfaceAddress imaged;  ///< what a flat mirror shows there; no surface: it is no flat mirror, or shows none
+    SurfacePoint point;  ///< for kinds `surface` and `reflected`
+    core::SurfaceAddress
+        imaged;  ///< surface shown there by a flat mirror; no surface: it is no flat mirror, or shows none
 };
 
 /// Everything that one sample sees.
@@ -50,9 +51,9 @@ struct EyeSample {
     std::vector<Fragment> fragments;  ///< surfaces with something to gather
     glm::vec3 emitted{0};             ///< emission, sky, unlit surfaces
     glm::vec3 emitted_specular{0};    ///< the part of it seen in mirrors or through glass
-    std::vector<AirSpan> air;         ///< what it sees of air straight from the eye; `pixel` is left alone
-    std::vector<AirWay> air_beyond;   ///< and beyond mirrors and what bends
-    std::vector<core::Matte> mattes;  ///< what covers it; empty: nobody asks
+    std::vector<AirSpan> air;         ///< air seen straight from the eye; `pixel` is left alone
+    std::vector<AirWay> air_beyond;   ///< air beyond mirrors and bending surfaces
+    std::vector<core::Matte> mattes;  ///< its matte coverage; empty: nobody asks
     MainSurface main;
     int ways = 0;      ///< lesser ones that left boundaries of solid glass
     int dim_ways = 0;  ///< the same of those that are followed for what shines alone
@@ -63,7 +64,7 @@ class EyePaths {
   public:
     EyePaths(const PosedScene& posed_scene, const SeeSettings& settings, const Plan& plan);
 
-    /// What a ray of the eye sees whose nearest surface before `far` is `first`; replaces `sample`.
+    /// Follows a ray of the eye whose nearest surface before `far` is `first`; replaces `sample`.
     void look(const EyeRay& ray, float far, const Hit& first, EyeSample& sample, SeeCounts& counts) const;
 
     /// CPU seconds that the sky took to look at, about (sampled_clock.h).

@@ -9,13 +9,13 @@
 
 namespace render2mpeg::renderer {
 
-/// What `see` needs of the settings.
+/// Settings of `see`.
 struct SeeSettings {
     scene::PictureFormat format;
     int samples = 4;           ///< eye samples per pixel, >= 1
     int edge_samples = 0;      ///< of pixels with edges; 0 or `samples`: no more
     int specular_depth = 6;    ///< mirrors after one another; 0: none
-    bool mattes = false;       ///< what covers pixels is looked for
+    bool mattes = false;       ///< mattes are looked for
     bool transparent = false;  ///< the eye sees no sky but in mirrors and through glass
 };
 

@@ -80,7 +80,7 @@ void copy_parts(const Parts& from, std::uint16_t pixel, Parts& to) {
         to.push_back(*s);
 }
 
-/// What a tile's look finds beside gather points.
+/// Results of a tile's look beside gather points.
 struct Found {
     SeenAir air;
     std::vector<SeenMatte> mattes;

@@ -31,7 +31,7 @@ struct TileArea {
 };
 TileArea area_of(const Frame& seen, std::size_t tile);
 
-/// What a fragment that shows a fibre leaves in its pixel.
+/// Fibre sample of a pixel from a fragment that shows a fibre.
 FibreSample fibre_sample(const Fragment& fragment, std::uint16_t pixel, glm::vec3 weight);
 /// Takes back those of the last pixel.
 void forget_fibres(std::uint16_t pixel, FibreTile& fibres);
