@@ -116,7 +116,7 @@ const glm::mat3 agx_inset{
 const glm::mat3 agx_outset{
     {1.81007f, -0.22760f, -0.20082f}, {-0.63384f, 1.28860f, -0.33440f}, {-0.17623f, -0.06100f, 1.53522f}};
 
-/// What a channel of a display's light is as a signal.
+/// Signal of one channel of a display's light.
 struct Signal {
     float value;
     float slope;  ///< derivative by the light
@@ -195,7 +195,7 @@ ShownLight ViewTransform::show(glm::vec3 exposed) const {
         }
     }
     for (int c = 0; c < 3; ++c) {
-        // What is cut off at black does not fall.
+        // A signal clipped at black has slope 0.
         if (shown.signal[c] <= 0.0f) shown.log_slope[c] = 0.0f;
         shown.signal[c] = std::clamp(shown.signal[c], 0.0f, 1.0f);
         if (view_.gamma == 1.0f || shown.signal[c] <= 0.0f) continue;

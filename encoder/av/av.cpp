@@ -35,7 +35,7 @@ bool keeps_headers_apart(std::string_view format, encoder::Codec codec) {
            (format == "matroska" || format == "mp4" || format == "mov");
 }
 
-/// What the first picture says of a stream.
+/// Sequence facts of a stream, from its first picture.
 SequenceFacts sequence_of(const encoder::Settings& settings, std::span<const std::uint8_t> picture) {
     if (settings.codec == encoder::Codec::mpeg2) return read_sequence(picture);
     SequenceFacts facts;

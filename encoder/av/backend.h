@@ -1,5 +1,5 @@
 #pragma once
-// What the FFmpeg module offers to the light library in front of it (av.cpp).
+// Interface of the FFmpeg module to the light library in front of it (av.cpp).
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -14,7 +14,7 @@
 #include "encoder/av/sound.h"
 #include "encoder/types.h"
 
-/// What the module render2mpeg_av_module.so offers to the light library in front of it (av.cpp, library_coder.cpp).
+/// Interface of the module render2mpeg_av_module.so to the light library in front of it (av.cpp, library_coder.cpp).
 /// Nothing else includes this.
 namespace render2mpeg::av {
 
@@ -51,7 +51,7 @@ struct LibraryPicture {
 class LibraryEncoder {
   public:
     virtual ~LibraryEncoder() = default;
-    /// What describes the stream, and belongs before each picture that starts a GOP.
+    /// Headers of the stream, to precede each picture that starts a GOP.
     virtual const std::vector<std::uint8_t>& headers() const = 0;
     /// The next picture in display order.
     virtual void send(const core::Picture& picture, const LibraryOrder& order) = 0;

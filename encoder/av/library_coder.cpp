@@ -265,7 +265,7 @@ class LibraryCoder final : public encoder::Coder {
     Budget budget_;
 };
 
-/// What only our own encoder does.
+/// Refuses modes that only our own encoder supports.
 void check_modes(const encoder::Settings& settings) {
     const std::string name(encoder::facts_of(settings.codec).name);
     const auto refuse = [&](const char* what) {

@@ -94,7 +94,7 @@ class Film {
     }
 
   private:
-    /// What is known of a coded picture before it is decoded.
+    /// Facts about a coded picture before decoding.
     struct Coded {
         std::int64_t bytes = 0, position = -1;
         bool random_access = false;
@@ -126,7 +126,7 @@ class Film {
 
     /// Decodes one access unit, or with null what is held back.
     void send(AVPacket* packet) {
-        const Messages messages;  // what is said now concerns this picture
+        const Messages messages;  // messages from now on concern this picture
         if (packet != nullptr) {
             set_number(*decoder_, *packet, static_cast<std::int64_t>(coded_.size()));
             coded_.push_back({packet->size, packet->pos, is_random_access(codec_, *packet), false, {}});

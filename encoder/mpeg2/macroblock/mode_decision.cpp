@@ -11,7 +11,7 @@
 namespace render2mpeg::encoder::mpeg2 {
 namespace {
 
-/// What a macroblock shows if it is skipped. Predicted when first asked for, chroma only where luma leaves that open.
+/// Prediction of a skipped macroblock. Computed on first use, chroma only where luma leaves the decision open.
 class SkipTrial {
   public:
     SkipTrial(const PictureCoding& picture, int column, int row, const PredictionMode* mode)

@@ -159,7 +159,7 @@ class MotionEstimator {
         return best;
     }
 
-    /// What the first pass chose, zero outside the picture.
+    /// Vector chosen in the first pass, zero outside the picture.
     Vector neighbour(int column, int row) const {
         const bool inside = column < columns_ && row >= 0 && row < rows_;
         return inside ? first_.at(column, row) : Vector{};

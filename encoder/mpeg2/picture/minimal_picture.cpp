@@ -70,7 +70,7 @@ Color mean_color(const Frame& frame) {
     return color;
 }
 
-/// What decoders make of blocks that have nothing but a DC.
+/// Decoded frame of DC-only blocks.
 Frame flat_frame(int columns, int rows, const Color& color) {
     Frame frame(columns, rows);
     for (int i = 0; i < 3; ++i) {

@@ -24,7 +24,7 @@ double ratio_of(const PicturePlan& picture);
 /// fit: docs/measurements.md#rates
 double rate_slope(PictureType type);
 
-/// What pictures of each type will cost, learned from those already coded.
+/// Predicted cost of pictures of each type, learned from pictures already coded.
 class RateModel {
   public:
     RateModel(const Settings& settings, const MinimalBits& minimal);

@@ -132,7 +132,7 @@ std::vector<ChunkFile> gather(const FarmPlan& plan, const RenderJob& film, const
     return chunks;
 }
 
-/// What the plan's step took.
+/// Cost of the planning step.
 RunStatistics cost_of(const FarmPlan& plan) {
     RunStatistics statistics;
     const json& cost = plan.facts->at("cost");

@@ -61,7 +61,7 @@ struct CodingOptions {
 struct RenderOptions {
     std::filesystem::path input;
     std::filesystem::path output;
-    std::optional<std::string> as;    ///< what goes to standard output: "ts", "m2v" or "y4m"; `output` is "-.ts" then
+    std::optional<std::string> as;    ///< format on standard output: "ts", "m2v" or "y4m"; `output` is "-.ts" then
     std::optional<std::string> size;  ///< "WxH"
     std::optional<std::string> rate;
     std::optional<std::string> frames;  ///< "A:B", inclusive

@@ -32,7 +32,7 @@ namespace {
 /// In a chunk's record: figures for the report of the frame that it shows.
 constexpr const char* sample_frame_name = "sample_frame";
 
-/// What a chunk came to, for --verbose.
+/// Summary of a chunk, for --verbose.
 std::string chunk_text(const Chunk& chunk, const RunStatistics& statistics) {
     double seconds = 0, bytes = 0, quantiser = 0;
     for (const FrameEntry& entry : statistics.frames) {
@@ -96,7 +96,7 @@ bool render_whole_chunks(const OpenRender& open) {
         if (sink) sink->finish();
         if (!whole) {
             files.back().abandon();
-            // What was stopped before its first frame is nothing.
+            // Drop a chunk that was stopped before its first frame.
             if (statistics.frames.size() == before) files.pop_back();
             break;
         }

@@ -1,5 +1,5 @@
 #pragma once
-// What pages say first: a table of choices with bars, a large picture, the command to paste; all else behind a fold.
+// Top of a page: a table of choices with bars, a large picture, the command to paste; all else behind a fold.
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -16,7 +16,7 @@ enum class Grade { good, fair, poor, none };
 struct AnswerRow {
     std::string name;
     double share = 0;  ///< of the longest bar, 0 to 1
-    std::string bar;   ///< what the bar says, under it
+    std::string bar;   ///< label under the bar
     std::string word;  ///< the difference in words
     Grade grade = Grade::none;
     std::string detail;  ///< under the word, soft

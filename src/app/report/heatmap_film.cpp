@@ -55,7 +55,7 @@ perceptual::HeatScale scale_of(HeatSubject subject) {
 
 namespace {
 
-/// What records did, a plane as it is; null for other subjects.
+/// Plane of a subject about records, unchanged; null for other subjects.
 const core::Plane<float>* of_records(HeatSubject subject, const core::Radiance& radiance) {
     switch (subject) {
         case HeatSubject::records:

@@ -7,7 +7,7 @@
 namespace render2mpeg::scene {
 namespace {
 
-/// What a material can show, with its textures taken at their extremes (they multiply the factors by 0..1).
+/// Possible effects of a material, with its textures taken at their extremes (they multiply the factors by 0..1).
 void add_material(const Material& material, Traits& traits) {
     const bool rough_texture =
         material.metallic_roughness_texture.present() || material.specular_glossiness_texture.present();
