@@ -134,7 +134,7 @@ struct PictureFacts {
     /// (encoder/look_ahead.h); only the first of them needs it. None: as the motion says.
     std::optional<int> b_pictures = {};
     std::optional<BitAllocation> allocation = {};  ///< none: one pass
-    /// Pictures of this chunk's beginning as they were coded roughly: what one pass begins with, where it would guess.
+    /// Pictures of this chunk's beginning, roughly coded: initial values of one pass in place of a guess.
     /// Only those of its first picture are read.
     std::vector<FirstPassPicture> trial = {};
 };
@@ -190,7 +190,7 @@ struct MacroblockRecord {
 /// Where a vector comes from: the caller's motion; neighbours, the picture before and zero; a search.
 enum class VectorSource : std::uint8_t { exact, predicted, searched };
 
-/// A number for each of these; half-pel neighbours count with what they are neighbours of.
+/// A number for each of these; half-pel neighbours count with their centre.
 struct BySource {
     std::uint64_t exact = 0, predicted = 0, searched = 0;
 

@@ -62,7 +62,7 @@ class Display {
     std::shared_ptr<const ViewTransform> view_;
 };
 
-/// Unrounded luma in code values, 16..235, of one radiance: what Display::develop makes of a pixel.
+/// Unrounded luma in code values, 16..235, of one radiance: the value of a pixel from Display::develop.
 float luma_of(const Display& display, glm::vec3 radiance);
 
 /// A picture of full-range signals R', G', B', clamped to [0, 1], with BT.709's primaries. Finite values.

@@ -33,7 +33,7 @@ class Glare {
 
     core::Glare settings_;
     int width_, height_;
-    int step_;  ///< pixels along a side of what scatters as one
+    int step_;  ///< pixels along a side of a cell that scatters as one
     double pupil_;
     float brightest_;   ///< radiance
     glm::ivec2 reach_;  ///< cells

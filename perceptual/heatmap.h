@@ -12,7 +12,7 @@ namespace render2mpeg::perceptual {
 /// Quantity shown by a false-colour picture, and the text of its legend.
 struct HeatScale {
     std::string title;         ///< letters A-Z, digits, spaces and . % / - : ( ); others are left blank
-    float low = 0, high = 1;   ///< of the colours' ends; what lies beyond gets the end's colour
+    float low = 0, high = 1;   ///< of the colours' ends; values beyond get the end's colour
     bool logarithmic = false;  ///< then 0 < low < high
     struct Mark {
         float value;

@@ -17,10 +17,10 @@
 #include "perceptual/tolerance.h"
 #include "perceptual/warp.h"
 
-/// The visibility model: what one picture hides becomes the tolerance of the next frame, carried along motion.
+/// The visibility model: errors masked by one picture become the tolerance of the next frame, warped along motion.
 namespace render2mpeg::perceptual {
 
-/// The two ways of [Render2MPEG, 4.3] to use what one picture hides for the next.
+/// The two ways of [Render2MPEG, 4.3] to use the masking of one picture for the next.
 enum class Strategy : std::uint8_t {
     warped,     ///< masking by the picture as rendered, warped along motion
     quantised,  ///< masking by the picture as decoded, its coding errors included, place by place: for slow films
@@ -49,12 +49,12 @@ struct CodedFacts {
 /// Permissible errors of pixels (dY), and the pixel luminance each holds for.
 using MaskedErrors = core::Plane<glm::vec2>;
 
-/// A picture as it was before coding, with what later pictures need of it.
+/// A picture before coding, with the data that later pictures need.
 struct Observation {
     std::int64_t number = 0;
     std::shared_ptr<const core::Visible> visible;
     core::Plane<core::Block8x8> coefficients;  ///< DCT of its luma
-    ThresholdMap thresholds;                   ///< eq. 7.1 and 7.2: what the encoder wants to know of the eye
+    ThresholdMap thresholds;                   ///< eq. 7.1 and 7.2: the encoder's input from the eye
     PixelLight light;
     core::Plane<float> warped;  ///< dY(t - 1) at its pixels, for the light they got; empty: none
 };
@@ -64,7 +64,7 @@ struct Observation {
 struct TemporalState {
     std::int64_t number = 0;
     std::shared_ptr<const core::Visible> visible;
-    core::Plane<core::Block8x8> coefficients;  ///< of what masks: the picture, or its decoded version
+    core::Plane<core::Block8x8> coefficients;  ///< of the masking signal: the picture, or its decoded version
     core::Plane<core::Block8x8> residual;      ///< of the picture minus its prediction; empty: not known
     ThresholdMap thresholds;
     PixelLight light;
@@ -90,8 +90,8 @@ struct Tolerated {
     MaskedErrors warped;  ///< for its Observation: dY(t - 1) for its plan, `no_partner` (warp.h) where none
 };
 
-/// The eye of the loop (docs/model/tolerance.md): what the picture before hides becomes what this frame may err by.
-/// Immutable; what is remembered is handed in and out.
+/// The eye of the loop (docs/model/tolerance.md): masking by the picture before becomes the tolerance of this frame.
+/// Immutable; state is passed in and out.
 class VisibilityModel {
   public:
     VisibilityModel(const Display& display, Strategy strategy = Strategy::warped);

@@ -1,5 +1,5 @@
 #pragma once
-// Warps what is known of one picture to another along exact motion.
+// Warps data of one picture to another along exact motion.
 #include <algorithm>
 #include <glm/glm.hpp>
 #include <optional>

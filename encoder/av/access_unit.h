@@ -1,5 +1,5 @@
 #pragma once
-// The units of a coded picture: what describes the stream apart from what describes the picture.
+// The units of a coded picture: headers of the stream apart from data of the picture.
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -14,9 +14,8 @@ struct AccessUnit {
     std::vector<std::uint8_t> pictures;  ///< the picture itself
 };
 
-/// Takes apart a picture of a byte stream [H264, annex B] or, for AV1, of units with sizes [AV1, 5.2]. What only
-/// comments on it (SEI messages, metadata, delimiters) is left out. Throws core::Error for what is none. Not for
-/// MPEG-2.
+/// Splits a picture of a byte stream [H264, annex B] or, for AV1, of units with sizes [AV1, 5.2]. Mere annotations (SEI
+/// messages, metadata, delimiters) are left out. Throws core::Error for other data. Not for MPEG-2.
 AccessUnit taken_apart(encoder::Codec codec, std::span<const std::uint8_t> bytes);
 
 }  // namespace render2mpeg::av

@@ -38,7 +38,7 @@ struct LibraryOrder {
     core::Plane<std::uint8_t> quantisers;  ///< of macroblocks; one alone where the codec has one for all
 };
 
-/// A picture that a library coded, and what its decoder shows of it.
+/// A picture coded by a library, with its decoded version.
 struct LibraryPicture {
     std::int64_t number = 0;
     encoder::PictureType type = encoder::PictureType::intra;

@@ -13,10 +13,10 @@ void check(const encoder::Settings& settings);
 
 /// The coder of a film's codec. Throws as check() does.
 ///
-/// Those of libavcodec hold pictures back until their decoder, which tells what became of each, shows them: an I or P
-/// picture comes when the next one is coded, its B pictures behind it. Their quantisers are as planned; so is what a
-/// macroblock record says of macroblocks that have nothing coded. HEVC's and AV1's pictures come when
-/// their group ends: by count, never by other libraries' threads.
+/// Coders of libavcodec delay pictures until their decoder, which reports the result of each, shows them: an I or P
+/// picture comes when the next one is coded, its B pictures behind it. Their quantisers are as planned; so are the
+/// records of macroblocks without coded data. HEVC's and AV1's pictures come when their group ends: by count, never by
+/// other libraries' threads.
 std::unique_ptr<encoder::Coder> make_coder(const encoder::Settings& settings);
 
 }  // namespace render2mpeg::av

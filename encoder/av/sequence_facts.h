@@ -7,7 +7,7 @@
 
 #include "core/rational.h"
 
-/// Reads what a container has to know of an MPEG-2 stream from the headers before its first picture.
+/// Reads a container's facts about an MPEG-2 stream from the headers before its first picture.
 namespace render2mpeg::av {
 
 /// Facts about an MPEG-2 video stream for its container, from the headers before its first picture.

@@ -13,7 +13,7 @@ class Error : public std::runtime_error {
     Error(std::string_view doing, std::string_view file, std::string_view cause);
     /// The same for one object within the file, e.g. `mesh "Chair", primitive 2`.
     Error(std::string_view doing, std::string_view file, std::string_view object, std::string_view cause);
-    /// For what concerns no file, e.g. an option's value.
+    /// For errors that concern no file, e.g. an option's value.
     explicit Error(const std::string& line) : std::runtime_error(line) {}
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// Fog: what fills the air of a film, as it asks for it.
+// Fog in the air of a film, as requested by it.
 #include <glm/glm.hpp>
 
 namespace render2mpeg::core {

@@ -1,5 +1,5 @@
 #pragma once
-// Glare: what bright light does in the eye, as a film asks for it.
+// Glare of bright light in the eye, as requested by a film.
 #include <array>
 #include <cstdint>
 #include <string_view>

@@ -11,7 +11,7 @@ namespace render2mpeg::core {
 struct Picture {
     std::int64_t number = 0;  ///< display number, from 0
     Plane<std::uint8_t> y, cb, cr;
-    /// Luma before rounding, in code values: what the eye's model looks at. Empty for pictures that were decoded.
+    /// Luma before rounding, in code values: input of the visibility model. Empty for decoded pictures.
     Plane<float> luma;
 
     int width() const { return y.width(); }

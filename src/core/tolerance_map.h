@@ -16,9 +16,9 @@ struct Tolerance {
     float allows(float luminance) const {
         return std::max(relative * luminance, std::max(least(), std::min(absolute, weber_fraction() * luminance)));
     }
-    /// The absolute part over its background: what holds where the pixel's own luminance is less than that.
+    /// The absolute part over its background: relative tolerance where the pixel's luminance is below the background.
     float weber_fraction() const { return background > absolute * 1e-30f ? absolute / background : 1e30f; }
-    /// The absolute part of a pixel without light: what is that dark may change by more than by a share of itself.
+    /// The absolute part of a pixel without light: so dark a pixel may change by more than a share of itself.
     float least() const { return absolute * std::min(weber_fraction(), 1.0f); }
 
     bool operator==(const Tolerance&) const = default;

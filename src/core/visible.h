@@ -1,5 +1,5 @@
 #pragma once
-// The border type of primary visibility: what each pixel shows.
+// The border type of primary visibility: the point seen at each pixel.
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <limits>

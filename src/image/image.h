@@ -24,7 +24,7 @@ struct Image {
     bool high_range = false;        ///< the file held floats (EXR, HDR): scene-linear already
 };
 
-/// The largest half float: what stands for a value that overflowed.
+/// The largest half float: replaces overflowed values.
 inline constexpr float overflowed = 65504.0f;
 
 /// How many values of the image's colours are infinite or NaN.

@@ -5,7 +5,7 @@
 
 #include "encoder/types.h"
 
-/// Main Profile's levels and what they allow; rate and VBV size of a stream.
+/// Main Profile's levels and their limits; rate and VBV size of a stream.
 namespace render2mpeg::encoder::mpeg2 {
 
 /// Limits of a level of Main Profile. [H262, tables 8-11 to 8-14]
@@ -33,7 +33,7 @@ const Level& level_for(const Settings& settings);
 /// [H262, 6.3.3: mb_height]
 int macroblock_rows(const Settings& settings);
 
-/// How a stream's bits come to a decoder: what its headers declare.
+/// Delivery of a stream's bits to a decoder, as declared in its headers.
 struct Channel {
     bool constant;                ///< the rate; else it is the highest one
     std::int64_t bit_rate;        ///< bits per second, a multiple of 400 as the header counts

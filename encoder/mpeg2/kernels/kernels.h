@@ -37,7 +37,7 @@ struct Kernels {
     /// Sum of absolute 8x8 Hadamard coefficients (gain 8 over orthonormal) of a 16x16 difference.
     std::uint32_t (*satd_16x16)(const std::uint8_t* a, std::ptrdiff_t a_stride, const std::uint8_t* b,
                                 std::ptrdiff_t b_stride);
-    /// The same of the block by itself, without the four DCs: what intra coding faces.
+    /// The same of the block by itself, without the four DCs: an estimate for intra coding.
     std::uint32_t (*activity_16x16)(const std::uint8_t* a, std::ptrdiff_t a_stride);
     std::uint32_t (*ssd_16x16)(const std::uint8_t* a, std::ptrdiff_t a_stride, const std::uint8_t* b,
                                std::ptrdiff_t b_stride);
@@ -64,10 +64,10 @@ struct Kernels {
     Quantised (*quantise)(const float* coefficients, const QuantTable& table, std::int16_t* levels,
                           std::int16_t* dequantised);
 
-    /// `nonzero` aside, what `quantise` says, with the square of each coefficient's error weighted.
+    /// The result of `quantise` apart from `nonzero`, with the square of each coefficient's error weighted.
     Quantised (*weigh)(const float* coefficients, const std::int16_t* dequantised, const float* weights);
 
-    /// The inverse DCT of libavcodec's `simple` decoder, clipped into `out`, or added to what is there.
+    /// The inverse DCT of libavcodec's `simple` decoder, clipped into `out`, or added to its contents.
     void (*inverse_dct_put)(const std::int16_t* coefficients, std::uint8_t* out, std::ptrdiff_t stride);
     void (*inverse_dct_add)(const std::int16_t* coefficients, std::uint8_t* out, std::ptrdiff_t stride);
 };

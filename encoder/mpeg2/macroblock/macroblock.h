@@ -16,7 +16,7 @@ namespace render2mpeg::encoder::mpeg2 {
 
 /// Predictors within a slice at a macroblock. Reset at the slice's start. [H262, 7.2.1 and 7.6.3.4]
 struct SliceState {
-    int dc_reset = 128;  ///< half of what the picture's intra DC precision can say
+    int dc_reset = 128;  ///< half the range of the picture's intra DC precision
     int dc[3] = {dc_reset, dc_reset, dc_reset};
     /// Of the macroblock before; its vectors predict the next ones. [H262, 7.6.3]
     PredictionMode mode{{}, {false, false}};
@@ -56,7 +56,7 @@ struct MacroblockCode {
     PredictionMode mode;         ///< of a macroblock that is not intra
     std::uint16_t dc[6] = {};    ///< intra: quantised DCs
     std::uint8_t runs[6] = {};   ///< coefficients per block in the row's list
-    std::uint32_t bits = 0;      ///< once written; what macroblocks skipped before it cost is on its bill
+    std::uint32_t bits = 0;      ///< once written; includes the cost of macroblocks skipped before it
 };
 
 /// Rate and distortion of a trial.

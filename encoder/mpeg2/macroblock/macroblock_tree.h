@@ -3,8 +3,7 @@
 #include "core/motion_field.h"
 #include "core/plane.h"
 
-/// Quantiser factors of macroblocks by what later pictures take from them: propagation as in MB-tree, from exact
-/// motion.
+/// Quantiser factors of macroblocks by their use in later pictures: propagation as in MB-tree, from exact motion.
 namespace render2mpeg::encoder::mpeg2 {
 
 /// Factors of the quantiser of each macroblock of a reference, `columns` x `rows`. The picture as a whole has
@@ -15,7 +14,7 @@ namespace render2mpeg::encoder::mpeg2 {
 /// `onward` leads, is skipped and loses nothing; what is predicted between pixels loses detail; where pictures show
 /// anew what the one before does not, to a mean square that quantisation does not hide, that is coded again:
 /// `innovation` (encoder/innovation.h), null: 0 everywhere. s is the share of the macroblock that stays in the picture.
-/// `quantiser`: quantiser_scale_code of the picture, or what is like it.
+/// `quantiser`: quantiser_scale_code of the picture, or its equivalent.
 ///
 /// Macroblocks may hang over the field's right and lower side.
 core::Plane<float> quantiser_factors(const core::MotionField& onward, const core::Plane<float>* innovation, int columns,

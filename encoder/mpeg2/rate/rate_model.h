@@ -31,7 +31,7 @@ class RateModel {
 
     /// Bits of the next picture of a type at a quantiser, >= 1, not necessarily whole.
     double bits(PictureType type, double quantiser) const;
-    /// Learns what a picture came to that stands for others: true until one of its type is coded.
+    /// Learns the bits of a representative picture: valid until one of its type is coded.
     void expect(PictureType type, int quantiser, double bits);
     /// Learns that a picture came to `bits`.
     void learn(PictureType type, int quantiser, std::int64_t bits);
@@ -50,8 +50,8 @@ class RateModel {
     std::array<std::optional<double>, 3> learned_, expected_;
 };
 
-/// How far a film's real bits are from what an earlier pass found. Pictures may be of another type now than they were
-/// then: what is allocated to those to come is known by their types then.
+/// Ratio of a film's real bits to those of an earlier pass. Pictures may have changed their type since: allocations to
+/// future pictures are known by their types then.
 class PassModel {
   public:
     /// Bits of a picture that was allocated so much, at another quantiser.

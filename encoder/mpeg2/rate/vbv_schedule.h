@@ -58,7 +58,7 @@ class VbvSchedule {
     /// holds. GOPs begin at `starts` and from the last of them on the regular grid.
     std::optional<std::int64_t> need(const Numbers& starts, std::int64_t from) const;
     bool feasible(const Numbers& starts, std::int64_t from, std::int64_t fullness) const;
-    /// Where looking ahead ends, and what must be in the buffer there.
+    /// End of the look-ahead, and the buffer fullness required there.
     struct Horizon {
         std::int64_t number, fractions;
     };

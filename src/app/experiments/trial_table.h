@@ -32,7 +32,7 @@ struct TrialRow {
 std::string heads_text(const TrialColumns& columns, const std::string& name, int width);
 std::string row_text(const TrialColumns& columns, const std::string& name, int width, const Trial& trial);
 
-/// All figures of a trial by their keys, whatever a table shows; null for what is not finite.
+/// All figures of a trial by their keys, whatever a table shows; null for non-finite values.
 nlohmann::json figures_json(const Trial& trial);
 
 std::string html_of(const std::string& title, const TrialColumns& columns, const std::vector<TrialRow>& rows);

@@ -1,5 +1,5 @@
 #pragma once
-// A film's plan for many machines: what is decided once, and which part has which frames.
+// A film's plan for many machines: the common decisions, and the frames of each part.
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
@@ -71,7 +71,7 @@ nlohmann::json farm_identity(const FarmPlan& plan, const RenderJob& film, Render
 /// Throws Refusal where this program is of another version or build than the plan's, or this processor lacks its
 /// instruction set; names which.
 void refuse_other_machine(const FarmPlan& plan);
-/// Throws Refusal, naming what has changed, where the film is not the plan's.
+/// Throws Refusal, naming the difference, where the film is not the plan's.
 void refuse_other_film(const FarmPlan& plan, const RenderJob& film, const RenderOptions& options);
 
 /// Ascending numbers as schedulers read them: "1,3-5".

@@ -22,7 +22,7 @@ struct PartNews {
     std::string error;  ///< why it failed
     double age = 0;     ///< seconds since it was written
 
-    /// Whether what says that it runs has fallen silent: it was killed, or its machine is gone.
+    /// Whether a part reported as running has stopped reporting: it was killed, or its machine is gone.
     bool is_lost() const;
 };
 

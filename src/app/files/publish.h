@@ -1,5 +1,5 @@
 #pragma once
-// Gives a finished file its name, without replacing what is not ours.
+// Gives a finished file its name, without replacing files that are not ours.
 #include <cstdint>
 #include <filesystem>
 #include <optional>

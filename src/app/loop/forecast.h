@@ -49,7 +49,7 @@ struct FrameSample {
     int frames = 0, windows = 0;
     Size size;
     double cpu = 0, clock = 0;  ///< seconds of all of it
-    double built = 0;           ///< CPU of what a run builds once
+    double built = 0;           ///< CPU of a run's one-time construction
     RunStatistics statistics;   ///< of sample_frames() alone
 
     /// The same with so many times the pixels; seconds grow by `power`.

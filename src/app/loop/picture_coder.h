@@ -51,9 +51,9 @@ class PictureCoder {
     /// for and the picture before is there.
     core::Plane<float> compare_with_last(const core::Picture& picture, bool innovation, Motion& motion);
     encoder::PictureFacts facts_of(std::int64_t number, bool cut_before) const;
-    /// Learns from a shot's first pictures, coded roughly, what quality they have with which quantiser.
+    /// Learns the quality by quantiser of a shot's first pictures, coded roughly.
     void try_quality(std::span<const core::Picture* const> pictures);
-    /// Learns what quality pictures came to.
+    /// Learns the quality reached by pictures.
     void judge(const std::vector<encoder::CodedPicture>& pictures);
     void look_ahead(encoder::PictureFacts& facts, std::int64_t number);
 

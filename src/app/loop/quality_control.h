@@ -14,12 +14,12 @@ class QualityControl {
   public:
     explicit QualityControl(double quality);
 
-    /// By what the quantisers of the quality are to be multiplied in the next picture.
+    /// Factor on the quantisers of the quality for the next picture.
     double factor() const;
     /// Learns that a picture came to a masked error (perceptual/metrics.h). `base`: its quantiser without the ratio of
     /// its type and followers.
     void learn(encoder::PictureType type, double base, double masked_error);
-    /// Takes over what another one has learned of errors by quantiser, not what was shown.
+    /// Takes over another one's model of errors by quantiser, not its history of shown pictures.
     void expect(const QualityControl& trial);
     /// The next picture shows nothing of those before.
     void forget();

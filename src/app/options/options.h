@@ -17,8 +17,8 @@ namespace render2mpeg::app {
 struct ToleranceRequest {
     bool reference = false;                     ///< every light point, no clustering; with `truth` by paths instead
     float relative = 0.02f;                     ///< else: share of each pixel's luminance
-    bool coupled = false;                       ///< instead: what coding and the eye hide
-    std::optional<float> fraction;              ///< of it, > 0; none: what the quantiser allows
+    bool coupled = false;                       ///< instead: errors masked by coding and the eye
+    std::optional<float> fraction;              ///< of it, > 0; none: derived from the quantiser
     std::optional<float> truth = std::nullopt;  ///< standard error of a pixel over its luminance
 };
 
@@ -28,7 +28,7 @@ struct ShutterRequest {
 
 struct GlareRequest {
     core::GlareKind kind = core::GlareKind::off;
-    std::optional<float> strength;  ///< none: the animation file's, or what eyes scatter
+    std::optional<float> strength;  ///< none: the animation file's, or that of real eyes
 };
 
 /// Pictures of a GOP by default. chosen: 60, two seconds, for seeking and chunks (film.h). Against 15 that takes 7.3 to
@@ -46,8 +46,8 @@ struct CodingOptions {
     std::optional<std::string> vbv;
     bool constant_rate = false;                               ///< --cbr
     std::optional<int> passes;                                ///< 1 or 2
-    std::optional<int> gop;                                   ///< none: usual_gop, or what the preset says
-    std::optional<int> b_pictures;                            ///< most in a row; none: 3, or what the preset says
+    std::optional<int> gop;                                   ///< none: usual_gop, or the preset's
+    std::optional<int> b_pictures;                            ///< most in a row; none: 3, or the preset's
     std::string tune = "psnr";                                ///< "psnr" or "perceptual"
     std::string encoder = "quality";                          ///< "fast" or "quality"
     std::optional<std::string> preset;                        ///< --for

@@ -23,18 +23,17 @@ namespace render2mpeg::app {
 /// As prepare(), within the memory that the options allow. Not done where an interrupt was requested meanwhile.
 RenderJob prepare_within_memory(const RenderOptions& options);
 
-/// Prints what the scene lacks, and which options do nothing.
+/// Prints deficiencies of the scene, and options without effect.
 void print_notes(const RenderJob& film, const RenderOptions& options);
 
 /// Whether the output is one file, which is made in a work folder.
 bool is_one_file(const RenderJob& film);
 
-/// Refuses what needs no scene to be refused: outputs that nobody can write, and films that are there already. To be
-/// called before a scene is read, which may take minutes. Throws core::Error or Refusal.
+/// Checks that need no scene: refuses outputs that cannot be written, and films that exist already. Call before a scene
+/// is read, which may take minutes. Throws core::Error or Refusal.
 void check_before_reading(const RenderOptions& options);
 
-/// Refuses outputs that would take the place of other files, or show what there is none of. Writes nothing. Throws
-/// core::Error.
+/// Refuses outputs that would replace other files, or have nothing to show. Writes nothing. Throws core::Error.
 void check_outputs(const RenderJob& film, const RenderOptions& options);
 
 /// Outputs of the film, for require_consent().
@@ -73,15 +72,15 @@ struct OpenRender {
 void take_up(SampleFrameObserver& sample_frame, const std::vector<ChunkFile>& chunks);
 
 /// Renders the chunks that have no file yet, the last of them incompletely after an interruption. Returns whether all
-/// that the job makes is whole. The message of a failure ends with what is not lost by it.
+/// that the job makes is whole. The message of a failure ends with the work that is preserved.
 bool render_chunks(const OpenRender& open);
 
 /// How many of the chunks are whole.
 std::size_t whole_of(const std::vector<ChunkFile>& chunks);
 
-/// Publishes what is whole; leaves what is not beside the target. `facts` get what came of it. `again`: the command
-/// that goes on after an interruption. Returns whether all is written that was asked for. Whatever fails costs no more
-/// than itself; throws the first failure at the end.
+/// Publishes complete outputs; leaves incomplete ones beside the target. Stores the outcome in `facts`. `again`: the
+/// command to continue after an interruption. Returns whether all requested outputs are written. A failure does not
+/// stop the other outputs; throws the first failure at the end.
 bool publish_all(const OpenRender& open, bool complete, RunFacts& facts, const std::string& again);
 
 }  // namespace render2mpeg::app

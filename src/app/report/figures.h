@@ -14,7 +14,7 @@ std::string psnr_text(double psnr);
 std::string count_text(double count);
 /// A share of 1 as "12.3 %".
 std::string percent_text(double share);
-/// Three digits at most; "-" for what is not finite.
+/// Three digits at most; "-" for non-finite values.
 std::string short_figure(double value);
 /// "1 picture", "2 pictures".
 std::string pictures_text(std::int64_t count);

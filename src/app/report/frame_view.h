@@ -19,7 +19,7 @@ ViewBox view_of(int width, int height);
 core::Picture part_of(const core::Picture& picture, const ViewBox& box);
 core::Plane<float> part_of(const core::Plane<float>& plane, const ViewBox& box);
 
-/// A picture in a page, and what it is called.
+/// A picture in a page, with its name.
 struct ShownPicture {
     std::string name;
     core::Picture picture;
@@ -34,8 +34,7 @@ std::string image_of(const std::string& name, const core::Picture& picture, perc
 std::string slider_figure(const std::string& title, const ShownPicture& left, const ShownPicture& right,
                           perceptual::ColorMatrix matrix);
 
-/// The same with a switch that shows what the two differ by instead, so many times as large (difference_gain), upon
-/// grey.
+/// The same with a switch to the difference of the two, amplified by difference_gain, on grey.
 std::string difference_figure(const std::string& title, const ShownPicture& left, const ShownPicture& right,
                               perceptual::ColorMatrix matrix);
 

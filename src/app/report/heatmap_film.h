@@ -93,7 +93,7 @@ class HeatmapFilms : public LoopObserver {
     void take_up(std::size_t chunks) {
         for (const std::unique_ptr<HeatmapFilm>& film : films_) film->take_up(chunks);
     }
-    /// The same films of a part of this one, behind what there is of them.
+    /// Appends the same films of a part of this film.
     void append(HeatmapFilms& part) {
         for (std::size_t i = 0; i < films_.size(); ++i) films_[i]->append(*part.films_[i]);
     }
@@ -101,8 +101,8 @@ class HeatmapFilms : public LoopObserver {
     void ends(const Chunk& chunk) override { each(&HeatmapFilm::ends, chunk); }
     void lit(const LitFrame& frame) override { each(&HeatmapFilm::lit, frame); }
     void coded(const encoder::CodedPicture& coded) override { each(&HeatmapFilm::coded, coded); }
-    /// After the film's last picture: gives them their names. Whether nothing is left to be done: what could not have
-    /// its name now may have it later, by --resume.
+    /// Gives the films their names, after the film's last picture. Returns whether all succeeded; the rest may be named
+    /// later, by --resume.
     bool finish() {
         std::size_t named = 0, made = 0;
         for (const std::unique_ptr<HeatmapFilm>& film : films_) {
@@ -117,9 +117,9 @@ class HeatmapFilms : public LoopObserver {
     }
     /// Whether one failed; only a film that begins anew makes it.
     bool has_lost() const { return lost_; }
-    /// Removes what they were made of.
+    /// Removes their intermediate files.
     void clear_away() { each(&HeatmapFilm::clear_away); }
-    /// Throws what went wrong first, be it while the film was made.
+    /// Throws the first failure, also one from the making of the film.
     void rethrow() const { failures_.rethrow(); }
 
   private:

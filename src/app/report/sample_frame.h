@@ -10,8 +10,7 @@
 
 namespace render2mpeg::app {
 
-/// Keeps the middle of one frame of a render for its report: as it was lit and as it is decoded, and what its light may
-/// be off by.
+/// Keeps the middle of one frame of a render for its report: as lit, as decoded, and the tolerance of its light.
 class SampleFrameObserver : public LoopObserver {
   public:
     /// The frame in the middle of the film.

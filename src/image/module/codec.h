@@ -16,7 +16,7 @@ class Codec {
   public:
     virtual ~Codec() = default;
 
-    /// `format` is what the bytes claim to be; `name` is for messages.
+    /// `format` is the format claimed by the bytes; `name` is for messages.
     virtual Image decode(std::span<const std::byte> bytes, Format format, const std::string& name) const = 0;
 
     /// The same as far as its header goes.

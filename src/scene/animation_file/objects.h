@@ -1,5 +1,5 @@
 #pragma once
-// Objects of an animation file, and what it changes in another scene.
+// Objects of an animation file, and its changes to another scene.
 
 #include <map>
 #include <string>
@@ -23,7 +23,7 @@ class Objects {
     /// Moves, hides or repaints nodes by name, else objects.
     void read_changes(const JsonValue& changes);
 
-    /// Reads what mirrors are told to show, when all objects are there.
+    /// Reads the reflection edits of mirrors, after all objects.
     void read_edits();
 
   private:

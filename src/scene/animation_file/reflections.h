@@ -9,8 +9,8 @@ namespace render2mpeg::scene {
 /// Whether a thing or one of its keys has `reflections`.
 bool has_reflections(const JsonValue& thing);
 
-/// Reads a thing's `reflections` and what its keys say of them: edits of what the objects at `node` mirror. Needs all
-/// objects, of which some may be named.
+/// Reads `reflections` of a thing and of its keys: edits of the reflections in the objects at `node`. Needs all
+/// objects, since edits may name them.
 void read_reflections(const JsonValue& thing, int node, Animation& film, const FilmClock& clock);
 
 }  // namespace render2mpeg::scene

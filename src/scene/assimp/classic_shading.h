@@ -15,7 +15,7 @@ struct PhongLook {
     float exponent = 0;           ///< Ns; 0: the format gave none
     glm::vec3 emission{0};        ///< Ke, taken as radiance
     float opacity = 1;            ///< d
-    glm::vec3 filter{1};          ///< Tf, colour of what passes through glass
+    glm::vec3 filter{1};          ///< Tf, colour of light transmitted through glass
     float ior = 1;                ///< Ni; 1: not said
     int illumination_model = -1;  ///< MTL's illum; -1: not said
     float metallic = -1;          ///< Pm; -1: not said

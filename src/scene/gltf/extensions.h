@@ -1,5 +1,5 @@
 #pragma once
-// Extensions of glTF: which are read, and what a picture loses where others are not.
+// Extensions of glTF: those supported, and the effect of others missing from a picture.
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>

@@ -44,7 +44,7 @@ enum class Mobility { still, rigid, deforming };
 /// `solid`: bends light.
 enum class Body : std::uint8_t { none, slab, solid };
 
-/// One mesh with one material at one node: what a pixel's object id names.
+/// One mesh with one material at one node: the target of a pixel's object id.
 struct Object {
     std::string name;
     int node = -1;
@@ -75,7 +75,7 @@ struct Animation {
     std::vector<ImageSource> images;
     std::vector<CameraLens> cameras;  ///< at least one after loading
     std::vector<Light> lights;
-    std::vector<Reflection> reflections;  ///< edits of what mirrors show
+    std::vector<Reflection> reflections;  ///< edits of reflections in mirrors
     Sky sky;
     int stage = -1;  ///< object: the floor that default light adds, which exposure looks past; -1: none
     std::vector<Track> tracks;
@@ -101,7 +101,7 @@ struct Animation {
 
     std::optional<std::filesystem::path> sound;  ///< begins with frame 0, likewise
 
-    std::vector<std::string> notes;  ///< one line each: what was assumed, dropped or not understood
+    std::vector<std::string> notes;  ///< one line each: assumed, dropped or unknown features
 };
 
 }  // namespace render2mpeg::scene

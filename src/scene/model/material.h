@@ -57,7 +57,7 @@ struct Material {
 
     /// KHR_materials_volume. `Object::body` says which meshes bound a body.
     Thickness thickness = Thickness::thin;
-    glm::vec3 attenuation_color{1, 1, 1};  ///< 0..1, what is left of white light after `attenuation_distance`
+    glm::vec3 attenuation_color{1, 1, 1};  ///< 0..1, transmittance of white light over `attenuation_distance`
     float attenuation_distance = 0;        ///< > 0; 0: infinite, nothing is taken
     float dispersion = 0;                  ///< KHR_materials_dispersion: 20 over Abbe's number, >= 0
 

@@ -1,5 +1,5 @@
 #pragma once
-// An edit of what a mirror shows.
+// An edit of a mirror's reflection.
 
 namespace render2mpeg::scene {
 
@@ -8,8 +8,8 @@ namespace render2mpeg::scene {
 struct Reflection {
     int mirror = -1;   ///< node of the objects that mirror
     int at = -1;       ///< node at the point on them; the nearest point of their surface is meant
-    int see = -1;      ///< node at what is to be seen there
-    float radius = 1;  ///< so far about the point what is mirrored turns as a whole, > 0
+    int see = -1;      ///< node at the target to be seen there
+    float radius = 1;  ///< distance from the point within which the reflection turns as a whole, > 0
     float border = 1;  ///< at least so wide is the ring about it in which the turn fades, > 0
 };
 

@@ -29,8 +29,8 @@ struct Pose {
     bool is_visible(int node) const { return node < 0 || visible[static_cast<std::size_t>(node)] != 0; }
 };
 
-/// Needs a valid animation (`complete`). `steps`: when what jumps or is switched is looked at; elsewhere than at
-/// `seconds` while a shutter is open, in which nothing jumps.
+/// Needs a valid animation (`complete`). `steps`: time at which jumping or switched tracks are evaluated; differs from
+/// `seconds` while a shutter is open, during which nothing jumps.
 Pose pose_at(const Animation& animation, double seconds, double steps);
 inline Pose pose_at(const Animation& animation, double seconds) {
     return pose_at(animation, seconds, seconds);

@@ -41,8 +41,8 @@ struct SweepPlace {
 /// interpolated.
 std::vector<Camera> cameras_over(const Snapshot& snapshot, int count);
 
-/// Where a point of a surface is at shutter time 0 (`closing` false) or 1, and what the camera shows of it there; none
-/// where it is behind the eye. `camera`: of that instant.
+/// Position of a surface point at shutter time 0 (`closing` false) or 1, and its image in the camera; none where it is
+/// behind the eye. `camera`: of that instant.
 std::optional<glm::vec3> swept_position(const core::SurfaceAddress& address, const Snapshot& snapshot, bool closing);
 
 }  // namespace render2mpeg::scene

@@ -16,7 +16,7 @@ struct Traits {
     bool has_narrow_lobes = false;      ///< of them, in one so narrow that rays look along it
     bool has_mirrors = false;           ///< smooth enough that only a traced ray shows its reflection
     bool has_glass = false;             ///< transmission > 0
-    bool has_bodies = false;            ///< of glass, which bend what is seen through them
+    bool has_bodies = false;            ///< of refractive glass
     bool throws_light = false;          ///< things that mirror or bend the light of lamps onto others
     bool has_alpha_mask = false;
     bool has_alpha_blend = false;
@@ -30,7 +30,7 @@ struct Traits {
     bool lights_change = false;  ///< move, or change their strength; emissive surfaces included
     bool has_cuts = false;
     bool has_open_shutter = false;
-    bool has_aperture = false;            ///< a lens that blurs what is out of focus
+    bool has_aperture = false;            ///< a lens with defocus blur
     bool has_edited_reflections = false;  ///< of surfaces that mirror, sharply or in a lobe
     bool edits_move = false;              ///< or where they are to point
     bool has_glare = false;
