@@ -62,7 +62,7 @@ struct LookAhead::Impl {
     int width, height, most_b;
     bool ended = false;
 
-    /// A picture and what is known of it.
+    /// A picture and its analysis.
     struct Seen {
         mpeg2::Frame half;
         core::Plane<float> alone;                                       ///< Hadamard sums of blocks by themselves

@@ -11,7 +11,7 @@
 namespace render2mpeg::perceptual {
 namespace {
 
-/// Radii of what is scattered, in cells.
+/// Radii of scattered light, in cells.
 glm::ivec2 reach_of(const core::Glare& settings, int height, float pixel_aspect, int step) {
     const float high = settings.size * static_cast<float>(height) / static_cast<float>(step);
     return glm::max(glm::ivec2(1), glm::ivec2(glm::ceil(glm::vec2(high / pixel_aspect, high))));
@@ -52,7 +52,7 @@ double veil_at(double distance) {
     return end * end / ((distance * distance + core * core) * std::sqrt(1 + distance * distance / (knee * knee)));
 }
 
-/// Where a place lies, in cells from the middle, as a share of what is reached there.
+/// Position in cells from the middle, as a share of the reach there.
 glm::dvec2 share_of(glm::dvec2 cells, glm::ivec2 reach) {
     return cells / (glm::dvec2(reach) + 0.5);
 }

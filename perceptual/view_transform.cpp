@@ -1,5 +1,5 @@
 // Filmic and AgX share one form: light on a logarithmic scale of 16.5 stops, and on it a sigmoid of two arms that meet
-// at a pivot [AgX]. Their constants are fitted to what Blender shows (docs/measurements.md#views).
+// at a pivot [AgX]. Their constants are fitted to Blender's output (docs/measurements.md#views).
 #include "perceptual/view_transform.h"
 
 #include <algorithm>
@@ -162,7 +162,7 @@ ShownLight ViewTransform::mix(glm::vec3 exposed) const {
 /// logarithm. The others are flat at white.
 float ViewTransform::falls(float mixed) const {
     const float beyond = mixed / static_cast<float>(white_);
-    // The table's last piece before white may be bent by what follows it.
+    // The table's last piece before white may be bent by the pieces behind it.
     if (beyond < 0.99f) return table_.point(mixed).log_slope;
     return end_slope_ * std::clamp(1.0f - std::log2(beyond), 0.0f, 1.0f);
 }

@@ -144,7 +144,7 @@ Y4mFormat read_header(std::istream& stream, const std::string& name) {
                 if (value == "COLORRANGE=FULL") format.full_range = true;
                 break;
             default:
-                break;  // [Y4M]: what is not known is to be passed over
+                break;  // [Y4M]: unknown parameters are to be skipped
         }
     }
     if (format.width == 0 || format.height == 0)

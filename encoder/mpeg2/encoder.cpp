@@ -1,4 +1,4 @@
-// The encoder's way through a film: plans, B pictures that wait, coding, and what comes back.
+// The encoder's way through a film: plans, delayed B pictures, coding, and results.
 #include "encoder/encoder.h"
 
 #include <algorithm>
@@ -188,7 +188,7 @@ CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan&
     mpeg2::BitWriter headers;
     write_headers(headers, plan);
 
-    // Code it within what the buffer holds.
+    // Code it within the bits in the buffer.
     auto& [first, end, schedule, rate] = session_of(plan.number);
     task.quantiser = rate.coding_quantiser(plan, schedule);
     const auto header_bits = static_cast<std::int64_t>(headers.bit_count());
@@ -208,7 +208,7 @@ CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan&
     mpeg2::set_vbv_delay(result.bytes, removal.delay);
     mpeg2::add_stuffing(result.bytes, static_cast<std::size_t>(removal.stuffing_bytes));
 
-    // Tell what became of it.
+    // Report the result.
     CodedPicture coded;
     coded.plan = plan;
     coded.quantiser = fitted.quantiser;

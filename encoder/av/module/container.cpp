@@ -156,7 +156,7 @@ class File final : public Container {
         return 0;
     }
 
-    /// libavformat hands what it writes to the sink, after every picture.
+    /// libavformat passes its output to the sink, after every picture.
     void open_sink(const Messages& messages) {
         constexpr int size = 1 << 15;                                    // chosen: libavformat's own for files
         const auto hand_over = [](void* file, auto* bytes, int count) {  // constant from FFmpeg 7 on

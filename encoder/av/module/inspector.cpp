@@ -124,7 +124,7 @@ class Film {
         if (const int r = avcodec_open2(decoder_.get(), codec, nullptr); r < 0) refuse(cause_of(r, messages_));
     }
 
-    /// Decodes one access unit, or with null what is held back.
+    /// Decodes one access unit; null: flushes the decoder.
     void send(AVPacket* packet) {
         const Messages messages;  // messages from now on concern this picture
         if (packet != nullptr) {
@@ -167,7 +167,7 @@ class Film {
         result_.pictures = std::move(shown);
     }
 
-    /// Brings together what was known before and after decoding.
+    /// Combines the facts from before and after decoding.
     void finish() {
         sort_for_display();
         for (PictureFacts& picture : result_.pictures) {

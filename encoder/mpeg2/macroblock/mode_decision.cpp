@@ -83,7 +83,7 @@ class RowDecision {
         const Force forced = picture_.forced ? picture_.forced->at(column, row_) : Force::none;
         const bool intra_due = picture_.intra_due && picture_.intra_due->at(column, row_) != 0;
 
-        // Do what is forced.
+        // Apply forced modes.
         if (picture_.type == PictureType::intra || forced == Force::intra) {
             try_intra(picture_, column, row_, quantiser, state_, *intra_);
             return keep(column, *intra_);

@@ -79,7 +79,7 @@ class MotionEstimator {
         return vector_range(column, row, columns_, rows_, s_.horizontal_f_code_limit, vertical_f_code_limit);
     }
 
-    /// First pass: exact vectors, zero, the picture before, and what the left neighbour liked.
+    /// First pass: exact vectors, zero, the picture before, and the left neighbour's choice.
     void try_sources(int row) {
         Vector left;
         for (int column = 0; column < columns_; ++column) {

@@ -111,7 +111,7 @@ std::vector<RowCode> decide(const PictureTask& task, const Vectors& vectors, con
     return rows;
 }
 
-/// The header that says what the rows turned out to use.
+/// The header with the parameters actually used by the rows.
 PictureHeader header_for(const PictureTask& task, const std::vector<RowCode>& rows) {
     PictureHeader header;
     header.temporal_reference = task.temporal_reference;

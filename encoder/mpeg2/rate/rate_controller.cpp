@@ -35,7 +35,7 @@ std::array<double, 3> rest_after(const std::optional<BitAllocation>& allocation,
     return rest;
 }
 
-/// Steers a quantiser to where falling `bits` meet `wanted`; both ends are beyond what is coded.
+/// Solves for the quantiser at which the decreasing `bits` equal `wanted`; both ends are beyond the coded range.
 template <class Bits>
 double solve(double wanted, const Bits& bits) {
     double low = std::log2(0.5), high = std::log2(62.0);

@@ -52,7 +52,7 @@ std::string hindrance(const FarmPlan& earlier, const FarmPlan& plan) {
     return {};
 }
 
-/// Removes what a farm left in its folder, and nothing else.
+/// Removes a farm's files from its folder, and nothing else.
 void remove_earlier(const FarmPlan& earlier) {
     std::error_code ignored;
     for (const FilmPart& part : earlier.parts) std::filesystem::remove_all(earlier.folder_of(part), ignored);
@@ -81,7 +81,7 @@ json take_over(const FarmPlan& plan, bool agreed) {
     return {};
 }
 
-/// Finds out what is decided once for the film. None after an interruption.
+/// Makes the decisions common to the whole film. None after an interruption.
 std::optional<json> settle_once(RenderJob& film, const RenderOptions& options, const FarmPlan& plan) {
     const json& identity = plan.facts->at("identity");
     const std::filesystem::path name = plan.folder / "plan";

@@ -76,7 +76,7 @@ json audit_of(const RenderJob& film, const Audit& audit) {
             {"seconds", audit.seconds}};
 }
 
-/// The entry's members, with what is not known as null.
+/// The entry's members, with null for unknown values.
 json entry_of(const FrameEntry& frame) {
     json entry = json_of(frame);
     entry["type"] = std::string(1, frame.type);

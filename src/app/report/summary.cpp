@@ -121,7 +121,7 @@ void add_quantisers(SummaryLines& lines, const Film& film, const RunStatistics& 
                                          rate.minimal == 1 ? "shows" : "show")});
 }
 
-/// How a coded film came out. `made`: what was done to its pictures before they were coded.
+/// Results of a coded film. `made`: processing of its pictures before coding.
 void add_coding(SummaryLines& lines, const Film& film, const RunStatistics& statistics, const char* made) {
     add_rate(lines, film, statistics);
     add_quantisers(lines, film, statistics);

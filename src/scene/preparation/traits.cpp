@@ -58,7 +58,7 @@ bool camera_moves(const Animation& animation, const std::vector<char>& moves) {
                        [&](const Shot& shot) { return moved(shot.camera); });
 }
 
-/// Whether any camera that the film shows blurs what is out of focus.
+/// Whether any camera used by the film has defocus blur.
 bool has_aperture(const Animation& animation) {
     const auto has = [&](int camera) { return animation.cameras[static_cast<std::size_t>(camera)].f_stop > 0; };
     if (animation.shots.empty()) return !animation.cameras.empty() && has(0);
