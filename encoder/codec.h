@@ -27,9 +27,9 @@ CodecFacts facts_of(Codec codec);
 /// the least weight of a matrix.
 double step_of(Codec codec, double quantiser);
 
-/// The quantiser of a codec, not rounded, with which films come to about the PSNR of MPEG-2's `quantiser`, > 0.
+/// The quantiser of a codec, not rounded, for about the PSNR of MPEG-2's `quantiser`, > 0.
 double quantiser_like(Codec codec, double mpeg2_quantiser);
-/// The inverse: MPEG-2's quantiser, not rounded, that a codec's is like.
+/// The inverse: MPEG-2's equivalent of a codec's quantiser, not rounded.
 double mpeg2_quantiser_like(Codec codec, double quantiser);
 
 /// End code after the last picture of a film; empty where a codec has none.

@@ -69,7 +69,7 @@ class Backend {
     virtual std::unique_ptr<Container> create(const std::filesystem::path& file, const ByteSink& sink,
                                               const char* format, const encoder::Settings& settings,
                                               const SequenceFacts& facts, const Sound& sound) const = 0;
-    /// Throws core::Error where libavcodec has no encoder for the codec, or none with so many bits.
+    /// Throws core::Error where libavcodec has no encoder for the codec, or none with this bit depth.
     virtual void check_encoder(const encoder::Settings& settings) const = 0;
     virtual std::unique_ptr<LibraryEncoder> open_encoder(const encoder::Settings& settings) const = 0;
     virtual double length_of_sound(const std::filesystem::path& file) const = 0;

@@ -95,7 +95,7 @@ ExrChannels read_exr(const std::filesystem::path& path, const std::function<bool
 /// A frame of an OpenEXR file and other channels of it.
 struct ExrFrame {
     Image image;         ///< the colours that read_image() would choose, over the display window
-    ExrChannels others;  ///< those that were wanted
+    ExrChannels others;  ///< the requested ones
 };
 
 /// Both at once, since channels are packed together. Throws as read_exr().

@@ -98,7 +98,7 @@ void try_intra(const PictureCoding& picture, int column, int row, int quantiser,
 void predict_luma(const PictureCoding& picture, int column, int row, const PredictionMode& mode, Prediction& out);
 void predict_chroma(const PictureCoding& picture, int column, int row, const PredictionMode& mode, Prediction& out);
 
-/// How a macroblock is predicted that is skipped here: by zero in a P picture, like the one before in a B picture.
+/// Prediction of a macroblock skipped here: by zero in a P picture, like the one before in a B picture.
 /// [H262, 7.6.6] Null where it must not be skipped: after an intra macroblock, or where the vectors would lead out of
 /// the picture. Holds until the state changes.
 const PredictionMode* skip_mode(const PictureCoding& picture, int column, int row, const SliceState& state);

@@ -52,7 +52,7 @@ struct FrameSample {
     double built = 0;           ///< CPU of a run's one-time construction
     RunStatistics statistics;   ///< of sample_frames() alone
 
-    /// The same with so many times the pixels; seconds grow by `power`.
+    /// The same with the pixels multiplied by `times`; seconds grow by `power`.
     FrameSample grown(double times, double power) const;
 };
 

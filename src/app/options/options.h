@@ -150,7 +150,7 @@ struct TrialOptions {
 };
 
 struct CostOptions : TrialOptions {
-    std::optional<std::string> sample;  ///< none: as much as there is time for
+    std::optional<std::string> sample;  ///< none: limited by the available time
     std::string within = "1m";          ///< as time_in_seconds reads it
     std::string tolerances = "16,8,4,2,1";
 };

@@ -29,10 +29,10 @@ struct AnswerRow {
 /// One of several ways to the same film, as the rule of all pages sees it.
 struct Offer {
     double cost = 0;            ///< of any unit, the same for all
-    bool is_like_best = false;  ///< nobody can tell it from the best
+    bool is_like_best = false;  ///< indistinguishable from the best
 };
 
-/// The row to take: the cheapest that nobody can tell from the best. None where there is none.
+/// The recommended row: the cheapest indistinguishable from the best. None where there is none.
 std::optional<std::size_t> cheapest_alike(std::span<const Offer> offers);
 
 /// "0:16 (28 s of CPU)": by the clock, and of all threads.

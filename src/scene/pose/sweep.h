@@ -13,7 +13,7 @@ inline constexpr float middle_time = 0.5f;
 
 /// Objects at one instant of the shutter.
 struct SweepKnot {
-    std::vector<ObjectState> objects;  ///< those that do not move are as in the snapshot
+    std::vector<ObjectState> objects;  ///< static ones are as in the snapshot
     std::vector<DeformedMesh> deformed;
 };
 
