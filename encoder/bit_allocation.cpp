@@ -114,7 +114,7 @@ std::vector<Items> chunks_of(Items items, std::span<const FirstPassPicture> film
     return chunks;
 }
 
-/// What a group of chunks that share their bits comes to.
+/// Allocation for a group of chunks with a common bit budget.
 struct Solution {
     double base;        ///< quantiser of I and P pictures
     double affordable;  ///< BitAllocation::affordable

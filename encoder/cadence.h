@@ -22,7 +22,7 @@ struct ShownFields {
     int count = 2;
 };
 
-/// What the sequence header says: the pictures' rate, or with pulldown 5/4 of it (29.97 for 23.976, 30 for 24).
+/// Rate in the sequence header: the pictures' rate, or with pulldown 5/4 of it (29.97 for 23.976, 30 for 24).
 core::FrameRate declared_rate(const Settings& settings);
 
 /// How picture `number` is shown. Fields alternate from picture to picture, beginning with a top field.

@@ -5,10 +5,10 @@
 
 #include "encoder/types.h"
 
-/// What this encoder can do, for programs that have to choose settings. Asking costs nothing.
+/// Capabilities of this encoder, for programs that have to choose settings. Queries cost nothing.
 namespace render2mpeg::encoder {
 
-/// What a level of Main Profile allows. [H262, tables 8-11 to 8-14]
+/// Limits of a level of Main Profile. [H262, tables 8-11 to 8-14]
 struct LevelLimits {
     const char* name;          ///< "Main", "High-1440", "High"
     int indication;            ///< level_identification in the sequence extension

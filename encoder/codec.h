@@ -1,5 +1,5 @@
 #pragma once
-// What differs from codec to codec where films are planned and told of.
+// Differences between codecs in the planning and reporting of films.
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -14,7 +14,7 @@ struct CodecFacts {
     Codec codec;
     std::string_view word;   ///< on the command line: "h264"
     std::string_view name;   ///< "H.264"
-    std::string_view scale;  ///< what its quantisers are called: "QP"
+    std::string_view scale;  ///< name of its quantisers: "QP"
     int finest, coarsest;    ///< quantisers
     int most_b_pictures;     ///< in a row
 };
@@ -27,12 +27,12 @@ CodecFacts facts_of(Codec codec);
 /// the least weight of a matrix.
 double step_of(Codec codec, double quantiser);
 
-/// The quantiser of a codec, not rounded, with which films come to about the PSNR of MPEG-2's `quantiser`, > 0.
+/// The quantiser of a codec, not rounded, for about the PSNR of MPEG-2's `quantiser`, > 0.
 double quantiser_like(Codec codec, double mpeg2_quantiser);
-/// The inverse: MPEG-2's quantiser, not rounded, that a codec's is like.
+/// The inverse: MPEG-2's equivalent of a codec's quantiser, not rounded.
 double mpeg2_quantiser_like(Codec codec, double quantiser);
 
-/// What ends the last picture of a film; empty where a codec has no such code.
+/// End code after the last picture of a film; empty where a codec has none.
 std::vector<std::uint8_t> end_of_stream(Codec codec);
 
 }  // namespace render2mpeg::encoder

@@ -27,7 +27,7 @@ constexpr int reach_of_neighbours = 24, reach_of_others = 8;
 /// chosen: costs of a vector's bit in absolute differences (4 of 0 to 8): a smooth field.
 constexpr float cost_per_bit = 4;
 
-/// What a B picture takes of its Hadamard sum, a P picture's being 1: nothing refers to it.
+/// Weight of a B picture's Hadamard sum, over a P picture's: nothing refers to it.
 /// chosen: 0.7 of 0.55 to 0.85: 0.55 needs 1.0 % more bits, 0.85 0.1 %.
 constexpr double weight_of_b = 0.7;
 
@@ -62,7 +62,7 @@ struct LookAhead::Impl {
     int width, height, most_b;
     bool ended = false;
 
-    /// A picture and what is known of it.
+    /// A picture and its analysis.
     struct Seen {
         mpeg2::Frame half;
         core::Plane<float> alone;                                       ///< Hadamard sums of blocks by themselves
@@ -122,7 +122,7 @@ const core::Plane<mpeg2::Vector>& LookAhead::Impl::vectors(std::int64_t picture,
                 if (result.vectors.size() > 0) best.add(result.vectors[0], result.vectors.key(0));
             };
             search(guess.at(column, row));
-            if (!guess.at(column, row).is_zero()) search({});  // what lies between may be a flash
+            if (!guess.at(column, row).is_zero()) search({});  // a flash may lie between
             left = best.size() > 0 ? best[0] : mpeg2::Vector{};
             found.at(column, row) = left;
         }
@@ -130,8 +130,8 @@ const core::Plane<mpeg2::Vector>& LookAhead::Impl::vectors(std::int64_t picture,
     return from.vectors.emplace(reference, std::move(found)).first->second;
 }
 
-/// What is left of a picture after prediction: sum over blocks of the least of intra, each reference alone and their
-/// mean. A P picture has no later one: `later` is its number.
+/// Residual of a picture: sum over blocks of the least of intra, each reference alone and their mean. A P picture has
+/// no later reference: `later` is its number.
 double LookAhead::Impl::cost(std::int64_t picture, std::int64_t earlier, std::int64_t later) {
     auto& known = seen.at(picture).costs;
     const auto found = known.find({earlier, later});
@@ -156,7 +156,7 @@ double LookAhead::Impl::cost(std::int64_t picture, std::int64_t earlier, std::in
     return cost;
 }
 
-/// What prediction leaves of what a picture has by itself, 0..1; 1 where that is nothing.
+/// Residual of a picture over its intra cost, 0..1; 1 where that cost is 0.
 double LookAhead::Impl::share_left(std::int64_t picture, std::int64_t reference) {
     const Seen& s = seen.at(picture);
     const double alone =

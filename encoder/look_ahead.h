@@ -9,12 +9,12 @@
 
 namespace render2mpeg::encoder {
 
-/// What a caller that only has pictures can tell the encoder of them. Pictures are looked at in half their size, in
-/// blocks of 16x16 there, by a sparse search. All it says depends on the pictures alone.
+/// Look-ahead analysis for a caller that has nothing but pictures. Works at half the pictures' size, in blocks of
+/// 16x16 there, by a sparse search. All results depend on the pictures alone.
 class LookAhead {
   public:
-    /// Pictures after the one asked for on which what is said of it depends; all of them must be there unless no more
-    /// follow.
+    /// Number of following pictures on which the result for a picture depends; all of them must be there unless no
+    /// more follow.
     static constexpr std::int64_t depth = 9;
 
     /// Size of the pictures; most B pictures in a row, 0..3.

@@ -12,9 +12,9 @@ struct StepSizes {
     core::Block8x8 inter{};  ///< matrix of all others
     float scale = 0;         ///< > 0
     float intra_dc = 0;      ///< step of the mean coefficient of intra blocks, whatever the scale
-    /// What part of a step the smallest coefficient has that does not vanish.
+    /// Smallest coefficient that does not vanish, as a fraction of a step.
     float intra_dead_zone = 0.5f, inter_dead_zone = 1.0f;
-    float hidden = 1;  ///< what share of errors as large as its steps coding hides, over MPEG-2's share
+    float hidden = 1;  ///< share of step-sized errors hidden by coding, over MPEG-2's share
 };
 
 /// The steps of a film's pictures with this quantiser. Codecs that transform 4x4 as well as 8x8 have the same step in

@@ -21,17 +21,17 @@ enum class Codec : std::uint8_t { mpeg2, h264, hevc, av1 };
 /// How much is tried: one prediction mode per macroblock in full, or several.
 enum class Effort : std::uint8_t { fast, quality };
 
-/// What errors are weighed by: all alike, or by what the eye sees of their frequency.
+/// Weighting of errors: uniform, or by the eye's sensitivity to their frequency.
 enum class Tune : std::uint8_t { psnr, perceptual };
 
 /// How pictures, all of them progressive, are shown in time.
 enum class Cadence : std::uint8_t {
     frames,    ///< each as a whole: progressive_sequence
-    fields,    ///< each as two fields, upper lines first: what a DVD's players expect
+    fields,    ///< each as two fields, upper lines first, as DVD players expect
     pulldown,  ///< as three and two fields in turn: four pictures last as long as five frames (encoder/cadence.h)
 };
 
-/// What decides the quantisers of a film.
+/// Rate control mode, which decides the quantisers of a film.
 enum class RateMode : std::uint8_t {
     constant_quantiser,  ///< Settings::quantiser, coarser for B pictures
     constant_quality,    ///< RateControl::quality, by PictureFacts::quality_factor
@@ -48,7 +48,7 @@ struct RateControl {
     std::int64_t buffer_bits = 0;  ///< VBV size; 0: the largest that the level and vbv_delay can express
 };
 
-/// What a film is coded with; constant over the film.
+/// Coding settings, constant over the film.
 struct Settings {
     Codec codec = Codec::mpeg2;
     int width = 0;  ///< any size that a level allows; padded to whole macroblocks inside
@@ -69,7 +69,7 @@ struct Settings {
     std::string user_data;  ///< printable ASCII that stands behind every sequence header [H262, 6.2.2.2.2]; empty: none
 };
 
-/// What headers declare of a stream with these settings.
+/// Stream parameters declared in headers for these settings.
 struct Declaration {
     std::string level;                ///< of Main Profile: "Main", "High-1440" or "High"
     std::int64_t bit_rate = 0;        ///< bits per second: the highest, or the constant one
@@ -77,9 +77,9 @@ struct Declaration {
     std::int64_t chunk_fullness = 0;  ///< bits in the VBV before a chunk's first picture is taken out of it
 };
 
-/// What a first, cheaper pass over the film allocates to a picture (encoder/bit_allocation.h).
+/// Allocation to a picture by a first, cheaper pass over the film (encoder/bit_allocation.h).
 struct BitAllocation {
-    double quantiser = 4;  ///< MPEG-2's 1..31, not rounded; in other codecs what is like it for P pictures
+    double quantiser = 4;  ///< MPEG-2's 1..31, not rounded; in other codecs its equivalent for P pictures
     double bits = 0;       ///< that the picture should take with it
     double bits_left = 0;  ///< sum of `bits` over this picture and all that follow it in its chunk, in display order
     /// The picture's type in the first pass. If it has another type now, its quantiser is adapted. None: the same type.
@@ -94,11 +94,11 @@ struct BitAllocation {
     std::array<double, 3> left_by_type = {};
 };
 
-/// What one picture took in the first pass.
+/// Cost of one picture in the first pass.
 struct FirstPassPicture {
     std::int64_t number = 0;  ///< display number
     PictureType type = PictureType::intra;
-    double quantiser = 1;  ///< or in other codecs the one of MPEG-2 that the film's is like
+    double quantiser = 1;  ///< in other codecs MPEG-2's equivalent of the film's
     double bits = 0;
     bool starts_chunk = false;
     /// Its quantiser, before rounding, divided by that of a P picture that nothing refers to. None: the usual ratio of
@@ -106,7 +106,7 @@ struct FirstPassPicture {
     std::optional<double> ratio = {};
 };
 
-/// What the renderer knows of a picture before anything is lit.
+/// The renderer's knowledge of a picture before lighting.
 struct PictureFacts {
     bool cut_before = false;  ///< this picture shows nothing of the picture before
     /// Pictures, 0 or more, that follow this one before a cut, a keyframe or the chunk's end. B pictures are planned
@@ -162,13 +162,13 @@ enum class Force : std::uint8_t {
             ///< intra macroblock or where the vectors of the macroblock before lead out of the picture
 };
 
-/// What may help to code a picture, beside its motion. Maps have an entry per macroblock of the displayed picture,
+/// Optional hints for coding a picture, besides its motion. Maps have an entry per macroblock of the displayed picture,
 /// (width + 15) / 16 by (height + 15) / 16; both are ignored where the VBV has room for next to nothing.
 struct Hints {
-    /// Motion to the plan's horizon: what stands still until then gets finer quantisers. Null: not known.
+    /// Motion to the plan's horizon: macroblocks that are static until then get finer quantisers. Null: not known.
     const core::MotionField* onward = nullptr;
-    /// By macroblock what the picture before does not show (encoder/innovation.h): the more that is, the less fine is
-    /// what `onward` asks for. Null: not known, and taken for nothing.
+    /// Innovation over the picture before, by macroblock (encoder/innovation.h): the larger it is, the less `onward`
+    /// refines the quantiser. Null: not known, taken for 0.
     const core::Plane<float>* innovation = nullptr;
     /// Factors of each macroblock's quantiser, finite and above 0, before it is rounded into 1..31: below 1 where a
     /// viewer looks, say. Null: 1.
@@ -176,7 +176,7 @@ struct Hints {
     const core::Plane<Force>* forced = nullptr;  ///< null: none
 };
 
-/// What became of one macroblock.
+/// Coding result of one macroblock.
 struct MacroblockRecord {
     bool intra = false;
     bool skipped = false;
@@ -205,7 +205,7 @@ struct BySource {
     }
 };
 
-/// What choosing a picture's vectors took, over all directions and macroblocks. Effort::fast counts nothing by source.
+/// Work of choosing a picture's vectors, over all directions and macroblocks. Effort::fast counts nothing by source.
 struct MotionWork {
     BySource evaluations;        ///< 16x16 Hadamard differences of vectors
     BySource chosen;             ///< the cheapest vector of a macroblock and direction, before modes are decided
@@ -223,7 +223,7 @@ struct CodedPicture {
     int quantiser = 4;  ///< of the slices' headers; seldom more than one step from the plan's
     std::int64_t coding_order = 0;
     std::vector<std::uint8_t> bytes;  ///< whole access unit: sequence and GOP headers where they stand before it
-    core::Picture reconstruction;     ///< what a decoder shows: cropped to the display size
+    core::Picture reconstruction;     ///< decoded picture, cropped to the display size
     core::Plane<MacroblockRecord> macroblocks;
     bool tells_vectors = true;  ///< `macroblocks` say how each was predicted; else only its quantiser and mode
     std::uint64_t block_evaluations = 0;  ///< 16x16 differences computed to choose motion and modes, in all tries

@@ -227,7 +227,7 @@ glm::vec3 Display::with_luma(glm::vec3 radiance, float luma) const {
             peak = std::sqrt(low) * std::sqrt(high);
             continue;
         }
-        const float rest = std::max(most - at.signal, 1e-7f);  // what float resolves of a signal near 1
+        const float rest = std::max(most - at.signal, 1e-7f);  // resolution of float near 1
         const float slope = at.log_slope * most / (at.signal * rest);
         const float ratio = wanted * rest / (at.signal * (most - wanted));
         const float next = peak * std::exp(core::divide_or(std::log(ratio), slope, 100.0f));

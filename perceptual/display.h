@@ -72,7 +72,7 @@ core::Picture picture_of_signals(const core::Plane<glm::vec3>& signals, ColorMat
 /// Finite values.
 core::Picture picture_of_srgb(const core::Plane<glm::vec3>& codes, ColorMatrix matrix);
 
-/// The matrix for a picture of so many lines.
+/// The matrix for a picture with this number of lines.
 inline ColorMatrix matrix_for(int height) {
     return height < 720 ? ColorMatrix::bt601 : ColorMatrix::bt709;
 }

@@ -21,7 +21,7 @@ struct Quantisation {
 struct BlockCoding {
     float scale = 1.0f;  ///< qs, the steps' factor, > 0
     bool intra = true;
-    /// What is left of the coefficients after prediction, for inter blocks; null: not known, taken for 0.
+    /// Residual coefficients after prediction, for inter blocks; null: not known, taken for 0.
     const core::Block8x8* residual = nullptr;
 };
 

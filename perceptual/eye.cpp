@@ -78,7 +78,7 @@ double noise(double seconds, double hertz, std::uint64_t seed) {
     return sum / 1.75;
 }
 
-/// What is drawn into an aperture, in texels.
+/// Draws into an aperture, in texels.
 class Drawing {
   public:
     explicit Drawing(core::Plane<float>& plane) : plane_(plane) {}

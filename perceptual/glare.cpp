@@ -11,7 +11,7 @@
 namespace render2mpeg::perceptual {
 namespace {
 
-/// Radii of what is scattered, in cells.
+/// Radii of scattered light, in cells.
 glm::ivec2 reach_of(const core::Glare& settings, int height, float pixel_aspect, int step) {
     const float high = settings.size * static_cast<float>(height) / static_cast<float>(step);
     return glm::max(glm::ivec2(1), glm::ivec2(glm::ceil(glm::vec2(high / pixel_aspect, high))));
@@ -52,7 +52,7 @@ double veil_at(double distance) {
     return end * end / ((distance * distance + core * core) * std::sqrt(1 + distance * distance / (knee * knee)));
 }
 
-/// Where a place lies, in cells from the middle, as a share of what is reached there.
+/// Position in cells from the middle, as a share of the reach there.
 glm::dvec2 share_of(glm::dvec2 cells, glm::ivec2 reach) {
     return cells / (glm::dvec2(reach) + 0.5);
 }
@@ -89,7 +89,7 @@ glm::dvec3 mean_over(const core::Plane<glm::vec3>& pattern, glm::ivec2 offset, g
     return sum / static_cast<double>(samples * samples);
 }
 
-/// What a cell's light becomes at distances of up to `reach` cells, the middle at `reach`; sums are 1.
+/// Scattering kernel of a cell's light, for distances of up to `reach` cells, the middle at `reach`; sums are 1.
 core::Plane<glm::vec3> kernel_of(const core::Plane<glm::vec3>& pattern, glm::ivec2 reach) {
     const glm::ivec2 sides = 2 * reach + 1;
     core::Plane<glm::dvec3> needles(sides.x, sides.y);
@@ -132,7 +132,7 @@ Glare::Glare(const core::Glare& settings, int width, int height, float pixel_asp
       width_(width),
       height_(height),
       step_(step_of(height)),
-      // What the exposure makes mid grey, at 179 lm/W [Ward1998].
+      // Luminance shown as mid grey at this exposure, at 179 lm/W [Ward1998].
       pupil_(pupil_diameter(179 * 0.18 * std::exp2(-static_cast<double>(exposure)))),
       brightest_(4096 * std::exp2(-exposure)),
       reach_(reach_of(settings, height, pixel_aspect, step_)),

@@ -22,10 +22,10 @@ class Glare {
     core::Plane<glm::vec3> over(const core::Plane<glm::vec3>& radiance, double seconds);
 
   private:
-    /// What the eye makes of a point of light, by channel.
+    /// Point spread function of the eye, by channel.
     struct Scattering {
         std::array<Fourier::Spectrum, 3> kernel;
-        std::array<core::Plane<float>, 3> kept;  ///< share of what is scattered that stays in the picture
+        std::array<core::Plane<float>, 3> kept;  ///< share of the scattered light that stays in the picture
     };
     Scattering scattering_at(double seconds);
     void see(double seconds);

@@ -51,7 +51,7 @@ int width_of(std::string_view text) {
     return static_cast<int>(text.size()) * glyph_step - (glyph_step - glyph_width);
 }
 
-/// Draws from (left, top) on; what lies outside is left out.
+/// Draws from (left, top) on, clipped to the picture.
 void write(core::Plane<glm::vec3>& image, std::string_view text, int left, int top) {
     for (const char letter : text) {
         const Glyph* glyph =

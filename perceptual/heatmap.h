@@ -9,7 +9,7 @@
 
 namespace render2mpeg::perceptual {
 
-/// What a false-colour picture shows, and how its legend reads.
+/// Quantity shown by a false-colour picture, and the text of its legend.
 struct HeatScale {
     std::string title;         ///< letters A-Z, digits, spaces and . % / - : ( ); others are left blank
     float low = 0, high = 1;   ///< of the colours' ends; values beyond get the end's colour

@@ -13,7 +13,7 @@
 /// Inverts the display: distances of luma become distances of luminance [Render2MPEG, eq. 7.4].
 namespace render2mpeg::perceptual {
 
-/// What a frame's pixels send, and how their luma would follow if they sent more or less of the same colour.
+/// Light of a frame's pixels, and the response of their luma to more or less light of the same colour.
 struct PixelLight {
     core::Plane<float> luma;       ///< unrounded, code values 16..235
     core::Plane<float> luminance;  ///< scene-linear, >= 0
@@ -49,7 +49,7 @@ class InverseLuma {
             return luminance * (1.0f - std::exp2(exponent * (at(log_light_, from - distance) - here)));
         const float to = std::min(distance + darkest, range);
         const float upper = at(log_light_, to), lower = at(log_light_, darkest);
-        // What is black has no light to multiply, and is taken for grey.
+        // A black pixel has no light to multiply, and is taken for grey.
         const float light = from > darkest ? luminance : std::max(luminance, darkest_light_);
         const float change = light * (std::exp2(exponent * (upper - here)) - std::exp2(exponent * (lower - here)));
         if (from <= darkest) return change;

@@ -35,7 +35,7 @@ constexpr float contrast_exponent = 0.7f;
 /// where nothing is seen (0..4 code values tried).
 constexpr float black = 8.0f * 16.0f, darkest = 8.0f * 1.0f;
 
-/// Luma of block (column, row); what lies outside repeats the edge.
+/// Luma of block (column, row); samples outside repeat the edge.
 core::Block8x8 samples_of(const core::Picture& picture, int column, int row) {
     core::Block8x8 block;
     const bool unrounded = !picture.luma.empty();
@@ -86,7 +86,7 @@ ThresholdMap mask(const core::Plane<core::Block8x8>& coefficients, std::int64_t 
     map.blocks = coefficients;
     if (map.blocks.empty()) return map;
 
-    // Take the mean of what the blocks have above black.
+    // Take the mean of the blocks' values above black.
     double sum = 0.0;
     for (const core::Block8x8& block : map.blocks.values()) {
         EXPECTS(std::isfinite(block[0]));

@@ -115,8 +115,8 @@ double spread(const core::Block8x8& samples, int x, int y, int size) {
     return std::max(0.0, squares - sum * sum / n) * n / (n - 1.0);
 }
 
-/// What a block hides, to be divided by a coefficient's masking: its energy, less where it is in an edge, so that the
-/// block's quarters are quieter than the whole. [Ponomarenko2007, eq. 2 and 3]
+/// Masking energy of a block, to be divided by a coefficient's masking: reduced where the energy is in an edge, so that
+/// the block's quarters are quieter than the whole. [Ponomarenko2007, eq. 2 and 3]
 double masking_of(const core::Block8x8& samples, const core::Block8x8& coefficients) {
     double energy = 0.0;
     for (std::size_t i = 1; i < 64; ++i)

@@ -8,7 +8,7 @@
 
 namespace render2mpeg::perceptual {
 
-/// What coding did to luma: decoded minus source, code values.
+/// Coding error of luma: decoded minus source, code values.
 core::Plane<std::int16_t> luma_error(const core::Plane<std::uint8_t>& decoded, const core::Plane<std::uint8_t>& source);
 
 /// How much the mean errors of 16x16 blocks change along motion from the picture before: root mean square over the

@@ -14,7 +14,7 @@ constexpr int side = 8;
 
 constexpr float half_a_code_value = 0.5f;
 
-/// Weight of what was warped from earlier pictures. [Render2MPEG, 4.3]
+/// Weight of tolerances warped from earlier pictures. [Render2MPEG, 4.3]
 constexpr float carried_weight = 0.5f;
 
 /// Between which two of `count` centres of blocks a sample lies, and how far from the first to the second.

@@ -1,5 +1,5 @@
 // Filmic and AgX share one form: light on a logarithmic scale of 16.5 stops, and on it a sigmoid of two arms that meet
-// at a pivot [AgX]. Their constants are fitted to what Blender shows (docs/measurements.md#views).
+// at a pivot [AgX]. Their constants are fitted to Blender's output (docs/measurements.md#views).
 #include "perceptual/view_transform.h"
 
 #include <algorithm>
@@ -116,7 +116,7 @@ const glm::mat3 agx_inset{
 const glm::mat3 agx_outset{
     {1.81007f, -0.22760f, -0.20082f}, {-0.63384f, 1.28860f, -0.33440f}, {-0.17623f, -0.06100f, 1.53522f}};
 
-/// What a channel of a display's light is as a signal.
+/// Signal of one channel of a display's light.
 struct Signal {
     float value;
     float slope;  ///< derivative by the light
@@ -162,7 +162,7 @@ ShownLight ViewTransform::mix(glm::vec3 exposed) const {
 /// logarithm. The others are flat at white.
 float ViewTransform::falls(float mixed) const {
     const float beyond = mixed / static_cast<float>(white_);
-    // The table's last piece before white may be bent by what follows it.
+    // The table's last piece before white may be bent by the pieces behind it.
     if (beyond < 0.99f) return table_.point(mixed).log_slope;
     return end_slope_ * std::clamp(1.0f - std::log2(beyond), 0.0f, 1.0f);
 }
@@ -195,7 +195,7 @@ ShownLight ViewTransform::show(glm::vec3 exposed) const {
         }
     }
     for (int c = 0; c < 3; ++c) {
-        // What is cut off at black does not fall.
+        // A signal clipped at black has slope 0.
         if (shown.signal[c] <= 0.0f) shown.log_slope[c] = 0.0f;
         shown.signal[c] = std::clamp(shown.signal[c], 0.0f, 1.0f);
         if (view_.gamma == 1.0f || shown.signal[c] <= 0.0f) continue;

@@ -71,7 +71,7 @@ float low_fraction(const core::Plane<float>& tolerances, const PixelLight& light
     return 0.0f;
 }
 
-/// What was warped to pixels, less where they turned out to get far less light than it was told for.
+/// Tolerances warped to pixels, reduced where a pixel received far less light than its tolerance was computed for.
 core::Plane<float> for_light(const MaskedErrors& warped, const core::Plane<float>& luminance) {
     // chosen: half. Light errs by its tolerance: a bound without play would shrink what is remembered from picture to
     // picture, by 6 % in two hundred of them (Feedback.DoesNotDriftInTwoHundredFrames).
@@ -126,12 +126,12 @@ TemporalState VisibilityModel::judge(Observation observation, const CodedFacts& 
     state.number = observation.number;
     state.plan = coded.plan;
     state.intra = coded.intra;
-    // What inter macroblocks quantise.
+    // The residual, quantised in inter macroblocks.
     if (!coded.plan.intra && !coded.prediction.empty()) {
         EXPECTS(coded.prediction.width() == width && coded.prediction.height() == height);
         state.residual = transform(difference(observation.light.luma, coded.prediction));
     }
-    // What masks.
+    // The masking signal: the decoded picture.
     if (strategy_ == Strategy::quantised) {
         EXPECTS(coded.reconstruction.width() == width && coded.reconstruction.height() == height);
         core::Picture decoded;
@@ -147,7 +147,7 @@ TemporalState VisibilityModel::judge(Observation observation, const CodedFacts& 
     for (float& scale : state.emphasis.values()) scale /= coded.plan.scale;
     state.errors = errors(state, coded.plan);
     state.tolerances = state.errors;
-    // What was warped here is in the measure of what was planned.
+    // The warped errors are in the units of the planned coding.
     if (!observation.warped.empty())
         requantise(observation.warped, state, coded.lit_for.value_or(coded.plan), coded.plan);
     blend(state.tolerances, observation.warped);
@@ -220,7 +220,7 @@ Tolerated VisibilityModel::tolerate(const core::Visible& visible, const Requanti
         strategy_ == Strategy::warped ? warp(requantised.masked, *state.visible, visible, motion) : requantised.masked;
     tolerated.map.pixels = core::Plane<core::Tolerance>(visible.width(), visible.height());
     const float darkest = light_.darkest_step();
-    // What nobody saw before is as likely to hide errors as the rest: held to 2 % it would stand out as bands.
+    // Newly visible pixels hide errors like the rest: with a tolerance of 2 % they would stand out as bands.
     const float unseen = std::max(least_relative, fraction * requantised.low_fraction);
     tolerated.map.typical = unseen;
     for (std::size_t i = 0; i < tolerated.warped.size(); ++i) {

@@ -46,7 +46,7 @@ struct CodedFacts {
     core::Plane<std::uint8_t> prediction;      ///< luma that inter macroblocks add to; may be empty: not known
 };
 
-/// What pixels may be off by (dY), and the luminance of theirs that it was told for.
+/// Permissible errors of pixels (dY), and the pixel luminance each holds for.
 using MaskedErrors = core::Plane<glm::vec2>;
 
 /// A picture before coding, with the data that later pictures need.
@@ -59,8 +59,8 @@ struct Observation {
     core::Plane<float> warped;  ///< dY(t - 1) at its pixels, for the light they got; empty: none
 };
 
-/// What was judged of one coded picture. Immutable; keeps the inputs of eq. 7.1-7.2, so that another quantiser or
-/// picture type changes the very next tolerances.
+/// Analysis of one coded picture. Immutable; keeps the inputs of eq. 7.1-7.2, so that another quantiser or picture type
+/// changes the very next tolerances.
 struct TemporalState {
     std::int64_t number = 0;
     std::shared_ptr<const core::Visible> visible;
@@ -77,7 +77,7 @@ struct TemporalState {
     core::Plane<float> tolerances;  ///< dY_xy(t) (7.5), likewise
 };
 
-/// What a remembered picture hides of a picture to come: the same for all that are coded alike.
+/// Errors of a future picture masked by a remembered one: the same for all pictures with the same coding plan.
 struct Requantised {
     CodingPlan plan;
     MaskedErrors masked;     ///< at the state's pixels, > 0

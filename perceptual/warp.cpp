@@ -16,7 +16,7 @@ constexpr float depth_reach = 0.05f;
 /// 0.97 loses the partners of 1.2 % of the colonnade's pixels, on round columns; 0.8 finds 0.4 % more, on corners.
 constexpr float normal_reach = 0.9f;
 
-/// What a pixel must find again.
+/// Identity of a pixel's surface point, to be found again.
 struct Point {
     core::SurfaceAddress address;
     core::PackedNormal normal;

@@ -11,7 +11,7 @@
 /// Warps values from one picture to another along motion.
 namespace render2mpeg::perceptual {
 
-/// What pixels of another picture have stands for `no_partner` where nobody there is the same surface point.
+/// Value at pixels without the same surface point in the other picture.
 inline constexpr float no_partner = -1.0f;
 
 /// Fetches a value, or two, for every pixel of `here` from where its point was in the picture that saw `there`: the
@@ -23,8 +23,8 @@ template <class T>
 core::Plane<T> warp(const core::Plane<T>& values, const core::Visible& there, const core::Visible& here,
                     const core::MotionField* motion);
 
-/// What the point at (x, y) had in the picture before, by bilinear lookup; none where it has no place there, or one
-/// outside the picture. `motion` leads there.
+/// Value of the point at (x, y) in the picture before, by bilinear lookup; none where the point has no place there, or
+/// one outside the picture. `motion` leads there.
 template <class T>
 std::optional<float> value_along(const core::MotionField& motion, const core::Plane<T>& before, int x, int y) {
     if (motion.kind.at(x, y) == core::PixelClass::none) return std::nullopt;

@@ -29,13 +29,13 @@ constexpr std::array<std::pair<std::string_view, const char*>, 8> formats{{{".mp
                                                                            {".mp4", "mp4"},
                                                                            {".mov", "mov"}}};
 
-/// Whether a container keeps what describes a stream apart from its pictures. Decoders of MPEG-2 and AV1 want both.
+/// Whether a container keeps a stream's headers apart from its pictures. Decoders of MPEG-2 and AV1 want both.
 bool keeps_headers_apart(std::string_view format, encoder::Codec codec) {
     return (codec == encoder::Codec::h264 || codec == encoder::Codec::hevc) &&
            (format == "matroska" || format == "mp4" || format == "mov");
 }
 
-/// What the first picture says of a stream.
+/// Sequence facts of a stream, from its first picture.
 SequenceFacts sequence_of(const encoder::Settings& settings, std::span<const std::uint8_t> picture) {
     if (settings.codec == encoder::Codec::mpeg2) return read_sequence(picture);
     SequenceFacts facts;

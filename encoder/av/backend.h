@@ -1,5 +1,5 @@
 #pragma once
-// What the FFmpeg module offers to the light library in front of it (av.cpp).
+// Interface of the FFmpeg module to the light library in front of it (av.cpp).
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -14,7 +14,7 @@
 #include "encoder/av/sound.h"
 #include "encoder/types.h"
 
-/// What the module render2mpeg_av_module.so offers to the light library in front of it (av.cpp, library_coder.cpp).
+/// Interface of the module render2mpeg_av_module.so to the light library in front of it (av.cpp, library_coder.cpp).
 /// Nothing else includes this.
 namespace render2mpeg::av {
 
@@ -51,7 +51,7 @@ struct LibraryPicture {
 class LibraryEncoder {
   public:
     virtual ~LibraryEncoder() = default;
-    /// What describes the stream, and belongs before each picture that starts a GOP.
+    /// Headers of the stream, to precede each picture that starts a GOP.
     virtual const std::vector<std::uint8_t>& headers() const = 0;
     /// The next picture in display order.
     virtual void send(const core::Picture& picture, const LibraryOrder& order) = 0;
@@ -69,7 +69,7 @@ class Backend {
     virtual std::unique_ptr<Container> create(const std::filesystem::path& file, const ByteSink& sink,
                                               const char* format, const encoder::Settings& settings,
                                               const SequenceFacts& facts, const Sound& sound) const = 0;
-    /// Throws core::Error where libavcodec has no encoder for the codec, or none with so many bits.
+    /// Throws core::Error where libavcodec has no encoder for the codec, or none with this bit depth.
     virtual void check_encoder(const encoder::Settings& settings) const = 0;
     virtual std::unique_ptr<LibraryEncoder> open_encoder(const encoder::Settings& settings) const = 0;
     virtual double length_of_sound(const std::filesystem::path& file) const = 0;

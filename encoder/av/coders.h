@@ -7,8 +7,8 @@
 
 namespace render2mpeg::av {
 
-/// Throws core::Error, in one line, where a film cannot be coded with these settings: what the codec has no room for,
-/// what only MPEG-2 does, or an encoder that this machine's libavcodec lacks.
+/// Throws core::Error, in one line, where a film cannot be coded with these settings: beyond the codec's limits, a
+/// feature of MPEG-2 only, or an encoder missing from this machine's libavcodec.
 void check(const encoder::Settings& settings);
 
 /// The coder of a film's codec. Throws as check() does.

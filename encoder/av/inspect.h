@@ -11,7 +11,7 @@
 /// Tells how a film is coded: its stream and each picture, whoever made it.
 namespace render2mpeg::av {
 
-/// What a film file says of its video stream.
+/// Facts about the video stream of a film file.
 struct StreamFacts {
     encoder::Codec codec = encoder::Codec::mpeg2;
     std::string container;              ///< libavformat's long name
@@ -52,10 +52,10 @@ struct PictureFacts {
     double min_quantiser = 0, max_quantiser = 0;
     double intra = 0;  ///< share of macroblocks without prediction, 0..1
     VectorFacts forward, backward;
-    std::string damage;  ///< what is wrong with it; empty: nothing
+    std::string damage;  ///< description of damage; empty: none
 };
 
-/// What becomes of a film that is read.
+/// Result of reading a film.
 struct Inspection {
     StreamFacts stream;
     std::vector<PictureFacts> pictures;  ///< in display order

@@ -50,7 +50,7 @@ bool has_one_quantiser(encoder::Codec codec) {
     return codec != encoder::Codec::h264;
 }
 
-/// The bits of a chunk: what is left of them decides the quantisers of what is left.
+/// Bit budget of a chunk: the remaining bits decide the quantisers of the remaining pictures.
 class Budget {
   public:
     Budget() = default;
@@ -60,7 +60,7 @@ class Budget {
         expected_ += expected;
         real_ += real;
     }
-    /// MPEG-2's quantiser for a picture to come, by what it was allocated.
+    /// MPEG-2's quantiser for a future picture, by its allocation.
     double quantiser(const encoder::BitAllocation& allocated) const {
         if (expected_ <= 0 || bits_ <= 0) return allocated.quantiser;
         // chosen: what was expected counts as much as an eighth of the chunk (1/16..1/4): first pictures tell little.
@@ -265,7 +265,7 @@ class LibraryCoder final : public encoder::Coder {
     Budget budget_;
 };
 
-/// What only our own encoder does.
+/// Refuses modes that only our own encoder supports.
 void check_modes(const encoder::Settings& settings) {
     const std::string name(encoder::facts_of(settings.codec).name);
     const auto refuse = [&](const char* what) {

@@ -10,7 +10,7 @@
 /// Reads a container's facts about an MPEG-2 stream from the headers before its first picture.
 namespace render2mpeg::av {
 
-/// What a container has to know of an MPEG-2 video stream, as the stream itself says it before its first picture.
+/// Facts about an MPEG-2 video stream for its container, from the headers before its first picture.
 struct SequenceFacts {
     std::vector<std::uint8_t> headers;  ///< sequence header and all that follows up to the first GOP or picture
     int width = 0, height = 0;

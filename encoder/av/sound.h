@@ -5,8 +5,8 @@
 /// A film's sound.
 namespace render2mpeg::av {
 
-/// What of a file's first audio stream a film has. It becomes 48 kHz, one channel or two: MPEG audio layer II in .mpg,
-/// .vob and .ts, AC-3 on DVDs and where it is asked for, AAC in .mkv and .mp4.
+/// A film's excerpt of a file's first audio stream. Converted to 48 kHz, one channel or two: MPEG audio layer II in
+/// .mpg, .vob and .ts, AC-3 on DVDs and on request, AAC in .mkv and .mp4.
 struct Sound {
     std::filesystem::path file;  ///< whatever libavformat reads; empty: the film is silent
     double offset = 0;           ///< seconds of the film at which the file begins; below 0 its beginning is cut off

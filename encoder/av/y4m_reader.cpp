@@ -112,7 +112,7 @@ std::optional<std::string> line_of(std::istream& stream, std::size_t longest) {
 /// chosen: ffmpeg's lines are below 100 bytes; comments (X...) may lengthen them.
 constexpr std::size_t longest_line = 4096;
 
-/// What a stream's first line says. Throws core::Error.
+/// Parses a stream's first line. Throws core::Error.
 Y4mFormat read_header(std::istream& stream, const std::string& name) {
     Y4mFormat format;
     const auto header = line_of(stream, longest_line);
@@ -144,7 +144,7 @@ Y4mFormat read_header(std::istream& stream, const std::string& name) {
                 if (value == "COLORRANGE=FULL") format.full_range = true;
                 break;
             default:
-                break;  // [Y4M]: what is not known is to be passed over
+                break;  // [Y4M]: unknown parameters are to be skipped
         }
     }
     if (format.width == 0 || format.height == 0)

@@ -14,7 +14,7 @@
 /// Reads uncompressed pictures from YUV4MPEG2 [Y4M].
 namespace render2mpeg::av {
 
-/// What the header of a Y4M file says of its pictures.
+/// Picture format from the header of a Y4M file.
 struct Y4mFormat {
     /// Where chroma samples lie. `jpeg`: between four luma samples; `mpeg2`: as in core::Picture; `paldv`: on luma
     /// samples of the even columns, Cr in even rows and Cb in odd ones.

@@ -5,7 +5,7 @@
 
 #include "encoder/types.h"
 
-/// What callers of the encoder promise (encoder/encoder.h), checked at the door. All throw core::ContractViolation.
+/// Preconditions of the encoder's calls (encoder/encoder.h), checked on entry. All throw core::ContractViolation.
 namespace render2mpeg::encoder::mpeg2 {
 
 /// Numbers and lengths of pictures stay below this: over a thousand years of film, and far from overflow anywhere.
@@ -14,7 +14,7 @@ inline constexpr std::int64_t most_pictures = std::int64_t{1} << 40;
 /// Facts that no picture can have: counts below zero, no numbers, values out of range.
 void check_facts(std::int64_t number, const PictureFacts& facts);
 
-/// What a first pass cannot have found: a number twice, no numbers, values out of range.
+/// Refuses impossible results of a first pass: a number twice, no numbers, values out of range.
 void check_film(std::span<const FirstPassPicture> film);
 
 /// Sizes of the planes, and what motion and hints lead to. `plan` is as plan() made it.

@@ -1,4 +1,4 @@
-// The encoder's way through a film: plans, B pictures that wait, coding, and what comes back.
+// The encoder's way through a film: plans, delayed B pictures, coding, and results.
 #include "encoder/encoder.h"
 
 #include <algorithm>
@@ -89,7 +89,7 @@ struct Encoder::Impl {
     const mpeg2::QuantiserSet quantisers;
     mpeg2::IntraRefresh refresh;
 
-    // What plan() has decided so far; it may run ahead of push().
+    // Decisions of plan() so far; it may run ahead of push().
     mpeg2::PictureOrder order;
     std::deque<PicturePlan> planned;  ///< and not pushed
     std::deque<Session> sessions;     ///< of pictures not yet coded; the last is the one planned in
@@ -148,7 +148,7 @@ void Encoder::Impl::write_headers(mpeg2::BitWriter& out, const PicturePlan& plan
     mpeg2::write_gop(out, settings, gop_start, gop_start == plan.number);
 }
 
-/// What a picture is coded from. `predictors` is where vectors lie that another picture suggests.
+/// Inputs for coding a picture. `predictors` stores the vectors suggested by another picture.
 mpeg2::PictureTask Encoder::Impl::task_for(const mpeg2::Frame& picture, const PicturePlan& plan,
                                            std::span<const core::Plane<mpeg2::Candidates>> exact,
                                            const mpeg2::MacroblockOverrides& overrides,
@@ -188,7 +188,7 @@ CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan&
     mpeg2::BitWriter headers;
     write_headers(headers, plan);
 
-    // Code it within what the buffer holds.
+    // Code it within the bits in the buffer.
     auto& [first, end, schedule, rate] = session_of(plan.number);
     task.quantiser = rate.coding_quantiser(plan, schedule);
     const auto header_bits = static_cast<std::int64_t>(headers.bit_count());
@@ -208,7 +208,7 @@ CodedPicture Encoder::Impl::code(const mpeg2::Frame& picture, const PicturePlan&
     mpeg2::set_vbv_delay(result.bytes, removal.delay);
     mpeg2::add_stuffing(result.bytes, static_cast<std::size_t>(removal.stuffing_bytes));
 
-    // Tell what became of it.
+    // Report the result.
     CodedPicture coded;
     coded.plan = plan;
     coded.quantiser = fitted.quantiser;
@@ -322,7 +322,7 @@ std::vector<CodedPicture> Encoder::flush() {
     std::vector<CodedPicture> complete;
     m.order.cut_short();
 
-    // What was planned beyond will not come, nor what was promised.
+    // Neither the pictures planned beyond this one nor the promised ones will come.
     const auto promised = m.sessions.empty() ? std::nullopt : m.sessions.back().end;
     if (!m.planned.empty() || (promised && *m.order.last() + 1 != *promised)) m.cut_short = true;
     m.planned.clear();

@@ -57,7 +57,7 @@ std::string read_sound(const Words& words, const scene::TakeTurns& take_turns) {
     return {};
 }
 
-/// What become_blender() is told.
+/// Runs become_blender() with these words.
 std::string run_blender(const Words& words, const scene::TakeTurns& take_turns) {
     take_turns(scene::Turn::parser);
     scene::become_blender(words);

@@ -20,7 +20,7 @@ inline float chroma(glm::vec3 rgb) {
     return std::max(std::abs(rgb.x - y) / 1.5748f, std::abs(rgb.z - y) / 1.8556f);
 }
 
-/// What an eye notices of a difference of light, in luminance: it forgives twice as much of chroma
+/// Perceived magnitude of a difference of light, in luminance: the eye tolerates twice as much of chroma
 /// (docs/decisions.md#stopping-rule).
 inline float noticed(glm::vec3 difference) {
     return std::max(std::abs(luminance(difference)), 0.5f * chroma(difference));

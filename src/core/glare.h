@@ -18,10 +18,10 @@ inline constexpr std::array<std::string_view, 3> glare_names{"off", "static", "t
 /// Glare's strength lies within 0 and this.
 inline constexpr float most_glare = 0.5f;
 
-/// What bright light does in the eye (docs/model/display.md).
+/// Glare: scattering of bright light in the eye (docs/model/display.md).
 struct Glare {
     GlareKind kind = GlareKind::off;
-    float strength = 0.1f;   ///< share of the light that is scattered, 0..most_glare; what eyes scatter is a tenth
+    float strength = 0.1f;   ///< scattered share of the light, 0..most_glare; real eyes scatter a tenth
     float size = 0.5f;       ///< how far it is scattered, over the picture's height, > 0..1
     std::uint32_t seed = 0;  ///< of the eye
 

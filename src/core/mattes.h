@@ -1,5 +1,5 @@
 #pragma once
-// The border type of mattes: the objects that cover each pixel.
+// The border type of mattes: materials and objects that cover each pixel.
 #include <cstdint>
 #include <span>
 #include <vector>

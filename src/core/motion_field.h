@@ -14,7 +14,7 @@ struct MotionField {
     std::int64_t reference = 0;  ///< display number; before or after `picture`
     /// Position in the reference minus position here, pixels, y down; may point outside. Meaningless for class `none`.
     Plane<glm::vec2> vector;
-    /// Depth that the pixel's point has in the reference's camera; +infinity for the sky. Empty where nobody needs it.
+    /// Depth that the pixel's point has in the reference's camera; +infinity for the sky. Empty where not needed.
     Plane<float> depth_in_reference;
     /// `none`: the point does not exist in the reference or lies behind its camera.
     Plane<PixelClass> kind;

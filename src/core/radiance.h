@@ -7,13 +7,13 @@
 
 namespace render2mpeg::core {
 
-/// What a frame's pixels send to the eye: scene-linear RGB with BT.709 primaries, >= 0 and finite. `combined` and
+/// Light from a frame's pixels to the eye: scene-linear RGB with BT.709 primaries, >= 0 and finite. `combined` and
 /// `capped` always; the layers only where they are wanted, else empty. Light is kept apart from texture so that it can
 /// be interpolated and reused.
 struct Radiance {
     std::int64_t frame = 0;
     Plane<glm::vec3> combined;             ///< radiance
-    Plane<glm::vec3> emission;             ///< radiance of what shines itself, the sky included
+    Plane<glm::vec3> emission;             ///< emitted radiance, the sky included
     Plane<glm::vec3> direct_irradiance;    ///< from lights, over pi as for a white Lambert surface
     Plane<glm::vec3> indirect_irradiance;  ///< from light points of the second and later bounces, likewise
     Plane<glm::vec3> albedo;               ///< diffuse reflectance, 0..1

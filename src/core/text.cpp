@@ -79,7 +79,7 @@ std::string nearest_word(std::string_view word, std::span<const std::string_view
         const std::string other = lower_case(candidate.substr(0, longest));
         const bool begins = said.size() >= 3 && (other.starts_with(said) || said.starts_with(other));
         const std::size_t distance = begins ? std::size_t{1} : edits(said, other);
-        // What takes as many edits as it has letters has nothing in common.
+        // Words at an edit distance of their whole length have nothing in common.
         if (distance >= least || distance >= std::max(said.size(), other.size())) continue;
         least = distance;
         nearest = candidate;

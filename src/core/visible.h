@@ -1,5 +1,5 @@
 #pragma once
-// The border type of primary visibility: the surface or sky at each pixel.
+// The border type of primary visibility: the point seen at each pixel.
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <limits>

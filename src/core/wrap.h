@@ -1,5 +1,5 @@
 #pragma once
-// What a texture shows outside [0, 1].
+// Wrap modes of textures outside [0, 1].
 namespace render2mpeg::core {
 
 enum class Wrap { repeat, mirrored_repeat, clamp_to_edge };

@@ -87,8 +87,8 @@ class Walk {
 };
 
 struct Name {
-    std::string layer;    ///< what stands before the last dot
-    std::string channel;  ///< what stands behind it, in lower case
+    std::string layer;    ///< the part before the last dot
+    std::string channel;  ///< the part after it, in lower case
 };
 
 Name split(const std::string& name) {

@@ -29,9 +29,9 @@ bool is_cut_off_jpeg(std::span<const std::byte> bytes);
 bool is_packed_bmp(std::span<const std::byte> bytes);
 
 /// A PNG file with nothing but its pixels and their shape: the chunks IHDR, PLTE, tRNS, IDAT and IEND, and pHYs where
-/// it is sound. What a file says about colours is ignored by decree [glTF2, 3.8.3], and libpng prints to the terminal
-/// what it thinks of profiles and of damage. Throws core::Error, naming the file, where a chunk is cut off, its check
-/// sum is wrong, or a chunk is needed that nobody knows.
+/// it is sound. A file's colour information is ignored by decree [glTF2, 3.8.3], and libpng prints warnings about
+/// profiles and damage to the terminal. Throws core::Error, naming the file, where a chunk is truncated, its checksum
+/// is wrong, or a critical chunk is unknown.
 std::vector<std::byte> essential_png(std::span<const std::byte> bytes, const std::string& name);
 
 /// Refuses an OpenEXR with an attribute larger than the rest of the file, for which the library would allocate up to 2

@@ -55,7 +55,7 @@ struct Encoded {
         if (bytes.empty()) bytes = storage = bytes_of_file(path, name);
         if (bytes.empty()) throw core::Error("reading", name, "the image is empty");
 
-        // Refuse what no decoder should see.
+        // Refuse data that no decoder should see.
         const std::optional<Format> known = format_of(bytes, name.empty() ? path.string() : name);
         if (!known)
             throw core::Error(

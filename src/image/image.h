@@ -41,7 +41,7 @@ void open_decoders();
 /// megabyte can claim as many, so that more would be refused by the machine (16384x16384 took 12.8 GB).
 inline constexpr std::size_t max_pixels = std::size_t{16384} * 8192;
 
-/// What the header of an image says.
+/// Facts from the header of an image.
 struct ImageHeader {
     int width = 0, height = 0;
     bool bytes = false;  ///< 8 bits per channel at most: a texture keeps it so
@@ -58,7 +58,7 @@ struct Channel {
     bool half = false;          ///< stored as 16-bit float
 };
 
-/// What the header of an OpenEXR says of a frame; what is missing is not said.
+/// Facts about a frame from the header of an OpenEXR; missing attributes are left at their defaults.
 struct FrameFacts {
     float pixel_aspect = 1;              ///< width over height of a pixel
     std::optional<float> exposure = {};  ///< EV that the display develops it with; not applied
@@ -95,7 +95,7 @@ ExrChannels read_exr(const std::filesystem::path& path, const std::function<bool
 /// A frame of an OpenEXR file and other channels of it.
 struct ExrFrame {
     Image image;         ///< the colours that read_image() would choose, over the display window
-    ExrChannels others;  ///< those that were wanted
+    ExrChannels others;  ///< the requested ones
 };
 
 /// Both at once, since channels are packed together. Throws as read_exr().

@@ -11,7 +11,7 @@
 namespace render2mpeg::image {
 namespace {
 
-/// What Blender writes for the depth of what has none.
+/// Blender's depth value for pixels without depth.
 constexpr float no_depth = 1e10f;
 
 /// The channels of one frame, added layer by layer.
@@ -99,7 +99,7 @@ void add_surfaces(Frame& frame, const core::Visible& visible) {
               [&](std::size_t i) { return static_cast<float>(visible.kind.values()[i]); });
 }
 
-/// What shines by itself, divided into surfaces and sky by what the pixel's centre shows.
+/// Adds emission, divided into surfaces and sky by the class of the pixel's centre.
 void add_emission(Frame& frame, const core::Visible& visible, const core::Plane<glm::vec3>& emission) {
     if (emission.empty()) return;
     core::Plane<glm::vec3> surfaces = emission, sky = emission;

@@ -15,7 +15,7 @@
 namespace render2mpeg::image {
 namespace {
 
-/// What one texel of the shorter row is made of.
+/// Source texels and weights of one texel of the shorter row.
 struct Mixture {
     std::vector<int> from;
     std::vector<float> weight;  ///< sums to 1
@@ -283,14 +283,14 @@ Texture::Texture(const Image& image, Encoding encoding, core::Wrap wrap_u, core:
     }
 }
 
-/// What a sum of colours times coverage says of the colour; the last level's answer where nothing is covered.
+/// Colour from a sum of colours times coverage; that of the last level where nothing is covered.
 glm::vec4 Texture::unassociated(glm::vec4 v) const {
     if (alpha_ == AlphaMeaning::value) return v;
     if (!(v.w > 0)) return glm::vec4(glm::vec3(mean_), 0);
     return glm::vec4(glm::vec3(v) / v.w, v.w);
 }
 
-/// What is stored from now on is a level of this size.
+/// Begins a level of this size, for all texels stored from now on.
 void Texture::begin_level(int columns, int rows) {
     Level level{columns, rows, 1, std::max(codes_.size() / 4, floats_.size())};
     if (!levels_.empty())

@@ -36,8 +36,8 @@ struct Footprint {
 
 enum class Encoding { linear, srgb };
 
-/// What the fourth channel is: one more number (glossiness), or how much of the texel is there. Under `coverage`
-/// colours are averaged in proportion to it, so that the black around a cut-out leaf does not darken its edge.
+/// Meaning of the fourth channel: one more number (glossiness), or the texel's coverage. Under `coverage` colours are
+/// averaged in proportion to it, so that the black around a cut-out leaf does not darken its edge.
 enum class AlphaMeaning { value, coverage };
 
 /// An image with its mip pyramid, filtered anisotropically (docs/model/images.md). Values come linear and

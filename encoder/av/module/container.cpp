@@ -99,7 +99,7 @@ class File final : public Container {
         if (is_dvd_ || is_plain_program_)
             av_dict_set_int(&options, "muxrate",
                             is_dvd_ ? dvd_program_rate : program_rate(facts, sound_ ? sound_->bit_rate() : 0), 0);
-        // What tells where pictures lie comes before them, so that a film plays while it arrives.
+        // Put the index of the pictures in front of them, so that a film plays while it is downloaded.
         if (is_isom_) av_dict_set(&options, "movflags", "+faststart", 0);
         if (sink_)
             open_sink(messages);
@@ -156,7 +156,7 @@ class File final : public Container {
         return 0;
     }
 
-    /// libavformat hands what it writes to the sink, after every picture.
+    /// libavformat passes its output to the sink, after every picture.
     void open_sink(const Messages& messages) {
         constexpr int size = 1 << 15;                                    // chosen: libavformat's own for files
         const auto hand_over = [](void* file, auto* bytes, int count) {  // constant from FFmpeg 7 on

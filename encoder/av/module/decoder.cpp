@@ -51,7 +51,7 @@ class Film {
         check(avcodec_open2(decoder_.get(), codec, nullptr));
     }
 
-    /// Decodes one packet, or with null what is held back.
+    /// Decodes one packet; null: flushes the decoder.
     void send(const AVPacket* packet) {
         check(avcodec_send_packet(decoder_.get(), packet));
         while (true) {

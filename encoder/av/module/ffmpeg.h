@@ -94,7 +94,7 @@ inline int add_side_data(AVStream& stream, AVPacketSideDataType type, void* data
 #endif
 }
 
-/// What an encoder of sound likes best.
+/// Preferred sample format of an audio encoder.
 inline AVSampleFormat first_sample_format(const AVCodec& codec) {
 #if LIBAVCODEC_VERSION_INT >= AV_VERSION_INT(61, 13, 100)
     const void* formats = nullptr;

@@ -94,7 +94,7 @@ class Film {
     }
 
   private:
-    /// What is known of a coded picture before it is decoded.
+    /// Facts about a coded picture before decoding.
     struct Coded {
         std::int64_t bytes = 0, position = -1;
         bool random_access = false;
@@ -124,9 +124,9 @@ class Film {
         if (const int r = avcodec_open2(decoder_.get(), codec, nullptr); r < 0) refuse(cause_of(r, messages_));
     }
 
-    /// Decodes one access unit, or with null what is held back.
+    /// Decodes one access unit; null: flushes the decoder.
     void send(AVPacket* packet) {
-        const Messages messages;  // what is said now concerns this picture
+        const Messages messages;  // messages from now on concern this picture
         if (packet != nullptr) {
             set_number(*decoder_, *packet, static_cast<std::int64_t>(coded_.size()));
             coded_.push_back({packet->size, packet->pos, is_random_access(codec_, *packet), false, {}});
@@ -167,7 +167,7 @@ class Film {
         result_.pictures = std::move(shown);
     }
 
-    /// Brings together what was known before and after decoding.
+    /// Combines the facts from before and after decoding.
     void finish() {
         sort_for_display();
         for (PictureFacts& picture : result_.pictures) {

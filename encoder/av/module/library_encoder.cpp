@@ -252,7 +252,7 @@ class Library final : public LibraryEncoder {
         std::memcpy(data->data, regions.data(), bytes);
     }
 
-    /// Takes what the encoder has ready, and shows it to the decoder.
+    /// Takes finished packets from the encoder, and passes them to the decoder.
     void receive(const Messages& messages) {
         while (true) {
             const int result = avcodec_receive_packet(encoder_.get(), packet_.get());

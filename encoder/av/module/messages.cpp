@@ -35,7 +35,7 @@ void Messages::receive(void* source, int level, const char* format, va_list argu
     if (const auto at = text.find(" @ 0x"); at != std::string::npos)
         if (const auto end = text.find(']', at); end != std::string::npos) text.erase(at, end - at);
 
-    // libavcodec reports what it conceals as information only.
+    // libavcodec reports concealed errors as information only.
     const bool concealed = std::string_view(format).substr(0, 10) == "concealing";
     if (level <= AV_LOG_ERROR || concealed) {
         if (current->error_.empty()) current->error_ = text;

@@ -34,7 +34,7 @@ void add_quantisers(const AVFrame& frame, double unit, PictureFacts& facts) {
     facts.mean_quantiser = core::divide_or(sum, static_cast<double>(count), 0.0);
 }
 
-/// What the macroblocks of a picture are predicted from. A macroblock may have several vectors in one direction.
+/// Motion vectors of a picture's macroblocks. A macroblock may have several vectors in one direction.
 class Vectors {
   public:
     explicit Vectors(const AVFrame& frame)

@@ -64,7 +64,7 @@ bool SoundSource::receive(AVAudioFifo* into) {
     return true;
 }
 
-/// Converts; null: what the resampler holds back.
+/// Converts; null: flushes the resampler.
 void SoundSource::add(AVAudioFifo* into, const AVFrame* frame) {
     const int given = frame != nullptr ? frame->nb_samples : 0;
     const Frame converted(av_frame_alloc());

@@ -114,7 +114,7 @@ void SoundTrack::finish() {
     encode(nullptr);
 }
 
-/// Encodes a frame, or with null what is held back.
+/// Encodes a frame; null: flushes the encoder.
 void SoundTrack::encode(const AVFrame* frame) {
     check(avcodec_send_frame(encoder_.get(), frame));
     while (true) {

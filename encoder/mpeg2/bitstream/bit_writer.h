@@ -43,7 +43,7 @@ class BitWriter {
     }
 
     std::size_t bit_count() const { return size_ * 8 + static_cast<std::size_t>(held_count_); }
-    /// What was written; only after align(), and the last thing that is asked for.
+    /// The bytes written; only after align(), and as the last call.
     std::vector<std::uint8_t> take() {
         bytes_.resize(size_);
         return std::move(bytes_);

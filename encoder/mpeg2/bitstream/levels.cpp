@@ -47,7 +47,7 @@ void check_range(const char* what, int value, int low, int high) {
                       std::to_string(high));
 }
 
-/// What users ask for, each where it has a meaning.
+/// Checks the user's rate settings, each where it has a meaning.
 void check_rates(const Settings& s) {
     const RateControl& r = s.rate_control;
     const bool rated = r.mode == RateMode::variable || r.mode == RateMode::constant;

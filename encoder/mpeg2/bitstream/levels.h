@@ -8,7 +8,7 @@
 /// Main Profile's levels and their limits; rate and VBV size of a stream.
 namespace render2mpeg::encoder::mpeg2 {
 
-/// What a level of Main Profile allows. [H262, tables 8-11 to 8-14]
+/// Limits of a level of Main Profile. [H262, tables 8-11 to 8-14]
 struct Level {
     const char* name;
     int indication;            ///< level_identification, 4 bits
@@ -38,7 +38,7 @@ struct Channel {
     bool constant;                ///< the rate; else it is the highest one
     std::int64_t bit_rate;        ///< bits per second, a multiple of 400 as the header counts
     std::int64_t buffer_bits;     ///< a multiple of 16384 likewise
-    std::int64_t usable_bits;     ///< what is ever used of it: with a constant rate what vbv_delay can express
+    std::int64_t usable_bits;     ///< usable part of it: with a constant rate limited by the range of vbv_delay
     std::int64_t chunk_fullness;  ///< fullness before the first picture of a chunk is taken out
     std::int64_t average_rate;    ///< wanted; the highest where none is
 };

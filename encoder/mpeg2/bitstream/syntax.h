@@ -23,7 +23,7 @@ void write_sequence(BitWriter& out, const Settings& settings, const Level& level
 /// counts frames at the rounded declared rate (no drop frames).
 void write_gop(BitWriter& out, const Settings& settings, std::int64_t first_number, bool closed);
 
-/// What a picture's header and coding extension say; progressive frame pictures with frame prediction and frame DCT
+/// Contents of a picture's header and coding extension; progressive frame pictures with frame prediction and frame DCT
 /// only.
 struct PictureHeader {
     int temporal_reference = 0;  ///< display number within the GOP

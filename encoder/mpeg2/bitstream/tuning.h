@@ -82,7 +82,7 @@ inline constexpr float skip_fast = 30;
 /// chosen: 2 of 1.5 to 6: time against bits.
 inline constexpr float energy_fast = 2;
 
-/// Effort::fast tries intra only where inter coding comes to the cost of this many bits.
+/// Effort::fast tries intra only where inter coding costs at least this number of bits.
 /// chosen: 100 of 29 (the least that intra can take) to 100: time against bits.
 inline constexpr int intra_bits_fast = 100;
 

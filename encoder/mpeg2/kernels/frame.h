@@ -27,7 +27,7 @@ void pad(const core::Picture& picture, Frame& frame);
 
 /// The upper left width x height luma samples and their chroma.
 core::Picture crop(const Frame& frame, int width, int height, std::int64_t number);
-/// The same of a frame that nobody needs any more: where nothing is cut off its samples are not copied.
+/// The same of a frame no longer needed: where nothing is cut off its samples are not copied.
 core::Picture crop(Frame&& frame, int width, int height, std::int64_t number);
 
 }  // namespace render2mpeg::encoder::mpeg2

@@ -78,8 +78,8 @@ void forward_dct_of_difference(float* coefficients, const u8* samples, Stride st
     forward_both(x, coefficients);
 }
 
-// Constants of libavcodec's `simple` transform: round(cos(k pi / 16) sqrt(2) 2^14), but one less for k = 4, which is
-// what makes the shortcut below differ from the full sum. Facts a decoder must share; the arithmetic is exact in 32
+// Constants of libavcodec's `simple` transform: round(cos(k pi / 16) sqrt(2) 2^14), but one less for k = 4, which makes
+// the shortcut below differ from the full sum. A decoder must share these constants; the arithmetic is exact in 32
 // bits.
 constexpr std::int32_t w1 = 22725, w2 = 21407, w3 = 19266, w4 = 16383, w5 = 12873, w6 = 8867, w7 = 4520;
 constexpr int row_shift = 11, column_shift = 20, dc_shift = 3;

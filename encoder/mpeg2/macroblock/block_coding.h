@@ -66,7 +66,7 @@ void quantise_intra(Block& block, const QuantTable& table, int dc_bits);
 /// Bits of the coefficients and the end of the block; of the AC coefficients only for an intra block.
 int coefficient_bits(const Block& block, const CoefficientLengths& lengths, bool intra);
 
-/// What an error of the coefficient at `place` adds to the distortion.
+/// Distortion from an error of the coefficient at `place`.
 inline float loss_of(const Block& block, std::size_t place, float error) {
     return block.weights ? block.weights->of[place] * error * error : error * error;
 }

@@ -83,7 +83,7 @@ void code_difference(const PictureCoding& picture, int column, int row, int i, c
     if (block.energy <= block.distortion + lambda * static_cast<float>(block.bits)) block.scan_mask = 0;
 }
 
-/// What an inter trial comes to whose blocks are settled.
+/// Rate and distortion of an inter trial with settled blocks.
 RdCost rd_cost_inter(const PictureCoding& picture, const SliceState& state, const ModeTrial& trial) {
     RdCost t;
     int coefficients = 0;

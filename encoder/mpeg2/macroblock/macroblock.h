@@ -14,11 +14,11 @@
 /// Tries a macroblock in one mode, counts its bits and distortion, and reconstructs it.
 namespace render2mpeg::encoder::mpeg2 {
 
-/// What prediction within a slice starts from at a macroblock. Reset at the slice's start. [H262, 7.2.1 and 7.6.3.4]
+/// Predictors within a slice at a macroblock. Reset at the slice's start. [H262, 7.2.1 and 7.6.3.4]
 struct SliceState {
     int dc_reset = 128;  ///< half the range of the picture's intra DC precision
     int dc[3] = {dc_reset, dc_reset, dc_reset};
-    /// Of the macroblock before; its vectors are what the next ones are predicted from. [H262, 7.6.3]
+    /// Of the macroblock before; its vectors predict the next ones. [H262, 7.6.3]
     PredictionMode mode{{}, {false, false}};
     int quantiser = 1;  ///< in force
     int skipped = 0;    ///< macroblocks since the last coded one
@@ -30,7 +30,7 @@ struct SliceState {
     void reset_dc() { dc[0] = dc[1] = dc[2] = dc_reset; }
 };
 
-/// What does not change within a picture.
+/// Coding state that is constant within a picture.
 struct PictureCoding {
     const Frame& source;
     const Frame* reference[2];  ///< earlier, later; null: none
@@ -59,7 +59,7 @@ struct MacroblockCode {
     std::uint32_t bits = 0;      ///< once written; includes the cost of macroblocks skipped before it
 };
 
-/// What a trial comes to.
+/// Rate and distortion of a trial.
 struct RdCost {
     MacroblockType type;
     int pattern = 0;        ///< coded_block_pattern; 63 for intra
@@ -98,7 +98,7 @@ void try_intra(const PictureCoding& picture, int column, int row, int quantiser,
 void predict_luma(const PictureCoding& picture, int column, int row, const PredictionMode& mode, Prediction& out);
 void predict_chroma(const PictureCoding& picture, int column, int row, const PredictionMode& mode, Prediction& out);
 
-/// How a macroblock is predicted that is skipped here: by zero in a P picture, like the one before in a B picture.
+/// Prediction of a macroblock skipped here: by zero in a P picture, like the one before in a B picture.
 /// [H262, 7.6.6] Null where it must not be skipped: after an intra macroblock, or where the vectors would lead out of
 /// the picture. Holds until the state changes.
 const PredictionMode* skip_mode(const PictureCoding& picture, int column, int row, const SliceState& state);

@@ -11,7 +11,7 @@
 namespace render2mpeg::encoder::mpeg2 {
 namespace {
 
-/// What a macroblock shows if it is skipped. Predicted when first asked for, chroma only where luma leaves that open.
+/// Prediction of a skipped macroblock. Computed on first use, chroma only where luma leaves the decision open.
 class SkipTrial {
   public:
     SkipTrial(const PictureCoding& picture, int column, int row, const PredictionMode* mode)
@@ -83,7 +83,7 @@ class RowDecision {
         const Force forced = picture_.forced ? picture_.forced->at(column, row_) : Force::none;
         const bool intra_due = picture_.intra_due && picture_.intra_due->at(column, row_) != 0;
 
-        // Do what is forced.
+        // Apply forced modes.
         if (picture_.type == PictureType::intra || forced == Force::intra) {
             try_intra(picture_, column, row_, quantiser, state_, *intra_);
             return keep(column, *intra_);

@@ -93,7 +93,7 @@ ModeChoice choose_prediction_modes(const PictureCoding& picture, int column, int
         }
     }
 
-    // Means of the best two of each direction, and what the macroblock before used.
+    // Means of the best two of each direction, and the mode of the macroblock before.
     Means means(picture, column, row);
     float least = std::numeric_limits<float>::infinity();
     PredictionMode best;

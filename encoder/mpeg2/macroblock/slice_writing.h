@@ -6,7 +6,7 @@
 /// Writes a decided row of macroblocks as a slice.
 namespace render2mpeg::encoder::mpeg2 {
 
-/// What the writer needs beyond a row's code.
+/// Inputs of the writer besides a row's code.
 struct SliceSyntax {
     PictureType type;
     int lines;

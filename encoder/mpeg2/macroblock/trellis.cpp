@@ -74,7 +74,7 @@ void trellis_rdoq(Block& block, const QuantTable& table, const CoefficientLength
     Trellis trellis(block, table, lengths, intra, lambda);
     for (std::uint64_t left = block.scan_mask; left != 0; left &= left - 1) trellis.extend(std::countr_zero(left));
 
-    // Walk back; what the path leaves out becomes 0.
+    // Trace back; coefficients not on the path become 0.
     const Path* path = &trellis.best();
     for (std::uint64_t left = block.scan_mask; left != 0;) {
         const int scan = 63 - std::countl_zero(left);

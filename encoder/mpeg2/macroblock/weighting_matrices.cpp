@@ -6,9 +6,9 @@
 
 #include "encoder/mpeg2/bitstream/tuning.h"
 
-// What the eye sees of an error falls with its frequency. Both matrices and the weights of distortion follow powers of
-// tables that were made for the eye: MPEG-2's intra matrix and JPEG's luminance steps. docs/measurements.md#encoder
-// tells how the powers were chosen.
+// Visibility of an error falls with its frequency. Both matrices and the weights of distortion are powers of perceptual
+// tables: MPEG-2's intra matrix and JPEG's luminance steps. docs/measurements.md#encoder describes the choice of the
+// powers.
 
 namespace render2mpeg::encoder::mpeg2 {
 namespace {

@@ -20,7 +20,7 @@ struct Samples {
     glm::vec2 low{0.0f}, high{0.0f}, sum{0.0f};
 };
 
-/// Longer vectors than this lead out of every picture (1920 columns at most), and so does what is no number.
+/// Longest vector: longer ones lead out of every picture (1920 columns at most), and NaN counts as longer.
 constexpr float longest = 4096.0f;
 
 bool is_valid(core::PixelClass kind, glm::vec2 v) {

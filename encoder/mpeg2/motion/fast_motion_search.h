@@ -18,7 +18,7 @@ class FastMotionSearch {
     /// One source per reference, null where there is none.
     FastMotionSearch(const MotionSources* earlier, const MotionSources* later);
 
-    /// What all vectors fit that are ever chosen.
+    /// f_code of a direction, which bounds all vectors ever chosen.
     const int (&f_code(int direction) const)[2] { return side_[static_cast<std::size_t>(direction)].f_code; }
 
     struct Result {

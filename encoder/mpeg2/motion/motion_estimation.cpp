@@ -79,7 +79,7 @@ class MotionEstimator {
         return vector_range(column, row, columns_, rows_, s_.horizontal_f_code_limit, vertical_f_code_limit);
     }
 
-    /// First pass: exact vectors, zero, the picture before, and what the left neighbour liked.
+    /// First pass: exact vectors, zero, the picture before, and the left neighbour's choice.
     void try_sources(int row) {
         Vector left;
         for (int column = 0; column < columns_; ++column) {
@@ -159,7 +159,7 @@ class MotionEstimator {
         return best;
     }
 
-    /// What the first pass chose, zero outside the picture.
+    /// Vector chosen in the first pass, zero outside the picture.
     Vector neighbour(int column, int row) const {
         const bool inside = column < columns_ && row >= 0 && row < rows_;
         return inside ? first_.at(column, row) : Vector{};

@@ -60,7 +60,7 @@ class Search {
         result_.vectors.add(v, difference + area_.cost_per_bit * static_cast<float>(bits(v)));
     }
 
-    /// About what the vector takes: of each component 1 for no difference, else 3 and 2 more for each doubling.
+    /// Approximate bits of the vector: for each component 1 for no difference, else 3 and 2 more for each doubling.
     int bits(Vector v) const { return bits_of(v.x - area_.prediction.x) + bits_of(v.y - area_.prediction.y); }
     static int bits_of(int difference) {
         const auto magnitude = static_cast<unsigned>(difference < 0 ? -difference : difference);

@@ -25,7 +25,7 @@ PictureHeader header_of(PictureType type, int temporal_reference, const ShownFie
     return header;
 }
 
-/// A row of the colour, or of what the earlier reference shows: its ends must be coded, all between them is skipped.
+/// A row of the colour, or of the earlier reference: its ends must be coded, all between them is skipped.
 RowCode row_of(PictureType type, int columns, const Color& color) {
     MacroblockCode code;
     code.quantiser = quantiser;
@@ -70,7 +70,7 @@ Color mean_color(const Frame& frame) {
     return color;
 }
 
-/// What decoders make of blocks that have nothing but a DC.
+/// Decoded frame of DC-only blocks.
 Frame flat_frame(int columns, int rows, const Color& color) {
     Frame frame(columns, rows);
     for (int i = 0; i < 3; ++i) {
@@ -115,7 +115,7 @@ PictureResult minimal_picture(const PictureTask& task) {
 MinimalBits minimal_bits(const Settings& settings, const Level& level) {
     const int columns = (settings.width + 15) / 16, rows = macroblock_rows(settings);
     const auto bits = [&](PictureType type) {
-        // A DC of 0 lies farthest from what slices start with, 128, and has the longest code.
+        // A DC of 0 lies farthest from the initial predictor of slices, 128, and has the longest code.
         RowCode row = row_of(type, columns, {0, 0, 0});
         return 8 * static_cast<std::int64_t>(written(header_of(type, 0, {}), settings.height, rows, row).size());
     };

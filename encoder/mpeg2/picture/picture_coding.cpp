@@ -111,7 +111,7 @@ std::vector<RowCode> decide(const PictureTask& task, const Vectors& vectors, con
     return rows;
 }
 
-/// The header that says what the rows turned out to use.
+/// The header with the parameters actually used by the rows.
 PictureHeader header_for(const PictureTask& task, const std::vector<RowCode>& rows) {
     PictureHeader header;
     header.temporal_reference = task.temporal_reference;
@@ -151,7 +151,7 @@ std::vector<std::uint8_t> write(const PictureTask& task, const PictureHeader& he
     return bytes;
 }
 
-/// What the outside learns of the rows; vectors of inter macroblocks predict those of the next picture.
+/// Fills the public records from the rows; vectors of inter macroblocks predict those of the next picture.
 void record(const std::vector<RowCode>& rows, PictureResult& result) {
     for (int row = 0; row < result.records.height(); ++row)
         for (int column = 0; column < result.records.width(); ++column) {

@@ -15,7 +15,7 @@
 /// Codes one picture: vectors, decisions, header and slices.
 namespace render2mpeg::encoder::mpeg2 {
 
-/// What a picture is coded from.
+/// Inputs for coding a picture.
 struct PictureTask {
     const Frame& source;
     PictureType type;
@@ -30,7 +30,7 @@ struct PictureTask {
     const QuantiserSet* quantisers = &QuantiserSet::standard();
     const Weights* weights = nullptr;                      ///< of errors of luma; null: all 1
     const core::Plane<std::uint8_t>* intra_due = nullptr;  ///< 1: intra or skipped; null: none
-    /// What `quantiser` is multiplied by in each macroblock; null: 1.
+    /// Factor on `quantiser` in each macroblock; null: 1.
     const core::Plane<float>* quantiser_factors = nullptr;
     const core::Plane<Force>* forced = nullptr;  ///< null: nothing
     float bit_weight = 1;                        ///< how much dearer bits are than tuning.h makes them

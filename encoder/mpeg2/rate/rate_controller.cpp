@@ -35,7 +35,7 @@ std::array<double, 3> rest_after(const std::optional<BitAllocation>& allocation,
     return rest;
 }
 
-/// Steers a quantiser to where falling `bits` meet `wanted`; both ends are beyond what is coded.
+/// Solves for the quantiser at which the decreasing `bits` equal `wanted`; both ends are beyond the coded range.
 template <class Bits>
 double solve(double wanted, const Bits& bits) {
     double low = std::log2(0.5), high = std::log2(62.0);
@@ -133,7 +133,7 @@ int RateController::coding_quantiser(const PicturePlan& picture, const VbvSchedu
     }
     if (!has_bit_rate(settings_)) return picture.quantiser;
 
-    // What was planned holds unless what has been learned since asks for another step.
+    // Keep the planned quantiser unless the model, updated since, asks for another step.
     const double wanted = std::clamp(nominal(picture.number, entry, schedule), 1.0, 31.0);
     if (++coded_in_chunk_ > settings_.b_pictures + 2) steady_ = solved_;
     const double off = wanted - picture.quantiser;
@@ -208,9 +208,9 @@ double RateController::nominal(std::int64_t number, const InFlight& picture, con
     return limited(number, picture, quantiser, schedule);
 }
 
-/// What is solved for must not jump, least of all near a chunk's end, where a small rest would be spent on one picture.
-/// chosen: a third finer, half as much again coarser than for the picture before (1.2..2); the first pictures of a
-/// chunk may, since they find out what it needs.
+/// Limits jumps of the solution, most of all near a chunk's end, where a small rest would be spent on one picture.
+/// chosen: a third finer, half as much again coarser than for the picture before (1.2..2); no limit for the first
+/// pictures of a chunk, since they measure its cost.
 double RateController::damped(double solved) {
     solved_ = steady_ > 0 ? std::clamp(solved, steady_ / 1.33, steady_ * 1.5) : solved;
     return solved_;

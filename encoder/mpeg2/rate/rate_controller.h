@@ -32,7 +32,7 @@ class RateController {
     /// of each type is planned without knowledge, and a film may become harder at once. Never finer: it was lit for no
     /// more.
     int reconsider(const PicturePlan& picture, int quantiser, std::int64_t bits, const VbvSchedule& schedule);
-    /// What a picture came to, stuffing included in `bits_sent`.
+    /// Records the actual cost of a picture, with stuffing included in `bits_sent`.
     void record(const PicturePlan& picture, int quantiser, std::int64_t bits, std::int64_t bits_sent);
 
   private:
@@ -50,7 +50,7 @@ class RateController {
     double damped(double solved);
     double nominal(std::int64_t number, const InFlight& picture, const VbvSchedule& schedule);
     double bits(const InFlight& picture, double quantiser) const;
-    /// What a picture and all not planned yet would come to as they were allocated.
+    /// Bits of a picture and all not planned yet under their allocation.
     double bits_as_allocated(const InFlight& picture) const;
     /// Numbers of I, P and B pictures not planned yet, as far as the horizon.
     std::array<double, 3> foreseen() const;
@@ -77,7 +77,7 @@ class RateController {
     int reference_quantiser_ = 1;             ///< of the newest I or P picture planned
     double solved_ = 0;                       ///< by the last call of nominal
     int coded_in_chunk_ = 0;                  ///< pictures
-    double steady_ = 0;    ///< what the last picture settled at: base quantiser or correction; 0: too early
+    double steady_ = 0;    ///< steady state after the last picture: base quantiser or correction; 0: too early
     double rounding_ = 0;  ///< bits that rounding of quantisers has cost or saved lately
 };
 

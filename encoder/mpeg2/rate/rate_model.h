@@ -24,7 +24,7 @@ double ratio_of(const PicturePlan& picture);
 /// fit: docs/measurements.md#rates
 double rate_slope(PictureType type);
 
-/// What pictures of each type will cost, learned from those already coded.
+/// Predicted cost of pictures of each type, learned from pictures already coded.
 class RateModel {
   public:
     RateModel(const Settings& settings, const MinimalBits& minimal);
@@ -33,7 +33,7 @@ class RateModel {
     double bits(PictureType type, double quantiser) const;
     /// Learns the bits of a representative picture: valid until one of its type is coded.
     void expect(PictureType type, int quantiser, double bits);
-    /// Learns that a picture came to `bits`.
+    /// Learns the bits of a picture.
     void learn(PictureType type, int quantiser, std::int64_t bits);
     /// Whether it is far more than expected of a type that is known.
     bool surprised(PictureType type, int quantiser, std::int64_t bits) const;
@@ -44,7 +44,7 @@ class RateModel {
     double complexity(PictureType type) const;
 
     double overhead_[3];
-    double first_guess_;  ///< complexity of an I picture nobody has seen
+    double first_guess_;  ///< complexity of an unknown I picture
     double detail(PictureType type, int quantiser, double bits) const;
 
     std::array<std::optional<double>, 3> learned_, expected_;

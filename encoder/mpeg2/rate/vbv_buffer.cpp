@@ -22,7 +22,7 @@ VbvBuffer::VbvBuffer(const Settings& settings, const Channel& channel)
 
 std::int64_t VbvBuffer::chunk_fullness(std::int64_t number) const {
     if (!constant_) return chunk_fullness_;
-    // What arrives until then, modulo whole bytes. Each factor is reduced first, so that nothing overflows.
+    // Arrivals until then, modulo whole bytes. Each factor is reduced first to prevent overflow.
     const std::int64_t index = number - first_number_, byte = fractions(8);
     const std::int64_t fields = fields_before(cadence_, index - 1) - fields_before(cadence_, -1);
     return chunk_fullness_ + (per_field_ % byte) * (((fields % byte) + byte) % byte) % byte;

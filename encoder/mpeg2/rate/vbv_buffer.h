@@ -24,9 +24,9 @@ class VbvBuffer {
     /// The fullness, in fractions, that the chunk which begins with `number` expects.
     std::int64_t chunk_fullness(std::int64_t number) const;
 
-    /// Takes a picture of `bits` out and lets `fields` pass. Returns zero bytes that have to be added to the picture:
-    /// so many that the buffer does not run over, or with `next_chunk` that the chunk that begins with it finds exactly
-    /// what it expects. The picture must have arrived whole.
+    /// Removes a picture of `bits` and lets `fields` pass. Returns the number of stuffing bytes to add to the picture:
+    /// enough to prevent overflow, or with `next_chunk` enough to reach exactly the fullness expected by the next
+    /// chunk. The picture must have arrived whole.
     std::int64_t take(std::int64_t bits, int fields, const std::int64_t* next_chunk = nullptr);
 
     std::int64_t fullness() const { return fullness_; }  ///< fractions

@@ -13,7 +13,7 @@
 /// How many bits the next picture may have, so that all that follow fit the VBV.
 namespace render2mpeg::encoder::mpeg2 {
 
-/// What became of the buffer when a picture was taken out of it.
+/// State of the VBV buffer around the removal of a picture.
 struct Removal {
     /// Bits; after: with the stuffing taken out too; next: when the next picture's turn comes.
     std::int64_t fullness_before = 0, fullness_after = 0, fullness_next = 0;

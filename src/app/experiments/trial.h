@@ -64,7 +64,7 @@ struct Trial {
     perceptual::FilmQuality decoded;
     double masked_error = 0;  ///< of decoded reference frames, mean; code values squared (perceptual/metrics.h)
     perceptual::FilmQuality shown, shown_there;  ///< decoded against the pictures as lit: all frames, and references
-    double shown_masked = 0, shown_masked_there = 0;  ///< likewise; 0 where nobody asked
+    double shown_masked = 0, shown_masked_there = 0;  ///< likewise; 0 where not requested
     bool has_references = false;
     double bytes = 0;         ///< per frame of the windows
     double film_bytes = 0;    ///< per frame of the film (film_by)

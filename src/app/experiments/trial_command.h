@@ -24,11 +24,11 @@ std::string render_command(const std::vector<std::string>& words, const std::fil
 /// files; a part of it after an interrupt.
 RenderJob prepare_trials(const RenderOptions& render, const TrialOptions& options);
 
-/// Throws core::Error where so many bytes exceed `machine`'s.
+/// Throws core::Error where this number of bytes exceeds `machine`'s.
 void check_memory(double bytes, double machine);
 void check_memory(double bytes);
 
-/// Lights the references with a progress line. Returns whether nobody interrupted.
+/// Lights the references with a progress line. Returns false after an interruption.
 bool light_references(Trials& trials, bool quiet);
 
 /// Lights and codes the windows with a progress line. None after an interruption.

@@ -76,7 +76,7 @@ struct Tuning {
     std::vector<Probe> probes;
     Found found = Found::stopped;
     std::optional<std::size_t> chosen;                         ///< of the probes
-    std::vector<std::pair<std::string, std::string>> options;  ///< of `render` that it comes to: name and value
+    std::vector<std::pair<std::string, std::string>> options;  ///< resulting options of `render`: name and value
     std::optional<std::string> command;                        ///< to paste; none where nothing is to be rendered
     std::optional<WholeFilm> film;
 };

@@ -38,7 +38,7 @@ std::filesystem::path absolute_of(const std::filesystem::path& place) {
     return std::filesystem::absolute(place, error).lexically_normal();
 }
 
-/// What of an identity tells of the program and not of the film.
+/// The part of an identity that describes the program, not the film.
 json program_of(const json& identity) {
     return {{"version", identity.value("version", json())},
             {"build", identity.value("build", json())},

@@ -20,7 +20,7 @@ struct FilmPart {
     FrameRange frames;
 };
 
-/// What `plan.json` holds, and where it lies.
+/// Contents and location of `plan.json`.
 struct FarmPlan {
     std::filesystem::path folder;    ///< absolute
     std::vector<std::string> words;  ///< of the `render` that makes the same film
@@ -58,8 +58,8 @@ bool has_plan(const std::filesystem::path& folder);
 /// Writes it whole or not at all. Throws core::Error.
 void write_plan(const FarmPlan& plan);
 
-/// What the plan's words say, read where they were said: changes the process's current folder. The instruction set is
-/// the plan's. Throws core::Error.
+/// Options parsed from the plan's words in their original folder: changes the process's current folder. The instruction
+/// set is the plan's. Throws core::Error.
 RenderOptions options_of(const FarmPlan& plan);
 
 /// The options of one part: its outputs lie in its own folder. It goes on where it was ended.

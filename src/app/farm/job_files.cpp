@@ -27,7 +27,8 @@ std::string needed_by(const std::string& scheduler) {
     return scheduler;  // parallel, openjd, snakemake
 }
 
-/// What earlier jobs noted as done may have been removed since; parts know themselves what is left to be done.
+/// Removes the notes of earlier jobs: outputs noted as done may have been deleted since, and parts find their remaining
+/// work themselves.
 void forget_notes(const std::filesystem::path& log) {
     std::error_code ignored;
     for (const auto& entry : std::filesystem::directory_iterator(log, ignored))

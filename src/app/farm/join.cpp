@@ -39,14 +39,14 @@ RenderOptions moved_into(const std::filesystem::path& folder, const RenderOption
     return moved;
 }
 
-/// A part that was made, with what came of it.
+/// A finished part, with its results.
 struct MadePart {
     RenderOptions options;  ///< that it was made by
     std::vector<ChunkFile> chunks;
     RunStatistics statistics;
 };
 
-/// Takes in what a part left: all of its chunks, proved by their checksums. None where it is not whole.
+/// Reads the results of a part: all of its chunks, verified by their checksums. None where it is not whole.
 std::optional<MadePart> made_part(const FarmPlan& plan, const FilmPart& part, const RenderJob& film,
                                   const RenderOptions& options, HeatmapFilms& heatmaps) {
     const json& identity = plan.facts->at("identity");
@@ -132,7 +132,7 @@ std::vector<ChunkFile> gather(const FarmPlan& plan, const RenderJob& film, const
     return chunks;
 }
 
-/// What the plan's step took.
+/// Cost of the planning step.
 RunStatistics cost_of(const FarmPlan& plan) {
     RunStatistics statistics;
     const json& cost = plan.facts->at("cost");
@@ -142,7 +142,7 @@ RunStatistics cost_of(const FarmPlan& plan) {
     return statistics;
 }
 
-/// Removes what the parts were made of: the film is there.
+/// Removes the intermediate files of the parts, once the film exists.
 void remove_parts(const FarmPlan& plan, const std::filesystem::path& film) {
     std::error_code ignored;
     write_whole(plan.joined_mark(), film.string() + "\n");

@@ -35,7 +35,7 @@ void copy_input(const std::filesystem::path& from, const std::filesystem::path& 
     if (error) throw core::Error("packing", from.string(), error.message());
 }
 
-/// What an option's value becomes in a pack: the name of a copy, or a full name.
+/// Maps an option's value to its value in a pack: the name of a copy, or a full name.
 class PackedNames {
   public:
     explicit PackedNames(std::filesystem::path inputs) : inputs_(std::move(inputs)) {}

@@ -57,7 +57,7 @@ std::unique_ptr<WorkFolder> open_part(const FarmPlan& plan, const RenderOptions&
     return nullptr;
 }
 
-/// What is settled for the whole film, where the part's folder does not have it yet.
+/// Stores the values settled for the whole film, where the part's folder does not have them yet.
 void keep_settled(const FarmPlan& plan, WorkFolder& work) {
     for (const auto& [name, value] : plan.facts->at("settled").items())
         if (work.kept(name).is_null()) work.keep(name, value);

@@ -1,5 +1,5 @@
 #pragma once
-// What a part says of itself while it is made, in a small file that others read.
+// Status of a part during its rendering, in a small file for other processes.
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace render2mpeg::app {
 
 enum class PartState { running, done, failed, interrupted };
 
-/// What the file says, and how old it is.
+/// Contents and age of the status file.
 struct PartNews {
     PartState state = PartState::running;
     std::int64_t done = 0, total = 0;  ///< frames

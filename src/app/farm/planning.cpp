@@ -42,7 +42,7 @@ bool same_parts(const std::vector<FilmPart>& a, const std::vector<FilmPart>& b) 
     });
 }
 
-/// What keeps an earlier plan in the same folder from being gone on with, in words; empty where nothing does.
+/// Reason against continuing an earlier plan in the same folder, in words; empty where there is none.
 std::string hindrance(const FarmPlan& earlier, const FarmPlan& plan) {
     const std::string difference = difference_of(earlier.facts->at("identity"), plan.facts->at("identity"));
     if (!difference.empty()) return difference;
@@ -52,15 +52,15 @@ std::string hindrance(const FarmPlan& earlier, const FarmPlan& plan) {
     return {};
 }
 
-/// Removes what a farm left in its folder, and nothing else.
+/// Removes a farm's files from its folder, and nothing else.
 void remove_earlier(const FarmPlan& earlier) {
     std::error_code ignored;
     for (const FilmPart& part : earlier.parts) std::filesystem::remove_all(earlier.folder_of(part), ignored);
     for (const char* name : {"plan.json", "joined", "log"}) std::filesystem::remove_all(earlier.folder / name, ignored);
 }
 
-/// What was settled by an earlier plan of the same film and parts in this folder; null where there is none. An
-/// earlier plan of another film goes, if that is agreed to. Throws core::Error where it is not.
+/// Values settled by an earlier plan of the same film and parts in this folder; null where there is none. Removes an
+/// earlier plan of another film if `agreed`, else throws core::Error.
 json take_over(const FarmPlan& plan, bool agreed) {
     if (!has_plan(plan.folder)) {
         std::error_code error;
@@ -81,7 +81,7 @@ json take_over(const FarmPlan& plan, bool agreed) {
     return {};
 }
 
-/// Finds out what is decided once for the film. None after an interruption.
+/// Makes the decisions common to the whole film. None after an interruption.
 std::optional<json> settle_once(RenderJob& film, const RenderOptions& options, const FarmPlan& plan) {
     const json& identity = plan.facts->at("identity");
     const std::filesystem::path name = plan.folder / "plan";

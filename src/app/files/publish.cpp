@@ -98,7 +98,7 @@ void write_into(const std::filesystem::path& file, const std::filesystem::path& 
 
 struct Doubt {
     std::filesystem::path file;
-    std::string text;  ///< what is so, and what -y does
+    std::string text;  ///< the conflict, and the effect of -y
 };
 
 bool holds_a_film(const std::filesystem::path& file) {

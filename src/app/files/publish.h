@@ -53,7 +53,7 @@ Published give_name(const std::filesystem::path& file, WorkFolder& work, const s
                     bool complete);
 
 struct Wishes {
-    std::vector<Files> films;                   ///< what took long to make: not to be replaced without a word
+    std::vector<Files> films;                   ///< expensive outputs: replaced only with consent
     std::vector<std::filesystem::path> beside;  ///< figures, pages, folders of frames; an empty name is passed over
 };
 

@@ -401,7 +401,7 @@ void WorkFolder::clear_away() {
 }
 
 void WorkFolder::remove() {
-    if (removed_) return;  // what is there now is the next run's
+    if (removed_) return;  // the present folder is the next run's
     // The lock comes last, since the rest may be the next run's without it. A leftover folder is harmless.
     std::error_code ignored;
     for (const std::filesystem::path& entry : entries_of(folder_))

@@ -85,7 +85,7 @@ constexpr double kept_later = 0.93, bytes_later = 1.1;
 /// CPU and bytes grow with these powers of the pixels where one size alone is known. fit: bench/fits/forecast.jsonl
 constexpr double time_power = 0.5, bits_power = 0.8;
 
-/// What a first pass takes of the film's time. chosen: a sixteenth of the pixels, roughly lit.
+/// A first pass's share of the film's time. chosen: a sixteenth of the pixels, roughly lit.
 constexpr double first_pass_share = 0.05;
 
 double pixels_of(const Size& size) {

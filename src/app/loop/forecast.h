@@ -24,7 +24,7 @@ struct MemoryNeed {
     std::uint64_t textures = 0;   ///< with their smaller copies
     std::uint64_t decoding = 0;   ///< of the largest image, while it is read
     std::uint64_t lights = 0;     ///< light points and their trees
-    std::uint64_t frames = 0;     ///< what is seen, lit and coded at a time
+    std::uint64_t frames = 0;     ///< visibility, light and pictures in flight
     std::uint64_t kept = 0;       ///< rays that are kept for light that changes
 
     std::uint64_t total() const { return held + triangles + textures + decoding + lights + frames + kept; }
@@ -52,7 +52,7 @@ struct FrameSample {
     double built = 0;           ///< CPU of a run's one-time construction
     RunStatistics statistics;   ///< of sample_frames() alone
 
-    /// The same with so many times the pixels; seconds grow by `power`.
+    /// The same with the pixels multiplied by `times`; seconds grow by `power`.
     FrameSample grown(double times, double power) const;
 };
 

@@ -92,7 +92,7 @@ bool fill_nuke(FrameMotion& motion, const Layers& layers) {
     return true;
 }
 
-/// What our own files say beside Vector; others tell surfaces and sky not apart.
+/// Pixel classes, which our own files store beside Vector; other files do not distinguish surfaces from sky.
 core::Plane<core::PixelClass> classes(const Layers& layers) {
     core::Plane<core::PixelClass> kinds(layers.width(), layers.height(), core::PixelClass::surface);
     if (const Values values = layers.exact("render2mpeg.Class.X"))
@@ -124,7 +124,7 @@ void extend(core::MotionField& trajectory, const core::MotionField& step) {
                         at_y = static_cast<float>(y) + vectors[x].y + 0.5f;
             const bool inside =
                 at_x >= 0 && at_y >= 0 && at_x < static_cast<float>(width) && at_y < static_cast<float>(height);
-            // What is not below 0 is rounded down by being cut off.
+            // Truncation rounds down, since the values are not negative.
             const std::ptrdiff_t there =
                 inside ? std::ptrdiff_t{static_cast<int>(at_y)} * width + static_cast<int>(at_x) : 0;
             if (inside && kinds_there[there] == kinds[x])

@@ -16,7 +16,7 @@ class QualityControl {
 
     /// Factor on the quantisers of the quality for the next picture.
     double factor() const;
-    /// Learns that a picture came to a masked error (perceptual/metrics.h). `base`: its quantiser without the ratio of
+    /// Learns the masked error of a picture (perceptual/metrics.h). `base`: its quantiser without the ratio of
     /// its type and followers.
     void learn(encoder::PictureType type, double base, double masked_error);
     /// Takes over another one's model of errors by quantiser, not its history of shown pictures.

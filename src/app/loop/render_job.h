@@ -57,7 +57,7 @@ struct RenderJob {
     CouplingSettings coupling;  ///< where the tolerance is coupled
     OutputKind kind = OutputKind::film;
     std::optional<float> exposure;   ///< EV; none: to be measured
-    bool measures_exposure = false;  ///< nobody says it
+    bool measures_exposure = false;  ///< no exposure is given
     core::View view;
     bool preview = false;     ///< a draft (app/options/effort.h)
     bool rough = false;       ///< a first pass: its light is too rough to tell whether it changes

@@ -46,7 +46,7 @@ struct FrameEntry {
     bool minimal = false;        ///< only a picture without detail fitted
     std::uint64_t stuffing = 0;  ///< bytes
     std::int64_t fullness_before = 0, fullness_after = 0;  ///< of the buffer, bits
-    encoder::MotionWork motion;                            ///< what choosing its vectors took
+    encoder::MotionWork motion;                            ///< work of choosing its vectors
     double mse_y = 0, ssim_y = 1;                          ///< of the decoded picture against the rendered one
     double pumping = -1;  ///< from the decoded picture before (perceptual/pumping.h), code values; below 0: not known
     std::uint64_t shadow_rays = 0;

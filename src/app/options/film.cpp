@@ -83,7 +83,7 @@ void apply(const Preset& preset, const CodingOptions& options, encoder::Settings
     apply_rates(preset, options, coding);
 }
 
-/// What is refused here was asked for on the command line.
+/// Reports the errors of a check as usage errors, since the command line asked for the refused setting.
 template <class Check>
 void refuse_as_usage(const Check& check) {
     try {

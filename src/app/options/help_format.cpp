@@ -10,7 +10,7 @@
 namespace render2mpeg::app {
 namespace {
 
-/// Columns that names and values of options take, before what they mean.
+/// Columns for names and values of options, before their descriptions.
 constexpr int name_columns = 30;
 
 class HelpFormat : public CLI::Formatter {

@@ -61,7 +61,7 @@ struct CodingOptions {
 struct RenderOptions {
     std::filesystem::path input;
     std::filesystem::path output;
-    std::optional<std::string> as;    ///< what goes to standard output: "ts", "m2v" or "y4m"; `output` is "-.ts" then
+    std::optional<std::string> as;    ///< format on standard output: "ts", "m2v" or "y4m"; `output` is "-.ts" then
     std::optional<std::string> size;  ///< "WxH"
     std::optional<std::string> rate;
     std::optional<std::string> frames;  ///< "A:B", inclusive
@@ -150,7 +150,7 @@ struct TrialOptions {
 };
 
 struct CostOptions : TrialOptions {
-    std::optional<std::string> sample;  ///< none: as much as there is time for
+    std::optional<std::string> sample;  ///< none: limited by the available time
     std::string within = "1m";          ///< as time_in_seconds reads it
     std::string tolerances = "16,8,4,2,1";
 };

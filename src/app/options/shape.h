@@ -13,21 +13,21 @@ namespace render2mpeg::app {
 /// A picture size of a preset, with its shapes and rates.
 struct PresetPicture {
     Size size;
-    std::vector<core::Rational> display_aspects;  ///< the first is taken where nobody says
+    std::vector<core::Rational> display_aspects;  ///< the first is the default
     std::vector<const char*> rates;               ///< pictures per second
 };
 
 /// Preset of --for.
 struct Preset {
     const char* name;
-    std::vector<PresetPicture> pictures;  ///< the first is taken where nobody says
+    std::vector<PresetPicture> pictures;  ///< the first is the default
     /// Pictures as two fields, 23.976 with repeated fields; else as frames.
     bool fields = false;
     int b_pictures = 3;            ///< most in a row
     int gop_fields = 0;            ///< longest GOP; 0: no limit
-    double gop_seconds = 0.5;      ///< of the GOPs where nobody says
+    double gop_seconds = 0.5;      ///< of the GOPs by default
     std::int64_t bit_rate = 0;     ///< most, bits per second
-    std::int64_t usual_rate = 0;   ///< most, where nobody says: leaves room for sound
+    std::int64_t usual_rate = 0;   ///< most, by default: leaves room for sound
     std::int64_t buffer_bits = 0;  ///< VBV size
     double longest_delay = 0;      ///< seconds that bits may wait in the buffer at the highest rate; 0: any
     bool disc = false;             ///< program streams are a DVD's

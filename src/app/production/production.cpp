@@ -32,7 +32,7 @@ namespace {
 /// In a chunk's record: figures for the report of the frame that it shows.
 constexpr const char* sample_frame_name = "sample_frame";
 
-/// What a chunk came to, for --verbose.
+/// Summary of a chunk, for --verbose.
 std::string chunk_text(const Chunk& chunk, const RunStatistics& statistics) {
     double seconds = 0, bytes = 0, quantiser = 0;
     for (const FrameEntry& entry : statistics.frames) {
@@ -96,7 +96,7 @@ bool render_whole_chunks(const OpenRender& open) {
         if (sink) sink->finish();
         if (!whole) {
             files.back().abandon();
-            // What was stopped before its first frame is nothing.
+            // Drop a chunk that was stopped before its first frame.
             if (statistics.frames.size() == before) files.pop_back();
             break;
         }
@@ -113,7 +113,7 @@ bool render_whole_chunks(const OpenRender& open) {
     return whole && files.size() == chunks.size();
 }
 
-/// Gives the film its name, or what there is of it another.
+/// Publishes the film under its name, or an incomplete one under another.
 Published publish_frames(const OpenRender& open, bool complete) {
     const RenderJob& film = open.film;
     const RenderOptions& options = open.options;
@@ -255,7 +255,7 @@ bool write_about(const OpenRender& open, const RunFacts& facts, ErrorCollector& 
     return stats && report;
 }
 
-/// Marks what is whole, and removes what it was made of: to be called when nothing of that is needed any more.
+/// Marks complete outputs, and removes their intermediate files. Call when none of these is needed any more.
 void clear_away(const OpenRender& open) {
     if (!open.heatmaps.has_lost()) mark_as_whole(open.film, open.options, open.identity);
     open.heatmaps.clear_away();

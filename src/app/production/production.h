@@ -68,7 +68,7 @@ struct OpenRender {
     std::function<void(std::int64_t)> frames_done = {};  ///< told of the frames that are whole, after each; or empty
 };
 
-/// What the records of chunks that an earlier run finished keep of the report's sample frame.
+/// Restores the report's sample frame from the records of finished chunks of an earlier run.
 void take_up(SampleFrameObserver& sample_frame, const std::vector<ChunkFile>& chunks);
 
 /// Renders the chunks that have no file yet, the last of them incompletely after an interruption. Returns whether all

@@ -1,5 +1,5 @@
 #pragma once
-// What pages say first: a table of choices with bars, a large picture, the command to paste; all else behind a fold.
+// Top of a page: a table of choices with bars, a large picture, the command to paste; all else behind a fold.
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -16,7 +16,7 @@ enum class Grade { good, fair, poor, none };
 struct AnswerRow {
     std::string name;
     double share = 0;  ///< of the longest bar, 0 to 1
-    std::string bar;   ///< what the bar says, under it
+    std::string bar;   ///< label under the bar
     std::string word;  ///< the difference in words
     Grade grade = Grade::none;
     std::string detail;  ///< under the word, soft
@@ -29,10 +29,10 @@ struct AnswerRow {
 /// One of several ways to the same film, as the rule of all pages sees it.
 struct Offer {
     double cost = 0;            ///< of any unit, the same for all
-    bool is_like_best = false;  ///< nobody can tell it from the best
+    bool is_like_best = false;  ///< indistinguishable from the best
 };
 
-/// The row to take: the cheapest that nobody can tell from the best. None where there is none.
+/// The recommended row: the cheapest indistinguishable from the best. None where there is none.
 std::optional<std::size_t> cheapest_alike(std::span<const Offer> offers);
 
 /// "0:16 (28 s of CPU)": by the clock, and of all threads.

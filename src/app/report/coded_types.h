@@ -7,7 +7,7 @@
 
 namespace render2mpeg::app {
 
-/// What the pictures of one type have in common: sums and means over them.
+/// Sums and means over the pictures of one type.
 struct CodedType {
     char type = '?';
     std::int64_t pictures = 0;

@@ -11,7 +11,7 @@
 namespace render2mpeg::app {
 namespace {
 
-/// What a drawing is sized for, in its own units, which are pixels at that width.
+/// Target format of a drawing, in its own units, which are pixels at that width.
 struct Paper {
     const char* name;
     double width, height;
@@ -54,7 +54,8 @@ Scale scale_of(const CurvePlot& plot, bool horizontal) {
         const double factor = std::max(std::pow(high / low, room), 1.1);
         return {low / factor, high * factor, true};
     }
-    // What nobody sees is no cliff: decibels span three at least. chosen: six times half a decibel.
+    // An invisible difference must not look like a cliff: a decibel axis spans at least three. chosen: six times half a
+    // decibel.
     if (axis.name.find("dB") != std::string::npos && high - low < 3) {
         const double middle = (low + high) / 2;
         low = middle - 1.5;

@@ -6,7 +6,7 @@
 namespace render2mpeg::app {
 
 struct CurvePoint {
-    double x = 0, y = 0;  ///< those that are not finite, or not positive on a logarithmic axis, are left out
+    double x = 0, y = 0;  ///< left out if not finite, or not positive on a logarithmic axis
     std::string label;    ///< beside the point; may be empty
     bool marked = false;  ///< with a ring
 };

@@ -9,8 +9,7 @@
 
 namespace render2mpeg::app {
 
-/// The middle of pictures of this size as far as a report shows it: pixel for pixel, since what is made smaller hides
-/// what coding does to it.
+/// Central crop of pictures of this size, for a report: pixel for pixel, since downscaling hides coding artefacts.
 struct ViewBox {
     int left = 0, top = 0, width = 0, height = 0;  ///< left and top are even
 };

@@ -55,7 +55,7 @@ perceptual::HeatScale scale_of(HeatSubject subject) {
 
 namespace {
 
-/// What records did, a plane as it is; null for other subjects.
+/// Plane of a subject about records, unchanged; null for other subjects.
 const core::Plane<float>* of_records(HeatSubject subject, const core::Radiance& radiance) {
     switch (subject) {
         case HeatSubject::records:
@@ -92,7 +92,7 @@ core::Plane<float> values_of(HeatSubject subject, const LitFrame& frame) {
     return values;
 }
 
-/// Macroblocks as pixels: what MPEG-2's quantiser of each pixel is, or would be for about the same quality.
+/// Macroblocks as pixels: MPEG-2's quantiser of each pixel, or its equivalent at about the same quality.
 core::Plane<float> quantisers_of(encoder::Codec codec, const encoder::CodedPicture& coded) {
     core::Plane<float> values(coded.reconstruction.width(), coded.reconstruction.height());
     for (int y = 0; y < values.height(); ++y)

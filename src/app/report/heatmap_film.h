@@ -18,11 +18,11 @@
 
 namespace render2mpeg::app {
 
-/// What a false-colour film can show of a render.
+/// Quantity of a render shown by a false-colour film.
 enum class HeatSubject {
     tolerance,  ///< a pixel's tolerance over its luminance
     cut,        ///< clusters gathered
-    error,      ///< by what the gathered light may be off over the pixel's luminance, as the stopping rule reckons
+    error,      ///< error bound of the gathered light over the pixel's luminance, from the stopping rule
     quantiser,  ///< of macroblocks
     records,    ///< that lie in a pixel
     age,        ///< frames since a pixel's light was gathered
@@ -32,11 +32,11 @@ enum class HeatSubject {
 /// The subject of that name. Throws core::Error with the list of names.
 HeatSubject heat_subject_from(const std::string& name);
 
-/// What its colours mean.
+/// Meaning of the subject's colours.
 perceptual::HeatScale scale_of(HeatSubject subject);
 
-/// Refuses what --heatmap asks for where it has nothing to show, or its film cannot be coded. Writes nothing. Throws
-/// core::Error that names the heatmap or its file.
+/// Refuses a --heatmap that has nothing to show, or a film that cannot be coded. Writes nothing. Throws core::Error
+/// naming the heatmap or its file.
 void check_heatmaps(const RenderOptions& options, const RenderJob& film);
 
 /// A false-colour film of a render with a legend below, as long as the render and in square pixels. It has its name

@@ -34,7 +34,7 @@ std::string kilobits(const json& s) {
     return fmt::format("{:.0f} kb/s", core::divide_or(8e-3 * s.at("bytes").get<double>(), seconds, 0.0));
 }
 
-/// What the codec calls its quantisers.
+/// Name of the codec's quantiser scale.
 std::string scale_of(const json& s) {
     for (const encoder::CodecFacts& facts : encoder::all_codecs())
         if (s.at("codec") == facts.word) return std::string(facts.scale);

@@ -18,7 +18,7 @@ class SampleFrameObserver : public LoopObserver {
 
     /// Whether the frame that is kept is among these.
     bool is_in(const Chunk& chunk) const { return frame_ >= chunk.first && frame_ <= chunk.last; }
-    /// What figures() said in the run that made the frame.
+    /// Restores the output of figures() from the run that made the frame.
     void take_up(const std::string& figures) { earlier_ = figures; }
 
     void lit(const LitFrame& frame) override;

@@ -76,7 +76,7 @@ json audit_of(const RenderJob& film, const Audit& audit) {
             {"seconds", audit.seconds}};
 }
 
-/// The entry's members, with what is not known as null.
+/// The entry's members, with null for unknown values.
 json entry_of(const FrameEntry& frame) {
     json entry = json_of(frame);
     entry["type"] = std::string(1, frame.type);
@@ -84,7 +84,7 @@ json entry_of(const FrameEntry& frame) {
     return entry;
 }
 
-/// What was asked of the film's rate, what its headers declare, and what became of it.
+/// Requested, declared and actual rate of the film.
 json rate_of(const Film& film, const RunStatistics& statistics) {
     constexpr const char* modes[] = {"quantiser", "quality", "variable", "constant"};
     const encoder::RateControl& asked = film.coding.rate_control;
@@ -116,7 +116,7 @@ json quantisers_of(const RunStatistics& statistics) {
     return {{"mean", range.mean}, {"min", range.min}, {"max", range.max}};
 }
 
-/// What a pixel's light was allowed to be off by.
+/// Tolerance of a pixel's light.
 json tolerance_of(const RenderJob& film) {
     if (film.tolerance.truth) return {{"mode", "truth"}, {"relative", *film.tolerance.truth}};
     if (film.tolerance.reference) return {{"mode", "reference"}};
@@ -126,7 +126,7 @@ json tolerance_of(const RenderJob& film) {
             {"masking", film.coupling.strategy == perceptual::Strategy::quantised ? "quantised" : "warped"}};
 }
 
-/// What is said of every run. Quality counts where the film was coded.
+/// Statistics common to all runs. Quality counts where the film was coded.
 json common_of(const Film& film, const RunStatistics& statistics, const RunFacts& facts) {
     const encoder::Settings& coding = film.coding;
     json frames = json::array();

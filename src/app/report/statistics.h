@@ -10,7 +10,7 @@
 
 namespace render2mpeg::app {
 
-/// What a run's statistics say besides the statistics.
+/// Further facts for the statistics file of a run.
 struct RunFacts {
     std::string command;
     std::string input, output;
@@ -21,7 +21,7 @@ struct RunFacts {
 /// Largest resident memory of this process so far, MiB.
 double peak_memory_mib();
 
-/// What write_statistics() writes.
+/// Contents of the file of write_statistics().
 nlohmann::json statistics_of(const RenderJob& film, const RunStatistics& statistics, const RunFacts& facts);
 
 /// Writes the statistics file (docs/json.md).

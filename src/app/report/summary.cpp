@@ -121,7 +121,7 @@ void add_quantisers(SummaryLines& lines, const Film& film, const RunStatistics& 
                                          rate.minimal == 1 ? "shows" : "show")});
 }
 
-/// How a coded film came out. `made`: what was done to its pictures before they were coded.
+/// Results of a coded film. `made`: processing of its pictures before coding.
 void add_coding(SummaryLines& lines, const Film& film, const RunStatistics& statistics, const char* made) {
     add_rate(lines, film, statistics);
     add_quantisers(lines, film, statistics);
@@ -130,7 +130,7 @@ void add_coding(SummaryLines& lines, const Film& film, const RunStatistics& stat
     if (statistics.pumping()) lines.back().text += fmt::format(", pumping {:.2f}", *statistics.pumping());
 }
 
-/// What gathering light took, or paths alone.
+/// Work of gathering light, or of path tracing alone.
 void add_light(SummaryLines& lines, const RunStatistics& statistics) {
     const renderer::Statistics& r = statistics.rendering;
     const auto also = [&](const std::string& text) { lines.push_back({"", text}); };
@@ -161,7 +161,7 @@ void add_light(SummaryLines& lines, const RunStatistics& statistics) {
     for (const std::string& note : r.image_notes) also(core::printable(note));
 }
 
-/// What light that was gathered once did for other pixels and frames.
+/// Reuse of gathered light for other pixels and frames.
 void add_records(SummaryLines& lines, const renderer::Statistics& r) {
     lines.push_back(
         {"records", fmt::format("{} made, at most {} held; they lit {} of the points", count_of(r.cache.created),

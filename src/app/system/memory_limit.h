@@ -16,7 +16,8 @@ struct OwnMemory {
 };
 OwnMemory own_memory();
 
-/// Limits own memory to about `limit` bytes with so many threads: more throws std::bad_alloc instead of swapping.
+/// Limits own memory to about `limit` bytes with this number of threads: more throws std::bad_alloc instead of
+/// swapping.
 void hold_to(std::uint64_t limit, int threads);
 
 /// Lets the allocator keep freed memory: planes come and go with every frame, and page faults took a third of the eye's

@@ -10,7 +10,7 @@ namespace render2mpeg::app {
 struct Finished {
     int status = 0;      ///< 127: there is no such program
     double seconds = 0;  ///< CPU
-    std::string text;    ///< what it printed, where that is caught
+    std::string text;    ///< its output, where caught
 };
 
 bool is_installed(const std::string& program);

@@ -14,13 +14,13 @@
 namespace render2mpeg::app {
 
 struct Standing {
-    std::string work = "frame";  ///< what is counted
+    std::string work = "frame";  ///< unit of `done` and `total`
     std::int64_t done = 0, total = 0;
     double per_second = 0;       ///< 0: not known yet
     double seconds = 0;          ///< since the beginning
     bool frames = true;          ///< they are counted: their rate is told
     std::optional<double> left;  ///< seconds to go; none: not known
-    const char* activity = "";   ///< what is being done to the frame at hand; empty: nothing is told
+    const char* activity = "";   ///< current step of the current frame; empty: not shown
 };
 
 /// One line of at most `columns` >= 20 characters: times, then bar, counts and rate as they fit.

@@ -1,5 +1,5 @@
 #pragma once
-// What a user reads while the program runs, and the descriptors it goes through.
+// Terminal output while the program runs, and the descriptors it goes through.
 
 #include <string_view>
 

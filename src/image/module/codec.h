@@ -1,5 +1,5 @@
 #pragma once
-// What the modules of images offer to the light library in front of them.
+// Interface of the image modules to the light library in front of them.
 #include <cstddef>
 #include <functional>
 #include <span>

@@ -58,7 +58,7 @@ Imf::Header header_of(int width, int height, const FrameFacts& facts) {
     return header;
 }
 
-/// Finite values stay finite: what exceeds the largest half becomes it.
+/// Clamps finite values to the largest half, so that they stay finite.
 std::vector<half> halves_of(const std::vector<float>& values) {
     std::vector<half> halves(values.size());
     std::transform(values.begin(), values.end(), halves.begin(), [](float v) {

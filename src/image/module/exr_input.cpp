@@ -230,7 +230,7 @@ void read_zipped(Imf::InputFile& file, std::vector<Channel>& channels) {
         int size = 0;
         file.rawPixelData(static_cast<int>(first), packed, size);
 
-        // What does not become smaller is not packed.
+        // Data that would not shrink is stored unpacked.
         const std::span<std::uint8_t> room(unpacked.data(), line * count);
         if (size <= 0 || static_cast<std::size_t>(size) > room.size())
             throw std::runtime_error("its pixels are not whole");

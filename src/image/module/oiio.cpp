@@ -84,7 +84,7 @@ struct Opened {
     OIIO::ImageSpec spec;
 };
 
-/// Calls `read`; what goes wrong in it is a core::Error of one line.
+/// Calls `read`; its failures become a core::Error of one line.
 template <class Read>
 auto told_in_one_line(const std::string& name, Read&& read) {
     try {

@@ -105,7 +105,7 @@ core::Fog fog_of(const JsonValue& value) {
 /// Frame rate, range, exposure, view, fog and glare.
 FilmClock read_format(const JsonValue& value, Animation& film) {
     FilmClock clock;
-    film.frame_rate = "25";  // what FilmClock begins with
+    film.frame_rate = "25";  // initial rate of FilmClock
     if (const auto rate = value.find("frame_rate")) {
         std::string text;
         if (rate->is_number()) {

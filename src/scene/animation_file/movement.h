@@ -38,7 +38,7 @@ float track_time(double seconds);
 /// The curve as a track, `factor` times its values.
 Track track_of(const Curve& curve, TrackTarget target, int index, double factor = 1);
 
-/// The turn of so many degrees about z (roll), then x (pitch), then y (yaw).
+/// Rotation in degrees about z (roll), then x (pitch), then y (yaw).
 glm::dquat rotation_of(glm::dvec3 degrees);
 
 /// Track of `rotation_at` over `times`, which rise and hold every possible kink. Keys are so dense that slerp is off by

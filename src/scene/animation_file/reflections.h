@@ -1,5 +1,5 @@
 #pragma once
-// What an animation file has mirrors show.
+// Reflection edits of an animation file: contents of its mirrors.
 #include "scene/animation_file/json.h"
 #include "scene/animation_file/movement.h"
 #include "scene/model/animation.h"

@@ -32,7 +32,7 @@ glm::dmat4 dmat4_of(const aiMatrix4x4t<float>& m);
 /// Corners without joints, in mesh space. Source indices must be in range.
 Mesh mesh_from(const aiMesh& source);
 
-/// Reads materials; images that are named alike share one entry.
+/// Reads materials; images of the same name share one entry.
 class MaterialReader {
   public:
     /// `format`: lower-case ending, since properties differ by format.

@@ -1,5 +1,5 @@
 #pragma once
-// What can only be said of a whole Assimp scene before anything moves.
+// Properties of a whole Assimp scene that are determined before anything moves.
 #include <glm/glm.hpp>
 #include <vector>
 

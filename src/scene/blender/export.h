@@ -8,7 +8,7 @@ namespace render2mpeg::scene {
 
 struct BlenderExport {
     std::filesystem::path film;      ///< the animation file
-    std::vector<std::string> notes;  ///< what could not be kept, one line each: object and reason
+    std::vector<std::string> notes;  ///< losses of the export, one line each: object and reason
 };
 
 /// Export of a .blend, cached in FILE.blend.export/ or the user's cache, keyed by the .blend, our script and Blender,

@@ -237,7 +237,7 @@ class AnimationReader {
     const Carried& carried_;
     Animation& animation_;
     std::map<std::pair<TrackTarget, int>, std::string> moved_;
-    std::vector<std::string> overlapping_;  ///< animations that move what another one does, the first of all first
+    std::vector<std::string> overlapping_;  ///< animations that share a target with another, the first of all first
 };
 
 }  // namespace

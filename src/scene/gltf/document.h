@@ -104,7 +104,7 @@ class Document {
     std::vector<std::vector<std::byte>> buffers_;
     std::vector<std::filesystem::path> files_;
     std::vector<std::string> notes_;
-    mutable BeforeDecoding before_decoding_;                 ///< empty: was called, or nobody asks
+    mutable BeforeDecoding before_decoding_;                 ///< empty: was called, or not requested
     mutable std::map<int, std::vector<std::byte>> decoded_;  ///< compressed buffer views that were asked for
 };
 

@@ -11,7 +11,7 @@ namespace {
 using What = PointedTrack::What;
 
 struct Place {
-    std::string_view before, after, kind;  ///< what stands around the index, and the array that it is of
+    std::string_view before, after, kind;  ///< text around the index, and the indexed array
     What what;
 };
 

@@ -40,7 +40,7 @@ struct ProbeEnd {
     enum class How { read, refused, out_of_memory, out_of_time, killed, crashed, given_up };
     How how = How::crashed;
     Turn turn = Turn::parser;  ///< whose code ran at last
-    std::string text;          ///< what was said until then; refused: why
+    std::string text;          ///< messages until then; refused: the reason
 };
 
 /// A process that reads a file. It ignores interrupts, and ends with its parent thread.

@@ -1,5 +1,5 @@
 #pragma once
-// What the command line decides over a scene's file.
+// Settings of the command line that override a scene's file.
 #include <optional>
 #include <string>
 

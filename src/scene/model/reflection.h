@@ -8,7 +8,7 @@ namespace render2mpeg::scene {
 struct Reflection {
     int mirror = -1;   ///< node of the objects that mirror
     int at = -1;       ///< node at the point on them; the nearest point of their surface is meant
-    int see = -1;      ///< node of the object to be seen there
+    int see = -1;      ///< node at the target to be seen there
     float radius = 1;  ///< distance from the point within which the reflection turns as a whole, > 0
     float border = 1;  ///< at least so wide is the ring about it in which the turn fades, > 0
 };

@@ -99,7 +99,7 @@ Way way_of_turn(const LocalMirror& mirror, glm::dvec3 to_spot, glm::dvec3 r, glm
     const glm::dvec3 dx = (mirror.ray({step, 0}).mirrored - mirror.ray({-step, 0}).mirrored) / (2 * step),
                      dy = (mirror.ray({0, step}).mirrored - mirror.ray({0, -step}).mirrored) / (2 * step);
     const double aa = glm::dot(dx, dx), ab = glm::dot(dx, dy), bb = glm::dot(dy, dy), area = aa * bb - ab * ab;
-    // Rays that differ by a millionth of what others do are parallel.
+    // Treat rays as parallel if they differ by a millionth of the difference of others.
     if (!(area > 1e-12 * (aa + bb) * (aa + bb))) return {};
     const double ma = glm::dot(moved, dx), mb = glm::dot(moved, dy);
     const glm::dvec3 way = ((bb * ma - ab * mb) * spot.along[0] + (aa * mb - ab * ma) * spot.along[1]) / area;
@@ -220,7 +220,7 @@ Bend bend_at(const Reflection& edit, std::size_t index, const std::optional<Aime
     const double distance = glm::length(to_spot);
     const glm::dvec3 seen = glm::dvec3(now.pose.world_of(edit.see)[3]) - animation.origin - spot->place;
     const double far = glm::length(seen), cosine = -glm::dot(to_spot, n) / distance;
-    // The comparisons are false for what is not finite.
+    // The comparisons are false for non-finite values.
     if (!(distance > 0) || !(far > 0) || !(bend.radius > 0) || !(border > 0) || !std::isfinite(far + distance + border))
         return bend;
     bend.strength = smooth_step(cosine / edge_on) *

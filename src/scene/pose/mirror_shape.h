@@ -45,7 +45,7 @@ std::optional<Spot> spot_at(const Animation& animation, const core::SurfaceAddre
 /// Weights of the second and the third corner at the point of a triangle that is nearest to p.
 glm::dvec2 nearest_weights(glm::dvec3 p, const glm::dvec3 (&corner)[3]);
 
-/// What an eye sees mirrored at a place.
+/// Mirror reflection of an eye's ray at a place.
 struct MirroredRay {
     glm::dvec3 mirrored{0};
     double cosine = 0;  ///< to the normal

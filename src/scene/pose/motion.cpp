@@ -40,7 +40,7 @@ std::optional<glm::dvec3> image_of(const core::SurfaceAddress& point, const core
     return *at - (2 * glm::dot(*at - *a, across) / area2) * across;
 }
 
-/// The vector of what a flat mirror shows; the depth stays that of the mirror, which is what is there.
+/// Motion vector of the image in a flat mirror; the depth stays that of the mirror itself.
 std::optional<glm::vec2> move_of_image(const core::SurfaceAddress& point, const core::SurfaceAddress& mirror,
                                        const Snapshot& here, const Snapshot& reference) {
     const std::optional<glm::dvec3> from = image_of(point, mirror, here), to = image_of(point, mirror, reference);

@@ -6,10 +6,10 @@
 
 namespace render2mpeg::scene {
 
-/// What flat and edited mirrors show at the pixels of class `reflected`, where that is a surface; may be empty.
+/// Surface points reflected by flat and edited mirrors at the pixels of class `reflected`; may be empty.
 using MirrorImages = core::Plane<core::SurfaceAddress>;
 
-/// Exact motion of every pixel of `visible` (what `here` shows) to another instant (docs/model/scene.md): surfaces by
+/// Exact motion of every pixel of `visible` (the view of `here`) to another instant (docs/model/scene.md): surfaces by
 /// their address, the sky by the camera's rotation. Pixels of class `reflected` get their carrier surface's motion, or,
 /// where `imaged` names it, that of the image, and keep their class.
 core::MotionField motion_between(const core::Visible& visible, const Snapshot& here, const Snapshot& reference,

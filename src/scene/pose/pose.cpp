@@ -144,7 +144,7 @@ Pose pose_at(const Animation& animation, double seconds, double steps) {
         pose.reflection_border.push_back(edit.border);
     }
 
-    // Let the tracks, in their order, replace what the nodes say.
+    // Let the tracks, in their order, replace the values of the nodes.
     std::vector<LocalTransform> local;
     local.reserve(animation.nodes.size());
     for (const Node& node : animation.nodes) local.push_back({node.translation, node.rotation, node.scale});

@@ -8,7 +8,7 @@
 
 namespace render2mpeg::scene {
 
-/// What the tracks say at one instant, in double precision and in the file's own space (Animation::origin not
+/// Values of all tracks at one instant, in double precision and in the file's own space (Animation::origin not
 /// subtracted).
 struct Pose {
     std::vector<glm::dmat4> to_world;           ///< per node

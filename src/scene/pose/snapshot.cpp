@@ -90,7 +90,7 @@ std::optional<glm::vec3> middle_of(const Snapshot& snapshot, const std::vector<i
     return low.x <= high.x ? std::optional(0.5f * (low + high)) : std::nullopt;
 }
 
-/// What a lens has in focus, and how wide it is open: a thin lens (docs/model/exposure.md).
+/// Focus distance and aperture of a thin lens (docs/model/exposure.md).
 void open_aperture(const CameraLens& described, const Pose& pose, std::size_t camera, const Snapshot& snapshot,
                    PictureFormat format, Camera& result) {
     const float f_stop = pose.f_stop[camera];

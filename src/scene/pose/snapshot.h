@@ -54,8 +54,8 @@ struct Snapshot {
     std::vector<glm::vec4> base_color;   ///< per material: Material::base_color, or what animates it
     Camera camera;
     bool cut_before = false;                         ///< the camera is another one than in the frame before
-    std::shared_ptr<const Sweep> sweep{};            ///< what moves while the shutter is open (sweep.h); null: nothing
-    std::shared_ptr<const BentReflections> bends{};  ///< edits of what mirrors show; null: there are none
+    std::shared_ptr<const Sweep> sweep{};            ///< motion while the shutter is open (sweep.h); null: none
+    std::shared_ptr<const BentReflections> bends{};  ///< edits of reflections in mirrors; null: none
 };
 
 /// Format of the pictures that a snapshot's camera is made for.

@@ -22,8 +22,7 @@ class SurfaceGrid {
         double detail = 0;  ///< of the facing cells: sum of log2(1 + triangles in the cell)
     };
 
-    /// What a camera sees that looks along -z of `axes` (right, up, back), 58 by 40 degrees, by a raster of 18 x 12
-    /// rays.
+    /// View of a camera looking along -z of `axes` (right, up, back), 58 by 40 degrees, by a raster of 18 x 12 rays.
     Frame seen_from(glm::dvec3 eye, const glm::dmat3& axes);
 
     /// Whether neither the cell of this point nor one beside it holds a surface.

@@ -101,7 +101,7 @@ bool camera_moves(const Animation& animation, int camera, const ShutterInterval&
     return false;
 }
 
-/// Light's mean while the shutter is open, by Simpson's rule: exact for what changes by a cubic.
+/// Light's mean while the shutter is open, by Simpson's rule: exact for cubic changes.
 void average_light(const Pose& opening, const Pose& middle, const Pose& closing, Snapshot& snapshot) {
     const Animation& animation = *snapshot.animation;
     const auto mean = [](float a, float m, float b) {

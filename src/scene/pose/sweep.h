@@ -1,5 +1,5 @@
 #pragma once
-// What moves while the shutter is open.
+// Motion while the shutter is open.
 #include <cstdint>
 #include <vector>
 
@@ -13,13 +13,13 @@ inline constexpr float middle_time = 0.5f;
 
 /// Objects at one instant of the shutter.
 struct SweepKnot {
-    std::vector<ObjectState> objects;  ///< those that do not move are as in the snapshot
+    std::vector<ObjectState> objects;  ///< static ones are as in the snapshot
     std::vector<DeformedMesh> deformed;
 };
 
-/// What a snapshot's objects and its camera do while the shutter is open. Between two knots corners of triangles move
-/// straight, as rays meet them; a surface's own arc is off that by less than an eighth of a pixel where eight segments
-/// suffice. What is absent in the middle is absent; what jumps or is switched stays as in the middle.
+/// Motion of a snapshot's objects and camera while the shutter is open. Between two knots vertices move linearly, as
+/// rays meet them; a surface's own arc deviates from that by less than an eighth of a pixel where eight segments
+/// suffice. Objects absent in the middle are absent; objects that jump or are switched stay as in the middle.
 struct Sweep {
     ShutterInterval shutter;          ///< of the frame
     std::vector<SweepKnot> knots;     ///< evenly from shutter time 0 to 1; odd many, so that one is the middle; or none

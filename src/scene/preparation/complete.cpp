@@ -47,7 +47,7 @@ void set_mobility(Animation& animation) {
         if (object.skin >= 0 || is_morphed)
             object.mobility = Mobility::deforming;
         else
-            // What changes its colour sends other light on, as what moves does.
+            // An object of changing colour reflects changing light, like a moving one.
             object.mobility = (object.node >= 0 && moves[static_cast<std::size_t>(object.node)]) ||
                                       recoloured[static_cast<std::size_t>(object.material)]
                                   ? Mobility::rigid

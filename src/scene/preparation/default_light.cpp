@@ -51,7 +51,7 @@ class StudioSky {
         : boxes_{{{direction(yaw + key_heading, box_elevation), 3.2f, 0.97f, 0.90f},
                   {direction(yaw + rim_heading, box_elevation), 2.6f, 0.97f, 0.90f},
                   {direction(yaw - 0.9, box_elevation), 0.8f, 0.97f, 0.90f}}} {
-        // What the floor sends back is what the backdrop shows.
+        // The backdrop shows the light reflected by the floor.
         const double by_suns = static_cast<double>(key_irradiance) * std::sin(key_elevation) +
                                static_cast<double>(rim_irradiance) * std::sin(rim_elevation);
         double by_sky = 0;

@@ -18,9 +18,9 @@ bool is_slab(const Mesh& mesh);
 /// How a camera looks at a film: from an orbit about it, into its open side, or turning about within it.
 enum class View { orbit, front, turn };
 
-/// What a film without cameras was given.
+/// Camera added to a film without cameras.
 struct AutomaticCamera {
-    std::string note;  ///< one line that says what it does
+    std::string note;  ///< one-line description
     View view = View::orbit;
 };
 

@@ -7,7 +7,7 @@
 namespace render2mpeg::scene {
 namespace {
 
-/// What a material can show, with its textures taken at their extremes (they multiply the factors by 0..1).
+/// Possible effects of a material, with its textures taken at their extremes (they multiply the factors by 0..1).
 void add_material(const Material& material, Traits& traits) {
     const bool rough_texture =
         material.metallic_roughness_texture.present() || material.specular_glossiness_texture.present();
@@ -58,7 +58,7 @@ bool camera_moves(const Animation& animation, const std::vector<char>& moves) {
                        [&](const Shot& shot) { return moved(shot.camera); });
 }
 
-/// Whether any camera that the film shows blurs what is out of focus.
+/// Whether any camera used by the film has defocus blur.
 bool has_aperture(const Animation& animation) {
     const auto has = [&](int camera) { return animation.cameras[static_cast<std::size_t>(camera)].f_stop > 0; };
     if (animation.shots.empty()) return !animation.cameras.empty() && has(0);

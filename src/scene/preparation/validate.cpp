@@ -259,7 +259,7 @@ void validate_objects(Animation& animation) {
         }
     }
 
-    // Check what the objects refer to.
+    // Check the references of the objects.
     for (std::size_t i = 0; i < animation.objects.size(); ++i) {
         Object& object = animation.objects[i];
         const std::string name = described("object", i, object.name);

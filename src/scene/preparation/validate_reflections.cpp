@@ -13,7 +13,7 @@
 namespace render2mpeg::scene {
 namespace {
 
-/// What lies so near to each other, over the size of the scene, is at one point. chosen: a millionth.
+/// Distance within which points coincide, over the size of the scene. chosen: a millionth.
 constexpr double same_point = 1e-6;
 
 std::string few_digits(double value) {

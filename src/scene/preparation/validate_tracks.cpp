@@ -12,7 +12,7 @@ namespace {
 
 enum class Moves { nodes, lights, materials, cameras, reflections };
 
-/// What tracks of a target move.
+/// Facts about a track target, with the kind of thing that its tracks move.
 struct TargetFacts {
     TrackTarget target;
     const char* word;  ///< for messages
