@@ -95,7 +95,7 @@ bool FilmLights::shine(const scene::Snapshot& snapshot, const LightChange& chang
     return true;
 }
 
-/// It stays where sources do, as long as the view does.
+/// Near field of the view, kept while view and sources stay.
 NearField FilmLights::near_field_of(const scene::Snapshot& snapshot, std::span<const LightPoint> lights,
                                     const LightChange& change) const {
     if (!snapshot.cut_before && !change.changes_sources(posed_scene_.animation())) return sky_of_rays_.near_field;

@@ -295,7 +295,7 @@ PlacedFrame Renderer::place(const scene::Snapshot& snapshot, Frame frame, const 
     impl_->pose(snapshot);
     if (!order.is_rough()) {
         frame = impl_->refined(std::move(frame), order.tolerance);
-        if (order.exposure) frame = impl_->exposed(std::move(frame), *order.exposure);
+        if (order.exposure && order.manner == Manner::film) frame = impl_->exposed(std::move(frame), *order.exposure);
     }
     PlacedFrame placed{std::move(frame), {}};
     placed.ungathered = UngatheredLight(placed.frame);
@@ -333,13 +333,13 @@ Lit Renderer::gather(const scene::Snapshot& snapshot, PlacedFrame placed, const 
             lit.radiance = i.trace(lit.ungathered, order.truth);
             break;
     }
+    if (order.manner == Manner::film || order.manner == Manner::draft) i.count(counts, lit.frame.visible);
     if (lit.frame.exposure && !light.empty()) {
         lit.middle = lit.radiance;
         ShadeCounts blurred;
         spread_light(lit.frame, lit.ungathered, light, i.shade_settings().layers, lit.radiance, blurred);
         if (!order.is_rough()) i.count(blurred, lit.frame.visible);
     }
-    if (order.manner == Manner::film || order.manner == Manner::draft) i.count(counts, lit.frame.visible);
     i.share_time(cpu_seconds() - start, counts);
     i.statistics.layer_seconds = i.posed_scene.layer_seconds();
     return lit;

@@ -31,7 +31,7 @@ enum class Manner {
 
 /// How the light of a frame is found.
 struct LightOrder {
-    const core::ToleranceMap& tolerance;
+    const core::ToleranceMap& tolerance;  ///< must outlive the order
     Manner manner = Manner::film;
     std::optional<ExposureSamples> exposure{};     ///< of an open shutter or a lens; none: all is sharp
     const core::MotionField* to_before = nullptr;  ///< drafts: to the frame before; null: none is carried along
@@ -63,10 +63,10 @@ class Renderer {
     /// Forgets everything that was carried over from earlier frames.
     void start_chunk(const scene::Snapshot& first);
 
-    /// Primary visibility with antialiasing; no light. May run ahead by some frames.
+    /// Primary visibility with antialiasing; no light. May run ahead by some frames of a chunk that was started.
     Frame look(const scene::Snapshot& snapshot);
 
-    /// All light of a frame of this instant: `place`, then `gather`.
+    /// All light of a frame of this instant: gathers light of the placed frame.
     Lit light(const scene::Snapshot& snapshot, Frame frame, const LightOrder& order);
 
     /// The frame with finer edges where they could show (refine_edges.h), its exposure (expose.h), and caustics, hair

@@ -289,7 +289,7 @@ TEST(IrradianceCache, LightsPolishedMetalForAFractionOfTheRays) {
         b.material(m).metallic = 1.0f;
         b.material(m).roughness = 0.4f;
     }
-    // The panel's light points are clustered: as a area lamp it would take next to no rays.
+    // The panel's light points are clustered: as an area lamp it would take next to no rays.
     b.material(1).alpha_mode = scene::AlphaMode::mask;
     FilmStage plain(b, cache_settings(false)), cached(b, cache_settings(true));
     double over = 0, plain_over = 0;

@@ -47,6 +47,24 @@ TEST(Subsurface, OfASemiInfiniteSlabReflectsItsAlbedo) {
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(reflectance[c], albedo[c], 0.02 * albedo[c]);
 }
 
+TEST(Subsurface, OfBlackSkinBringsNothing) {
+    SceneBuilder b;
+    const int material = skin(b, 0.1f);
+    b.add_sphere({0, 0, 0}, 0.05f, material, 24);
+    b.add_sun({0, -1, 0}, 1);
+    const Stage stage(b);
+    const Hit hit = stage.tracer().nearest({0.01f, 2, 0.01f}, {0, -1, 0}, 1e3f);
+    SurfacePoint p = stage.posed_scene().surface_at(hit.address, {0, 1, 0});
+    p.below = true;
+    for (const float albedo : {0.0f, 1e-30f, 1e-8f}) {
+        p.bsdf.diffuse = glm::vec3(albedo);
+        for (std::uint64_t i = 0; i < 2000; ++i)
+            if (const auto place = random_walk(stage.posed_scene(), p, core::mix(i))) {
+                EXPECT_LT(core::luminance(place->bsdf.diffuse), 10.0f) << albedo;
+            }
+    }
+}
+
 /// Slow and plain: an analog walk in a ball of radius 1, in double precision. Returns the share that leaves.
 double share_of_ball(double albedo, double path, int n) {
     std::uint64_t drawn = 0;

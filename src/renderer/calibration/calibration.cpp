@@ -43,7 +43,7 @@ FrameKey key_of(const scene::Snapshot& snapshot, std::int64_t lit_frame, const c
     return {camera.to_world(), camera.lens().vertical_fov, camera.lens().y_magnification, lit_frame, tolerance.pixels};
 }
 
-/// Rays that a area lamp takes where it is seen in part.
+/// Rays that an area lamp takes where it is seen in part.
 constexpr std::size_t samples_of_lamp = 256;
 
 std::size_t light_count(const LightTrees& light_trees) {

@@ -1,5 +1,5 @@
 #pragma once
-// How much of a glossy lobe a area lamp covers.
+// How much of a glossy lobe an area lamp covers.
 #include "renderer/base/area_lamp.h"
 #include "renderer/tree/gather_lanes.h"
 

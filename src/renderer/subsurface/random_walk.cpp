@@ -10,7 +10,8 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// Events of a walk at most. chosen: 1024; in a medium that scatters 0.999 a hundredth of the light goes on.
+/// Events of a walk at most. chosen: 1024; in a medium that scatters 0.999 a hundredth of the light
+/// goes on, and one that absorbs nothing loses what does not leave by then.
 constexpr int most_events = 1024;
 
 /// Walks that carry less go on as likely as they carry. chosen: 0.1; not tuned.
@@ -33,10 +34,13 @@ struct Numbers {
     }
 };
 
+/// Surfaces of other things on one step at most. chosen: 64; clothes have a few.
+constexpr int most_passed = 64;
+
 /// The boundary of an object on a ray, or none within `far`; other things within are passed.
 Hit boundary(const PosedScene& posed_scene, std::uint32_t object, glm::vec3 origin, glm::vec3 direction, float far) {
     float gone = 0.0f;
-    for (;;) {
+    for (int passed = 0; passed < most_passed; ++passed) {
         const RayQuery ray{origin, direction, far - gone};
         Hit hit;
         posed_scene.tracer().any_nearest(std::span(&ray, 1), std::span(&hit, 1), false);
@@ -49,6 +53,7 @@ Hit boundary(const PosedScene& posed_scene, std::uint32_t object, glm::vec3 orig
         gone += std::max(hit.distance, 1e-6f * far);
         if (!(gone < far)) return {};
     }
+    return {};
 }
 
 float mean(glm::vec3 v) {
@@ -61,7 +66,7 @@ float scattering_albedo(float albedo) {
     // albedo = (1 - s) (1 - 0.139 s) / (1 + 1.17 s), where s is the root of what is absorbed.
     const float a = std::clamp(albedo, 0.0f, 1.0f), half = 0.5f * (1.139f + 1.17f * a);
     const float s = (half - std::sqrt(std::max(half * half - 0.139f * (1.0f - a), 0.0f))) / 0.139f;
-    return 1.0f - s * s;
+    return std::clamp(1.0f - s * s, 0.0f, 1.0f);
 }
 
 std::optional<SurfacePoint> random_walk(const PosedScene& posed_scene, const SurfacePoint& point,
@@ -79,7 +84,9 @@ std::optional<SurfacePoint> random_walk(const PosedScene& posed_scene, const Sur
                                : core::sample_sphere({n.choice, n.turn});
         if (event == 0) origin = offset_origin(point, direction);
         // A channel tells how far: any might have, so that all count.
-        const glm::vec3 chance = carried * albedo / std::max(3.0f * mean(carried * albedo), 1e-30f);
+        const float scattered = 3.0f * mean(carried * albedo);
+        if (!(scattered > 1e-12f)) return std::nullopt;  // all is absorbed
+        const glm::vec3 chance = carried * albedo / scattered;
         const int channel = n.channel < chance.x ? 0 : n.channel < chance.x + chance.y ? 1 : 2;
         const float far = -std::log(1.0f - n.distance) * path[channel];
         const Hit hit = boundary(posed_scene, point.address.object, origin, direction, far);
