@@ -168,7 +168,7 @@ TEST(Effects, ChangeThePicturesThatTheyAreLeftOutOfSlow) {
     for (const auto y : bounced.without.y.values()) without += y;
     EXPECT_GT(with, 1.05 * without);
     // What is only how light is made shows little.
-    EXPECT_GT(named("lamps as a whole").difference.value_or(99), 40);
+    EXPECT_GT(named("area lamps in closed form").difference.value_or(99), 40);
 }
 
 TEST(Effects, NoneIsBegunAfterItsTime) {

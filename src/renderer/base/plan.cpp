@@ -124,7 +124,7 @@ constexpr Rule rules[] = {
      set_of({caustics, hair, direct_tree, photons}), never, "sky (film)", "light points (film)", "light of the sky"},
     {area_lamps, "area lamps", "lamps shine evenly", "no lamp has a size and shines evenly",
      [](const Traits& t) { return t.has_surfaces && t.has_even_lamps; }, set_of({shade}), never,
-     "lamps (n), choice (film)", "lamps in closed form (n)", "light of area lamps"},
+     "lamps (n), choice (film)", "lamps in closed form (n)", "area lamps in closed form"},
     {caustics, "caustics", "things mirror or bend light onto others", "nothing mirrors or bends light onto others",
      throws_light_onto_others, set_of({shade}), never, "lights, geometry, gather points (n), photons' number (chunk)",
      "light on points (n)", "caustics", without_caustics},
