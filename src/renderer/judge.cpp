@@ -11,16 +11,14 @@ glm::vec3 light_of_bodies_and_air(const UngatheredLight& ungathered, int x, int 
     return value_or_zero(ungathered.caustics().all, x, y) + value_or_zero(ungathered.air().all, x, y);
 }
 
-std::vector<glm::vec3> exact_pixels(const JudgedFrame& frame, const std::vector<LitPixel>& pixels,
-                                    const MovedPoints& moved) {
-    std::vector<glm::vec3> light = gather_exactly(frame.context, pixels, moved);
+std::vector<glm::vec3> exact_pixels(const JudgedFrame& frame, const std::vector<LitPixel>& pixels) {
+    std::vector<glm::vec3> light = gather_exactly(frame.context, pixels);
     if (frame.rays == nullptr) return light;
     std::vector<GatherPoint> points;
     std::vector<std::size_t> of_pixel;
     for (std::size_t k = 0; k < pixels.size(); ++k)
         for (std::uint32_t i = pixels[k].first; i < pixels[k].last; ++i) {
-            points.push_back(
-                lit_at(frame.context.seen.tiles[pixels[k].tile][i], moved_point(moved, pixels[k].tile, i)));
+            points.push_back(frame.context.seen.tiles[pixels[k].tile][i]);
             of_pixel.push_back(k);
         }
     for (const RaysOf which : frame.rays_of) {
@@ -41,9 +39,8 @@ std::vector<JudgedPixel> judge_pixels(const JudgedFrame& frame, const SeeSetting
     for (const AuditedPixel& a : audited) {
         const LitPixel pixel = pixel_at(seen, {a.x, a.y});
         JudgedPixel& p = judged.emplace_back();
-        p.shown = frame.radiance.combined.at(a.x, a.y), p.where_lit = p.at_points = a.radiance;
+        p.shown = frame.radiance.combined.at(a.x, a.y), p.at_points = a.radiance;
         if (!tolerance.is_reference()) p.least = tolerance.pixels.at(a.x, a.y).absolute;
-        if (any_moved(frame.moved, pixel)) p.at_points = exact_pixels(frame, {pixel}).front();
         const std::span<const GatherPoint> points(seen.tiles[pixel.tile]);
         requests.push_back({{a.x, a.y},
                             points.subspan(pixel.first, pixel.last - pixel.first),

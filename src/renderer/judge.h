@@ -23,13 +23,11 @@ struct JudgedFrame {
     FinalGather* rays;            ///< of `rays_of`; null: of none
     std::vector<RaysOf> rays_of;  ///< that see the sky and indirect light, which light trees hold else
     const core::Radiance& radiance;
-    MovedPoints moved;  ///< points that were lit elsewhere; empty: none
 };
 
-/// Radiance of pixels whose light is gathered from every light point by itself, and by as many rays as there can be:
-/// at the places where the frame was lit (`moved`), or at its gather points (empty). >= 0 and finite.
-std::vector<glm::vec3> exact_pixels(const JudgedFrame& frame, const std::vector<LitPixel>& pixels,
-                                    const MovedPoints& moved = {});
+/// Radiance of pixels whose light is gathered from every light point by itself, and by as many rays as there can be.
+/// >= 0 and finite.
+std::vector<glm::vec3> exact_pixels(const JudgedFrame& frame, const std::vector<LitPixel>& pixels);
 
 /// Light of a pixel that neither light trees nor paths find.
 glm::vec3 light_of_bodies_and_air(const UngatheredLight& ungathered, int x, int y);

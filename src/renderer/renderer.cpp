@@ -358,8 +358,7 @@ auto Renderer::Impl::judged(const scene::Snapshot& snapshot, const Lit& lit, con
     const auto rays = !rays_of.empty() ? std::make_unique<FinalGather>(posed_scene, plan, false) : nullptr;
     if (rays) rays->forget(lights.sky_of_rays());
     return judge(JudgedFrame{posed_scene, context_of(snapshot, lit.frame, lit.ungathered, tolerance), rays.get(),
-                             rays_of, lit.middle.combined.empty() ? lit.radiance : lit.middle,
-                             cache.moved_points(snapshot.frame, tolerance)});
+                             rays_of, lit.middle.combined.empty() ? lit.radiance : lit.middle});
 }
 
 std::vector<AuditedPixel> Renderer::audit(const scene::Snapshot& snapshot, const Lit& lit,
@@ -368,8 +367,7 @@ std::vector<AuditedPixel> Renderer::audit(const scene::Snapshot& snapshot, const
     return impl_->judged(snapshot, lit, tolerance, [&](const JudgedFrame& frame) {
         const std::vector<LitPixel> pixels =
             drawn(lit_pixels(lit.frame), static_cast<std::size_t>(count), lit.frame.visible.frame);
-        return compare(lit.frame, pixels, exact_pixels(frame, pixels, frame.moved), frame.context.tolerance,
-                       frame.radiance);
+        return compare(lit.frame, pixels, exact_pixels(frame, pixels), frame.context.tolerance, frame.radiance);
     });
 }
 

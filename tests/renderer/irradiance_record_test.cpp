@@ -71,9 +71,9 @@ TEST_F(Wall, RecordsKeepTheirErrorsWithoutErrorScale) {
     PointLight light;
     light.direct = glm::vec3(1);
     light.error = 0.03f;
-    const auto plain = record_of(p, light, {}, 1.0f, 0);
+    const auto plain = record_of(p, light, {}, {}, 1.0f, 0);
     light.error *= 2.5f;
-    const auto cautious = record_of(p, light, {}, 2.5f, 0);
+    const auto cautious = record_of(p, light, {}, {}, 2.5f, 0);
     ASSERT_TRUE(plain && cautious);
     EXPECT_GT(plain->error, 0.03f);
     EXPECT_NEAR(cautious->error, plain->error, 1e-6f);

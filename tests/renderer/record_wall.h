@@ -51,12 +51,14 @@ class Wall : public ::testing::Test {
         return tile.front();
     }
 
-    CacheEstimate estimate_at(const GatherPoint& p, float relative) {
+    std::optional<PointLight> estimate_at(const GatherPoint& p, float relative) {
         const auto at = stage_.world().camera.project(p.point.position);
         const CacheQuery query{p, {0, relative, 0}, at->position, stage_.world().camera.pixel_size() * at->depth, 0.4f};
-        return query_cache(query, map_, records_, {}, 0);
+        return query_cache(query, map_, records_, {}, 1.0f, 0);
     }
-    CacheEstimate estimate_at(int x, int y, float relative) { return estimate_at(point_at(x, y), relative); }
+    std::optional<PointLight> estimate_at(int x, int y, float relative) {
+        return estimate_at(point_at(x, y), relative);
+    }
 
     /// The records' light is what a lobe of white metal sends to an eye, which may be elsewhere than the camera.
     void polish(glm::vec3 eye) {
@@ -66,13 +68,13 @@ class Wall : public ::testing::Test {
             r.indirect = glm::vec3(0);
         }
     }
-    CacheEstimate estimate_polished(GatherPoint p, float relative) {
+    std::optional<PointLight> estimate_polished(GatherPoint p, float relative) {
         const glm::vec3 eye = stage_.world().camera.position();
         p.point.bsdf = {glm::vec3(0), glm::vec3(1), lobe_width};
         p.point.outgoing = glm::normalize(eye - p.point.position);
         const auto at = stage_.world().camera.project(p.point.position);
         const float extent = stage_.world().camera.pixel_size() * at->depth;
-        return query_cache({p, {0, relative, 0}, at->position, extent, 1.0f, eye}, map_, records_, {}, 0);
+        return query_cache({p, {0, relative, 0}, at->position, extent, 1.0f, eye}, map_, records_, {}, 1.0f, 0);
     }
     static constexpr float lobe_width = 0.25f;
 

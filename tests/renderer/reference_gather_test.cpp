@@ -66,22 +66,6 @@ TEST_P(LonePoints, ReceiveWhatTheyReceiveInACrowd) {
     }
     EXPECT_GT(light, 1.0);
 }
-TEST(LonePoint, TakesTheExactLightOfAnotherPlace) {
-    LitStage stage(hall(false, 2));
-    const LightTrees light_trees = stage.light({64, 300, 3, 0, GeometryClamp{0.25f}});
-    LightTrees trees = light_trees;
-    trees.exact = {};
-    const auto at = [&](float u) { return stage.point_at(0, 2, {u, 0.3f}, stage.posed_scene().front_normal(0, 2)); };
-    const auto direct = [&](const LightTrees& of, const GatherPoint& p, const GatherPoint& exact_at) {
-        GatheredLight light;
-        gather_all(of, stage.posed_scene().tracer(), p, exact_at, light);
-        return light.direct.at(0).x;
-    };
-    const GatherPoint here = at(0.2f), there = at(0.5f);
-    const float exact_here = direct(light_trees, here, here) - direct(trees, here, here);
-    ASSERT_GT(std::abs(exact_here - (direct(light_trees, there, there) - direct(trees, there, there))), 1e-3f);
-    EXPECT_NEAR(direct(light_trees, there, here), direct(trees, there, there) + exact_here, 1e-5f);
-}
 
 INSTANTIATE_TEST_SUITE_P(Scenes, LonePoints,
                          testing::Combine(testing::Bool(), testing::Bool(), testing::Values(2, 40)));

@@ -96,9 +96,6 @@ void each_count(Visit&& visit, Counts&... s) {
     visit("layer_seconds", added, s.layer_seconds...);
     visit("records_created", added, s.cache.created...);
     visit("records_served", added, s.cache.served...);
-    visit("records_at_record", added, s.cache.at_record...);
-    visit("records_held_out", added, s.cache.held_out...);
-    visit("records_missed", added, s.cache.missed...);
     visit("records_most", largest, s.cache.most...);
     visit("hair_rays", added, s.hair.rays...);
 }

@@ -166,9 +166,6 @@ void add_records(SummaryLines& lines, const renderer::Statistics& r) {
     lines.push_back(
         {"records", fmt::format("{} made, at most {} held; they lit {} of the points", count_of(r.cache.created),
                                 count_of(r.cache.most), percent_of(r.cache.served, r.gather_points))});
-    if (r.cache.held_out > 0)
-        lines.push_back({"", fmt::format("{} of {} that were gathered all the same were off by more than allowed",
-                                         percent_of(r.cache.missed, r.cache.held_out), count_of(r.cache.held_out))});
 }
 
 void add_audit(SummaryLines& lines, const Audit& audit) {

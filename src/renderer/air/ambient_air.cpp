@@ -183,7 +183,7 @@ std::uint64_t AmbientAir::gather(std::span<const Corner> corners, std::size_t fi
     for (std::size_t i = 0; i < corners.size(); ++i) {
         glm::vec3 sum(0);
         for (std::size_t k = 0; k < normals.size(); ++k)
-            sum += std::numbers::pi_v<float> * found[i * normals.size() + k].irradiance;
+            sum += std::numbers::pi_v<float> * found[i * normals.size() + k].light[0];
         light_[first + i] += fluence_of(sum);
     }
     return gather_->counts().rays + gather_->counts().cell_rays - before;

@@ -7,21 +7,15 @@ namespace render2mpeg::renderer {
 
 /// Counts of the irradiance cache.
 struct CacheCounts {
-    std::uint64_t created = 0;    ///< records
-    std::uint64_t served = 0;     ///< gather points lit by records, or as the very same point before
-    std::uint64_t at_record = 0;  ///< of these, lit at the place of a record elsewhere in their pixel
-    std::uint64_t held_out = 0;   ///< points that records served and that were gathered as well, for validation
-    std::uint64_t missed = 0;     ///< of these, those that records were off by more than they may
-    std::uint64_t most = 0;       ///< records held at a time
-    std::uint64_t live = 0;       ///< records held after the last frame
+    std::uint64_t created = 0;  ///< records
+    std::uint64_t served = 0;   ///< gather points lit by records, or as the very same point before
+    std::uint64_t most = 0;     ///< records held at a time
+    std::uint64_t live = 0;     ///< records held after the last frame
 
     /// Those of later frames.
     void add(const CacheCounts& later) {
         created += later.created;
         served += later.served;
-        at_record += later.at_record;
-        held_out += later.held_out;
-        missed += later.missed;
         most = std::max(most, later.most);
         live = later.live;
     }

@@ -1,10 +1,9 @@
 // How a frame's points get their light (docs/model/irradiance-cache.md, "Order of a frame").
 #include "renderer/cache/cache_lookup.h"
 
-#include "core/numeric.h"
 #include "parallel/loops.h"
+#include "renderer/cache/adaptive_rays.h"
 #include "renderer/cache/gather_requests.h"
-#include "renderer/cache/hold_out.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -13,26 +12,17 @@ namespace {
 /// are asked again on the next. chosen: 128, the fastest of 0 to 128 (docs/measurements.md#irradiance-cache).
 constexpr std::size_t least_dense = 128;
 
-/// Where a point was lit that took a record's light and place.
-MovedPoint moved_to(const IrradianceRecord& r, std::size_t index, const CacheQuery& query) {
-    const glm::vec3 here = query.point.point.outgoing,
-                    outgoing = query.eye ? core::normalize_or(*query.eye - r.position, here) : here;
-    return {static_cast<std::uint32_t>(index), r.position, r.geometric_normal, r.shading_normal, outgoing};
-}
-
 /// Lights one point by the cache, if that can.
 bool look_up(FrameState& frame, std::size_t t, std::size_t i) {
     TileState& tile = frame.tiles[t];
     if (tile.state[i] != PointState::open) return false;
     const auto query = frame.query_of(t, i);
     if (!query) return false;
-
-    // Interpolate among the records around.
-    const CacheEstimate found = query_cache(*query, frame.grid, frame.records, frame.errors, frame.snapshot.frame);
-    tile.state[i] = !found.valid ? PointState::failed : found.moved_to ? PointState::at_record : PointState::done;
-    if (found.moved_to) tile.moved.push_back(moved_to(frame.records[*found.moved_to], i, *query));
-    if (found.valid) tile.light[i] = found.light;
-    return found.valid;
+    const auto found =
+        query_cache(*query, frame.grid, frame.records, frame.aim, frame.limits.error_scale, frame.snapshot.frame);
+    tile.state[i] = found ? PointState::done : PointState::failed;
+    if (found) tile.light[i] = *found;
+    return found.has_value();
 }
 
 /// Queries the cache for the points of a tile on a lattice; returns those that must be gathered.
@@ -81,27 +71,16 @@ void light_lattice(FrameState& frame, int lattice) {
     parallel::for_each(frame.tiles.size(), [&](std::size_t t) { requests[t] = look_up_tile(frame, t, lattice); });
     // else gather, and keep what was found as records.
     const std::vector<GatheredRequests> found = gather(frame, requests, lattice > 1 ? least_dense : 0);
+    const std::size_t first = frame.fresh.size();
     for (const GatheredRequests& g : found)
         for (std::size_t i = 0; i < g.points.size(); ++i) keep(frame, g, i);
+    if (frame.rays != nullptr) refine_rays(frame, first);
     reopen_near(frame, found);
 }
 
-void light_points(FrameState& frame, CacheValidation& validation) {
-    for (const int lattice : lattices) {
-        // A film's first frame: points of the coarser lattices tell how far to trust the cache for the rest.
-        if (lattice == 1 && !validation.knows()) {
-            hold_out(frame, validation, HoldOut::early);
-            reopen_doubtful(frame);
-        }
-        light_lattice(frame, lattice);
-    }
-    const float scale = frame.errors.cache_error_scale;
-    hold_out(frame, validation, HoldOut::late);
-    // Leave no point behind that this frame would not serve and the next one would query for anew.
-    if (frame.errors.cache_error_scale > scale) {
-        reopen_doubtful(frame);
-        light_lattice(frame, 1);
-    }
+void light_points(FrameState& frame) {
+    for (const int lattice : lattices) light_lattice(frame, lattice);
+    if (frame.rays != nullptr) reconstruct(frame);
 }
 
 }  // namespace render2mpeg::renderer

@@ -1,6 +1,5 @@
 #pragma once
 // Lights a frame's points: by the cache, else by gathering.
-#include "renderer/cache/cache_validation.h"
 #include "renderer/cache/frame_state.h"
 
 namespace render2mpeg::renderer {
@@ -9,7 +8,7 @@ namespace render2mpeg::renderer {
 /// records for the points after them.
 void light_lattice(FrameState& frame, int lattice);
 
-/// Lights all points whose light is not known, lattice by lattice, and validates the cache on some of them.
-void light_points(FrameState& frame, CacheValidation& validation);
+/// Lights all points whose light is not known, lattice by lattice.
+void light_points(FrameState& frame);
 
 }  // namespace render2mpeg::renderer

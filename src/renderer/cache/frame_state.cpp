@@ -11,7 +11,7 @@ float TileState::allowed(const GatherPoint& p, std::size_t i) const {
 }
 
 FrameState::FrameState(const LightingContext& context, const scene::Snapshot& instant, const CutLimits& cut_limits,
-                       const CacheErrorModel& error_model, RecordStore& store, FinalGather* final_gather)
+                       float error_of_reused, RecordStore& store, FinalGather* final_gather)
     : light_trees(context.light_trees),
       rays(final_gather),
       keeps_rays(rays != nullptr && rays->keeps() && store.kept_rays() < most_kept_rays),
@@ -20,14 +20,11 @@ FrameState::FrameState(const LightingContext& context, const scene::Snapshot& in
       snapshot(instant),
       camera(instant.camera),
       limits(cut_limits),
-      errors(error_model),
+      reused_error(error_of_reused),
       records(store),
       grid(seen.visible.width(), seen.visible.height()),
       tiles(seen.tiles.size()) {
     limits.exact = false;
-    errors.independent = rays != nullptr;
-    // Records keep their errors without error scale, which is learnt anew at a cut.
-    errors.noise *= limits.error_scale;
 }
 
 std::optional<CacheQuery> FrameState::query_of(std::size_t t, std::size_t i) const {

@@ -16,16 +16,14 @@
 namespace render2mpeg::renderer {
 
 /// Distances, in pixels, of the lattices on which a frame's points are lit, the coarsest first.
-inline constexpr int lattices[] = {4, 2, 1};
+inline constexpr int lattices[] = {2, 1};
 
 /// How far a gather point has come.
 enum class PointState : std::uint8_t {
     open,
-    failed,     ///< queried the cache in vain, and no record came near since
-    done,       ///< its light is known
-    at_record,  ///< likewise: at the place of a record in the same pixel
-    reused,     ///< likewise: from the frame before
-    held_out    ///< likewise: the cache served it, and it was gathered as well
+    failed,  ///< queried the cache in vain, and no record came near since
+    done,    ///< its light is known
+    reused,  ///< likewise: from the frame before
 };
 
 /// State of a tile's gather points; lists have one entry per point, in the tile's order.
@@ -34,25 +32,24 @@ struct TileState {
     std::vector<PointState> state;
     std::vector<PointLight> light;  ///< of trees
     std::vector<PointLight> exact;  ///< of lights that are gathered one by one
-    std::vector<MovedPoint> moved;  ///< in any order
     std::uint64_t served = 0;
 
-    /// Whether records of this frame's cache light the point at its own place.
-    bool is_served(std::size_t i) const { return state[i] == PointState::done && light[i].served; }
-    /// Forgets the light of a point that was served or reused.
-    void reopen(std::size_t i) {
-        state[i] = PointState::open;
-        light[i] = {};
-        --served;
-    }
     /// Luminance that a point's light may be off by, as far as its light is known.
     float allowed(const GatherPoint& p, std::size_t i) const;
+};
+
+/// A point that became a record in this frame.
+struct NewRecord {
+    PointRef point;
+    std::uint32_t pool = 0;  ///< GatherRequest::pool
+    std::uint32_t record = 0;
+    PointLight trees;  ///< light of light trees
 };
 
 /// All that a frame's stages read and write. A stage is a free function; the order of stages is IrradianceCache::light.
 struct FrameState {
     FrameState(const LightingContext& context, const scene::Snapshot& snapshot, const CutLimits& limits,
-               const CacheErrorModel& errors, RecordStore& records, FinalGather* rays);
+               float reused_error, RecordStore& records, FinalGather* rays);
 
     const LightTrees& light_trees;
     FinalGather* rays;  ///< gathers the sky and indirect light; null: light trees hold them
@@ -63,10 +60,11 @@ struct FrameState {
     const scene::Snapshot& snapshot;
     const scene::Camera& camera;
     CutLimits limits;
-    CacheErrorModel errors;
+    float reused_error;  ///< factor of the errors of the last frame, which was lit with another error scale
     RecordStore& records;
     RecordGrid grid;
     std::vector<TileState> tiles;
+    std::vector<NewRecord> fresh;
     ShadeCounts shade_counts;
     CacheCounts counts;
 

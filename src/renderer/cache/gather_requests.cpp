@@ -59,7 +59,10 @@ void gather_area(const FrameState& frame, const std::vector<PointRef>& requests,
         gather_requests_of(frame, group, out.pools.empty() ? 0 : out.pools.back() + 1, gatherer, out);
 }
 
-/// Adds the sky and indirect light to what was gathered of light trees.
+/// Rays that tell how much they differ, for a record. chosen: 16, two batches.
+constexpr std::uint32_t first_rays = 16;
+
+/// Gathers the sky and indirect light by rays: the first rays of records, all of other points.
 void gather_rays(FrameState& frame, std::vector<GatheredRequests>& found) {
     std::vector<GatherRequest> requests;
     std::vector<GatherPoint> receivers;
@@ -67,33 +70,32 @@ void gather_rays(FrameState& frame, std::vector<GatheredRequests>& found) {
     for (const GatheredRequests& g : found) count += g.points.size();
     receivers.reserve(count);
     std::uint32_t first_pool = 0;
-    for (const GatheredRequests& g : found) {
+    for (GatheredRequests& g : found) {
         for (std::size_t i = 0; i < g.points.size(); ++i) {
             const PointRef& ref = g.points[i];
             const GatherPoint& p = frame.point(ref);
             receivers.push_back(uses_cache(p) ? plain_receiver(p) : p);
-            requests.push_back(request_of(receivers.back(), frame.tiles[ref.tile].tolerance[ref.index],
-                                          frame.pixel_of(ref.tile, p), frame.camera));
-            requests.back().pool = first_pool + g.pools[i];
-            requests.back().keeps = frame.keeps_rays && uses_cache(p);
+            GatherRequest& r =
+                requests.emplace_back(request_of(receivers.back(), frame.tiles[ref.tile].tolerance[ref.index],
+                                                 frame.pixel_of(ref.tile, p), frame.camera));
+            r.pool = g.pools[i] += first_pool;
+            if (!uses_cache(p)) continue;
+            r.rays = first_rays;
+            r.keeps = frame.keeps_rays;
         }
-        if (!g.pools.empty()) first_pool += g.pools.back() + 1;
+        if (!g.pools.empty()) first_pool = g.pools.back() + 1;
     }
     const std::vector<RayLight> rays = frame.rays->gather(requests, frame.aim);
     std::size_t k = 0;
     for (GatheredRequests& g : found)
         for (std::size_t i = 0; i < g.points.size(); ++i, ++k) {
-            if (rays[k].kept) {
-                KeptRays& kept = *(g.rays[i] = rays[k].kept);
-                kept.receiver = receivers[k];
-                kept.tolerance = requests[k].tolerance;
-                kept.set = g.sets[i];
-                kept.trees = {g.light[i].direct, g.light[i].indirect, g.lobes[i].f0, g.lobes[i].schlick};
-            }
-            add(rays[k], receivers[k], g.light[i]);
-            if (!receivers[k].point.bsdf.has_glossy()) continue;
-            g.lobes[i].f0 += rays[k].f0;
-            g.lobes[i].schlick += rays[k].schlick;
+            g.rays[i] = rays[k];
+            if (!rays[k].kept) continue;
+            KeptRays& kept = *rays[k].kept;
+            kept.receiver = receivers[k];
+            kept.tolerance = requests[k].tolerance;
+            kept.set = g.sets[i];
+            kept.trees = {g.light[i].direct, g.light[i].indirect, g.lobes[i].f0, g.lobes[i].schlick};
         }
 }
 
@@ -161,14 +163,15 @@ void gather_trees_again(const LightTrees& trees, const RayTracer& tracer, const 
 void keep(FrameState& frame, const GatheredRequests& g, std::size_t i) {
     const PointRef& ref = g.points[i];
     const GatherPoint& p = frame.point(ref);
-    frame.tiles[ref.tile].light[ref.index] = g.light[i];
-    frame.tiles[ref.tile].state[ref.index] = PointState::done;
+    TileState& tile = frame.tiles[ref.tile];
+    PointLight& light = tile.light[ref.index] = g.light[i];
+    add(g.rays[i], p, light);
+    tile.state[ref.index] = PointState::done;
     if (!uses_cache(p)) return;
-    auto record = record_of(p, g.light[i], g.lobes[i], frame.limits.error_scale, frame.snapshot.frame);
+    auto record = record_of(p, g.light[i], g.lobes[i], g.rays[i], frame.limits.error_scale, frame.snapshot.frame);
     if (!record) return;
     record->set = g.sets[i];
-    record->rays = g.rays[i];
-    frame.records.insert(*record);
+    frame.fresh.push_back({ref, g.pools[i], frame.records.insert(*record), g.light[i]});
     ++frame.counts.created;
 }
 

@@ -10,11 +10,11 @@ namespace render2mpeg::renderer {
 /// Results of some requests, in the order of gathering.
 struct GatheredRequests {
     std::vector<PointRef> points;
-    std::vector<PointLight> light;
+    std::vector<PointLight> light;  ///< of light trees
     std::vector<GlossyRecord> lobes;
-    std::vector<std::uint8_t> sets;               ///< of representatives
-    std::vector<std::uint32_t> pools;             ///< GatherRequest::pool, within the area
-    std::vector<std::shared_ptr<KeptRays>> rays;  ///< of records; may be null
+    std::vector<std::uint8_t> sets;    ///< of representatives
+    std::vector<std::uint32_t> pools;  ///< GatherRequest::pool, within the area
+    std::vector<RayLight> rays;        ///< of records the first; of other points all
     ShadeCounts counts;
 };
 

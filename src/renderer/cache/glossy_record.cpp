@@ -22,8 +22,7 @@ constexpr float most_turn = 0.125f, most_bend = 1.0f;
 
 std::optional<SeenLobe> lobe_at(const CacheQuery& q, const IrradianceRecord& r) {
     const SurfacePoint& p = q.point.point;
-    if (!p.bsdf.has_glossy())
-        return r.lobe.alpha == 0.0f ? std::optional(SeenLobe{glm::vec3(0), glm::vec3(0)}) : std::nullopt;
+    if (!p.bsdf.has_glossy()) return r.lobe.alpha == 0.0f ? std::optional(SeenLobe{}) : std::nullopt;
     const float alpha = p.bsdf.alpha;
     if (!(std::abs(r.lobe.alpha - alpha) <= alike_alpha * alpha)) return std::nullopt;
     // The eye turned about the record; and about the point it looks otherwise than about the record.
@@ -33,7 +32,10 @@ std::optional<SeenLobe> lobe_at(const CacheQuery& q, const IrradianceRecord& r) 
     if (glm::dot(turn, turn) > most_turn * most_turn * alpha * alpha ||
         glm::dot(bend, bend) > most_bend * most_bend * alpha * alpha)
         return std::nullopt;
-    const glm::vec3 radiance = seen_from(r.lobe, r.shading_normal, eye, p.bsdf);
+    GlossyRecord lobe = r.lobe;
+    lobe.f0 += r.by_rays[1];
+    lobe.schlick += r.by_rays[2];
+    const glm::vec3 radiance = seen_from(lobe, r.shading_normal, eye, p.bsdf);
     return SeenLobe{radiance, core::luminance(q.point.weight * radiance) / alpha * (turn + bend)};
 }
 

@@ -13,8 +13,8 @@ inline constexpr float turn_error = 0.6f;
 
 /// A record's lobe towards the eye of a point that asks, by the point's material.
 struct SeenLobe {
-    glm::vec3 radiance;
-    glm::vec3 turned;  ///< half vectors that it was looked at by, off the point's, in widths; times luminance
+    glm::vec3 radiance{0};
+    glm::vec3 turned{0};  ///< half vectors that it was looked at by, off the point's, in widths; times luminance
 };
 
 /// None where it says nothing of the point's.

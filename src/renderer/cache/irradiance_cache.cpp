@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "core/color.h"
 #include "core/error.h"
@@ -19,22 +20,25 @@ constexpr float most_brighter = 2.0f;
 /// Adds what its rays find otherwise to a record.
 void take_change(IrradianceRecord& r) {
     KeptRays& rays = *r.rays;
-    const float before = core::luminance(r.direct + r.indirect + r.lobe.f0);
+    const auto all = [&] { return core::luminance(r.irradiance() + r.lobe.f0 + r.by_rays[1]); };
+    const float before = all();
     r.direct = glm::max(r.direct + rays.tree_change[0], glm::vec3(0));
-    r.indirect = glm::max(r.indirect + rays.change[0] + rays.tree_change[1], glm::vec3(0));
-    r.lobe.f0 = glm::max(r.lobe.f0 + rays.change[1] + rays.tree_change[2], glm::vec3(0));
-    r.lobe.schlick = glm::max(r.lobe.schlick + rays.change[2] + rays.tree_change[3], glm::vec3(0));
-    const float ratio = core::divide_or(core::luminance(r.direct + r.indirect + r.lobe.f0), before, 1.0f);
+    r.indirect = glm::max(r.indirect + rays.tree_change[1], glm::vec3(0));
+    r.lobe.f0 = glm::max(r.lobe.f0 + rays.tree_change[2], glm::vec3(0));
+    r.lobe.schlick = glm::max(r.lobe.schlick + rays.tree_change[3], glm::vec3(0));
+    for (std::size_t k = 0; k < r.by_rays.size(); ++k)
+        r.by_rays[k] = glm::max(r.by_rays[k] + rays.change[k], glm::vec3(0));
+    const float ratio = core::divide_or(all(), before, 1.0f), more = std::max(ratio, 1.0f);
     rays.brighter *= ratio;
-    r.error *= std::max(ratio, 1.0f);
-    rays.is_lost = rays.is_lost || rays.brighter > most_brighter || !core::is_finite(r.indirect);
+    r.error *= more;
+    r.batch_variance *= more * more;
+    rays.is_lost = rays.is_lost || rays.brighter > most_brighter || !core::is_finite(r.irradiance());
 }
 
 }  // namespace
 
 void IrradianceCache::forget() {
     records_.forget();
-    validation_.forget();
     history_ = {};
 }
 
@@ -51,17 +55,13 @@ void IrradianceCache::renew(const LightChange& change, const LightTrees& trees, 
     });
     limits.exact = false;
     std::vector<KeptRays*> kept;
-    std::vector<glm::vec3> places;
     // Of one pool next to each other.
     std::vector<std::uint32_t> order(records_.size());
     std::iota(order.begin(), order.end(), 0u);
     std::stable_sort(order.begin(), order.end(),
                      [&](auto a, auto b) { return records_[a].rays->pool < records_[b].rays->pool; });
-    for (const std::uint32_t i : order) {
-        kept.push_back(records_[i].rays.get());
-        places.push_back(records_[i].position);
-    }
-    if (!rays.renew(change, sky, kept, places)) {
+    for (const std::uint32_t i : order) kept.push_back(records_[i].rays.get());
+    if (!rays.renew(change, sky, kept)) {
         records_.forget();
         return;
     }
@@ -73,7 +73,6 @@ void IrradianceCache::renew(const LightChange& change, const LightTrees& trees, 
 void IrradianceCache::cut_to(const Frame& seen, const scene::Snapshot& snapshot) {
     // The last frame's errors are of another error scale.
     history_.tiles.clear();
-    validation_.forget();
     RecordGrid grid(seen.visible.width(), seen.visible.height());
     grid.build(records_.all(), snapshot.camera);
     records_.thin(snapshot.frame, grid);
@@ -84,15 +83,14 @@ FrameLight IrradianceCache::light(const LightingContext& context, const scene::S
                                   CacheCounts& counts) {
     EXPECTS(!context.tolerance.is_reference());
     if (snapshot.cut_before) cut_to(context.seen, snapshot);
-    errors_.cache_error_scale = validation_.cache_error_scale();
-    errors_.reused = core::divide_or(limits.error_scale, last_error_scale_, 1.0f);
-    last_error_scale_ = limits.error_scale;
+    const float reused_error =
+        core::divide_or(limits.error_scale, std::exchange(last_error_scale_, limits.error_scale), 1.0f);
 
     // Reuse the last frame's light,
-    FrameState frame(context, snapshot, limits, errors_, records_, rays);
+    FrameState frame(context, snapshot, limits, reused_error, records_, rays);
     start(frame, context, history_);
     // ask the cache for the rest, or gather it,
-    light_points(frame, validation_);
+    light_points(frame);
     // and remember.
     records_.thin(snapshot.frame, frame.grid);
     FrameLight light = finish(frame, history_);
@@ -100,10 +98,6 @@ FrameLight IrradianceCache::light(const LightingContext& context, const scene::S
     counts.add(frame.counts);
     shade_counts.add(frame.shade_counts);
     return light;
-}
-
-MovedPoints IrradianceCache::moved_points(std::int64_t frame, const core::ToleranceMap& tolerance) const {
-    return frame != history_.frame || tolerance.is_reference() ? MovedPoints{} : history_.moved_points;
 }
 
 core::Plane<float> IrradianceCache::density(const scene::Camera& camera, const scene::PictureFormat& format) const {

@@ -1,7 +1,6 @@
 #pragma once
 // The irradiance cache over a film's frames.
 #include "renderer/cache/cache_counts.h"
-#include "renderer/cache/cache_validation.h"
 #include "renderer/cache/frame_state.h"
 #include "renderer/cache/temporal_reuse.h"
 #include "renderer/cut/lighting_context.h"
@@ -10,8 +9,8 @@
 namespace render2mpeg::renderer {
 
 /// Gathers light once, at places on surfaces, and keeps it there for as long as it stays what it is: irradiance
-/// caching with records at gather points and planes through them (docs/model/irradiance-cache.md). A function of what
-/// it was shown since `forget`, for any number of threads.
+/// caching with records at gather points and local regression among them (docs/model/irradiance-cache.md). A function
+/// of what it was shown since `forget`, for any number of threads.
 class IrradianceCache {
   public:
     /// A chunk begins.
@@ -28,15 +27,11 @@ class IrradianceCache {
     FrameLight light(const LightingContext& context, const scene::Snapshot& snapshot, const CutLimits& limits,
                      FinalGather* rays, ShadeCounts& shade_counts, CacheCounts& counts);
 
-    /// Which points were lit elsewhere in their pixels: none but in the last frame, nor by the reference, which asks no
-    /// records.
-    MovedPoints moved_points(std::int64_t frame, const core::ToleranceMap& tolerance) const;
-
     /// How many records lie in each pixel of a picture, seen or hidden.
     core::Plane<float> density(const scene::Camera& camera, const scene::PictureFormat& format) const;
 
     /// Bytes held between frames.
-    std::size_t bytes() const { return records_.bytes() + validation_.bytes() + history_.bytes(); }
+    std::size_t bytes() const { return records_.bytes() + history_.bytes(); }
 
   private:
     /// Another shot: forgets the last frame, and records of surfaces that are so far now that they crowd its pixels.
@@ -45,8 +40,6 @@ class IrradianceCache {
     RecordStore records_;
     FrameHistory history_;
     float last_error_scale_ = 1;  ///< that the last frame was lit with
-    CacheErrorModel errors_;
-    CacheValidation validation_;
 };
 
 }  // namespace render2mpeg::renderer

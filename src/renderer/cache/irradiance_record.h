@@ -1,5 +1,6 @@
 #pragma once
 // Irradiance records, the grid that finds them on the picture, and the store of a chunk.
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -24,7 +25,7 @@ struct GlossyRecord {
 };
 
 /// Incident light at one place on a surface, independent of its texture (docs/model/irradiance-cache.md): kept where it
-/// was gathered and never resampled. Light of the light trees alone; exactly gathered lights are no part of it.
+/// was gathered and never resampled. Exactly gathered lights are no part of it.
 struct IrradianceRecord {
     core::SurfaceAddress address;
     bool back_side = false;
@@ -33,13 +34,19 @@ struct IrradianceRecord {
     glm::vec3 position{0};          ///< world, at the instant of the frame
     glm::vec3 geometric_normal{0};  ///< likewise
     glm::vec3 shading_normal{0};
-    glm::vec3 direct{0}, indirect{0};  ///< irradiance over pi
-    GlossyRecord lobe;
-    float error =
-        0;  ///< luminance by which a white receiver may be off, as the cut's rule reckons with an error scale of 1
+    glm::vec3 direct{0}, indirect{0};  ///< irradiance over pi, of light trees
+    GlossyRecord lobe;                 ///< likewise
+    /// Light of gather rays (RayLight), their number, and the variance of a batch for a white receiver.
+    std::array<glm::vec3, 3> by_rays{};
+    std::uint32_t ray_count = 0;
+    float batch_variance = 0;
+    /// Luminance by which trees may be off for a white receiver, as the cut's rule reckons with an error scale of 1.
+    float error = 0;
     float clamped = 0;                 ///< loss to the clamp of near lights, as a share of arriving light
     std::int64_t born = 0, used = 0;   ///< frames
-    std::shared_ptr<KeptRays> rays{};  ///< that brought `indirect` and the lobe; null: not kept
+    std::shared_ptr<KeptRays> rays{};  ///< that brought `by_rays`; null: not kept
+
+    glm::vec3 irradiance() const { return direct + indirect + by_rays[0]; }  ///< over pi
 };
 
 /// A record as it is found from pixels.

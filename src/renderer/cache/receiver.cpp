@@ -38,8 +38,21 @@ GatherPoint plain_receiver(const GatherPoint& p) {
     return receiver;
 }
 
+void take_rays(const RayLight& rays, const GatherPoint& p, IrradianceRecord& record) {
+    const float share = core::divide_or(1.0f * rays.rays, 1.0f * (record.ray_count + rays.rays), 0.0f);
+    for (std::size_t k = 0; k < rays.light.size(); ++k)
+        record.by_rays[k] = glm::mix(record.by_rays[k], rays.light[k], share);
+    const float own = core::divide_or(rays.batch_variance, receives(p) * receives(p), 0.0f);
+    record.batch_variance = glm::mix(record.batch_variance, own, share);
+    record.ray_count += rays.rays;
+    if (record.rays && rays.kept)
+        record.rays->add(*rays.kept);
+    else
+        record.rays = rays.kept;
+}
+
 std::optional<IrradianceRecord> record_of(const GatherPoint& p, const PointLight& light, const GlossyRecord& lobe,
-                                          float error_scale, std::int64_t frame) {
+                                          const RayLight& rays, float error_scale, std::int64_t frame) {
     IrradianceRecord record;
     record.address = p.point.address;
     record.back_side = p.point.back_side;
@@ -53,8 +66,9 @@ std::optional<IrradianceRecord> record_of(const GatherPoint& p, const PointLight
     record.error = core::divide_or(light.error, receives(p) * error_scale, 0.0f);
     record.clamped = core::divide_or(light.clamped, core::luminance(light.scattered(p)), 0.0f);
     record.born = record.used = frame;
-    const bool finite = core::is_finite(record.direct) && core::is_finite(record.indirect) &&
-                        core::is_finite(lobe.f0) && core::is_finite(lobe.schlick);
+    take_rays(rays, p, record);
+    const bool finite = core::is_finite(record.irradiance()) && core::is_finite(lobe.f0 + record.by_rays[1]) &&
+                        core::is_finite(lobe.schlick + record.by_rays[2]);
     return finite ? std::optional(record) : std::nullopt;
 }
 

@@ -4,6 +4,7 @@
 
 #include "renderer/cache/irradiance_record.h"
 #include "renderer/cut/point_light.h"
+#include "renderer/gather/final_gather.h"
 
 namespace render2mpeg::renderer {
 
@@ -19,8 +20,12 @@ float receives(const GatherPoint& p);
 /// told well enough for it.
 GatherPoint plain_receiver(const GatherPoint& p);
 
-/// The record of what was gathered at a point with an error scale; none where that is not finite.
-std::optional<IrradianceRecord> record_of(const GatherPoint& p, const PointLight& light, const GlossyRecord& lobe,
-                                          float error_scale, std::int64_t frame);
+/// The record of what trees and rays were found to bring to a point's plain receiver, with an error scale; none where
+/// that is not finite.
+std::optional<IrradianceRecord> record_of(const GatherPoint& p, const PointLight& trees, const GlossyRecord& lobe,
+                                          const RayLight& rays, float error_scale, std::int64_t frame);
+
+/// Adds more rays to the record of a point.
+void take_rays(const RayLight& rays, const GatherPoint& p, IrradianceRecord& record);
 
 }  // namespace render2mpeg::renderer

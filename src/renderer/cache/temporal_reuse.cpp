@@ -73,8 +73,6 @@ bool reuse(FrameState& frame, std::size_t t, const FrameHistory& history) {
     const std::vector<AreaLamp>& lamps = frame.light_trees.lamps;
     const bool has_suns = std::any_of(lamps.begin(), lamps.end(), [](const AreaLamp& lamp) { return lamp.sharp; });
     bool all = true;
-    auto moved_point = history.moved_points[t].begin();
-    const auto moved_end = history.moved_points[t].end();
     for (std::size_t i = 0; i < points.size(); ++i) {
         const GatherPoint& p = points[i];
         const LitPoint& before = history.tiles[t][i];
@@ -86,16 +84,14 @@ bool reuse(FrameState& frame, std::size_t t, const FrameHistory& history) {
         all = all && (!has_suns || are_suns_good_enough(before, now, p));
         tile.exact[i] = before.exact;
         now.base += known_luminance(before.exact, p);
-        if (!is_good_enough(before, now, p, frame.errors.reused)) continue;
+        if (!is_good_enough(before, now, p, frame.reused_error)) continue;
         PointLight& light = tile.light[i];
         light = before.trees;
-        light.error *= frame.errors.reused;
+        light.error *= frame.reused_error;
         light.direct_cut = light.indirect_cut = 0;
         light.served = true;
         light.age += static_cast<float>(frame.snapshot.frame - history.frame);
         tile.state[i] = PointState::reused;
-        while (moved_point != moved_end && moved_point->index < i) ++moved_point;
-        if (moved_point != moved_end && moved_point->index == i) tile.moved.push_back(*moved_point);
         ++tile.served;
         // Whichever record may have served it is not forgotten.
         const glm::ivec2 pixel = frame.pixel_of(t, p);
@@ -125,7 +121,6 @@ void add_up(FrameState& frame, std::size_t t, std::size_t i) {
 std::size_t FrameHistory::bytes() const {
     std::size_t sum = 0;
     for (const auto& tile : tiles) sum += tile.capacity() * sizeof(LitPoint);
-    for (const auto& tile : moved_points) sum += tile.capacity() * sizeof(MovedPoint);
     return sum;
 }
 
@@ -150,12 +145,8 @@ FrameLight finish(FrameState& frame, FrameHistory& history) {
     FrameLight light(frame.tiles.size());
     history.frame = frame.snapshot.frame;
     history.tiles.resize(frame.tiles.size());
-    history.moved_points.assign(frame.tiles.size(), {});
     for (std::size_t t = 0; t < frame.tiles.size(); ++t) {
         TileState& tile = frame.tiles[t];
-        std::sort(tile.moved.begin(), tile.moved.end(), [](const auto& a, const auto& b) { return a.index < b.index; });
-        frame.counts.at_record += tile.moved.size();
-        history.moved_points[t] = std::move(tile.moved);
         history.tiles[t].clear();
         frame.counts.served += tile.served;
         frame.shade_counts.gather_points += tile.served;

@@ -18,7 +18,6 @@ struct LitPoint {
 /// The last frame.
 struct FrameHistory {
     std::vector<std::vector<LitPoint>> tiles;  ///< empty: nothing of it holds
-    MovedPoints moved_points;
     std::int64_t frame = 0;
 
     std::size_t bytes() const;

@@ -22,24 +22,6 @@ constexpr float rounding = 1e-5f;
 
 }  // namespace
 
-const MovedPoint* moved_point(const MovedPoints& moved, std::uint32_t tile, std::uint32_t index) {
-    if (moved.empty()) return nullptr;
-    const auto found = std::lower_bound(moved[tile].begin(), moved[tile].end(), index,
-                                        [](const MovedPoint& m, std::uint32_t i) { return m.index < i; });
-    return found != moved[tile].end() && found->index == index ? &*found : nullptr;
-}
-
-GatherPoint lit_at(GatherPoint p, const MovedPoint* moved) {
-    if (moved == nullptr) return p;
-    p.point.position = moved->position;
-    p.point.geometric_normal = moved->geometric_normal;
-    p.point.shading_normal = moved->shading_normal;
-    p.point.outgoing = moved->outgoing;
-    p.others = 0;
-    p.more_places = nullptr;
-    return p;
-}
-
 glm::ivec2 place_of(const Frame& seen, const LitPixel& p) {
     const int pixel = seen.tiles[p.tile][p.first].pixel, across = seen.tiles_across();
     return {static_cast<int>(p.tile) % across * tile_size + pixel % tile_size,
@@ -57,12 +39,6 @@ LitPixel pixel_at(const Frame& seen, glm::ivec2 place) {
     p.first = static_cast<std::uint32_t>(first - tile.begin());
     p.last = static_cast<std::uint32_t>(last - tile.begin());
     return p;
-}
-
-bool any_moved(const MovedPoints& moved, const LitPixel& pixel) {
-    for (std::uint32_t i = pixel.first; i < pixel.last; ++i)
-        if (moved_point(moved, pixel.tile, i) != nullptr) return true;
-    return false;
 }
 
 std::vector<LitPixel> lit_pixels(const Frame& seen) {
@@ -102,24 +78,16 @@ std::vector<LitPixel> spread(const std::vector<LitPixel>& pixels, std::size_t co
     return chosen;
 }
 
-std::vector<glm::vec3> gather_exactly(const LightingContext& context, const std::vector<LitPixel>& pixels,
-                                      const MovedPoints& moved) {
+std::vector<glm::vec3> gather_exactly(const LightingContext& context, const std::vector<LitPixel>& pixels) {
     const Frame& seen = context.seen;
-    EXPECTS(moved.empty() || moved.size() == seen.tiles.size());
-    struct Place {
-        const GatherPoint* point;
-        const MovedPoint* moved;
-    };
-    std::vector<Place> places;
+    std::vector<const GatherPoint*> points;
     for (const LitPixel& p : pixels)
-        for (std::uint32_t i = p.first; i < p.last; ++i)
-            places.push_back({&seen.tiles[p.tile][i], moved_point(moved, p.tile, i)});
-    std::vector<glm::vec3> light(places.size());
-    parallel::for_each(places.size(), [&](std::size_t i) {
+        for (std::uint32_t i = p.first; i < p.last; ++i) points.push_back(&seen.tiles[p.tile][i]);
+    std::vector<glm::vec3> light(points.size());
+    parallel::for_each(points.size(), [&](std::size_t i) {
         GatheredLight gathered;
-        gather_all(context.light_trees, context.tracer, lit_at(*places[i].point, places[i].moved), *places[i].point,
-                   gathered);
-        light[i] = point_light(gathered, 0, *places[i].point).scattered(*places[i].point);
+        gather_all(context.light_trees, context.tracer, *points[i], gathered);
+        light[i] = point_light(gathered, 0, *points[i]).scattered(*points[i]);
     });
 
     std::vector<glm::vec3> sums;

@@ -25,14 +25,6 @@ glm::ivec2 place_of(const Frame& seen, const LitPixel& pixel);
 /// Gather points of the pixel there; none: nothing is gathered.
 LitPixel pixel_at(const Frame& seen, glm::ivec2 place);
 
-/// Where a point of a tile was moved to; null: nowhere.
-const MovedPoint* moved_point(const MovedPoints& moved, std::uint32_t tile, std::uint32_t index);
-/// The point there.
-GatherPoint lit_at(GatherPoint p, const MovedPoint* moved);
-
-/// Whether some of its points were lit at another place of the pixel.
-bool any_moved(const MovedPoints& moved, const LitPixel& pixel);
-
 /// In order of their tiles, then of their rows.
 std::vector<LitPixel> lit_pixels(const Frame& seen);
 
@@ -42,11 +34,9 @@ std::vector<LitPixel> drawn(std::vector<LitPixel> pixels, std::size_t count, std
 /// As many, one out of each of `count` equal stretches of the list: spread over the picture. Other dice.
 std::vector<LitPixel> spread(const std::vector<LitPixel>& pixels, std::size_t count, std::int64_t frame);
 
-/// Radiance of the pixels, >= 0 and finite, with light gathered from every light point by itself. Light of the trees is
-/// gathered where it was when the frame was lit: some points were `moved` (empty: none). The same for any number of
-/// threads.
-std::vector<glm::vec3> gather_exactly(const LightingContext& context, const std::vector<LitPixel>& pixels,
-                                      const MovedPoints& moved = {});
+/// Radiance of the pixels, >= 0 and finite, with light gathered from every light point by itself. The same for any
+/// number of threads.
+std::vector<glm::vec3> gather_exactly(const LightingContext& context, const std::vector<LitPixel>& pixels);
 
 /// Holds one pixel of a frame, lit by `tolerance`, against the radiance that it should have.
 AuditedPixel compare(glm::ivec2 place, glm::vec3 truth, const core::ToleranceMap& tolerance,

@@ -59,12 +59,10 @@ std::size_t affordable(const LightTrees& light_trees, std::uint64_t rays) {
     return std::clamp(count, least_audited, most_audited);
 }
 
-/// Whether a pixel's light is no single cut's: records had a part in it, or would have had one if it had not been
-/// held out.
+/// Whether a pixel's light is no single cut's: records had a part in it.
 bool is_served(const LitPixel& p, const FrameLight& known) {
     const auto& tile = known[p.tile];
-    return std::any_of(tile.begin() + p.first, tile.begin() + p.last,
-                       [](const PointLight& l) { return l.served || l.held_out; });
+    return std::any_of(tile.begin() + p.first, tile.begin() + p.last, [](const PointLight& l) { return l.served; });
 }
 
 }  // namespace

@@ -16,11 +16,9 @@ struct PointLight {
     float direct_cut = 0, indirect_cut = 0;  ///< clusters that were gathered for it; 0: for other points
     float error = 0;                         ///< luminance of the pixel
     float clamped = 0;                       ///< likewise, what the clamp of near lights took
-    float age = 0;          ///< frames since it was gathered; 0: in this one. A mean, where it comes from many records
-    float cache_error = 0;  ///< from records: estimated error over the tolerance, at a cache error scale of 1
-    bool served = false;    ///< by records, or by an earlier frame: it may err otherwise than a cut of today
-    bool held_out = false;  ///< gathered with another error scale than the frame's, to validate what records said
-    bool capped = false;    ///< the largest cut came before the tolerance was kept
+    float age = 0;        ///< frames since it was gathered; 0: in this one. A mean, where it comes from many records
+    bool served = false;  ///< by records, or by an earlier frame: it may err otherwise than a cut of today
+    bool capped = false;  ///< the largest cut came before the tolerance was kept
 
     /// Radiance of the point in its pixel.
     glm::vec3 scattered(const GatherPoint& p) const {

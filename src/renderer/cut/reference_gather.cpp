@@ -50,18 +50,14 @@ void set_first(RgbLanes& lanes, glm::vec3 v) {
 
 }  // namespace
 
-void gather_all(const LightTrees& light_trees, const RayTracer& tracer, const GatherPoint& point,
-                const GatherPoint& exact_at, GatheredLight& out) {
+void gather_all(const LightTrees& light_trees, const RayTracer& tracer, const GatherPoint& point, GatheredLight& out) {
     const FlushDenormals flushed;
     const GatherPoint* copies[lane_count];
     std::fill(std::begin(copies), std::end(copies), &point);
     GatherLanes lanes, alone;
     fill(lanes, copies);
     GatheredLight exact;
-    const GatherPoint* exactly[lane_count];
-    std::fill(std::begin(exactly), std::end(exactly), &exact_at);
-    fill(alone, exactly);
-    Gatherer(light_trees, tracer).gather_exact(alone, Shadow::sharp, nullptr, exact);
+    Gatherer(light_trees, tracer).gather_exact(lanes, Shadow::sharp, nullptr, exact);
     GatheredLight lamps;
     Gatherer(light_trees, tracer).gather_exact(lanes, Shadow::smooth, nullptr, lamps);
     fill(alone, std::span(copies).first(1));

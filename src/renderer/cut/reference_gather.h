@@ -9,14 +9,7 @@ namespace render2mpeg::renderer {
 
 /// Light of one point from every light point by itself; writes lane 0 of `out` alone. Asks for sixteen neighbouring
 /// lights of a tree from one point, whose rays are as alike wherever it lies; Gatherer::gather_all asks for one light
-/// from sixteen points, which are a packet only where they are near each other. Lights that are not clustered light
-/// `exact_at`.
-void gather_all(const LightTrees& light_trees, const RayTracer& tracer, const GatherPoint& point,
-                const GatherPoint& exact_at, GatheredLight& out);
-
-inline void gather_all(const LightTrees& light_trees, const RayTracer& tracer, const GatherPoint& point,
-                       GatheredLight& out) {
-    gather_all(light_trees, tracer, point, point, out);
-}
+/// from sixteen points, which are a packet only where they are near each other.
+void gather_all(const LightTrees& light_trees, const RayTracer& tracer, const GatherPoint& point, GatheredLight& out);
 
 }  // namespace render2mpeg::renderer

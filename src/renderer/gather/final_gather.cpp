@@ -16,7 +16,6 @@
 #include "renderer/base/lobe.h"
 #include "renderer/base/stopwatch.h"
 #include "renderer/gather/net_points.h"
-#include "renderer/gather/pool_fit.h"
 #include "renderer/gather/ray_guide.h"
 #include "renderer/gather/ray_sums.h"
 #include "renderer/surface/lobe_albedo.h"
@@ -36,10 +35,6 @@ constexpr float lobe_rays = 64.0f;
 
 /// Rays of a bundle from which sixteen neighbours lie within an eighth of the hemisphere.
 constexpr std::uint32_t coherent_rays = 128;
-
-/// Standard errors that a tolerance holds. chosen: 1.3 of 0.7 to 2.6, half of what one point in a hundred exceeds: the
-/// error of rays is white, which coding hides twice to four times as well as what is smooth.
-constexpr float errors_allowed = 1.3f;
 
 /// Guides are worth the first look, which counts no more with them, for so many times its rays, and where a guided ray
 /// has so much of the variance at most. chosen: 4 of 2 to 4, and 0.7.
@@ -67,10 +62,6 @@ struct FinalGather::Pool {
     std::uint32_t first = 0, last = 0;  ///< requests, `last` not included
     bool is_guided = false;
     RayGuide guide;
-
-    bool may_be_guided(std::span<const GatherRequest> requests) const {
-        return !requests[first].lobe && requests[first].rays == 0;
-    }
 };
 
 /// Results of tracing, by ray.
@@ -93,6 +84,11 @@ struct FinalGather::Traced {
     bool is_lost = false;  ///< KeptRays
     std::uint64_t traced = 0;
 };
+
+double shown_luminance(const GatherPoint& point, const std::array<glm::vec3, 3>& light) {
+    const Bsdf& bsdf = point.point.bsdf;
+    return core::luminance(point.weight * (bsdf.diffuse * light[0] + bsdf.f0 * light[1] + bsdf.f90 * light[2]));
+}
 
 FinalGather::FinalGather(const PosedScene& posed_scene, const Plan& plan, bool light_changes)
     : posed_scene_(posed_scene),
@@ -315,32 +311,36 @@ void FinalGather::trace_all(std::span<const GatherRequest> requests, std::span<c
     }
 }
 
-/// How many rays each request of a pool needs in all. `pilot`: from the first look, which cannot tell detail from
-/// noise, nor does it know what guided rays find.
+double GatherAim::worth(double rays) const {
+    constexpr double gain = variance_power / (1.0 + variance_power);
+    return typical > 0.0f ? std::pow(rays, gain) * std::pow(worth_rays / typical, 1.0 - gain) : rays;
+}
+
+double GatherAim::left(double rays) const {
+    return std::pow(core::divide_or(rays, worth(rays), 1.0), variance_power);
+}
+
+/// How many rays each request of a pool needs in all. `pilot`: from the first look, which does not know what guided
+/// rays find.
 void FinalGather::want_rays(std::span<const GatherRequest> requests, std::span<const PointSums> sums, const Pool& pool,
                             bool pilot, GatherAim aim, std::vector<std::uint32_t>& wanted) const {
-    const double gain = aim.typical > 0.0f ? variance_power / (1.0 + variance_power) : 1.0;
-    const double worth = gain < 1.0 ? std::pow(worth_rays / aim.typical, 1.0 - gain) : 1.0;
-    const double more = std::pow(aim.finer, 2.0 / variance_power);
-    const std::span<const GatherRequest> own = requests.subspan(pool.first, pool.last - pool.first);
     double all = 0;
     for (std::size_t i = pool.first; i < pool.last; ++i) all += sums[i].batch_variance();
-    const double share = pilot ? PoolFit::least_share(own) * (pool.is_guided ? pool.guide.variance_share() : 1.0)
-                               : PoolFit(own, sums.subspan(pool.first, own.size())).variance_share();
-    const double others = static_cast<double>(own.size()) - 1.0;
+    const double share = pilot && pool.is_guided ? pool.guide.variance_share() : 1.0;
+    const double others = static_cast<double>(pool.last - pool.first) - 1.0;
     for (std::size_t i = pool.first; i < pool.last; ++i) {
+        if (wanted[i] = requests[i].rays; wanted[i] > 0) continue;
         const PointSums& s = sums[i];
         const double variance = share * (others > 0 ? (all - s.batch_variance()) / others : s.batch_variance());
         const double mean = s.batches * batch_rays / s.rays;
         const double error = requests[i].tolerance.allows(static_cast<float>(mean)) / errors_allowed;
         // Of points that may not err those that show most get most.
         const double shown = std::min(static_cast<double>(core::luminance(requests[i].point->weight)), 1.0);
-        const double n =
-            error > 0.0
-                ? more * worth * std::pow(batch_rays * std::pow(variance / (error * error), 1.0 / variance_power), gain)
-                : most_gather_rays * shown;
+        const double n = error > 0.0
+                             ? aim.worth(batch_rays * std::pow(variance / (error * error), 1.0 / variance_power))
+                             : most_gather_rays * shown;
         const auto rays = static_cast<std::uint32_t>(std::clamp(n, 1.0 * first_rays, 1.0 * most_gather_rays));
-        wanted[i] = requests[i].rays > 0 ? requests[i].rays : (rays + batch_rays - 1) / batch_rays * batch_rays;
+        wanted[i] = (rays + batch_rays - 1) / batch_rays * batch_rays;
     }
 }
 
@@ -348,10 +348,10 @@ void FinalGather::want_rays(std::span<const GatherRequest> requests, std::span<c
 void FinalGather::guide(std::span<const GatherRequest> requests, GatherAim aim, Pool& pool,
                         std::vector<PointSums>& sums, std::vector<std::uint32_t>& wanted) const {
     want_rays(requests, sums, pool, true, aim, wanted);
-    if (!pool.may_be_guided(requests)) return;
-    double rays = 0;
-    for (std::size_t i = pool.first; i < pool.last; ++i) rays += wanted[i];
-    if (rays < worth_guiding * first_rays * (pool.last - pool.first)) return;
+    if (requests[pool.first].lobe) return;
+    double rays = 0, seen = 0;
+    for (std::size_t i = pool.first; i < pool.last; ++i) rays += wanted[i], seen += sums[i].rays;
+    if (rays < worth_guiding * seen) return;
     pool.guide.learn();
     if (pool.guide.variance_share() > gain_of_guides) return;
     pool.is_guided = true;
@@ -359,7 +359,8 @@ void FinalGather::guide(std::span<const GatherRequest> requests, GatherAim aim, 
     for (std::size_t i = pool.first; i < pool.last; ++i) {
         sums[i].forget();
         // Half of them tell more.
-        wanted[i] = std::clamp(wanted[i] / 2 / batch_rays * batch_rays, first_rays, 3 * first_rays);
+        if (requests[i].rays == 0)
+            wanted[i] = std::clamp(wanted[i] / 2 / batch_rays * batch_rays, first_rays, 3 * first_rays);
     }
 }
 
@@ -377,8 +378,8 @@ GatherRequest request_of(const GatherPoint& point, const PointTolerance& toleran
 
 void add(const RayLight& rays, const GatherPoint& point, PointLight& light) {
     const Bsdf& bsdf = point.point.bsdf;
-    light.indirect += rays.irradiance;
-    light.glossy += bsdf.f0 * rays.f0 + bsdf.f90 * rays.schlick;
+    light.indirect += rays.light[0];
+    light.glossy += bsdf.f0 * rays.light[1] + bsdf.f90 * rays.light[2];
     light.indirect_cut += static_cast<float>(rays.rays);
     light.error = std::hypot(light.error, rays.error);
 }
@@ -423,8 +424,8 @@ void FinalGather::trace_wanted(std::span<const GatherRequest> requests, std::spa
         const Pool& pool = pools[sums[i].pool];
         const std::uint64_t seed = pool.is_guided ? core::mix(requests[i].seed + guided_seed) : requests[i].seed;
         for (std::uint32_t first = sums[i].rays; first < wanted[i]; first += bundle_rays)
-            bundles.push_back(
-                {i, first, std::min(bundle_rays, wanted[i] - first), pool.is_guided ? &pool.guide : nullptr, seed});
+            bundles.push_back({i, requests[i].from + first, std::min(bundle_rays, wanted[i] - first),
+                               pool.is_guided ? &pool.guide : nullptr, seed});
         rays += wanted[i] - std::min(wanted[i], sums[i].rays);
         if (rays >= rays_at_once) flush();
     }
@@ -432,14 +433,12 @@ void FinalGather::trace_wanted(std::span<const GatherRequest> requests, std::spa
 }
 
 /// Completes rays that are kept.
-static void finish(const GatherRequest& request, const PointSums& sums, float own, const SurfaceCache& cells,
-                   KeptRays& kept) {
+static void finish(const GatherRequest& request, const PointSums& sums, const SurfaceCache& cells, KeptRays& kept) {
     kept.origin = shadow_origin(request.point->point);
     kept.normal = request.point->point.shading_normal;
     kept.extent = request.extent;
     kept.seed = request.seed;
     kept.count = sums.rays;
-    kept.own = own;
     kept.rays.shrink_to_fit();
     kept.mean = kept.sum(cells);
 }
@@ -449,7 +448,11 @@ std::vector<RayLight> FinalGather::gather(std::span<const GatherRequest> request
     std::vector<Pool> pools = pools_of(requests);
     std::vector<PointSums> sums = sums_of(requests, pools, std::exchange(pools_, pools_ + pools.size()));
     // A first look tells how many rays are wanted and where to, a second one whether these are enough.
-    std::vector<std::uint32_t> wanted(requests.size(), first_rays);
+    std::vector<std::uint32_t> wanted;
+    for (const GatherRequest& r : requests)
+        wanted.push_back(
+            r.rays == 0 ? first_rays
+                        : std::max(r.rays / (worth_guiding * batch_rays) * batch_rays, std::min(first_rays, r.rays)));
     trace_wanted(requests, wanted, sums, pools);
     for (Pool& pool : pools) guide(requests, aim, pool, sums, wanted);
     trace_wanted(requests, wanted, sums, pools);
@@ -459,21 +462,11 @@ std::vector<RayLight> FinalGather::gather(std::span<const GatherRequest> request
     }
     trace_wanted(requests, wanted, sums, pools);
     std::vector<RayLight> light(requests.size());
-    for (const Pool& pool : pools) {
-        const std::size_t first = pool.first, count = pool.last - pool.first;
-        const PoolFit fit(requests.subspan(first, count), std::span(sums).subspan(first, count));
-        for (std::size_t i = first; i < first + count; ++i) {
-            const PointSums& s = sums[i];
-            std::array<glm::vec3, 3> found = s.mean();
-            if (!fit.plane.empty())
-                for (std::size_t k = 0; k < found.size(); ++k)
-                    found[k] =
-                        glm::max(glm::mix(glm::vec3(fit.plane[i - first][k]), found[k], static_cast<float>(fit.own)),
-                                 glm::vec3(0));
-            light[i] = {found[0], found[1], found[2], 0.0f, s.rays, s.kept};
-            if (s.kept) finish(requests[i], s, static_cast<float>(fit.own), cache_, *s.kept);
-            light[i].error = errors_allowed * static_cast<float>(std::sqrt(fit.variance_share() * s.variance()));
-        }
+    for (std::size_t i = 0; i < requests.size(); ++i) {
+        const PointSums& s = sums[i];
+        if (s.kept) finish(requests[i], s, cache_, *s.kept);
+        light[i] = {s.mean(), errors_allowed * static_cast<float>(std::sqrt(s.variance())),
+                    static_cast<float>(s.batch_variance()), s.rays, s.kept};
     }
     counts_.points += requests.size();
     counts_.cell_rays = cache_.rays();

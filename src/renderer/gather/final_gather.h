@@ -1,5 +1,6 @@
 #pragma once
 // Light of points by rays over their hemispheres, as many as their tolerances ask for.
+#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
@@ -29,21 +30,31 @@ struct GatherRequest {
     float extent = 0;          ///< of a pixel there, world: rays shorter than this are followed as paths
     bool lobe = false;         ///< along the point's narrow lobe (Bsdf::has_narrow_lobe); else over the hemisphere
     std::uint32_t pool = 0;    ///< requests of one pool lie next to each other, on about one surface
-    std::uint32_t rays = 0;    ///< so many, a multiple of 16; 0: by the tolerance
+    std::uint32_t rays = 0;    ///< so many, a multiple of 8; 0: by the tolerance
+    std::uint32_t from = 0;    ///< number of the first: it has so many already
     bool keeps = false;        ///< its rays are wanted as well; not of lobes
 };
 
 /// Conversion of tolerances to numbers of rays.
 struct GatherAim {
     float typical = 0;  ///< ToleranceMap::typical
-    float finer = 1;    ///< errors are to be so much less than without it
+
+    /// Rays that a point is worth, of those that it would take to meet its tolerance.
+    double worth(double rays) const;
+    /// Mean square error that these leave it, over that of the tolerance.
+    double left(double rays) const;
 };
+
+/// Standard errors that a tolerance holds. chosen: 1.3 of 0.7 to 2.6, half of what one point in a hundred exceeds: the
+/// error of rays is white, which coding hides twice to four times as well as what is smooth.
+inline constexpr float errors_allowed = 1.3f;
 
 /// Light found by rays for one point.
 struct RayLight {
-    glm::vec3 irradiance{0};      ///< over pi; under a lobe what passes it
-    glm::vec3 f0{0}, schlick{0};  ///< the lobe's radiance is f0 x `f0` + f90 x `schlick`
-    float error = 0;              ///< luminance of the pixel that one point in a hundred exceeds
+    /// Irradiance over pi, under a lobe what passes it; the lobe's radiance is f0 x the second + f90 x the third.
+    std::array<glm::vec3, 3> light{};
+    float error = 0;           ///< luminance of the pixel that one point in a hundred exceeds
+    float batch_variance = 0;  ///< of means of 8 rays, luminance of the pixel squared
     std::uint32_t rays = 0;
     std::shared_ptr<KeptRays> kept{};  ///< if the request keeps them
 };
@@ -72,9 +83,9 @@ struct FinalGatherCounts {
 };
 
 /// Final gathering [Ward1988, Christensen1999]: the mean of what cosine-distributed rays see, their hits looked up in a
-/// surface cache. The first rays of all points of a pool, less the point's own, tell how much rays differ there, and so
-/// how many a point is worth (docs/model/gathering.md): no point's number depends on what its own rays found, which
-/// would bias it. Where light comes from few directions they guide the rest, and count no more. A function of the posed
+/// surface cache. Where a tolerance decides how many, the first rays of all points of a pool, less the point's own,
+/// tell how much rays differ there (docs/model/gathering.md): no point's number depends on what its own rays found,
+/// which would bias it. Where light comes from few directions, rays of the pool guide the rest. A function of the posed
 /// instant and of the requests since `forget`, for any number of threads.
 class FinalGather {
   public:
@@ -86,10 +97,8 @@ class FinalGather {
     /// Forgets all: light or things are others now.
     void forget(const SkyOfRays& sky);
     /// Light or things are others now, by this change. Finds what it adds to the light of kept rays: traces again those
-    /// that it meets, and sums up; those of which it meets too many are lost. Rays of one pool lie next to each other;
-    /// `places`: of their points. False: all is forgotten.
-    bool renew(const LightChange& change, const SkyOfRays& sky, std::span<KeptRays* const> kept,
-               std::span<const glm::vec3> places);
+    /// that it meets, and sums up; those of which it meets too many are lost. False: all is forgotten.
+    bool renew(const LightChange& change, const SkyOfRays& sky, std::span<KeptRays* const> kept);
     /// Whether rays of requests can be kept.
     bool keeps() const { return cache_.keeps(); }
 

@@ -45,7 +45,6 @@ struct KeptRays {
     std::uint64_t seed = 0;             ///< likewise
     std::uint64_t pool = 0;             ///< of points that were gathered together; none other has its number
     std::uint32_t count = 0;            ///< of rays, those that could meet nothing among them
-    float own = 1;                      ///< PoolFit::own
     float brighter = 1;                 ///< luminance, over that by which their number was chosen
     bool is_lost = false;               ///< some of its light is none of these rays'
     std::array<glm::vec3, 3> mean{};    ///< RayLight's parts by these rays, as of the last instant
@@ -57,6 +56,8 @@ struct KeptRays {
     std::array<glm::vec3, 4> trees{};        ///< light trees' light: direct, indirect, the lobe's parts
     std::array<glm::vec3, 4> tree_change{};  ///< added to it by the last change
 
+    /// Takes more rays of the same point.
+    void add(const KeptRays& more);
     /// RayLight's parts by these rays, as cells are.
     std::array<glm::vec3, 3> sum(const SurfaceCache& cells) const;
 };

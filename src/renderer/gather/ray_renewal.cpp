@@ -1,5 +1,5 @@
 // How gather rays of records follow light that changes [Smyk2005]. Changed: what rays meet are cells, whose light is
-// solved anew, instead of anchors; points of a pool share what their rays find.
+// solved anew, instead of anchors.
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -13,7 +13,6 @@
 #include "renderer/base/stopwatch.h"
 #include "renderer/gather/final_gather.h"
 #include "renderer/gather/packed_light.h"
-#include "renderer/gather/pool_fit.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -25,22 +24,15 @@ constexpr std::size_t most_met = 4;
 /// Records, and rays, of one task.
 constexpr std::size_t records_at_once = 16, rays_of_task = 256;
 
-/// Draws the changes of a pool's points towards the plane through them, by as much as their light was.
-void share_changes(std::span<KeptRays* const> pool, std::span<const glm::vec3> places) {
-    if (pool.size() < PoolFit::least_points || pool.front()->own >= 1.0f) return;
-    std::vector<PoolFit::Light> changes;
-    std::vector<double> weights;
-    for (const KeptRays* record : pool) {
-        changes.push_back({record->change[0], record->change[1], record->change[2]});
-        weights.push_back(record->count);
-    }
-    const std::vector<PoolFit::Light> plane = plane_through(places, pool.front()->normal, weights, changes);
-    for (std::size_t i = 0; i < pool.size(); ++i)
-        for (std::size_t k = 0; k < plane[i].size(); ++k)
-            pool[i]->change[k] = glm::mix(glm::vec3(plane[i][k]), pool[i]->change[k], pool[i]->own);
-}
-
 }  // namespace
+
+void KeptRays::add(const KeptRays& more) {
+    const float share = static_cast<float>(more.count) / static_cast<float>(count + more.count);
+    for (std::size_t k = 0; k < mean.size(); ++k) mean[k] = glm::mix(mean[k], more.mean[k], share);
+    count += more.count;
+    rays.insert(rays.end(), more.rays.begin(), more.rays.end());
+    is_lost = is_lost || more.is_lost;
+}
 
 std::array<glm::vec3, 3> KeptRays::sum(const SurfaceCache& cells) const {
     std::array<glm::dvec3, 3> sums{};
@@ -111,8 +103,7 @@ void FinalGather::trace_again(std::span<KeptRays* const> kept, std::span<const s
         }
 }
 
-bool FinalGather::renew(const LightChange& change, const SkyOfRays& sky, std::span<KeptRays* const> kept,
-                        std::span<const glm::vec3> places) {
+bool FinalGather::renew(const LightChange& change, const SkyOfRays& sky, std::span<KeptRays* const> kept) {
     const Stopwatch timer(counts_.seconds);
     sky_ = sky;
     for (const KeptRays* record : kept)
@@ -141,10 +132,6 @@ bool FinalGather::renew(const LightChange& change, const SkyOfRays& sky, std::sp
             record.mean = now;
         }
     });
-    for (std::size_t first = 0, last = 0; first < kept.size(); first = last) {
-        while (last < kept.size() && kept[last]->pool == kept[first]->pool) ++last;
-        share_changes(kept.subspan(first, last - first), places.subspan(first, last - first));
-    }
     counts_.cell_rays = cache_.rays();
     return true;
 }

@@ -51,16 +51,6 @@ struct GatherPoint {
     bool reached_by_specular() const { return way != straight_way; }
 };
 
-/// A gather point that was lit at another place of its pixel, on the same surface.
-struct MovedPoint {
-    std::uint32_t index = 0;  ///< within its tile
-    glm::vec3 position{0};    ///< world
-    glm::vec3 geometric_normal{0}, shading_normal{0};
-    glm::vec3 outgoing{0};
-};
-/// Those of a frame, tile by tile, in the order of its points.
-using MovedPoints = std::vector<std::vector<MovedPoint>>;
-
 /// All gather points of one 16x16 tile, by pixel in raster order.
 using GatherTile = std::vector<GatherPoint>;
 

@@ -13,11 +13,10 @@ namespace {
 /// A pixel's differences by cause, against one half of its truth, for something that is told of a radiance.
 template <class Value>
 std::array<double, cause_count> differences(const JudgedPixel& p, std::size_t half, Value&& value) {
-    const double shown = value(p.shown), where_lit = value(p.where_lit), at_points = value(p.at_points),
+    const double shown = value(p.shown), at_points = value(p.at_points),
                  true_at_points = value(glm::vec3(p.truth.at_points.halves[half])),
                  whole = value(glm::vec3(p.truth.whole.halves[half]));
-    return {shown - where_lit, where_lit - at_points, at_points - true_at_points, true_at_points - whole,
-            shown - whole};
+    return {shown - at_points, at_points - true_at_points, true_at_points - whole, shown - whole};
 }
 
 double luminance_in_double(glm::vec3 radiance) {

@@ -10,17 +10,16 @@
 
 namespace render2mpeg::renderer {
 
-/// Causes of a pixel's difference from the truth (docs/model/truth.md). The first four add up to the last.
+/// Causes of a pixel's difference from the truth (docs/model/truth.md). The first three add up to the last.
 enum class ErrorCause : std::uint8_t {
-    gathering,     ///< cuts and records, against every light point at the places where light was gathered
-    moved_points,  ///< places of records, against the pixel's own gather points
+    gathering,     ///< cuts, rays and records, against every light point
     light_points,  ///< places and number of light points, photons, clamps, lobe rays, against paths
     eye_samples,   ///< the gather points, against the whole area of the pixel
     total,
     count
 };
 inline constexpr std::size_t cause_count = static_cast<std::size_t>(ErrorCause::count);
-inline constexpr std::array cause_names{"gathering", "moved_points", "light_points", "eye_samples", "total"};
+inline constexpr std::array cause_names{"gathering", "light_points", "eye_samples", "total"};
 
 /// Measure of an error.
 enum class ErrorMeasure : std::uint8_t {
@@ -34,7 +33,6 @@ inline constexpr std::size_t measure_count = static_cast<std::size_t>(ErrorMeasu
 /// A pixel beside its truth: radiances.
 struct JudgedPixel {
     glm::vec3 shown{0};      ///< of the picture
-    glm::vec3 where_lit{0};  ///< by every light point, where light was gathered
     glm::vec3 at_points{0};  ///< by every light point, at its gather points
     float least = 0;         ///< luminance that errors are shares of at least
     PixelTruth truth;

@@ -1,0 +1,109 @@
+#include "renderer/cache/adaptive_rays.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/color.h"
+#include "parallel/loops.h"
+#include "renderer/cache/local_regression.h"
+#include "renderer/gather/ray_sums.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Rounds, and the growth of a record's rays in one. chosen: 3 and 4, from 16 rays to 1,024; a fourth brings nothing.
+constexpr int rounds = 3;
+constexpr std::uint32_t most_growth = 4;
+
+/// New records of one task.
+constexpr std::size_t records_at_once = 64;
+
+/// Light of a new record's point, by its trees and these rays.
+PointLight light_of(const FrameState& frame, const NewRecord& fresh, const RayLight& rays) {
+    PointLight light = fresh.trees;
+    add(rays, frame.point(fresh.point), light);
+    return light;
+}
+
+/// Rays that a new record is worth in all.
+std::uint32_t wanted_rays(const FrameState& frame, const NewRecord& fresh, LocalRegression& fit) {
+    const IrradianceRecord& record = frame.records[fresh.record];
+    const auto query = frame.query_of(fresh.point.tile, fresh.point.index);
+    if (!query) return record.ray_count;
+    fit.collect(*query, LocalRegression::Of::rays_light, frame.grid, frame.records, fresh.record);
+    const RegressionError error = fit.estimate();
+    const float light = core::luminance(light_of(frame, fresh, {record.by_rays}).scattered(query->point)),
+                tolerance = query->tolerance.allows(light) / errors_allowed;
+    const double has = record.ray_count;
+    const double needs = tolerance > 0.0f ? has * std::pow(error.square / (tolerance * tolerance), 1.0 / variance_power)
+                                          : most_gather_rays;
+    const auto worth = static_cast<std::uint32_t>(std::clamp(frame.aim.worth(needs), 0.0, 1.0 * most_gather_rays));
+    return std::min(worth, most_growth * record.ray_count);
+}
+
+/// Light by the regression's sum of records.
+RayLight blend(const LocalRegression& fit, const RecordStore& records) {
+    RayLight light;
+    for (std::size_t i = 0; i < fit.size(); ++i)
+        for (std::size_t k = 0; k < light.light.size(); ++k)
+            light.light[k] += fit.weight(i) * records[fit.record(i)].by_rays[k];
+    for (glm::vec3& part : light.light) part = glm::max(part, glm::vec3(0));
+    return light;
+}
+
+}  // namespace
+
+void refine_rays(FrameState& frame, std::size_t first) {
+    const std::span<const NewRecord> fresh = std::span(frame.fresh).subspan(first);
+    frame.grid.extend(frame.records.all(), frame.camera);
+    for (int round = 0; round < rounds; ++round) {
+        std::vector<std::uint32_t> wanted(fresh.size());
+        parallel::for_ranges(fresh.size(), records_at_once, [&](std::size_t begin, std::size_t end) {
+            LocalRegression fit;
+            for (std::size_t i = begin; i < end; ++i) wanted[i] = wanted_rays(frame, fresh[i], fit);
+        });
+        std::vector<GatherRequest> requests;
+        std::vector<GatherPoint> receivers;
+        std::vector<std::size_t> which;
+        receivers.reserve(fresh.size());
+        for (std::size_t i = 0; i < fresh.size(); ++i) {
+            const IrradianceRecord& record = frame.records[fresh[i].record];
+            const std::uint32_t more = (std::max(wanted[i], record.ray_count) - record.ray_count) / 16 * 16;
+            if (more == 0) continue;
+            const GatherPoint& p = frame.point(fresh[i].point);
+            receivers.push_back(plain_receiver(p));
+            GatherRequest& r = requests.emplace_back(
+                request_of(receivers.back(), {}, frame.pixel_of(fresh[i].point.tile, p), frame.camera));
+            r.rays = more;
+            r.from = record.ray_count;
+            r.pool = fresh[i].pool;
+            r.keeps = record.rays != nullptr;
+            which.push_back(i);
+        }
+        if (requests.empty()) break;
+        const std::vector<RayLight> found = frame.rays->gather(requests, frame.aim);
+        for (std::size_t k = 0; k < which.size(); ++k)
+            take_rays(found[k], receivers[k], frame.records.change(fresh[which[k]].record));
+    }
+}
+
+void reconstruct(FrameState& frame) {
+    frame.grid.extend(frame.records.all(), frame.camera);
+    parallel::for_ranges(frame.fresh.size(), records_at_once, [&](std::size_t begin, std::size_t end) {
+        LocalRegression fit;
+        for (std::size_t i = begin; i < end; ++i) {
+            const NewRecord& fresh = frame.fresh[i];
+            const auto query = frame.query_of(fresh.point.tile, fresh.point.index);
+            if (!query) continue;
+            fit.collect(*query, LocalRegression::Of::rays_light, frame.grid, frame.records, fresh.record);
+            const RegressionError error = fit.estimate();
+            if (!error.is_valid()) continue;
+            RayLight light = blend(fit, frame.records);
+            light.rays = frame.records[fresh.record].ray_count;
+            light.error = errors_allowed * static_cast<float>(std::sqrt(error.square));
+            frame.tiles[fresh.point.tile].light[fresh.point.index] = light_of(frame, fresh, light);
+        }
+    });
+}
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,14 @@
+#pragma once
+// Gather rays of new records, as many as their neighbours leave necessary.
+#include "renderer/cache/frame_state.h"
+
+namespace render2mpeg::renderer {
+
+/// Traces more rays for the frame's new records from the `first` on, in rounds, until what the regression about each
+/// (local_regression.h) leaves of the error is worth no more: adaptive sampling and reconstruction [Moon2014].
+void refine_rays(FrameState& frame, std::size_t first);
+
+/// Gives the points of all new records the light that the regression about them finds.
+void reconstruct(FrameState& frame);
+
+}  // namespace render2mpeg::renderer

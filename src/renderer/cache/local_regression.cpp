@@ -1,0 +1,144 @@
+#include "renderer/cache/local_regression.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/color.h"
+#include "core/numeric.h"
+#include "renderer/cache/receiver.h"
+#include "renderer/gather/ray_sums.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Pixels to each side that records are taken from, in turn.
+constexpr int radii[] = {1, 2, 4, 6}, largest_radius = 6;
+
+/// A plane takes three records; the others tell what it misses. Through the six of two columns of a lattice it always
+/// passes, and a step between them looks like a slope: seven are more than these.
+constexpr int least_records = 7;
+
+/// Sum of the sizes of a plane's weights: 1 within the records. chosen: 1.5, so that rims of the picture are served.
+constexpr double most_stretch = 1.5;
+
+/// Records in the place of a point lie so near, in pixels. chosen: 0.1, where light is another in corners alone.
+constexpr float same_place = 0.1f;
+
+}  // namespace
+
+void LocalRegression::collect(const CacheQuery& q, Of of, const RecordGrid& grid, const RecordStore& records,
+                              std::uint32_t own) {
+    members_.clear();
+    if (!grid.reaches(q.at, largest_radius)) return;
+    constexpr float reach = static_cast<float>(largest_radius) + 0.5f;
+    const int x = static_cast<int>(std::floor(q.at.x)), y = static_cast<int>(std::floor(q.at.y)),
+              left = std::max(x - largest_radius, -RecordGrid::border),
+              right = std::min(x + largest_radius, grid.width() + RecordGrid::border - 1),
+              top = std::max(y - largest_radius, -RecordGrid::border),
+              bottom = std::min(y + largest_radius, grid.height() + RecordGrid::border - 1);
+    const SurfacePoint& p = q.point.point;
+    const SurfaceMark here = mark_of(q);
+    const GatherPoint plain = plain_receiver(q.point);
+    const glm::vec3 reflects = q.point.weight * p.bsdf.diffuse;
+    for (int row = top; row <= bottom; ++row) {
+        for (const SurfaceMark& m : grid.row(row, left, right)) {
+            const glm::vec2 offset = m.at - q.at;
+            const float distance2 = glm::dot(offset, offset);
+            if (distance2 > reach * reach || m.surface != here.surface ||
+                !on_one_surface(here, m, q.extent * std::sqrt(distance2), q.extent, p.position_error))
+                continue;
+            const IrradianceRecord& r = records[m.record];
+            const auto lobe = lobe_at(q, r);
+            if (!lobe) continue;
+            const auto rays = static_cast<float>(r.ray_count);
+            members_.push_back(
+                {m.record, offset, distance2,
+                 of == Of::all_light ? core::luminance(reflects * r.irradiance() + q.point.weight * lobe->radiance)
+                                     : static_cast<float>(shown_luminance(plain, r.by_rays)),
+                 rays > 0 ? std::sqrt(rays) : 1.0f, rays > 0 ? std::pow(batch_rays / rays, variance_power) : 0.0f,
+                 q.receives * q.receives * r.batch_variance,
+                 own == none ? distance2 < same_place * same_place : m.record == own, *lobe});
+        }
+    }
+}
+
+/// Considers the plane through records within a radius.
+void LocalRegression::fit_plane(int radius, RegressionError& best) {
+    const float reach = static_cast<float>(radius) + 0.5f, reach2 = reach * reach;
+    const auto closeness = [&](const Member& m) { return 1.0 - m.distance2 / (1.1 * reach2); };
+    // Normal equations of a plane about the point.
+    double s = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0, batch = 0, close = 0;
+    int count = 0;
+    for (const Member& m : members_) {
+        if (m.distance2 > reach2) continue;
+        const double k = closeness(m) * closeness(m), w = k * m.precision, x = m.offset.x, y = m.offset.y;
+        s += w;
+        sx += w * x;
+        sy += w * y;
+        sxx += w * x * x;
+        sxy += w * x * y;
+        syy += w * y * y;
+        batch += k * m.batch_variance;
+        close += k;
+        ++count;
+    }
+    if (count < least_records) return;
+    const glm::dmat3 moments(s, sx, sy, sx, sxx, sxy, sy, sxy, syy);
+    // Records along a line carry no plane: compare with the determinant of records all around, s^3 r^4 / 4.
+    if (!(glm::determinant(moments) > 1e-3 * s * s * s)) return;
+    const glm::dmat3 inverse = glm::inverse(moments);
+    batch /= close;
+    plane_.assign(members_.size(), 0.0f);
+    glm::dvec3 plane(0);
+    double variance = 0, stretch = 0;
+    for (std::size_t i = 0; i < members_.size(); ++i) {
+        const Member& m = members_[i];
+        if (m.distance2 > reach2) continue;
+        const glm::dvec3 row =
+            inverse * glm::dvec3(1.0, m.offset.x, m.offset.y) * (closeness(m) * closeness(m) * m.precision);
+        plane_[i] = static_cast<float>(row.x);
+        stretch += std::abs(row.x);
+        variance += row.x * row.x * batch * m.variance;
+        plane += row * static_cast<double>(m.value);
+    }
+    // What records are off it by, beyond their variance.
+    double off = 0, chance = 0, sum = 0;
+    for (const Member& m : members_) {
+        if (m.distance2 > reach2) continue;
+        const double d = m.value - plane.x - m.offset.x * plane.y - m.offset.y * plane.z, w = closeness(m);
+        off += w * d * d;
+        chance += w * m.variance;
+        sum += w;
+    }
+    off *= count / ((count - 3.0) * sum);
+    chance *= batch / sum;
+    const double square = variance + std::max(off - chance, 0.0);
+    if (!(stretch <= most_stretch) || !(square < std::numeric_limits<double>::infinity()) ||
+        (best.is_valid() && !(square < best.square)))
+        return;
+    best = {square, variance, batch, core::divide_or(variance, chance, 1.0), radius};
+    weights_.swap(plane_);
+}
+
+/// Considers a record in the point's place.
+void LocalRegression::take_own(RegressionError& best) {
+    for (std::size_t i = 0; i < members_.size(); ++i) {
+        const Member& m = members_[i];
+        if (!m.is_own) continue;
+        // Neighbours know better how rays vary than its own do.
+        const double batch = best.is_valid() ? best.batch_variance : m.batch_variance, square = batch * m.variance;
+        if (best.is_valid() && !(square < best.square)) continue;
+        best = {square, square, batch, 1.0, 0};
+        weights_.assign(members_.size(), 0.0f);
+        weights_[i] = 1;
+    }
+}
+
+RegressionError LocalRegression::estimate() {
+    RegressionError best;
+    for (const int radius : radii) fit_plane(radius, best);
+    take_own(best);
+    return best;
+}
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,66 @@
+#pragma once
+// Weighted local regression among records, of the order and radius that promise the least error.
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "renderer/cache/glossy_record.h"
+
+namespace render2mpeg::renderer {
+
+/// Errors of a local regression at a point, in luminance of its pixel.
+struct RegressionError {
+    double square = 0;          ///< mean square: variance of what rays found, and what a plane may miss
+    double variance = 0;        ///< the first part
+    double batch_variance = 0;  ///< of a batch of rays there (RayLight)
+    double variance_share = 1;  ///< of the variance of one record that is left
+    int radius = -1;            ///< pixels; 0: one record alone; -1: there is no estimate
+    bool is_valid() const { return radius >= 0; }
+};
+
+/// Light at a gather point by the records about it [Moon2014]: planes of weighted least squares through those within 1,
+/// 2, 4 and 6 pixels that lie on its surface, and a record in its place alone. The one with the least estimated mean
+/// square error is taken, its bias estimated by what records are off the plane beyond the variance of their rays
+/// (docs/model/irradiance-cache.md). Planes lie over the picture.
+class LocalRegression {
+  public:
+    enum class Of {
+        all_light,  ///< what records send into the pixel, in the point's material
+        rays_light  ///< what their rays found, for the plain receiver in its place (receiver.h)
+    };
+    /// A record as an unknown one.
+    static constexpr std::uint32_t none = 0xffffffffu;
+
+    /// Finds the records about a point; `own` is the record of the point itself, if it has one.
+    void collect(const CacheQuery& query, Of of, const RecordGrid& grid, const RecordStore& records,
+                 std::uint32_t own = none);
+    /// Chooses among the estimates.
+    RegressionError estimate();
+
+    /// Number of records that may take part, and their part of it: the weights of the last estimate, which sum to 1.
+    std::size_t size() const { return members_.size(); }
+    float weight(std::size_t i) const { return weights_[i]; }
+    std::uint32_t record(std::size_t i) const { return members_[i].record; }
+    const SeenLobe& lobe(std::size_t i) const { return members_[i].lobe; }
+
+  private:
+    struct Member {
+        std::uint32_t record = 0;
+        glm::vec2 offset{0};       ///< from the point, pixels
+        float distance2 = 0;       ///< square of its length
+        float value = 0;           ///< luminance of the pixel
+        float precision = 1;       ///< by which it is weighted
+        float variance = 0;        ///< of its rays' mean, over a batch's
+        float batch_variance = 0;  ///< luminance of the pixel, squared
+        bool is_own = false;       ///< the point's, or one in its place
+        SeenLobe lobe;
+    };
+    void fit_plane(int radius, RegressionError& best);
+    void take_own(RegressionError& best);
+
+    std::vector<Member> members_;
+    std::vector<float> weights_, plane_;
+};
+
+}  // namespace render2mpeg::renderer
