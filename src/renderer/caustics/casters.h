@@ -7,16 +7,13 @@
 #include <vector>
 
 #include "renderer/base/light_point.h"
-#include "renderer/surface/posed_scene.h"
+#include "renderer/surface/light_ray.h"
 
 namespace render2mpeg::renderer {
 
 /// A photon as it leaves its lamp towards a thing that throws light.
-struct AimedPhoton {
-    glm::vec3 origin{0}, direction{0, 0, -1};  ///< direction unit
-    glm::vec3 flux{0};                         ///< that it stands for; 0: none
-    float time = scene::middle_time;           ///< of the shutter
-    bool from_far = false;                     ///< comes from infinitely far: a sun's, or the sky's
+struct AimedPhoton : LightRay {
+    glm::vec3 flux{0};  ///< that it stands for; 0: none
     /// How neighbours differ in origin and direction: two of the same lamp point, across the photon's share of the
     /// beam; and two at the edge of the disc that the lamp point stands for.
     std::array<glm::vec3, 4> place{}, turn{};

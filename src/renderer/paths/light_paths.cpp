@@ -1,9 +1,10 @@
 #include "renderer/paths/light_paths.h"
 
-#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "core/color.h"
@@ -12,6 +13,7 @@
 #include "renderer/base/flush_denormals.h"
 #include "renderer/paths/scatterer.h"
 #include "renderer/subsurface/random_walk.h"
+#include "renderer/surface/light_ray.h"
 #include "renderer/surface/lobe_albedo.h"
 
 namespace render2mpeg::renderer {
@@ -47,8 +49,8 @@ enum class LightPaths::Event : std::uint8_t { ends, passes, lands };
 struct LightPaths::Way {
     Scatterer at;             ///< the last place that scattered
     glm::vec3 throughput{1};  ///< until there; after `leave`, of what comes along the ray
-    glm::vec3 origin{0}, direction{0};
-    float density = 0;          ///< of the direction
+    LightRay ray;
+    float density = 0;          ///< of the ray's direction
     bool first = true;          ///< `at` is where the path began
     bool mirrored = false;      ///< a mirror lies between `at` and the ray
     glm::vec3 seen_in_lobe{0};  ///< share of a narrow lobe, on the ray from the first point; 0: it is not narrow
@@ -139,29 +141,27 @@ bool LightPaths::leave(Way& way, PathNumbers& numbers) const {
     const float choice = number(FirstNumber::lobe), u = number(FirstNumber::direction_u),
                 v = number(FirstNumber::direction_v);
     glm::vec3 weight(0);
-    way.density = way.at.sample(choice, {u, v}, way.direction, weight);
-    if (!(way.density > 0.0f) || !way.at.query().may_see(way.direction)) return false;
+    way.density = way.at.sample(choice, {u, v}, way.ray.direction, weight);
+    if (!(way.density > 0.0f) || !way.at.query().may_see(way.ray.direction)) return false;
     way.throughput *= weight;
     if (!(mean(way.throughput) > 0.0f) || !core::is_finite(way.throughput)) return false;
-    way.origin = way.at.origin_of(way.direction);
+    way.ray.origin = way.at.origin_of(way.ray.direction);
     const SurfacePoint& p = way.at.point();
-    way.seen_in_lobe = way.first && p.bsdf.has_narrow_lobe() ? share_of_lobe(p, way.direction) : glm::vec3(0);
+    way.seen_in_lobe = way.first && p.bsdf.has_narrow_lobe() ? share_of_lobe(p, way.ray.direction) : glm::vec3(0);
     return true;
 }
 
 /// Goes along the ray until the next surface that scatters; adds what shines on the way.
 bool LightPaths::meet(Way& way, PathNumbers& numbers, glm::vec3& light) const {
-    const Air* air = posed_scene_.air();
     for (int event = 0; event < most_events; ++event) {
-        const Hit hit =
-            posed_scene_.tracer().nearest(way.origin, way.direction, std::numeric_limits<float>::infinity());
+        const Hit hit = way.ray.meet(posed_scene_);
+        way.throughput *=
+            way.ray.left_by_air(posed_scene_, hit.found() ? hit.distance : std::numeric_limits<float>::infinity());
         if (!hit.found()) {
-            if (air != nullptr) way.throughput *= std::exp(-air->depth_to_sky(way.origin, way.direction));
             light += way.throughput * escaped(way);
             return false;
         }
-        if (air != nullptr) way.throughput *= air->transmittance(way.origin, way.direction, hit.distance);
-        const SurfacePoint met = posed_scene_.surface_at(hit.address, -way.direction);
+        const SurfacePoint met = way.ray.surface_at(posed_scene_, hit);
         light += way.throughput * emitted(way, met);
         const float choice = way.first && event == 0 ? numbers.first(FirstNumber::event) : numbers.next();
         const Event what = go_on(way, met, choice);
@@ -174,9 +174,10 @@ bool LightPaths::meet(Way& way, PathNumbers& numbers, glm::vec3& light) const {
 glm::vec3 LightPaths::escaped(const Way& way) const {
     glm::vec3 sum(0);
     if (sky_light_)
-        sum = posed_scene_.sky()->radiance(way.direction, 0.0f) * way.weight(lights_.sky_density(way.direction));
+        sum =
+            posed_scene_.sky()->radiance(way.ray.direction, 0.0f) * way.weight(lights_.sky_density(way.ray.direction));
     if (way.first && way.mirrored) return sum;
-    return sum + lights_.suns(way.at.query(), way.direction, [&](float other) { return way.weight(other); });
+    return sum + lights_.suns(way.at.query(), way.ray.direction, [&](float other) { return way.weight(other); });
 }
 
 /// Radiance that a surface on the ray sends back along it.
@@ -191,47 +192,52 @@ glm::vec3 LightPaths::emitted(const Way& way, const SurfacePoint& met) const {
 
 /// Continues the path at a surface. Roulette by the light that each event would carry on, as photons have it.
 LightPaths::Event LightPaths::go_on(Way& way, const SurfacePoint& met, float choice) const {
-    const float before = mean(way.throughput);
-    const auto kept = [&](glm::vec3 share) { return core::divide_or(mean(way.throughput * share), before, 0.0f); };
     Scatterer there(posed_scene_, met);
-    const glm::vec3 albedo = there.albedo();
+    ScatteringShares shares;
+    shares[Scattering::diffuse] = there.albedo();
+    shares[Scattering::beyond] = met.bsdf.diffuse_transmission;
+    shares[Scattering::mirror] = met.bsdf.mirror;
+    shares[Scattering::glass] = met.bsdf.transmission;
+    // No surface is brighter than the brightest.
     const float largest = there.is_fibre() ? largest_hair_albedo : largest_albedo;
-    const float whole = kept(albedo + met.bsdf.mirror + met.bsdf.transmission + met.bsdf.diffuse_transmission);
+    const float whole = core::divide_or(mean(way.throughput * shares.sum()), mean(way.throughput), 0.0f);
     const float cut = met.alpha * (whole > largest ? largest / whole : 1.0f);
+    for (glm::vec3& share : shares.of) share *= cut;
+    // All that goes straight on is one event.
+    shares[Scattering::glass] = glm::vec3(0);
     const bool translucent = met.alpha < 1.0f || mean(met.bsdf.transmission) > 0.0f;
-    const bool blocks = way.first && bodies_ == Bodies::block && met.bounds_body &&
-                        posed_scene_.animation().objects[met.address.object].body == scene::Body::solid;
-    const glm::vec3 through =
-        translucent && !blocks ? posed_scene_.transmittance_at(met.address, way.direction) : glm::vec3(0);
+    if (translucent && !(way.first && bodies_ == Bodies::block && bends_light(posed_scene_, met)))
+        shares[Scattering::layer] = posed_scene_.transmittance_at(met.address, way.ray.direction);
     // No caustic on the first surface; its narrow lobe alone looks into mirrors.
-    const glm::vec3 mirror = cut * met.bsdf.mirror * (way.first ? way.seen_in_lobe : glm::vec3(1));
+    if (way.first) shares[Scattering::mirror] *= way.seen_in_lobe;
 
-    float chances[4] = {kept(through), kept(mirror), cut * kept(albedo), cut * kept(met.bsdf.diffuse_transmission)};
-    const float sum = chances[0] + chances[1] + chances[2] + chances[3];
+    std::array<float, scatterings> chances = shares.chances(way.throughput);
+    const float sum = std::accumulate(chances.begin(), chances.end(), 0.0f);
     if (sum > 1.0f)
         for (float& c : chances) c /= sum;
-    if (choice < chances[0]) {
-        way.throughput *= through / chances[0];
-        way.origin = offset_origin(met, way.direction);
-        return Event::passes;
+    const std::size_t found = chosen(chances, choice);
+    if (found == scatterings) return Event::ends;
+    switch (static_cast<Scattering>(found)) {
+        case Scattering::mirror:
+            way.throughput *= shares.of[found] / chances[found];
+            way.ray.reflect(met, met.shading_normal);
+            way.mirrored = true;
+            if (way.first) way.seen_in_lobe = glm::vec3(1);
+            return Event::passes;
+        case Scattering::beyond:
+            there = Scatterer(posed_scene_, posed_scene_.other_side(met));
+            break;
+        case Scattering::diffuse:
+            break;
+        default:
+            way.throughput *= shares.of[found] / chances[found];
+            way.ray.leave(met, way.ray.direction);
+            return Event::passes;
     }
-    choice -= chances[0];
-    if (choice < chances[1]) {
-        way.direction = core::normalize_or(
-            2.0f * glm::dot(met.shading_normal, met.outgoing) * met.shading_normal - met.outgoing, met.shading_normal);
-        if (!(glm::dot(way.direction, met.geometric_normal) > 0.0f)) return Event::ends;
-        way.throughput *= mirror / chances[1];
-        way.origin = offset_origin(met, way.direction);
-        way.mirrored = true;
-        if (way.first) way.seen_in_lobe = glm::vec3(1);
-        return Event::passes;
-    }
-    choice -= chances[1];
-    const bool beyond = !(choice < chances[2]);
-    if (beyond && !(choice - chances[2] < chances[3])) return Event::ends;
-    way.throughput *= cut / chances[beyond ? 3 : 2];
+    // What the place reflects is weighed where the path leaves it.
+    way.throughput *= cut / chances[found];
     way.first = false;
-    way.stand_on(beyond ? Scatterer(posed_scene_, posed_scene_.other_side(met)) : std::move(there));
+    way.stand_on(std::move(there));
     return Event::lands;
 }
 

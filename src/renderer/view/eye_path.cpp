@@ -7,7 +7,6 @@
 #include "core/color.h"
 #include "core/numeric.h"
 #include "core/sampling.h"
-#include "renderer/surface/media_path.h"
 #include "renderer/view/edited_mirror.h"
 
 namespace render2mpeg::renderer {
@@ -40,21 +39,6 @@ constexpr float least_shining_share = 0.005f;
 /// chosen: dense foliage has some 20 cards along a ray; tried 16..256.
 constexpr int most_steps = 96;
 
-glm::vec3 moved_in_plane(glm::vec3 change, glm::vec3 direction, glm::vec3 normal) {
-    // [Igehy1999, "Transfer"]: slide along the ray until back in the plane. Rays in the plane have no footprint of use.
-    const float cosine = glm::dot(direction, normal);
-    const glm::vec3 moved = change - core::divide_or(glm::dot(change, normal), cosine, 0.0f) * direction;
-    return core::is_finite(moved) ? moved : glm::vec3{0.0f};
-}
-
-/// The mirrored direction, kept above the surface where a bent normal would send it below.
-glm::vec3 mirrored(glm::vec3 direction, glm::vec3 normal, glm::vec3 geometric) {
-    const glm::vec3 r = direction - 2.0f * glm::dot(direction, normal) * normal;
-    const float cosine = glm::dot(r, geometric);
-    const glm::vec3 lifted = cosine < least_leaving_cosine ? r + (least_leaving_cosine - cosine) * geometric : r;
-    return core::normalize_or(lifted, geometric);
-}
-
 /// Whether what is seen on a surface is its reflection rather than the surface.
 bool shows_reflection(const SurfacePoint& point) {
     const float own = core::luminance(point.bsdf.diffuse + point.bsdf.f0 + point.emission);
@@ -64,8 +48,8 @@ bool shows_reflection(const SurfacePoint& point) {
 }  // namespace
 
 SurfaceFootprint EyeRay::footprint_at(float distance, glm::vec3 normal) const {
-    return {moved_in_plane(origin_change.dx + distance * direction_change.dx, direction, normal),
-            moved_in_plane(origin_change.dy + distance * direction_change.dy, direction, normal)};
+    return {transferred(origin_change.dx, direction_change.dx, distance, direction, normal),
+            transferred(origin_change.dy, direction_change.dy, distance, direction, normal)};
 }
 
 EyeRay eye_ray(const scene::Camera& camera, glm::vec2 position, float spacing, float& far, glm::vec2 lens) {
@@ -106,7 +90,6 @@ struct EyePaths::PathState {
     bool dim = false;       ///< followed for what shines alone
     bool is_image = false;  ///< comes from the flat mirror that is the sample's main surface
     std::uint8_t way = straight_way;
-    MediaPath glass;
     float passed = 0;  ///< of the straight way so far
     float clear = 1;   ///< transmittance of air for it
     bool specular() const { return way != straight_way; }
@@ -138,10 +121,6 @@ void EyePaths::look(const EyeRay& ray, float far, const Hit& first, EyeSample& s
     follow(path, first, sample, counts);
 }
 
-Hit EyePaths::meet(const PathState& path) const {
-    return posed_scene_.tracer().nearest(path.ray.origin, path.ray.direction, path.far, path.ray.time);
-}
-
 void EyePaths::see_sky(const PathState& path, EyeSample& sample) const {
     if (path.straight() && core::luminance(path.weight) > sample.main.share)
         sample.main = {core::luminance(path.weight), core::PixelClass::sky, {}, {}};
@@ -171,11 +150,11 @@ void EyePaths::cover(const PathState& path, const SurfacePoint& point, float sha
 /// At the first glass that splits colours, follows each by itself; whether it did.
 bool EyePaths::split_colors(const PathState& path, const Hit& hit, EyeSample& sample, SeeCounts& counts) const {
     const Medium* medium = posed_scene_.medium_within(hit.address.object);
-    if (path.glass.band != Band::all || medium == nullptr || !(medium->dispersion > 0.0f)) return false;
+    if (path.ray.band != Band::all || medium == nullptr || !(medium->dispersion > 0.0f)) return false;
     constexpr Band bands[] = {Band::red, Band::green, Band::blue};
     for (int c = 0; c < 3; ++c) {
         PathState part = path;
-        part.glass.band = bands[c];
+        part.ray.band = bands[c];
         part.weight = glm::vec3{0.0f};
         part.weight[c] = path.weight[c];
         follow(part, hit, sample, counts);
@@ -187,7 +166,7 @@ bool EyePaths::split_colors(const PathState& path, const Hit& hit, EyeSample& sa
 void EyePaths::follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& counts) const {
     for (int step = 0; step < most_steps; ++step) {
         ++(path.straight() ? counts.primary_rays : counts.specular_rays);
-        if (step > 0) hit = meet(path);
+        if (step > 0) hit = path.ray.meet(posed_scene_, path.far);
         if (!hit.found()) {
             if (air_ != nullptr) pass_air(path, path.far, sample);
             see_sky(path, sample);
@@ -195,14 +174,14 @@ void EyePaths::follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& cou
         }
         if (bodies_) {
             if (split_colors(path, hit, sample, counts)) return;
-            path.weight *= path.glass.way_to(posed_scene_, hit, path.ray.direction);
+            path.weight *= path.ray.left_by_bodies(posed_scene_, hit);
         }
         if (air_ != nullptr) pass_air(path, hit.distance, sample);
         const glm::vec3 plane = core::normalize_or(hit.geometric_normal, -path.ray.direction);
         const SurfaceFootprint footprint = path.ray.footprint_at(hit.distance, plane);
         Fragment fragment;
         SurfacePoint& point = fragment.point;
-        point = path.glass.surface_at(posed_scene_, hit, path.ray.direction, footprint, path.ray.time);
+        point = path.ray.surface_at(posed_scene_, hit, footprint);
         if (edits_) aim_reflection(posed_scene_, path.ray.time, point);
         const glm::vec3 passing = point.alpha > 0.0f ? show(path, fragment, footprint, sample, counts) : path.weight;
         if (point.bounds_body && point.alpha == 1.0f) {
@@ -212,12 +191,9 @@ void EyePaths::follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& cou
         if (!(core::luminance(passing) > (path.dim ? least_shining_share : least_passing_share))) return;
 
         // Go on behind it.
-        if (point.bounds_body)
-            path.glass.media.cross(hit.address.object, *posed_scene_.medium_within(hit.address.object),
-                                   point.back_side);
         path.weight = passing;
         path.far -= hit.distance;
-        path.ray.origin = offset_origin(point, path.ray.direction);
+        path.ray.pass(posed_scene_, point);
         path.ray.origin_change = footprint;
     }
 }
@@ -236,7 +212,7 @@ void EyePaths::spread(Fragment& fragment, EyeSample& sample) const {
 /// Goes so far through air, which dims what comes and adds light of its own.
 void EyePaths::pass_air(PathState& path, float distance, EyeSample& sample) const {
     const float through = air_->transmittance(path.ray.origin, path.ray.direction, distance);
-    if (!path.glass.media.empty()) {
+    if (!path.ray.media.empty()) {
         // The weight of air beyond is dimmed by the air that the glass replaces.
         path.passed += distance;
         path.clear *= through;
@@ -302,8 +278,7 @@ glm::vec3 EyePaths::show(PathState& path, Fragment& fragment, const SurfaceFootp
 
 /// Whether what is seen at a point is seen elsewhere than straight behind it.
 bool EyePaths::is_turned(const SurfacePoint& point) const {
-    return point.bounds_body && point.bsdf.ior != 1.0f &&
-           posed_scene_.animation().objects[point.address.object].body == scene::Body::solid;
+    return bends_light(posed_scene_, point) && point.bsdf.ior != 1.0f;
 }
 
 /// Which way a boundary of glass faces for this sample: rough ones have facets, chosen by what is seen of them.
@@ -321,11 +296,9 @@ SurfaceFootprint EyePaths::normal_change(const SurfacePoint& point, const Surfac
     SurfaceFootprint change = posed_scene_.normal_change(point.address, footprint, time);
     if (point.back_side) change = {-change.dx, -change.dy};
     if (!point.bounds_body) return change;
-    // chosen: half the lobe's width between two samples, of a quarter to the whole; textures behind lose their grain.
     glm::vec3 right, up;
     core::make_frame(point.shading_normal, right, up);
-    constexpr float sharp = scene::mirror_roughness * scene::mirror_roughness;
-    const float spread = 0.5f * std::max(point.bsdf.alpha - sharp, 0.0f);
+    const float spread = widening_of(point);
     return {change.dx + spread * right, change.dy + spread * up};
 }
 
@@ -338,14 +311,12 @@ bool EyePaths::bend(PathState& path, const Fragment& fragment, const SurfaceFoot
     if (!(core::luminance(weight) > (path.dim ? least_shining_share : 0.0f)) || !may_go_on(path, less, sample))
         return false;
     const glm::vec3 from = path.ray.direction;
-    const glm::vec3 n = facet(path, point), to = path.glass.cross(posed_scene_, point, n);
-    if (to == glm::vec3{0.0f}) return false;
+    const glm::vec3 n = facet(path, point);
+    if (!path.ray.refract(posed_scene_, point, n)) return false;
     const SurfaceFootprint turn = normal_change(point, footprint, path.ray.time);
     const SurfaceFootprint& spread = path.ray.direction_change;
     path.ray.direction_change = {refracted_change(from, spread.dx, n, turn.dx, point.bsdf.ior),
                                  refracted_change(from, spread.dy, n, turn.dy, point.bsdf.ior)};
-    path.ray.direction = to;
-    path.ray.origin = offset_origin(point, to);
     path.ray.origin_change = footprint;
     path.far = std::numeric_limits<float>::infinity();
     path.weight = weight;
@@ -375,15 +346,12 @@ void EyePaths::mirror(const PathState& path, const Fragment& fragment, const Sur
     next.mirrors = path.mirrors + (point.bounds_body ? 0 : 1);
     next.boundaries += point.bounds_body ? 1 : 0;
     next.bent = path.bent || point.bounds_body;
-    next.glass = path.glass;
     next.way = longer_way(path.way, true);
     next.far = std::numeric_limits<float>::infinity();
     const glm::vec3 n = facet(path, point);
-    next.ray.number = path.ray.number;
-    next.ray.direction = mirrored(-point.outgoing, n, point.geometric_normal);
-    next.ray.origin = offset_origin(point, next.ray.direction);
+    next.ray = path.ray;
+    next.ray.reflect(point, n);
     next.ray.origin_change = footprint;
-    next.ray.time = path.ray.time;
 
     // Neighbours are mirrored by the normal they meet.
     const SurfaceFootprint turn = normal_change(point, footprint, path.ray.time);
@@ -398,7 +366,7 @@ void EyePaths::mirror(const PathState& path, const Fragment& fragment, const Sur
     const bool flat = turn.dx == none && turn.dy == none && point.shading_normal == point.geometric_normal;
     next.is_image = (flat || edited) && path.straight() && sample.main.kind == core::PixelClass::reflected &&
                     sample.main.point.address == point.address;
-    follow(next, meet(next), sample, counts);
+    follow(next, next.ray.meet(posed_scene_), sample, counts);
 }
 
 }  // namespace render2mpeg::renderer

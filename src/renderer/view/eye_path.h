@@ -7,19 +7,17 @@
 #include "core/visible.h"
 #include "renderer/base/sampled_clock.h"
 #include "renderer/surface/frame.h"
-#include "renderer/surface/posed_scene.h"
+#include "renderer/surface/light_ray.h"
 #include "renderer/view/see.h"
 
 namespace render2mpeg::renderer {
 
 /// A ray and how it differs from the rays one sample to the right and one below. [Igehy1999]
-struct EyeRay {
-    glm::vec3 origin{0}, direction{0, 0, -1};  ///< direction unit
-    SurfaceFootprint origin_change;            ///< differences of origins
-    SurfaceFootprint direction_change;         ///< differences of unit directions
-    float time = scene::middle_time;           ///< of the shutter
-    std::uint32_t number =
-        0;  ///< of the sample, and from bit 16 of the pixel among 4 x 4: rough glass bends each another way
+struct EyeRay : LightRay {
+    SurfaceFootprint origin_change;     ///< differences of origins
+    SurfaceFootprint direction_change;  ///< differences of unit directions
+    /// Of the sample, and from bit 16 of the pixel among 4 x 4: rough glass bends each another way.
+    std::uint32_t number = 0;
 
     /// Footprint of the ray and its neighbours on the plane at `distance` with this normal.
     SurfaceFootprint footprint_at(float distance, glm::vec3 normal) const;
@@ -73,7 +71,6 @@ class EyePaths {
   private:
     struct PathState;
     void follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& counts) const;
-    Hit meet(const PathState& path) const;
     void see_sky(const PathState& path, EyeSample& sample) const;
     void cover(const PathState& path, const SurfacePoint& point, float share, EyeSample& sample) const;
     bool is_hole(const PathState& path, const SurfacePoint& point) const;
