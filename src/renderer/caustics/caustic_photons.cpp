@@ -1,4 +1,4 @@
-// After photon ray splatting [Herzog2007, 4]. Changed: photons are aimed at what throws light, and only light that came
+// After photon ray splatting [Herzog2007, 4]. Changed: photons are aimed at casters, and only light that came
 // by specular ways alone is kept (L S+ D); and in place of the density of the path, which knows nothing of focusing at
 // mirrors, each photon carries how its neighbours differ [Igehy1999; Schjoth2007]: that is the density of the path with
 // its Jacobian, exact at mirrors and lenses.
@@ -84,7 +84,7 @@ Landing land(const PosedScene& scene, const PhotonPath& ray, const SurfacePoint&
     return landing;
 }
 
-/// Chooses by what each would carry, and carries it all; `scatterings`: nothing goes on.
+/// Chooses an event by the flux that it would carry, and carries it all; `scatterings`: nothing goes on.
 std::size_t choose(const SurfacePoint& p, float u, glm::vec3& flux) {
     const ScatteringShares shares = specular_shares(p);
     const std::array<float, scatterings> chances = shares.chances(flux);
@@ -106,7 +106,7 @@ bool turn(const PosedScene& scene, const SurfacePoint& p, bool bends, glm::vec2 
     return ray.refract(scene, p, facet);
 }
 
-/// Light that has not met what it is aimed at passes thin glass and layers straight, and ends at anything else.
+/// Light that has not met its caster passes thin glass and layers straight, and ends at anything else.
 void pass_before(const PosedScene& scene, const SurfacePoint& p, PhotonPath& ray) {
     glm::vec3 passing(1.0f - p.alpha);
     if (!p.unlit && !bends_light(scene, p)) passing += p.alpha * p.bsdf.transmission;

@@ -21,11 +21,10 @@ template <class Visit>
 void for_each_exposed(const Frame& seen, std::size_t tile, Visit visit) {
     const Exposure& exposure = *seen.exposure;
     if (!exposure.is_exposed(tile)) return;
-    const auto across = static_cast<std::size_t>(seen.tiles_across());
-    const int left = static_cast<int>(tile % across) * tile_size, top = static_cast<int>(tile / across) * tile_size;
     for (int pixel = 0; pixel < tile_size * tile_size; ++pixel) {
-        const int x = left + pixel % tile_size, y = top + pixel / tile_size;
-        if (x < seen.visible.width() && y < seen.visible.height() && exposure.exposed.at(x, y) != 0) visit(x, y, pixel);
+        const glm::ivec2 at = seen.place_of(tile, pixel);
+        if (at.x < seen.visible.width() && at.y < seen.visible.height() && exposure.exposed.at(at.x, at.y) != 0)
+            visit(at.x, at.y, pixel);
     }
 }
 
@@ -104,16 +103,14 @@ core::ToleranceMap tolerance_of_points(const Frame& seen, const core::ToleranceM
     if (!seen.exposure || tolerance.is_reference()) return tolerance;
     const Exposure& exposure = *seen.exposure;
     core::ToleranceMap least = tolerance;
-    const auto across = static_cast<std::size_t>(seen.tiles_across());
     for (std::size_t t = 0; t < seen.tiles.size(); ++t)
         for_each_exposed(seen, t, [&](int x, int y, int pixel) {
             const core::Tolerance& own = tolerance.pixels.at(x, y);
             for (const Contribution& c : exposure.of_pixel(t, pixel)) {
                 const std::size_t tile = tile_of(exposure, c.point);
                 const GatherPoint& p = seen.tiles[tile][c.point - exposure.first_point[tile]];
-                core::Tolerance& cell =
-                    least.pixels.at(static_cast<int>(tile % across) * tile_size + p.pixel % tile_size,
-                                    static_cast<int>(tile / across) * tile_size + p.pixel / tile_size);
+                const glm::ivec2 place = seen.place_of(tile, p.pixel);
+                core::Tolerance& cell = least.pixels.at(place.x, place.y);
                 const float relative = std::min(cell.relative, own.relative);
                 if (own.absolute < cell.absolute) cell = own;
                 cell.relative = relative;

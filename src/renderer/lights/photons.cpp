@@ -39,7 +39,7 @@ LightPoint vpl_at(const SurfacePoint& p, glm::vec3 flux) {
     return vpl;
 }
 
-/// Chances of what a photon does at a surface, by the flux that each would carry on.
+/// Chances of the events at a surface, by the flux that each would carry on.
 struct Chances {
     ScatteringShares shares;
     std::array<float, scatterings> of{};
@@ -61,7 +61,7 @@ struct Chances {
     }
 };
 
-/// Sends a photon on; `flux` becomes what it carries. False where it ends. A bounce below the horizon of the true
+/// Sends a photon on; `flux` becomes the flux that goes on. False where it ends. A bounce below the horizon of the true
 /// surface would leak through it.
 bool go_on(const PosedScene& scene, const SurfacePoint& p, Scattering event, glm::vec2 u, LightRay& ray,
            glm::vec3& flux) {

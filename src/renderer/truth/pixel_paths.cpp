@@ -18,7 +18,7 @@ double luminance_of(glm::dvec3 rgb) {
     return glm::dot(glm::dvec3(core::luminance_weights), rgb);
 }
 
-/// About what part of its weight a surface scatters: chances follow it.
+/// Share of its weight that a surface scatters, about: chances follow it.
 float brightness(const SurfacePoint& p, glm::vec3 weight) {
     const float cosine = glm::dot(p.shading_normal, p.outgoing);
     if (p.fibre) return core::luminance(weight);

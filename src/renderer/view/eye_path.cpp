@@ -12,7 +12,7 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// A mirror ray that would bring less than this share of its sample is not shot; what it would have brought is lost.
+/// A mirror ray that would bring less than this share of its sample is not shot; its light is lost.
 /// chosen: a smooth dielectric's 4 % is traced once, its reflection in another one not; tried 0.001 (twice the gather
 /// points between two polished surfaces, no visible difference) to 0.05 (polished floors lose their reflection).
 constexpr float least_mirror_share = 0.02f;
@@ -21,25 +21,25 @@ constexpr float least_mirror_share = 0.02f;
 /// brightest picture is 1 / 219; tried 0.001..0.01.
 constexpr float least_passing_share = 0.004f;
 
-/// Of what a boundary of solid glass mirrors and bends the lesser part is followed by the rule for mirrors, the greater
-/// one as far as layers are: a ball's inner reflections end soon, what is seen through it never. Together they are at
-/// most so many of one sample; what comes beyond is lost. chosen: 64, which a cut gem of 12 facets reaches.
-constexpr int most_ways = 64;
+/// Of the mirrored and the bent path at a boundary of solid glass the lesser one is followed by the rule for mirrors,
+/// the greater one as far as layers are: a ball's inner reflections end soon, the view through it never. Together they
+/// are at most so many of one sample; light beyond is lost. chosen: 64, which a cut gem of 12 facets reaches.
+constexpr int most_lesser_paths = 64;
 
-/// Boundaries of bodies on one way beyond its mirrors. chosen: 8, as two wine glasses with wine take.
+/// Boundaries of bodies on one path beyond its mirrors. chosen: 8, as two wine glasses with wine take.
 constexpr int more_boundaries = 8;
 
-/// A way of solid glass below its bound is followed for what shines alone, lamps and sky, as far as it brings this
+/// A path through solid glass below its bound is followed for emission alone, lamps and sky, as far as it brings this
 /// share: lamps are so much brighter than other things that a ball's inner reflections of them are seen. It costs rays,
 /// but no gather points. chosen: 0.005, which takes a twentieth more rays; a ball before a lamp lacks 0.4 % of its
-/// light, without such ways 1.9 %; 0.0005 takes a third more rays for as much (tests/reference).
+/// light, without such paths 1.9 %; 0.0005 takes a third more rays for as much (tests/reference).
 constexpr float least_shining_share = 0.005f;
 
 /// Holes of cut-out surfaces cost a ray each but hide nothing; so many in a row end a ray of the eye.
 /// chosen: dense foliage has some 20 cards along a ray; tried 16..256.
 constexpr int most_steps = 96;
 
-/// Whether what is seen on a surface is its reflection rather than the surface.
+/// Whether a surface shows its reflection rather than itself.
 bool shows_reflection(const SurfacePoint& point) {
     const float own = core::luminance(point.bsdf.diffuse + point.bsdf.f0 + point.emission);
     return core::luminance(point.bsdf.mirror) > own;
@@ -78,21 +78,21 @@ EyeRay eye_ray(const scene::Camera& camera, glm::vec2 position, float spacing, f
     return ray;
 }
 
-/// One ray on its way.
+/// State of one path.
 struct EyePaths::PathState {
     EyeRay ray;
     float far;
     glm::vec3 weight{1};
     int mirrors = 0;     ///< so far
-    int layers = 0;      ///< of coverage, of them the straight way
+    int layers = 0;      ///< of coverage, that it passed straight
     int boundaries = 0;  ///< of bodies of glass
     bool bent = false;
-    bool dim = false;       ///< followed for what shines alone
+    bool dim = false;       ///< followed for emission alone
     bool is_image = false;  ///< comes from the flat mirror that is the sample's main surface
-    std::uint8_t way = straight_way;
-    float passed = 0;  ///< of the straight way so far
+    std::uint8_t path = direct_path;
+    float passed = 0;  ///< length of the straight segments so far
     float clear = 1;   ///< transmittance of air for it
-    bool specular() const { return way != straight_way; }
+    bool specular() const { return path != direct_path; }
     bool straight() const { return mirrors == 0 && !bent; }
 };
 
@@ -114,7 +114,7 @@ void EyePaths::look(const EyeRay& ray, float far, const Hit& first, EyeSample& s
     sample.mattes.clear();
     sample.emitted = sample.emitted_specular = glm::vec3{0.0f};
     sample.main = {};
-    sample.ways = sample.dim_ways = 0;
+    sample.lesser_paths = sample.dim_paths = 0;
     PathState path;
     path.ray = ray;
     path.far = far;
@@ -134,12 +134,12 @@ void EyePaths::see_sky(const PathState& path, EyeSample& sample) const {
     if (path.specular()) sample.emitted_specular += light;
 }
 
-/// Whether a surface cuts a hole into what the camera sees.
+/// Whether a surface cuts a hole into the picture.
 bool EyePaths::is_hole(const PathState& path, const SurfacePoint& point) const {
     return !path.specular() && posed_scene_.animation().materials[point.material].holdout;
 }
 
-/// Notes what covers this share of the sample, where it is seen straight.
+/// Notes the matte of a surface that covers this share of the sample, where it is seen directly.
 void EyePaths::cover(const PathState& path, const SurfacePoint& point, float share, EyeSample& sample) const {
     if (!mattes_ || path.specular() || !(share > 0.0f)) return;
     const bool nothing = !point.address.is_surface() || is_hole(path, point);
@@ -162,7 +162,7 @@ bool EyePaths::split_colors(const PathState& path, const Hit& hit, EyeSample& sa
     return true;
 }
 
-/// `hit`: what the path meets first.
+/// `hit`: the first surface of the path.
 void EyePaths::follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& counts) const {
     for (int step = 0; step < most_steps; ++step) {
         ++(path.straight() ? counts.primary_rays : counts.specular_rays);
@@ -198,7 +198,7 @@ void EyePaths::follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& cou
     }
 }
 
-/// Parts what light below the surface brings from what stays where it is.
+/// Splits subsurface light from light that leaves where it enters.
 void EyePaths::spread(Fragment& fragment, EyeSample& sample) const {
     const float weight = posed_scene_.animation().materials[fragment.point.material].subsurface->weight;
     Fragment& below = sample.fragments.emplace_back(fragment);
@@ -209,7 +209,7 @@ void EyePaths::spread(Fragment& fragment, EyeSample& sample) const {
     fragment.point.bsdf.diffuse *= 1.0f - weight;
 }
 
-/// Goes so far through air, which dims what comes and adds light of its own.
+/// Goes so far through air, which dims light and adds its own.
 void EyePaths::pass_air(PathState& path, float distance, EyeSample& sample) const {
     const float through = air_->transmittance(path.ray.origin, path.ray.direction, distance);
     if (!path.ray.media.empty()) {
@@ -219,7 +219,7 @@ void EyePaths::pass_air(PathState& path, float distance, EyeSample& sample) cons
         return;
     }
     if (!path.straight()) {
-        sample.air_beyond.push_back({0, path.way, path.ray.origin, path.ray.direction, distance, path.weight});
+        sample.air_beyond.push_back({0, path.path, path.ray.origin, path.ray.direction, distance, path.weight});
     } else {
         // Light of air from the eye to the span's end, less that to its beginning.
         const glm::vec3 share = core::divide_or(1.0f, path.clear, 0.0f) * path.weight;
@@ -231,7 +231,7 @@ void EyePaths::pass_air(PathState& path, float distance, EyeSample& sample) cons
     path.weight *= through;
 }
 
-/// Takes what a layer shows, and what it mirrors; returns what passes it.
+/// Takes the light of a layer and of its reflection; returns the weight behind it.
 glm::vec3 EyePaths::show(PathState& path, Fragment& fragment, const SurfaceFootprint& footprint, EyeSample& sample,
                          SeeCounts& counts) const {
     const SurfacePoint& point = fragment.point;
@@ -239,7 +239,7 @@ glm::vec3 EyePaths::show(PathState& path, Fragment& fragment, const SurfaceFootp
     const float alpha = last ? 1.0f : point.alpha;
     fragment.weight = alpha * path.weight;
     fragment.extent = std::min(glm::length(footprint.dx), glm::length(footprint.dy));
-    fragment.way = path.way;
+    fragment.path = path.path;
     if (is_hole(path, point)) {
         cover(path, point, core::luminance(fragment.weight), sample);
         if (path.straight() && core::luminance(fragment.weight) > sample.main.share)
@@ -249,7 +249,7 @@ glm::vec3 EyePaths::show(PathState& path, Fragment& fragment, const SurfaceFootp
     const glm::vec3 through = last ? glm::vec3{0.0f} : fragment.weight * point.bsdf.transmission;
     const glm::vec3 passing = (1.0f - alpha) * path.weight + through;
 
-    // Glass covers what is behind it.
+    // Mattes count glass as opaque.
     const bool is_glass = core::luminance(through) > 0.0f;
     cover(path, point, core::luminance(is_glass ? path.weight : fragment.weight), sample);
     sample.emitted += fragment.weight * point.emission;
@@ -272,16 +272,16 @@ glm::vec3 EyePaths::show(PathState& path, Fragment& fragment, const SurfaceFootp
         sample.fragments.back().point = posed_scene_.other_side(point, footprint, path.ray.time);
     }
     mirror(path, fragment, footprint, sample, counts);
-    if (is_glass) path.way = longer_way(path.way, false);
+    if (is_glass) path.path = extended_path(path.path, false);
     return passing;
 }
 
-/// Whether what is seen at a point is seen elsewhere than straight behind it.
+/// Whether a point bends the view behind it.
 bool EyePaths::is_turned(const SurfacePoint& point) const {
     return bends_light(posed_scene_, point) && point.bsdf.ior != 1.0f;
 }
 
-/// Which way a boundary of glass faces for this sample: rough ones have facets, chosen by what is seen of them.
+/// Normal of a glass boundary for this sample: rough ones have facets, chosen by the density of visible ones.
 glm::vec3 EyePaths::facet(const PathState& path, const SurfacePoint& point) const {
     // [Roberts2018]'s sequence over the samples, shifted from pixel to pixel and from boundary to boundary.
     const auto k = static_cast<float>((path.ray.number & 0xffffu) + 1);
@@ -325,10 +325,10 @@ bool EyePaths::bend(PathState& path, const Fragment& fragment, const SurfaceFoot
     return true;
 }
 
-/// Whether one more way may leave a boundary of glass.
+/// Whether one more path may leave a boundary of glass.
 bool EyePaths::may_go_on(const PathState& path, bool lesser, EyeSample& sample) const {
     if (path.boundaries >= specular_depth_ + more_boundaries) return false;
-    return !lesser || ++(path.dim ? sample.dim_ways : sample.ways) <= most_ways;
+    return !lesser || ++(path.dim ? sample.dim_paths : sample.lesser_paths) <= most_lesser_paths;
 }
 
 void EyePaths::mirror(const PathState& path, const Fragment& fragment, const SurfaceFootprint& footprint,
@@ -346,7 +346,7 @@ void EyePaths::mirror(const PathState& path, const Fragment& fragment, const Sur
     next.mirrors = path.mirrors + (point.bounds_body ? 0 : 1);
     next.boundaries += point.bounds_body ? 1 : 0;
     next.bent = path.bent || point.bounds_body;
-    next.way = longer_way(path.way, true);
+    next.path = extended_path(path.path, true);
     next.far = std::numeric_limits<float>::infinity();
     const glm::vec3 n = facet(path, point);
     next.ray = path.ray;

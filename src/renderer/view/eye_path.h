@@ -16,7 +16,7 @@ namespace render2mpeg::renderer {
 struct EyeRay : LightRay {
     SurfaceFootprint origin_change;     ///< differences of origins
     SurfaceFootprint direction_change;  ///< differences of unit directions
-    /// Of the sample, and from bit 16 of the pixel among 4 x 4: rough glass bends each another way.
+    /// Of the sample, and from bit 16 of the pixel among 4 x 4: rough glass bends each otherwise.
     std::uint32_t number = 0;
 
     /// Footprint of the ray and its neighbours on the plane at `distance` with this normal.
@@ -32,7 +32,7 @@ struct Fragment {
     SurfacePoint point;
     glm::vec3 weight{0};              ///< share of the sample's light that comes by this surface, per channel
     float extent = 0;                 ///< how far apart neighbouring samples are across the ray there, scene units
-    std::uint8_t way = straight_way;  ///< mirrors and glass before
+    std::uint8_t path = direct_path;  ///< mirrors and glass before
 };
 
 /// Main surface of a sample, straight ahead through layers and glass.
@@ -50,11 +50,11 @@ struct EyeSample {
     glm::vec3 emitted{0};             ///< emission, sky, unlit surfaces
     glm::vec3 emitted_specular{0};    ///< the part of it seen in mirrors or through glass
     std::vector<AirSpan> air;         ///< air seen straight from the eye; `pixel` is left alone
-    std::vector<AirWay> air_beyond;   ///< air beyond mirrors and bending surfaces
+    std::vector<AirPath> air_beyond;  ///< air beyond mirrors and bending surfaces
     std::vector<core::Matte> mattes;  ///< its matte coverage; empty: nobody asks
     MainSurface main;
-    int ways = 0;      ///< lesser ones that left boundaries of solid glass
-    int dim_ways = 0;  ///< the same of those that are followed for what shines alone
+    int lesser_paths = 0;  ///< lesser ones that left boundaries of solid glass
+    int dim_paths = 0;     ///< the same of those followed for emission alone
 };
 
 /// Follows rays of the eye through layers and glass, and by mirrors.
