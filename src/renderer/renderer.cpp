@@ -17,8 +17,8 @@
 #include "renderer/gather/final_gather.h"
 #include "renderer/gather/frame_rays.h"
 #include "renderer/hair/hair_light.h"
-#include "renderer/judge.h"
 #include "renderer/truth/true_frame.h"
+#include "renderer/validation.h"
 #include "renderer/view/expose.h"
 #include "renderer/view/refine_edges.h"
 #include "renderer/view/see.h"
@@ -127,8 +127,8 @@ struct Renderer::Impl {
     core::Radiance gather_draft(const scene::Snapshot& snapshot, const LightingContext& context,
                                 const core::MotionField* to_before, ShadeCounts& counts);
     core::Radiance trace(const UngatheredLight& ungathered, const TruthSettings& finely);
-    template <class Judge>
-    auto judged(const scene::Snapshot& snapshot, const Lit& lit, const core::ToleranceMap& wanted, Judge judge);
+    template <class Use>
+    auto audited(const scene::Snapshot& snapshot, const Lit& lit, const core::ToleranceMap& wanted, Use use);
 
     const Settings settings;
     const Plan plan;
@@ -136,7 +136,7 @@ struct Renderer::Impl {
     PassTimes times;
     PosedScene posed_scene;
     FilmLights lights;
-    std::vector<RaysOf> rays_of;  ///< that see what light trees do not hold
+    std::vector<RaysOf> rays_of;  ///< that see light missing in light trees
     bool started = false;
     bool caches = false;  ///< light is cached in this chunk
     bool is_lit = false;  ///< an instant of the chunk was
@@ -216,7 +216,7 @@ core::Radiance Renderer::Impl::gather_film(const scene::Snapshot& snapshot, cons
         statistics.calibrated_pixels += calibration.before(snapshot, lights.lit_frame(), context, s);
     }
     s.limits.error_scale = learns ? calibration.value() : 1.0f;
-    // ask the cache, which gathers what it does not know, or gather all,
+    // ask the cache, which gathers its misses, or gather all,
     std::optional<FrameLight> cached;
     core::Radiance radiance;
     if (caches && !is_reference) {
@@ -252,9 +252,7 @@ core::Radiance Renderer::Impl::gather_draft(const scene::Snapshot& snapshot, con
                                             const core::MotionField* to_before, ShadeCounts& counts) {
     if (snapshot.cut_before) draft_light.forget();
     const ShadeSettings s = shade_settings();
-    FrameLight light = draft_light.light(
-        {lights.trees(), context.tracer, context.seen, context.ungathered, context.eye, context.tolerance, to_before},
-        s.limits, counts);
+    FrameLight light = draft_light.light({context, lights.trees(), to_before}, s.limits, counts);
     if (plan.runs(Pass::lobe_rays)) add_rays(final_gather, snapshot.camera, context, RaysOf::lobes, light);
     return shade(context, s, counts, &light);
 }
@@ -345,10 +343,10 @@ Lit Renderer::gather(const scene::Snapshot& snapshot, PlacedFrame placed, const 
     return lit;
 }
 
-/// Calls `judge` with the frame lit last and its lights. Nothing counts, and no frame learns from it.
-template <class Judge>
-auto Renderer::Impl::judged(const scene::Snapshot& snapshot, const Lit& lit, const core::ToleranceMap& wanted,
-                            Judge judge) {
+/// Calls `use` with the frame lit last and its lights. Nothing counts, and no frame learns from it.
+template <class Use>
+auto Renderer::Impl::audited(const scene::Snapshot& snapshot, const Lit& lit, const core::ToleranceMap& wanted,
+                             Use use) {
     EXPECTS(lit.frame.visible.frame == snapshot.frame && lit.radiance.frame == snapshot.frame);
     const core::ToleranceMap tolerance = tolerance_of_points(lit.frame, wanted);
     pose(snapshot);
@@ -357,25 +355,25 @@ auto Renderer::Impl::judged(const scene::Snapshot& snapshot, const Lit& lit, con
     statistics = before;
     const auto rays = !rays_of.empty() ? std::make_unique<FinalGather>(posed_scene, plan, false) : nullptr;
     if (rays) rays->forget(lights.sky_of_rays());
-    return judge(JudgedFrame{posed_scene, context_of(snapshot, lit.frame, lit.ungathered, tolerance), rays.get(),
-                             rays_of, lit.middle.combined.empty() ? lit.radiance : lit.middle});
+    return use(AuditedFrame{posed_scene, context_of(snapshot, lit.frame, lit.ungathered, tolerance), rays.get(),
+                            rays_of, lit.middle.combined.empty() ? lit.radiance : lit.middle});
 }
 
 std::vector<AuditedPixel> Renderer::audit(const scene::Snapshot& snapshot, const Lit& lit,
                                           const core::ToleranceMap& tolerance, int count) {
     if (count <= 0) return {};
-    return impl_->judged(snapshot, lit, tolerance, [&](const JudgedFrame& frame) {
+    return impl_->audited(snapshot, lit, tolerance, [&](const AuditedFrame& frame) {
         const std::vector<LitPixel> pixels =
             drawn(lit_pixels(lit.frame), static_cast<std::size_t>(count), lit.frame.visible.frame);
         return compare(lit.frame, pixels, exact_pixels(frame, pixels), frame.context.tolerance, frame.radiance);
     });
 }
 
-std::vector<JudgedPixel> Renderer::judge(const scene::Snapshot& snapshot, const Lit& lit,
-                                         const core::ToleranceMap& tolerance, std::span<const AuditedPixel> audited,
-                                         const TruthSettings& finely) {
-    return impl_->judged(snapshot, lit, tolerance, [&](const JudgedFrame& frame) {
-        return judge_pixels(frame, impl_->see_settings(), impl_->plan, audited, finely);
+std::vector<ValidatedPixel> Renderer::validate(const scene::Snapshot& snapshot, const Lit& lit,
+                                               const core::ToleranceMap& tolerance,
+                                               std::span<const AuditedPixel> audited, const TruthSettings& finely) {
+    return impl_->audited(snapshot, lit, tolerance, [&](const AuditedFrame& frame) {
+        return validate_pixels(frame, impl_->see_settings(), impl_->plan, audited, finely);
     });
 }
 

@@ -22,10 +22,10 @@ namespace render2mpeg::renderer {
 
 /// How light is gathered.
 enum class Manner {
-    film,    ///< within the tolerance, with what the chunk has found so far
+    film,    ///< within the tolerance, with light cached in the chunk so far
     rough,   ///< apart from the film: teaches nothing, counts as time and as an update of light alone
     sparse,  ///< likewise, in one pixel of 4x4, and interpolated between them (rough_light.h)
-    draft,   ///< a lattice of points within the tolerance, and what the frame before knew (draft_light.h)
+    draft,   ///< a lattice of points within the tolerance, and light of the frame before (draft_light.h)
     truth    ///< by paths alone (true_frame.h); of a blurred frame, the middle
 };
 
@@ -56,7 +56,7 @@ struct Lit : PlacedFrame {
 /// chunk's first frame.
 class Renderer {
   public:
-    /// Decodes textures and builds what never changes. Throws core::Error for images that cannot be read.
+    /// Decodes textures and builds static data. Throws core::Error for images that cannot be read.
     Renderer(const scene::Animation& animation, const Settings& settings, const Plan& plan);
     ~Renderer();
 
@@ -83,8 +83,9 @@ class Renderer {
 
     /// Holds audited pixels of the frame lit last against the truth, by paths (pixel_truth.h). Counts nowhere in the
     /// statistics. `finely`: how well the truth is found.
-    std::vector<JudgedPixel> judge(const scene::Snapshot& snapshot, const Lit& lit, const core::ToleranceMap& tolerance,
-                                   std::span<const AuditedPixel> audited, const TruthSettings& finely = {});
+    std::vector<ValidatedPixel> validate(const scene::Snapshot& snapshot, const Lit& lit,
+                                         const core::ToleranceMap& tolerance, std::span<const AuditedPixel> audited,
+                                         const TruthSettings& finely = {});
 
     const Statistics& statistics() const;
     /// The scene as posed for the last frame, for measurements.

@@ -76,7 +76,7 @@ TEST(Audit, SplitsTheErrorByCauseSlow) {
 }
 
 TEST(Audit, AddsUpOverRuns) {
-    renderer::JudgedPixel p;
+    renderer::ValidatedPixel p;
     p.shown = glm::vec3(3);
     p.at_points = glm::vec3(2);
     for (const std::size_t half : {0u, 1u}) {
@@ -84,7 +84,7 @@ TEST(Audit, AddsUpOverRuns) {
         p.truth.whole.halves[half] = glm::dvec3(1);
     }
     p.truth.paths = 700;
-    const std::vector<renderer::JudgedPixel> frame(4, p);
+    const std::vector<renderer::ValidatedPixel> frame(4, p);
     const auto luma = [](glm::vec3 light) { return 20.0 * static_cast<double>(light.y); };
     RunStatistics earlier, later, whole;
     earlier.audit.split.add(frame, luma);

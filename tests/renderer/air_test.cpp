@@ -127,11 +127,10 @@ class Empty {
         tracer_.pose(world_);
     }
     /// Of a lamp, by 16 cells.
-    float scattered(const Air& air, const AirLamp& lamp, glm::vec3 from, glm::vec3 direction, float far,
-                    ThinShadows* thin = nullptr) const {
+    float scattered(const Air& air, const AirLamp& lamp, glm::vec3 from, glm::vec3 direction, float far) const {
         glm::vec3 sum(0);
         const float ends[1] = {far};
-        add_scattered({air, tracer_, Bodies::pass}, lamp, {from, direction, ends, 0}, 16, &sum, thin);
+        add_scattered({air, tracer_, Bodies::pass}, lamp, {from, direction, ends, 0}, 16, &sum);
         return sum.x;
     }
 
@@ -206,46 +205,6 @@ TEST(Airlight, IsDarkBehindABar) {
                  all = summed_light(fog, lamp.position, along, 0, 9);
     EXPECT_NEAR(scene.scattered(air_of(fog), lamp, glm::vec3(0), along, 9), all - dark, 0.01 * all);
     EXPECT_GT(dark, 0.05 * all);
-}
-
-TEST(Airlight, IsDarkBehindABarThatAnotherRayMet) {
-    // Its shadow, from 1.20 to 1.28 before the lamp's height, is a fifth of a cell.
-    SceneBuilder b;
-    b.add_quad({1, -1, -3.4f}, {0, 2, 0}, {0, 0, 0.04f}, b.add_material());
-    b.material(0).double_sided = true;
-    const Empty scene{b};
-    const core::Fog fog = layered(20, 0, 0);
-    AirLamp lamp;
-    lamp.position = {2, 0, -4};
-    lamp.intensity = glm::vec3(1);
-    const glm::vec3 along(0, 0, -1);
-    // Rays along the same line that begin elsewhere have their cells elsewhere.
-    const auto off = [&](int i, ThinShadows& thin) {
-        const float back = 0.1f * static_cast<float>(i);
-        const glm::dvec3 height(2, 0, -4 - back);
-        const double dark = summed_light(fog, height, along, back + 2.72, back + 2.8),
-                     all = summed_light(fog, height, along, 0, 9);
-        return (scene.scattered(air_of(fog), lamp, {0, 0, back}, along, 9, &thin) - (all - dark)) / dark;
-    };
-    std::vector<ThinShadow> met;
-    int missed = 0;
-    for (int i = 0; i < 16; ++i) {
-        ThinShadows thin;
-        const double error = off(i, thin);
-        EXPECT_NEAR(error, thin.found.empty() ? 1 : 0, 0.2) << i;
-        if (thin.found.empty())
-            ++missed;
-        else
-            met = thin.found;
-    }
-    ASSERT_EQ(met.size(), 1u);
-    ASSERT_GT(missed, 0);
-    ThinShadows thin;
-    for (int i = 0; i < 16; ++i) {
-        thin.known = met;
-        EXPECT_NEAR(off(i, thin), 0, 0.2) << i;
-    }
-    EXPECT_EQ(thin.found.size(), 16u) << "it is handed on";
 }
 
 TEST(Airlight, OfARoundLampIsThatOfAPointOfItsIntensity) {

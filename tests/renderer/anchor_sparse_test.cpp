@@ -176,48 +176,6 @@ TEST(SparseAnchors, LeaveAMoverInFrontOfAWallNoHoleInIt) {
     }
 }
 
-TEST(SparseAnchors, OfAThingThatUnrollsFromALineLieOverAllOfIt) {
-    // A slab whose mesh is hardly more than a line until a morph target spreads it over 2 x 2 m below a lamp.
-    SceneBuilder b;
-    const int grey = b.add_material(glm::vec3(0.6f));
-    b.add_box({-5, -3, -5}, {5, 5, 5}, grey, true);
-    scene::Mesh mesh;
-    const int n = 8;
-    for (int y = 0; y <= n; ++y)
-        for (int x = 0; x <= n; ++x)
-            mesh.positions.push_back({2.0f * static_cast<float>(x) / n - 1, 0, 1e-4f * static_cast<float>(y)});
-    scene::MorphTarget target;
-    for (int y = 0; y <= n; ++y)
-        for (int x = 0; x <= n; ++x) target.positions.push_back({0, 0, (2.0f / n - 1e-4f) * static_cast<float>(y) - 1});
-    for (std::uint32_t y = 0; y < n; ++y)
-        for (std::uint32_t x = 0; x < n; ++x) {
-            const std::uint32_t a = y * (n + 1) + x, c = a + n + 1;
-            mesh.triangles.push_back({a, c, a + 1});
-            mesh.triangles.push_back({a + 1, c, c + 1});
-        }
-    mesh.morph_targets.push_back(target);
-    const int slab = b.add_object(b.add_mesh(mesh), grey);
-    b.film().objects[static_cast<std::size_t>(slab)].morph_weights = {0};
-    b.add_track(scene::TrackTarget::weights, b.film().objects[static_cast<std::size_t>(slab)].node, 1, {0, 1}, {0, 1});
-    b.add_point_light({0, 2, 0}, 20.0f);
-    AnchorStage stage(b, {1200, 4});
-    stage.pose(1.0);
-    const std::vector<LightPoint> moving = stage.light().moving;
-    ASSERT_GE(moving.size(), 8u);
-    glm::vec3 low(1e9f), high(-1e9f);
-    double area = 0;
-    for (const LightPoint& l : moving) {
-        low = glm::min(low, l.position);
-        high = glm::max(high, l.position);
-        EXPECT_LE(l.disc2, 4.0f);
-        area += l.normal.y > 0 ? 3.14159265 * l.disc2 : 0.0;
-    }
-    EXPECT_GT(high.x - low.x, 1.0f);
-    EXPECT_GT(high.z - low.z, 1.0f);
-    EXPECT_GT(area, 2.0);
-    EXPECT_LT(area, 12.0);  // the cells of its rim reach beyond it
-}
-
 /// Bytes of a hall's anchors between instants, each.
 double bytes_each(int count) {
     AnchorStage stage(test::hall(), {count, 1});

@@ -104,7 +104,7 @@ TEST(Lattice, InterpolatesAlongASurfaceAndNotAcross) {
     p.point.address.object = 1;
     Lattice lattice(16, 16, {0, 0});
     const auto lit = [&](int x, int y, glm::vec3 normal, std::uint32_t object, float light) {
-        lattice.add(x, y, {{x * 0.01f, 0, y * 0.01f}, normal, object, straight_way, {glm::vec3(light), glm::vec3(0)}});
+        lattice.add(x, y, {{x * 0.01f, 0, y * 0.01f}, normal, object, direct_path, {glm::vec3(light), glm::vec3(0)}});
     };
     lit(4, 4, {0, 1, 0}, 1, 1.0f);
     lit(8, 4, {0, 1, 0}, 1, 3.0f);
@@ -126,8 +126,8 @@ TEST(Lattice, AsksFartherWindowsWhereTheNearOnesAreUnlike) {
     Lattice lattice(16, 16, {0, 0});
     EXPECT_TRUE(lattice.at_from_afar({6, 6}, p, 1.0f).is_empty);
     for (const glm::ivec2 near : {glm::ivec2(4, 4), {8, 4}, {4, 8}, {8, 8}})
-        lattice.add(near.x, near.y, {{0.06f, 0.5f, 0.06f}, {1, 0, 0}, 2, straight_way, {glm::vec3(100), glm::vec3(0)}});
-    lattice.add(12, 8, {{0.12f, 0, 0.08f}, {0, 1, 0}, 1, straight_way, {glm::vec3(2), glm::vec3(0)}});
+        lattice.add(near.x, near.y, {{0.06f, 0.5f, 0.06f}, {1, 0, 0}, 2, direct_path, {glm::vec3(100), glm::vec3(0)}});
+    lattice.add(12, 8, {{0.12f, 0, 0.08f}, {0, 1, 0}, 1, direct_path, {glm::vec3(2), glm::vec3(0)}});
     EXPECT_EQ(lattice.at({6, 6}, p, false, 1.0f).weight, 0.0f);
     const auto found = lattice.at_from_afar({6, 6}, p, 1.0f);
     EXPECT_FALSE(found.is_empty);

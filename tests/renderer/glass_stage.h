@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/numeric.h"
-#include "renderer/surface/media_path.h"
+#include "renderer/surface/light_ray.h"
 #include "stage.h"
 
 namespace render2mpeg::test {
@@ -22,8 +22,7 @@ inline int add_glass(SceneBuilder& b, float ior = 1.5f) {
 }
 
 /// Where a ray is after it has passed all glass by its straightest way, and what is left of its light.
-struct PassedRay {
-    glm::vec3 origin{0}, direction{0};
+struct PassedRay : renderer::LightRay {
     glm::vec3 share{1};
     int boundaries = 0;
     core::SurfaceAddress address;  ///< of what it met last
@@ -31,22 +30,19 @@ struct PassedRay {
 
 inline PassedRay pass_glass(const Stage& stage, glm::vec3 origin, glm::vec3 direction,
                             renderer::Band band = renderer::Band::all) {
-    PassedRay ray{origin, glm::normalize(direction), glm::vec3(1), 0, {}};
-    renderer::MediaPath glass;
-    glass.band = band;
+    PassedRay ray;
+    ray.origin = origin;
+    ray.direction = glm::normalize(direction);
+    ray.band = band;
     for (int i = 0; i < 20; ++i) {
-        const renderer::Hit hit =
-            stage.tracer().nearest(ray.origin, ray.direction, std::numeric_limits<float>::infinity());
+        const renderer::Hit hit = ray.meet(stage.posed_scene());
         if (!hit.found()) return ray;
-        ray.share *= glass.way_to(stage.posed_scene(), hit, ray.direction);
-        const renderer::SurfacePoint p = glass.surface_at(stage.posed_scene(), hit, ray.direction);
+        ray.share *= ray.left_by_bodies(stage.posed_scene(), hit);
+        const renderer::SurfacePoint p = ray.surface_at(stage.posed_scene(), hit);
         ray.address = p.address;
         if (!p.bounds_body) return ray;
         ray.share *= p.bsdf.transmission;
-        const glm::vec3 to = glass.cross(stage.posed_scene(), p, p.shading_normal);
-        if (to == glm::vec3(0)) return ray;
-        ray.direction = to;
-        ray.origin = offset_origin(p, to);
+        if (!ray.refract(stage.posed_scene(), p, p.shading_normal)) return ray;
         ++ray.boundaries;
     }
     return ray;

@@ -47,7 +47,7 @@ TEST_F(Wall, LobesOfRoughnessTwoTenthsAndMoreTakeRecords) {
     p.point.bsdf.alpha = 0.19f * 0.19f;
     EXPECT_FALSE(uses_cache(p));
     p.point.bsdf.alpha = 1.0f;
-    p.way = renderer::longer_way(p.way, true);
+    p.path = renderer::extended_path(p.path, true);
     EXPECT_FALSE(uses_cache(p));
 }
 

@@ -1,16 +1,13 @@
 // Highlights of area lamps: the integral of the lobe over the lamp.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
 #include <tuple>
 
 #include "core/sampling.h"
-#include "renderer/base/lobe.h"
 #include "renderer/cut/lamp_samples.h"
-#include "renderer/cut/lobe_coverage.h"
 #include "renderer/surface/bsdf.h"
 #include "tests/renderer/film_stage.h"
 
@@ -107,39 +104,6 @@ TEST(LampSamples, OfASphereLieEvenlyBySolidAngleCloseToIt) {
     }
     const double cosine = std::sqrt(1 - 1 / (1.01 * 1.01));
     EXPECT_NEAR(heights, 0.5 * (1 + cosine), 0.01);
-}
-
-TEST(LobeCoverage, IsTheShareOfDirectionsAlongTheLobeThatMeetTheLamp) {
-    AreaLamp ball;
-    ball.kind = AreaLamp::Kind::sphere;
-    ball.position = {0, 0.6f, -0.8f};
-    ball.radius = 0.4f;
-    GatherPoint g;
-    g.point.shading_normal = g.point.geometric_normal = {0, 1, 0};
-    g.point.bsdf.f0 = glm::vec3(1);
-    for (const float alpha : {0.01f, 0.0225f, 0.09f, 0.5f})
-        for (const float x : {0.0f, 0.2f, 0.4f})
-            for (const float z : {-0.7f, 0.5f, 0.7f, 0.9f, 1.1f}) {
-                g.point.position = {x, 0, z};
-                g.point.outgoing = glm::normalize(glm::vec3(0, 0.8f, 2.5f) - g.point.position);
-                g.point.bsdf.alpha = alpha;
-                const GatherPoint* points[lane_count];
-                std::fill(std::begin(points), std::end(points), &g);
-                GatherLanes lanes;
-                fill(lanes, points);
-                lanes.set = 0;
-                Lanes share;
-                lobe_coverage(ball, lanes, share);
-                // Over the same directions, by the density of choosing them.
-                const float a2 = alpha * alpha, nv = g.point.outgoing.y;
-                const glm::dvec3 d = glm::dvec3(ball.position) - glm::dvec3(g.point.position);
-                const double whole = over_cone(glm::normalize(d), 0.4f / glm::length(d), [&](glm::dvec3 l) {
-                    const glm::dvec3 h = glm::normalize(l + glm::dvec3(g.point.outgoing));
-                    const float density = 0.5f / (nv + std::sqrt(a2 + (1 - a2) * nv * nv));
-                    return l.y > 0 ? lobe::distribution(static_cast<float>(h.y * h.y), a2) * density : 0;
-                });
-                EXPECT_NEAR(share[0], whole, 0.002) << alpha << " at " << x << ", " << z;
-            }
 }
 
 /// By lamp and roughness.

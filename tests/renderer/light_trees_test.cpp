@@ -36,10 +36,10 @@ std::vector<std::uint32_t> order_of(const LightTrees& light_trees) {
     return order;
 }
 
-/// Lets `lasting` rebuild its trees; whether it did.
-bool rebuilds(PersistentLightTrees& lasting, const LitPoints& now) {
-    const auto before = order_of(lasting.at(now));
-    return order_of(lasting.at(now, true)) != before;
+/// Lets `persistent` rebuild its trees; whether it did.
+bool rebuilds(PersistentLightTrees& persistent, const LitPoints& now) {
+    const auto before = order_of(persistent.at(now));
+    return order_of(persistent.at(now, true)) != before;
 }
 
 void expect_same(const LightTree& a, const LightTree& b) {
@@ -165,14 +165,14 @@ int clusters(const AnchorStage& stage, LightTrees& light_trees) {
 
 TEST(PersistentLightTrees, NeedsHardlyMoreClustersAfterALampHasCrossedTheHallThanAFreshOneSlow) {
     AnchorStage stage(hall(), {2000, 4});
-    PersistentLightTrees lasting(
+    PersistentLightTrees persistent(
         {stage.points().average(), stage.anchors().average_still(), stage.anchors().average_moving()}, 1);
     int rebuilt = 0;
     for (const double seconds : {0.0, 1.0, 2.0}) {  // 2: after 50 frames at 25 Hz, 7 m on
         stage.pose(seconds);
         const Anchors::Lit lit = stage.light();
-        rebuilt += rebuilds(lasting, {stage.direct(), lit.still, lit.moving}) ? 1 : 0;
-        LightTrees updated = lasting.at({stage.direct(), lit.still, lit.moving});
+        rebuilt += rebuilds(persistent, {stage.direct(), lit.still, lit.moving}) ? 1 : 0;
+        LightTrees updated = persistent.at({stage.direct(), lit.still, lit.moving});
         LightTrees fresh = build_light_trees(stage.direct(), lit.still, 1);
         const double ratio = static_cast<double>(clusters(stage, updated)) / clusters(stage, fresh);
         EXPECT_LE(ratio, 1.15) << seconds;
@@ -199,15 +199,15 @@ test::SceneBuilder busy_hall() {
 
 TEST(PersistentLightTreesSlow, NeedsHardlyMoreClustersIn200FramesWithThingsThatMove) {
     AnchorStage stage(busy_hall(), {1500, 4});
-    PersistentLightTrees lasting(
+    PersistentLightTrees persistent(
         {stage.points().average(), stage.anchors().average_still(), stage.anchors().average_moving()}, 1);
     double updated_clusters = 0, fresh_clusters = 0;
     int rebuilt = 0;
     for (int frame = 0; frame < 200; frame += 15) {
         stage.pose(frame / 25.0);
         const Anchors::Lit lit = stage.light();
-        rebuilt += rebuilds(lasting, {stage.direct(), lit.still, lit.moving}) ? 1 : 0;
-        LightTrees updated = lasting.at({stage.direct(), lit.still, lit.moving});
+        rebuilt += rebuilds(persistent, {stage.direct(), lit.still, lit.moving}) ? 1 : 0;
+        LightTrees updated = persistent.at({stage.direct(), lit.still, lit.moving});
         LightTrees fresh = build_light_trees(stage.direct(), lit.still, 1);
         fresh.trees[LightTrees::dynamic_tree] = build_light_tree(LightType::oriented, lit.moving, 2);
         const int mine = clusters(stage, updated), other = clusters(stage, fresh);
@@ -226,20 +226,20 @@ TEST(PersistentLightTreesSlow, NeedsHardlyMoreClustersIn200FramesWithThingsThatM
 TEST(PersistentLightTrees, PlansATreeAnewThatFitsItsLightsNoMoreOnlyWhereItMay) {
     // Lights that all change places.
     const auto usual = forest_lights(1000, 1), now = forest_lights(1000, 2);
-    PersistentLightTrees lasting({{}, usual, {}}, 1);
-    EXPECT_FALSE(rebuilds(lasting, {{}, usual, {}}));
-    const PersistentLightTrees before = lasting;
-    EXPECT_TRUE(rebuilds(lasting, {{}, now, {}}));
+    PersistentLightTrees persistent({{}, usual, {}}, 1);
+    EXPECT_FALSE(rebuilds(persistent, {{}, usual, {}}));
+    const PersistentLightTrees before = persistent;
+    EXPECT_TRUE(rebuilds(persistent, {{}, now, {}}));
     EXPECT_EQ(order_of(PersistentLightTrees(before).at({{}, now, {}})),
               order_of(PersistentLightTrees(before).at({{}, usual, {}})));
-    const LightTrees other = lasting.at({{}, now, {}});
+    const LightTrees other = persistent.at({{}, now, {}});
     const LightTree fresh = build_light_tree(LightType::oriented, now, 2);
     EXPECT_LE(cost_of(other.trees[LightTrees::static_tree]), 1.1 * cost_of(fresh));
     EXPECT_GE(cost_of(other.trees[LightTrees::static_tree]), 0.5 * cost_of(fresh));
     // From then on it stays: frames between do not alternate between two trees.
     auto later = now;
     for (LightPoint& p : later) p.intensity *= 1.5f;
-    const LightTrees next = lasting.at({{}, later, {}}, false);
+    const LightTrees next = persistent.at({{}, later, {}}, false);
     const auto &x = other.trees[LightTrees::static_tree], &y = next.trees[LightTrees::static_tree];
     ASSERT_EQ(x.lights.size(), y.lights.size());
     EXPECT_EQ(*x.ids, *y.ids);
@@ -261,9 +261,9 @@ TEST(PersistentLightTrees, DoesNotLetWhatIsHiddenWidenItsBounds) {
     const auto usual = two_things(1000.0f);
     auto now = usual;
     now.erase(now.begin() + 200, now.end());
-    PersistentLightTrees lasting({usual, {}, usual}, 1);
-    EXPECT_FALSE(rebuilds(lasting, {now, {}, now}));
-    const LightTrees light_trees = lasting.at({now, {}, now});
+    PersistentLightTrees persistent({usual, {}, usual}, 1);
+    EXPECT_FALSE(rebuilds(persistent, {now, {}, now}));
+    const LightTrees light_trees = persistent.at({now, {}, now});
     for (const int t : {0, LightTrees::dynamic_tree}) {
         const LightTree& tree = light_trees.trees[t];
         const LightTree fresh = build_light_tree(LightType::oriented, now, t == 0 ? 1 : 2);
@@ -282,9 +282,9 @@ TEST(PersistentLightTrees, PlansAgainByWhatIsThereAndKeepsRoomForWhatIsHidden) {
     const auto usual = two_things(1000.0f);
     auto now = forest_lights(400, 3);
     now.erase(now.begin() + 100, now.begin() + 300);
-    PersistentLightTrees lasting({{}, {}, usual}, 1);
-    EXPECT_TRUE(rebuilds(lasting, {{}, {}, now}));
-    const LightTrees all = lasting.at({{}, {}, usual});
+    PersistentLightTrees persistent({{}, {}, usual}, 1);
+    EXPECT_TRUE(rebuilds(persistent, {{}, {}, now}));
+    const LightTrees all = persistent.at({{}, {}, usual});
     glm::dvec3 sum(0), expected(0);
     for (const LightPoint& p : usual) expected += p.intensity;
     for (const TreeLight& l : all.trees[LightTrees::dynamic_tree].lights) sum += l.intensity;
@@ -293,17 +293,17 @@ TEST(PersistentLightTrees, PlansAgainByWhatIsThereAndKeepsRoomForWhatIsHidden) {
 
 TEST(PersistentLightTrees, KeepsFourAndAQuarterBytesOfAPlanForEachLight) {
     const auto usual = forest_lights(10000, 1);
-    const PersistentLightTrees lasting({usual, usual, usual}, 1);
-    EXPECT_LE(lasting.bytes(), 3u * 43u * 1000u);
-    EXPECT_GE(lasting.bytes(), 3u * 42u * 1000u);
+    const PersistentLightTrees persistent({usual, usual, usual}, 1);
+    EXPECT_LE(persistent.bytes(), 3u * 43u * 1000u);
+    EXPECT_GE(persistent.bytes(), 3u * 42u * 1000u);
 }
 
 TEST(PersistentLightTrees, HasNoTreeForWhatIsDark) {
     const auto usual = forest_lights(100, 1);
-    PersistentLightTrees lasting({usual, usual, usual}, 1);
-    const LightTrees dark = lasting.at({{}, {}, {}});
+    PersistentLightTrees persistent({usual, usual, usual}, 1);
+    const LightTrees dark = persistent.at({{}, {}, {}});
     for (const LightTree& tree : dark.trees) EXPECT_TRUE(tree.empty());
-    const LightTrees lit = lasting.at({usual, usual, usual});
+    const LightTrees lit = persistent.at({usual, usual, usual});
     EXPECT_EQ(lit.trees[LightTrees::dynamic_tree].lights.size(), 100u);
 }
 

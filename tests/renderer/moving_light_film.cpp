@@ -23,7 +23,7 @@ FrameLuminances MovingLightFilm::lit(const FilmLight& light, int first, int coun
     posed_scene_.pose(world);
     const renderer::Anchors anchors(posed_scene_, points, light.anchors);
     points.place(posed_scene_, world);
-    renderer::PersistentLightTrees lasting({points.average(), anchors.average_still(), anchors.average_moving()}, 1);
+    renderer::PersistentLightTrees persistent({points.average(), anchors.average_still(), anchors.average_moving()}, 1);
     FrameLuminances frames;
     for (int n = first; n < first + count; ++n) {
         scene::Snapshot next = at(n);
@@ -34,7 +34,7 @@ FrameLuminances MovingLightFilm::lit(const FilmLight& light, int first, int coun
         if (!light.direct) direct.clear();
         if (!light.still) lit.still.clear();
         if (!light.moving) lit.moving.clear();
-        renderer::LightTrees light_trees = lasting.at({direct, lit.still, lit.moving}, n == first);
+        renderer::LightTrees light_trees = persistent.at({direct, lit.still, lit.moving}, n == first);
         light_trees.point_clamp = {0.25f};
         frames.push_back(shade(world, light_trees, light.tolerance, cost != nullptr ? *cost : own));
     }

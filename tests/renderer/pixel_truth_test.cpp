@@ -125,9 +125,9 @@ struct JudgedRoom {
         s.samples = 4;
         return s;
     }
-    std::vector<JudgedPixel> judge(int count) {
+    std::vector<ValidatedPixel> judge(int count) {
         const auto audited = stage.renderer().audit(world, lit, tolerance, count);
-        return stage.renderer().judge(world, lit, tolerance, audited);
+        return stage.renderer().validate(world, lit, tolerance, audited);
     }
     FilmStage stage;
     scene::Snapshot world;
@@ -138,7 +138,7 @@ struct JudgedRoom {
 TEST(Judge, IsTheSameForAnyNumberOfThreadsAndCountsNowhereSlow) {
     JudgedRoom room(0.1f);
     const Statistics before = room.stage.statistics();
-    std::vector<JudgedPixel> one, two;
+    std::vector<ValidatedPixel> one, two;
     {
         const parallel::ThreadLimit limit(1);
         one = room.judge(12);
@@ -186,10 +186,10 @@ TEST(Judge, FindsWhatAFrameLacksSlow) {
 }
 
 /// Pixels of luminance `light` whose causes have these errors, with a truth that is known to `noise`.
-std::vector<JudgedPixel> synthetic(std::array<double, 3> errors, double light, double noise, std::size_t count) {
-    std::vector<JudgedPixel> pixels(count);
+std::vector<ValidatedPixel> synthetic(std::array<double, 3> errors, double light, double noise, std::size_t count) {
+    std::vector<ValidatedPixel> pixels(count);
     for (std::size_t i = 0; i < count; ++i) {
-        JudgedPixel& p = pixels[i];
+        ValidatedPixel& p = pixels[i];
         const double whole = light * (1 + 0.5 * core::uniform(1, i));
         const double at_points = whole + errors[2];
         p.at_points = glm::vec3(glm::dvec3(at_points + errors[1]));
@@ -231,7 +231,7 @@ TEST(ErrorSplit, DoesNotCountTheTruthsOwnError) {
 TEST(ErrorSplit, OfNoPixelsIsOfNoError) {
     ErrorSplit split;
     split.add({}, luma);
-    split.add(std::vector<JudgedPixel>(3), luma);  // black ones
+    split.add(std::vector<ValidatedPixel>(3), luma);  // black ones
     for (std::size_t c = 0; c < cause_count; ++c) {
         const auto cause = static_cast<ErrorCause>(c);
         for (const MeanError m :

@@ -20,7 +20,7 @@ using scene::Traits;
 Traits all_traits() {
     Traits t;
     t.has_surfaces = t.has_punctual_lights = t.has_emissive_surfaces = t.has_shining_sky = true;
-    t.has_even_lamps = t.has_bodies = t.throws_light = true;
+    t.has_even_lamps = t.has_bodies = t.casts_caustics = true;
     t.has_diffuse_surfaces = t.has_glossy_surfaces = t.has_narrow_lobes = t.has_mirrors = t.has_glass = true;
     t.has_alpha_mask = t.has_alpha_blend = t.has_normal_maps = t.has_textures = true;
     t.camera_moves = t.objects_move = t.objects_deform = t.lights_change = t.has_cuts = true;
@@ -148,7 +148,7 @@ TEST(Plan, FollowsEachCauseAlone) {
     EXPECT_EQ(changes([](Traits& t, bool on) { t.has_hair = on; }), (Names{"hair"}));
     EXPECT_EQ(changes([](Traits& t, bool on) { t.has_subsurface = on; }), (Names{"subsurface"}));
     EXPECT_EQ(changes([](Traits& t, bool on) { t.has_bodies = on; }), (Names{"refraction"}));
-    EXPECT_EQ(changes([](Traits& t, bool on) { t.throws_light = on; }), (Names{"caustics"}));
+    EXPECT_EQ(changes([](Traits& t, bool on) { t.casts_caustics = on; }), (Names{"caustics"}));
     EXPECT_EQ(changes([](Traits& t, bool on) { t.has_narrow_lobes = on; }), (Names{"lobe rays"}));
     EXPECT_EQ(changes([](Traits& t, bool on) { t.has_textures = on; }), (Names{"textures"}));
     EXPECT_EQ(changes([](Traits& t, bool on) { t.has_normal_maps = on; }), (Names{"normal maps"}));

@@ -92,15 +92,6 @@ TEST(StillInstances, AreMetAsOtherWallsAreAndAreNoMovers) {
     }
 }
 
-TEST(StillInstances, AreOccludersAsOtherWallsAre) {
-    const LitStage copied(shared_room(true)), baked(shared_room(false));
-    const OccluderList &a = copied.posed_scene().tracer().occluders(), &b = baked.posed_scene().tracer().occluders();
-    ASSERT_EQ(a.size(), b.size());
-    ASSERT_GT(a.size(), 20u);
-    for (std::size_t i = 0; i < a.size(); ++i)
-        for (int k = 0; k < 4; ++k) EXPECT_EQ(a[i].corner[k], b[i].corner[k]) << i;
-}
-
 TEST(StillInstances, AloneMakeNoFilmMove) {
     SceneBuilder b = shared_room(true);
     b.film().tracks.clear();

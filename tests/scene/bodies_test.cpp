@@ -53,11 +53,11 @@ TEST(Bodies, AreCausesOfTheirOwn) {
     b.add_object(b.add_mesh(brick), add_glass(b, Thickness::solid));
     b.add_point_light({0, 3, 0}, 1);
     EXPECT_TRUE(traits_of(b.build()).has_bodies);
-    EXPECT_TRUE(traits_of(b.build()).throws_light);
+    EXPECT_TRUE(traits_of(b.build()).casts_caustics);
     b.material(0).transmission = 0;
     b.material(0).roughness = 1;
     EXPECT_FALSE(traits_of(b.build()).has_bodies);
-    EXPECT_FALSE(traits_of(b.build()).throws_light);
+    EXPECT_FALSE(traits_of(b.build()).casts_caustics);
 }
 
 }  // namespace

@@ -390,7 +390,7 @@ std::optional<PathTruth> Trials::by_paths(int pixels) {
     const perceptual::Display display = film_.display();
     // About what a pixel of a frame by paths takes: fewer paths at most, but its gather points are judged as well.
     timed(found.seconds, [&] {
-        split.add(renderer_.judge(world, lit, none, audited),
+        split.add(renderer_.validate(world, lit, none, audited),
                   [&](glm::vec3 light) { return static_cast<double>(perceptual::luma_of(display, light)); });
     });
     found.pixels = split.pixels();

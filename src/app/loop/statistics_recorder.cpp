@@ -69,7 +69,7 @@ void Auditor::lit(const LitFrame& frame) {
             audit.errors.add(core::divide_or(p.error, std::max(p.luminance, absolute), 0.0f));
             audit.over += p.over() ? 1 : 0;
         }
-        audit.split.add(renderer_.judge(frame.world, frame.lit, frame.tolerance, pixels),
+        audit.split.add(renderer_.validate(frame.world, frame.lit, frame.tolerance, pixels),
                         [&](glm::vec3 light) { return static_cast<double>(perceptual::luma_of(display_, light)); });
     });
 }

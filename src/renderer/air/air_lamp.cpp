@@ -1,6 +1,6 @@
 // Single scattering along a ray: equiangular places about a lamp [Kulla2012], places by transmittance under a sun.
 // Changed: no random numbers. One place in each cell asks for the shadow; where two differ, the shadow's edge between
-// them is found by halving; what is lit is integrated by two points of Gauss in each cell, which changes smoothly along
+// them is found by halving; lit parts are integrated by two points of Gauss in each cell, which changes smoothly along
 // motion.
 #include "renderer/air/air_lamp.h"
 
@@ -24,17 +24,18 @@ constexpr int most_cells = 16;
 /// Behind air of this optical depth nothing is looked for: a share of 6e-6.
 constexpr float deepest = 12.0f;
 
-/// Parts of a way under a sun, each with as many places as a lamp's whole way: a sun's light is even over long ways,
-/// its shadows are not. chosen: 4; with 1 shafts between pillars have steps.
+/// Parts of a segment under a sun, each with as many places as a lamp's whole segment: a sun's light is even over long
+/// distances, its shadows are not. chosen: 4; with 1 shafts between pillars have steps.
 constexpr int sun_parts = 4;
 
-/// Halvings of the way between two places, one lit and one not. chosen: 5, so that an edge lies within 1/32 of a cell.
+/// Halvings between two places, one lit and one not. chosen: 5, so that an edge lies within 1/32 of a cell.
 constexpr int halvings = 5;
 
-/// A way past a lamp, by the parameter in which its light is even: the angle at the lamp, or the share of light lost.
-class LampWay {
+/// Segment of a ray past a lamp, by the parameter in which its light is even: the angle at the lamp, or the share of
+/// light lost.
+class LampSegment {
   public:
-    LampWay(const Air& air, const AirLamp& lamp, const AirRay& ray) : air_(air), lamp_(lamp), ray_(ray) {
+    LampSegment(const Air& air, const AirLamp& lamp, const AirRay& ray) : air_(air), lamp_(lamp), ray_(ray) {
         const float end = std::min(ray.ends.back(), air.distance_at(ray.origin, ray.direction, deepest));
         if (lamp.is_sun) {
             phase_ = air.phase(glm::dot(lamp.direction, -ray.direction));
@@ -59,12 +60,12 @@ class LampWay {
     }
 
     /// One of so many equal parts of it.
-    LampWay part(int index, int parts) const {
-        LampWay way = *this;
+    LampSegment part(int index, int parts) const {
+        LampSegment segment = *this;
         const float step = (last_ - first_) / static_cast<float>(parts);
-        way.first_ = first_ + static_cast<float>(index) * step;
-        way.last_ = index + 1 == parts ? last_ : way.first_ + step;
-        return way;
+        segment.first_ = first_ + static_cast<float>(index) * step;
+        segment.last_ = index + 1 == parts ? last_ : segment.first_ + step;
+        return segment;
     }
 
     bool is_dark() const { return !(last_ > first_); }
@@ -108,15 +109,15 @@ class LampWay {
 
     /// Ray i of the packet: from this place to the lamp.
     void aim(float parameter, int i, ShadowPacket& packet) const {
-        const glm::vec3 x = place(distance(parameter)), way = lamp_.is_sun ? -lamp_.direction : lamp_.position - x;
+        const glm::vec3 x = place(distance(parameter)), segment = lamp_.is_sun ? -lamp_.direction : lamp_.position - x;
         packet.origin_x[i] = x.x;
         packet.origin_y[i] = x.y;
         packet.origin_z[i] = x.z;
-        packet.direction_x[i] = way.x;
-        packet.direction_y[i] = way.y;
-        packet.direction_z[i] = way.z;
+        packet.direction_x[i] = segment.x;
+        packet.direction_y[i] = segment.y;
+        packet.direction_z[i] = segment.z;
         // A round lamp's own surface is no obstacle.
-        const float before = core::divide_or(lamp_.radius, glm::length(way), 1.0f);
+        const float before = core::divide_or(lamp_.radius, glm::length(segment), 1.0f);
         packet.far[i] = lamp_.is_sun ? endless : std::clamp(1.0f - before, 0.0f, shadow_ray_end);
     }
 
@@ -163,20 +164,15 @@ class LampWay {
     float first_ = 0, last_ = 0;
 };
 
-/// Which part of a way is lit: runs about places that are asked, with what layers let through. Places are the middles
-/// of equal cells, and what neighbours know of shadows that are thinner than a cell.
+/// Lit parts of a segment: runs about places that are asked, with the transmittance of layers. Places are the middles
+/// of equal cells.
 class LitRuns {
   public:
-    LitRuns(const AirScene& scene, const LampWay& way, int cells, std::span<const ThinShadow> known)
-        : way_(way), cells_(cells) {
+    LitRuns(const AirScene& scene, const LampSegment& segment, int cells) : segment_(segment), cells_(cells) {
         for (int i = 0; i < cells; ++i) at_.push_back(border(i) + 0.5f * (border(i + 1) - border(i)));
-        for (const ThinShadow& shadow : known)
-            if (at_.size() < most_places && shadow.middle > way.first() && shadow.middle < way.last())
-                at_.push_back(shadow.middle);
-        std::sort(at_.begin(), at_.end());
         passes_.assign(at_.size(), glm::vec3(1));
         lit_.resize(at_.size());
-        for (std::size_t from = 0; from < at_.size(); from += most_cells) ask(scene, from);
+        ask(scene);
         find_borders(scene);
     }
 
@@ -193,42 +189,28 @@ class LitRuns {
         for (int i = 0; i <= cells_; ++i) cuts.push_back(border(i));
         cuts.insert(cuts.end(), borders_.begin(), borders_.end());
     }
-    /// Adds the shadows, and the light between shadows, that are so thin that another way may miss them.
-    void add_thin(std::uint16_t lamp, std::vector<ThinShadow>& thin) const {
-        // chosen: two cells; a run as wide as that holds the middle of one on any way.
-        const float widest = 2 * (way_.last() - way_.first()) / static_cast<float>(cells_);
-        for (std::size_t i = 1; i < at_.size();) {
-            std::size_t end = i + 1;
-            while (end < at_.size() && !differs(end - 1)) ++end;
-            const bool bounded = differs(i - 1) && end < at_.size();
-            const float width = bounded ? borders_[end - 1] - borders_[i - 1] : widest;
-            if (width < widest) thin.push_back({lamp, borders_[i - 1] + 0.5f * width, width});
-            i = end;
-        }
-    }
 
   private:
-    static constexpr std::size_t most_places = 2 * most_cells;
-
     float border(int i) const {
-        if (i == cells_) return way_.last();
-        return way_.first() + (way_.last() - way_.first()) * static_cast<float>(i) / static_cast<float>(cells_);
+        if (i == cells_) return segment_.last();
+        return segment_.first() +
+               (segment_.last() - segment_.first()) * static_cast<float>(i) / static_cast<float>(cells_);
     }
     /// Whether a shadow begins or ends after place i.
     bool differs(std::size_t i) const { return lit_[i] != lit_[i + 1]; }
 
-    void ask(const AirScene& scene, std::size_t from) {
-        const std::size_t count = std::min(at_.size() - from, std::size_t{most_cells});
+    void ask(const AirScene& scene) {
+        const std::size_t count = at_.size();
         ShadowPacket packet;
         packet.bodies = scene.bodies;
         packet.active = (1u << count) - 1u;
-        for (std::size_t i = 0; i < count; ++i) way_.aim(at_[from + i], static_cast<int>(i), packet);
+        for (std::size_t i = 0; i < count; ++i) segment_.aim(at_[i], static_cast<int>(i), packet);
         std::array<glm::vec3, most_cells> passes;
         passes.fill(glm::vec3(1));
         const std::uint32_t dark = scene.tracer.occluded(packet, passes.data());
         for (std::size_t i = 0; i < count; ++i) {
-            lit_[from + i] = (dark >> i & 1u) == 0;
-            passes_[from + i] = passes[i];
+            lit_[i] = (dark >> i & 1u) == 0;
+            passes_[i] = passes[i];
         }
         rays_ += count;
     }
@@ -240,8 +222,7 @@ class LitRuns {
             borders_.push_back(0.5f * (at_[i] + at_[i + 1]));
             if (differs(i)) edges.push_back(i);
         }
-        for (std::size_t from = 0; from < edges.size(); from += most_cells)
-            find_edges(scene, std::span(edges).subspan(from, std::min(edges.size() - from, std::size_t{most_cells})));
+        if (!edges.empty()) find_edges(scene, edges);
     }
 
     void find_edges(const AirScene& scene, std::span<const std::size_t> edges) {
@@ -255,7 +236,7 @@ class LitRuns {
             packet.bodies = scene.bodies;
             packet.active = (1u << edges.size()) - 1u;
             for (std::size_t k = 0; k < edges.size(); ++k)
-                way_.aim(0.5f * (low[k] + high[k]), static_cast<int>(k), packet);
+                segment_.aim(0.5f * (low[k] + high[k]), static_cast<int>(k), packet);
             const std::uint32_t dark = scene.tracer.occluded(packet, nullptr);
             rays_ += edges.size();
             for (std::size_t k = 0; k < edges.size(); ++k) {
@@ -266,7 +247,7 @@ class LitRuns {
         for (std::size_t k = 0; k < edges.size(); ++k) borders_[edges[k]] = 0.5f * (low[k] + high[k]);
     }
 
-    const LampWay& way_;
+    const LampSegment& segment_;
     int cells_;
     std::vector<float> at_;  ///< places, rising
     std::vector<bool> lit_;
@@ -276,19 +257,19 @@ class LitRuns {
 };
 
 /// By two points of Gauss.
-float integral(const LampWay& way, float from, float to) {
+float integral(const LampSegment& segment, float from, float to) {
     const float middle = 0.5f * (from + to), half = 0.5f * (to - from);
     const float off = half * std::numbers::inv_sqrt3_v<float>;
-    return half * (way.scattered(middle - off) + way.scattered(middle + off));
+    return half * (segment.scattered(middle - off) + segment.scattered(middle + off));
 }
 
-/// Adds what one part of a way scatters before each end, in the way's parameter.
-void add_part(const LampWay& way, const LitRuns& runs, const std::vector<float>& ends, glm::vec3 strength,
+/// Adds the light that one part of a segment scatters before each end, in the segment's parameter.
+void add_part(const LampSegment& segment, const LitRuns& runs, const std::vector<float>& ends, glm::vec3 strength,
               glm::vec3* sums) {
     std::vector<float> cuts;
     cuts.reserve(2 * most_cells + ends.size() + 1);
     runs.add_cuts(cuts);
-    for (const float end : ends) cuts.push_back(std::clamp(end, way.first(), way.last()));
+    for (const float end : ends) cuts.push_back(std::clamp(end, segment.first(), segment.last()));
     std::sort(cuts.begin(), cuts.end());
     glm::vec3 sum(0);
     std::size_t end = 0;
@@ -296,7 +277,7 @@ void add_part(const LampWay& way, const LitRuns& runs, const std::vector<float>&
         for (; end < ends.size() && ends[end] <= cuts[i]; ++end) sums[end] += strength * sum;
         if (i + 1 == cuts.size() || !(cuts[i + 1] > cuts[i])) continue;
         const glm::vec3 passes = runs.passes(0.5f * (cuts[i] + cuts[i + 1]));
-        if (passes != glm::vec3(0)) sum += passes * integral(way, cuts[i], cuts[i + 1]);
+        if (passes != glm::vec3(0)) sum += passes * integral(segment, cuts[i], cuts[i + 1]);
     }
     for (; end < ends.size(); ++end) sums[end] += strength * sum;
 }
@@ -330,9 +311,8 @@ std::vector<AirLamp> air_lamps(std::span<const LightPoint> points, const LightTr
     return lamps;
 }
 
-std::uint64_t add_scattered(const AirScene& scene, const AirLamp& lamp, const AirRay& ray, int cells, glm::vec3* sums,
-                            ThinShadows* thin) {
-    const LampWay whole(scene.air, lamp, ray);
+std::uint64_t add_scattered(const AirScene& scene, const AirLamp& lamp, const AirRay& ray, int cells, glm::vec3* sums) {
+    const LampSegment whole(scene.air, lamp, ray);
     if (whole.is_dark()) return 0;
     std::vector<float> ends;
     for (const float end : ray.ends) ends.push_back(whole.parameter(end));
@@ -340,12 +320,10 @@ std::uint64_t add_scattered(const AirScene& scene, const AirLamp& lamp, const Ai
     const int parts = lamp.is_sun ? sun_parts : 1;
     std::uint64_t rays = 0;
     for (int p = 0; p < parts; ++p) {
-        const LampWay way = whole.part(p, parts);
-        const LitRuns runs(scene, way, std::clamp(cells, 1, most_cells),
-                           thin != nullptr ? thin->known : std::span<const ThinShadow>());
+        const LampSegment segment = whole.part(p, parts);
+        const LitRuns runs(scene, segment, std::clamp(cells, 1, most_cells));
         rays += runs.rays();
-        if (thin != nullptr) runs.add_thin(thin->lamp, thin->found);
-        if (!runs.is_dark()) add_part(way, runs, ends, strength, sums);
+        if (!runs.is_dark()) add_part(segment, runs, ends, strength, sums);
     }
     return rays;
 }

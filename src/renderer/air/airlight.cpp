@@ -64,7 +64,6 @@ void make_unique(Rungs& rungs) {
 struct Column {
     Rungs rungs;
     std::vector<glm::vec3> light;
-    std::vector<ThinShadow> thin;  ///< by lamp
 
     /// At a rung that it has.
     glm::vec3 at(int rung) const {
@@ -80,34 +79,6 @@ struct Column {
         return a + t * (b - a);
     }
 };
-
-/// A lamp's light along a ray, at its rungs.
-struct LampColumn {
-    std::vector<glm::vec3> light;
-    std::vector<ThinShadow> thin;
-};
-
-/// A ray of the eye from the near plane on, and the distances of its rungs.
-struct ColumnRay {
-    glm::vec3 origin{0}, direction{0};
-    std::vector<float> ends;
-};
-
-/// Whether one of `shadows` is about this one.
-bool holds(const std::vector<ThinShadow>& shadows, const ThinShadow& one) {
-    return std::any_of(shadows.begin(), shadows.end(), [&](const ThinShadow& s) {
-        return s.lamp == one.lamp && std::abs(s.middle - one.middle) < 0.5f * (s.width + one.width);
-    });
-}
-
-/// All that two of them hold, each once, by lamp.
-std::vector<ThinShadow> both(const std::vector<ThinShadow>& a, const std::vector<ThinShadow>& b) {
-    std::vector<ThinShadow> all = a;
-    for (const ThinShadow& one : b)
-        if (!holds(all, one)) all.push_back(one);
-    std::stable_sort(all.begin(), all.end(), [](const auto& l, const auto& r) { return l.lamp < r.lamp; });
-    return all;
-}
 
 class Airlight {
   public:
@@ -135,23 +106,14 @@ class Airlight {
     using Spans = std::vector<const AirSpan*>;
     using CellSpans = std::array<Spans, static_cast<std::size_t>(cells_across* cells_across)>;
 
-    glm::ivec2 first_pixel(std::size_t tile) const {
-        const auto across = static_cast<std::size_t>(seen_.tiles_across());
-        return tile_size * glm::ivec2(static_cast<int>(tile % across), static_cast<int>(tile / across));
-    }
     CellSpans cells_of(const SeenAir& air, std::size_t tile, const core::Plane<std::uint8_t>* only) const;
-    Column column(glm::vec2 position, Rungs rungs, std::span<const ThinShadow> known, std::uint64_t& rays) const;
-    ColumnRay eye_ray(glm::vec2 position, const Rungs& rungs) const;
-    LampColumn lamp_column(std::size_t lamp, const ColumnRay& way, std::span<const ThinShadow> known,
-                           std::uint64_t& rays) const;
-    void fill_row(std::size_t row, std::vector<Rungs> rungs, std::uint64_t& rays);
+    Column column(glm::vec2 position, Rungs rungs, std::uint64_t& rays) const;
     void add_cell(glm::ivec2 first, const Spans& spans, core::Plane<glm::vec3>& out, std::uint64_t& rays) const;
     float allowed(glm::ivec2 pixel, float luminance) const;
     bool is_smooth(glm::ivec2 first, const std::array<const Column*, 4>& corners, const Rungs& rungs,
                    std::uint64_t& rays) const;
-    void add_finely(glm::ivec2 first, const Spans& spans, std::span<const ThinShadow> known,
-                    core::Plane<glm::vec3>& out, std::uint64_t& rays) const;
-    glm::vec3 light_of(const AirWay& way, std::uint64_t& rays) const;
+    void add_finely(glm::ivec2 first, const Spans& spans, core::Plane<glm::vec3>& out, std::uint64_t& rays) const;
+    glm::vec3 light_of(const AirPath& path, std::uint64_t& rays) const;
     const Column& corner(int x, int y) const { return columns_[static_cast<std::size_t>(y * across_ + x)]; }
 
     const scene::Camera& camera_;
@@ -170,7 +132,7 @@ class Airlight {
 Airlight::CellSpans Airlight::cells_of(const SeenAir& air, std::size_t tile,
                                        const core::Plane<std::uint8_t>* only) const {
     CellSpans cells;
-    const glm::ivec2 first = first_pixel(tile);
+    const glm::ivec2 first = seen_.corner_of(tile);
     for (const AirSpan& span : air.straight) {
         const int x = span.pixel % tile_size, y = span.pixel / tile_size;
         if (only != nullptr && only->at(first.x + x, first.y + y) == 0) continue;
@@ -179,70 +141,20 @@ Airlight::CellSpans Airlight::cells_of(const SeenAir& air, std::size_t tile,
     return cells;
 }
 
-/// The eye's ray through a position of the picture.
-ColumnRay Airlight::eye_ray(glm::vec2 position, const Rungs& rungs) const {
+/// All lamps' light along the eye's ray through a position of the picture.
+Column Airlight::column(glm::vec2 position, Rungs rungs, std::uint64_t& rays) const {
+    Column column;
+    column.light.assign(rungs.size(), glm::vec3(0));
+    column.rungs = std::move(rungs);
+    if (column.rungs.empty()) return column;
     const scene::Ray eye = camera_.ray_through(position);
     const float cosine = glm::dot(eye.direction, camera_.forward());
     const float near = core::divide_or(std::max(camera_.lens().near, 0.0f), cosine, 0.0f);
-    ColumnRay way{eye.origin + near * eye.direction, eye.direction, {}};
-    for (const int rung : rungs) way.ends.push_back(distance_of(rung));
-    return way;
-}
-
-/// A lamp's light along it.
-LampColumn Airlight::lamp_column(std::size_t lamp, const ColumnRay& way, std::span<const ThinShadow> known,
-                                 std::uint64_t& rays) const {
-    LampColumn column;
-    column.light.assign(way.ends.size(), glm::vec3(0));
-    if (way.ends.empty()) return column;
-    ThinShadows thin{static_cast<std::uint16_t>(lamp), known, {}};
-    rays += add_scattered(scene_, lamps_[lamp], {way.origin, way.direction, way.ends, half_pixel_}, eye_cells,
-                          column.light.data(), &thin);
-    column.thin = std::move(thin.found);
+    std::vector<float> ends;
+    for (const int rung : column.rungs) ends.push_back(distance_of(rung));
+    const AirRay ray{eye.origin + near * eye.direction, eye.direction, ends, half_pixel_};
+    for (const AirLamp& lamp : lamps_) rays += add_scattered(scene_, lamp, ray, eye_cells, column.light.data());
     return column;
-}
-
-/// All lamps' light along the eye's ray through a position of the picture.
-Column Airlight::column(glm::vec2 position, Rungs rungs, std::span<const ThinShadow> known, std::uint64_t& rays) const {
-    const ColumnRay way = eye_ray(position, rungs);
-    Column column;
-    column.light.assign(rungs.size(), glm::vec3(0));
-    for (std::size_t l = 0, from = 0; l < lamps_.size(); ++l) {
-        std::size_t to = from;
-        while (to < known.size() && known[to].lamp == l) ++to;
-        const LampColumn one = lamp_column(l, way, known.subspan(from, to - from), rays);
-        for (std::size_t i = 0; i < one.light.size(); ++i) column.light[i] += one.light[i];
-        from = to;
-    }
-    column.rungs = std::move(rungs);
-    return column;
-}
-
-/// A row of the lattice, lamp by lamp. Shadows that are thinner than a cell are followed from ray to ray, to the right
-/// and back, from where one was met by chance.
-void Airlight::fill_row(std::size_t row, std::vector<Rungs> rungs, std::uint64_t& rays) {
-    const auto count = static_cast<std::size_t>(across_);
-    Column* const columns = columns_.data() + row * count;
-    std::vector<ColumnRay> ways;
-    for (std::size_t x = 0; x < count; ++x) {
-        ways.emplace_back(eye_ray(static_cast<float>(lattice) * glm::vec2(x, row), rungs[x]));
-        columns[x].light.assign(rungs[x].size(), glm::vec3(0));
-        columns[x].rungs = std::move(rungs[x]);
-    }
-    std::vector<LampColumn> found(count);
-    for (std::size_t l = 0; l < lamps_.size(); ++l) {
-        for (std::size_t x = 0; x < count; ++x)
-            found[x] = lamp_column(l, ways[x], x > 0 ? found[x - 1].thin : std::vector<ThinShadow>(), rays);
-        for (std::size_t x = count - 1; x-- > 0;) {
-            const std::vector<ThinShadow>&own = found[x].thin, &right = found[x + 1].thin;
-            if (!std::all_of(right.begin(), right.end(), [&](const ThinShadow& s) { return holds(own, s); }))
-                found[x] = lamp_column(l, ways[x], both(own, right), rays);
-        }
-        for (std::size_t x = 0; x < count; ++x) {
-            columns[x].thin.insert(columns[x].thin.end(), found[x].thin.begin(), found[x].thin.end());
-            for (std::size_t i = 0; i < columns[x].light.size(); ++i) columns[x].light[i] += found[x].light[i];
-        }
-    }
 }
 
 /// Tolerance of the light of air in a pixel.
@@ -253,12 +165,7 @@ float Airlight::allowed(glm::ivec2 pixel, float luminance) const {
     return tolerance_->pixels.at(pixel.x, pixel.y).allows(luminance);
 }
 
-/// Thin shadows known to the rays at a cell's corners.
-std::vector<ThinShadow> thin_of(const std::array<const Column*, 4>& corners) {
-    return both(both(corners[0]->thin, corners[1]->thin), both(corners[2]->thin, corners[3]->thin));
-}
-
-/// Whether light between a cell's corners is what lies between theirs.
+/// Whether light within a cell is interpolated well enough between its corners.
 bool Airlight::is_smooth(glm::ivec2 first, const std::array<const Column*, 4>& corners, const Rungs& rungs,
                          std::uint64_t& rays) const {
     const glm::ivec2 pixel = first + lattice / 2;
@@ -273,7 +180,7 @@ bool Airlight::is_smooth(glm::ivec2 first, const std::array<const Column*, 4>& c
         alike = alike && most - least <= part_of_tolerance * allowed(pixel, least);
     }
     if (alike) return true;
-    const Column middle = column(glm::vec2(first) + 0.5f * lattice, rungs, thin_of(corners), rays);
+    const Column middle = column(glm::vec2(first) + 0.5f * lattice, rungs, rays);
     return std::all_of(rungs.begin(), rungs.end(), [&](int rung) {
         glm::vec3 mean(0);
         for (const Column* column : corners) mean += 0.25f * column->at(rung);
@@ -291,7 +198,7 @@ void Airlight::add_cell(glm::ivec2 first, const Spans& spans, core::Plane<glm::v
     const std::array<const Column*, 4> corners{&corner(cx, cy), &corner(cx + 1, cy), &corner(cx, cy + 1),
                                                &corner(cx + 1, cy + 1)};
     if (!is_smooth(first, corners, rungs, rays)) {
-        add_finely(first, spans, thin_of(corners), out, rays);
+        add_finely(first, spans, out, rays);
         return;
     }
     for (const AirSpan* span : spans) {
@@ -305,23 +212,23 @@ void Airlight::add_cell(glm::ivec2 first, const Spans& spans, core::Plane<glm::v
 }
 
 /// By a ray through each pixel.
-void Airlight::add_finely(glm::ivec2 first, const Spans& spans, std::span<const ThinShadow> known,
-                          core::Plane<glm::vec3>& out, std::uint64_t& rays) const {
+void Airlight::add_finely(glm::ivec2 first, const Spans& spans, core::Plane<glm::vec3>& out,
+                          std::uint64_t& rays) const {
     for (std::size_t from = 0; from < spans.size();) {
         std::size_t to = from;
         Rungs rungs;
         for (; to < spans.size() && spans[to]->pixel == spans[from]->pixel; ++to) add_rungs(spans[to]->distance, rungs);
         make_unique(rungs);
         const glm::ivec2 p = first + glm::ivec2(spans[from]->pixel % lattice, spans[from]->pixel / tile_size % lattice);
-        const Column own = column(glm::vec2(p) + 0.5f, std::move(rungs), known, rays);
+        const Column own = column(glm::vec2(p) + 0.5f, std::move(rungs), rays);
         for (; from < to; ++from) out.at(p.x, p.y) += spans[from]->weight * own.at_distance(spans[from]->distance);
     }
 }
 
-glm::vec3 Airlight::light_of(const AirWay& way, std::uint64_t& rays) const {
-    glm::vec3 light = ambient_ != nullptr ? ambient_->along(way) : glm::vec3(0);
-    const float end[1] = {way.distance};
-    const AirRay ray{way.origin, way.direction, end, half_pixel_};
+glm::vec3 Airlight::light_of(const AirPath& path, std::uint64_t& rays) const {
+    glm::vec3 light = ambient_ != nullptr ? ambient_->along(path) : glm::vec3(0);
+    const float end[1] = {path.distance};
+    const AirRay ray{path.origin, path.direction, end, half_pixel_};
     for (const AirLamp& lamp : lamps_) rays += add_scattered(scene_, lamp, ray, mirror_cells, &light);
     return light;
 }
@@ -342,31 +249,31 @@ void Airlight::add(const std::vector<SeenAir>& air, const core::Plane<std::uint8
     std::vector<std::uint64_t> row_rays(static_cast<std::size_t>(down_), 0), tile_rays(air.size(), 0);
     parallel::for_each(static_cast<std::size_t>(down_), [&](std::size_t row) {
         const int y = static_cast<int>(row);
-        std::vector<Rungs> all(static_cast<std::size_t>(across_));
         for (int x = 0; x < across_; ++x) {
-            Rungs& rungs = all[static_cast<std::size_t>(x)];
+            Rungs rungs;
             for (const glm::ivec2 d : {glm::ivec2(-1, -1), glm::ivec2(0, -1), glm::ivec2(-1, 0), glm::ivec2(0, 0)})
                 if (const Spans* spans = spans_at(x + d.x, y + d.y))
                     for (const AirSpan* span : *spans) add_rungs(span->distance, rungs);
             make_unique(rungs);
+            columns_[row * static_cast<std::size_t>(across_) + static_cast<std::size_t>(x)] =
+                column(static_cast<float>(lattice) * glm::vec2(x, y), std::move(rungs), row_rays[row]);
         }
-        fill_row(row, std::move(all), row_rays[row]);
     });
     // and that of the pixels.
     parallel::for_each(air.size(), [&](std::size_t t) {
-        const glm::ivec2 first = first_pixel(t);
+        const glm::ivec2 first = seen_.corner_of(t);
         for (int c = 0; c < cells_across * cells_across; ++c)
             add_cell(first + lattice * glm::ivec2(c % cells_across, c / cells_across),
                      cells[t][static_cast<std::size_t>(c)], out, tile_rays[t]);
         for (const AirSpan& span : air[t].straight) {
-            const glm::ivec2 p = first + glm::ivec2(span.pixel % tile_size, span.pixel / tile_size);
+            const glm::ivec2 p = seen_.place_of(t, span.pixel);
             if (ambient_ != nullptr && (only == nullptr || only->at(p.x, p.y) != 0))
                 out.at(p.x, p.y) += span.weight * ambient_->light(p, span.distance);
         }
-        for (const AirWay& way : air[t].beyond) {
-            const glm::ivec2 p = first + glm::ivec2(way.pixel % tile_size, way.pixel / tile_size);
+        for (const AirPath& path : air[t].beyond) {
+            const glm::ivec2 p = seen_.place_of(t, path.pixel);
             if (only != nullptr && only->at(p.x, p.y) == 0) continue;
-            const glm::vec3 light = way.weight * light_of(way, tile_rays[t]);
+            const glm::vec3 light = path.weight * light_of(path, tile_rays[t]);
             out.at(p.x, p.y) += light;
             if (beyond != nullptr && !beyond->empty()) beyond->at(p.x, p.y) += light;
         }

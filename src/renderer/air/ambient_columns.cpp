@@ -16,7 +16,7 @@ constexpr float step_ratio = 1.4f;
 /// Behind air of this optical depth, and beyond so many sizes of the scene, light counts as even.
 constexpr float deep_enough = 6.0f, scenes_away = 4.0f;
 
-/// That of the sharp picture, and of what shutter and lens blur.
+/// Air of the sharp picture and of blurred pixels.
 std::vector<const SeenAir*> all_air(const Frame& seen) {
     std::vector<const SeenAir*> all;
     for (const SeenAir& tile : seen.air) all.push_back(&tile);
@@ -60,7 +60,7 @@ AmbientColumns::AmbientColumns(const PosedScene& posed_scene, const Frame& seen,
         for (int s = 0; s < steps_ && useful(c, s); ++s)
             places.emplace_back(c.origin + distance_of(s) * c.direction, distance_of(s));
     for (const SeenAir* tile : all)
-        for (const AirWay& way : tile->beyond) places.emplace_back(way.origin, glm::length(way.origin - eye_));
+        for (const AirPath& path : tile->beyond) places.emplace_back(path.origin, glm::length(path.origin - eye_));
     rays_ = ambient.learn(posed_scene.tracer(), places);
     parallel::for_each(columns_.size(), [&](std::size_t i) {
         Column& c = columns_[i];
@@ -113,10 +113,10 @@ glm::vec3 AmbientColumns::light(glm::ivec2 pixel, float distance) const {
            glm::mix(glm::mix(corner(0, 0), corner(1, 0), t.x), glm::mix(corner(0, 1), corner(1, 1), t.x), t.y);
 }
 
-glm::vec3 AmbientColumns::along(const AirWay& way) const {
+glm::vec3 AmbientColumns::along(const AirPath& path) const {
     // Lit as where it begins.
-    const float lost = -std::expm1(-air_.optical_depth(way.origin, way.direction, way.distance));
-    return lost * air_.albedo() * ambient_.fluence(way.origin, glm::length(way.origin - eye_));
+    const float lost = -std::expm1(-air_.optical_depth(path.origin, path.direction, path.distance));
+    return lost * air_.albedo() * ambient_.fluence(path.origin, glm::length(path.origin - eye_));
 }
 
 }  // namespace render2mpeg::renderer

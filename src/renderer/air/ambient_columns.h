@@ -10,7 +10,7 @@
 
 namespace render2mpeg::renderer {
 
-/// Ambient light that air scatters on the way from the eye, sampled at the corners of tiles and at evenly growing
+/// Ambient light that air scatters before the eye, sampled at the corners of tiles and at evenly growing
 /// distances; interpolated in between.
 class AmbientColumns {
   public:
@@ -20,7 +20,7 @@ class AmbientColumns {
     /// From the eye as far as a distance, about the middle of a pixel.
     glm::vec3 light(glm::ivec2 pixel, float distance) const;
     /// The same along any ray.
-    glm::vec3 along(const AirWay& way) const;
+    glm::vec3 along(const AirPath& path) const;
     std::uint64_t rays() const { return rays_; }
 
   private:

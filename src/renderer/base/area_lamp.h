@@ -4,8 +4,6 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "renderer/base/light_packing.h"
-
 namespace render2mpeg::renderer {
 
 /// A lamp whose unoccluded irradiance has a closed form, so that only the share of it that is visible must be sampled
@@ -24,7 +22,6 @@ struct AreaLamp {
     float clearance = 0;             ///< shadow rays end so far before the surface, scene units
     float area = 0;                  ///< polygon, sphere
     glm::vec3 radiance{0};
-    MiddleBox box;  ///< about it; sun: of unit directions towards it
 };
 
 }  // namespace render2mpeg::renderer

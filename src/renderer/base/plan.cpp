@@ -35,8 +35,8 @@ constexpr bool never(const Wanted&) {
 constexpr bool has_light(const Traits& t) {
     return t.has_punctual_lights || t.has_emissive_surfaces || t.has_shining_sky;
 }
-constexpr bool throws_light_onto_others(const Traits& t) {
-    return t.throws_light && has_light(t) && (t.has_diffuse_surfaces || t.has_glossy_surfaces);
+constexpr bool has_caustics(const Traits& t) {
+    return t.casts_caustics && has_light(t) && (t.has_diffuse_surfaces || t.has_glossy_surfaces);
 }
 constexpr bool without_indirect(const Wanted& w) {
     return !w.indirect;
@@ -67,8 +67,8 @@ struct Rule {
 
 using enum Pass;
 
-/// The table. A new effect is one row here and one file beside it; with its name in the last column `cost` shows what
-/// it takes and what pictures are without it.
+/// The table. A new effect is one row here and one file beside it; with its name in the last column `cost` shows its
+/// time, and pictures without it.
 constexpr Rule rules[] = {
     {pose, "pose", "the scene has surfaces", "there are no surfaces", [](const Traits& t) { return t.has_surfaces; },
      set_of({see, emissive_lights, caustics, photons, shade}), never, "snapshot (n)", "traced geometry (n)"},
@@ -126,7 +126,7 @@ constexpr Rule rules[] = {
      [](const Traits& t) { return t.has_surfaces && t.has_even_lamps; }, set_of({shade}), never,
      "lamps (n), choice (film)", "lamps in closed form (n)", "area lamps in closed form"},
     {caustics, "caustics", "things mirror or bend light onto others", "nothing mirrors or bends light onto others",
-     throws_light_onto_others, set_of({shade}), never, "lights, geometry, gather points (n), photons' number (chunk)",
+     has_caustics, set_of({shade}), never, "lights, geometry, gather points (n), photons' number (chunk)",
      "light on points (n)", "caustics", without_caustics},
     {hair, "hair", "strands scatter light as fibres", "there is no hair",
      [](const Traits& t) { return t.has_hair && has_light(t); }, set_of({shade}), never,

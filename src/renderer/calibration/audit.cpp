@@ -23,9 +23,7 @@ constexpr float rounding = 1e-5f;
 }  // namespace
 
 glm::ivec2 place_of(const Frame& seen, const LitPixel& p) {
-    const int pixel = seen.tiles[p.tile][p.first].pixel, across = seen.tiles_across();
-    return {static_cast<int>(p.tile) % across * tile_size + pixel % tile_size,
-            static_cast<int>(p.tile) / across * tile_size + pixel / tile_size};
+    return seen.place_of(p.tile, seen.tiles[p.tile][p.first].pixel);
 }
 
 LitPixel pixel_at(const Frame& seen, glm::ivec2 place) {

@@ -15,7 +15,7 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// Least reflectance at normal incidence for which thrown light is seen. chosen: water's.
+/// Least reflectance at normal incidence for which caustics are seen. chosen: water's.
 constexpr float least_reflectance = 0.02f;
 
 /// Share of photons that all beams have alike. [Hesterberg1995] chosen: 0.1, as photons.
@@ -173,7 +173,7 @@ Casters::Casters(const PosedScene& posed_scene, std::span<const LightPoint> ligh
     double all = 0;
     for (std::uint32_t l = 0; l < lamps_.size(); ++l)
         for (std::uint32_t t = 0; t < things_.size(); ++t) {
-            const double light = light_thrown(lamps_[l], things_[t]);
+            const double light = caustic_flux(lamps_[l], things_[t]);
             if (light > 0.0) beams_.push_back({l, t, light, 0});
             all += light;
         }
@@ -192,7 +192,7 @@ Casters::Corners Casters::Thing::at(float time) const {
 }
 
 /// By a few of its points.
-double Casters::light_thrown(const Lamp& lamp, const Thing& thing) {
+double Casters::caustic_flux(const Lamp& lamp, const Thing& thing) {
     constexpr int probes = 4;
     double light = 0;
     for (int k = 0; k < probes; ++k) {

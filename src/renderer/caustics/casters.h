@@ -7,20 +7,17 @@
 #include <vector>
 
 #include "renderer/base/light_point.h"
-#include "renderer/surface/posed_scene.h"
+#include "renderer/surface/light_ray.h"
 
 namespace render2mpeg::renderer {
 
-/// A photon as it leaves its lamp towards a thing that throws light.
-struct AimedPhoton {
-    glm::vec3 origin{0}, direction{0, 0, -1};  ///< direction unit
-    glm::vec3 flux{0};                         ///< that it stands for; 0: none
-    float time = scene::middle_time;           ///< of the shutter
-    bool from_far = false;                     ///< comes from infinitely far: a sun's, or the sky's
+/// A photon as it leaves its lamp towards a caster.
+struct AimedPhoton : LightRay {
+    glm::vec3 flux{0};  ///< that it stands for; 0: none
     /// How neighbours differ in origin and direction: two of the same lamp point, across the photon's share of the
     /// beam; and two at the edge of the disc that the lamp point stands for.
     std::array<glm::vec3, 4> place{}, turn{};
-    std::uint32_t object = 0;  ///< that it is aimed at: what meets anything else that throws light is another's
+    std::uint32_t object = 0;  ///< that it is aimed at: light on another caster belongs to other photons
     std::uint64_t number = 0;  ///< among those of its beam, from 1: of the numbers that choose its way
     std::uint64_t of = 0;      ///< photons of its beam
 };
@@ -68,7 +65,7 @@ class Casters {
         float area() const { return 4.0f * half.x * half.y; }
     };
     static Rectangle seen_from(const LightPoint& light, const Corners& corners);
-    static double light_thrown(const Lamp& lamp, const Thing& thing);
+    static double caustic_flux(const Lamp& lamp, const Thing& thing);
     const Beam& beam_of(std::uint64_t index, std::uint64_t count, std::uint64_t& first, std::uint64_t& end) const;
     float leave(const LightPoint& light, const Rectangle& seen, glm::vec2 u, AimedPhoton& photon) const;
 

@@ -127,10 +127,9 @@ glm::vec3 scattered(const GatherPoint& g, const CausticLight& light) {
 
 /// A pixel's place in the picture, row by row.
 std::size_t pixel_of(const Frame& seen, std::uint32_t tile, const GatherPoint& g) {
-    const auto across = static_cast<std::uint32_t>(seen.tiles_across());
-    const std::uint32_t x = tile % across * tile_size + g.pixel % tile_size;
-    const std::uint32_t y = tile / across * tile_size + g.pixel / tile_size;
-    return std::size_t{y} * static_cast<std::size_t>(seen.visible.width()) + x;
+    const glm::ivec2 place = seen.place_of(tile, g.pixel);
+    return static_cast<std::size_t>(place.y) * static_cast<std::size_t>(seen.visible.width()) +
+           static_cast<std::size_t>(place.x);
 }
 
 /// Light of caustics in a pixel.

@@ -21,11 +21,10 @@ template <class Visit>
 void for_each_exposed(const Frame& seen, std::size_t tile, Visit visit) {
     const Exposure& exposure = *seen.exposure;
     if (!exposure.is_exposed(tile)) return;
-    const auto across = static_cast<std::size_t>(seen.tiles_across());
-    const int left = static_cast<int>(tile % across) * tile_size, top = static_cast<int>(tile / across) * tile_size;
     for (int pixel = 0; pixel < tile_size * tile_size; ++pixel) {
-        const int x = left + pixel % tile_size, y = top + pixel / tile_size;
-        if (x < seen.visible.width() && y < seen.visible.height() && exposure.exposed.at(x, y) != 0) visit(x, y, pixel);
+        const glm::ivec2 at = seen.place_of(tile, pixel);
+        if (at.x < seen.visible.width() && at.y < seen.visible.height() && exposure.exposed.at(at.x, at.y) != 0)
+            visit(at.x, at.y, pixel);
     }
 }
 
@@ -36,52 +35,53 @@ class PixelSum {
         const glm::vec3 shine = c.weight * (l.glossy + caustic.glossy), fallen = l.direct + caustic.irradiance,
                         scattered = c.diffuse * (fallen + l.indirect) + shine;
         combined += scattered;
-        ++count;
-        direct_cut += l.direct_cut;
-        indirect_cut += l.indirect_cut;
-        error += core::divide_or(core::luminance(c.weight), core::luminance(p.weight), 0.0f) * l.error;
-        age += l.age;
-        reused += l.served ? 1.0f : 0.0f;
+        ++count_;
+        direct_cut_ += l.direct_cut;
+        indirect_cut_ += l.indirect_cut;
+        error_ += core::divide_or(core::luminance(c.weight), core::luminance(p.weight), 0.0f) * l.error;
+        age_ += l.age;
+        reused_ += l.served ? 1.0f : 0.0f;
         if (p.reached_by_specular()) {
-            specular += scattered;
+            specular_ += scattered;
             return;
         }
-        weight += c.weight;
-        albedo += c.diffuse;
-        direct += c.diffuse * fallen;
-        indirect += c.diffuse * l.indirect;
-        plain_direct += c.weight * fallen;
-        plain_indirect += c.weight * l.indirect;
-        glossy += shine;
+        weight_ += c.weight;
+        albedo_ += c.diffuse;
+        direct_ += c.diffuse * fallen;
+        indirect_ += c.diffuse * l.indirect;
+        plain_direct_ += c.weight * fallen;
+        plain_indirect_ += c.weight * l.indirect;
+        glossy_ += shine;
     }
 
     void write_layers(int x, int y, core::Radiance& radiance) const {
         const auto mean = [&](glm::vec3 sum, glm::vec3 plain) {
             glm::vec3 r;
             for (int k = 0; k < 3; ++k)
-                r[k] = core::divide_or(sum[k], albedo[k], core::divide_or(plain[k], weight[k], 0.0f));
+                r[k] = core::divide_or(sum[k], albedo_[k], core::divide_or(plain[k], weight_[k], 0.0f));
             return r;
         };
-        radiance.albedo.at(x, y) = albedo;
-        radiance.direct_irradiance.at(x, y) = mean(direct, plain_direct);
-        radiance.indirect_irradiance.at(x, y) = mean(indirect, plain_indirect);
-        radiance.glossy.at(x, y) = glossy;
-        radiance.specular.at(x, y) += specular;
-        const auto points = static_cast<float>(std::max(count, 1));
-        radiance.direct_cut.at(x, y) = direct_cut / points;
-        radiance.indirect_cut.at(x, y) = indirect_cut / points;
-        radiance.error.at(x, y) = error;
+        radiance.albedo.at(x, y) = albedo_;
+        radiance.direct_irradiance.at(x, y) = mean(direct_, plain_direct_);
+        radiance.indirect_irradiance.at(x, y) = mean(indirect_, plain_indirect_);
+        radiance.glossy.at(x, y) = glossy_;
+        radiance.specular.at(x, y) += specular_;
+        const auto points = static_cast<float>(std::max(count_, 1));
+        radiance.direct_cut.at(x, y) = direct_cut_ / points;
+        radiance.indirect_cut.at(x, y) = indirect_cut_ / points;
+        radiance.error.at(x, y) = error_;
         if (radiance.record_age.empty()) return;
-        radiance.record_age.at(x, y) = age / points;
-        radiance.record_reuse.at(x, y) = reused / points;
+        radiance.record_age.at(x, y) = age_ / points;
+        radiance.record_reuse.at(x, y) = reused_ / points;
     }
 
     glm::vec3 combined{0};
 
   private:
-    glm::vec3 weight{0}, albedo{0}, direct{0}, indirect{0}, plain_direct{0}, plain_indirect{0}, glossy{0}, specular{0};
-    float direct_cut = 0, indirect_cut = 0, error = 0, age = 0, reused = 0;
-    int count = 0;
+    glm::vec3 weight_{0}, albedo_{0}, direct_{0}, indirect_{0}, plain_direct_{0}, plain_indirect_{0}, glossy_{0},
+        specular_{0};
+    float direct_cut_ = 0, indirect_cut_ = 0, error_ = 0, age_ = 0, reused_ = 0;
+    int count_ = 0;
 };
 
 bool is_finite(const core::Radiance& radiance, int x, int y) {
@@ -104,16 +104,14 @@ core::ToleranceMap tolerance_of_points(const Frame& seen, const core::ToleranceM
     if (!seen.exposure || tolerance.is_reference()) return tolerance;
     const Exposure& exposure = *seen.exposure;
     core::ToleranceMap least = tolerance;
-    const auto across = static_cast<std::size_t>(seen.tiles_across());
     for (std::size_t t = 0; t < seen.tiles.size(); ++t)
         for_each_exposed(seen, t, [&](int x, int y, int pixel) {
             const core::Tolerance& own = tolerance.pixels.at(x, y);
             for (const Contribution& c : exposure.of_pixel(t, pixel)) {
                 const std::size_t tile = tile_of(exposure, c.point);
                 const GatherPoint& p = seen.tiles[tile][c.point - exposure.first_point[tile]];
-                core::Tolerance& cell =
-                    least.pixels.at(static_cast<int>(tile % across) * tile_size + p.pixel % tile_size,
-                                    static_cast<int>(tile / across) * tile_size + p.pixel / tile_size);
+                const glm::ivec2 place = seen.place_of(tile, p.pixel);
+                core::Tolerance& cell = least.pixels.at(place.x, place.y);
                 const float relative = std::min(cell.relative, own.relative);
                 if (own.absolute < cell.absolute) cell = own;
                 cell.relative = relative;

@@ -36,7 +36,6 @@ void Clusters::set(std::uint32_t index, const LightContribution& contribution) {
     cluster.lit = contribution.lit;
     cluster.unknown = contribution.unknown;
     cluster.any_clamped = contribution.unit.any_clamped;
-    cluster.is_dark = contribution.is_blocked;
     if (glossy_) {
         std::copy(std::begin(contribution.unit.f0), std::end(contribution.unit.f0), std::begin(lobes_[index].f0));
         std::copy(std::begin(contribution.unit.schlick), std::end(contribution.unit.schlick),

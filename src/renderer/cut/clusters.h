@@ -1,18 +1,17 @@
 #pragma once
-// The clusters of a cut, and what their representatives send.
+// The clusters of a cut, and the light of their representatives.
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>
 
 #include "renderer/base/isa_clones.h"
-#include "renderer/cut/group_occluders.h"
 #include "renderer/cut/shadow_tester.h"
 #include "renderer/tree/light_trees.h"
 
 namespace render2mpeg::renderer {
 
-/// One cluster of a cut: what its representative sends and whom it reaches. Three cache lines: a cut of a thousand of
-/// them stays near.
+/// One cluster of a cut: light of its representative, and the lanes it reaches. Three cache lines: a cut of a thousand
+/// of them stays near.
 struct alignas(64) Cluster {
     Cluster() {}    // leaves lanes as they are
     Lanes diffuse;  ///< irradiance by unit intensity, visibility included
@@ -24,12 +23,8 @@ struct alignas(64) Cluster {
     std::uint16_t lit = 0;
     std::uint16_t unknown = 0;  ///< bit i: nobody knows; counts as half lit
     std::uint8_t tree = 0;
-    bool is_open = false;                           ///< may be split, and some lane could notice
-    bool any_clamped = false;                       ///< of what the representative sends
-    bool is_dark = false;                           ///< all rays to the representative were blocked
-    bool is_tested = false;                         ///< against the occluders
-    bool is_occluded = false;                       ///< by one of them: nothing of it reaches any lane
-    std::uint16_t occluders = GroupOccluders::all;  ///< that may hide its lights
+    bool is_open = false;      ///< may be split, and some lane could notice
+    bool any_clamped = false;  ///< of the light of the representative
 };
 
 /// Share of the representative's light that reaches lane i: 0, 1, or 1/2 where nobody knows.
@@ -38,7 +33,7 @@ RENDER2MPEG_ALWAYS_INLINED float visible_share(const Cluster& cluster, int i) {
     return (cluster.lit >> i & 1) != 0 ? lit : 0.0f;
 }
 
-/// The clusters of one group's cut, with what only some groups need beside them.
+/// The clusters of one group's cut, with lobes and tints beside them where a group needs them.
 class Clusters {
   public:
     /// None, for these lanes.
@@ -54,7 +49,7 @@ class Clusters {
     /// Known light of a cluster's children before they are traced.
     LightContribution inherited(std::uint32_t index) const;
 
-    /// Keeps what its representative sends.
+    /// Keeps the light of its representative.
     void set(std::uint32_t index, const LightContribution& contribution);
 
     /// Contribution of a cluster per unit intensity.

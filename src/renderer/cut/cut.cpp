@@ -11,7 +11,7 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// Squares of what is larger than this (in units of what a point tolerates) leave no digits of the others in a running
+/// Squares of bounds larger than this (in units of a point's tolerance) leave no digits of the others in a running
 /// sum. chosen: 1e8, which leaves half of a double's; clusters that hold the point itself reach 1e30.
 constexpr float drowning_priority = 1e8f;
 
@@ -52,28 +52,10 @@ void Cut::trace(std::uint32_t index, LightContribution& contribution) {
     Cluster& cluster = clusters_[index];
     const LightTree& tree = light_trees_.trees[cluster.tree];
     cluster.intensity = tree.intensity(cluster.ref);
-    if (cluster.is_dark && is_occluded(cluster)) {
-        contribution.unit = LightLanes{};
-        contribution.lit = contribution.unknown = 0;
-        contribution.is_blocked = true;
-    } else {
-        shadows_->trace(tree.type, tree.lights[cluster.representative], tree.spot(cluster.representative),
-                        light_trees_.clamp(cluster.tree), light_trees_.bodies_before(cluster.tree), contribution,
-                        cluster.tree == LightTrees::dynamic_tree);
-    }
+    shadows_->trace(tree.type, tree.lights[cluster.representative], tree.spot(cluster.representative),
+                    light_trees_.clamp(cluster.tree), light_trees_.bodies_before(cluster.tree), contribution,
+                    cluster.tree == LightTrees::dynamic_tree);
     clusters_.set(index, contribution);
-}
-
-/// Whether nothing below a cluster's node can be seen from any lane; then it counts as dark for all of them.
-bool Cut::is_occluded(Cluster& cluster) {
-    if (cluster.is_tested || cluster.occluders == 0) return cluster.is_occluded;
-    cluster.is_tested = true;
-    const LightTree& tree = light_trees_.trees[cluster.tree];
-    const std::uint32_t node = cluster.ref.index();
-    const MiddleBox box = cluster.ref.is_leaf() ? MiddleBox{tree.lights[node].position, glm::vec3(0)} : tree.box(node);
-    cluster.is_occluded = shadows_->is_occluded(tree.type, box, cluster.occluders);
-    if (cluster.is_occluded) cluster.lit = cluster.unknown = 0;
-    return cluster.is_occluded;
 }
 
 /// Bounds a cluster's luminance in every lane; queues it for refinement if some lane could notice.
@@ -82,16 +64,11 @@ void Cut::bound_and_queue(std::uint32_t index) {
     Cluster& cluster = clusters_[index];
     cluster.is_open = false;
     std::fill(std::begin(cluster.bound), std::end(cluster.bound), 0.0f);
-    if (cluster.ref.is_leaf() || cluster.is_occluded) return;
+    if (cluster.ref.is_leaf()) return;
     const LightTree& tree = light_trees_.trees[cluster.tree];
     bound_node(*lanes_, tree, cluster.ref.index(), light_trees_.clamp(cluster.tree), cluster.bound);
     const float priority = rule_.priority(cluster.bound);
     if (!(priority > 0.0f)) return;
-    // Ask occluders about what is dark and would be refined.
-    if (cluster.is_dark && StoppingRule::matters(priority) && is_occluded(cluster)) {
-        std::fill(std::begin(cluster.bound), std::end(cluster.bound), 0.0f);
-        return;
-    }
     cluster.is_open = true;
     queue_.push(priority, index);
 }
@@ -101,10 +78,7 @@ void Cut::refine() {
     const std::uint32_t index = queue_.pop();
     const glm::vec3 whole = clusters_[index].intensity;
     if (summed_) add_square(index, -1.0);
-    // Fetch, while rays are traced, what the next split will most likely want.
-    if (!queue_.empty()) fetch_children(queue_.front());
     const std::uint32_t added = split(index);
-    if (!queue_.empty()) fetch_light(queue_.front());
 
     const glm::vec3& rest = clusters_[index].intensity;
     const glm::vec3 change{rest.x - whole.x, rest.y - whole.y, rest.z - whole.z};
@@ -128,33 +102,16 @@ std::uint32_t Cut::split(std::uint32_t index) {
     Cluster& kept = clusters_[index];
     Cluster& other = clusters_[added];
     other.representative = tree.other_representative(parent, kept.representative, lanes_->set);
-    other.is_dark = kept.is_dark;
-    other.occluders = kept.occluders;
     LightContribution contribution = clusters_.inherited(index);
     trace(added, contribution);
 
     kept.ref = tree.child(parent.index(), first_keeps ? 0 : 1);
-    kept.is_tested = false;
     kept.intensity = tree.intensity(kept.ref);
     return added;
 }
 
-/// Has on its way what splitting a cluster asks for first: its node's children.
-void Cut::fetch_children(std::uint32_t index) const {
-    const Cluster& cluster = clusters_[index];
-    const LightTree& tree = light_trees_.trees[cluster.tree];
-    for (const int side : {0, 1}) fetch(tree, tree.child(cluster.ref.index(), side));
-}
-
-/// And the light that represents the new cluster, once that is known.
-void Cut::fetch_light(std::uint32_t index) const {
-    const Cluster& cluster = clusters_[index];
-    const LightTree& tree = light_trees_.trees[cluster.tree];
-    fetch(tree, LightRef::leaf(tree.other_representative(cluster.ref, cluster.representative, lanes_->set)));
-}
-
 bool Cut::is_fine_enough() {
-    // Keep a running sum once its largest parts are gone; what it says is checked against a fresh one.
+    // Keep a running sum once its largest parts are gone; it is checked against a fresh one.
     if (!summed_ && queue_.priority() < drowning_priority) {
         sum_afresh();
         summed_ = true;

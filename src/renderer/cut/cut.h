@@ -49,11 +49,8 @@ class Cut {
     static constexpr std::uint32_t no_cluster = std::numeric_limits<std::uint32_t>::max();
 
     void trace(std::uint32_t index, LightContribution& contribution);
-    bool is_occluded(Cluster& cluster);
     void bound_and_queue(std::uint32_t index);
     std::uint32_t split(std::uint32_t index);
-    void fetch_children(std::uint32_t index) const;
-    void fetch_light(std::uint32_t index) const;
     void add_square(std::uint32_t index, double sign);
     void sum_luminance();
     void sum_afresh();

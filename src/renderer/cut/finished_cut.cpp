@@ -5,7 +5,7 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// The clusters two levels below one, as their representatives: what its geometry is summed over.
+/// The clusters two levels below one, as their representatives: its geometry is summed over them.
 struct Parts {
     std::uint32_t light[4];
     glm::vec3 intensity[4];
@@ -14,11 +14,9 @@ struct Parts {
 
 Parts parts_of(const LightTree& tree, const Cluster& cluster, int set) {
     Parts parts;
-    if (cluster.ref.is_leaf()) return parts;
     const auto take = [&](LightRef part, std::uint32_t light) {
         parts.light[parts.count] = light;
         parts.intensity[parts.count] = tree.intensity(part);
-        fetch(tree, LightRef::leaf(light));
         ++parts.count;
     };
     // Calls `use` with both children of a node and their representatives.
@@ -52,7 +50,7 @@ void add_diffuse_parts(const LightTree& tree, const GatherLanes& lanes, Geometry
     sums.add(irradiance, visible, direct);
 }
 
-/// Any lanes: part by part. `own`: what the representative sends, visibility included.
+/// Any lanes: part by part. `own`: light of the representative, visibility included.
 RENDER2MPEG_CLONES
 void add_parts(const LightTree& tree, const GatherLanes& lanes, GeometryClamp clamp, const Cluster& cluster,
                const UnitLight& own, const Parts& parts, bool direct, CutSums& sums) {
@@ -77,40 +75,11 @@ void add_parts(const LightTree& tree, const GatherLanes& lanes, GeometryClamp cl
     }
 }
 
-void fetch_children(const LightTree& tree, LightRef ref) {
-    for (const int side : {0, 1}) fetch(tree, tree.child(ref.index(), side));
-}
-
-/// Has on its way from memory what the clusters after this one will ask for: their nodes, children, grandchildren.
-void fetch_ahead(const LightTrees& light_trees, const Clusters& clusters, std::size_t c) {
-    const auto ahead = [&](std::size_t n) -> const Cluster* {
-        return n < clusters.size() && clusters[n].lit != 0 ? &clusters[n] : nullptr;
-    };
-    if (const Cluster* next = ahead(c + 4)) fetch(light_trees.trees[next->tree], next->ref);
-    if (const Cluster* next = ahead(c + 3); next != nullptr && !next->ref.is_leaf())
-        fetch_children(light_trees.trees[next->tree], next->ref);
-    if (const Cluster* next = ahead(c + 2); next != nullptr && !next->ref.is_leaf()) {
-        const LightTree& tree = light_trees.trees[next->tree];
-        for (const int side : {0, 1}) {
-            const LightRef child = tree.child(next->ref.index(), side);
-            if (!child.is_leaf()) fetch_children(tree, child);
-        }
-    }
-}
-
 }  // namespace
 
 void sum_clusters(const LightTrees& light_trees, const GatherLanes& lanes, const Clusters& clusters, CutSums& sums,
                   GatheredLight& out) {
-    const auto parts_at = [&](std::size_t c) {
-        if (c >= clusters.size() || clusters[c].lit == 0) return Parts{};
-        return parts_of(light_trees.trees[clusters[c].tree], clusters[c], lanes.set);
-    };
-    Parts next = parts_at(0);
     for (std::size_t c = 0; c < clusters.size(); ++c) {
-        const Parts parts = next;
-        fetch_ahead(light_trees, clusters, c);
-        next = parts_at(c + 1);
         const Cluster& cluster = clusters[c];
         const LightTree& tree = light_trees.trees[cluster.tree];
         const bool direct = LightTrees::is_direct(cluster.tree);
@@ -118,9 +87,9 @@ void sum_clusters(const LightTrees& light_trees, const GatherLanes& lanes, const
         if (cluster.ref.is_leaf())
             sums.add(clusters.unit(c), cluster.intensity, direct);
         else if (cluster.lit != 0 && !lanes.glossy && !light_trees.translucent)
-            add_diffuse_parts(tree, lanes, clamp, cluster, parts, direct, sums);
+            add_diffuse_parts(tree, lanes, clamp, cluster, parts_of(tree, cluster, lanes.set), direct, sums);
         else if (cluster.lit != 0)
-            add_parts(tree, lanes, clamp, cluster, clusters.unit(c), parts, direct, sums);
+            add_parts(tree, lanes, clamp, cluster, clusters.unit(c), parts_of(tree, cluster, lanes.set), direct, sums);
         if (cluster.any_clamped)
             sums.add_clamped(tree.lights[cluster.representative], clusters.unit(c), cluster.intensity, clamp);
         ++(direct ? out.direct_clusters : out.indirect_clusters);

@@ -11,7 +11,7 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// Standard errors that one point in a hundred exceeds: what a cut's error means.
+/// Standard errors that one point in a hundred exceeds: the unit of a cut's error.
 constexpr float one_in_hundred = 2.6f;
 
 }  // namespace
@@ -21,7 +21,6 @@ void Gatherer::gather(const GatherLanes& lanes, const GroupTolerance& tolerance,
     const FlushDenormals flushed;
     out.clear_counts();
     shadows_.start(lanes);
-    shadows_.choose_occluders();
     CutSums sums(lanes);
 
     // Gather the lights that are not clustered, each by itself.
@@ -42,12 +41,12 @@ void Gatherer::gather(const GatherLanes& lanes, const GroupTolerance& tolerance,
     for (int i = 0; i < lane_count; ++i)
         out.error[i] = std::sqrt(out.error[i] * out.error[i] + one_in_hundred * one_in_hundred * lamp_variance[i]);
 
-    // Sum what the clusters send, with the visibility of their representatives.
+    // Sum the light of the clusters, with the visibility of their representatives.
     sum_clusters(light_trees_, lanes, cut_.clusters(), sums, out);
     sums.store(out);
     out.shadow_rays = shadows_.rays();
 
-    // Add what the clamp of near lights took.
+    // Compensate the clamp of near lights.
     compensate_clamping_bias(light_trees_, tracer_, lanes, out);
 }
 
@@ -83,7 +82,6 @@ void Gatherer::gather_exact(const GatherLanes& lanes, Shadow shadow, const Group
     const FlushDenormals flushed;
     out.clear_counts();
     shadows_.start(lanes);
-    if (tolerance != nullptr && !light_trees_.lamps.empty()) shadows_.choose_occluders();
     CutSums sums(lanes);
     alignas(64) Lanes luminance{}, variance{};
     if (shadow == Shadow::sharp) add_exact(lanes, sums, luminance, out);
@@ -103,7 +101,7 @@ void Gatherer::gather_all(const GatherLanes& lanes, GatheredLight& out) {
     add_exact(lanes, sums, luminance, out);
     for (const Shadow shadow : {Shadow::sharp, Shadow::smooth})
         add_lamps(lanes, shadow, LampAccuracy{}, sums, luminance, variance, out);
-    // Lanes that no ray of a packet is traced for keep what they had.
+    // Lanes without a ray in a packet keep their light.
     LightContribution contribution = LightContribution::unknown_in(0);
     for (int t = 0; t < LightTrees::tree_count; ++t) {
         const LightTree& tree = light_trees_.trees[t];

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/numeric.h"
+#include "renderer/base/strata_error.h"
 #include "renderer/cut/lamp_irradiance.h"
 #include "renderer/cut/lamp_lobe.h"
 #include "renderer/cut/lamp_samples.h"
@@ -24,7 +25,7 @@ constexpr float part_of_tolerance = 0.25f;
 /// Likewise of lobes, without rays: quarters of the samples tell it, which err more than a quarter of them does.
 constexpr float part_of_lobes = 0.25f;
 
-/// How much of what its samples weigh a lane sees.
+/// Visible share of a lane, by the weight of its samples.
 struct alignas(64) SeenShare {
     Lanes weight{}, seen{};
     Lanes squares{};  ///< of weights: few of them may count for most
@@ -45,14 +46,8 @@ struct alignas(64) SeenShare {
 /// Traced samples, lane by lane.
 struct alignas(64) TracedSamples {
     SeenShare lamp;     ///< of irradiance
-    SeenShare lobe;     ///< of what the lobe sends
-    Lanes passed[3]{};  ///< of visible irradiance, times what translucent surfaces let through
-
-    bool is_dark(std::uint32_t asked) const {
-        for (int i = 0; i < lane_count; ++i)
-            if ((asked >> i & 1u) != 0 && (lamp.seen[i] > 0 || lobe.seen[i] > 0)) return false;
-        return true;
-    }
+    SeenShare lobe;     ///< of light of the lobe
+    Lanes passed[3]{};  ///< of visible irradiance, times transmittance of layers
 };
 
 /// One lamp, gathered for one group of points.
@@ -218,9 +213,8 @@ void LampGatherer::trace_sample(const LampSamples& samples, const LampResponse& 
     }
 }
 
-/// Adds what the share that is seen leaves open. What errs are the strata that a shadow's edge crosses, sqrt(n) of n,
-/// so that the visible share v is known to 0.6 sqrt(v (1 - v)) n^(-3/4). Where all lanes see all of the lamp, or
-/// nothing, their samples count together, and a share of one sample may have been missed.
+/// Adds the error of the visible share v, 0.6 sqrt(v (1 - v)) of the error of strata. Samples of all lanes count
+/// together where all see the whole lamp, or none of it; a share of one sample may have been missed.
 void LampGatherer::add_errors(const SeenShare& seen, const Lanes& luminance, std::uint32_t reached, float least_count) {
     bool lit = false, dark = false;
     float together = 0;
@@ -235,7 +229,7 @@ void LampGatherer::add_errors(const SeenShare& seen, const Lanes& luminance, std
         if ((reached >> i & 1u) == 0) continue;
         const float n = std::max(agree ? together : std::max(seen.count(i), least_count), 2.0f);
         const float inside = std::clamp(seen.share(i), 1 / n, 1 - 1 / n);
-        errors_[i] += luminance[i] * 0.6f / (std::sqrt(n) * std::sqrt(std::sqrt(n))) * std::sqrt(inside * (1 - inside));
+        errors_[i] += luminance[i] * 0.6f * strata_error(n) * std::sqrt(inside * (1 - inside));
     }
 }
 
@@ -260,17 +254,10 @@ void LampGatherer::trace_as_needed() {
     for (std::size_t s = 0; s < steps.size() && asked != 0; ++s) {
         trace(asked, s == 0 ? 0 : steps[s - 1], steps[s]);
         asked = too_rough(asked, steps[s]);
-        // A lamp that seems dark may be so for certain.
-        if (s == 0 && asked == reached_ && traced_.is_dark(reached_)) {
-            std::uint16_t viable = GroupOccluders::all;
-            if (!shadows_.is_occluded(type_of(lamp_), lamp_.box, viable)) continue;
-            std::fill(std::begin(errors_), std::end(errors_), 0.0f);
-            return;
-        }
     }
 }
 
-/// Samples lobes more finely, without rays, until what is seen of them is known well enough.
+/// Samples lobes more finely, without rays, until their visible light is known well enough.
 void LampGatherer::refine_lobes() {
     if (!lobes_) return;
     alignas(64) Lanes of_lobe{};
@@ -287,7 +274,7 @@ void LampGatherer::refine_lobes() {
     for (int i = 0; i < lane_count; ++i) errors_[i] = std::hypot(errors_[i], of_lobe[i]);
 }
 
-/// Of what the lobe sends; that of irradiance, where the lobe's own is not known.
+/// Visible share of a lobe; that of irradiance, where the lobe's own is not known.
 float LampGatherer::lobe_share(int lane) const {
     const bool known = (by_lobe_ >> lane & 1u) != 0 && traced_.lobe.weight[lane] > 0.0f;
     return known ? traced_.lobe.share(lane) : traced_.lamp.share(lane);

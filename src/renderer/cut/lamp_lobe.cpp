@@ -6,7 +6,6 @@
 #include "core/numeric.h"
 #include "renderer/base/isa_clones.h"
 #include "renderer/base/lobe.h"
-#include "renderer/cut/lobe_coverage.h"
 #include "renderer/tree/lane_sums.h"
 
 namespace render2mpeg::renderer {
@@ -15,10 +14,6 @@ namespace {
 RENDER2MPEG_ALWAYS_INLINED float product(const Vec3Lanes& a, const Vec3Lanes& b, int i) {
     return a.x[i] * b.x[i] + a.y[i] * b.y[i] + a.z[i] * b.z[i];
 }
-
-/// Lobes of which a lamp covers less see it with their tails, which have no edges. chosen: 0.01, of which the closed
-/// form knows a hundredth.
-constexpr float least_coverage = 0.01f;
 
 /// Density of a direction along the lobe over D of its half vector: G1 / (4 n.v).
 RENDER2MPEG_ALWAYS_INLINED float density_over_d(float nv, float a2) {
@@ -59,7 +54,6 @@ void respond(const GatherLanes& __restrict lanes, const LampSamples& __restrict 
             (lanes.stretched ? stretched_at(lanes, samples, i, half2) : d * lobe::masking(nl, nv, a2)) * weight;
         out.plain[i] = nl * inverse;
         out.geometry[i] = weight;
-        out.along[i] = along * share;
         out.diffuse[i] = weight * (1.0f - lanes.coat[i] * s);
         out.f0[i] = f * (1.0f - s);
         out.schlick[i] = f * s;
@@ -76,10 +70,6 @@ LobeIntegral::LobeIntegral(const AreaLamp& lamp, const GatherLanes& lanes, const
                            const Lanes& whole)
     : lamp_(lamp), lanes_(lanes), sampler_(sampler), whole_(whole) {
     choose_lobes();
-    lobe_coverage(lamp, lanes, coverage_);
-    // The closed form and its samples are of round lobes.
-    for (int i = 0; lanes.stretched && i < lane_count; ++i)
-        if (lanes.along2[i] > lanes.across2[i]) coverage_[i] = 0.0f;
     constexpr int quarter = first_samples / 4;
     for (int q = 0; q < 4; ++q) take(q, q * quarter, (q + 1) * quarter);
     count_ = first_samples;
@@ -110,7 +100,6 @@ void LobeIntegral::add(const LampResponse& response, int quarter) {
     LampResponse& sum = quarters_[quarter];
     for (int i = 0; i < lane_count; ++i) {
         sum.geometry[i] += response.geometry[i];
-        sum.along[i] += response.along[i];
         sum.diffuse[i] += response.diffuse[i];
         sum.f0[i] += response.f0[i];
         sum.schlick[i] += response.schlick[i];
@@ -147,17 +136,15 @@ bool LobeIntegral::refine() {
 
 void LobeIntegral::share_samples() {
     for (LampResponse& q : quarters_)
-        for (Lanes* sum : {&q.geometry, &q.along, &q.diffuse, &q.f0, &q.schlick}) share_among_lanes(*sum);
+        for (Lanes* sum : {&q.geometry, &q.diffuse, &q.f0, &q.schlick}) share_among_lanes(*sum);
     estimate();
 }
 
-/// Scaled to what is known in closed form: lobes to how much of them the lamp covers; where that is little, to the
-/// irradiance, if the samples are the lamp's alone, since then both err alike.
+/// Scaled to the irradiance, which is known in closed form, where the samples are the lamp's alone: both err alike.
 void LobeIntegral::unit_of(const LampResponse& sum, float samples, LightLanes& out) const {
     for (int i = 0; i < lane_count; ++i) {
         const float by_form = core::divide_or(whole_[i], sum.geometry[i], 0.0f);
-        float scale = peaks_[i] > 0.0f ? 1.0f / samples : by_form;
-        if (coverage_[i] > least_coverage) scale = core::divide_or(coverage_[i], sum.along[i], 0.0f);
+        const float scale = peaks_[i] > 0.0f ? 1.0f / samples : by_form;
         out.diffuse[i] = by_form * sum.diffuse[i];
         out.f0[i] = scale * sum.f0[i];
         out.schlick[i] = scale * sum.schlick[i];
@@ -173,7 +160,6 @@ void LobeIntegral::estimate() {
         add_luminance(lanes_, unit_light(lanes_, of_quarter), lamp_.radiance, luminance[q]);
         for (int i = 0; q > 0 && i < lane_count; ++i) {
             all.geometry[i] += quarters_[q].geometry[i];
-            all.along[i] += quarters_[q].along[i];
             all.diffuse[i] += quarters_[q].diffuse[i];
             all.f0[i] += quarters_[q].f0[i];
             all.schlick[i] += quarters_[q].schlick[i];

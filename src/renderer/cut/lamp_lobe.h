@@ -15,7 +15,6 @@ struct alignas(64) LampResponse {
     Lanes geometry;  ///< irradiance
     Lanes diffuse;   ///< part of it that passes the lobe
     Lanes f0, schlick;
-    Lanes along;  ///< density of choosing it along the lobe
 };
 
 /// `peaks`: not 0 in lanes that take directions along their lobes. Without glossy lanes only `plain` is set.
@@ -28,7 +27,7 @@ void share_among_lanes(Lanes& values);
 /// samples at first, of the lamp, and of the lobe where it is narrower than the lamp; then by four times as many.
 class LobeIntegral {
   public:
-    /// `whole`: irradiance of the lamp at unit radiance, in closed form; what samples say of irradiance is scaled to
+    /// `whole`: irradiance of the lamp at unit radiance, in closed form; estimates of irradiance are scaled to
     /// it. All of them outlive this.
     LobeIntegral(const AreaLamp& lamp, const GatherLanes& lanes, const LampSampler& sampler, const Lanes& whole);
 
@@ -38,7 +37,7 @@ class LobeIntegral {
     /// Of each lane, of each kind.
     int samples() const { return count_; }
 
-    /// All lanes are one point: each takes what all of them found.
+    /// All lanes are one point, and share their samples.
     void share_samples();
 
     /// At unit radiance of the lamp.
@@ -65,7 +64,7 @@ class LobeIntegral {
     const Lanes& whole_;
     bool along_lobes_ = false;
     int count_ = 0;
-    alignas(64) Lanes peaks_, coverage_, error_;
+    alignas(64) Lanes peaks_, error_;
     LampResponse quarters_[4];
     LightLanes unit_;
 };

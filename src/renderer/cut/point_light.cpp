@@ -28,17 +28,14 @@ std::vector<PointTolerance> point_tolerances(const LightingContext& context, std
     const GatherTile& points = seen.tiles[tile];
     std::array<float, tile_size * tile_size> weight{};
     for (const GatherPoint& p : points) weight[p.pixel] += core::luminance(p.weight);
-    const auto across = static_cast<std::size_t>(seen.tiles_across());
-    const int tile_x = static_cast<int>(tile % across) * tile_size,
-              tile_y = static_cast<int>(tile / across) * tile_size;
     std::vector<PointTolerance> parts;
     parts.reserve(points.size());
     for (const GatherPoint& p : points) {
-        const int x = tile_x + p.pixel % tile_size, y = tile_y + p.pixel / tile_size;
-        const core::Tolerance& t = context.tolerance.pixels.at(x, y);
+        const glm::ivec2 place = seen.place_of(tile, p.pixel);
+        const core::Tolerance& t = context.tolerance.pixels.at(place.x, place.y);
         const float part = core::divide_or(core::luminance(p.weight), weight[p.pixel], 1.0f);
         parts.push_back({{std::max(t.absolute, 0.0f) * part, std::max(t.relative, 0.0f), t.background * part},
-                         std::max(core::luminance(context.ungathered.all().at(x, y)), 0.0f) * part});
+                         std::max(core::luminance(context.ungathered.all().at(place.x, place.y)), 0.0f) * part});
     }
     return parts;
 }

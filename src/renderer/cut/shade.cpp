@@ -189,9 +189,8 @@ void TileShader::check(int x, int y) {
 }
 
 ShadeCounts TileShader::shade(std::size_t tile_index) {
-    const auto across = static_cast<std::size_t>(seen_.tiles_across());
-    tile_x_ = static_cast<int>(tile_index % across) * tile_size;
-    tile_y_ = static_cast<int>(tile_index / across) * tile_size;
+    tile_x_ = seen_.corner_of(tile_index).x;
+    tile_y_ = seen_.corner_of(tile_index).y;
     counts_ = {};
     const GatherTile& tile = seen_.tiles[tile_index];
     const int x_end = std::min(tile_x_ + tile_size, seen_.visible.width());

@@ -13,8 +13,8 @@ namespace {
 /// of a hundredth of the pixel may be missed; with 16 one of a sixteenth, which a sun makes seen.
 constexpr int enough_places = 64;
 
-/// Rays from each place of a pixel over the time of the shutter, where what moves may hide a light. chosen: 4, which
-/// make 16 times with a pixel's four places, as many as samples that blur what is seen; not tuned.
+/// Rays from each place of a pixel over the time of the shutter, where a moving object may hide a light. chosen: 4,
+/// which make 16 times with a pixel's four places, as many as samples of motion blur; not tuned.
 constexpr int times_of_place = 4;
 
 /// Bit i: the light could reach lane i.
@@ -38,10 +38,6 @@ void ShadowTester::start(const GatherLanes& lanes) {
     rays_ = 0;
 }
 
-void ShadowTester::choose_occluders() {
-    occluders_.choose(*lanes_, tracer_.occluders());
-}
-
 RENDER2MPEG_CLONES
 void ShadowTester::trace(LightType type, const TreeLight& light, const Spot* spot, GeometryClamp clamp, Bodies bodies,
                          LightContribution& contribution, bool on_mover) {
@@ -57,7 +53,6 @@ void ShadowTester::trace(LightType type, const TreeLight& light, const Spot* spo
     }
     packet.active = reached(contribution.unit);
     packet.bodies = bodies;
-    contribution.is_blocked = false;
     if (packet.active == 0) return;
     std::uint32_t hidden = 0;
     if (light_trees_.translucent) {
@@ -73,7 +68,6 @@ void ShadowTester::trace(LightType type, const TreeLight& light, const Spot* spo
     }
     contribution.lit = static_cast<std::uint16_t>((contribution.lit | packet.active) & ~hidden);
     contribution.unknown = static_cast<std::uint16_t>(contribution.unknown & ~packet.active);
-    contribution.is_blocked = (packet.active & ~hidden) == 0;
     if (hidden == 0) return;
     LightLanes& unit = contribution.unit;
     for (int i = 0; i < lane_count; ++i) {
@@ -85,7 +79,7 @@ void ShadowTester::trace(LightType type, const TreeLight& light, const Spot* spo
     }
 }
 
-/// Of the places that a lane's shadow rays leave: how many were asked, how many a light reaches, and what of it.
+/// Of the places that a lane's shadow rays leave: how many were asked, how many a light reaches, and its transmittance.
 struct ShadowTester::PlaceCounts {
     int asked[lane_count]{}, lit[lane_count]{};
     glm::vec3 passed[lane_count]{};
@@ -99,7 +93,7 @@ struct ShadowTester::PlaceCounts {
     }
 };
 
-/// Lanes whose rays to a light may meet what moves while the shutter is open.
+/// Lanes whose rays to a light may meet moving objects while the shutter is open.
 std::uint32_t ShadowTester::swept(const ShadowPacket& packet, std::uint32_t active) const {
     std::uint32_t lanes = 0;
     for (int i = 0; i < lane_count; ++i) {
@@ -146,7 +140,7 @@ void ShadowTester::trace_from_places(LightType type, const TreeLight& light, con
     }
 }
 
-/// One ray of each lane, or some over the time of the shutter where what moves may be in the way.
+/// One ray of each lane, or some over the time of the shutter where a moving object may be in between.
 void ShadowTester::trace_place(ShadowPacket& packet, int place, PlaceCounts& counts) {
     const GatherLanes& lanes = *lanes_;
     const std::uint32_t over_time = lanes.timed ? swept(packet, packet.active) : 0;
@@ -200,7 +194,7 @@ void ShadowTester::trace_further(LightType type, const TreeLight& light, const s
     }
 }
 
-/// Bit i: ray i reaches the light; passes[i]: what of it passes, 1 where layers of the scene let nothing but all pass.
+/// Bit i: ray i reaches the light; passes[i]: its transmittance, 1 where nothing is translucent.
 std::uint32_t ShadowTester::reach(const ShadowPacket& packet, glm::vec3* passes) {
     std::fill(passes, passes + lane_count, glm::vec3(1));
     return packet.active & ~blocked(packet, light_trees_.translucent ? passes : nullptr);

@@ -1,8 +1,7 @@
 #pragma once
-// Shadow rays and occluders: what light reaches a group of points.
+// Shadow rays from a group of points.
 #include <cstdint>
 
-#include "renderer/cut/group_occluders.h"
 #include "renderer/geometry/ray_tracer.h"
 #include "renderer/tree/light_trees.h"
 
@@ -17,13 +16,12 @@ struct LayerTint {
 struct LightContribution {
     LightLanes unit;
     std::uint16_t lit = 0, unknown = 0;  ///< as of Cluster
-    bool is_blocked = false;             ///< rays were traced, and none arrived
     LayerTint tint;                      ///< unset where nothing is translucent
 
     /// Of a light of which nothing is known: lit or not, and unknown, in all lanes or in none.
     static LightContribution unknown_in(std::uint16_t lanes);
 
-    /// `unit`, with what translucent surfaces let through.
+    /// `unit`, with the transmittance of layers.
     UnitLight visible(const GatherLanes& lanes, bool translucent) const {
         UnitLight light = unit_light(lanes, unit);
         if (translucent) light.passes = tint.passes;
@@ -31,16 +29,13 @@ struct LightContribution {
     }
 };
 
-/// Tests what light reaches one group of points: by rays to single lights, by proof for whole clusters.
+/// Tests which lights reach one group of points, by rays.
 class ShadowTester {
   public:
     ShadowTester(const LightTrees& light_trees, const RayTracer& tracer) : light_trees_(light_trees), tracer_(tracer) {}
 
     /// For these lanes, which outlive it; no rays were traced.
     void start(const GatherLanes& lanes);
-
-    /// Looks for the occluders that the following questions are held against.
-    void choose_occluders();
 
     /// Evaluates a light with the visibility of one shadow ray from each lane that it could reach. `on_mover`: it lies
     /// on what moves, which would throw its shadow on it at other times than the shutter's middle.
@@ -52,17 +47,11 @@ class ShadowTester {
     void trace_from_places(LightType type, const TreeLight& light, const Spot* spot, GeometryClamp clamp,
                            LightContribution& contribution);
 
-    /// Whether nothing in a box of lights (directional: of unit directions) can be seen from any lane. Takes those
-    /// occluders out of `viable` that do not touch it.
-    bool is_occluded(LightType type, const MiddleBox& box, std::uint16_t& viable) const {
-        return occluders_.hide(*lanes_, type, box.middle, box.half, viable);
-    }
-
     std::uint64_t rays() const { return rays_; }
     Bodies bodies() const { return light_trees_.bodies; }
 
     /// Bit i: ray i of the packet carries no light of these trees. `passes`, of sixteen, where something is
-    /// translucent: what it lets through of the others.
+    /// translucent: transmittance of the others.
     std::uint32_t blocked(const ShadowPacket& packet, glm::vec3* passes = nullptr);
 
   private:
@@ -77,7 +66,6 @@ class ShadowTester {
     const LightTrees& light_trees_;
     const RayTracer& tracer_;
     const GatherLanes* lanes_ = nullptr;
-    GroupOccluders occluders_;
     std::uint64_t rays_ = 0;
 };
 

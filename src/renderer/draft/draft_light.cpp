@@ -25,7 +25,7 @@ constexpr std::size_t most_sharp_lights = 4;
 /// 0.07 dB.
 constexpr std::size_t most_alone = 32;
 
-/// Lit points that a pixel's light may stand for. chosen: 16, what as many frames light of a window.
+/// Lit points that a pixel's light may stand for. chosen: 16, as many as a window has pixels.
 constexpr float most_weight = 16.0f;
 
 /// No value of a change: nothing is known of before.
@@ -39,16 +39,6 @@ PointTolerance tolerance_of(const DraftFrame& frame, const GatherPoint& p, int x
     const float part = core::luminance(p.weight);
     return {{std::max(t.absolute, 0.0f) * part, std::max(t.relative, 0.0f), t.background * part},
             std::max(core::luminance(frame.ungathered.all().at(x, y)), 0.0f) * part};
-}
-
-/// Where a tile's upper left pixel is.
-glm::ivec2 corner_of(const Frame& seen, std::size_t tile) {
-    const auto across = static_cast<std::size_t>(seen.tiles_across());
-    return {static_cast<int>(tile % across) * tile_size, static_cast<int>(tile / across) * tile_size};
-}
-
-glm::ivec2 pixel_of(const Frame& seen, std::size_t tile, const GatherPoint& p) {
-    return corner_of(seen, tile) + glm::ivec2(p.pixel % tile_size, p.pixel / tile_size);
 }
 
 /// Gathers some points of a frame.
@@ -82,11 +72,11 @@ class PointGatherer {
         const GatherPoint* pointers[lane_count];
         for (std::size_t i = 0; i < points.size(); ++i) {
             pointers[i] = &point(points[i]);
-            const glm::ivec2 at = pixel_of(frame_.seen, points[i].tile, *pointers[i]);
+            const glm::ivec2 at = frame_.seen.place_of(points[i].tile, pointers[i]->pixel);
             tolerance_.set(static_cast<int>(i), tolerance_of(frame_, *pointers[i], at.x, at.y));
         }
         for (std::size_t i = points.size(); i < lane_count; ++i) {
-            const glm::ivec2 at = pixel_of(frame_.seen, points[0].tile, *pointers[0]);
+            const glm::ivec2 at = frame_.seen.place_of(points[0].tile, pointers[0]->pixel);
             tolerance_.set(static_cast<int>(i), tolerance_of(frame_, *pointers[0], at.x, at.y));
         }
         fill(lanes_, std::span<const GatherPoint* const>(pointers, points.size()));
@@ -161,7 +151,7 @@ std::vector<glm::vec3> seen_places(const Frame& seen) {
     return places;
 }
 
-/// Of what nobody carries along.
+/// Phase of surfaces that motion does not carry along.
 constexpr glm::ivec2 fixed_phase{2, 2};
 
 Lattice lattice_of(std::int64_t n, const DraftFrame& frame) {
@@ -170,7 +160,7 @@ Lattice lattice_of(std::int64_t n, const DraftFrame& frame) {
 }
 
 bool is_lit(const Lattices& lattices, const Frame& seen, std::size_t tile, const GatherPoint& p) {
-    const glm::ivec2 at = pixel_of(seen, tile, p);
+    const glm::ivec2 at = seen.place_of(tile, p.pixel);
     return lattices.of(p, seen.visible.kind.at(at.x, at.y)).is_lit(at.x, at.y);
 }
 
@@ -215,10 +205,10 @@ void light_lattices(const DraftFrame& frame, const CutLimits& limits, Lattices& 
     };
     gather_by_areas(frame, limits, counts, wants, [&](const PointRef& ref, const PointLight& light) {
         const GatherPoint& p = seen.tiles[ref.tile][ref.index];
-        const glm::ivec2 at = pixel_of(seen, ref.tile, p);
+        const glm::ivec2 at = seen.place_of(ref.tile, p.pixel);
         lattices.of(p, seen.visible.kind.at(at.x, at.y))
             .add(at.x, at.y,
-                 {p.point.position, p.point.geometric_normal, p.point.address.object, p.way,
+                 {p.point.position, p.point.geometric_normal, p.point.address.object, p.path,
                   smooth(light, lobe_reflectance(p))});
     });
 }
@@ -324,7 +314,7 @@ void DraftLight::interpolate(const DraftFrame& frame, const Lattices& lattices, 
     int last_main = -1;  // pixel whose main surface was met
     for (std::uint32_t i = 0; i < points.size(); ++i) {
         const GatherPoint& p = points[i];
-        const glm::ivec2 at = pixel_of(frame.seen, t, p);
+        const glm::ivec2 at = frame.seen.place_of(t, p.pixel);
         const bool main = !p.reached_by_specular() && last_main != p.pixel &&
                           p.point.address.object == frame.seen.visible.address.at(at.x, at.y).object;
         if (main) last_main = p.pixel;
@@ -355,21 +345,21 @@ void DraftLight::interpolate(const DraftFrame& frame, const Lattices& lattices, 
 FrameLight DraftLight::light(const DraftFrame& frame, const CutLimits& limits, ShadeCounts& counts) {
     const Frame& seen = frame.seen;
     const int width = seen.visible.width(), height = seen.visible.height();
-    SharpLights sharp(frame.light_trees, seen_places(seen));
+    SharpLights sharp(frame.parted, seen_places(seen));
 
     // Light the lattice,
     sharp.leave_others();
     Lattices lattices{lattice_of(count_, frame), Lattice(width, height, fixed_phase)};
     light_lattices(frame, limits, lattices, counts);
 
-    // see what is known of each pixel, and where its light changes,
+    // find the carried light of each pixel, and where it changes,
     core::Plane<Kept> before(width, height), kept(width, height);
     parallel::for_each(static_cast<std::size_t>(height), [&](std::size_t row) {
         for (int x = 0; x < width; ++x) before.at(x, static_cast<int>(row)) = carried(frame, x, static_cast<int>(row));
     });
     const core::Plane<float> trusted = trust(frame, lattices.straight, before);
 
-    // interpolate, and gather what no lit point speaks for,
+    // interpolate, and gather points unlike all lit ones,
     std::vector<DraftTile> tiles(seen.tiles.size());
     parallel::for_each(tiles.size(),
                        [&](std::size_t t) { interpolate(frame, lattices, before, trusted, t, tiles[t], kept); });

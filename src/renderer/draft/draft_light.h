@@ -5,26 +5,19 @@
 
 #include "core/motion_field.h"
 #include "core/plane.h"
-#include "core/tolerance_map.h"
 #include "core/visible.h"
 #include "renderer/cache/request_groups.h"
 #include "renderer/cut/cut.h"
+#include "renderer/cut/lighting_context.h"
 #include "renderer/cut/point_light.h"
 #include "renderer/cut/shade.h"
 #include "renderer/draft/upsample.h"
-#include "renderer/geometry/ray_tracer.h"
-#include "renderer/tree/light_trees.h"
 
 namespace render2mpeg::renderer {
 
-/// One frame to be lit roughly. `light_trees` is parted while it is lit, and whole again afterwards.
-struct DraftFrame {
-    LightTrees& light_trees;
-    const RayTracer& tracer;
-    const Frame& seen;
-    const UngatheredLight& ungathered;  ///< of `seen`
-    glm::vec3 eye{0};
-    const core::ToleranceMap& tolerance;
+/// One frame to be lit roughly.
+struct DraftFrame : LightingContext {
+    LightTrees& parted;  ///< the same light trees: some of their lights are taken out while others are gathered
     const core::MotionField* motion = nullptr;  ///< to the frame lit last; null: nothing of it is kept
 };
 

@@ -19,11 +19,10 @@ bool is_lit(int x, int y) {
 core::Plane<glm::vec3> reflectances(const Frame& frame) {
     core::Plane<glm::vec3> plane(frame.visible.width(), frame.visible.height(), glm::vec3(0));
     for (std::size_t t = 0; t < frame.tiles.size(); ++t) {
-        const int across = frame.tiles_across(), index = static_cast<int>(t);
-        const int left = index % across * tile_size, top = index / across * tile_size;
         for (const GatherPoint& p : frame.tiles[t]) {
             const float cosine = glm::dot(p.point.shading_normal, p.point.outgoing);
-            plane.at(left + p.pixel % tile_size, top + p.pixel / tile_size) +=
+            const glm::ivec2 place = frame.place_of(t, p.pixel);
+            plane.at(place.x, place.y) +=
                 p.weight * (diffuse_albedo(p.point.bsdf, cosine) + glossy_albedo(p.point.bsdf, cosine));
         }
     }

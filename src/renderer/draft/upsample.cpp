@@ -13,7 +13,7 @@ namespace {
 constexpr float normal_tolerance = 0.2f;
 
 /// How far a lit point may lie off a point's plane, over its distance to the eye. chosen: 2 %, where the seed takes
-/// 3 % of the whole depth range: depth along the axis rejects what lies on a floor seen at a low angle.
+/// 3 % of the whole depth range: depth along the axis rejects points of a floor seen at a low angle.
 constexpr float plane_tolerance = 0.02f;
 
 /// Floor of each weight [Herzog2010, eq. 8.3]: whatever else lies about, the likest lit point has the say.
@@ -90,7 +90,7 @@ Lattice::Interpolated Lattice::interpolated(glm::ivec2 pixel, const GatherPoint&
                 const float off = glm::dot(s.position - p.point.position, p.point.geometric_normal);
                 float weight = near_weight * triweight(turned * turned, normal_tolerance) *
                                triweight(off * off, plane_tolerance * distance);
-                if (s.object != p.point.address.object || s.way != p.way) weight *= other_object;
+                if (s.object != p.point.address.object || s.path != p.path) weight *= other_object;
                 best = std::max(best, weight / near_weight);
                 sum.light.irradiance += weight * s.light.irradiance;
                 sum.light.glossy += weight * s.light.glossy;

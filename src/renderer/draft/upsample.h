@@ -34,7 +34,7 @@ LitPixels lit_pixels_of(std::int64_t n, bool carried);
 /// Light that is smooth enough to be interpolated, textures not applied.
 struct SmoothLight {
     glm::vec3 irradiance{0};  ///< over pi
-    glm::vec3 glossy{0};      ///< radiance over what the lobe reflects of even light
+    glm::vec3 glossy{0};      ///< radiance over the lobe's albedo
 };
 
 /// Reflectance of a point's lobe under even light; 0 where it has none.
@@ -44,7 +44,7 @@ glm::vec3 lobe_reflectance(const GatherPoint& p);
 struct LitSample {
     glm::vec3 position{0}, normal{0};  ///< world; of the surface without its normal map
     std::uint32_t object = 0;
-    std::uint8_t way = straight_way;
+    std::uint8_t path = direct_path;
     SmoothLight light;
 };
 
@@ -55,7 +55,7 @@ class Lattice {
 
     int across() const { return across_; }
     int down() const { return down_; }
-    /// The lit pixel of a window, and what was lit there.
+    /// The lit pixel of a window, and its light.
     glm::ivec2 pixel_of(glm::ivec2 window) const { return window * lattice_step + phase_; }
     const std::vector<LitSample>& samples(glm::ivec2 window) const {
         return windows_[static_cast<std::size_t>(window.y) * static_cast<std::size_t>(across_) +
@@ -90,8 +90,8 @@ class Lattice {
     std::vector<std::vector<LitSample>> windows_;
 };
 
-/// The lattices of a frame: of surfaces seen directly, and of what mirrors and glass show, which nobody carries along
-/// and which is therefore lit at the same pixels in every frame.
+/// The lattices of a frame: of surfaces seen directly, and of those seen in mirrors and through glass, which are lit
+/// at the same pixels in every frame, since motion does not carry them along.
 struct Lattices {
     Lattice straight, specular;
     const Lattice& of(const GatherPoint& p, core::PixelClass kind) const {

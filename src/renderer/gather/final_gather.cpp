@@ -370,7 +370,7 @@ GatherRequest request_of(const GatherPoint& point, const PointTolerance& toleran
     r.point = &point;
     r.tolerance = tolerance;
     r.seed = core::mix(core::mix(static_cast<std::uint64_t>(pixel.y) << 32 | static_cast<std::uint32_t>(pixel.x)) ^
-                       (static_cast<std::uint64_t>(point.point.address.object) << 8 | point.way));
+                       (static_cast<std::uint64_t>(point.point.address.object) << 8 | point.path));
     const auto on_picture = camera.project(point.point.position);
     r.extent = camera.pixel_size() * (camera.perspective() && on_picture ? on_picture->depth : 1.0f);
     return r;

@@ -6,7 +6,6 @@
 #include "core/numeric.h"
 #include "renderer/base/flush_denormals.h"
 #include "renderer/geometry/embree.h"
-#include "renderer/geometry/largest_triangles.h"
 #include "renderer/geometry/strands.h"
 #include "renderer/geometry/surface_shape.h"
 #include "scene/model/curves.h"
@@ -18,10 +17,6 @@ namespace {
 /// triangles than this. chosen: about 10 MB of vertices and tree; tried 0 (a tenth slower) and no limit (gigabytes for
 /// sets of light trees).
 constexpr std::size_t most_copied_triangles = 65536;
-
-/// Instances that are distorted more than this are not known well enough where they lie to be occluders, which allow
-/// for 1e-4 of rounding. chosen: 16, whose rounding (position_error) is a seventh of that.
-constexpr float most_distorted = 16.0f;
 
 std::string name_of_error(RTCError code) {
     switch (code) {
@@ -175,43 +170,18 @@ RTCScene EmbreeScene::shared_mesh(std::uint32_t object) {
     return scene.get();
 }
 
-bool EmbreeScene::pose(const scene::Snapshot& snapshot) {
+void EmbreeScene::pose(const scene::Snapshot& snapshot) {
     EXPECTS(snapshot.animation == &animation_ && snapshot.objects.size() == placed_.size());
     const FlushDenormals flushed;
-    bool baked_changed = false, top_changed = false, still_changed = false;
+    bool baked_changed = false, top_changed = false;
     for (std::uint32_t i = 0; i < placed_.size(); ++i) {
         if (!place(i, snapshot)) continue;
         (placed_[i].kind == Kind::baked ? baked_changed : top_changed) = true;
-        still_changed = still_changed || is_still(i);
     }
     if (baked_changed) rtcCommitScene(baked_.get());
     if (baked_changed && baked_instance_ != nullptr) rtcCommitGeometry(baked_instance_);
     if (top_ && (baked_changed || top_changed)) rtcCommitScene(top_.get());
     check("building the ray tracer's scene");
-    return still_changed;
-}
-
-std::vector<scene::Triangle> EmbreeScene::opaque_static_triangles(std::size_t most) const {
-    LargestTriangles largest(most);
-    std::vector<double> largest_of_mesh(animation_.meshes.size(), -1.0);
-    for (std::uint32_t i = 0; i < placed_.size(); ++i) {
-        const Placed& placed = placed_[i];
-        if (!is_still(i) || !placed.present || is_filtered(i)) continue;
-        const auto mesh_index = static_cast<std::size_t>(animation_.objects[i].mesh);
-        const scene::Mesh& mesh = animation_.meshes[mesh_index];
-        if (placed.kind == Kind::instanced) {
-            if (!(distortion_of(placed.to_world) <= most_distorted)) continue;
-            // the light trees' leaves need not be looked at one by one.
-            double& own = largest_of_mesh[mesh_index];
-            if (own < 0.0) own = largest_area2(mesh);
-            if (own * widening2(placed.to_world) < largest.least()) continue;
-        }
-        const auto world = [&](std::uint32_t v) {
-            return glm::vec3(placed.to_world * glm::vec4(mesh.positions[v], 1.0f));
-        };
-        for (const glm::uvec3& t : mesh.triangles) largest.add({world(t.x), world(t.y), world(t.z)});
-    }
-    return largest.in_order();
 }
 
 std::vector<MiddleBox> EmbreeScene::dynamic_object_boxes() const {

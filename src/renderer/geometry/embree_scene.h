@@ -25,8 +25,8 @@ namespace render2mpeg::renderer {
 ///
 /// Triangles of still objects lie together in one scene, in world space; but many copies of a large mesh are instances
 /// of it. If anything moves, or is such a copy, that scene is one instance of the scene that rays are traced in, and
-/// every rigid, deforming or copied object is another. All trees are built anew from what is posed and never refitted,
-/// so that nothing depends on what was posed before.
+/// every rigid, deforming or copied object is another. All trees are built anew from the posed instant and never
+/// refitted, so that nothing depends on earlier ones.
 class EmbreeScene {
   public:
     /// Called for shadow rays that meet a translucent object; see rtcSetGeometryOccludedFilterFunction.
@@ -35,14 +35,9 @@ class EmbreeScene {
     EmbreeScene(const scene::Animation& animation, core::Isa isa, std::vector<bool> translucent, Filter filter);
     ~EmbreeScene();
 
-    /// Returns whether what never moves was posed anew.
-    bool pose(const scene::Snapshot& snapshot);
+    void pose(const scene::Snapshot& snapshot);
 
-    /// World triangles of what is posed, never moves and lets no light through, as rays meet them, instances or not:
-    /// the `most` largest, earlier ones first where areas agree, in the order of objects and triangles.
-    std::vector<scene::Triangle> opaque_static_triangles(std::size_t most) const;
-
-    /// World boxes of what is posed and moves.
+    /// World boxes of posed objects that move.
     std::vector<MiddleBox> dynamic_object_boxes() const;
 
     RTCSceneTy* root() const { return top_ ? top_.get() : baked_.get(); }

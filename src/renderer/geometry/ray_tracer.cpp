@@ -12,7 +12,6 @@
 #include "renderer/geometry/embree.h"
 #include "renderer/geometry/embree_scene.h"
 #include "renderer/geometry/nearest_hits.h"
-#include "renderer/geometry/occluders.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -23,10 +22,7 @@ namespace {
 constexpr float optical_steps = 0x1p20f;
 constexpr std::int64_t opaque_depth = std::int64_t{1} << 32;  ///< 2^-4096
 
-/// Of a scene. chosen: 256, which hold 70 to 76 % of all surface in Sponza and Sibenik.
-constexpr std::size_t most_occluders = 256;
-
-/// Of what moves. More are not asked one by one.
+/// Boxes of moving objects. More are not asked one by one.
 constexpr std::size_t most_boxes = 64;
 
 /// Boxes are taken for so much larger than they are, against rounding: a share of their size and of where they lie.
@@ -102,7 +98,6 @@ std::uint32_t take_blocked(const RTCRay16& rays, int* valid) {
 struct RayTracer::Impl {
     EmbreeScene scene;
     Transmittance transmittance;
-    OccluderList occluders;
     std::vector<MiddleBox> dynamic_objects;
 
     struct Layer {
@@ -166,7 +161,7 @@ struct RayTracer::Impl {
     std::uint32_t occluded(const ShadowPacket& packet, unsigned instances, glm::vec3* light) const;
 };
 
-/// Lets a shadow ray go on through a layer: takes from its light what the layer keeps, until nothing is left or there
+/// Lets a shadow ray go on through a layer: takes the absorbed light, until nothing is left or there
 /// were too many.
 void RayTracer::Impl::filter_shadow(const RTCFilterFunctionNArguments* arguments) {
     auto& context = embree::context_of<ShadowContext>(arguments);
@@ -222,23 +217,15 @@ std::uint32_t RayTracer::Impl::occluded(const ShadowPacket& packet, unsigned ins
 
 RayTracer::RayTracer(const scene::Animation& animation, core::Isa isa, std::vector<bool> translucent,
                      Transmittance transmittance)
-    : impl_(new Impl{EmbreeScene(animation, isa, std::move(translucent), &Impl::filter_shadow),
-                     std::move(transmittance),
-                     {},
-                     {}}) {}
+    : impl_(new Impl{
+          EmbreeScene(animation, isa, std::move(translucent), &Impl::filter_shadow), std::move(transmittance), {}}) {}
 
 RayTracer::~RayTracer() = default;
 RayTracer::RayTracer(RayTracer&&) noexcept = default;
 
 void RayTracer::pose(const scene::Snapshot& snapshot) {
-    if (impl_->scene.pose(snapshot))
-        impl_->occluders =
-            OccluderList(occluders_of(impl_->scene.opaque_static_triangles(2 * most_occluders), most_occluders));
+    impl_->scene.pose(snapshot);
     impl_->dynamic_objects = impl_->scene.dynamic_object_boxes();
-}
-
-const OccluderList& RayTracer::occluders() const {
-    return impl_->occluders;
 }
 
 bool RayTracer::is_instanced(std::uint32_t object) const {

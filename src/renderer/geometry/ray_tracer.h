@@ -14,8 +14,6 @@
 
 namespace render2mpeg::renderer {
 
-class OccluderList;
-
 /// A ray and how far it goes, in units of the direction's length.
 struct RayQuery {
     glm::vec3 origin{0}, direction{0, 0, -1};
@@ -84,7 +82,7 @@ class RayTracer {
     /// share a mesh count as others do.
     bool meets_static(glm::vec3 origin, glm::vec3 direction, float far) const;
 
-    /// The same for what `meets_static` does not ask: what moves, changes its shape, comes or goes in the film.
+    /// The same for all other objects: those that move, change their shape, come or go in the film.
     bool meets_dynamic(glm::vec3 origin, glm::vec3 direction, float far) const;
     bool has_dynamic_objects() const;
 
@@ -96,11 +94,8 @@ class RayTracer {
     /// blocked).
     std::uint32_t occluded(const ShadowPacket& packet, glm::vec3* light) const;
 
-    /// The same for one ray: what passes of light, 0 where blocked.
+    /// Transmittance of one ray, 0 where blocked.
     glm::vec3 passes(glm::vec3 origin, glm::vec3 direction, float far, Bodies bodies = Bodies::pass) const;
-
-    /// The largest pieces of what never moves and is opaque, as posed.
-    const OccluderList& occluders() const;
 
     /// Whether rays meet this object through a transform of its own, which costs some digits.
     bool is_instanced(std::uint32_t object) const;

@@ -1,6 +1,6 @@
 // Anchor lights [Render2MPEG, 7.3.1]: fixed places whose intensities follow the photons of each instant by density
 // estimation. Changed: places are a stratified choice among places that photons reach over the film, half by area and
-// half by flux, and by what cameras see, instead of even over surfaces (so that none lies where no light comes);
+// half by flux, and by importance to cameras, instead of even over surfaces (so that none lies where no light comes);
 // photons share their flux among the nearest anchors by a kernel times the area that each anchor stands for, which
 // loses no energy at edges; surfaces that move have anchors of their own, which move along.
 #include "renderer/lights/anchors.h"
@@ -26,13 +26,10 @@ namespace {
 /// 64th of its way; each asks for a 64th of the photons.
 constexpr int instants = 64;
 
-/// Instants at which the shapes of what deforms are looked at, to find one to rest in.
-constexpr int shapes = 8;
-
 /// Points spread evenly over all still surfaces, as a share of the places looked at. chosen: an eighth.
 constexpr std::uint64_t even_part = 8;
 
-/// Places looked at per anchor. chosen: 16; fewer leave strata uneven where what is seen gets a small part of the
+/// Places looked at per anchor. chosen: 16; fewer leave strata uneven where visible surfaces get a small part of the
 /// light.
 constexpr std::uint64_t candidates_per_anchor = 16;
 constexpr std::uint64_t least_candidates = 4096;
@@ -129,9 +126,6 @@ AnchorCandidate Anchors::Impl::candidate(const PosedScene& posed_scene, const Li
 void Anchors::Impl::look(PosedScene& posed_scene, LightPoints& lights) {
     const int count = film.duration > 0.0 ? instants : 1;
     const std::uint64_t wanted = candidates_for(static_cast<std::uint64_t>(settings.count));
-    const bool deforms = std::any_of(film.objects.begin(), film.objects.end(),
-                                     [](const scene::Object& o) { return o.mobility == scene::Mobility::deforming; });
-    for (int i = 0; deforms && i < shapes; ++i) rest.consider(importance_instant(film, i, shapes));
     const scene::Snapshot first = importance_instant(film, 0, count);
     lights.place(posed_scene, first);
     scene::Snapshot instant;
@@ -164,7 +158,7 @@ void Anchors::Impl::look_at(const PosedScene& posed_scene, const std::vector<Lig
     const std::vector<float> importance = eye.of(posed_scene, photons.vpls);
     for (std::size_t i = 0; i < photons.vpls.size(); ++i) {
         candidates.push_back(candidate(posed_scene, photons.vpls[i], photons.addresses[i]));
-        // The root, since what errs is light times the size of its cell: fewest errors in sum come of cells that shrink
+        // The root, since errors are light times the size of its cell: fewest errors in sum come of cells that shrink
         // as it.
         candidates.back().importance = std::sqrt(importance[i]);
         candidate_light.push_back(photons.vpls[i].intensity);
@@ -240,7 +234,7 @@ void Anchors::Impl::average_light(const RayTracer& tracer) {
     for (const float l : average) sum += l;
     const auto mean = static_cast<float>(core::divide_or(sum, static_cast<double>(average.size()), 0.0));
     for (float& l : average) l += least_average * mean + 1e-20f;
-    // Trees of what moves are planned at rest, every object far from all others: they part ways.
+    // Trees of moving objects are planned at rest, every object far from all others, since they part.
     for (const AnchorCandidate& c : candidates)
         if (c.group != 0) apart = std::max(apart, 4.0f * std::sqrt(c.extent2));
 }

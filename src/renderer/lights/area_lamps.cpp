@@ -206,7 +206,7 @@ std::vector<glm::vec3> convex_outline(const scene::Mesh& mesh) {
         at = found->second;
     } while (at != next.begin()->first && loop.size() <= next.size());
     if (loop.size() != next.size()) return {};
-    // Corners turn left; what lies on a straight edge is none.
+    // Corners turn left; points on a straight edge are none.
     std::vector<glm::vec3> corners;
     for (std::size_t i = 0; i < loop.size(); ++i) {
         const glm::vec3 in = loop[i] - loop[(i + loop.size() - 1) % loop.size()],
@@ -283,9 +283,6 @@ AreaLamp AreaLamps::lamp_of(const PosedScene& posed_scene, const Surface& surfac
         for (std::size_t i = 2; i < lamp.corners.size(); ++i)
             across += glm::cross(lamp.corners[i - 1] - lamp.corners[0], lamp.corners[i] - lamp.corners[0]);
         lamp.area = 0.5f * glm::length(across);
-        glm::vec3 low(lamp.corners.front()), high(low);
-        for (const glm::vec3& c : lamp.corners) low = glm::min(low, c), high = glm::max(high, c);
-        lamp.box = {0.5f * (low + high), 0.5f * (high - low) + glm::vec3(lamp.clearance)};
         return lamp;
     }
     lamp.kind = AreaLamp::Kind::sphere;
@@ -294,7 +291,6 @@ AreaLamp AreaLamps::lamp_of(const PosedScene& posed_scene, const Surface& surfac
     lamp.radius = scale * surface.radius;
     lamp.clearance += scale * (1 + shape_error) * surface.outer - lamp.radius;
     lamp.area = 4 * std::numbers::pi_v<float> * lamp.radius * lamp.radius;
-    lamp.box = {lamp.position, glm::vec3(lamp.radius + lamp.clearance)};
     return lamp;
 }
 
@@ -313,8 +309,6 @@ std::vector<AreaLamp> AreaLamps::at(const PosedScene& posed_scene) const {
         lamp.radius = std::sin(light.angle);
         lamp.sharp = light.angle < sharp_sun;
         lamp.radiance = light.intensity * (lobe::inverse_pi / (lamp.radius * lamp.radius));
-        // No direction of the disc is farther from the middle than the chord of its angle.
-        lamp.box = {lamp.position, glm::vec3(2 * std::sin(0.5f * light.angle))};
         if (shines(lamp)) lamps.push_back(lamp);
     }
     for (const Surface& surface : surfaces_) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "renderer/base/light_point.h"
+#include "renderer/surface/light_ray.h"
 
 namespace render2mpeg::renderer {
 
@@ -14,12 +15,9 @@ struct WorldBox {
 };
 
 /// A photon that leaves a light.
-struct Photon {
-    glm::vec3 origin{0};
-    glm::vec3 direction{0, 0, 1};  ///< unit
-    bool from_far = false;         ///< it comes from infinitely far
-    float range = 0;               ///< LightPoint::range, on the first flight
-    glm::vec3 flux{0};             ///< power over the density of its choice: the mean over photons is the lights' power
+struct Photon : LightRay {
+    float range = 0;    ///< LightPoint::range, on the first flight
+    glm::vec3 flux{0};  ///< power over the density of its choice: the mean over photons is the lights' power
 };
 
 /// Chooses photons mostly in proportion to the power of light points, some of them alike for all, so that a dim lamp in

@@ -1,16 +1,17 @@
 #include "renderer/lights/photons.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
+#include <numeric>
 
 #include "core/color.h"
 #include "core/numeric.h"
 #include "core/sampling.h"
 #include "parallel/loops.h"
 #include "renderer/base/lobe.h"
+#include "renderer/surface/light_ray.h"
 #include "renderer/surface/lobe_albedo.h"
-#include "renderer/surface/media_path.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -38,58 +39,70 @@ LightPoint vpl_at(const SurfacePoint& p, glm::vec3 flux) {
     return vpl;
 }
 
-/// Transmittance of air for a photon on its way.
-float left_by_air(const Air& air, const Photon& photon, float distance) {
-    if (!photon.from_far) return air.transmittance(photon.origin, photon.direction, distance);
-    return std::exp(-air.depth_to_sky(photon.origin + distance * photon.direction, -photon.direction));
-}
+/// Chances of the events at a surface, by the flux that each would carry on.
+struct Chances {
+    ScatteringShares shares;
+    std::array<float, scatterings> of{};
+    float lost = 0;  ///< luminance that largest_albedo takes
 
-/// Where a photon goes on from a surface; no flux: nowhere.
-struct Onward {
-    glm::vec3 direction{0};
-    glm::vec3 flux{0};
-    bool passes = false;  ///< through the surface
-    bool beyond = false;  ///< scattered to the surface's other side
-    float lost = 0;       ///< luminance that largest_albedo took
+    Chances(const SurfacePoint& p, glm::vec3 flux) : shares(specular_shares(p)) {
+        const float cosine = glm::dot(p.shading_normal, p.outgoing);
+        shares[Scattering::diffuse] = p.alpha * diffuse_albedo(p.bsdf, cosine);
+        shares[Scattering::glossy] = p.alpha * glossy_albedo(p.bsdf, cosine);
+        shares[Scattering::beyond] = p.alpha * p.bsdf.diffuse_transmission;
+        of = shares.chances(flux);
+        // A surface brighter than any real one is taken as the brightest: chances fall, weights do not rise.
+        float& layer = of[static_cast<std::size_t>(Scattering::layer)];
+        const float sum = std::accumulate(of.begin(), of.end(), -layer), most = largest_albedo * p.alpha;
+        if (!(sum > most)) return;
+        lost = (sum - most) / p.alpha * core::luminance(flux);
+        for (float& chance : of)
+            if (&chance != &layer) chance *= most / sum;
+    }
 };
 
-Onward scatter(const SurfacePoint& p, glm::vec3 flux, float choice, glm::vec2 u) {
-    const Bsdf& b = p.bsdf;
+/// Sends a photon on; `flux` becomes the flux that goes on. False where it ends. A bounce below the horizon of the true
+/// surface would leak through it.
+bool go_on(const PosedScene& scene, const SurfacePoint& p, Scattering event, glm::vec2 u, LightRay& ray,
+           glm::vec3& flux) {
+    const auto kept = [&](glm::vec3 share) {
+        return core::divide_or(glm::dot(flux, share), flux.x + flux.y + flux.z, 0.0f);
+    };
     const float cosine = glm::dot(p.shading_normal, p.outgoing);
-    const glm::vec3 diffuse = diffuse_albedo(b, cosine), glossy = glossy_albedo(b, cosine);
-    // By the flux that each would carry on, colours alike: light that a surface swallows ends there, whatever it would
-    // do to other light. [Szecsi2003]
-    const float before = flux.x + flux.y + flux.z;
-    const auto kept = [&](glm::vec3 albedo) { return core::divide_or(glm::dot(flux, albedo), before, 0.0f); };
-    float chance[5] = {kept(diffuse), kept(glossy), kept(b.mirror), kept(b.transmission), kept(b.diffuse_transmission)};
-    const float sum = chance[0] + chance[1] + chance[2] + chance[3] + chance[4];
-    // A surface brighter than any real one is taken as the brightest: probabilities fall, weights do not rise.
-    const float lost = std::max(sum - largest_albedo, 0.0f) * core::luminance(flux);
-    const float kept_share = sum > largest_albedo ? largest_albedo / sum : 1.0f;
-    choice = core::divide_or(choice, kept_share, 1.0f);
-    if (choice < chance[0]) {
-        const glm::vec3 direction = core::sample_cosine_hemisphere(p.shading_normal, u);
-        return {direction, flux * diffuse_weight(b, p.outgoing, direction) / chance[0], false, false, lost};
+    glm::vec3 direction(0), weight(0);
+    switch (event) {
+        case Scattering::layer:
+            ray.pass(scene, p);
+            return true;
+        case Scattering::mirror:
+            flux *= p.bsdf.mirror / kept(p.bsdf.mirror);
+            ray.reflect(p, p.shading_normal);
+            return true;
+        case Scattering::glass:
+            flux *= p.bsdf.transmission / kept(p.bsdf.transmission);
+            if (p.bounds_body) return ray.refract(scene, p, p.shading_normal);
+            ray.pass(scene, p);
+            return true;
+        case Scattering::diffuse:
+            direction = core::sample_cosine_hemisphere(p.shading_normal, u);
+            weight = diffuse_weight(p.bsdf, p.outgoing, direction) / kept(diffuse_albedo(p.bsdf, cosine));
+            break;
+        case Scattering::glossy: {
+            const LobeSample sample = sample_glossy(p.bsdf, p.shading_normal, p.outgoing, u);
+            direction = sample.direction;
+            weight = sample.weight / kept(glossy_albedo(p.bsdf, cosine));
+            break;
+        }
+        case Scattering::beyond:
+            direction = core::sample_cosine_hemisphere(-p.shading_normal, u);
+            weight = p.bsdf.diffuse_transmission / kept(p.bsdf.diffuse_transmission);
+            break;
     }
-    choice -= chance[0];
-    if (choice < chance[1]) {
-        const LobeSample sample = sample_glossy(b, p.shading_normal, p.outgoing, u);
-        return {sample.direction, flux * sample.weight / chance[1], false, false, lost};
-    }
-    choice -= chance[1];
-    if (choice < chance[2]) {
-        const float nv = glm::dot(p.shading_normal, p.outgoing);
-        return {core::normalize_or(2.0f * nv * p.shading_normal - p.outgoing, p.shading_normal),
-                flux * b.mirror / chance[2], false, false, lost};
-    }
-    choice -= chance[2];
-    if (choice < chance[3]) return {-p.outgoing, flux * b.transmission / chance[3], true, false, lost};
-    choice -= chance[3];
-    if (choice < chance[4]) {
-        const glm::vec3 direction = core::sample_cosine_hemisphere(-p.shading_normal, u);
-        return {direction, flux * b.diffuse_transmission / chance[4], false, true, lost};
-    }
-    return {{}, {}, false, false, lost};
+    const float up = glm::dot(direction, p.geometric_normal);
+    if (!((event == Scattering::beyond ? -up : up) > 0.0f)) return false;
+    flux *= weight;
+    ray.leave(p, direction);
+    return true;
 }
 
 /// Leaves a VPL where a photon landed; `landed`: of its flux.
@@ -108,46 +121,35 @@ int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint6
                                                    : core::uniform(path, static_cast<std::uint64_t>(dimension));
     };
     Photon photon = source.emit({number(0), number(1), number(2)});
-    MediaPath media;
     int rays = 0;
     int left = settings.bounces;
     for (int event = 0; event < most_events && (settings.bounces == 0 || left > 0); ++event) {
         if (!(core::luminance(photon.flux) > 0.0f)) break;
         ++rays;
-        const Hit hit =
-            posed_scene.tracer().nearest(photon.origin, photon.direction, std::numeric_limits<float>::infinity());
+        const Hit hit = photon.meet(posed_scene);
         if (!hit.found()) break;
-        if (posed_scene.air() != nullptr && media.media.empty())
-            photon.flux *= left_by_air(*posed_scene.air(), photon, hit.distance);
+        photon.flux *= photon.left_by_bodies(posed_scene, hit);
+        photon.flux *= photon.left_by_air(posed_scene, hit.distance);
         if (photon.range > 0.0f)  // [KHR_lights_punctual]
             photon.flux *= std::clamp(1.0f - std::pow(hit.distance / photon.range, 4.0f), 0.0f, 1.0f);
-        photon.flux *= media.way_to(posed_scene, hit, photon.direction);
-        const SurfacePoint p = media.surface_at(posed_scene, hit, photon.direction);
-        const int dimension = first_event_dimension + 3 * event;
-        float choice = number(dimension);
         photon.range = 0.0f;
-        // Pass a translucent layer with the share that it does not cover.
-        if (choice < 1.0f - p.alpha) {
-            // Air before the layer has dimmed it.
-            photon.origin = offset_origin(p, photon.direction);
-            photon.from_far = false;
-            continue;
+        const SurfacePoint p = photon.surface_at(posed_scene, hit);
+        const int dimension = first_event_dimension + 3 * event;
+        const Chances chances(p, photon.flux);
+        const std::size_t found = chosen(chances.of, number(dimension));
+        const auto next = static_cast<Scattering>(found);
+        if (p.unlit && next != Scattering::layer) break;
+        if (next != Scattering::layer) {
+            if (p.bsdf.has_diffuse() || p.bsdf.has_glossy()) {
+                leave(p, photon.flux, photon.flux, out);
+                --left;
+            }
+            if (p.bsdf.has_diffuse_transmission()) leave(posed_scene.other_side(p), photon.flux, glm::vec3(0), out);
+            out.lost += static_cast<double>(chances.lost);
         }
-        if (p.unlit) break;
-        choice = core::divide_or(choice - (1.0f - p.alpha), p.alpha, 0.0f);
-        if (p.bsdf.has_diffuse() || p.bsdf.has_glossy()) {
-            leave(p, photon.flux, photon.flux, out);
-            --left;
-        }
-        if (p.bsdf.has_diffuse_transmission()) leave(posed_scene.other_side(p), photon.flux, glm::vec3(0), out);
-        Onward onward = scatter(p, photon.flux, choice, {number(dimension + 1), number(dimension + 2)});
-        out.lost += static_cast<double>(onward.lost);
-        // A bounce below the horizon of the true surface would leak through it.
-        const float up = glm::dot(onward.direction, p.geometric_normal);
-        if (!onward.passes && !((onward.beyond ? -up : up) > 0.0f)) break;
-        if (onward.passes && p.bounds_body) onward.direction = media.cross(posed_scene, p, p.shading_normal);
-        if (onward.direction == glm::vec3{0.0f}) break;
-        photon = {offset_origin(p, onward.direction), onward.direction, false, 0.0f, onward.flux};
+        if (found == scatterings) break;
+        const glm::vec2 u(number(dimension + 1), number(dimension + 2));
+        if (!go_on(posed_scene, p, next, u, photon, photon.flux)) break;
     }
     return rays;
 }

@@ -9,22 +9,12 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// A mesh rests in its own shape if that has this share of its largest area. chosen: a quarter; no less, so that
-/// `most_growth` holds for the whole of it with room for its parts.
-constexpr double least_rest_area = 0.25;
-
-/// Most that a triangle of a deforming object may be thought to grow. chosen: 16, four times what the whole does: a
-/// sliver that opens would else claim a disc as large as the world, and all its light be clamped.
+/// Most that a triangle of a deforming object may be thought to grow. chosen: 16, not tuned: a sliver
+/// that opens would else claim a disc as large as the world, and all its light be clamped.
 constexpr float most_growth = 16.0f;
 
 float area_of(glm::vec3 a, glm::vec3 b, glm::vec3 c) {
     return 0.5f * glm::length(glm::cross(b - a, c - a));
-}
-
-double area_of(const scene::Mesh& mesh, const std::vector<glm::vec3>& positions) {
-    double area = 0;
-    for (const glm::uvec3& t : mesh.triangles) area += area_of(positions[t.x], positions[t.y], positions[t.z]);
-    return area;
 }
 
 /// Bound of a triangle's growth under an affine map.
@@ -42,28 +32,9 @@ const scene::Mesh& RestPoses::mesh_of(std::uint32_t object) const {
     return film_->meshes[static_cast<std::size_t>(film_->objects[object].mesh)];
 }
 
-const std::vector<glm::vec3>& RestPoses::positions_of(std::uint32_t object) const {
-    const auto grown = grown_.find(object);
-    return grown != grown_.end() ? grown->second.positions : mesh_of(object).positions;
-}
-
-void RestPoses::consider(const scene::Snapshot& now) {
-    for (std::uint32_t object = 0; object < film_->objects.size(); ++object) {
-        const scene::ObjectState& state = now.objects[object];
-        if (!state.present || state.deformed < 0) continue;
-        const scene::Mesh& mesh = mesh_of(object);
-        const std::vector<glm::vec3>& positions = now.deformed[static_cast<std::size_t>(state.deformed)].positions;
-        const double area = area_of(mesh, positions);
-        const auto known = grown_.find(object);
-        const double rest =
-            known != grown_.end() ? known->second.area : area_of(mesh, mesh.positions) / least_rest_area;
-        if (std::isfinite(area) && area > rest) grown_[object] = {area, positions};
-    }
-}
-
 OrientedPoint RestPoses::at(const core::SurfaceAddress& a, bool front) const {
-    const std::vector<glm::vec3>& positions = positions_of(a.object);
     const scene::Mesh& mesh = mesh_of(a.object);
+    const std::vector<glm::vec3>& positions = mesh.positions;
     if (mesh.has_curves()) return {glm::vec3(scene::interpolated(mesh, positions, a)), {0, 0, 1}};
     const glm::uvec3 t = mesh.triangles[a.primitive];
     const glm::vec3 p = positions[t.x], e1 = positions[t.y] - p, e2 = positions[t.z] - p;
@@ -73,7 +44,7 @@ OrientedPoint RestPoses::at(const core::SurfaceAddress& a, bool front) const {
 
 float RestPoses::area_scale(const scene::Snapshot& now, const core::SurfaceAddress& a) const {
     if (mesh_of(a.object).has_curves()) return 1.0f;
-    const std::vector<glm::vec3>& positions = positions_of(a.object);
+    const std::vector<glm::vec3>& positions = mesh_of(a.object).positions;
     const glm::uvec3 t = mesh_of(a.object).triangles[a.primitive];
     const scene::Triangle world = scene::triangle_of(now, a.object, a.primitive);
     const float scale = core::divide_or(area_of(world.a, world.b, world.c),
@@ -83,7 +54,7 @@ float RestPoses::area_scale(const scene::Snapshot& now, const core::SurfaceAddre
 }
 
 float RestPoses::extent2(std::uint32_t object) const {
-    const std::vector<glm::vec3>& positions = positions_of(object);
+    const std::vector<glm::vec3>& positions = mesh_of(object).positions;
     glm::vec3 low(std::numeric_limits<float>::max()), high(-low);
     for (const glm::vec3& p : positions) {
         low = glm::min(low, p);

@@ -1,9 +1,10 @@
 #include "renderer/paths/light_paths.h"
 
-#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "core/color.h"
@@ -12,6 +13,7 @@
 #include "renderer/base/flush_denormals.h"
 #include "renderer/paths/scatterer.h"
 #include "renderer/subsurface/random_walk.h"
+#include "renderer/surface/light_ray.h"
 #include "renderer/surface/lobe_albedo.h"
 
 namespace render2mpeg::renderer {
@@ -20,7 +22,7 @@ namespace {
 /// Against a ray that never leaves: roulette leaves one path of 10^17 to so many events on one ray.
 constexpr int most_events = 4096;
 
-/// Fibres keep so much of what they scatter: light stays among white ones for hundreds of them, and ends.
+/// Largest albedo of fibres: light stays among white ones for hundreds of them, and ends.
 constexpr float largest_hair_albedo = 0.9995f;
 
 float mean(glm::vec3 v) {
@@ -43,12 +45,12 @@ glm::vec3 share_of_lobe(const SurfacePoint& p, glm::vec3 direction) {
 /// Event at a surface on a ray: the path is over, the ray goes on, the path scatters there.
 enum class LightPaths::Event : std::uint8_t { ends, passes, lands };
 
-/// A path on its way.
-struct LightPaths::Way {
+/// State of a path.
+struct LightPaths::Path {
     Scatterer at;             ///< the last place that scattered
-    glm::vec3 throughput{1};  ///< until there; after `leave`, of what comes along the ray
-    glm::vec3 origin{0}, direction{0};
-    float density = 0;          ///< of the direction
+    glm::vec3 throughput{1};  ///< until there; after `leave`, of the ray
+    LightRay ray;
+    float density = 0;          ///< of the ray's direction
     bool first = true;          ///< `at` is where the path began
     bool mirrored = false;      ///< a mirror lies between `at` and the ray
     glm::vec3 seen_in_lobe{0};  ///< share of a narrow lobe, on the ray from the first point; 0: it is not narrow
@@ -73,24 +75,24 @@ glm::vec3 LightPaths::scattered(const SurfacePoint& point, PathNumbers& numbers)
 
 glm::vec3 LightPaths::scattered(const SurfacePoint& point, glm::vec3 origin, PathNumbers& numbers) const {
     const FlushDenormals flushed;
-    Way way;
+    Path path;
     if (point.below) {
         const auto place = random_walk(posed_scene_, point, core::mix(std::bit_cast<std::uint32_t>(numbers.next())));
         if (!place) return glm::vec3(0);
-        way.stand_on({posed_scene_, *place});
+        path.stand_on({posed_scene_, *place});
     } else {
-        way.stand_on({posed_scene_, point});
-        way.at.leave_from(origin);
+        path.stand_on({posed_scene_, point});
+        path.at.leave_from(origin);
     }
     glm::vec3 light(0);
-    do light += asked(way, numbers);
-    while (leave(way, numbers) && meet(way, numbers, light));
+    do light += asked(path, numbers);
+    while (leave(path, numbers) && meet(path, numbers, light));
     return core::is_finite(light) ? light : glm::vec3(0);
 }
 
 /// Direct light at the point.
-glm::vec3 LightPaths::asked(const Way& way, PathNumbers& numbers) const {
-    const auto number = [&](FirstNumber which) { return way.first ? numbers.first(which) : numbers.next(); };
+glm::vec3 LightPaths::asked(const Path& path, PathNumbers& numbers) const {
+    const auto number = [&](FirstNumber which) { return path.first ? numbers.first(which) : numbers.next(); };
     // One by one: the order in which arguments are evaluated is not told.
     struct Three {
         float choice, u, v;
@@ -101,22 +103,22 @@ glm::vec3 LightPaths::asked(const Way& way, PathNumbers& numbers) const {
     glm::vec3 sum(0);
     if (lights_.has_lamps()) {
         const Three n = three(FirstNumber::lamp, FirstNumber::lamp_u, FirstNumber::lamp_v);
-        sum += answer(way, lights_.to_lamp(way.at.query(), n.choice, {n.u, n.v}));
+        sum += answer(path, lights_.to_lamp(path.at.query(), n.choice, {n.u, n.v}));
     }
     if (lights_.has_surfaces()) {
         const Three n = three(FirstNumber::surface, FirstNumber::surface_u, FirstNumber::surface_v);
-        sum += answer(way, lights_.to_surface(way.at.query(), n.choice, {n.u, n.v}));
+        sum += answer(path, lights_.to_surface(path.at.query(), n.choice, {n.u, n.v}));
     }
     if (lights_.has_sky()) {
         const Three n = three(FirstNumber::sky, FirstNumber::sky_u, FirstNumber::sky_v);
-        sum += answer(way, lights_.to_sky(way.at.query(), n.choice, {n.u, n.v}));
+        sum += answer(path, lights_.to_sky(path.at.query(), n.choice, {n.u, n.v}));
     }
-    return way.throughput * sum;
+    return path.throughput * sum;
 }
 
-glm::vec3 LightPaths::answer(const Way& way, const LightSample& sample) const {
-    if (!(core::luminance(sample.light) > 0.0f) || !way.at.query().may_see(sample.direction)) return glm::vec3(0);
-    const Scattered to = way.at.scattered(sample.direction, sample.density > 0.0f);
+glm::vec3 LightPaths::answer(const Path& path, const LightSample& sample) const {
+    if (!(core::luminance(sample.light) > 0.0f) || !path.at.query().may_see(sample.direction)) return glm::vec3(0);
+    const Scattered to = path.at.scattered(sample.direction, sample.density > 0.0f);
     glm::vec3 share = to.share * sample.light;
     if (!(mean(share) > 0.0f)) return glm::vec3(0);
     if (sample.density > 0.0f) share *= sample.density / (sample.density + to.density);
@@ -124,114 +126,118 @@ glm::vec3 LightPaths::answer(const Way& way, const LightSample& sample) const {
         const float length = glm::length(sample.ray);
         const glm::vec3 direction = core::normalize_or(sample.ray, sample.direction);
         const Air& air = *posed_scene_.air();
-        share *= std::isinf(sample.far) ? std::exp(-air.depth_to_sky(way.at.query().origin, direction))
-                                        : air.transmittance(way.at.query().origin, direction, length * sample.far);
+        share *= std::isinf(sample.far) ? std::exp(-air.depth_to_sky(path.at.query().origin, direction))
+                                        : air.transmittance(path.at.query().origin, direction, length * sample.far);
     }
-    const float skipped = way.at.skipped(sample.ray);
+    const float skipped = path.at.skipped(sample.ray);
     if (!(skipped < sample.far)) return share;
-    return share * posed_scene_.tracer().passes(way.at.origin_of(sample.ray), sample.ray, sample.far - skipped,
-                                                way.first ? bodies_ : Bodies::pass);
+    return share * posed_scene_.tracer().passes(path.at.origin_of(sample.ray), sample.ray, sample.far - skipped,
+                                                path.first ? bodies_ : Bodies::pass);
 }
 
 /// Chooses where the path goes on from its point.
-bool LightPaths::leave(Way& way, PathNumbers& numbers) const {
-    const auto number = [&](FirstNumber which) { return way.first ? numbers.first(which) : numbers.next(); };
+bool LightPaths::leave(Path& path, PathNumbers& numbers) const {
+    const auto number = [&](FirstNumber which) { return path.first ? numbers.first(which) : numbers.next(); };
     const float choice = number(FirstNumber::lobe), u = number(FirstNumber::direction_u),
                 v = number(FirstNumber::direction_v);
     glm::vec3 weight(0);
-    way.density = way.at.sample(choice, {u, v}, way.direction, weight);
-    if (!(way.density > 0.0f) || !way.at.query().may_see(way.direction)) return false;
-    way.throughput *= weight;
-    if (!(mean(way.throughput) > 0.0f) || !core::is_finite(way.throughput)) return false;
-    way.origin = way.at.origin_of(way.direction);
-    const SurfacePoint& p = way.at.point();
-    way.seen_in_lobe = way.first && p.bsdf.has_narrow_lobe() ? share_of_lobe(p, way.direction) : glm::vec3(0);
+    path.density = path.at.sample(choice, {u, v}, path.ray.direction, weight);
+    if (!(path.density > 0.0f) || !path.at.query().may_see(path.ray.direction)) return false;
+    path.throughput *= weight;
+    if (!(mean(path.throughput) > 0.0f) || !core::is_finite(path.throughput)) return false;
+    path.ray.origin = path.at.origin_of(path.ray.direction);
+    const SurfacePoint& p = path.at.point();
+    path.seen_in_lobe = path.first && p.bsdf.has_narrow_lobe() ? share_of_lobe(p, path.ray.direction) : glm::vec3(0);
     return true;
 }
 
-/// Goes along the ray until the next surface that scatters; adds what shines on the way.
-bool LightPaths::meet(Way& way, PathNumbers& numbers, glm::vec3& light) const {
-    const Air* air = posed_scene_.air();
+/// Goes along the ray until the next surface that scatters; adds emission on the path.
+bool LightPaths::meet(Path& path, PathNumbers& numbers, glm::vec3& light) const {
     for (int event = 0; event < most_events; ++event) {
-        const Hit hit =
-            posed_scene_.tracer().nearest(way.origin, way.direction, std::numeric_limits<float>::infinity());
+        const Hit hit = path.ray.meet(posed_scene_);
+        path.throughput *=
+            path.ray.left_by_air(posed_scene_, hit.found() ? hit.distance : std::numeric_limits<float>::infinity());
         if (!hit.found()) {
-            if (air != nullptr) way.throughput *= std::exp(-air->depth_to_sky(way.origin, way.direction));
-            light += way.throughput * escaped(way);
+            light += path.throughput * escaped(path);
             return false;
         }
-        if (air != nullptr) way.throughput *= air->transmittance(way.origin, way.direction, hit.distance);
-        const SurfacePoint met = posed_scene_.surface_at(hit.address, -way.direction);
-        light += way.throughput * emitted(way, met);
-        const float choice = way.first && event == 0 ? numbers.first(FirstNumber::event) : numbers.next();
-        const Event what = go_on(way, met, choice);
+        const SurfacePoint met = path.ray.surface_at(posed_scene_, hit);
+        light += path.throughput * emitted(path, met);
+        const float choice = path.first && event == 0 ? numbers.first(FirstNumber::event) : numbers.next();
+        const Event what = go_on(path, met, choice);
         if (what != Event::passes) return what == Event::lands;
     }
     return false;
 }
 
 /// Radiance from where the ray leaves the scene.
-glm::vec3 LightPaths::escaped(const Way& way) const {
+glm::vec3 LightPaths::escaped(const Path& path) const {
     glm::vec3 sum(0);
     if (sky_light_)
-        sum = posed_scene_.sky()->radiance(way.direction, 0.0f) * way.weight(lights_.sky_density(way.direction));
-    if (way.first && way.mirrored) return sum;
-    return sum + lights_.suns(way.at.query(), way.direction, [&](float other) { return way.weight(other); });
+        sum = posed_scene_.sky()->radiance(path.ray.direction, 0.0f) *
+              path.weight(lights_.sky_density(path.ray.direction));
+    if (path.first && path.mirrored) return sum;
+    return sum + lights_.suns(path.at.query(), path.ray.direction, [&](float other) { return path.weight(other); });
 }
 
 /// Radiance that a surface on the ray sends back along it.
-glm::vec3 LightPaths::emitted(const Way& way, const SurfacePoint& met) const {
+glm::vec3 LightPaths::emitted(const Path& path, const SurfacePoint& met) const {
     if (!(mean(met.emission) > 0.0f)) return glm::vec3(0);
     // Unlit surfaces are a picture's, no lamps: only lobes that rays look along show them.
-    if (met.unlit) return way.first ? met.alpha * way.seen_in_lobe * met.emission : glm::vec3(0);
-    if (way.first && way.mirrored) return glm::vec3(0);
-    // Alpha hides what is seen of a lamp, not what it shines.
-    return met.emission * way.weight(lights_.surface_density(way.at.query(), met.address));
+    if (met.unlit) return path.first ? met.alpha * path.seen_in_lobe * met.emission : glm::vec3(0);
+    if (path.first && path.mirrored) return glm::vec3(0);
+    // Alpha hides a lamp from the eye, and none of its light.
+    return met.emission * path.weight(lights_.surface_density(path.at.query(), met.address));
 }
 
 /// Continues the path at a surface. Roulette by the light that each event would carry on, as photons have it.
-LightPaths::Event LightPaths::go_on(Way& way, const SurfacePoint& met, float choice) const {
-    const float before = mean(way.throughput);
-    const auto kept = [&](glm::vec3 share) { return core::divide_or(mean(way.throughput * share), before, 0.0f); };
+LightPaths::Event LightPaths::go_on(Path& path, const SurfacePoint& met, float choice) const {
     Scatterer there(posed_scene_, met);
-    const glm::vec3 albedo = there.albedo();
+    ScatteringShares shares;
+    shares[Scattering::diffuse] = there.albedo();
+    shares[Scattering::beyond] = met.bsdf.diffuse_transmission;
+    shares[Scattering::mirror] = met.bsdf.mirror;
+    shares[Scattering::glass] = met.bsdf.transmission;
+    // No surface is brighter than the brightest.
     const float largest = there.is_fibre() ? largest_hair_albedo : largest_albedo;
-    const float whole = kept(albedo + met.bsdf.mirror + met.bsdf.transmission + met.bsdf.diffuse_transmission);
+    const float whole = core::divide_or(mean(path.throughput * shares.sum()), mean(path.throughput), 0.0f);
     const float cut = met.alpha * (whole > largest ? largest / whole : 1.0f);
+    for (glm::vec3& share : shares.of) share *= cut;
+    // All that goes straight on is one event.
+    shares[Scattering::glass] = glm::vec3(0);
     const bool translucent = met.alpha < 1.0f || mean(met.bsdf.transmission) > 0.0f;
-    const bool blocks = way.first && bodies_ == Bodies::block && met.bounds_body &&
-                        posed_scene_.animation().objects[met.address.object].body == scene::Body::solid;
-    const glm::vec3 through =
-        translucent && !blocks ? posed_scene_.transmittance_at(met.address, way.direction) : glm::vec3(0);
+    if (translucent && !(path.first && bodies_ == Bodies::block && bends_light(posed_scene_, met)))
+        shares[Scattering::layer] = posed_scene_.transmittance_at(met.address, path.ray.direction);
     // No caustic on the first surface; its narrow lobe alone looks into mirrors.
-    const glm::vec3 mirror = cut * met.bsdf.mirror * (way.first ? way.seen_in_lobe : glm::vec3(1));
+    if (path.first) shares[Scattering::mirror] *= path.seen_in_lobe;
 
-    float chances[4] = {kept(through), kept(mirror), cut * kept(albedo), cut * kept(met.bsdf.diffuse_transmission)};
-    const float sum = chances[0] + chances[1] + chances[2] + chances[3];
+    std::array<float, scatterings> chances = shares.chances(path.throughput);
+    const float sum = std::accumulate(chances.begin(), chances.end(), 0.0f);
     if (sum > 1.0f)
         for (float& c : chances) c /= sum;
-    if (choice < chances[0]) {
-        way.throughput *= through / chances[0];
-        way.origin = offset_origin(met, way.direction);
-        return Event::passes;
+    const std::size_t found = chosen(chances, choice);
+    if (found == scatterings) return Event::ends;
+    switch (static_cast<Scattering>(found)) {
+        case Scattering::mirror:
+            path.throughput *= shares.of[found] / chances[found];
+            path.ray.reflect(met, met.shading_normal);
+            path.mirrored = true;
+            if (path.first) path.seen_in_lobe = glm::vec3(1);
+            return Event::passes;
+        case Scattering::beyond:
+            there = Scatterer(posed_scene_, posed_scene_.other_side(met));
+            break;
+        case Scattering::diffuse:
+            break;
+        default:
+            path.throughput *= shares.of[found] / chances[found];
+            path.ray.leave(met, path.ray.direction);
+            return Event::passes;
     }
-    choice -= chances[0];
-    if (choice < chances[1]) {
-        way.direction = core::normalize_or(
-            2.0f * glm::dot(met.shading_normal, met.outgoing) * met.shading_normal - met.outgoing, met.shading_normal);
-        if (!(glm::dot(way.direction, met.geometric_normal) > 0.0f)) return Event::ends;
-        way.throughput *= mirror / chances[1];
-        way.origin = offset_origin(met, way.direction);
-        way.mirrored = true;
-        if (way.first) way.seen_in_lobe = glm::vec3(1);
-        return Event::passes;
-    }
-    choice -= chances[1];
-    const bool beyond = !(choice < chances[2]);
-    if (beyond && !(choice - chances[2] < chances[3])) return Event::ends;
-    way.throughput *= cut / chances[beyond ? 3 : 2];
-    way.first = false;
-    way.stand_on(beyond ? Scatterer(posed_scene_, posed_scene_.other_side(met)) : std::move(there));
+    // What the place reflects is weighed where the path leaves it.
+    path.throughput *= cut / chances[found];
+    path.first = false;
+    path.stand_on(std::move(there));
     return Event::lands;
 }
 

@@ -16,22 +16,22 @@ class LightPaths {
     LightPaths(const PosedScene& posed_scene, const Plan& plan);
 
     /// Radiance that the point scatters to its `outgoing`, along one path: right in the mean over `numbers`, finite.
-    /// Excludes light thrown on the point itself by mirrors and bodies of glass (caustics.h), but for light that a
+    /// Excludes caustics on the point itself from mirrors and bodies of glass (caustics.h), but for light that a
     /// narrow lobe sees in mirrors.
     glm::vec3 scattered(const SurfacePoint& point, PathNumbers& numbers) const;
     /// The same; its rays leave the surface at `origin` (GatherPoint::elsewhere).
     glm::vec3 scattered(const SurfacePoint& point, glm::vec3 origin, PathNumbers& numbers) const;
 
   private:
-    struct Way;
+    struct Path;
     enum class Event : std::uint8_t;
-    glm::vec3 asked(const Way& way, PathNumbers& numbers) const;
-    glm::vec3 answer(const Way& way, const LightSample& sample) const;
-    bool leave(Way& way, PathNumbers& numbers) const;
-    bool meet(Way& way, PathNumbers& numbers, glm::vec3& light) const;
-    glm::vec3 escaped(const Way& way) const;
-    glm::vec3 emitted(const Way& way, const SurfacePoint& met) const;
-    Event go_on(Way& way, const SurfacePoint& met, float choice) const;
+    glm::vec3 asked(const Path& path, PathNumbers& numbers) const;
+    glm::vec3 answer(const Path& path, const LightSample& sample) const;
+    bool leave(Path& path, PathNumbers& numbers) const;
+    bool meet(Path& path, PathNumbers& numbers, glm::vec3& light) const;
+    glm::vec3 escaped(const Path& path) const;
+    glm::vec3 emitted(const Path& path, const SurfacePoint& met) const;
+    Event go_on(Path& path, const SurfacePoint& met, float choice) const;
 
     const PosedScene& posed_scene_;
     bool sky_light_;

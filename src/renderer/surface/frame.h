@@ -12,17 +12,17 @@
 
 namespace render2mpeg::renderer {
 
-/// Light of the air on a straight way from the eye: `weight` times what air scatters to the eye from that far on.
+/// Light of the air on a straight segment from the eye: `weight` times radiance that air scatters to the eye up to it.
 struct AirSpan {
     std::uint16_t pixel = 0;  ///< as GatherPoint's
     float distance = 0;       ///< from where the eye's ray begins; infinite: to the sky
-    glm::vec3 weight{0};      ///< may be below 0: the way begins there
+    glm::vec3 weight{0};      ///< may be below 0: the segment begins there
 };
 
-/// The same of a way that mirrors or glass have turned.
-struct AirWay {
+/// The same of a path that mirrors or glass have turned.
+struct AirPath {
     std::uint16_t pixel = 0;
-    std::uint8_t way = straight_way;  ///< GatherPoint::way
+    std::uint8_t path = direct_path;  ///< GatherPoint::path
     glm::vec3 origin{0}, direction{0};
     float distance = 0;
     glm::vec3 weight{0};
@@ -31,7 +31,7 @@ struct AirWay {
 /// Which air the pixels of a tile show, by pixel in raster order.
 struct SeenAir {
     std::vector<AirSpan> straight;
-    std::vector<AirWay> beyond;
+    std::vector<AirPath> beyond;
 };
 
 /// Matte of a pixel of a tile, by pixel in raster order (mattes.h).
@@ -46,7 +46,7 @@ struct ExposureSamples {
     int fewest = 1, most = 1;
     /// How a grey luminance is shown, in code values; empty: nobody knows, and no pixel is sampled again.
     std::function<float(float)> shown = {};
-    /// Standard error, in code values, beyond which pixels are sampled again that show what is as bright as white.
+    /// Standard error, in code values, beyond which pixels as bright as white are sampled again.
     float visible = 0;
 };
 
@@ -95,6 +95,14 @@ struct Frame {
     std::vector<FibreTile> fibres{};               ///< by tile; empty: the plan knows of none
     std::shared_ptr<const Exposure> exposure{};    ///< null: no pixel is blurred
     int tiles_across() const { return (visible.width() + tile_size - 1) / tile_size; }
+    /// A tile's upper left pixel, and a pixel of it (GatherPoint::pixel), in the picture.
+    glm::ivec2 corner_of(std::size_t tile) const {
+        const auto across = static_cast<std::size_t>(tiles_across());
+        return tile_size * glm::ivec2(static_cast<int>(tile % across), static_cast<int>(tile / across));
+    }
+    glm::ivec2 place_of(std::size_t tile, int pixel) const {
+        return corner_of(tile) + glm::ivec2(pixel % tile_size, pixel / tile_size);
+    }
 };
 
 }  // namespace render2mpeg::renderer

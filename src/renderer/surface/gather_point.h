@@ -26,9 +26,9 @@ inline constexpr int most_other_places = 3;
 
 /// The mirrors and panes of glass between the eye and a point, nearest first: a one, then a bit each, 1 for a mirror.
 /// From the eighth on the oldest are forgotten and the highest bit stays.
-inline constexpr std::uint8_t straight_way = 1;
-inline std::uint8_t longer_way(std::uint8_t way, bool mirror) {
-    return static_cast<std::uint8_t>((way << 1) | (way & 128) | (mirror ? 1 : 0));
+inline constexpr std::uint8_t direct_path = 1;
+inline std::uint8_t extended_path(std::uint8_t path, bool mirror) {
+    return static_cast<std::uint8_t>((path << 1) | (path & 128) | (mirror ? 1 : 0));
 }
 
 /// One surface in one pixel (or seen from it in a mirror or through glass) that wants light. A pixel's samples on one
@@ -36,19 +36,19 @@ inline std::uint8_t longer_way(std::uint8_t way, bool mirror) {
 struct GatherPoint {
     SurfacePoint point;
     std::uint16_t pixel = 0;  ///< within its tile: y * tile_size + x
-    std::uint8_t way = straight_way;
-    glm::vec3 weight{1};  ///< share of the pixel x what mirrors, glass and translucent layers let through
+    std::uint8_t path = direct_path;
+    glm::vec3 weight{1};  ///< share of the pixel x transmittance of mirrors, glass and layers
     /// Where shadow rays leave the same surface elsewhere in the pixel, world; the first `others` of them: shadows have
     /// edges within pixels.
     std::array<glm::vec3, most_other_places> elsewhere{};
     std::uint8_t others = 0;
     /// When its shadow rays leave: 0 in the middle of the shutter; else in strata of its time, each in the same one of
-    /// 16 parts, this less one: where what moves may throw shadows on what does not.
+    /// 16 parts, this less one: where moving objects may shadow others.
     std::uint8_t shadow_part = 0;
     /// Further places; null: none. Only where contrast is high (refine_edges.h).
     std::shared_ptr<const std::vector<glm::vec3>> more_places{};
 
-    bool reached_by_specular() const { return way != straight_way; }
+    bool reached_by_specular() const { return path != direct_path; }
 };
 
 /// All gather points of one 16x16 tile, by pixel in raster order.

@@ -174,17 +174,6 @@ struct LightTree {
 /// Fills the nodes' `other_representative` from their bits; children come after their parents.
 void cache_representatives(LightTree& tree);
 
-/// Has a node, or a light, on its way from memory before it is wanted.
-inline void fetch(const LightTree& tree, LightRef ref) {
-    if (ref.is_leaf()) {
-        __builtin_prefetch(&tree.lights[ref.index()]);
-        return;
-    }
-    const auto* node = reinterpret_cast<const char*>(&tree.nodes[ref.index()]);
-    __builtin_prefetch(node);
-    __builtin_prefetch(node + sizeof(LightNode) - 1);
-}
-
 /// Builds a tree over `points`, which are all of `type`; lights without intensity are left out, and coincident ones
 /// that shine alike become one. The result is a function of the arguments alone. O(n log n).
 LightTree build_light_tree(LightType type, std::span<const LightPoint> points, std::uint64_t seed);

@@ -12,7 +12,7 @@ namespace {
 
 /// A pixel's differences by cause, against one half of its truth, for something that is told of a radiance.
 template <class Value>
-std::array<double, cause_count> differences(const JudgedPixel& p, std::size_t half, Value&& value) {
+std::array<double, cause_count> differences(const ValidatedPixel& p, std::size_t half, Value&& value) {
     const double shown = value(p.shown), at_points = value(p.at_points),
                  true_at_points = value(glm::vec3(p.truth.at_points.halves[half])),
                  whole = value(glm::vec3(p.truth.whole.halves[half]));
@@ -24,9 +24,9 @@ double luminance_in_double(glm::vec3 radiance) {
 }
 
 /// Luminance that half of the pixels are below, by one half of their truth.
-double median(std::span<const JudgedPixel> pixels, std::size_t half) {
+double median(std::span<const ValidatedPixel> pixels, std::size_t half) {
     std::vector<double> luminances;
-    for (const JudgedPixel& p : pixels) luminances.push_back(p.truth.whole.luminance_of(half));
+    for (const ValidatedPixel& p : pixels) luminances.push_back(p.truth.whole.luminance_of(half));
     const auto middle = luminances.begin() + static_cast<std::ptrdiff_t>(luminances.size() / 2);
     std::nth_element(luminances.begin(), middle, luminances.end());
     return *middle;
@@ -36,7 +36,7 @@ double median(std::span<const JudgedPixel> pixels, std::size_t half) {
 struct Differences {
     std::array<std::array<double, cause_count>, measure_count> of_half[2];
 
-    Differences(const JudgedPixel& p, const std::function<double(glm::vec3)>& luma) {
+    Differences(const ValidatedPixel& p, const std::function<double(glm::vec3)>& luma) {
         for (std::size_t half = 0; half < 2; ++half) {
             auto& [luminance, relative, code_value] = of_half[half];
             luminance = differences(p, half, luminance_in_double);
@@ -62,10 +62,10 @@ MeanError over_light(MeanError m, double light, std::uint64_t count) {
 
 }  // namespace
 
-void ErrorSplit::add(std::span<const JudgedPixel> pixels, const std::function<double(glm::vec3)>& luma) {
+void ErrorSplit::add(std::span<const ValidatedPixel> pixels, const std::function<double(glm::vec3)>& luma) {
     if (pixels.empty()) return;
     const double middle[2] = {median(pixels, 0), median(pixels, 1)};
-    for (const JudgedPixel& p : pixels) {
+    for (const ValidatedPixel& p : pixels) {
         // Each half says what is dark for the other: neither what the picture shows nor the noise of what is summed
         // must choose.
         const double dark[2] = {p.truth.whole.luminance_of(1) < middle[1] ? 0.5 : 0.0,

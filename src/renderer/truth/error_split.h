@@ -1,5 +1,5 @@
 #pragma once
-// Splits the error of pixels by what causes it.
+// Splits the error of pixels by cause.
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -31,7 +31,7 @@ enum class ErrorMeasure : std::uint8_t {
 inline constexpr std::size_t measure_count = static_cast<std::size_t>(ErrorMeasure::count);
 
 /// A pixel beside its truth: radiances.
-struct JudgedPixel {
+struct ValidatedPixel {
     glm::vec3 shown{0};      ///< of the picture
     glm::vec3 at_points{0};  ///< by every light point, at its gather points
     float least = 0;         ///< luminance that errors are shares of at least
@@ -55,9 +55,9 @@ class ErrorSplit {
   public:
     /// Adds pixels of one frame; the half of them whose truth is darker counts as dark. `luma` tells code values of
     /// radiance.
-    void add(std::span<const JudgedPixel> pixels, const std::function<double(glm::vec3)>& luma);
+    void add(std::span<const ValidatedPixel> pixels, const std::function<double(glm::vec3)>& luma);
 
-    /// Adds what another run has summed up.
+    /// Adds the sums of another run.
     void add(const ErrorSplit& others);
 
     std::uint64_t pixels() const { return sums_.pixels; }

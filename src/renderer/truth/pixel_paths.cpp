@@ -18,7 +18,7 @@ double luminance_of(glm::dvec3 rgb) {
     return glm::dot(glm::dvec3(core::luminance_weights), rgb);
 }
 
-/// About what part of its weight a surface scatters: chances follow it.
+/// Share of its weight that a surface scatters, about: chances follow it.
 float brightness(const SurfacePoint& p, glm::vec3 weight) {
     const float cosine = glm::dot(p.shading_normal, p.outgoing);
     if (p.fibre) return core::luminance(weight);
@@ -89,7 +89,7 @@ void PixelPaths::look(glm::vec2 position, float spacing, EyeSample& sample) cons
     float far = 0;
     const EyeRay ray = eye_ray(posed_scene_.posed().camera, position, spacing, far);
     SeeCounts uncounted;
-    eye_.look(ray, far, posed_scene_.tracer().nearest(ray.origin, ray.direction, far), sample, uncounted);
+    eye_.look(ray, far, ray.meet(posed_scene_, far), sample, uncounted);
 }
 
 std::uint64_t batch_seed(std::uint64_t seed, std::int64_t frame, glm::ivec2 place, std::uint64_t batch) {

@@ -75,7 +75,7 @@ Cover cover_of(const Blur& blur, const scene::Snapshot& snapshot, std::uint32_t 
     return cover;
 }
 
-/// Marks what moves, and what shines: lamps may be smaller than what samples find, and show when they are blurred.
+/// Marks moving and shining objects: lamps too small for samples show when they are blurred.
 void mark_objects(const Blur& blur, const scene::Snapshot& snapshot, int across, std::vector<float>& tiles) {
     const scene::Animation& film = *snapshot.animation;
     for (std::uint32_t o = 0; o < film.objects.size(); ++o) {
@@ -134,8 +134,8 @@ float Blur::of(const core::SurfaceAddress& address) const {
     const auto a = opening_.project(*scene::swept_position(address, snapshot_, false)),
                b = closing_.project(*scene::swept_position(address, snapshot_, true));
     if (!a || !b || !place) return diagonal_;
-    const float way = glm::length(place->position - a->position) + glm::length(b->position - place->position);
-    return std::max(blur, std::min(way, diagonal_));
+    const float moved = glm::length(place->position - a->position) + glm::length(b->position - place->position);
+    return std::max(blur, std::min(moved, diagonal_));
 }
 
 float Blur::of_sky(glm::vec2 position) const {
@@ -158,7 +158,7 @@ float Blur::of_pixel(const core::Visible& visible, int x, int y) const {
     }
 }
 
-glm::vec2 Blur::way_of_pixel(const core::Visible& visible, int x, int y) const {
+glm::vec2 Blur::motion_of_pixel(const core::Visible& visible, int x, int y) const {
     const core::SurfaceAddress& address = visible.address.at(x, y);
     if (!moves_ || visible.kind.at(x, y) != core::PixelClass::surface || !address.is_surface()) return glm::vec2(0);
     if (!snapshot_.sweep->camera_moves && !snapshot_.sweep->object_moves(address.object)) return glm::vec2(0);
@@ -167,13 +167,13 @@ glm::vec2 Blur::way_of_pixel(const core::Visible& visible, int x, int y) const {
     return a && b ? b->position - a->position : glm::vec2(0);
 }
 
-core::Plane<glm::vec2> Blur::ways(const core::Visible& visible) const {
-    core::Plane<glm::vec2> ways(visible.width(), visible.height(), glm::vec2(0));
+core::Plane<glm::vec2> Blur::motions(const core::Visible& visible) const {
+    core::Plane<glm::vec2> motions(visible.width(), visible.height(), glm::vec2(0));
     parallel::for_each(static_cast<std::size_t>(visible.height()), [&](std::size_t row) {
         const int y = static_cast<int>(row);
-        for (int x = 0; x < visible.width(); ++x) ways.at(x, y) = way_of_pixel(visible, x, y);
+        for (int x = 0; x < visible.width(); ++x) motions.at(x, y) = motion_of_pixel(visible, x, y);
     });
-    return ways;
+    return motions;
 }
 
 void blur_shadows(const scene::Snapshot& snapshot, Frame& seen) {

@@ -1,5 +1,5 @@
 #pragma once
-// How far the shutter and the lens blur what a snapshot shows.
+// Blur of a snapshot by shutter and lens, in pixels.
 #include <vector>
 
 #include "renderer/surface/frame.h"
@@ -11,8 +11,8 @@ namespace render2mpeg::renderer {
 /// tuned.
 inline constexpr float least_blur = 0.25f;
 
-/// How far things are blurred on the picture, in pixels: their way while the shutter is open, or the disc that the lens
-/// makes of a point, whichever is longer.
+/// How far things are blurred on the picture, in pixels: their motion while the shutter is open, or the disc that the
+/// lens makes of a point, whichever is longer.
 class Blur {
   public:
     /// `snapshot` outlives it.
@@ -28,16 +28,16 @@ class Blur {
     /// Of a place in the world that stands still.
     float of_place(glm::vec3 world) const;
     float of_sky(glm::vec2 position) const;
-    /// Of what a mirror or glass shows at this distance along the ray.
+    /// Of surfaces seen in a mirror or through glass, at this distance along the ray.
     float of_distance(float distance) const;
 
     /// Of one pixel's middle.
     float of_pixel(const core::Visible& visible, int x, int y) const;
 
     /// From where a pixel's middle is when the shutter opens to where it is when that closes; 0: it is not known.
-    glm::vec2 way_of_pixel(const core::Visible& visible, int x, int y) const;
+    glm::vec2 motion_of_pixel(const core::Visible& visible, int x, int y) const;
     /// Of all of them.
-    core::Plane<glm::vec2> ways(const core::Visible& visible) const;
+    core::Plane<glm::vec2> motions(const core::Visible& visible) const;
 
   private:
     float of_lens(float depth) const;
@@ -45,7 +45,7 @@ class Blur {
     const scene::Snapshot& snapshot_;
     bool moves_;
     scene::Camera opening_, closing_;
-    float diagonal_;  ///< of the picture, pixels: what leaves the view may go that far
+    float diagonal_;  ///< of the picture, pixels: things that leave the view may go that far
 };
 
 /// Tiles that may be blurred, by how far: what `see` found in them, what a few more samples find, and what moves
@@ -53,7 +53,7 @@ class Blur {
 std::vector<float> blur_of_tiles(const Blur& blur, const scene::Snapshot& snapshot, const Frame& seen,
                                  const std::vector<float>& found);
 
-/// Has shadows of what moves blurred on what does not: its own would fall on itself. None where a lamp moves.
+/// Has shadows of moving objects blurred on others: their own would fall on themselves. None where a lamp moves.
 void blur_shadows(const scene::Snapshot& snapshot, Frame& seen);
 
 }  // namespace render2mpeg::renderer

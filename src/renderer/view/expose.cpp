@@ -43,7 +43,7 @@ struct Exposing {
     std::map<int, ExposurePattern> patterns;
     std::vector<std::vector<std::uint32_t>> starts;  ///< of pixels in `seen.tiles`
     core::Plane<std::uint8_t> near_white;            ///< see exposure_need.h
-    core::Plane<glm::vec2> ways;                     ///< of pixels' middles; empty where the lens blurs, too
+    core::Plane<glm::vec2> motions;                  ///< of pixels' middles; empty where the lens blurs, too
 
     const scene::Camera& camera_at(float time) const {
         const auto k = static_cast<std::size_t>(time * static_cast<float>(cameras.size()));
@@ -53,22 +53,6 @@ struct Exposing {
         if (patterns.contains(samples)) return;
         patterns.emplace(samples, samples);
         places.emplace(samples, sample_pattern(samples));
-    }
-};
-
-/// Rays that are traced together, and what they meet.
-struct EyeRays {
-    std::vector<EyeRay> rays;
-    std::vector<RayQuery> queries;
-    std::vector<Hit> hits;
-
-    void clear() {
-        rays.clear();
-        queries.clear();
-    }
-    void trace(const RayTracer& tracer) {
-        hits.resize(queries.size());
-        tracer.nearest(queries, hits);
     }
 };
 
@@ -90,7 +74,7 @@ class TileExposer {
     void aim_all(int x, int y, EyeRays& rays);
     void expose(int x, int y, std::size_t first_ray, TileExposure& found);
     std::optional<BrightSamples> look(int x, int y, const EyeRays& rays, std::size_t first, TileExposure& found);
-    glm::vec2 even_way(int x, int y) const;
+    glm::vec2 even_motion(int x, int y) const;
     bool was_blurred(int x, int y) const;
     /// Whether the sample shows the object that the sharp picture shows of a pixel.
     bool shows_same(int x, int y) const {
@@ -143,10 +127,9 @@ void TileExposer::aim(int x, int y, int sample, EyeRays& rays) {
     place -= glm::dot(place, along_) * along_;
     const glm::vec2 position = glm::vec2{static_cast<float>(x), static_cast<float>(y)} + 0.5f + place;
     float far = 0;
-    EyeRay& ray = rays.rays.emplace_back(eye_ray(camera, position, spacing_, far, lens));
-    ray.number = static_cast<std::uint32_t>(sample) | static_cast<std::uint32_t>(y % 4 * 4 + x % 4) << 16;
+    EyeRay ray = eye_ray(camera, position, spacing_, far, lens);
     ray.time = time;
-    rays.queries.push_back({ray.origin, ray.direction, far, time});
+    rays.add(ray, far, {x, y}, sample);
 }
 
 float TileExposer::blur_of(const EyeSample& sample, glm::vec2 position) const {
@@ -162,7 +145,7 @@ float TileExposer::blur_of(const EyeSample& sample, glm::vec2 position) const {
     }
     for (const Fragment& f : sample.fragments) {
         blur = std::max(blur, all_.blur.of(f.point.address));
-        if (f.way == straight_way) continue;
+        if (f.path == direct_path) continue;
         const float pixel = all_.scene.posed().camera.pixel_size();
         blur = std::max(blur, all_.blur.of_distance(core::divide_or(f.extent, spacing_ * pixel, 1.0f)));
     }
@@ -189,7 +172,7 @@ float TileExposer::scout(ExposureCounts& counts) {
     return blur;
 }
 
-/// Whether what the sharp picture shows of a pixel is blurred.
+/// Whether a surface that the sharp picture shows in a pixel is blurred.
 bool TileExposer::was_blurred(int x, int y) const {
     if (all_.blur.of_pixel(all_.seen.visible, x, y) >= least_blur) return true;
     const GatherTile& points = all_.seen.tiles[tile_];
@@ -199,23 +182,23 @@ bool TileExposer::was_blurred(int x, int y) const {
     return false;
 }
 
-/// The direction in which all about a pixel goes the same way, two pixels or more: strata of time part that evenly, and
+/// The direction in which all about a pixel moves alike, by two pixels or more: strata of time part that evenly, and
 /// places along it would only disturb them. 0: there is none.
-glm::vec2 TileExposer::even_way(int x, int y) const {
+glm::vec2 TileExposer::even_motion(int x, int y) const {
     // chosen: two pixels, of which the pixel's own box is too little to see; a quarter, not tuned.
-    constexpr float least_way = 2, same_way = 0.25f;
-    const core::Plane<glm::vec2>& ways = all_.ways;
-    if (ways.empty()) return glm::vec2(0);
-    const glm::vec2 way = ways.at(x, y);
-    const float length = glm::length(way);
-    if (!(length >= least_way)) return glm::vec2(0);
-    for (int j = std::max(y - 1, 0); j <= std::min(y + 1, ways.height() - 1); ++j)
-        for (int i = std::max(x - 1, 0); i <= std::min(x + 1, ways.width() - 1); ++i)
-            if (glm::length(ways.at(i, j) - way) > same_way * length) return glm::vec2(0);
-    return way / length;
+    constexpr float least_motion = 2, same_motion = 0.25f;
+    const core::Plane<glm::vec2>& motions = all_.motions;
+    if (motions.empty()) return glm::vec2(0);
+    const glm::vec2 motion = motions.at(x, y);
+    const float length = glm::length(motion);
+    if (!(length >= least_motion)) return glm::vec2(0);
+    for (int j = std::max(y - 1, 0); j <= std::min(y + 1, motions.height() - 1); ++j)
+        for (int i = std::max(x - 1, 0); i <= std::min(x + 1, motions.width() - 1); ++i)
+            if (glm::length(motions.at(i, j) - motion) > same_motion * length) return glm::vec2(0);
+    return motion / length;
 }
 
-/// Moves what a sample saw to where the middle of the shutter has it.
+/// Moves a fragment to its place in the middle of the shutter.
 void TileExposer::to_middle(Fragment& fragment, float time) const {
     const scene::Snapshot& snapshot = all_.scene.posed();
     SurfacePoint& p = fragment.point;
@@ -229,7 +212,7 @@ void TileExposer::to_middle(Fragment& fragment, float time) const {
         const glm::vec3 turned = p.shading_normal + side * (middle.smooth_normal - then.smooth_normal);
         p.shading_normal = core::normalize_or(turned, p.geometric_normal);
     }
-    if (fragment.way != straight_way) return;
+    if (fragment.path != direct_path) return;
     // It is looked at from the eye, unless that sees its other side.
     const glm::vec3 to_eye = core::normalize_or(
         snapshot.camera.perspective() ? snapshot.camera.position() - p.position : -snapshot.camera.forward(),
@@ -245,7 +228,7 @@ std::pair<std::uint32_t, std::uint32_t> TileExposer::point_for(const Fragment& f
                                                                TileExposure& found) {
     const float extent = core::divide_or(fragment.extent, spacing_, 0.0f);
     int cell_x = x, cell_y = y;
-    if (fragment.way == straight_way) {
+    if (fragment.path == direct_path) {
         const auto place = all_.scene.posed().camera.project(fragment.point.position);
         const core::Visible& visible = all_.seen.visible;
         if (place && place->position.x >= 0 && place->position.y >= 0 &&
@@ -267,7 +250,7 @@ std::pair<std::uint32_t, std::uint32_t> TileExposer::point_for(const Fragment& f
     NewPoint added;
     added.point.point = fragment.point;
     added.point.pixel = pixel;
-    added.point.way = fragment.way;
+    added.point.path = fragment.path;
     added.extent = extent;
     added.tile = tile;
     added.source = pixel_at(x, y);
@@ -345,7 +328,7 @@ std::optional<BrightSamples> TileExposer::look(int x, int y, const EyeRays& rays
 }
 
 void TileExposer::aim_all(int x, int y, EyeRays& rays) {
-    along_ = even_way(x, y);
+    along_ = even_motion(x, y);
     for (int s = 0; s < pattern_->samples(); ++s) aim(x, y, s, rays);
 }
 
@@ -449,7 +432,7 @@ Frame expose(const PosedScene& posed_scene, const SeeSettings& settings, const P
                  starts_of(seen),
                  near_white(blur, seen, samples),
                  {}};
-    if (!snapshot.camera.has_aperture()) all.ways = blur.ways(seen.visible);
+    if (!snapshot.camera.has_aperture()) all.motions = blur.motions(seen.visible);
     std::vector<TileExposure> found = sample_tiles(all, counts);
     if (counts.pixels == 0) {
         blur_shadows(snapshot, seen);

@@ -56,7 +56,7 @@ void PointMerger::add(const std::vector<Ref>& more, std::size_t& next, GatherTil
         const NewPoint& p = point(more[next]);
         Fragment fragment;
         fragment.point = p.point.point;
-        fragment.way = p.point.way;
+        fragment.path = p.point.path;
         const auto same = std::find_if(merged.begin() + static_cast<std::ptrdiff_t>(first), merged.end(),
                                        [&](const GatherPoint& g) { return same_surface(g, fragment, p.extent); });
         place_[more[next].first][more[next].second] = static_cast<std::uint32_t>(same - merged.begin());

@@ -5,6 +5,7 @@
 
 #include "core/color.h"
 #include "core/numeric.h"
+#include "renderer/base/strata_error.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -13,8 +14,9 @@ namespace {
 /// exposure where there is no view.
 constexpr float white_code = 210;
 
-/// Pixels; wider discs and longer ways are dimmer, so that what one sample shows of them is less. chosen: 64 and 256.
-constexpr float widest_radius = 64, longest_way = 256;
+/// Pixels; wider discs and longer motions are dimmer, so that one sample shows less of them. chosen: 64 and
+/// 256.
+constexpr float widest_radius = 64, longest_motion = 256;
 
 /// Samples of a pixel that shows such light, about. chosen: 1024, not tuned.
 constexpr int most_again = 1024;
@@ -23,7 +25,7 @@ bool is_white(float luminance, const ExposureSamples& wanted) {
     return luminance > 0.0f && std::isfinite(luminance) && wanted.shown(luminance) >= white_code;
 }
 
-/// Rows' beginnings and ends of what is marked: adds up to how often a pixel is, from left to right.
+/// Beginnings and ends of marked runs in rows: adds up to how often a pixel is, from left to right.
 class Marks {
   public:
     Marks(int width, int height) : steps_(width + 1, height, 0) {}
@@ -83,15 +85,15 @@ core::Plane<std::uint8_t> near_white(const Blur& blur, const Frame& seen, const 
             if (!is_bright(x, y) ||
                 (is_bright(x - 1, y) && is_bright(x + 1, y) && is_bright(x, y - 1) && is_bright(x, y + 1)))
                 continue;
-            const glm::vec2 here(x, y), way = blur.has_lens() ? glm::vec2(0) : blur.way_of_pixel(visible, x, y);
-            const float disc = blur.has_lens() ? blur.of_pixel(visible, x, y) : 0.0f, length = glm::length(way);
+            const glm::vec2 here(x, y), motion = blur.has_lens() ? glm::vec2(0) : blur.motion_of_pixel(visible, x, y);
+            const float disc = blur.has_lens() ? blur.of_pixel(visible, x, y) : 0.0f, length = glm::length(motion);
             if (!std::isfinite(length) || !(disc >= least_blur || length >= least_blur)) continue;
             // chosen: a pixel more, where a part of it is seen.
             const float radius = std::min(0.5f * disc, widest_radius) + 1.0f;
-            const int steps = static_cast<int>(std::min(length, longest_way));
+            const int steps = static_cast<int>(std::min(length, longest_motion));
             for (int k = 0; k <= steps; ++k)
                 marks.disc(
-                    here + (core::divide_or(static_cast<float>(k), static_cast<float>(steps), 0.5f) - 0.5f) * way,
+                    here + (core::divide_or(static_cast<float>(k), static_cast<float>(steps), 0.5f) - 0.5f) * motion,
                     radius);
         }
     return marks.plane();
@@ -122,9 +124,8 @@ int BrightSamples::needed(int samples, bool near_white, const ExposureSamples& w
     if (!is_white(brightest_, wanted)) return near_white ? std::max(samples, most_samples_of(wanted)) : samples;
     const auto n = static_cast<float>(samples);
     const float mean = sum_ / n, deviation = std::sqrt(std::max(squares_ / n - mean * mean, 0.0f));
-    // Strata that are crossed by an edge err, a share of them that falls with the root of their number.
     const auto error = [&](int count) {
-        return wanted.shown(mean + deviation * std::pow(static_cast<float>(count), -0.75f)) - wanted.shown(mean);
+        return wanted.shown(mean + deviation * strata_error(static_cast<float>(count))) - wanted.shown(mean);
     };
     int more = samples;
     while (more < most_again && error(more) > wanted.visible) more *= 2;

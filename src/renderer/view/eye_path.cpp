@@ -7,13 +7,12 @@
 #include "core/color.h"
 #include "core/numeric.h"
 #include "core/sampling.h"
-#include "renderer/surface/media_path.h"
 #include "renderer/view/edited_mirror.h"
 
 namespace render2mpeg::renderer {
 namespace {
 
-/// A mirror ray that would bring less than this share of its sample is not shot; what it would have brought is lost.
+/// A mirror ray that would bring less than this share of its sample is not shot; its light is lost.
 /// chosen: a smooth dielectric's 4 % is traced once, its reflection in another one not; tried 0.001 (twice the gather
 /// points between two polished surfaces, no visible difference) to 0.05 (polished floors lose their reflection).
 constexpr float least_mirror_share = 0.02f;
@@ -22,40 +21,25 @@ constexpr float least_mirror_share = 0.02f;
 /// brightest picture is 1 / 219; tried 0.001..0.01.
 constexpr float least_passing_share = 0.004f;
 
-/// Of what a boundary of solid glass mirrors and bends the lesser part is followed by the rule for mirrors, the greater
-/// one as far as layers are: a ball's inner reflections end soon, what is seen through it never. Together they are at
-/// most so many of one sample; what comes beyond is lost. chosen: 64, which a cut gem of 12 facets reaches.
-constexpr int most_ways = 64;
+/// Of the mirrored and the bent path at a boundary of solid glass the lesser one is followed by the rule for mirrors,
+/// the greater one as far as layers are: a ball's inner reflections end soon, the view through it never. Together they
+/// are at most so many of one sample; light beyond is lost. chosen: 64, which a cut gem of 12 facets reaches.
+constexpr int most_lesser_paths = 64;
 
-/// Boundaries of bodies on one way beyond its mirrors. chosen: 8, as two wine glasses with wine take.
+/// Boundaries of bodies on one path beyond its mirrors. chosen: 8, as two wine glasses with wine take.
 constexpr int more_boundaries = 8;
 
-/// A way of solid glass below its bound is followed for what shines alone, lamps and sky, as far as it brings this
+/// A path through solid glass below its bound is followed for emission alone, lamps and sky, as far as it brings this
 /// share: lamps are so much brighter than other things that a ball's inner reflections of them are seen. It costs rays,
 /// but no gather points. chosen: 0.005, which takes a twentieth more rays; a ball before a lamp lacks 0.4 % of its
-/// light, without such ways 1.9 %; 0.0005 takes a third more rays for as much (tests/reference).
+/// light, without such paths 1.9 %; 0.0005 takes a third more rays for as much (tests/reference).
 constexpr float least_shining_share = 0.005f;
 
 /// Holes of cut-out surfaces cost a ray each but hide nothing; so many in a row end a ray of the eye.
 /// chosen: dense foliage has some 20 cards along a ray; tried 16..256.
 constexpr int most_steps = 96;
 
-glm::vec3 moved_in_plane(glm::vec3 change, glm::vec3 direction, glm::vec3 normal) {
-    // [Igehy1999, "Transfer"]: slide along the ray until back in the plane. Rays in the plane have no footprint of use.
-    const float cosine = glm::dot(direction, normal);
-    const glm::vec3 moved = change - core::divide_or(glm::dot(change, normal), cosine, 0.0f) * direction;
-    return core::is_finite(moved) ? moved : glm::vec3{0.0f};
-}
-
-/// The mirrored direction, kept above the surface where a bent normal would send it below.
-glm::vec3 mirrored(glm::vec3 direction, glm::vec3 normal, glm::vec3 geometric) {
-    const glm::vec3 r = direction - 2.0f * glm::dot(direction, normal) * normal;
-    const float cosine = glm::dot(r, geometric);
-    const glm::vec3 lifted = cosine < least_leaving_cosine ? r + (least_leaving_cosine - cosine) * geometric : r;
-    return core::normalize_or(lifted, geometric);
-}
-
-/// Whether what is seen on a surface is its reflection rather than the surface.
+/// Whether a surface shows its reflection rather than itself.
 bool shows_reflection(const SurfacePoint& point) {
     const float own = core::luminance(point.bsdf.diffuse + point.bsdf.f0 + point.emission);
     return core::luminance(point.bsdf.mirror) > own;
@@ -64,8 +48,8 @@ bool shows_reflection(const SurfacePoint& point) {
 }  // namespace
 
 SurfaceFootprint EyeRay::footprint_at(float distance, glm::vec3 normal) const {
-    return {moved_in_plane(origin_change.dx + distance * direction_change.dx, direction, normal),
-            moved_in_plane(origin_change.dy + distance * direction_change.dy, direction, normal)};
+    return {transferred(origin_change.dx, direction_change.dx, distance, direction, normal),
+            transferred(origin_change.dy, direction_change.dy, distance, direction, normal)};
 }
 
 EyeRay eye_ray(const scene::Camera& camera, glm::vec2 position, float spacing, float& far, glm::vec2 lens) {
@@ -94,22 +78,21 @@ EyeRay eye_ray(const scene::Camera& camera, glm::vec2 position, float spacing, f
     return ray;
 }
 
-/// One ray on its way.
+/// State of one path.
 struct EyePaths::PathState {
     EyeRay ray;
     float far;
     glm::vec3 weight{1};
     int mirrors = 0;     ///< so far
-    int layers = 0;      ///< of coverage, of them the straight way
+    int layers = 0;      ///< of coverage, that it passed straight
     int boundaries = 0;  ///< of bodies of glass
     bool bent = false;
-    bool dim = false;       ///< followed for what shines alone
+    bool dim = false;       ///< followed for emission alone
     bool is_image = false;  ///< comes from the flat mirror that is the sample's main surface
-    std::uint8_t way = straight_way;
-    MediaPath glass;
-    float passed = 0;  ///< of the straight way so far
+    std::uint8_t path = direct_path;
+    float passed = 0;  ///< length of the straight segments so far
     float clear = 1;   ///< transmittance of air for it
-    bool specular() const { return way != straight_way; }
+    bool specular() const { return path != direct_path; }
     bool straight() const { return mirrors == 0 && !bent; }
 };
 
@@ -131,15 +114,11 @@ void EyePaths::look(const EyeRay& ray, float far, const Hit& first, EyeSample& s
     sample.mattes.clear();
     sample.emitted = sample.emitted_specular = glm::vec3{0.0f};
     sample.main = {};
-    sample.ways = sample.dim_ways = 0;
+    sample.lesser_paths = sample.dim_paths = 0;
     PathState path;
     path.ray = ray;
     path.far = far;
     follow(path, first, sample, counts);
-}
-
-Hit EyePaths::meet(const PathState& path) const {
-    return posed_scene_.tracer().nearest(path.ray.origin, path.ray.direction, path.far, path.ray.time);
 }
 
 void EyePaths::see_sky(const PathState& path, EyeSample& sample) const {
@@ -155,12 +134,12 @@ void EyePaths::see_sky(const PathState& path, EyeSample& sample) const {
     if (path.specular()) sample.emitted_specular += light;
 }
 
-/// Whether a surface cuts a hole into what the camera sees.
+/// Whether a surface cuts a hole into the picture.
 bool EyePaths::is_hole(const PathState& path, const SurfacePoint& point) const {
     return !path.specular() && posed_scene_.animation().materials[point.material].holdout;
 }
 
-/// Notes what covers this share of the sample, where it is seen straight.
+/// Notes the matte of a surface that covers this share of the sample, where it is seen directly.
 void EyePaths::cover(const PathState& path, const SurfacePoint& point, float share, EyeSample& sample) const {
     if (!mattes_ || path.specular() || !(share > 0.0f)) return;
     const bool nothing = !point.address.is_surface() || is_hole(path, point);
@@ -171,11 +150,11 @@ void EyePaths::cover(const PathState& path, const SurfacePoint& point, float sha
 /// At the first glass that splits colours, follows each by itself; whether it did.
 bool EyePaths::split_colors(const PathState& path, const Hit& hit, EyeSample& sample, SeeCounts& counts) const {
     const Medium* medium = posed_scene_.medium_within(hit.address.object);
-    if (path.glass.band != Band::all || medium == nullptr || !(medium->dispersion > 0.0f)) return false;
+    if (path.ray.band != Band::all || medium == nullptr || !(medium->dispersion > 0.0f)) return false;
     constexpr Band bands[] = {Band::red, Band::green, Band::blue};
     for (int c = 0; c < 3; ++c) {
         PathState part = path;
-        part.glass.band = bands[c];
+        part.ray.band = bands[c];
         part.weight = glm::vec3{0.0f};
         part.weight[c] = path.weight[c];
         follow(part, hit, sample, counts);
@@ -183,11 +162,11 @@ bool EyePaths::split_colors(const PathState& path, const Hit& hit, EyeSample& sa
     return true;
 }
 
-/// `hit`: what the path meets first.
+/// `hit`: the first surface of the path.
 void EyePaths::follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& counts) const {
     for (int step = 0; step < most_steps; ++step) {
         ++(path.straight() ? counts.primary_rays : counts.specular_rays);
-        if (step > 0) hit = meet(path);
+        if (step > 0) hit = path.ray.meet(posed_scene_, path.far);
         if (!hit.found()) {
             if (air_ != nullptr) pass_air(path, path.far, sample);
             see_sky(path, sample);
@@ -195,14 +174,14 @@ void EyePaths::follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& cou
         }
         if (bodies_) {
             if (split_colors(path, hit, sample, counts)) return;
-            path.weight *= path.glass.way_to(posed_scene_, hit, path.ray.direction);
+            path.weight *= path.ray.left_by_bodies(posed_scene_, hit);
         }
         if (air_ != nullptr) pass_air(path, hit.distance, sample);
         const glm::vec3 plane = core::normalize_or(hit.geometric_normal, -path.ray.direction);
         const SurfaceFootprint footprint = path.ray.footprint_at(hit.distance, plane);
         Fragment fragment;
         SurfacePoint& point = fragment.point;
-        point = path.glass.surface_at(posed_scene_, hit, path.ray.direction, footprint, path.ray.time);
+        point = path.ray.surface_at(posed_scene_, hit, footprint);
         if (edits_) aim_reflection(posed_scene_, path.ray.time, point);
         const glm::vec3 passing = point.alpha > 0.0f ? show(path, fragment, footprint, sample, counts) : path.weight;
         if (point.bounds_body && point.alpha == 1.0f) {
@@ -212,17 +191,14 @@ void EyePaths::follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& cou
         if (!(core::luminance(passing) > (path.dim ? least_shining_share : least_passing_share))) return;
 
         // Go on behind it.
-        if (point.bounds_body)
-            path.glass.media.cross(hit.address.object, *posed_scene_.medium_within(hit.address.object),
-                                   point.back_side);
         path.weight = passing;
         path.far -= hit.distance;
-        path.ray.origin = offset_origin(point, path.ray.direction);
+        path.ray.pass(posed_scene_, point);
         path.ray.origin_change = footprint;
     }
 }
 
-/// Parts what light below the surface brings from what stays where it is.
+/// Splits subsurface light from light that leaves where it enters.
 void EyePaths::spread(Fragment& fragment, EyeSample& sample) const {
     const float weight = posed_scene_.animation().materials[fragment.point.material].subsurface->weight;
     Fragment& below = sample.fragments.emplace_back(fragment);
@@ -233,17 +209,17 @@ void EyePaths::spread(Fragment& fragment, EyeSample& sample) const {
     fragment.point.bsdf.diffuse *= 1.0f - weight;
 }
 
-/// Goes so far through air, which dims what comes and adds light of its own.
+/// Goes so far through air, which dims light and adds its own.
 void EyePaths::pass_air(PathState& path, float distance, EyeSample& sample) const {
     const float through = air_->transmittance(path.ray.origin, path.ray.direction, distance);
-    if (!path.glass.media.empty()) {
+    if (!path.ray.media.empty()) {
         // The weight of air beyond is dimmed by the air that the glass replaces.
         path.passed += distance;
         path.clear *= through;
         return;
     }
     if (!path.straight()) {
-        sample.air_beyond.push_back({0, path.way, path.ray.origin, path.ray.direction, distance, path.weight});
+        sample.air_beyond.push_back({0, path.path, path.ray.origin, path.ray.direction, distance, path.weight});
     } else {
         // Light of air from the eye to the span's end, less that to its beginning.
         const glm::vec3 share = core::divide_or(1.0f, path.clear, 0.0f) * path.weight;
@@ -255,7 +231,7 @@ void EyePaths::pass_air(PathState& path, float distance, EyeSample& sample) cons
     path.weight *= through;
 }
 
-/// Takes what a layer shows, and what it mirrors; returns what passes it.
+/// Takes the light of a layer and of its reflection; returns the weight behind it.
 glm::vec3 EyePaths::show(PathState& path, Fragment& fragment, const SurfaceFootprint& footprint, EyeSample& sample,
                          SeeCounts& counts) const {
     const SurfacePoint& point = fragment.point;
@@ -263,7 +239,7 @@ glm::vec3 EyePaths::show(PathState& path, Fragment& fragment, const SurfaceFootp
     const float alpha = last ? 1.0f : point.alpha;
     fragment.weight = alpha * path.weight;
     fragment.extent = std::min(glm::length(footprint.dx), glm::length(footprint.dy));
-    fragment.way = path.way;
+    fragment.path = path.path;
     if (is_hole(path, point)) {
         cover(path, point, core::luminance(fragment.weight), sample);
         if (path.straight() && core::luminance(fragment.weight) > sample.main.share)
@@ -273,7 +249,7 @@ glm::vec3 EyePaths::show(PathState& path, Fragment& fragment, const SurfaceFootp
     const glm::vec3 through = last ? glm::vec3{0.0f} : fragment.weight * point.bsdf.transmission;
     const glm::vec3 passing = (1.0f - alpha) * path.weight + through;
 
-    // Glass covers what is behind it.
+    // Mattes count glass as opaque.
     const bool is_glass = core::luminance(through) > 0.0f;
     cover(path, point, core::luminance(is_glass ? path.weight : fragment.weight), sample);
     sample.emitted += fragment.weight * point.emission;
@@ -296,17 +272,16 @@ glm::vec3 EyePaths::show(PathState& path, Fragment& fragment, const SurfaceFootp
         sample.fragments.back().point = posed_scene_.other_side(point, footprint, path.ray.time);
     }
     mirror(path, fragment, footprint, sample, counts);
-    if (is_glass) path.way = longer_way(path.way, false);
+    if (is_glass) path.path = extended_path(path.path, false);
     return passing;
 }
 
-/// Whether what is seen at a point is seen elsewhere than straight behind it.
+/// Whether a point bends the view behind it.
 bool EyePaths::is_turned(const SurfacePoint& point) const {
-    return point.bounds_body && point.bsdf.ior != 1.0f &&
-           posed_scene_.animation().objects[point.address.object].body == scene::Body::solid;
+    return bends_light(posed_scene_, point) && point.bsdf.ior != 1.0f;
 }
 
-/// Which way a boundary of glass faces for this sample: rough ones have facets, chosen by what is seen of them.
+/// Normal of a glass boundary for this sample: rough ones have facets, chosen by the density of visible ones.
 glm::vec3 EyePaths::facet(const PathState& path, const SurfacePoint& point) const {
     // [Roberts2018]'s sequence over the samples, shifted from pixel to pixel and from boundary to boundary.
     const auto k = static_cast<float>((path.ray.number & 0xffffu) + 1);
@@ -321,11 +296,9 @@ SurfaceFootprint EyePaths::normal_change(const SurfacePoint& point, const Surfac
     SurfaceFootprint change = posed_scene_.normal_change(point.address, footprint, time);
     if (point.back_side) change = {-change.dx, -change.dy};
     if (!point.bounds_body) return change;
-    // chosen: half the lobe's width between two samples, of a quarter to the whole; textures behind lose their grain.
     glm::vec3 right, up;
     core::make_frame(point.shading_normal, right, up);
-    constexpr float sharp = scene::mirror_roughness * scene::mirror_roughness;
-    const float spread = 0.5f * std::max(point.bsdf.alpha - sharp, 0.0f);
+    const float spread = widening_of(point);
     return {change.dx + spread * right, change.dy + spread * up};
 }
 
@@ -338,14 +311,12 @@ bool EyePaths::bend(PathState& path, const Fragment& fragment, const SurfaceFoot
     if (!(core::luminance(weight) > (path.dim ? least_shining_share : 0.0f)) || !may_go_on(path, less, sample))
         return false;
     const glm::vec3 from = path.ray.direction;
-    const glm::vec3 n = facet(path, point), to = path.glass.cross(posed_scene_, point, n);
-    if (to == glm::vec3{0.0f}) return false;
+    const glm::vec3 n = facet(path, point);
+    if (!path.ray.refract(posed_scene_, point, n)) return false;
     const SurfaceFootprint turn = normal_change(point, footprint, path.ray.time);
     const SurfaceFootprint& spread = path.ray.direction_change;
     path.ray.direction_change = {refracted_change(from, spread.dx, n, turn.dx, point.bsdf.ior),
                                  refracted_change(from, spread.dy, n, turn.dy, point.bsdf.ior)};
-    path.ray.direction = to;
-    path.ray.origin = offset_origin(point, to);
     path.ray.origin_change = footprint;
     path.far = std::numeric_limits<float>::infinity();
     path.weight = weight;
@@ -354,10 +325,10 @@ bool EyePaths::bend(PathState& path, const Fragment& fragment, const SurfaceFoot
     return true;
 }
 
-/// Whether one more way may leave a boundary of glass.
+/// Whether one more path may leave a boundary of glass.
 bool EyePaths::may_go_on(const PathState& path, bool lesser, EyeSample& sample) const {
     if (path.boundaries >= specular_depth_ + more_boundaries) return false;
-    return !lesser || ++(path.dim ? sample.dim_ways : sample.ways) <= most_ways;
+    return !lesser || ++(path.dim ? sample.dim_paths : sample.lesser_paths) <= most_lesser_paths;
 }
 
 void EyePaths::mirror(const PathState& path, const Fragment& fragment, const SurfaceFootprint& footprint,
@@ -375,15 +346,12 @@ void EyePaths::mirror(const PathState& path, const Fragment& fragment, const Sur
     next.mirrors = path.mirrors + (point.bounds_body ? 0 : 1);
     next.boundaries += point.bounds_body ? 1 : 0;
     next.bent = path.bent || point.bounds_body;
-    next.glass = path.glass;
-    next.way = longer_way(path.way, true);
+    next.path = extended_path(path.path, true);
     next.far = std::numeric_limits<float>::infinity();
     const glm::vec3 n = facet(path, point);
-    next.ray.number = path.ray.number;
-    next.ray.direction = mirrored(-point.outgoing, n, point.geometric_normal);
-    next.ray.origin = offset_origin(point, next.ray.direction);
+    next.ray = path.ray;
+    next.ray.reflect(point, n);
     next.ray.origin_change = footprint;
-    next.ray.time = path.ray.time;
 
     // Neighbours are mirrored by the normal they meet.
     const SurfaceFootprint turn = normal_change(point, footprint, path.ray.time);
@@ -398,7 +366,7 @@ void EyePaths::mirror(const PathState& path, const Fragment& fragment, const Sur
     const bool flat = turn.dx == none && turn.dy == none && point.shading_normal == point.geometric_normal;
     next.is_image = (flat || edited) && path.straight() && sample.main.kind == core::PixelClass::reflected &&
                     sample.main.point.address == point.address;
-    follow(next, meet(next), sample, counts);
+    follow(next, next.ray.meet(posed_scene_), sample, counts);
 }
 
 }  // namespace render2mpeg::renderer

@@ -7,19 +7,17 @@
 #include "core/visible.h"
 #include "renderer/base/sampled_clock.h"
 #include "renderer/surface/frame.h"
-#include "renderer/surface/posed_scene.h"
+#include "renderer/surface/light_ray.h"
 #include "renderer/view/see.h"
 
 namespace render2mpeg::renderer {
 
 /// A ray and how it differs from the rays one sample to the right and one below. [Igehy1999]
-struct EyeRay {
-    glm::vec3 origin{0}, direction{0, 0, -1};  ///< direction unit
-    SurfaceFootprint origin_change;            ///< differences of origins
-    SurfaceFootprint direction_change;         ///< differences of unit directions
-    float time = scene::middle_time;           ///< of the shutter
-    std::uint32_t number =
-        0;  ///< of the sample, and from bit 16 of the pixel among 4 x 4: rough glass bends each another way
+struct EyeRay : LightRay {
+    SurfaceFootprint origin_change;     ///< differences of origins
+    SurfaceFootprint direction_change;  ///< differences of unit directions
+    /// Of the sample, and from bit 16 of the pixel among 4 x 4: rough glass bends each otherwise.
+    std::uint32_t number = 0;
 
     /// Footprint of the ray and its neighbours on the plane at `distance` with this normal.
     SurfaceFootprint footprint_at(float distance, glm::vec3 normal) const;
@@ -34,7 +32,7 @@ struct Fragment {
     SurfacePoint point;
     glm::vec3 weight{0};              ///< share of the sample's light that comes by this surface, per channel
     float extent = 0;                 ///< how far apart neighbouring samples are across the ray there, scene units
-    std::uint8_t way = straight_way;  ///< mirrors and glass before
+    std::uint8_t path = direct_path;  ///< mirrors and glass before
 };
 
 /// Main surface of a sample, straight ahead through layers and glass.
@@ -52,11 +50,11 @@ struct EyeSample {
     glm::vec3 emitted{0};             ///< emission, sky, unlit surfaces
     glm::vec3 emitted_specular{0};    ///< the part of it seen in mirrors or through glass
     std::vector<AirSpan> air;         ///< air seen straight from the eye; `pixel` is left alone
-    std::vector<AirWay> air_beyond;   ///< air beyond mirrors and bending surfaces
+    std::vector<AirPath> air_beyond;  ///< air beyond mirrors and bending surfaces
     std::vector<core::Matte> mattes;  ///< its matte coverage; empty: nobody asks
     MainSurface main;
-    int ways = 0;      ///< lesser ones that left boundaries of solid glass
-    int dim_ways = 0;  ///< the same of those that are followed for what shines alone
+    int lesser_paths = 0;  ///< lesser ones that left boundaries of solid glass
+    int dim_paths = 0;     ///< the same of those followed for emission alone
 };
 
 /// Follows rays of the eye through layers and glass, and by mirrors.
@@ -73,7 +71,6 @@ class EyePaths {
   private:
     struct PathState;
     void follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& counts) const;
-    Hit meet(const PathState& path) const;
     void see_sky(const PathState& path, EyeSample& sample) const;
     void cover(const PathState& path, const SurfacePoint& point, float share, EyeSample& sample) const;
     bool is_hole(const PathState& path, const SurfacePoint& point) const;

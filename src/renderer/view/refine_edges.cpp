@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "parallel/loops.h"
+#include "renderer/base/strata_error.h"
 #include "renderer/view/tile_look.h"
 
 namespace render2mpeg::renderer {
@@ -45,8 +46,8 @@ bool mark_contrasts(const Frame& seen, std::size_t t, const core::ToleranceMap& 
 }  // namespace
 
 float edge_error(int samples) {
-    // fit: 0.3 n^-0.75, within a quarter for 4 to 256 samples (test).
-    return 0.3f * std::pow(static_cast<float>(samples), -0.75f);
+    // fit: 0.3, within a quarter for 4 to 256 samples (test).
+    return 0.3f * strata_error(static_cast<float>(samples));
 }
 
 Frame refine_edges(const PosedScene& posed_scene, const SeeSettings& settings, const Plan& plan,

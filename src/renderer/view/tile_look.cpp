@@ -21,8 +21,8 @@ constexpr float same_plane = 0.5f;
 /// chosen: a tenth, of 0.03, 0.1, 0.25 (docs/measurements.md#edges).
 constexpr float same_reflectance = 0.1f;
 
-/// Ends of ways through air lie together if they are apart by less than this share of their distance. chosen: 2 %, of
-/// which light of air changes by as much; not tuned.
+/// Ends of segments through air lie together if they are apart by less than this share of their distance. chosen: 2 %,
+/// of which light of air changes by as much; not tuned.
 constexpr float same_distance = 0.02f;
 
 bool lie_together(float a, float b) {
@@ -59,7 +59,7 @@ void merge(GatherPoint& a, const Fragment& b, glm::vec3 weight) {
     a.weight = sum;
 }
 
-/// Records what the sample at the pixel's centre shows.
+/// Records the main surface of the sample at the pixel's centre.
 void record(core::Visible& visible, const scene::Camera& camera, int x, int y, const MainSurface& main) {
     visible.kind.at(x, y) = main.kind;
     if (main.kind != core::PixelClass::surface && main.kind != core::PixelClass::reflected) return;
@@ -72,7 +72,7 @@ void record(core::Visible& visible, const scene::Camera& camera, int x, int y, c
     visible.depth.at(x, y) = std::max(glm::dot(from_eye, camera.forward()), std::numeric_limits<float>::min());
 }
 
-/// Adds what belongs to one pixel.
+/// Copies the parts of one pixel.
 template <class Parts>
 void copy_parts(const Parts& from, std::uint16_t pixel, Parts& to) {
     const auto before = [](const auto& part, std::uint16_t p) { return part.pixel < p; };
@@ -106,31 +106,6 @@ GatherTile fitted(GatherTile tile) {
 /// Pixels whose rays are traced together have at most so many samples. chosen: rows of a tile with 64 samples.
 constexpr std::size_t most_rays = 1024;
 
-/// Rays of neighbouring pixels, sample by sample, and what they meet first.
-struct FirstLook {
-    std::vector<EyeRay> rays;
-    std::vector<RayQuery> queries;
-    std::vector<Hit> hits;
-
-    /// Looks through pixels (first, y) to (end - 1, y).
-    void take(const Looking& looking, int first, int end, int y) {
-        rays.clear();
-        queries.clear();
-        for (int x = first; x < end; ++x) {
-            for (const glm::vec2& place : looking.pattern) {
-                float far = 0.0f;
-                const glm::vec2 position = glm::vec2{static_cast<float>(x), static_cast<float>(y)} + place;
-                EyeRay& ray = rays.emplace_back(eye_ray(looking.camera, position, looking.spacing, far));
-                ray.number = static_cast<std::uint32_t>(&place - looking.pattern.data()) |
-                             static_cast<std::uint32_t>((y % 4) * 4 + x % 4) << 16;
-                queries.push_back({ray.origin, ray.direction, far});
-            }
-        }
-        hits.resize(queries.size());
-        looking.tracer.nearest(queries, hits);
-    }
-};
-
 /// Looks through the pixels of a tile.
 class TileLook {
   public:
@@ -139,7 +114,16 @@ class TileLook {
 
     /// Pixels (first, y) to (end - 1, y), all of them; true in `edges`, by x % tile_size, where samples differ.
     void take(int first, int end, int y, GatherTile& tile, std::array<bool, tile_size>* edges) {
-        look_.take(looking_, first, end, y);
+        rays_.clear();
+        for (int x = first; x < end; ++x)
+            for (std::size_t s = 0; s < looking_.pattern.size(); ++s) {
+                float far = 0.0f;
+                const glm::vec2 position =
+                    glm::vec2{static_cast<float>(x), static_cast<float>(y)} + looking_.pattern[s];
+                const EyeRay ray = eye_ray(looking_.camera, position, looking_.spacing, far);
+                rays_.add(ray, far, {x, y}, static_cast<int>(s));
+            }
+        rays_.trace(looking_.tracer);
         for (int x = first; x < end; ++x) {
             const bool edge =
                 see_pixel(x, y, static_cast<std::size_t>(x - first) * looking_.pattern.size(), tile, edges != nullptr);
@@ -158,7 +142,7 @@ class TileLook {
         std::size_t fragments = 0;
         for (std::size_t s = 0; s < looking_.pattern.size(); ++s) {
             const std::size_t ray = begin + s;
-            looking_.paths.look(look_.rays[ray], look_.queries[ray].far, look_.hits[ray], sample_, counts_);
+            looking_.paths.look(rays_.rays[ray], rays_.queries[ray].far, rays_.hits[ray], sample_, counts_);
             if (s == 0 && records) {
                 record(seen_.visible, looking_.camera, x, y, sample_.main);
                 if (!seen_.imaged.empty()) seen_.imaged.at(x, y) = sample_.main.imaged;
@@ -171,7 +155,6 @@ class TileLook {
             fragments = sample_.fragments.size();
             for (const Fragment& fragment : sample_.fragments) {
                 const glm::vec3 weight = share * fragment.weight;
-                const auto pixel = static_cast<std::uint16_t>((y % tile_size) * tile_size + x % tile_size);
                 if (fragment.point.is_sampled()) {
                     const auto across = static_cast<std::size_t>(seen_.tiles_across());
                     seen_
@@ -192,7 +175,7 @@ class TileLook {
                     continue;
                 }
                 differ = differ || s > 0;
-                tile.push_back({fragment.point, pixel, fragment.way, weight});
+                tile.push_back({fragment.point, pixel, fragment.path, weight});
             }
         }
         for (auto& [point, places] : more_places_)
@@ -221,21 +204,37 @@ class TileLook {
     SeeCounts& counts_;
     Found& found_;
     EyeSample sample_;
-    FirstLook look_;
+    EyeRays rays_;
     /// Of the pixel's points, by their places in the tile.
     std::vector<std::pair<std::size_t, std::vector<glm::vec3>>> more_places_;
 };
 
 }  // namespace
 
+void EyeRays::clear() {
+    rays.clear();
+    queries.clear();
+}
+
+void EyeRays::add(EyeRay ray, float far, glm::ivec2 pixel, int sample) {
+    ray.number = static_cast<std::uint32_t>(sample) | static_cast<std::uint32_t>(pixel.y % 4 * 4 + pixel.x % 4) << 16;
+    queries.push_back({ray.origin, ray.direction, far, ray.time});
+    rays.push_back(ray);
+}
+
+void EyeRays::trace(const RayTracer& tracer) {
+    hits.resize(queries.size());
+    tracer.nearest(queries, hits);
+}
+
 FibreSample fibre_sample(const Fragment& fragment, std::uint16_t pixel, glm::vec3 weight) {
     const SurfacePoint& p = fragment.point;
-    return {p.address, core::PackedNormal(p.outgoing), weight, pixel, fragment.way != straight_way, p.below};
+    return {p.address, core::PackedNormal(p.outgoing), weight, pixel, fragment.path != direct_path, p.below};
 }
 
 bool same_surface(const GatherPoint& a, const Fragment& b, float pixel_extent) {
     if (a.point.address.object != b.point.address.object || a.point.back_side != b.point.back_side) return false;
-    if (a.way != b.way) return false;
+    if (a.path != b.path) return false;
     if (glm::dot(a.point.shading_normal, b.point.shading_normal) < same_normal) return false;
     const glm::vec3 apart = b.point.position - a.point.position;
     const float off = std::max(std::abs(glm::dot(apart, a.point.geometric_normal)),
@@ -263,25 +262,24 @@ void add_air(const EyeSample& sample, std::uint16_t pixel, float share, SeenAir&
         }
         match->weight += share * span.weight;
     }
-    for (const AirWay& way : sample.air_beyond) {
+    for (const AirPath& path : sample.air_beyond) {
         auto& all = air.beyond;
         auto match = all.rbegin();
         while (match != all.rend() && match->pixel == pixel &&
-               !(match->way == way.way && lie_together(match->distance, way.distance)))
+               !(match->path == path.path && lie_together(match->distance, path.distance)))
             ++match;
         if (match == all.rend() || match->pixel != pixel) {
-            all.push_back(way);
+            all.push_back(path);
             all.back().pixel = pixel;
             all.back().weight *= share;
             continue;
         }
-        match->weight += share * way.weight;
+        match->weight += share * path.weight;
     }
 }
 
 TileArea area_of(const Frame& seen, std::size_t tile) {
-    const int across = seen.tiles_across();
-    const glm::ivec2 first = tile_size * glm::ivec2(static_cast<int>(tile) % across, static_cast<int>(tile) / across);
+    const glm::ivec2 first = seen.corner_of(tile);
     return {first, glm::min(first + tile_size, glm::ivec2(seen.visible.width(), seen.visible.height()))};
 }
 

@@ -124,7 +124,7 @@ Traits traits_of(const Animation& animation) {
         if (material.hair && animation.meshes[static_cast<std::size_t>(object.mesh)].has_curves())
             traits.has_hair = true;
         if (object.body != Body::none) traits.has_bodies = true;
-        if (object.body == Body::solid) traits.throws_light = true;
+        if (object.body == Body::solid) traits.casts_caustics = true;
         const bool by_node = object.node >= 0 && moves[static_cast<std::size_t>(object.node)] && object.skin < 0;
         if (by_node) traits.objects_move = true;
         if (deforms(animation, object, moves)) traits.objects_deform = true;
@@ -133,7 +133,7 @@ Traits traits_of(const Animation& animation) {
             traits.has_even_lamps = true;
         if (material.emits() && (by_node || deforms(animation, object, moves))) traits.lights_change = true;
     }
-    if (traits.has_mirrors) traits.throws_light = true;
+    if (traits.has_mirrors) traits.casts_caustics = true;
     for (const Light& light : animation.lights) {
         if (light.intensity <= 0 || light.color == glm::vec3(0)) continue;
         traits.has_punctual_lights = true;

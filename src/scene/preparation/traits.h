@@ -17,7 +17,7 @@ struct Traits {
     bool has_mirrors = false;           ///< smooth enough that only a traced ray shows its reflection
     bool has_glass = false;             ///< transmission > 0
     bool has_bodies = false;            ///< of refractive glass
-    bool throws_light = false;          ///< things that mirror or bend the light of lamps onto others
+    bool casts_caustics = false;        ///< things that mirror or bend the light of lamps onto others
     bool has_alpha_mask = false;
     bool has_alpha_blend = false;
     bool has_hair = false;  ///< strands that scatter light as fibres

@@ -1,4 +1,4 @@
-#include "renderer/judge.h"
+#include "renderer/validation.h"
 
 #include <algorithm>
 
@@ -11,7 +11,7 @@ glm::vec3 light_of_bodies_and_air(const UngatheredLight& ungathered, int x, int 
     return value_or_zero(ungathered.caustics().all, x, y) + value_or_zero(ungathered.air().all, x, y);
 }
 
-std::vector<glm::vec3> exact_pixels(const JudgedFrame& frame, const std::vector<LitPixel>& pixels) {
+std::vector<glm::vec3> exact_pixels(const AuditedFrame& frame, const std::vector<LitPixel>& pixels) {
     std::vector<glm::vec3> light = gather_exactly(frame.context, pixels);
     if (frame.rays == nullptr) return light;
     std::vector<GatherPoint> points;
@@ -30,15 +30,15 @@ std::vector<glm::vec3> exact_pixels(const JudgedFrame& frame, const std::vector<
     return light;
 }
 
-std::vector<JudgedPixel> judge_pixels(const JudgedFrame& frame, const SeeSettings& see, const Plan& plan,
-                                      std::span<const AuditedPixel> audited, const TruthSettings& finely) {
+std::vector<ValidatedPixel> validate_pixels(const AuditedFrame& frame, const SeeSettings& see, const Plan& plan,
+                                            std::span<const AuditedPixel> audited, const TruthSettings& finely) {
     const Frame& seen = frame.context.seen;
     const core::ToleranceMap& tolerance = frame.context.tolerance;
-    std::vector<JudgedPixel> judged;
+    std::vector<ValidatedPixel> validated;
     std::vector<TruthRequest> requests;
     for (const AuditedPixel& a : audited) {
         const LitPixel pixel = pixel_at(seen, {a.x, a.y});
-        JudgedPixel& p = judged.emplace_back();
+        ValidatedPixel& p = validated.emplace_back();
         p.shown = frame.radiance.combined.at(a.x, a.y), p.at_points = a.radiance;
         if (!tolerance.is_reference()) p.least = tolerance.pixels.at(a.x, a.y).absolute;
         const std::span<const GatherPoint> points(seen.tiles[pixel.tile]);
@@ -49,8 +49,8 @@ std::vector<JudgedPixel> judge_pixels(const JudgedFrame& frame, const SeeSetting
                             light_of_bodies_and_air(frame.context.ungathered, a.x, a.y)});
     }
     std::size_t k = 0;
-    for (const PixelTruth& t : pixel_truth(frame.posed_scene, see, plan, requests, finely)) judged[k++].truth = t;
-    return judged;
+    for (const PixelTruth& t : pixel_truth(frame.posed_scene, see, plan, requests, finely)) validated[k++].truth = t;
+    return validated;
 }
 
 }  // namespace render2mpeg::renderer

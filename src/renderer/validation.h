@@ -16,8 +16,8 @@
 
 namespace render2mpeg::renderer {
 
-/// A lit frame to be judged.
-struct JudgedFrame {
+/// A lit frame to be validated.
+struct AuditedFrame {
     const PosedScene& posed_scene;
     LightingContext context;      ///< that it was lit by
     FinalGather* rays;            ///< of `rays_of`; null: of none
@@ -27,13 +27,13 @@ struct JudgedFrame {
 
 /// Radiance of pixels whose light is gathered from every light point by itself, and by as many rays as there can be.
 /// >= 0 and finite.
-std::vector<glm::vec3> exact_pixels(const JudgedFrame& frame, const std::vector<LitPixel>& pixels);
+std::vector<glm::vec3> exact_pixels(const AuditedFrame& frame, const std::vector<LitPixel>& pixels);
 
 /// Light of a pixel that neither light trees nor paths find.
 glm::vec3 light_of_bodies_and_air(const UngatheredLight& ungathered, int x, int y);
 
 /// Audited pixels of the frame beside their truth, by paths (pixel_truth.h). The same for any number of threads.
-std::vector<JudgedPixel> judge_pixels(const JudgedFrame& frame, const SeeSettings& see, const Plan& plan,
-                                      std::span<const AuditedPixel> audited, const TruthSettings& finely);
+std::vector<ValidatedPixel> validate_pixels(const AuditedFrame& frame, const SeeSettings& see, const Plan& plan,
+                                            std::span<const AuditedPixel> audited, const TruthSettings& finely);
 
 }  // namespace render2mpeg::renderer
