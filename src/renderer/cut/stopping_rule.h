@@ -72,10 +72,6 @@ class StoppingRule {
         return sum_of(square);
     }
 
-    /// Whether a cluster of this priority may decide how far a cut is refined. chosen: bounds of a hundredth of the
-    /// tolerance in one lane, of which a thousand come to a tenth of it in square.
-    static bool matters(float priority) { return priority > 1e-4f; }
-
     /// Below this priority a cluster's bounds are a safe part of what `lanes` points tolerate, in the mean.
     static float safe_priority(int lanes) { return static_cast<float>(lanes) / (safe_part * safe_part); }
 
