@@ -1,5 +1,6 @@
 #include "app/probe.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -23,57 +24,56 @@ namespace {
 using Words = std::vector<std::string>;
 
 /// FILE [ANIMATION]
-std::string read_scene(const Words& words, const scene::TakeTurns& take_turns) {
+std::string read_scene(const Words& words, const scene::BeginLimits& begin_limits) {
     scene::LoadOptions options;
     if (words.size() > 1) options.animation = words[1];
-    take_turns(scene::Turn::parser);
-    scene::load_with_assimp(words.at(0), options, take_turns);
+    begin_limits();
+    scene::load_with_assimp(words.at(0), options);
     return {};
 }
 
 /// FILE
-std::string read_gltf(const Words& words, const scene::TakeTurns& take_turns) {
-    scene::load_gltf(words.at(0), {}, [&](std::uintmax_t) { take_turns(scene::Turn::parser); });
+std::string read_gltf(const Words& words, const scene::BeginLimits& begin_limits) {
+    scene::load_gltf(words.at(0), {}, [&](std::uintmax_t) { begin_limits(); });
     return {};
 }
 
-std::string read_images(const Words&, const scene::TakeTurns& take_turns) {
-    return read_probed_images(take_turns);
+std::string read_images(const Words&, const scene::BeginLimits& begin_limits) {
+    return read_probed_images(begin_limits);
 }
 
 /// FILE
-std::string read_film(const Words& words, const scene::TakeTurns& take_turns) {
+std::string read_film(const Words& words, const scene::BeginLimits& begin_limits) {
     const std::filesystem::path film = words.at(0);
-    take_turns(scene::Turn::parser);
+    begin_limits();
     av::decode(film, [](const core::Picture&) {});
     av::inspect(film);
     return {};
 }
 
 /// FILE
-std::string read_sound(const Words& words, const scene::TakeTurns& take_turns) {
-    take_turns(scene::Turn::parser);
+std::string read_sound(const Words& words, const scene::BeginLimits& begin_limits) {
+    begin_limits();
     av::length_of_sound(words.at(0));
     return {};
 }
 
 /// Runs become_blender() with these words.
-std::string run_blender(const Words& words, const scene::TakeTurns& take_turns) {
-    take_turns(scene::Turn::parser);
+std::string run_blender(const Words& words, const scene::BeginLimits& begin_limits) {
+    begin_limits();
     scene::become_blender(words);
     throw core::Error("starting", words.at(0), "it cannot be started");
 }
 
 /// FILE, and the flags that are set: json, summary
-std::string read_facts(const Words& words, const scene::TakeTurns& take_turns) {
+std::string read_facts(const Words& words, const scene::BeginLimits& begin_limits) {
     InfoOptions options;
     options.input = words.at(0);
-    for (const std::string& word : words) {
-        options.json = options.json || (&word != &words[0] && word == "json");
-        options.summary = options.summary || (&word != &words[0] && word == "summary");
-    }
-    take_turns(scene::Turn::parser);
-    return info_of(options, [&] { take_turns(scene::Turn::ours); });
+    const auto given = [&](const char* flag) { return std::find(words.begin() + 1, words.end(), flag) != words.end(); };
+    options.json = given("json");
+    options.summary = given("summary");
+    begin_limits();
+    return info_of(options);
 }
 
 }  // namespace

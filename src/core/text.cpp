@@ -106,4 +106,13 @@ std::string printable_lines(std::string_view text) {
     return shown(text, true);
 }
 
+std::vector<std::string_view> words_in(std::string_view text) {
+    std::vector<std::string_view> words;
+    for (std::size_t end = 0; !text.empty(); text.remove_prefix(std::min(end + 1, text.size()))) {
+        end = std::min(text.find(' '), text.size());
+        words.push_back(text.substr(0, end));
+    }
+    return words;
+}
+
 }  // namespace render2mpeg::core

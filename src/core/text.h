@@ -20,6 +20,9 @@ std::string printable(std::string_view text);
 /// The same, but lines stay lines.
 std::string printable_lines(std::string_view text);
 
+/// The words between spaces; they lie in the text.
+std::vector<std::string_view> words_in(std::string_view text);
+
 /// The word with the fewest edits (insertions, deletions, changes, swaps of neighbours) or a common beginning; empty
 /// where none is near.
 std::string nearest_word(std::string_view word, std::span<const std::string_view> words);

@@ -47,9 +47,7 @@ Animation load_as_is(const std::filesystem::path& file, const LoadOptions& optio
     if (ending == ".gltf" || ending == ".glb")
         return load_gltf(file, options, [&](std::uintmax_t bytes) {
             // Decoders of compressed meshes are outside code.
-            if (!Probe::is_possible()) return;
-            const ProbeLimits limits = limits_for(bytes);
-            text_of(Probe(limits, {"gltf", file.string()}).end(), file.string(), limits);
+            if (Probe::is_possible()) read_in_probe({"gltf", file.string()}, file.string(), limits_for(bytes));
         });
     if (ending == ".json") return load_animation_file(file, options, load_as_is);
     if (ending == ".blend") return load_blend(file, options);
@@ -58,8 +56,7 @@ Animation load_as_is(const std::filesystem::path& file, const LoadOptions& optio
     if (Probe::is_possible()) {
         std::vector<std::string> words{"scene", file.string()};
         if (options.animation) words.push_back(*options.animation);
-        const ProbeLimits limits = limits_for(file);
-        text_of(Probe(limits, words).end(), file.string(), limits);
+        read_in_probe(words, file.string(), limits_for(file));
     }
     return load_with_assimp(file, options);
 }

@@ -134,11 +134,9 @@ TEST(Farm, RefusesByNameWhatIsNotThePlans) {
         other["identity"][name] = value;
         std::ofstream(plan, std::ios::trunc) << other;
     };
-    change("version", "0.0.9");
-    refused("the version of render2mpeg was 0.0.9 and is ");
-    change("build", "another");
-    refused("render2mpeg was built anew since");
-    change("isa", "avx1024");
+    change("render2mpeg", "0.0.9");
+    refused("render2mpeg was 0.0.9 and is ");
+    change("instruction set", "avx1024");
     refused("instruction set avx1024: ");
     std::ofstream(plan, std::ios::trunc) << before;
     std::ofstream(scene, std::ios::app) << " ";

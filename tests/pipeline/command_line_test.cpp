@@ -255,7 +255,7 @@ TEST(Interruption, LeavesAPlayablePartialFilmAndNoFinalOneSlow) {
             "/chunk_00000.m2v ]; do sleep 0.05; done; sleep 0.3; " + "kill -INT $job; wait $job");
     EXPECT_EQ(outcome.status, 130) << outcome.output;
     EXPECT_FALSE(std::filesystem::exists(output));
-    const auto partial = folder / "film.partial.mpg";
+    const auto partial = folder / "film.mpg.partial/film.mpg";
     ASSERT_TRUE(std::filesystem::exists(partial));
     const auto decoded = run("ffmpeg -v error -xerror -err_detect explode -i " + partial.string() + " -f null -");
     EXPECT_EQ(decoded.status, 0);

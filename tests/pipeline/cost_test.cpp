@@ -190,7 +190,7 @@ TEST(Trials, CountPicturesThatABufferHasNoRoomFor) {
         film.coding.rate_control.buffer_bits = tight ? 16384 : 0;
         film.coding.rate_control.max_rate = tight ? 12000 : 0;
         app::Trials trials(film, app::middle_windows(film, 1, 20));
-        ASSERT_TRUE(trials.light_references([](const app::ReferenceStanding&) { return true; }));
+        ASSERT_TRUE(trials.light_references([](double) {}, [] { return true; }));
         app::LitWindows lit;
         const app::RenderJob coarse =
             app::at_quantiser(app::with_tolerance(trials.film(), app::fixed_tolerance(0.5f)), 1);
@@ -206,7 +206,7 @@ TEST(Trials, CountPicturesThatABufferHasNoRoomFor) {
 TEST(Trials, GiveCoupledLightTheShareThatTheyAreAskedFor) {
     const app::RenderJob film = tiny_film(support::panel_film());
     app::Trials trials(film, app::middle_windows(film, 1, 2), 0);
-    ASSERT_TRUE(trials.light_references([](const app::ReferenceStanding&) { return true; }));
+    ASSERT_TRUE(trials.light_references([](double) {}, [] { return true; }));
     EXPECT_EQ(trials.references(), 0);
     const auto rays = [&](std::optional<float> share) {
         const app::RenderJob coupled = app::with_tolerance(trials.film(), {false, 0, true, share});
@@ -227,15 +227,16 @@ TEST(Trials, TellTheirMemoryBeforeTheyTakeIt) {
 TEST(Trials, EndWhenTheyAreToldTo) {
     const app::RenderJob film = tiny_film();
     app::Trials trials(film, app::middle_windows(film, 2, 2));
-    int parts = 0;
-    EXPECT_FALSE(trials.light_references([&](const app::ReferenceStanding& standing) {
-        EXPECT_EQ(standing.done, ++parts);
-        EXPECT_GE(standing.parts, 2);
-        EXPECT_GE(standing.seconds_left(), 0.0);
-        return false;
-    }));
-    EXPECT_EQ(parts, 1);
-    ASSERT_TRUE(trials.light_references([](const app::ReferenceStanding&) { return true; }));
+    int told = 0, done = 0;
+    EXPECT_FALSE(trials.light_references(
+        [&](double seconds) {
+            ++told;
+            EXPECT_GT(seconds, 0);
+        },
+        [&] { return ++done < 1; }));
+    EXPECT_EQ(told, 1);
+    EXPECT_EQ(done, 1);
+    ASSERT_TRUE(trials.light_references([](double) {}, [] { return true; }));
     EXPECT_EQ(trials.references(), 2);
     int frames = 0;
     const app::RenderJob coarse = app::with_tolerance(trials.film(), app::fixed_tolerance(0.3f));

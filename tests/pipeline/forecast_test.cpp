@@ -29,7 +29,7 @@ RenderJob small_film(const std::string& scene, const std::string& size = "32x32"
     options.size = size;
     options.vpls = 16;
     options.indirect = indirect;
-    options.given = {"--vpls"};
+    options.said["--vpls"] = "16";
     RenderJob film = app::prepare(options);
     film.exposure = 0;
     return film;

@@ -253,32 +253,5 @@ TEST(Kills, LeaveNoFilesThatWereOnlyToBeTried) {
     EXPECT_EQ(made, (std::set<std::string>{"f.m2v.", "s.json"})) << "the work folder, and statistics on their way";
 }
 
-TEST(Kills, LeaveNoHeatmapThatTheFilmDoesNotKnow) {
-    const Folder folder;
-    const std::filesystem::path heat = folder / "h.mpg", film = folder / "f.mpg";
-    app::Film made;
-    made.source = "s";
-    made.frames = {0, 9};
-    const json identity = app::identity_of(made, "render");
-    // Killed after the manifest of the heatmap's folder was removed, and before its lock was.
-    for (const char* left : {"lock", ""}) {
-        std::filesystem::create_directory(folder / "h.mpg.partial");
-        if (*left != '\0') put_text(folder / "h.mpg.partial" / left, "1\n");
-        app::WorkFolder work(film, identity);
-        work.remember_companion(heat, identity);
-        work.begin("film.mpg");
-        work.clear_away();
-        EXPECT_EQ(folder.entries(), 0u) << left;
-    }
-    // What has something in it is somebody's.
-    std::filesystem::create_directory(folder / "h.mpg.partial");
-    put_text(folder / "h.mpg.partial" / "diary", "mine");
-    app::WorkFolder work(film, identity);
-    work.remember_companion(heat, identity);
-    work.begin("film.mpg");
-    work.clear_away();
-    EXPECT_EQ(contents(folder / "h.mpg.partial" / "diary"), "mine");
-}
-
 }  // namespace
 }  // namespace render2mpeg::test

@@ -51,7 +51,7 @@ TEST(WorkFolder, IsAnotherForFilmsOfOneStemSlow) {
     EXPECT_EQ(outcome.status, 130) << outcome.output;
     EXPECT_EQ(outcome.output, "");
     EXPECT_TRUE(std::filesystem::exists(folder / "a.mkv"));
-    EXPECT_TRUE(std::filesystem::exists(folder / "a.partial.mpg")) << "the first went on beside it";
+    EXPECT_TRUE(std::filesystem::exists(folder / "a.mpg.partial/film.mpg")) << "the first went on beside it";
 }
 
 TEST(WorkFolder, IsNoOtherRunsMeanwhileSlow) {
@@ -67,9 +67,8 @@ TEST(WorkFolder, IsNoOtherRunsMeanwhileSlow) {
     EXPECT_NE(outcome.output.find("status 1", first), std::string::npos) << outcome.output;
     EXPECT_NE(outcome.output.find("another run", first + 20), std::string::npos) << "the dry run, too";
     // The one who was there first was not disturbed, and who comes later is free to begin anew.
-    EXPECT_TRUE(std::filesystem::exists(folder / "a.partial.mpg"));
+    EXPECT_TRUE(std::filesystem::exists(folder / "a.mpg.partial/film.mpg"));
     EXPECT_EQ(run(again).status, 0);
-    EXPECT_TRUE(std::filesystem::exists(folder / "a.partial.mpg")) << "of another film";
     EXPECT_FALSE(std::filesystem::exists(folder / "a.mpg.partial"));
 }
 
@@ -104,7 +103,7 @@ TEST(WritableCheck, LeavesFilesOfEveryNameAlone) {
     EXPECT_EQ(folder.entries(), 2u);
 }
 
-TEST(Interruption, LeavesTheFirstFramesOfUncompressedFilmsUnderAnotherName) {
+TEST(Interruption, LeavesTheFirstFramesOfUncompressedFilms) {
     const Folder folder;
     const auto outcome =
         interrupted(program() + " render " + plain_film() +
@@ -112,21 +111,11 @@ TEST(Interruption, LeavesTheFirstFramesOfUncompressedFilmsUnderAnotherName) {
                         path(folder, "f.y4m"),
                     path(folder, "f.y4m.partial/chunk_00000.y4m.tmp"), "INT");
     EXPECT_EQ(outcome.status, 130) << outcome.output;
-    EXPECT_NE(outcome.output.find("f.partial.y4m: "), std::string::npos) << outcome.output;
+    EXPECT_NE(outcome.output.find("f.y4m.partial/film.y4m: "), std::string::npos) << outcome.output;
     EXPECT_FALSE(std::filesystem::exists(folder / "f.y4m"));
-    const auto decoded = run("ffmpeg -v error -xerror -i " + path(folder, "f.partial.y4m") + " -f null -");
+    const auto decoded = run("ffmpeg -v error -xerror -i " + path(folder, "f.y4m.partial/film.y4m") + " -f null -");
     EXPECT_EQ(decoded.status, 0) << decoded.output;
     EXPECT_EQ(decoded.output, "");
-}
-
-TEST(Encode, LeavesAFilmAloneThatIsNoLeftoverOfItsOwn) {
-    const Folder folder;
-    test::write_frames(path(folder, "in.y4m"), 64, 48, "25:1", "1:1", 4);
-    std::ofstream(folder / "e.partial.mpg") << "two frames of it";
-    ASSERT_EQ(run(program() + " encode " + path(folder, "in.y4m") + " --quiet -o " + path(folder, "e.mpg")).status, 0);
-    EXPECT_TRUE(std::filesystem::exists(folder / "e.mpg"));
-    EXPECT_EQ(contents(folder / "e.partial.mpg"), "two frames of it");
-    EXPECT_EQ(folder.entries(), 3u);
 }
 
 }  // namespace

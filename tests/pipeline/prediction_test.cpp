@@ -1,4 +1,4 @@
-#include "app/loop/coding_terms.h"
+#include "app/loop/coupling.h"
 
 #include <gtest/gtest.h>
 

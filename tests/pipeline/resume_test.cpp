@@ -128,7 +128,7 @@ TEST_F(Interrupted, FilmsAreResumedByNoOtherRunThanTheirOwnSlow) {
     };
     refused("--quantiser 6", "--quantiser was not given and is 6");
     refused("--clamp none", "--clamp was not given and is none");
-    refused("--isa sse2", "the instruction set was ");
+    refused("--isa sse2", "instruction set was ");
 
     const std::filesystem::path scene = folder_ / "scene.json", manifest = folder_ / "film.mpg.partial/manifest.json";
     const std::string before = contents(scene), identity = contents(manifest);
@@ -137,13 +137,9 @@ TEST_F(Interrupted, FilmsAreResumedByNoOtherRunThanTheirOwnSlow) {
     std::ofstream(scene, std::ios::trunc) << before;
 
     json other = json::parse(identity);
-    other["identity"]["version"] = "0.0.9";
+    other["identity"]["render2mpeg"] = "0.0.9";
     std::ofstream(manifest, std::ios::trunc) << other;
-    refused("", "the version of render2mpeg was 0.0.9 and is ");
-    other["identity"]["version"] = json::parse(identity)["identity"]["version"];
-    other["identity"]["build"] = "another";
-    std::ofstream(manifest, std::ios::trunc) << other;
-    refused("", "render2mpeg was built anew since");
+    refused("", "render2mpeg was 0.0.9 and is ");
     std::ofstream(manifest, std::ios::trunc) << "{";
     refused("", "manifest.json is damaged in ");
     std::ofstream(manifest, std::ios::trunc) << identity;

@@ -205,23 +205,18 @@ support::Outcome interrupt(const std::string& render, const std::string& file) {
                " ]; do kill -0 $job || exit 99; sleep 0.05; done; kill -INT $job; wait $job");
 }
 
-TEST(Leftovers, AreRemovedByTheSameFilmAloneAndDoNotPileUpSlow) {
+TEST(Interrupts, LeaveAPlayableFilmInTheWorkFolder) {
     const Folder folder;
     const std::string endless =
         support::program_at_terminal() + " render " + plain_film() +
         " --size 32x32 --samples 1 --vpls 0 --tolerance fixed=90% --hold --frames 0:9999 --exposure 0 --quiet -o " +
         path(folder, "a.mpg");
-    const std::string chunk = path(folder, "a.mpg.partial/chunk_00000.m2v");
     write_text(folder / "a.partial.mpg", "a diary");
-    for (int i = 0; i < 2; ++i) EXPECT_EQ(interrupt("rm -f " + chunk + "; " + endless, chunk).status, 130);
-    EXPECT_EQ(contents(folder / "a.partial.mpg"), "a diary");
-    EXPECT_TRUE(std::filesystem::exists(folder / "a.partial-2.mpg"));
-    EXPECT_FALSE(std::filesystem::exists(folder / "a.partial-3.mpg")) << "the newest part alone stays";
-
-    // Another film of the name leaves it alone.
+    EXPECT_EQ(interrupt(endless, path(folder, "a.mpg.partial/chunk_00000.m2v")).status, 130);
+    EXPECT_EQ(run(program() + " info " + path(folder, "a.mpg.partial/film.mpg")).status, 0);
     ASSERT_EQ(run(render_to(folder, "a.mpg", "--quiet")).status, 0);
-    EXPECT_TRUE(std::filesystem::exists(folder / "a.partial-2.mpg"));
-    EXPECT_EQ(folder.entries(), 3u);
+    EXPECT_EQ(contents(folder / "a.partial.mpg"), "a diary");
+    EXPECT_EQ(folder.entries(), 2u) << "the next film of the name removes it";
 }
 
 app::Film film_of(const std::string& source) {
@@ -229,31 +224,6 @@ app::Film film_of(const std::string& source) {
     made.source = source;
     made.frames = {0, 9};
     return made;
-}
-
-TEST(Leftovers, GoWhenTheirFilmIsWholeUnlessTheyWereChanged) {
-    const Folder folder;
-    const auto leave = [&](const app::Film& made, const char* command, const char* text) {
-        app::WorkFolder work(folder / "a.mpg", app::identity_of(made, command));
-        write_text(work.begin("film.mpg"), text);
-        return work.leave(work.place("film.mpg"));
-    };
-    const auto first = leave(film_of("s"), "render", "one"), second = leave(film_of("s"), "render", "two");
-    EXPECT_EQ(second.filename(), "a.partial.mpg") << "in place of the first";
-    write_text(second, "somebody wrote here since");
-    const auto third = leave(film_of("t"), "render", "three"), fourth = leave(film_of("s"), "render", "four");
-    EXPECT_EQ(fourth.filename(), "a.partial-2.mpg") << "in place of another film's";
-    app::WorkFolder work(folder / "a.mpg", app::identity_of(film_of("s"), "render"));
-    work.begin("film.mpg");
-    work.clear_away();
-    EXPECT_EQ(contents(first), "somebody wrote here since");
-    EXPECT_FALSE(std::filesystem::exists(third));
-    EXPECT_FALSE(std::filesystem::exists(fourth));
-    EXPECT_EQ(folder.entries(), 1u);
-
-    const auto other = leave(film_of("s"), "render", "one");
-    app::WorkFolder(folder / "a.mpg", app::identity_of(film_of("another"), "render")).clear_away();
-    EXPECT_TRUE(std::filesystem::exists(other));
 }
 
 TEST(WorkFolder, IsItsRunsAloneWhileOthersEndAndBeginSlow) {

@@ -26,7 +26,7 @@ StudioLuma luma_in_studio(const std::string& objects) {
     options.vpls = 64;
     options.indirect = "lightcuts";
     options.samples = 1;
-    options.given = {"--vpls"};
+    options.said["--vpls"] = "";
     app::RenderJob film = app::prepare(options);
     film.exposure = app::measure_exposure(film);
 

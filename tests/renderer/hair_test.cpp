@@ -185,19 +185,6 @@ TEST(Strands, CarryTheirPointsThroughTime) {
     EXPECT_NEAR(glm::length(*there - *here - glm::dvec3(1, 0.5, 0)), 0, 1e-6);
 }
 
-TEST(Strands, OfBezierSegmentsAreTheSameCurves) {
-    scene::Mesh mesh;
-    const glm::vec3 b[] = {{0, 0, 0}, {1, 2, 0}, {3, 1, 1}, {4, 0, -1}};
-    const float radii[] = {0.1f, 0.2f, 0.3f, 0.1f};
-    scene::add_bezier_strand(mesh, b, radii);
-    for (const float u : {0.0f, 0.3f, 0.8f, 1.0f}) {
-        const float w = 1 - u;
-        const glm::vec3 expected = w * w * w * b[0] + 3 * w * w * u * b[1] + 3 * w * u * u * b[2] + u * u * u * b[3];
-        const glm::dvec3 found = scene::interpolated(mesh, mesh.positions, {0, 0, u, 0});
-        EXPECT_NEAR(glm::length(found - glm::dvec3(expected)), 0, 1e-5);
-    }
-}
-
 TEST(Strands, LetLightGoBetweenThemAsFarAsTheyAreThin) {
     for (const float radius : {0.002f, 0.01f}) {
         scene::Mesh mesh;

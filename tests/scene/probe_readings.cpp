@@ -46,17 +46,15 @@ void misbehave(const std::string& how) {
     }
 }
 
-/// HOW, in the parser's turn or, with `ours`, in ours.
-std::string behave(const Words& words, const TakeTurns& take_turns) {
-    take_turns(Turn::parser);
-    if (words.size() > 1) take_turns(Turn::ours);
-    if (words.size() > 2) take_turns(Turn::parser);
+/// HOW
+std::string behave(const Words& words, const BeginLimits& begin_limits) {
+    begin_limits();
     misbehave(words.at(0));
     return words.at(0) == "long" ? std::string(300'000, 'x') : "read";
 }
 
-std::string echo(const Words& words, const TakeTurns& take_turns) {
-    take_turns(Turn::parser);
+std::string echo(const Words& words, const BeginLimits& begin_limits) {
+    begin_limits();
     std::cout << "what libraries print is not told";
     write_from_probe(words.at(0));
     return {std::istreambuf_iterator<char>(std::cin), std::istreambuf_iterator<char>()};

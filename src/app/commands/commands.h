@@ -1,5 +1,4 @@
 #pragma once
-#include <functional>
 #include <string>
 
 #include "app/loop/run_statistics.h"
@@ -13,8 +12,8 @@ int encode(const EncodeOptions& options, const std::string& command);
 /// `info`: prints how a film's pictures are coded. Exit status: 1 where pictures are damaged.
 int info(const InfoOptions& options);
 
-/// Output of info(): the damage (may be empty), '\0', and the tables or JSON. Calls `film_is_read` after decoding.
-std::string info_of(const InfoOptions& options, const std::function<void()>& film_is_read);
+/// Output of info(): the damage (may be empty), '\0', and the tables or JSON.
+std::string info_of(const InfoOptions& options);
 
 /// `render`. Exit status: 0, or 130 after an interruption. `rendered` is filled unless null.
 int render(const RenderOptions& options, const std::string& command, Rendered* rendered = nullptr);

@@ -7,12 +7,13 @@
 #include <chrono>
 #include <cmath>
 #include <deque>
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
+#include "app/commands/render_stream.h"
 #include "app/files/file_io.h"
 #include "app/files/output_stream.h"
 #include "app/files/publish.h"
@@ -187,93 +188,65 @@ class FileMotion : public Motion {
     core::MotionField onward_;
 };
 
-/// Callbacks of a chunk in the making.
-struct Steps {
-    std::function<void(const core::Picture&, const core::MotionField*)> read;  ///< motion to the frame before, or null
-    std::function<void(const encoder::CodedPicture&)> coded;
-    std::function<void()> frame_done;
-};
-
-/// The film coded fast with one quantiser, without rate or buffer.
-Film rough(const Film& film, double quantiser) {
-    Film fast = film;
-    if (fast.coding.codec == encoder::Codec::mpeg2) fast.coding.effort = encoder::Effort::fast;
-    fast.coding.rate_control = {};
-    fast.coding.quantiser = static_cast<int>(std::lround(encoder::quantiser_like(fast.coding.codec, quantiser)));
-    return fast;
-}
-
 /// A rough coding of the chunk's first pictures: those that are read ahead anyway.
 std::vector<encoder::FirstPassPicture> try_first(Job& job, const Film& film, const Chunk& chunk, FramesAhead& ahead,
                                                  RunStatistics& statistics) {
     const std::deque<core::Picture>& pictures = ahead.waiting(statistics);
     if (pictures.empty()) return {};
-    const Chunk part{chunk.index, chunk.first, pictures.back().number};
-    const Film fast = rough(film, usual_quantiser(film.coding));
-    PictureCoder coder(fast, part, {}, {}, statistics, false, &ahead.look());
-    std::vector<encoder::FirstPassPicture> trial;
-    const auto take = [&](const std::vector<encoder::CodedPicture>& coded) {
-        for (const encoder::CodedPicture& c : coded)
-            trial.push_back(encoder::first_pass_picture(fast.coding, c, trial.empty()));
-    };
+    Film fast = film;
+    fast.coding = rough(film.coding, usual_quantiser(film.coding));
+    PictureCoder coder(fast, {chunk.index, chunk.first, pictures.back().number}, {}, {}, statistics, false,
+                       &ahead.look());
+    FirstPassCollector trial(fast.coding);
     for (const core::Picture& picture : pictures) {
         FileMotion motion(job, picture.number, statistics);
         const encoder::PicturePlan plan = coder.plan(picture.number, ahead.look().cut_before(picture.number), motion);
-        take(coder.code(picture, plan, motion));
+        trial.all(coder.code(picture, plan, motion));
     }
-    take(coder.flush());
-    return trial;
+    trial.all(coder.flush());
+    return trial.film();
 }
 
 /// Codes one chunk, also where it ends early. Returns whether it is whole.
-bool encode_chunk(Job& job, const Film& film, const Chunk& chunk, RunStatistics& statistics, const Steps& steps) {
+bool encode_chunk(Job& job, const Film& film, const Chunk& chunk, LoopObserver& observer, RunStatistics& statistics,
+                  Progress& progress) {
+    observer.begins(chunk);
     FramesAhead ahead(*job.frames, chunk, film.coding);
     PictureCoder coder(film, chunk, job.allocations, {}, statistics, false, &ahead.look());
     if (film.coding.rate_control.bit_rate > 0 && job.allocations.empty())
         coder.expect(try_first(job, film, chunk, ahead, statistics));
-    const auto take = [&](const std::vector<encoder::CodedPicture>& pictures) {
-        for (const encoder::CodedPicture& coded : pictures) steps.coded(coded);
-    };
 
     bool whole = true;
     for (std::int64_t n = chunk.first; n <= chunk.last && whole; ++n) {
         {
             const FrameTimer timer(statistics);
-            const std::optional<core::Picture> next = ahead.next(statistics);
-            if (!next) break;  // an open-ended source has ended
-            const core::Picture& picture = *next;
+            const std::optional<core::Picture> picture = ahead.next(statistics);
+            if (!picture) break;  // an open-ended source has ended
             FileMotion motion(job, n, statistics);
-            std::vector<const core::Picture*> pictures{&picture};
+            std::vector<const core::Picture*> pictures{&*picture};
             for (const core::Picture& later : ahead.later()) pictures.push_back(&later);
             const encoder::PicturePlan coding = coder.plan(n, ahead.look().cut_before(n), motion, pictures);
-            steps.read(picture, n > chunk.first ? motion.to(n - 1) : nullptr);
-            take(coder.code(picture, coding, motion));
+            observer.read(*picture, n > chunk.first ? motion.to(n - 1) : nullptr);
+            observer.all(coder.code(*picture, coding, motion));
         }
-        steps.frame_done();
+        progress.advance();
         whole = !InterruptGuard::requested() || n == chunk.last;
     }
-    take(coder.flush());
+    observer.all(coder.flush());
+    if (whole) observer.ends(chunk);
     return whole;
 }
 
 /// Codes all frames with one quantiser (of MPEG-2, or its like) to learn their sizes. Empty after an interruption.
 std::vector<encoder::FirstPassPicture> code_roughly(Job& job, double quantiser, bool quiet) {
-    const Film fast = rough(job.film, quantiser);
+    Film fast = job.film;
+    fast.coding = rough(fast.coding, quantiser);
     Progress progress(job.film.frame_count(), quiet, "first pass", Counted::frames_of_step);
-    std::vector<encoder::FirstPassPicture> film;
+    FirstPassCollector collector(fast.coding);
     RunStatistics statistics;
-    for (const Chunk& chunk : chunks_of(job.film.frames, fast.coding.gop)) {
-        bool starts_chunk = true;
-        encode_chunk(job, fast, chunk, statistics,
-                     {[](const core::Picture&, const core::MotionField*) {},
-                      [&](const encoder::CodedPicture& coded) {
-                          film.push_back(encoder::first_pass_picture(fast.coding, coded, starts_chunk));
-                          starts_chunk = false;
-                      },
-                      [&] { progress.advance(); }});
-        if (InterruptGuard::requested()) return {};
-    }
-    return film;
+    for (const Chunk& chunk : chunks_of(job.film.frames, fast.coding.gop))
+        if (!encode_chunk(job, fast, chunk, collector, statistics, progress) || InterruptGuard::requested()) return {};
+    return collector.film();
 }
 
 /// Geometric mean of the planned quantisers over those of the first pass.
@@ -303,40 +276,52 @@ std::vector<encoder::BitAllocation> first_pass(Job& job, bool quiet) {
     }
 }
 
-/// Receiver of coded pictures; empty members are skipped.
-struct PictureSink {
-    std::function<void(const encoder::CodedPicture&)> coded;
-    std::function<void(const Chunk&)> begin = {};
-    std::function<void(bool whole)> end = {};  ///< after a chunk
-};
-
 /// Codes the film and sets its last frame. Returns whether it is whole.
-bool encode_chunks(Job& job, const EncodeOptions& options, const PictureSink& sink, RunStatistics& statistics) {
+bool encode_chunks(Job& job, const EncodeOptions& options, LoopObserver& sink, RunStatistics& statistics) {
     const bool open_ended = job.frames->is_open_ended();
-    std::optional<Chunk> chunk = chunk_after(job.film, {});
     // The source alone knows how many frames will come.
     Progress progress(job.film.frame_count(), options.quiet || open_ended);
     bool whole = true;
-    for (; chunk && whole; chunk = chunk_after(job.film, chunk)) {
+    for (auto chunk = chunk_after(job.film, {}); chunk && whole; chunk = chunk_after(job.film, chunk)) {
         StatisticsRecorder recorder(statistics, true);
-        std::int64_t frames = 0;
-        whole = encode_chunk(job, job.film, *chunk, statistics,
-                             {[&](const core::Picture& picture, const core::MotionField* motion) {
-                                  if (frames++ == 0 && sink.begin) sink.begin(*chunk);
-                                  recorder.read(picture, motion);
-                              },
-                              [&](const encoder::CodedPicture& coded) {
-                                  recorder.coded(coded);
-                                  sink.coded(coded);
-                              },
-                              [&] { progress.advance(); }});
-        if (frames > 0 && sink.end) sink.end(whole);
-        if (open_ended && whole && frames < chunk->frames()) break;
+        LoopObservers both;
+        both.add(recorder);
+        both.add(sink);
+        const std::size_t before = statistics.frames.size();
+        whole = encode_chunk(job, job.film, *chunk, both, statistics, progress);
+        if (open_ended && whole && statistics.frames.size() < before + static_cast<std::size_t>(chunk->frames())) break;
         whole = whole && (chunk->last == job.film.frames.last || !InterruptGuard::requested());
     }
     if (open_ended) job.film.frames.last = job.film.frames.first + std::ssize(statistics.frames) - 1;
     return whole;
 }
+
+/// Chunks in the work folder, each begun by its first frame.
+class ChunkFiles : public LoopObserver {
+  public:
+    explicit ChunkFiles(WorkFolder& work) : work_(work) {}
+    void begins(const Chunk& chunk) override { chunk_ = chunk; }
+    void read(const core::Picture& picture, const core::MotionField*) override {
+        if (picture.number != chunk_.first) return;
+        files_.push_back(work_.open(chunk_));
+        open_ = true;
+    }
+    void coded(const encoder::CodedPicture& picture) override { files_.back().append(picture); }
+    void ends(const Chunk&) override {
+        if (std::exchange(open_, false)) files_.back().finish({});
+    }
+    /// Closes what was interrupted.
+    const std::vector<ChunkFile>& close() {
+        if (std::exchange(open_, false)) files_.back().abandon();
+        return files_;
+    }
+
+  private:
+    WorkFolder& work_;
+    Chunk chunk_;
+    std::vector<ChunkFile> files_;
+    bool open_ = false;  ///< the last one
+};
 
 void print_notes(const Job& job, const EncodeOptions& options) {
     std::vector<std::string> notes = unused_options(options);
@@ -374,15 +359,13 @@ RunFacts encode_to_file(Job& job, const EncodeOptions& options, const std::strin
     if (two_passes(options.coding) && !job.frames->is_open_ended())
         job.allocations = timed(statistics, Stage::first_pass, [&] { return first_pass(job, options.quiet); });
     if (InterruptGuard::requested()) return {};
-    std::vector<ChunkFile> files;
-    const PictureSink sink{[&](const encoder::CodedPicture& picture) { files.back().append(picture); },
-                           [&](const Chunk& chunk) { files.push_back(work.open(chunk)); },
-                           [&](bool whole) { whole ? files.back().finish({}) : files.back().abandon(); }};
-    const bool complete = encode_chunks(job, options, sink, statistics);
+    ChunkFiles chunks(work);
+    const bool complete = encode_chunks(job, options, chunks, statistics);
+    const std::vector<ChunkFile>& files = chunks.close();
     if (files.empty()) throw core::Error("reading", input_name(options), "it holds no pictures");
 
     const Published published = publish(files, job.film, work, options.output, complete);
-    if (complete) work.clear_away();
+    if (complete) work.remove();
     return {command, input_name(options), published.name.string(), published.bytes, complete};
 }
 
@@ -393,9 +376,8 @@ RunFacts encode_to_stream(Job& job, const EncodeOptions& options, const std::str
     if (two_passes(options.coding) && !job.frames->is_open_ended())
         job.allocations = timed(statistics, Stage::first_pass, [&] { return first_pass(job, options.quiet); });
     if (InterruptGuard::requested()) return {};
-    FilmStream stream(out, options.output, job.film);
-    const PictureSink sink{[&](const encoder::CodedPicture& picture) { stream.write(picture); }};
-    const bool complete = encode_chunks(job, options, sink, statistics);
+    CodedStream stream(out, options.output, job.film);
+    const bool complete = encode_chunks(job, options, stream, statistics);
     if (statistics.frames.empty()) throw core::Error("reading", input_name(options), "it holds no pictures");
     stream.finish();
     out.finish();

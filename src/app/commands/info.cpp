@@ -226,10 +226,9 @@ constexpr char end_of_damage = '\0';
 
 }  // namespace
 
-std::string info_of(const InfoOptions& options, const std::function<void()>& film_is_read) {
+std::string info_of(const InfoOptions& options) {
     const std::string name = options.input.string();
     const av::Inspection film = av::inspect(options.input);
-    film_is_read();
     std::string text = damage_line(name, film) + end_of_damage;
     if (options.json) return text + json_text(json_of(name, film, options.summary));
     text += stream_lines(core::printable(name), film);
@@ -243,8 +242,7 @@ std::string probed(const InfoOptions& options) {
     std::vector<std::string> words{"info", options.input.string()};
     if (options.json) words.emplace_back("json");
     if (options.summary) words.emplace_back("summary");
-    const scene::ProbeLimits limits = film_limits(options.input);
-    return scene::text_of(scene::Probe(limits, words).end(), options.input.string(), limits);
+    return scene::read_in_probe(words, options.input.string(), film_limits(options.input));
 }
 
 }  // namespace
@@ -252,7 +250,7 @@ std::string probed(const InfoOptions& options) {
 int info(const InfoOptions& options) {
     if (const std::string why = not_a_film(options.input); !why.empty())
         throw core::Error("reading", options.input.string(), why);
-    const std::string text = scene::Probe::is_possible() ? probed(options) : info_of(options, [] {});
+    const std::string text = scene::Probe::is_possible() ? probed(options) : info_of(options);
     const std::size_t end = text.find(end_of_damage);
     const std::string damage = text.substr(0, end);
     print(text.substr(end + 1));

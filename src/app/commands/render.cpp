@@ -102,8 +102,8 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
         timed(statistics, Stage::load, [&] { return probe_images(*film.animation, image_probes(false)); });
     if (InterruptGuard::requested()) return interrupted_before_frames(options);
     if (!options.quiet && !options.resume && !left.empty()) print_line(left);
-    const std::unique_ptr<WorkFolder> work = open_outputs(options, identity);
-    HeatmapFilms heatmaps(options, film, identity, *work);
+    const std::unique_ptr<WorkFolder> work = open_outputs(film, options, identity);
+    HeatmapFilms heatmaps(options, film, *work);
     std::vector<ChunkFile> files = take_up(
         film, options, *work, [&](std::size_t kept) { heatmaps.take_up(kept); }, statistics);
     settle(film, options, *work, statistics);

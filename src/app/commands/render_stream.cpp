@@ -26,18 +26,7 @@
 namespace render2mpeg::app {
 namespace {
 
-class CodedStream : public StreamObserver {
-  public:
-    CodedStream(OutputStream& out, const std::filesystem::path& name, const RenderJob& film)
-        : stream_(out, name, film.film()) {}
-    void coded(const encoder::CodedPicture& picture) override { stream_.write(picture); }
-    void finish() override { stream_.finish(); }
-
-  private:
-    FilmStream stream_;
-};
-
-class Y4mStream : public StreamObserver {
+class Y4mStream : public Sink {
   public:
     Y4mStream(OutputStream& out, const RenderJob& film) : out_(out) {
         const std::string header = av::y4m_header(film.format.width, film.format.height, film.rate, film.pixel_aspect);
@@ -46,7 +35,6 @@ class Y4mStream : public StreamObserver {
     void lit(const LitFrame& frame) override {
         av::put_y4m_frame(frame.picture, [&](std::span<const std::uint8_t> bytes) { return put(bytes); });
     }
-    void finish() override {}
 
   private:
     bool put(std::span<const std::uint8_t> bytes) {
@@ -80,24 +68,9 @@ void write_about_stream(const RenderJob& film, const RenderOptions& options, con
 
 }  // namespace
 
-std::unique_ptr<StreamObserver> stream_into(OutputStream& out, const std::filesystem::path& name,
-                                            const RenderJob& film) {
+std::unique_ptr<Sink> stream_into(OutputStream& out, const std::filesystem::path& name, const RenderJob& film) {
     if (film.kind == OutputKind::y4m) return std::make_unique<Y4mStream>(out, film);
-    return std::make_unique<CodedStream>(out, name, film);
-}
-
-bool render_through(const RenderJob& film, LoopObserver& observer, RunStatistics& statistics,
-                    const std::function<bool()>& goes_on) {
-    renderer::Renderer renderer = renderer_of(film);
-    bool whole = true;
-    for (const Chunk& chunk : chunks_of(film.frames, film.coding.gop)) {
-        whole = render_chunk(film, renderer, chunk, observer, statistics, goes_on);
-        if (!whole || chunk.last == film.frames.last) break;
-        whole = goes_on();
-        if (!whole) break;
-    }
-    statistics = totals_of(statistics, renderer);
-    return whole;
+    return std::make_unique<CodedStream>(out, name, film.film());
 }
 
 int render_stream(const RenderOptions& options, const std::string& command) {
@@ -114,7 +87,7 @@ int render_stream(const RenderOptions& options, const std::string& command) {
     settle(film, options, nullptr, statistics);
     if (InterruptGuard::requested()) return InterruptGuard::status();
 
-    const std::unique_ptr<StreamObserver> stream = stream_into(out, options.output, film);
+    const std::unique_ptr<Sink> stream = stream_into(out, options.output, film);
     SampleFrameObserver sample(film);
     LoopObservers observers;
     observers.add(*stream);

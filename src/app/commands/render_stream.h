@@ -7,6 +7,7 @@
 #include "app/loop/observer.h"
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
+#include "app/loop/sink.h"
 #include "app/options/options.h"
 
 namespace render2mpeg::app {
@@ -14,16 +15,18 @@ namespace render2mpeg::app {
 /// `render -o -`: keeps nothing for a later run and decodes nothing again. Returns the exit status.
 int render_stream(const RenderOptions& options, const std::string& command);
 
-/// Renders a settled film chunk by chunk while `goes_on` says so. Returns whether it is whole.
-bool render_through(const RenderJob& film, LoopObserver& observer, RunStatistics& statistics,
-                    const std::function<bool()>& goes_on);
+/// A coded film.
+class CodedStream : public Sink {
+  public:
+    CodedStream(OutputStream& out, const std::filesystem::path& name, const Film& film) : stream_(out, name, film) {}
+    void coded(const encoder::CodedPicture& picture) override { stream_.write(picture); }
+    void finish() override { stream_.finish(); }
+
+  private:
+    FilmStream stream_;
+};
 
 /// Writes the film to a stream of the kind of `name`'s ending: .ts, .m2v or .y4m.
-class StreamObserver : public LoopObserver {
-  public:
-    virtual void finish() = 0;
-};
-std::unique_ptr<StreamObserver> stream_into(OutputStream& out, const std::filesystem::path& name,
-                                            const RenderJob& film);
+std::unique_ptr<Sink> stream_into(OutputStream& out, const std::filesystem::path& name, const RenderJob& film);
 
 }  // namespace render2mpeg::app

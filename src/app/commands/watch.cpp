@@ -10,6 +10,7 @@
 #include "app/files/output_stream.h"
 #include "app/files/publish.h"
 #include "app/files/watched_files.h"
+#include "app/loop/pipeline.h"
 #include "app/loop/resume.h"
 #include "app/options/film.h"
 #include "app/options/usage_error.h"
@@ -88,7 +89,8 @@ class Show {
             out_->check();
             return goes_on() && !scene.have_changed() && !files_->have_changed();
         };
-        if (!draw(film, statistics, is_current) && scene.have_changed()) files_->note_change();
+        draw(film, statistics, is_current);
+        if (scene.have_changed()) files_->note_change();
     }
 
     /// Waits for a change; false where there will be none.
@@ -101,9 +103,9 @@ class Show {
     bool has_closed() { return out_ && out_->has_lost_reader(); }
 
   private:
-    /// False where the draft became stale or unwanted.
-    bool draw(const RenderJob& film, RunStatistics& statistics, const std::function<bool()>& is_current) {
-        const std::unique_ptr<StreamObserver> stream = stream_into(*out_, "-.m2v", film);
+    /// Until the draft is stale or unwanted.
+    void draw(const RenderJob& film, RunStatistics& statistics, const std::function<bool()>& is_current) {
+        const std::unique_ptr<Sink> stream = stream_into(*out_, "-.m2v", film);
         Reel reel;
         LoopObservers both;
         both.add(*stream);
@@ -111,12 +113,11 @@ class Show {
         const Clock::time_point start = Clock::now();
         const bool whole = render_through(film, both, statistics, is_current);
         stream->finish();
-        if (!whole) return false;
+        if (!whole) return;
         if (!options_.quiet)
             print_line(fmt::format("{}: {} frames in {:.1f} s", options_.input.string(), film.frame_count(),
                                    std::chrono::duration<double>(Clock::now() - start).count()));
         reel.play(*out_, film.rate.hertz.value(), is_current);
-        return false;
     }
     void open_player(const RenderJob& film) {
         const std::string rate = fmt::format("{}/{}", film.rate.hertz.num, film.rate.hertz.den);

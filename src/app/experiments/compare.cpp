@@ -141,10 +141,8 @@ int compare(const CompareOptions& options, const std::vector<std::string>& words
         comparing.emplace(options, film, sample_from(options.sample), ffmpeg);
         comparing->run();
     }
-    if (!comparing || comparing->found().ways[coupled_way].rows.empty()) {
-        if (!options.render.quiet) print_line("interrupted before the first row: nothing was found out");
-        return InterruptGuard::status();
-    }
+    if (!comparing || comparing->found().ways[coupled_way].rows.empty())
+        return interrupted_before_rows(options.render.quiet);
     comparing->settle(words);
     comparing->write(words);
     return comparing->found().complete ? 0 : InterruptGuard::status();

@@ -191,16 +191,12 @@ int cost(const CostOptions& options, const std::vector<std::string>& words) {
     const parallel::ThreadLimit threads(options.render.threads);
     const InterruptGuard guard(options.render.quiet);
     const double began = clock_seconds();
-    const auto interrupted = [&] {
-        if (!options.render.quiet) print_line("interrupted before the first row: nothing was found out");
-        return InterruptGuard::status();
-    };
     RenderJob film = prepare_trials(options.render, options);
-    if (InterruptGuard::requested()) return interrupted();
-    const std::optional<CostSample> sample = first_answer(options, film);
-    if (!sample) return interrupted();
+    std::optional<CostSample> sample;
+    if (!InterruptGuard::requested()) sample = first_answer(options, film);
+    if (!sample) return interrupted_before_rows(options.render.quiet);
     Cost sweep(options, film, *sample);
-    if (!sweep.run(began)) return interrupted();
+    if (!sweep.run(began)) return interrupted_before_rows(options.render.quiet);
     sweep.write(words);
     return sweep.is_complete() ? 0 : InterruptGuard::status();
 }

@@ -93,13 +93,6 @@ struct LitWindows {
     std::map<std::int64_t, Shown> frames;
 };
 
-struct ReferenceStanding {
-    int done = 0, parts = 0;  ///< of all of them
-    double seconds = 0;       ///< that they took, by the clock
-
-    double seconds_left() const { return done > 0 ? seconds / done * (parts - done) : 0.0; }
-};
-
 /// Pixels of a reference frame found by unbiased paths (docs/model/truth.md).
 struct PathTruth {
     std::uint64_t pixels = 0;
@@ -119,8 +112,10 @@ class Trials {
     /// Lets Trial::shown be that of the worst tenth of the frames.
     void judge_worst_tenth() { worst_tenth_ = true; }
 
-    /// Lights the references in parts; `part_done` may end it by returning false. Returns whether all are lit.
-    bool light_references(const std::function<bool(const ReferenceStanding&)>& part_done);
+    /// Lights the references until an interrupt, or until `one_done` returns false after one. Returns whether all are
+    /// lit. `expected` is told about the seconds that all take, where some tiles of the first can tell.
+    bool light_references(const std::function<void(double)>& expected, const std::function<bool()>& one_done);
+    int wanted_references() const { return references_of_window_ * static_cast<int>(windows_.size()); }
     /// Judges some pixels of the last reference frame by paths; none where shutter or lens blur it.
     std::optional<PathTruth> by_paths(int pixels);
 
@@ -152,13 +147,11 @@ class Trials {
 
   private:
     class Judge;
-    using PartDone = std::function<bool(const ReferenceStanding&)>;
 
     renderer::PlacedFrame reference_frame(const scene::Snapshot& world);
-    /// Lights one reference; `left` are to come, it included.
-    bool light_reference(std::int64_t frame, int left, ReferenceStanding& standing, const PartDone& part_done);
-    bool light_parts(const scene::Snapshot& world, const renderer::PlacedFrame& placed, int left,
-                     ReferenceStanding& standing, const PartDone& part_done, core::Plane<glm::vec3>& light);
+    core::Plane<glm::vec3> gathered(const scene::Snapshot& world, const renderer::PlacedFrame& placed);
+    double expected_seconds(const scene::Snapshot& world, const renderer::PlacedFrame& placed);
+    void light_reference(std::int64_t frame, const std::function<void(double)>& expected);
 
     RenderJob film_;
     std::vector<Chunk> windows_;

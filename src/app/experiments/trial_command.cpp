@@ -37,14 +37,14 @@ void check_trial_outputs(const RenderJob& film, const TrialOptions& options) {
     check_apart(inputs_of(film, options.render), outputs);
 }
 
-}  // namespace
-
 void require_trial_consent(const TrialOptions& options) {
     Wishes wishes{{}, {options.json.value_or(""), options.report.value_or("")}};
     const RenderOptions& render = options.render;
     if (!render.output.empty() && !render.dry_run) wishes.films.emplace_back(render.output);
     require_consent(wishes, render.overwrite);
 }
+
+}  // namespace
 
 std::string render_command(const std::vector<std::string>& words, const std::filesystem::path& input,
                            encoder::Codec codec, std::vector<std::pair<std::string, std::string>> with) {
@@ -92,24 +92,28 @@ void check_memory(double bytes) {
     check_memory(bytes, static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE)));
 }
 
+int interrupted_before_rows(bool quiet) {
+    if (!quiet) print_line("interrupted before the first row: nothing was found out");
+    return InterruptGuard::status();
+}
+
 bool light_references(Trials& trials, bool quiet) {
-    // The first part includes making the lights.
-    auto progress = std::make_unique<Progress>(1, quiet || !shows_steps(), "reference", Counted::parts_of_step);
-    bool begun = false;
-    return trials.light_references([&](const ReferenceStanding& standing) {
-        if (!begun) {
-            begun = true;
+    const int wanted = trials.wanted_references();
+    std::optional<Progress> progress;
+    const auto begin = [&](bool silent) { progress.emplace(wanted, silent, "reference", Counted::parts_of_step); };
+    if (wanted > 0) begin(quiet || !shows_steps());
+    return trials.light_references(
+        [&](double seconds) {
             progress.reset();
-            if (!quiet && standing.seconds_left() > 1)
+            if (!quiet && seconds > 1)
                 print_line(fmt::format("lighting {} takes about {}; interrupt to leave it",
-                                       standing.parts == 1 ? "the reference" : "the references",
-                                       clock_text(standing.seconds + standing.seconds_left())));
-            progress = std::make_unique<Progress>(standing.parts, quiet, "reference", Counted::parts_of_step,
-                                                  standing.seconds);
-        }
-        progress->advance_to(standing.done, standing.parts);
-        return !InterruptGuard::requested();
-    });
+                                       wanted == 1 ? "the reference" : "the references", clock_text(seconds)));
+            begin(quiet);
+        },
+        [&] {
+            progress->advance();
+            return !InterruptGuard::requested();
+        });
 }
 
 std::optional<Trial> run_trial(Trials& trials, const RenderJob& film, const std::string& name, bool quiet,

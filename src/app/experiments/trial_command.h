@@ -14,8 +14,6 @@
 
 namespace render2mpeg::app {
 
-void require_trial_consent(const TrialOptions& options);
-
 /// The `render` command of the tried film with these options; without -o, the film is named after the scene.
 std::string render_command(const std::vector<std::string>& words, const std::filesystem::path& input,
                            encoder::Codec codec, std::vector<std::pair<std::string, std::string>> with);
@@ -27,6 +25,9 @@ RenderJob prepare_trials(const RenderOptions& render, const TrialOptions& option
 /// Throws core::Error where this number of bytes exceeds `machine`'s.
 void check_memory(double bytes, double machine);
 void check_memory(double bytes);
+
+/// Says that nothing was found out. Returns the exit status.
+int interrupted_before_rows(bool quiet);
 
 /// Lights the references with a progress line. Returns false after an interruption.
 bool light_references(Trials& trials, bool quiet);
@@ -44,7 +45,6 @@ auto told(const std::string& name, bool quiet, Work&& work) {
 
 RenderJob with_tolerance(RenderJob film, const ToleranceRequest& tolerance);
 ToleranceRequest fixed_tolerance(float share);
-inline constexpr float usual_share = 0.02f;  ///< of fixed tolerances
 
 /// "film: 3 frames of 320x180 in 1 window; 1 by ... as reference, 2 s of CPU each"
 std::string trial_heading(const Trials& trials);

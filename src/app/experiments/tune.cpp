@@ -190,7 +190,6 @@ int TuneCommand::make(const RenderFilm& render_film) {
         if (name == "--tolerance") render_options.tolerance = value;
         if (name == "--samples") render_options.samples = std::stoi(value);
         if (name == "--vpls") render_options.vpls = std::stoi(value);
-        render_options.given.push_back(name);
     }
     // As in the printed command, so that --resume recognises it.
     for (const char* looked_for : {"--target-psnr", "--target-ssim", "--target-bitrate", "--max-size", "--max-time",

@@ -188,69 +188,17 @@ std::vector<Rung> ladder_of(const RenderJob& film) {
     return rungs;
 }
 
-class TimeTuner {
-  public:
-    TimeTuner(Trials& trials, const RenderJob& film, double once, bool quiet, Tuning& tuning, const LogProbe& log)
-        : trials_(trials), once_(once), quiet_(quiet), tuning_(tuning), log_(log), rungs_(ladder_of(film)) {}
-
-    void settle();
-
-  private:
-    /// Whether the film is done in time on that rung; none: interrupted.
-    std::optional<bool> fits(std::size_t index);
-    /// The cheapest of those that look alike (answer.h) and are done in time; else the fastest.
-    void choose();
-
-    Trials& trials_;
-    double once_;
-    bool quiet_;
-    Tuning& tuning_;
-    const LogProbe& log_;
-    std::vector<Rung> rungs_;
-    std::vector<std::size_t> rungs_of_;  ///< of the probes
-};
-
-std::optional<bool> TimeTuner::fits(std::size_t index) {
-    const Rung& rung = rungs_[index];
-    const auto trial = run_trial(trials_, rung.film, rung.name, quiet_);
-    if (!trial) return std::nullopt;
-    const double seconds = once_ + trial->clock * static_cast<double>(rung.film.frame_count());
-    tuning_.probes.push_back({rung.name, *trial, seconds, true});
-    log_(tuning_.probes.back());
-    rungs_of_.push_back(index);
-    return seconds <= tuning_.target.value;
-}
-
-void TimeTuner::choose() {
+/// Takes the cheapest of those that look alike (answer.h) and are done in time; else the fastest.
+std::size_t rung_to_take(const Tuning& tuning) {
     const auto psnr = [&](const Probe& probe) { return probe.trial.film_quality().psnr_y; };
-    const auto in_time = [&](const Probe& probe) { return probe.value <= tuning_.target.value; };
+    const auto in_time = [&](const Probe& probe) { return probe.value <= tuning.target.value; };
     double best = -1;
-    for (const Probe& probe : tuning_.probes)
+    for (const Probe& probe : tuning.probes)
         if (in_time(probe)) best = std::max(best, psnr(probe));
     std::vector<Offer> offers;
-    for (const Probe& probe : tuning_.probes)
+    for (const Probe& probe : tuning.probes)
         offers.push_back({probe.value, best < 0 || (in_time(probe) && psnr(probe) >= best - near_psnr)});
-    tuning_.chosen = cheapest_alike(offers);
-    tuning_.options = rungs_[rungs_of_[*tuning_.chosen]].options;
-    tuning_.found = best < 0 ? Found::beyond : Found::near;
-}
-
-void TimeTuner::settle() {
-    const auto stopped = [&] { tuning_.found = Found::stopped; };
-    const std::optional<bool> whole = fits(0);
-    if (!whole) return stopped();
-    if (*whole) return choose();
-    const std::optional<bool> least = rungs_.size() > 1 ? fits(rungs_.size() - 1) : std::optional(false);
-    if (!least) return stopped();
-    if (!*least) return choose();
-    std::size_t slow = 0, fast = rungs_.size() - 1;
-    while (fast - slow > 1) {
-        const std::size_t middle = (slow + fast) / 2;
-        const std::optional<bool> in_time = fits(middle);
-        if (!in_time) return stopped();
-        (*in_time ? fast : slow) = middle;
-    }
-    choose();
+    return *cheapest_alike(offers);
 }
 
 }  // namespace
@@ -313,7 +261,30 @@ void tune_coding(Trials& trials, const Target& target, bool quiet, Tuning& tunin
 }
 
 void tune_time(Trials& trials, const RenderJob& film, double once, bool quiet, Tuning& tuning, const LogProbe& log) {
-    TimeTuner(trials, film, once, quiet, tuning, log).settle();
+    const std::vector<Rung> rungs = ladder_of(film);
+    std::vector<std::size_t> tried;  // rungs of the probes
+    bool stopped = false;
+    const auto fits = [&](std::size_t index) {
+        const Rung& rung = rungs[index];
+        const auto trial = run_trial(trials, rung.film, rung.name, quiet);
+        stopped = !trial;
+        if (stopped) return false;
+        const double seconds = once + trial->clock * static_cast<double>(rung.film.frame_count());
+        tuning.probes.push_back({rung.name, *trial, seconds, true});
+        log(tuning.probes.back());
+        tried.push_back(index);
+        return seconds <= tuning.target.value;
+    };
+    std::size_t slow = 0, fast = rungs.size() - 1;
+    if (!fits(slow) && !stopped && fast > 0 && fits(fast))
+        while (fast - slow > 1 && !stopped) {
+            const std::size_t middle = (slow + fast) / 2;
+            (fits(middle) ? fast : slow) = middle;
+        }
+    if (stopped) return;
+    tuning.chosen = rung_to_take(tuning);
+    tuning.options = rungs[tried[*tuning.chosen]].options;
+    tuning.found = tuning.probes[*tuning.chosen].value <= tuning.target.value ? Found::near : Found::beyond;
 }
 
 }  // namespace render2mpeg::app

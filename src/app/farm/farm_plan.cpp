@@ -26,7 +26,7 @@ namespace {
 using nlohmann::json;
 
 /// Of the file's form: another number is not read.
-constexpr int plan_format = 2;
+constexpr int plan_format = 3;
 constexpr const char* plan_name = "plan.json";
 
 std::filesystem::path inputs_folder_of(const FarmPlan& plan) {
@@ -36,13 +36,6 @@ std::filesystem::path inputs_folder_of(const FarmPlan& plan) {
 std::filesystem::path absolute_of(const std::filesystem::path& place) {
     std::error_code error;
     return std::filesystem::absolute(place, error).lexically_normal();
-}
-
-/// The part of an identity that describes the program, not the film.
-json program_of(const json& identity) {
-    return {{"version", identity.value("version", json())},
-            {"build", identity.value("build", json())},
-            {"isa", identity.value("isa", json())}};
 }
 
 }  // namespace
@@ -110,10 +103,8 @@ FarmPlan read_plan(const std::filesystem::path& place) {
         written.at("scheduler").get_to(plan.scheduler);
         written.at("output").get_to(plan.output_name);
         written.at("parts").get_to(plan.parts);
-        plan.facts = std::make_shared<json>(json{{"identity", written.at("identity")},
-                                                 {"settled", written.at("settled")},
-                                                 {"cost", written.at("cost")},
-                                                 {"vbv", written.at("vbv")}});
+        plan.facts = std::make_shared<json>();
+        for (const char* fact : {"identity", "settled", "cost"}) (*plan.facts)[fact] = written.at(fact);
         if (plan.parts.empty() || plan.words.size() < 3) throw json::other_error::create(501, "empty", nullptr);
         return plan;
     } catch (const json::exception&) {
@@ -143,7 +134,7 @@ RenderOptions options_of(const FarmPlan& plan) {
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
     RenderOptions options = parse(static_cast<int>(arguments.size()), arguments.data()).render;
-    options.isa = plan.facts->at("identity").at("isa").get<std::string>();
+    options.isa = plan.facts->at("identity").at("instruction set").get<std::string>();
     return options;
 }
 
@@ -169,25 +160,24 @@ json farm_identity(const FarmPlan& plan, const RenderJob& film, RenderOptions op
     json identity = json::parse(json_text(identity_of(film, options)));
     std::error_code error;
     const std::string here = std::filesystem::weakly_canonical(plan.folder, error).string() + "/";
-    for (json& input : identity["inputs"]) {
-        const auto file = input["file"].get<std::string>();
-        if (file.starts_with(here)) input["file"] = file.substr(here.size());
-    }
+    json inputs = json::object();
+    for (const auto& [file, checksum] : identity["inputs"].items())
+        inputs[file.starts_with(here) ? file.substr(here.size()) : file] = checksum;
+    identity["inputs"] = inputs;
     return identity;
 }
 
 void refuse_other_machine(const FarmPlan& plan) {
-    const json before = program_of(plan.facts->at("identity"));
+    const json& identity = plan.facts->at("identity");
+    // A machine that has more can do with less.
     try {
-        core::isa_from(before.value("isa", std::string()));
+        core::isa_from(identity.at("instruction set").get<std::string>());
     } catch (const core::Error& error) {
         throw Refusal("making", plan.folder.string(),
                       std::string(error.what()) + "; `farm --isa` pins a level that all machines have");
     }
-    json now = before;  // a machine that has more can do with less
-    now["version"] = RENDER2MPEG_VERSION;
-    now["build"] = build_identity();
-    const std::string difference = difference_of(before, now);
+    const std::string difference =
+        difference_of({{"render2mpeg", identity.at("render2mpeg")}}, {{"render2mpeg", program_text()}});
     if (!difference.empty()) throw Refusal("making", plan.folder.string(), difference);
 }
 

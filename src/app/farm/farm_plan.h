@@ -30,8 +30,7 @@ struct FarmPlan {
     std::string output_name;  ///< the film's, without its folder
     std::vector<FilmPart> parts;
     /// `identity` as in resume.h, names of inputs in `folder` without it; `settled` what settle() finds out;
-    /// `cost` seconds that the plan took; `vbv` bits in the decoder's buffer where a chunk begins and where the film
-    /// is no stream, null.
+    /// `cost` seconds that the plan took.
     std::shared_ptr<nlohmann::json> facts;
 
     /// Says that the film is joined, and its parts gone.

@@ -11,6 +11,7 @@
 
 #include "app/farm/farm_plan.h"
 #include "app/files/file_io.h"
+#include "app/files/publish.h"
 #include "app/files/work_folder.h"
 #include "app/loop/resume.h"
 #include "app/loop/run_statistics.h"
@@ -20,6 +21,7 @@
 #include "app/report/heatmap_film.h"
 #include "app/report/sample_frame.h"
 #include "app/system/interrupt.h"
+#include "app/system/terminal.h"
 #include "core/error.h"
 #include "parallel/loops.h"
 
@@ -56,7 +58,7 @@ std::optional<MadePart> made_part(const FarmPlan& plan, const FilmPart& part, co
     RenderJob job = film;
     job.part = part.chunks;
     WorkFolder work(made.options.output, identity, WorkFolder::Earlier::resumed);
-    HeatmapFilms shown(made.options, job, identity, work);
+    HeatmapFilms shown(made.options, job, work);
     std::size_t whole = 0;
     made.chunks = take_up(
         job, made.options, work, [&](std::size_t kept) { whole = kept; }, made.statistics);
@@ -64,36 +66,6 @@ std::optional<MadePart> made_part(const FarmPlan& plan, const FilmPart& part, co
     shown.take_up(whole);
     heatmaps.append(shown);
     return made;
-}
-
-/// Refuses parts whose streams do not meet: a chunk begins with the decoder's buffer as the plan says, and leaves it at
-/// least as full as the next one finds it.
-void check_buffer(const FarmPlan& plan, const std::vector<ChunkFile>& chunks) {
-    if (plan.facts->at("vbv").is_null()) return;
-    const auto fullness = plan.facts->at("vbv").get<std::int64_t>();
-    for (std::size_t i = 0; i < chunks.size(); ++i) {
-        // At a constant rate bits arrive between whole bytes.
-        const std::int64_t more = chunks[i].vbv_in() - fullness;
-        const bool meets = i + 1 == chunks.size() || chunks[i].vbv_out() >= chunks[i + 1].vbv_in();
-        if (more < 0 || more >= 8 || !meets)
-            throw core::Error("joining", chunks[i].file().string(),
-                              "the decoder's buffer does not begin or end as the plan says");
-    }
-}
-
-/// Gives a part's image its name for good; the part keeps its own. Throws core::Error.
-void place(const std::filesystem::path& from, const std::filesystem::path& to) {
-    const std::filesystem::path beside = std::filesystem::path(to) += ".joining";
-    std::error_code error;
-    std::filesystem::remove(beside, error);
-    std::filesystem::create_hard_link(from, beside, error);
-    // Another file system, or one without such links.
-    if (error) std::filesystem::copy_file(from, beside, std::filesystem::copy_options::overwrite_existing, error);
-    if (!error) bring_to_disk(beside);
-    if (!error) std::filesystem::rename(beside, to, error);
-    if (error) throw core::Error("writing", to.string(), error.message());
-    // A name that is the same file's already takes no other's place.
-    std::filesystem::remove(beside, error);
 }
 
 void place_images(const RenderJob& film, const RenderOptions& from, const RenderOptions& to, const FrameRange& frames) {
@@ -127,7 +99,6 @@ std::vector<ChunkFile> gather(const FarmPlan& plan, const RenderJob& film, const
             fmt::format("{} of {} parts are not whole: {}; `render2mpeg part {} {}` goes on with the first",
                         missing.size(), plan.parts.size(), part_list(missing), quoted(plan.folder.string()),
                         missing.front()));
-    check_buffer(plan, chunks);
     for (const FilmPart& part : plan.parts) place_images(film, part_options(plan, part, options), options, part.frames);
     return chunks;
 }
@@ -155,6 +126,10 @@ int join(const JoinOptions& wish) {
     const WallClock clock;
     const parallel::ThreadLimit threads(wish.threads);
     const FarmPlan plan = read_plan(wish.plan);
+    if (plan.is_joined()) {
+        if (!wish.quiet) print_line(plan.folder.string() + ": the film is joined already: nothing is to be done");
+        return 0;
+    }
     std::error_code error;
     const std::filesystem::path into = wish.folder ? std::filesystem::absolute(*wish.folder, error) : "";
     refuse_other_machine(plan);
@@ -168,17 +143,11 @@ int join(const JoinOptions& wish) {
     RenderJob film = timed(statistics, Stage::load, [&] { return prepare_within_memory(options); });
     timed(statistics, Stage::load, [&] { refuse_other_film(plan, film, options_of(plan)); });
     const json identity = identity_of(film, options);
-    options.resume = true;
-    if (is_done_already(film, options, identity)) {
-        remove_parts(plan, options.output);
-        return 0;
-    }
-    options.resume = false;
     check_outputs(film, options);
-    const std::unique_ptr<WorkFolder> work = open_outputs(options, identity);
+    const std::unique_ptr<WorkFolder> work = open_outputs(film, options, identity);
     for (const auto& [name, value] : plan.facts->at("settled").items()) work->keep(name, value);
     settle(film, options, *work, statistics);
-    HeatmapFilms heatmaps(options, film, identity, *work);
+    HeatmapFilms heatmaps(options, film, *work);
     std::vector<ChunkFile> files = gather(plan, film, options, heatmaps, statistics);
     SampleFrameObserver sample_frame(film);
     if (options.report) take_up(sample_frame, files);

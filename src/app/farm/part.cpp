@@ -83,7 +83,7 @@ int render_part(const FarmPlan& plan, const FilmPart& part, const PartOptions& w
     film.part = part.chunks;
     keep_settled(plan, *work);
 
-    HeatmapFilms heatmaps(options, film, plan.facts->at("identity"), *work);
+    HeatmapFilms heatmaps(options, film, *work);
     RenderOptions silent = options;
     silent.quiet = true;
     std::vector<ChunkFile> files = take_up(

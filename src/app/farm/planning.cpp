@@ -22,7 +22,6 @@
 #include "app/system/probes.h"
 #include "core/error.h"
 #include "core/text.h"
-#include "encoder/encoder.h"
 #include "parallel/loops.h"
 
 namespace render2mpeg::app {
@@ -138,8 +137,6 @@ FarmPlan begin_plan(const FarmOptions& options, const std::vector<std::string>& 
     plan.parts = parts_of(film.chunks(), options.parts, options.frames_per_part);
     plan.facts = std::make_shared<json>();
     (*plan.facts)["identity"] = farm_identity(plan, film, render);
-    (*plan.facts)["vbv"] =
-        film.kind == OutputKind::film ? json(encoder::declaration_of(film.coding).chunk_fullness) : json();
     return plan;
 }
 

@@ -40,10 +40,7 @@ std::optional<ChunkFile> ChunkFile::reopened(const std::filesystem::path& file, 
         const bool sound = std::filesystem::file_size(file) == bytes &&
                            record.at("checksum") == text_of(checksum_of(file)) && record.contains("facts");
         if (!sound) return {};
-        ChunkFile whole(file, chunk, std::move(pictures));
-        record.at("vbv_in").get_to(whole.vbv_in_);
-        record.at("vbv_out").get_to(whole.vbv_out_);
-        return whole;
+        return ChunkFile(file, chunk, std::move(pictures));
     } catch (const std::exception&) {
         return {};  // a record that is none, or a stream that is gone
     }
@@ -54,8 +51,6 @@ void ChunkFile::append(const encoder::CodedPicture& coded) {
     stream_.write(reinterpret_cast<const char*>(coded.bytes.data()), static_cast<std::streamsize>(coded.bytes.size()));
     if (!stream_) throw core::Error("writing", file_.string(), reason());
     checksum_.add(coded.bytes);
-    if (pictures_.empty()) vbv_in_ = coded.fullness_before;
-    vbv_out_ = coded.fullness_next;
     pictures_.push_back({coded.plan.number, static_cast<std::int64_t>(pictures_.size()), coded.plan.starts_gop,
                          coded.bytes.size(), checksum_of(coded.reconstruction)});
 }
@@ -63,16 +58,11 @@ void ChunkFile::append(const encoder::CodedPicture& coded) {
 void ChunkFile::finish(const json& facts) {
     abandon();
     bring_to_disk(file_);  // its record must not outlive it
-    std::uint64_t bits = 0;
-    for (const PictureRecord& picture : pictures_) bits += 8 * picture.bytes;
     const json record{{"first", chunk_.first},
                       {"last", chunk_.last},
                       {"pictures", pictures_},
                       {"facts", facts},
-                      {"checksum", text_of(checksum_.value())},
-                      {"bits", bits},
-                      {"vbv_in", vbv_in_},
-                      {"vbv_out", vbv_out_}};
+                      {"checksum", text_of(checksum_.value())}};
     write_whole(record_of(file_), record.dump() + "\n");
 }
 

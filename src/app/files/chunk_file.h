@@ -39,9 +39,6 @@ class ChunkFile {
     const Chunk& chunk() const { return chunk_; }
     const std::filesystem::path& file() const { return file_; }
     const std::vector<PictureRecord>& pictures() const { return pictures_; }
-    /// Fullness of the decoder's buffer before the first picture, and before the next chunk's, bits.
-    std::int64_t vbv_in() const { return vbv_in_; }
-    std::int64_t vbv_out() const { return vbv_out_; }
     /// Facts given to finish(). Throws core::Error.
     nlohmann::json facts() const;
 
@@ -54,8 +51,7 @@ class ChunkFile {
     Chunk chunk_;
     std::ofstream stream_;
     std::vector<PictureRecord> pictures_;
-    Checksum checksum_;                      ///< of the stream
-    std::int64_t vbv_in_ = 0, vbv_out_ = 0;  ///< buffer fullness that the chunk finds, and leaves to the next
+    Checksum checksum_;  ///< of the stream
 };
 
 }  // namespace render2mpeg::app

@@ -127,10 +127,6 @@ nlohmann::json finite_or_null(double value) {
     return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
 }
 
-std::string as_json_keeps(const std::string& name) {
-    return nlohmann::json::parse(json_text(name)).get<std::string>();
-}
-
 void print(const std::string& text) {
     const std::string shown = core::printable_lines(text);
     errno = 0;
@@ -157,12 +153,9 @@ std::uint64_t checksum_of(const core::Picture& picture) {
     return sum.value();
 }
 
-std::string build_identity() {
-    try {
-        return text_of(checksum_of(std::filesystem::path("/proc/self/exe")));
-    } catch (const core::Error&) {
-        return {};
-    }
+std::string program_text() {
+    return std::string(RENDER2MPEG_VERSION) + " (build " +
+           text_of(checksum_of(std::filesystem::path("/proc/self/exe"))) + ")";
 }
 
 std::string text_of(std::uint64_t checksum) {

@@ -27,9 +27,6 @@ void write_json(const std::filesystem::path& file, const nlohmann::json& value);
 /// JSON has neither infinities nor NaN.
 nlohmann::json finite_or_null(double value);
 
-/// A name as it is read back from such text.
-std::string as_json_keeps(const std::string& name);
-
 /// Prints safe lines (core::printable) to standard output. Throws core::Error.
 void print(const std::string& text);
 
@@ -46,8 +43,8 @@ using core::checksum_of;
 
 std::uint64_t checksum_of(const core::Picture& picture);
 
-/// Checksum of this program; empty where it cannot be read.
-std::string build_identity();
+/// Version of this program, and checksum of its build.
+std::string program_text();
 
 /// 16 hexadecimal digits.
 std::string text_of(std::uint64_t checksum);

@@ -224,23 +224,41 @@ Published publish(const std::vector<ChunkFile>& chunks, const Film& film, WorkFo
     const std::filesystem::path file = work.begin("film" + output.extension().string());
     assemble(chunks, film, file, output);
     verify(file, chunks);
-    return give_name(file, work, output, complete);
+    return complete ? give_name(file, output) : published_at(file);
 }
 
-Published give_name(const std::filesystem::path& file, WorkFolder& work, const std::filesystem::path& output,
-                    bool complete) {
+Published published_at(const std::filesystem::path& file) {
     std::error_code error;
-    const std::uint64_t bytes = std::filesystem::file_size(file, error);
-    if (!error && !complete) return {work.leave(file), bytes};
+    return {file, std::filesystem::file_size(file, error)};
+}
+
+Published give_name(const std::filesystem::path& file, const std::filesystem::path& output) {
+    std::error_code error;
+    const Published whole{output, std::filesystem::file_size(file, error)};
     if (is_written_to(output)) {
         write_into(file, output);
-        return {output, bytes};
+        return whole;
     }
     bring_to_disk(file);
-    if (!error) std::filesystem::rename(file, output, error);
+    std::filesystem::rename(file, output, error);
+    if (error == std::errc::cross_device_link) return place(file, output), whole;
     if (error) throw core::Error("writing", output.string(), error.message());
     bring_name_to_disk(output);
-    return {output, bytes};
+    return whole;
+}
+
+void place(const std::filesystem::path& from, const std::filesystem::path& to) {
+    const std::filesystem::path beside = std::filesystem::path(to) += ".joining";
+    std::error_code error;
+    std::filesystem::remove(beside, error);
+    std::filesystem::create_hard_link(from, beside, error);
+    // Another file system, or one without such links.
+    if (error) std::filesystem::copy_file(from, beside, std::filesystem::copy_options::overwrite_existing, error);
+    if (!error) bring_to_disk(beside);
+    if (!error) std::filesystem::rename(beside, to, error);
+    if (error) throw core::Error("writing", to.string(), error.message());
+    // A name that is the same file's already takes no other's place.
+    std::filesystem::remove(beside, error);
 }
 
 void require_consent(const Wishes& wishes, bool agreed) {

@@ -43,14 +43,19 @@ struct Published {
     std::uint64_t bytes = 0;
 };
 
-/// Assembles and verifies the film, then renames it. An incomplete one gets an unused name (WorkFolder::leave). Pipes
-/// and devices are written to. The work folder stays. Throws core::Error.
+/// Assembles and verifies the film, then renames it; an incomplete one stays in the work folder. Pipes and devices are
+/// written to. Throws core::Error.
 Published publish(const std::vector<ChunkFile>& chunks, const Film& film, WorkFolder& work,
                   const std::filesystem::path& output, bool complete);
 
-/// The same for an assembled file.
-Published give_name(const std::filesystem::path& file, WorkFolder& work, const std::filesystem::path& output,
-                    bool complete);
+/// A file that keeps its name.
+Published published_at(const std::filesystem::path& file);
+
+/// Renames an assembled file. Throws core::Error.
+Published give_name(const std::filesystem::path& file, const std::filesystem::path& output);
+
+/// Gives a file a second name; it keeps its own. Throws core::Error.
+void place(const std::filesystem::path& from, const std::filesystem::path& to);
 
 struct Wishes {
     std::vector<Files> films;                   ///< expensive outputs: replaced only with consent

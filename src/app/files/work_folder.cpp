@@ -12,7 +12,6 @@
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <string_view>
 #include <system_error>
 #include <thread>
 
@@ -25,28 +24,8 @@ namespace {
 using nlohmann::json;
 
 std::string shown(const json& value) {
+    if (value.is_null()) return "not given";
     return value.is_string() ? value.get<std::string>() : value.dump(-1, ' ', false, json::error_handler_t::replace);
-}
-
-std::string difference_of_options(const json& before, const json& now) {
-    for (const auto& [name, value] : now.items()) {
-        if (!before.contains(name)) return fmt::format("{} was not given and is {}", name, shown(value));
-        if (before[name] != value) return fmt::format("{} was {} and is {}", name, shown(before[name]), shown(value));
-    }
-    for (const auto& [name, value] : before.items())
-        if (!now.contains(name)) return fmt::format("{} was {} and is not given", name, shown(value));
-    return {};
-}
-
-std::string difference_of_inputs(const json& before, const json& now) {
-    for (std::size_t i = 0; i < std::max(before.size(), now.size()); ++i) {
-        if (i >= now.size()) return fmt::format("the input {} is gone", shown(before[i].value("file", json())));
-        const std::string file = shown(now[i].value("file", json()));
-        if (i >= before.size()) return fmt::format("the input {} is new", file);
-        if (before[i].value("checksum", json()) != now[i].value("checksum", json()))
-            return fmt::format("the input {} has changed", file);
-    }
-    return {};
 }
 
 [[noreturn]] void refuse(const std::filesystem::path& file, const std::filesystem::path& output) {
@@ -76,16 +55,6 @@ std::string why_not_opened(int failure) {
 
 constexpr const char *lock_name = "lock", *manifest_name = "manifest.json";
 
-/// A file's state: another size or time is another file.
-json leftover_of(const std::filesystem::path& file) {
-    std::error_code error;
-    const auto bytes = std::filesystem::file_size(file, error);
-    if (error) return nullptr;
-    const auto written = std::filesystem::last_write_time(file, error).time_since_epoch().count();
-    if (error) return nullptr;
-    return {{"file", file.filename().string()}, {"bytes", bytes}, {"written", static_cast<std::int64_t>(written)}};
-}
-
 std::vector<std::filesystem::path> entries_of(const std::filesystem::path& folder) {
     std::error_code ignored;
     std::vector<std::filesystem::path> entries;
@@ -113,8 +82,8 @@ json as_written(const json& value) {
     return json::parse(json_text(value));
 }
 
-std::string name_of(const Chunk& chunk) {
-    return fmt::format("chunk_{:05}.m2v", chunk.index);
+std::string name_of(const Chunk& chunk, const std::string& of = {}) {
+    return fmt::format("chunk_{:05}{}{}.m2v", chunk.index, of.empty() ? "" : ".", of);
 }
 
 /// Refuses another film's folder; without a manifest it holds nothing. A damaged manifest may still have good chunks.
@@ -132,25 +101,21 @@ void refuse_other(const std::filesystem::path& output, const json& identity) {
 }  // namespace
 
 std::string difference_of(const json& before, const json& now) {
-    if (before == now) return {};
-    if (!before.is_object()) return "what was left is of no known version";
-    for (const char* name : {"version", "isa"})
-        if (before.value(name, json()) != now.value(name, json()))
-            return fmt::format("the {} was {} and is {}",
-                               std::string_view(name) == "isa" ? "instruction set" : "version of render2mpeg",
-                               shown(before.value(name, json())), shown(now.value(name, json())));
-    if (before.value("build", json()) != now.value("build", json())) return "render2mpeg was built anew since";
-    const auto part = [](const json& of, const char* name, const json& otherwise) {
-        return of.contains(name) && of[name].type() == otherwise.type() ? of[name] : otherwise;
-    };
-    std::string text =
-        difference_of_options(part(before, "options", json::object()), part(now, "options", json::object()));
-    if (text.empty())
-        text = difference_of_inputs(part(before, "inputs", json::array()), part(now, "inputs", json::array()));
-    if (text.empty() && before.value("frames", json()) != now.value("frames", json()))
-        text = fmt::format("the frames were {} and are {}", shown(before.value("frames", json())),
-                           shown(now.value("frames", json())));
-    return text.empty() ? "it is another film" : text;
+    const json was = before.is_object() ? before.flatten() : json::object(), is = now.flatten();
+    json all = was;
+    all.update(is);
+    for (const auto& [place, value] : all.items()) {
+        const json a = was.value(place, json()), b = is.value(place, json());
+        if (a == b) continue;
+        const std::string name = json::json_pointer(place).back();
+        if (place.starts_with("/inputs/"))
+            return fmt::format("the input {} {}", name,
+                               a.is_null()   ? "is new"
+                               : b.is_null() ? "is gone"
+                                             : "has changed");
+        return fmt::format("{} was {} and is {}", name, shown(a), shown(b));
+    }
+    return {};
 }
 
 OutputLock::OutputLock(const std::filesystem::path& file, const std::filesystem::path& output) {
@@ -198,8 +163,7 @@ void OutputLock::check(const std::filesystem::path& file, const std::filesystem:
 }
 
 WorkFolder::WorkFolder(const std::filesystem::path& output, const json& identity, Earlier earlier)
-    : output_(output),
-      folder_((check(output), work_folder_of(output))),
+    : folder_((check(output), work_folder_of(output))),
       lock_(folder_ / lock_name, output),
       manifest_(std::make_unique<json>(json{{"identity", as_written(identity)}})) {
     if (earlier == Earlier::resumed) refuse_other(output, (*manifest_)["identity"]);
@@ -216,29 +180,23 @@ WorkFolder::WorkFolder(const std::filesystem::path& output, const json& identity
 
 void WorkFolder::take_over(Earlier earlier) {
     const json before = manifest_in(folder_);
-    const bool same = difference_of(before.value("identity", json()), (*manifest_)["identity"]).empty();
-    resumed_ = same && earlier == Earlier::resumed;
-    const json leftovers = before.value("leftovers", json::array()), settled = before.value("kept", json::object());
-    (*manifest_)["leftovers"] = same && leftovers.is_array() ? leftovers : json::array();
-    // Leftovers of other films under this name go when this one leaves a part.
-    json others = before.value("others", json::array());
-    if (!others.is_array()) others = json::array();
-    if (!same && leftovers.is_array()) others.insert(others.end(), leftovers.begin(), leftovers.end());
-    (*manifest_)["others"] = others;
-    const json companions = before.value("companions", json::array());
-    (*manifest_)["companions"] = companions.is_array() ? companions : json::array();
-    (*manifest_)["kept"] = resumed_ && settled.is_object() ? settled : json::object();
-    begun_ = resumed_;
+    resumed_ = begun_ =
+        earlier == Earlier::resumed && before.contains("identity") && before["identity"] == (*manifest_)["identity"];
+    (*manifest_)["kept"] = resumed_ && before.contains("kept") ? before["kept"] : json::object();
+    (*manifest_)["held"] = before.value("held", json::array());
     if (!resumed_) drop_all_but({});
     write_manifest();
 }
 
+void WorkFolder::hold(const std::filesystem::path& output) {
+    // Remembered first: a later run finds it after a kill.
+    (*manifest_)["held"].push_back(std::filesystem::absolute(output).lexically_normal().string());
+    write_manifest();
+    held_.push_back(std::make_unique<WorkFolder>(output, nullptr));
+}
+
 WorkFolder::~WorkFolder() {
-    for (const char* name : {"leftovers", "others"})
-        if (manifest_->contains(name) && !(*manifest_)[name].empty()) return;
-    if (begun_ || removed_) return;
-    remove_companions();
-    remove();
+    if (!begun_) remove();
 }
 
 void WorkFolder::write_manifest() {
@@ -273,8 +231,8 @@ void WorkFolder::check(const std::filesystem::path& output, const json& identity
 
 std::size_t WorkFolder::left(const std::filesystem::path& output, const json& identity,
                              const std::vector<Chunk>& chunks) {
+    if (!is_of(output, identity)) return 0;
     const std::filesystem::path folder = work_folder_of(output);
-    if (!difference_of(manifest_in(folder).value("identity", json()), as_written(identity)).empty()) return 0;
     std::size_t count = 0;
     std::error_code error;
     while (count < chunks.size() &&
@@ -284,18 +242,13 @@ std::size_t WorkFolder::left(const std::filesystem::path& output, const json& id
 }
 
 bool WorkFolder::is_of(const std::filesystem::path& output, const json& identity) {
-    const json manifest = manifest_in(work_folder_of(output));
-    return !manifest.empty() && difference_of(manifest.value("identity", json()), as_written(identity)).empty();
+    return manifest_in(work_folder_of(output)).value("identity", json()) == as_written(identity);
 }
 
-std::filesystem::path WorkFolder::file_of(const Chunk& chunk) const {
-    return place(name_of(chunk));
-}
-
-std::vector<ChunkFile> WorkFolder::finished(const std::vector<Chunk>& chunks) const {
+std::vector<ChunkFile> WorkFolder::finished(const std::vector<Chunk>& chunks, const std::string& of) const {
     std::vector<ChunkFile> files;
     for (const Chunk& chunk : chunks) {
-        std::optional<ChunkFile> file = resumed_ ? ChunkFile::reopened(file_of(chunk), chunk) : std::nullopt;
+        std::optional<ChunkFile> file = resumed_ ? ChunkFile::reopened(place(name_of(chunk, of)), chunk) : std::nullopt;
         if (!file) break;
         files.push_back(std::move(*file));
     }
@@ -304,9 +257,11 @@ std::vector<ChunkFile> WorkFolder::finished(const std::vector<Chunk>& chunks) co
 
 void WorkFolder::drop_all_but(const std::vector<ChunkFile>& chunks) {
     for (const std::filesystem::path& entry : entries_of(folder_)) {
-        const bool own = entry.filename() == lock_name || entry.filename() == manifest_name;
+        const std::string name = entry.filename().string();
+        const bool own = name == lock_name || name == manifest_name;
+        // Streams, records, frames and heatmaps of chunks.
         const bool wanted = std::any_of(chunks.begin(), chunks.end(), [&](const ChunkFile& chunk) {
-            return entry.stem() == chunk.file().stem();  // stream, record, frames
+            return name.starts_with(chunk.file().stem().string() + ".");
         });
         if (!own && !wanted) std::filesystem::remove_all(entry);
     }
@@ -326,82 +281,25 @@ std::filesystem::path WorkFolder::begin(const std::string& name) {
     return place(name);
 }
 
-void WorkFolder::remember_companion(const std::filesystem::path& output, const json& identity) {
-    std::error_code error;
-    const std::filesystem::path name = std::filesystem::absolute(output, error).lexically_normal();
-    const json one = as_written({{"file", name.string()}, {"identity", identity}});
-    json& companions = (*manifest_)["companions"];
-    if (std::find(companions.begin(), companions.end(), one) != companions.end()) return;
-    companions.push_back(one);
-    write_manifest();
-}
-
-std::vector<std::filesystem::path> WorkFolder::companions() const {
-    std::vector<std::filesystem::path> files;
-    for (const json& one : manifest_->value("companions", json::array()))
-        if (one.is_object() && one.value("file", json()).is_string())
-            files.emplace_back(one["file"].get<std::string>());
-    return files;
-}
-
-void WorkFolder::remove_companions() const {
-    for (const json& one : manifest_->value("companions", json::array())) {
-        if (!one.is_object() || !one.value("file", json()).is_string()) continue;
-        const std::filesystem::path file(one["file"].get<std::string>());
-        // Only this film's folders, or empty ones (of killed runs); this run's are locked.
-        const std::filesystem::path folder = work_folder_of(file);
-        std::error_code error;
-        const bool same = one.value("identity", json()) == manifest_in(folder).value("identity", json(false));
-        if (!same && !(std::filesystem::is_directory(folder, error) && holds_nothing(folder))) continue;
-        try {
-            check(file);
-            WorkFolder(file, one["identity"]).remove();
-        } catch (const std::exception&) {
-            // In use, or not removable: harmless.
-        }
-    }
-}
-
-ChunkFile WorkFolder::open(const Chunk& chunk) {
+ChunkFile WorkFolder::open(const Chunk& chunk, const std::string& of) {
     begun_ = true;
-    return {file_of(chunk), chunk};
-}
-
-std::filesystem::path WorkFolder::leave(const std::filesystem::path& file) {
-    // The new leftover replaces earlier ones.
-    for (const char* name : {"leftovers", "others"}) {
-        remove_all_of((*manifest_)[name]);
-        (*manifest_)[name] = json::array();
-    }
-    std::error_code error;
-    std::filesystem::path name = partial_film_of(output_);
-    for (int i = 2; std::filesystem::exists(std::filesystem::symlink_status(name, error)); ++i)
-        name = partial_film_of(output_, i);
-    std::filesystem::rename(file, name, error);
-    if (error) throw core::Error("writing", name.string(), error.message());
-    (*manifest_)["leftovers"].push_back(leftover_of(name));
-    write_manifest();
-    return name;
-}
-
-void WorkFolder::remove_all_of(const json& leftovers) const {
-    const std::filesystem::path folder = output_.parent_path();
-    for (const json& leftover : leftovers) {
-        if (!leftover.is_object() || !leftover.contains("file") || !leftover["file"].is_string()) continue;
-        const std::filesystem::path name = std::filesystem::path(leftover["file"].get<std::string>()).filename();
-        std::error_code ignored;
-        if (leftover == leftover_of(folder / name)) std::filesystem::remove(folder / name, ignored);
-    }
-}
-
-void WorkFolder::clear_away() {
-    remove_all_of((*manifest_)["leftovers"]);
-    remove_companions();
-    remove();
+    return {place(name_of(chunk, of)), chunk};
 }
 
 void WorkFolder::remove() {
     if (removed_) return;  // the present folder is the next run's
+    held_.clear();
+    std::vector<std::string> names;
+    try {
+        names = manifest_->value("held", names);
+    } catch (const std::exception&) {
+        names.clear();  // a damaged manifest holds none
+    }
+    for (const std::string& output : names) try {
+            // One that is held still is another run's.
+            if (is_of(output, nullptr)) WorkFolder(output, nullptr).remove();
+        } catch (const std::exception&) {
+        }
     // The lock comes last, since the rest may be the next run's without it. A leftover folder is harmless.
     std::error_code ignored;
     for (const std::filesystem::path& entry : entries_of(folder_))

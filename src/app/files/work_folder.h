@@ -12,7 +12,7 @@
 
 namespace render2mpeg::app {
 
-/// First difference of two films' identities in words ("--quantiser was 4 and is 6"); empty without one.
+/// First member in which two films' identities differ ("--quantiser was 4 and is 6"); empty without one.
 std::string difference_of(const nlohmann::json& before, const nlohmann::json& now);
 
 class OutputInUse : public core::Error {
@@ -46,7 +46,7 @@ class WorkFolder {
     /// resumed if it is of the same film. Throws core::Error, and removes nothing, where it is another film's, in use,
     /// or not ours to empty (a link, another user's).
     WorkFolder(const std::filesystem::path& output, const nlohmann::json& identity, Earlier earlier = Earlier::removed);
-    /// Removes an unused folder without leftovers.
+    /// Removes an unused folder.
     ~WorkFolder();
     WorkFolder(const WorkFolder&) = delete;
     WorkFolder& operator=(const WorkFolder&) = delete;
@@ -61,8 +61,8 @@ class WorkFolder {
 
     static bool is_of(const std::filesystem::path& output, const nlohmann::json& identity);
 
-    /// Finished chunks without a gap; none unless resumed.
-    std::vector<ChunkFile> finished(const std::vector<Chunk>& chunks) const;
+    /// Finished chunks without a gap; none unless resumed. `of`: of a heatmap's streams, by name; empty: the film's.
+    std::vector<ChunkFile> finished(const std::vector<Chunk>& chunks, const std::string& of = {}) const;
     /// Removes everything else but the folder's own files.
     void drop_all_but(const std::vector<ChunkFile>& chunks);
 
@@ -70,30 +70,24 @@ class WorkFolder {
     nlohmann::json kept(const std::string& name) const;
     void keep(const std::string& name, const nlohmann::json& value);
 
-    /// Remembers another output with a work folder of its own, and its identity.
-    void remember_companion(const std::filesystem::path& output, const nlohmann::json& identity);
-    std::vector<std::filesystem::path> companions() const;
+    /// Keeps other runs from another output, too, until this folder is removed. Throws as the constructor does.
+    void hold(const std::filesystem::path& output);
 
-    ChunkFile open(const Chunk& chunk);
+    /// `of`: as in finished().
+    ChunkFile open(const Chunk& chunk, const std::string& of = {});
+    /// Place of a file that keeps the folder from being removed unused.
     std::filesystem::path begin(const std::string& name);
     std::filesystem::path place(const std::string& name) const { return folder_ / name; }
-    /// Moves an unfinished film to an unused name beside the output, in place of earlier leftovers that are unchanged.
-    /// Returns the name. Throws core::Error.
-    std::filesystem::path leave(const std::filesystem::path& file);
-    /// For a whole film: removes unchanged leftovers, unused companions' folders, and the folder.
-    void clear_away();
     void remove();
 
   private:
     void take_over(Earlier earlier);
-    void remove_companions() const;
-    void remove_all_of(const nlohmann::json& leftovers) const;
-    std::filesystem::path file_of(const Chunk& chunk) const;
     void write_manifest();
 
-    std::filesystem::path output_, folder_;
+    std::filesystem::path folder_;
     OutputLock lock_;
-    std::unique_ptr<nlohmann::json> manifest_;  ///< `identity`, `leftovers`, `others`, `companions`, `kept`
+    std::unique_ptr<nlohmann::json> manifest_;  ///< `identity`, `kept`, `held`
+    std::vector<std::unique_ptr<WorkFolder>> held_;
     bool resumed_ = false, begun_ = false, removed_ = false;
 };
 

@@ -1,12 +1,49 @@
 #include "app/loop/coupling.h"
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
 #include "core/error.h"
+#include "encoder/step_sizes.h"
 #include "perceptual/tolerance.h"
 
 namespace render2mpeg::app {
+namespace {
+
+constexpr int side = 16;
+
+/// Samples at half pixels are rounded means of two or four. [H262, 7.6.4]
+void predict(const core::Plane<std::uint8_t>& reference, const encoder::MacroblockRecord& record, int left, int top,
+             core::Plane<std::uint8_t>& out) {
+    const int x_whole = record.motion_x >> 1, y_whole = record.motion_y >> 1;
+    const int x_half = record.motion_x & 1, y_half = record.motion_y & 1;
+    const int last_x = reference.width() - 1, last_y = reference.height() - 1;
+    for (int y = top; y < std::min(top + side, out.height()); ++y) {
+        const std::uint8_t* upper = reference.row(std::clamp(y + y_whole, 0, last_y));
+        const std::uint8_t* lower = reference.row(std::clamp(y + y_whole + y_half, 0, last_y));
+        for (int x = left; x < std::min(left + side, out.width()); ++x) {
+            const int a = std::clamp(x + x_whole, 0, last_x), b = std::clamp(x + x_whole + x_half, 0, last_x);
+            // Full-pixel samples are counted two or four times, which keeps their rounded mean.
+            out.at(x, y) = static_cast<std::uint8_t>((upper[a] + upper[b] + lower[a] + lower[b] + 2) >> 2);
+        }
+    }
+}
+
+}  // namespace
+
+core::Plane<std::uint8_t> prediction_of(const encoder::CodedPicture& coded,
+                                        const core::Plane<std::uint8_t>& reference) {
+    const core::Plane<std::uint8_t>& decoded = coded.reconstruction.y;
+    EXPECTS(reference.width() == decoded.width() && reference.height() == decoded.height());
+    core::Plane<std::uint8_t> prediction(decoded.width(), decoded.height(), 0);
+    for (int row = 0; row < coded.macroblocks.height(); ++row)
+        for (int column = 0; column < coded.macroblocks.width(); ++column) {
+            const encoder::MacroblockRecord& record = coded.macroblocks.at(column, row);
+            if (!record.intra) predict(reference, record, side * column, side * row, prediction);
+        }
+    return prediction;
+}
 
 void Coupling::forget() {
     state_.reset();
@@ -15,22 +52,32 @@ void Coupling::forget() {
     kept_.clear();
 }
 
+perceptual::CodingPlan Coupling::steps_of(encoder::PictureType type, int quantiser) const {
+    const encoder::StepSizes steps = encoder::step_sizes(coding_, quantiser);
+    return {type == encoder::PictureType::intra,
+            steps.scale,
+            {steps.intra, steps.inter, steps.intra_dc, steps.intra_dead_zone, steps.inter_dead_zone}};
+}
+
 void Coupling::take_rough_look(const core::Picture& picture, const core::Radiance& radiance,
-                               const core::Visible& visible, const PlannedPicture& plan) {
+                               const core::Visible& visible, const encoder::PicturePlan& plan) {
     state_ = model_.assume_coded(model_.observe(picture, radiance, std::make_shared<const core::Visible>(visible)),
-                                 plan.steps);
+                                 steps_of(plan.type, plan.quantiser));
     requantised_.reset();
 }
 
-float Coupling::fraction_for(const PlannedPicture& plan) const {
-    return settings_.fraction.value_or(perceptual::default_tolerance_fraction * plan.hidden) *
-           perceptual::propagation_factor(plan.role == PictureRole::intra, plan.followers);
+float Coupling::fraction_for(const encoder::PicturePlan& plan) const {
+    const float hidden = encoder::step_sizes(coding_, plan.quantiser).hidden;
+    const std::int64_t followers = plan.horizon.value_or(plan.number) - plan.number;
+    return settings_.fraction.value_or(perceptual::default_tolerance_fraction * hidden) *
+           perceptual::propagation_factor(plan.type == encoder::PictureType::intra, followers);
 }
 
-core::ToleranceMap Coupling::tolerate(const core::Visible& visible, const PlannedPicture& plan,
+core::ToleranceMap Coupling::tolerate(const core::Visible& visible, const encoder::PicturePlan& plan,
                                       const core::MotionField* motion) {
     EXPECTS(state_.has_value());
-    if (!requantised_ || !(requantised_->plan == plan.steps)) requantised_ = model_.requantise(*state_, plan.steps);
+    const perceptual::CodingPlan steps = steps_of(plan.type, plan.quantiser);
+    if (!requantised_ || !(requantised_->plan == steps)) requantised_ = model_.requantise(*state_, steps);
     perceptual::Tolerated tolerated = model_.tolerate(visible, *requantised_, *state_, motion, fraction_for(plan));
     // A rough look has nothing to blend with.
     warped_ = state_->number == plan.number ? perceptual::MaskedErrors() : std::move(tolerated.warped);
@@ -38,19 +85,38 @@ core::ToleranceMap Coupling::tolerate(const core::Visible& visible, const Planne
 }
 
 void Coupling::keep(const core::Picture& picture, const core::Radiance& radiance, const core::Visible& visible,
-                    const PlannedPicture& plan) {
-    if (plan.role == PictureRole::disposable) return;
+                    const encoder::PicturePlan& plan) {
+    if (plan.type == encoder::PictureType::bidirectional) return;
     kept_.insert_or_assign(
         picture.number,
         model_.observe(picture, radiance, std::make_shared<const core::Visible>(visible), std::exchange(warped_, {})));
 }
 
-void Coupling::judge(const JudgedPicture& picture) {
-    const auto kept = kept_.find(picture.facts.number);
-    if (kept == kept_.end()) return;
-    state_ = model_.judge(std::move(kept->second), picture.facts);
-    requantised_.reset();
-    kept_.erase(kept);
+perceptual::CodedFacts Coupling::facts_of(const encoder::CodedPicture& coded) const {
+    perceptual::CodedFacts facts;
+    facts.number = coded.plan.number;
+    facts.plan = steps_of(coded.plan.type, coded.quantiser);
+    facts.lit_for = steps_of(coded.plan.type, coded.plan.quantiser);
+    facts.intra = core::Plane<std::uint8_t>(coded.macroblocks.width(), coded.macroblocks.height());
+    facts.scale = core::Plane<float>(coded.macroblocks.width(), coded.macroblocks.height());
+    for (std::size_t i = 0; i < coded.macroblocks.size(); ++i) {
+        const encoder::MacroblockRecord& record = coded.macroblocks.values()[i];
+        facts.intra.values()[i] = record.intra ? 1 : 0;
+        facts.scale.values()[i] = encoder::step_scale(coding_.codec, record.quantiser);
+    }
+    facts.reconstruction = coded.reconstruction.y;
+    if (coded.plan.type == encoder::PictureType::predicted && coded.tells_vectors)
+        facts.prediction = prediction_of(coded, reference_);
+    return facts;
+}
+
+void Coupling::judge(const encoder::CodedPicture& coded) {
+    if (coded.plan.type == encoder::PictureType::bidirectional) return;
+    if (const auto kept = kept_.extract(coded.plan.number)) {
+        state_ = model_.judge(std::move(kept.mapped()), facts_of(coded));
+        requantised_.reset();
+    }
+    reference_ = coded.reconstruction.y;
 }
 
 }  // namespace render2mpeg::app

@@ -20,20 +20,6 @@ constexpr int shrink = 4;
 /// fit: docs/measurements.md#rates
 constexpr double size_ratio = 7;
 
-class Collector : public LoopObserver {
-  public:
-    explicit Collector(const encoder::Settings& coding) : coding_(coding) {}
-    void coded(const encoder::CodedPicture& picture) override {
-        film.push_back(encoder::first_pass_picture(coding_, picture, starts_chunk));
-        starts_chunk = false;
-    }
-    std::vector<encoder::FirstPassPicture> film;  ///< in coding order
-    bool starts_chunk = false;
-
-  private:
-    encoder::Settings coding_;
-};
-
 /// The ratio for passes that are less than 4x4 smaller.
 double size_ratio_of(const RenderJob& film, const RenderJob& pass) {
     if (film.coding.codec == encoder::Codec::mpeg2) return size_ratio;
@@ -60,13 +46,9 @@ RenderJob small(const RenderJob& film) {
     pass.rough = true;
     pass.tolerance = {};
     pass.tolerance.relative = 0.2f;
+    pass.coding = rough(film.coding, usual_quantiser(film.coding));
     pass.coding.width = pass.format.width;
     pass.coding.height = pass.format.height;
-    // Other codecs' efforts differ more in bits than in time.
-    if (film.coding.codec == encoder::Codec::mpeg2) pass.coding.effort = encoder::Effort::fast;
-    pass.coding.rate_control = {};
-    pass.coding.quantiser =
-        static_cast<int>(std::lround(encoder::quantiser_like(film.coding.codec, usual_quantiser(film.coding))));
     return pass;
 }
 
@@ -80,21 +62,25 @@ int usual_quantiser(const encoder::Settings& settings) {
     return std::clamp(static_cast<int>(std::lround(0.8 / std::max(density, 1e-3))), 2, 24);
 }
 
+encoder::Settings rough(encoder::Settings coding, double quantiser) {
+    // Other codecs' efforts differ more in bits than in time.
+    if (coding.codec == encoder::Codec::mpeg2) coding.effort = encoder::Effort::fast;
+    coding.rate_control = {};
+    coding.quantiser = static_cast<int>(std::lround(encoder::quantiser_like(coding.codec, quantiser)));
+    return coding;
+}
+
 std::vector<encoder::BitAllocation> first_pass(const RenderJob& film, bool quiet) {
     const RenderJob pass = small(film);
-    renderer::Renderer renderer = renderer_of(pass);
     Progress progress(film.frame_count(), quiet, "first pass", Counted::frames_of_step);
-    Collector collector(pass.coding);
+    FirstPassCollector collector(pass.coding);
     RunStatistics statistics;
-    for (const Chunk& chunk : chunks_of(film.frames, film.coding.gop)) {
-        collector.starts_chunk = true;
-        render_chunk(pass, renderer, chunk, collector, statistics, [&] {
-            progress.advance();
-            return !InterruptGuard::requested();
-        });
-        if (InterruptGuard::requested()) return {};
-    }
-    return encoder::allocate_bits(film.coding, collector.film, size_ratio_of(film, pass));
+    const bool whole = render_through(pass, collector, statistics, [&] {
+        progress.advance();
+        return !InterruptGuard::requested();
+    });
+    if (!whole) return {};
+    return encoder::allocate_bits(film.coding, collector.film(), size_ratio_of(film, pass));
 }
 
 }  // namespace render2mpeg::app

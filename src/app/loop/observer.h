@@ -29,7 +29,14 @@ class LoopObserver {
   public:
     virtual ~LoopObserver() = default;
     virtual void lit(const LitFrame&) {}
+    /// A frame from a file in place of a lit one. `motion` leads to the frame before; null: not known.
+    virtual void read(const core::Picture& picture, const core::MotionField* motion) {
+        static_cast<void>(picture), static_cast<void>(motion);
+    }
     virtual void coded(const encoder::CodedPicture&) {}
+    void all(const std::vector<encoder::CodedPicture>& pictures) {
+        for (const encoder::CodedPicture& picture : pictures) coded(picture);
+    }
     virtual void begins(const Chunk&) {}
     virtual void ends(const Chunk&) {}
 };
@@ -38,20 +45,20 @@ class LoopObserver {
 class LoopObservers : public LoopObserver {
   public:
     void add(LoopObserver& observer) { all_.push_back(&observer); }
-    void lit(const LitFrame& frame) override {
-        for (LoopObserver* observer : all_) observer->lit(frame);
+    void lit(const LitFrame& frame) override { tell(&LoopObserver::lit, frame); }
+    void read(const core::Picture& picture, const core::MotionField* motion) override {
+        tell(&LoopObserver::read, picture, motion);
     }
-    void coded(const encoder::CodedPicture& picture) override {
-        for (LoopObserver* observer : all_) observer->coded(picture);
-    }
-    void begins(const Chunk& chunk) override {
-        for (LoopObserver* observer : all_) observer->begins(chunk);
-    }
-    void ends(const Chunk& chunk) override {
-        for (LoopObserver* observer : all_) observer->ends(chunk);
-    }
+    void coded(const encoder::CodedPicture& picture) override { tell(&LoopObserver::coded, picture); }
+    void begins(const Chunk& chunk) override { tell(&LoopObserver::begins, chunk); }
+    void ends(const Chunk& chunk) override { tell(&LoopObserver::ends, chunk); }
 
   private:
+    template <class Event, class... Facts>
+    void tell(Event event, const Facts&... facts) {
+        for (LoopObserver* observer : all_) (observer->*event)(facts...);
+    }
+
     std::vector<LoopObserver*> all_;
 };
 

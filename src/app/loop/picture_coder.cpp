@@ -7,6 +7,7 @@
 #include "encoder/codec.h"
 #include "encoder/innovation.h"
 #include "encoder/motion_nonuniformity.h"
+#include "parallel/loops.h"
 #include "perceptual/metrics.h"
 #include "perceptual/pumping.h"
 
@@ -53,6 +54,7 @@ encoder::PictureFacts PictureCoder::facts_of(std::int64_t number, bool cut_befor
 
 encoder::PicturePlan PictureCoder::plan(std::int64_t number, bool cut_before, Motion& motion,
                                         std::span<const core::Picture* const> pictures) {
+    const parallel::StopWhen never({});  // plans follow from those before
     const bool first = number == chunk_.first;
     continues_ = !first && !cut_before;
     if (!continues_) light_change_.reset();

@@ -5,7 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "app/loop/coding_terms.h"
 #include "app/loop/coupling.h"
 #include "app/loop/glare_filter.h"
 #include "app/loop/picture_coder.h"
@@ -35,20 +34,15 @@ class ChunkLoop {
 
   private:
     renderer::Frame look(const scene::Snapshot& world);
-    /// Plan of the frame; meaningless without a coder.
-    encoder::PicturePlan plan(const scene::Snapshot& world, Motion& motion);
-    /// Tolerances of the frame's light. Valid until the next frame.
-    const core::ToleranceMap& tolerate(const scene::Snapshot& world, const renderer::Frame& frame,
-                                       const PlannedPicture& plan, Motion& motion);
+    /// Coding of the frame, meaningless without a coder, and by it the tolerances of its light.
+    encoder::PicturePlan plan(const scene::Snapshot& world, const renderer::Frame& frame, Motion& motion);
     /// Rough light, for the tolerances of a frame without a picture before it.
-    void look_roughly(const scene::Snapshot& world, const renderer::Frame& frame, const PlannedPicture& plan);
-    renderer::Lit light(const scene::Snapshot& world, renderer::Frame frame, const core::ToleranceMap& tolerance,
-                        int quantiser, RenderedMotion& motion);
+    void look_roughly(const scene::Snapshot& world, const renderer::Frame& frame, const encoder::PicturePlan& plan);
+    renderer::Lit light(const scene::Snapshot& world, renderer::Frame frame, int quantiser, RenderedMotion& motion);
     core::Picture develop(const core::Radiance& radiance, std::int64_t n);
-    /// Keeps a picture for the coupling until it is coded.
-    void keep(const core::Picture& picture, const core::Radiance& radiance, const core::Visible& visible,
-              const PlannedPicture& plan);
-    void code(const core::Picture& picture, const encoder::PicturePlan& plan, Motion& motion);
+    /// Codes the frame, and keeps it for the coupling until it is coded.
+    void code(const core::Picture& picture, const core::Radiance& shown, const core::Visible& visible,
+              const encoder::PicturePlan& plan, Motion& motion);
     void take(const std::vector<encoder::CodedPicture>& pictures);
 
     const RenderJob& job_;
@@ -62,9 +56,8 @@ class ChunkLoop {
     Auditor auditor_;
     LoopObservers observers_;
     std::optional<PictureCoder> coder_;  ///< none: pictures are not coded
-    CodingTerms terms_;
-    std::optional<Coupling> coupling_;  ///< none: tolerances are fixed
-    core::ToleranceMap tolerance_;
+    std::optional<Coupling> coupling_;   ///< none: tolerances are fixed
+    core::ToleranceMap tolerance_;       ///< of the frame's light
 };
 
 ChunkLoop::ChunkLoop(const RenderJob& job, renderer::Renderer& renderer, const Chunk& chunk, LoopObserver& observer,
@@ -77,14 +70,13 @@ ChunkLoop::ChunkLoop(const RenderJob& job, renderer::Renderer& renderer, const C
       shown_(job, statistics),
       posed_(job),
       recorder_(statistics, job.kind == OutputKind::film),
-      auditor_(renderer, display_, job.audit, statistics),
-      terms_(job.coding) {
+      auditor_(renderer, display_, job.audit, statistics) {
     renderer.start_chunk(*posed_.at(chunk.first));
     if (job.kind == OutputKind::film)
         coder_.emplace(job.film(), chunk, job.allocations, shots_of(*job.animation), statistics,
                        !job.rough && scene::traits_of(*job.animation).lights_change);
     if (job.tolerance.coupled && coder_)
-        coupling_.emplace(display_, job.coupling);
+        coupling_.emplace(display_, job.coding, job.coupling);
     else
         tolerance_ = job.tolerance_map();
     observers_.add(recorder_);
@@ -98,22 +90,19 @@ void ChunkLoop::frame(std::int64_t n) {
     renderer::Frame frame = look(*world);
     RenderedMotion motion(job_, posed_, frame.visible, *world, statistics_, frame.imaged);
 
-    // Plan its coding, and tolerances by it and the eye.
-    const encoder::PicturePlan coding = plan(*world, motion);
-    const PlannedPicture planned = terms_.planned(coding);
-    const core::ToleranceMap& tolerance = tolerate(*world, frame, planned, motion);
+    // Plan its coding, and by it and the eye its tolerances.
+    const encoder::PicturePlan coding = plan(*world, frame, motion);
 
     // Light it within them, and show it.
     const renderer::Statistics before = renderer_.statistics();
-    const renderer::Lit lit = light(*world, std::move(frame), tolerance, coding.quantiser, motion);
+    const renderer::Lit lit = light(*world, std::move(frame), coding.quantiser, motion);
     const core::Radiance& shown = shown_.of(lit.radiance, world->time);
     const core::Picture picture = develop(shown, n);
 
     // Keep it, whatever stops, and code it with exact motion.
     const parallel::StopWhen never({});
-    observers_.lit({*world, lit, tolerance, shown, picture, motion, before, renderer_.statistics()});
-    keep(picture, shown, lit.frame.visible, planned);
-    code(picture, coding, motion);
+    observers_.lit({*world, lit, tolerance_, shown, picture, motion, before, renderer_.statistics()});
+    code(picture, shown, lit.frame.visible, coding, motion);
 }
 
 void ChunkLoop::finish() {
@@ -125,14 +114,10 @@ renderer::Frame ChunkLoop::look(const scene::Snapshot& world) {
     return renderer_.look(world);
 }
 
-encoder::PicturePlan ChunkLoop::plan(const scene::Snapshot& world, Motion& motion) {
-    const parallel::StopWhen never({});
-    return coder_ ? coder_->plan(world.frame, world.cut_before, motion) : encoder::PicturePlan();
-}
-
-const core::ToleranceMap& ChunkLoop::tolerate(const scene::Snapshot& world, const renderer::Frame& frame,
-                                              const PlannedPicture& plan, Motion& motion) {
-    if (!coupling_) return tolerance_;
+encoder::PicturePlan ChunkLoop::plan(const scene::Snapshot& world, const renderer::Frame& frame, Motion& motion) {
+    if (!coder_) return {};
+    const encoder::PicturePlan plan = coder_->plan(world.frame, world.cut_before, motion);
+    if (!coupling_) return plan;
     if (world.cut_before || plan.number == chunk_.first) coupling_->forget();
     if (!coupling_->remembers()) look_roughly(world, frame, plan);
     const std::int64_t reference = coupling_->remembered();
@@ -140,10 +125,11 @@ const core::ToleranceMap& ChunkLoop::tolerate(const scene::Snapshot& world, cons
     const StageTimer timer(statistics_, Stage::tolerate);
     tolerance_ = coupling_->tolerate(frame.visible, plan, field);
     shown_.carry_back(tolerance_);
-    return tolerance_;
+    return plan;
 }
 
-void ChunkLoop::look_roughly(const scene::Snapshot& world, const renderer::Frame& frame, const PlannedPicture& plan) {
+void ChunkLoop::look_roughly(const scene::Snapshot& world, const renderer::Frame& frame,
+                             const encoder::PicturePlan& plan) {
     core::ToleranceMap about =
         core::ToleranceMap::uniform(frame.visible.width(), frame.visible.height(), {0.0f, rough_tolerance});
     about.typical = rough_tolerance;  // rays by price: dark corners need not keep it
@@ -158,9 +144,9 @@ void ChunkLoop::look_roughly(const scene::Snapshot& world, const renderer::Frame
     coupling_->take_rough_look(picture, shown, frame.visible, plan);
 }
 
-renderer::Lit ChunkLoop::light(const scene::Snapshot& world, renderer::Frame frame, const core::ToleranceMap& tolerance,
-                               int quantiser, RenderedMotion& motion) {
-    renderer::LightOrder order{tolerance};
+renderer::Lit ChunkLoop::light(const scene::Snapshot& world, renderer::Frame frame, int quantiser,
+                               RenderedMotion& motion) {
+    renderer::LightOrder order{tolerance_};
     order.exposure = exposure_samples(job_, quantiser, display_);
     if (job_.preview) {
         order.manner = renderer::Manner::draft;
@@ -180,15 +166,10 @@ core::Picture ChunkLoop::develop(const core::Radiance& radiance, std::int64_t n)
     return picture;
 }
 
-void ChunkLoop::keep(const core::Picture& picture, const core::Radiance& radiance, const core::Visible& visible,
-                     const PlannedPicture& plan) {
-    if (!coupling_) return;
-    const StageTimer timer(statistics_, Stage::tolerate);
-    coupling_->keep(picture, radiance, visible, plan);
-}
-
-void ChunkLoop::code(const core::Picture& picture, const encoder::PicturePlan& plan, Motion& motion) {
+void ChunkLoop::code(const core::Picture& picture, const core::Radiance& shown, const core::Visible& visible,
+                     const encoder::PicturePlan& plan, Motion& motion) {
     if (!coder_) return;
+    if (coupling_) timed(statistics_, Stage::tolerate, [&] { coupling_->keep(picture, shown, visible, plan); });
     statistics_.frames.back().type = "-IPB"[static_cast<int>(plan.type)];
     take(coder_->code(picture, plan, motion));
 }
@@ -197,7 +178,7 @@ void ChunkLoop::take(const std::vector<encoder::CodedPicture>& pictures) {
     for (const encoder::CodedPicture& coded : pictures) {
         if (coupling_) {
             const StageTimer timer(statistics_, Stage::tolerate);
-            if (const std::optional<JudgedPicture> judged = terms_.coded(coded)) coupling_->judge(*judged);
+            coupling_->judge(coded);
         }
         observers_.coded(coded);
     }
@@ -223,6 +204,20 @@ bool render_chunk(const RenderJob& job, renderer::Renderer& renderer, const Chun
     }
     if (loop) loop->finish();
     if (whole) observer.ends(chunk);
+    return whole;
+}
+
+bool render_through(const RenderJob& film, LoopObserver& observer, RunStatistics& statistics,
+                    const std::function<bool()>& goes_on) {
+    renderer::Renderer renderer = renderer_of(film);
+    bool whole = true;
+    for (const Chunk& chunk : chunks_of(film.frames, film.coding.gop)) {
+        bool wanted = true;
+        whole = render_chunk(film, renderer, chunk, observer, statistics, [&] { return wanted = goes_on(); });
+        whole = whole && (wanted || chunk.last == film.frames.last);
+        if (!whole) break;
+    }
+    statistics = totals_of(statistics, renderer);
     return whole;
 }
 

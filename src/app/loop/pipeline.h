@@ -17,4 +17,8 @@ bool render_chunk(const RenderJob& job, renderer::Renderer& renderer, const Chun
                   RunStatistics& statistics, const std::function<bool()>& frame_done,
                   const std::function<bool()>& stops = &InterruptGuard::requested);
 
+/// Renders a settled film chunk by chunk while `goes_on` says so. Returns whether it is whole.
+bool render_through(const RenderJob& film, LoopObserver& observer, RunStatistics& statistics,
+                    const std::function<bool()>& goes_on);
+
 }  // namespace render2mpeg::app

@@ -37,18 +37,29 @@ json options_of(const RenderOptions& options) {
     return words;
 }
 
-/// Files of a chunk's frames beside the coded stream.
-std::vector<std::filesystem::path> products_of(const RenderJob& film, const RenderOptions& options,
-                                               const WorkFolder& work, const Chunk& chunk) {
+/// Images of these frames: the output's, and layers.
+std::vector<std::filesystem::path> images_of(const RenderJob& film, const RenderOptions& options,
+                                             const FrameRange& frames) {
     std::vector<std::filesystem::path> files;
-    if (film.kind == OutputKind::y4m) files.push_back(frames_of(film, options, work, chunk));
-    for (std::int64_t n = chunk.first; n <= chunk.last; ++n) {
+    for (std::int64_t n = frames.first; n <= frames.last; ++n) {
         if (film.kind == OutputKind::exr || film.kind == OutputKind::png) files.push_back(numbered(options.output, n));
         if (!options.layers) continue;
         files.push_back(numbered(layers_in(*options.layers), n));
         files.push_back(numbered(motion_in(*options.layers), n));
     }
     return files;
+}
+
+/// Files of a chunk's frames beside the coded stream.
+std::vector<std::filesystem::path> products_of(const RenderJob& film, const RenderOptions& options,
+                                               const WorkFolder& work, const Chunk& chunk) {
+    std::vector<std::filesystem::path> files = images_of(film, options, {chunk.first, chunk.last});
+    if (film.kind == OutputKind::y4m) files.push_back(frames_of(film, options, work, chunk));
+    return files;
+}
+
+std::string range_of(const FrameRange& frames) {
+    return fmt::format("{}:{}", frames.first, frames.last);
 }
 
 json sums_of(const std::vector<std::filesystem::path>& files) {
@@ -78,27 +89,17 @@ bool take_in(const RenderJob& film, const RenderOptions& options, const WorkFold
     }
 }
 
-/// All files of a render, the film or its first image first.
-std::vector<std::filesystem::path> products_of(const RenderJob& film, const RenderOptions& options) {
-    std::vector<std::filesystem::path> files;
-    const bool images = film.kind == OutputKind::exr || film.kind == OutputKind::png;
-    if (!images) files.push_back(options.output);
-    for (std::int64_t n = film.frames.first; n <= film.frames.last; ++n) {
-        if (images) files.push_back(numbered(options.output, n));
-        if (!options.layers) continue;
-        files.push_back(numbered(layers_in(*options.layers), n));
-        files.push_back(numbered(motion_in(*options.layers), n));
-    }
+constexpr const char* mark_name = "user.render2mpeg.film";
+
+/// A whole film's first file, and the checksum of its identity and of all files' names, sizes and times; empty where
+/// one is missing.
+std::pair<std::filesystem::path, std::string> mark_of(const RenderJob& film, const RenderOptions& options,
+                                                      const json& identity) {
+    std::vector<std::filesystem::path> files = images_of(film, options, film.frames);
+    if (film.kind == OutputKind::film || film.kind == OutputKind::y4m) files.insert(files.begin(), options.output);
     for (const auto& [subject, file] : options.heatmaps) files.emplace_back(file);
     for (const auto& file : {options.stats, options.report})
         if (file) files.push_back(*file);
-    return files;
-}
-
-constexpr const char* mark_name = "user.render2mpeg.film";
-
-/// Checksum of identity, and of all files' names, sizes and times. Empty where one is missing.
-std::string mark_of(const std::vector<std::filesystem::path>& files, const json& identity) {
     std::string text = json_text(identity);
     for (const std::filesystem::path& file : files) {
         std::error_code error;
@@ -109,7 +110,7 @@ std::string mark_of(const std::vector<std::filesystem::path>& files, const json&
     }
     Checksum sum;
     sum.add(text);
-    return text_of(sum.value());
+    return {files[0], text_of(sum.value())};
 }
 
 json json_of(const encoder::BitAllocation& a) {
@@ -143,18 +144,6 @@ std::vector<encoder::BitAllocation> allocations_from(const RenderJob& film, cons
     return allocations;
 }
 
-/// Heatmaps of an earlier run that are not wanted any more; they go when the film is whole.
-void print_given_up(const RenderOptions& options, const WorkFolder& work) {
-    for (const std::filesystem::path& file : work.companions()) {
-        std::error_code error;
-        const bool wanted = std::any_of(options.heatmaps.begin(), options.heatmaps.end(), [&](const auto& heatmap) {
-            return as_json_keeps(std::filesystem::absolute(heatmap.second, error).lexically_normal()) == file;
-        });
-        if (!wanted && !options.quiet && std::filesystem::exists(work_folder_of(file), error))
-            print_line(file.string() + " is given up, since --heatmap is not given for it");
-    }
-}
-
 }  // namespace
 
 std::vector<Files> inputs_of(const RenderJob& film, const RenderOptions& options) {
@@ -167,28 +156,28 @@ std::vector<Files> inputs_of(const RenderJob& film, const RenderOptions& options
 }
 
 json identity_of(const RenderJob& film, const RenderOptions& options) {
-    json inputs = json::array();
+    json inputs = json::object();
     for (const Files& input : inputs_of(film, options)) {
         std::error_code error;
         // A missing image is shown as missing; a list of keyframes is no file.
         if (!std::filesystem::is_regular_file(input.name, error)) continue;
-        const std::string file = canonical_of(input.name).string();
-        const auto known = [&](const json& other) { return other["file"] == file; };
-        if (std::none_of(inputs.begin(), inputs.end(), known))
-            inputs.push_back({{"file", file}, {"checksum", text_of(checksum_of(input.name))}});
+        json& sum = inputs[canonical_of(input.name).string()];
+        if (sum.is_null()) sum = text_of(checksum_of(input.name));
     }
-    return {{"version", RENDER2MPEG_VERSION},           {"build", build_identity()},
-            {"isa", core::name_of(film.rendering.isa)}, {"frames", {film.frames.first, film.frames.last}},
-            {"options", options_of(options)},           {"inputs", inputs}};
+    return {{"render2mpeg", program_text()},
+            {"instruction set", core::name_of(film.rendering.isa)},
+            {"frame range", range_of(film.frames)},
+            {"options", options_of(options)},
+            {"inputs", inputs}};
 }
 
 json identity_of(const Film& film, const std::string& command) {
     std::error_code error;
-    return {{"version", RENDER2MPEG_VERSION},
+    return {{"render2mpeg", program_text()},
             {"command", command},
             {"folder", std::filesystem::current_path(error).string()},
             {"input", film.source},
-            {"frames", {film.frames.first, film.frames.last}}};
+            {"frame range", range_of(film.frames)}};
 }
 
 std::filesystem::path frames_of(const RenderJob& film, const RenderOptions& options, const WorkFolder& work,
@@ -197,29 +186,19 @@ std::filesystem::path frames_of(const RenderJob& film, const RenderOptions& opti
 }
 
 void mark_as_whole(const RenderJob& film, const RenderOptions& options, const json& identity) {
-    const std::vector<std::filesystem::path> files = products_of(film, options);
-    const std::string mark = mark_of(files, identity);
-    const int failure = mark.empty() ? 0 : setxattr(files[0].c_str(), mark_name, mark.data(), mark.size(), 0);
+    const auto [file, mark] = mark_of(film, options, identity);
+    const int failure = mark.empty() ? 0 : setxattr(file.c_str(), mark_name, mark.data(), mark.size(), 0);
     static_cast<void>(failure);  // then nobody will know it
 }
 
 bool is_done_already(const RenderJob& film, const RenderOptions& options, const json& identity) {
-    if (!options.resume) return false;
-    const std::vector<std::filesystem::path> files = products_of(film, options);
-    const std::string mark = mark_of(files, identity);
+    // A run that was killed at its end goes on, and cleans up.
+    if (!options.resume || WorkFolder::is_of(options.output, identity)) return false;
+    const auto [file, mark] = mark_of(film, options, identity);
     std::string found(mark.size(), '\0');
-    if (mark.empty() || getxattr(files[0].c_str(), mark_name, found.data(), found.size()) < 0 || found != mark)
+    if (mark.empty() || getxattr(file.c_str(), mark_name, found.data(), found.size()) < 0 || found != mark)
         return false;
-    const std::string name = options.output.string();
-    if (!options.quiet) print_line(name + " is whole already: nothing is left to be done");
-    std::error_code error;
-    if (options.dry_run || !std::filesystem::exists(work_folder_of(options.output), error)) return true;
-    try {
-        WorkFolder(options.output, identity, WorkFolder::Earlier::resumed).clear_away();
-    } catch (const core::Error& refusal) {
-        // Another run's folder is left alone.
-        if (!options.quiet) print_line(fmt::format("{}: what lies beside it is left alone ({})", name, refusal.what()));
-    }
+    if (!options.quiet) print_line(options.output.string() + " is whole already: nothing is left to be done");
     return true;
 }
 
@@ -245,7 +224,6 @@ std::vector<ChunkFile> take_up(const RenderJob& film, const RenderOptions& optio
     statistics = std::move(earlier);
     kept(chunks.size());
     work.drop_all_but(chunks);
-    print_given_up(options, work);
     if (!options.quiet) {
         const std::string name = options.output.string();
         const std::string text =

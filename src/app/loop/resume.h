@@ -37,7 +37,7 @@ nlohmann::json chunk_record_of(const RenderJob& film, const RenderOptions& optio
 /// attributes nothing happens.
 void mark_as_whole(const RenderJob& film, const RenderOptions& options, const nlohmann::json& identity);
 
-/// Whether --resume finds this mark and unchanged files. Says so, and removes leftovers of a run killed at its end.
+/// Whether --resume finds this mark and unchanged files. Says so.
 bool is_done_already(const RenderJob& film, const RenderOptions& options, const nlohmann::json& identity);
 
 /// Takes over the whole chunks of an earlier run with their statistics, and removes the rest, after `kept` got their

@@ -22,34 +22,35 @@ enum class How { added, largest, apart };
 /// Lists the members of an entry, for writing and reading.
 template <class Entry, class Visit>
 void each_member(Entry& e, Visit&& visit) {
-    visit("frame", e.frame);
-    visit("type", e.type);
-    visit("quantiser", e.quantiser);
-    visit("mean_quantiser", e.mean_quantiser);
-    visit("bytes", e.bytes);
-    visit("planned_quantiser", e.planned_quantiser);
-    visit("tries", e.tries);
-    visit("minimal", e.minimal);
-    visit("stuffing", e.stuffing);
-    visit("fullness_before", e.fullness_before);
-    visit("fullness_after", e.fullness_after);
-    visit("vectors_tried_exact", e.motion.evaluations.exact);
-    visit("vectors_tried_predicted", e.motion.evaluations.predicted);
-    visit("vectors_tried_searched", e.motion.evaluations.searched);
-    visit("vectors_chosen_exact", e.motion.chosen.exact);
-    visit("vectors_chosen_predicted", e.motion.chosen.predicted);
-    visit("vectors_chosen_searched", e.motion.chosen.searched);
-    visit("searches", e.motion.searches);
-    visit("mse_y", e.mse_y);
-    visit("ssim_y", e.ssim_y);
-    visit("pumping", e.pumping);
-    visit("shadow_rays", e.shadow_rays);
-    visit("direct_cut", e.direct_cut);
-    visit("indirect_cut", e.indirect_cut);
-    visit("records_created", e.records.created);
-    visit("records_live", e.records.live);
-    visit("records_served", e.records.served);
-    visit("seconds", e.seconds);
+    using enum How;
+    visit("frame", added, e.frame);
+    visit("type", added, e.type);
+    visit("quantiser", added, e.quantiser);
+    visit("mean_quantiser", added, e.mean_quantiser);
+    visit("bytes", added, e.bytes);
+    visit("planned_quantiser", added, e.planned_quantiser);
+    visit("tries", added, e.tries);
+    visit("minimal", added, e.minimal);
+    visit("stuffing", added, e.stuffing);
+    visit("fullness_before", added, e.fullness_before);
+    visit("fullness_after", added, e.fullness_after);
+    visit("vectors_tried_exact", added, e.motion.evaluations.exact);
+    visit("vectors_tried_predicted", added, e.motion.evaluations.predicted);
+    visit("vectors_tried_searched", added, e.motion.evaluations.searched);
+    visit("vectors_chosen_exact", added, e.motion.chosen.exact);
+    visit("vectors_chosen_predicted", added, e.motion.chosen.predicted);
+    visit("vectors_chosen_searched", added, e.motion.chosen.searched);
+    visit("searches", added, e.motion.searches);
+    visit("mse_y", added, e.mse_y);
+    visit("ssim_y", added, e.ssim_y);
+    visit("pumping", added, e.pumping);
+    visit("shadow_rays", added, e.shadow_rays);
+    visit("direct_cut", added, e.direct_cut);
+    visit("indirect_cut", added, e.indirect_cut);
+    visit("records_created", added, e.records.created);
+    visit("records_live", added, e.records.live);
+    visit("records_served", added, e.records.served);
+    visit("seconds", added, e.seconds);
 }
 
 /// Lists the renderer's counts, of one run or of two.
@@ -114,14 +115,14 @@ void each_sum(Visit&& visit, Sums&... l) {
 
 template <class Sums, class Visit>
 void each_split_sum(Sums& s, Visit&& visit) {
-    visit("pixels", s.pixels);
-    visit("paths", s.paths);
-    visit("light", s.light);
-    visit("dark_light", s.dark_light);
+    visit("pixels", How::added, s.pixels);
+    visit("paths", How::added, s.paths);
+    visit("light", How::added, s.light);
+    visit("dark_light", How::added, s.dark_light);
     for (std::size_t c = 0; c < s.causes.size(); ++c) {
         auto& cause = s.causes[c];
         const auto sum = [&](const char* name, auto& value) {
-            visit((std::string(renderer::cause_names[c]) + "_" + name).c_str(), value);
+            visit((std::string(renderer::cause_names[c]) + "_" + name).c_str(), How::added, value);
         };
         sum("difference", cause.difference);
         sum("difference_squares", cause.difference_squares);
@@ -135,10 +136,6 @@ void each_split_sum(Sums& s, Visit&& visit) {
 struct Writer {
     json& to;
     template <class Value>
-    void operator()(const char* name, const Value& value) const {
-        to[name] = value;
-    }
-    template <class Value>
     void operator()(const char* name, How, const Value& value) const {
         to[name] = value;
     }
@@ -147,10 +144,6 @@ struct Writer {
 /// Throws json::exception where a member is missing or of another kind.
 struct Reader {
     const json& from;
-    template <class Value>
-    void operator()(const char* name, Value& value) const {
-        from.at(name).get_to(value);
-    }
     template <class Value>
     void operator()(const char* name, How, Value& value) const {
         from.at(name).get_to(value);
@@ -201,10 +194,6 @@ double cpu_seconds() {
 
 double clock_seconds() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-double RunStatistics::total_seconds() const {
-    return std::accumulate(seconds.begin(), seconds.end(), 0.0);
 }
 
 double Audit::share_over() const {

@@ -94,7 +94,6 @@ struct RunStatistics {
     std::array<double, static_cast<std::size_t>(renderer::Pass::count)> pass_seconds{};
 
     double stage_seconds(Stage stage) const { return seconds[static_cast<std::size_t>(stage)]; }
-    double total_seconds() const;
     /// Means over the film; PSNR from the mean squared error, +infinity without loss.
     double psnr_y() const;
     double ssim_y() const;
@@ -112,14 +111,15 @@ struct Rendered {
     std::uint64_t bytes = 0;
 };
 
-/// Adds the CPU time of its scope to a stage, or to a row of the plan.
+/// Adds the CPU time of its scope to a sum, a stage, or a row of the plan.
 class StageTimer {
   public:
+    explicit StageTimer(double& sum) : sum_(sum) {}
     StageTimer(RunStatistics& statistics, Stage stage) : sum_(statistics.seconds[static_cast<std::size_t>(stage)]) {
         tell_activity(stage_words[static_cast<std::size_t>(stage)]);
     }
     StageTimer(RunStatistics& statistics, renderer::Pass pass)
-        : sum_(statistics.pass_seconds[static_cast<std::size_t>(pass)]) {}
+        : StageTimer(statistics.pass_seconds[static_cast<std::size_t>(pass)]) {}
     ~StageTimer() { sum_ += cpu_seconds() - start_; }
     StageTimer(const StageTimer&) = delete;
     StageTimer& operator=(const StageTimer&) = delete;
@@ -148,21 +148,13 @@ class FrameTimer {
 /// Adds the CPU time of `work` to `sum`.
 template <class Work>
 auto timed(double& sum, Work&& work) {
-    struct Clock {
-        double& sum;
-        double start = cpu_seconds();
-        ~Clock() { sum += cpu_seconds() - start; }
-    };
-    const Clock clock{sum};
+    const StageTimer timer(sum);
     return work();
 }
-template <class Work>
-auto timed(RunStatistics& statistics, Stage stage, Work&& work) {
-    return timed(statistics.seconds[static_cast<std::size_t>(stage)], std::forward<Work>(work));
-}
-template <class Work>
-auto timed(RunStatistics& statistics, renderer::Pass pass, Work&& work) {
-    return timed(statistics.pass_seconds[static_cast<std::size_t>(pass)], std::forward<Work>(work));
+template <class Part, class Work>
+auto timed(RunStatistics& statistics, Part part, Work&& work) {
+    const StageTimer timer(statistics, part);
+    return work();
 }
 
 /// Sum over two parts of one film; the earlier part's times become `earlier_cpu` and `earlier_wall`.

@@ -24,10 +24,9 @@ class StatisticsRecorder : public LoopObserver {
 
     /// Opens the entry of a frame with what gathering its light took: the growth of the renderer's counts.
     void lit(const LitFrame& frame) override;
+    void read(const core::Picture& picture, const core::MotionField* motion) override;
     /// Completes the entry of a picture that was coded.
     void coded(const encoder::CodedPicture& coded) override;
-    /// Opens the entry of a frame that came from a file. `motion` leads to the frame before; null: not known.
-    void read(const core::Picture& picture, const core::MotionField* motion);
 
   private:
     /// A picture that is coded, and the one before it.

@@ -1,6 +1,5 @@
 #include "app/options/command_options.h"
 
-#include <regex>
 #include <string>
 #include <vector>
 
@@ -84,8 +83,6 @@ void add_plan_argument(CLI::App& command, std::filesystem::path& plan) {
     command.add_option("PLAN", plan, "The folder that `farm` wrote, e.g. film.mpg.farm, or its plan.json")->required();
 }
 
-}  // namespace
-
 void add_trial_run_options(CLI::App& command, TrialOptions& options) {
     const std::string run = "Run";
     add_threads_option(command, options.render.threads);
@@ -96,6 +93,8 @@ void add_trial_run_options(CLI::App& command, TrialOptions& options) {
     add_consent_option(command, options.render.overwrite);
     add_flag(command, run, "--quiet", options.render.quiet, "Print nothing but errors");
 }
+
+}  // namespace
 
 CLI::App* add_cost_command(CLI::App& app, CostOptions& options) {
     CLI::App* command = app.add_subcommand("cost", "Show what accuracy costs in time, and what it buys");
@@ -280,13 +279,9 @@ std::vector<std::string> render_words(const std::vector<std::string>& farm) {
 }
 
 FrameRange contiguous_from(const std::string& text) {
-    static const std::regex form("([0-9]{1,15})-([0-9]{1,15})");
-    std::smatch found;
-    FrameRange frames;
-    if (std::regex_match(text, found, form)) frames = {std::stoll(found.str(1)), std::stoll(found.str(2))};
-    if (found.empty() || frames.first > frames.last)
-        throw UsageError(text + ": expected two frames with a dash between, as in 60-119");
-    return frames;
+    const std::size_t dash = text.find('-');
+    if (dash == std::string::npos) throw UsageError(text + ": expected two frames with a dash between, as in 60-119");
+    return frames_from(std::string(text).replace(dash, 1, ":"));
 }
 
 }  // namespace render2mpeg::app

@@ -1,7 +1,6 @@
 #include "app/options/help_format.h"
 
 #include <algorithm>
-#include <regex>
 #include <sstream>
 
 #include "app/options/coding_options.h"
@@ -41,13 +40,7 @@ class HelpFormat : public CLI::Formatter {
     }
 
     std::string make_footer(const CLI::App* app) const override {
-        // CLI11 up to 2.3 adds an empty line; doubled ones are merged.
         return app->get_footer().empty() ? "" : "\n" + wrapped(app->get_footer(), columns()) + "\n";
-    }
-
-    std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
-        static const std::regex gap("\n\n\n+");
-        return std::regex_replace(Formatter::make_help(app, std::move(name), mode), gap, "\n\n");
     }
 
   private:

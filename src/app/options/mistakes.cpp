@@ -8,6 +8,7 @@
 #include <array>
 #include <cctype>
 #include <cstdint>
+#include <map>
 #include <system_error>
 
 #include "app/options/help_format.h"
@@ -96,10 +97,10 @@ std::string missing_text(const CLI::App& app, const std::string& name) {
 
 using Names = std::vector<std::string>;
 
-void note(Names& lines, const Names& given, const Names& names, const std::string& reason) {
+void note(Names& lines, const std::map<std::string, std::string>& said, const Names& names, const std::string& reason) {
     Names found;
     for (const std::string& name : names)
-        if (std::find(given.begin(), given.end(), name) != given.end()) found.push_back(name);
+        if (said.contains(name)) found.push_back(name);
     if (!found.empty())
         lines.push_back(
             fmt::format("{} {} nothing here: {}", fmt::join(found, ", "), found.size() == 1 ? "does" : "do", reason));
@@ -216,27 +217,27 @@ std::vector<std::string> unused_options(const RenderOptions& options, OutputKind
     Names lines;
     const std::string output = options.output.filename().string();
     if (kind != OutputKind::film)
-        note(lines, options.given,
+        note(lines, options.said,
              {"--codec", "--quantiser", "--crf", "--quality", "--bitrate", "--cbr", "--maxrate", "--vbv", "--passes",
               "--gop", "--b-pictures", "--tune", "--encoder", "--keyframes", "--audio", "--audio-offset"},
              output + " is not coded");
     // With a tolerance, the exposure tells which pixels are too dark to matter.
     if (kind == OutputKind::exr && (tolerance.reference || tolerance.relative == 0))
-        note(lines, options.given, {"--exposure"},
+        note(lines, options.said, {"--exposure"},
              output + " holds the scene's own light, and no light is too dark for this tolerance");
     if (kind == OutputKind::exr)
-        note(lines, options.given, {"--view", "--glare"}, output + " holds the scene's own light");
+        note(lines, options.said, {"--view", "--glare"}, output + " holds the scene's own light");
     if (tolerance.truth)
-        note(lines, options.given, {"--vpls", "--clamp", "--cache", "--samples", "--edge-samples"},
+        note(lines, options.said, {"--vpls", "--clamp", "--cache", "--samples", "--edge-samples"},
              "paths over the whole pixel bring its light");
     if (!tolerance.coupled)
-        note(lines, options.given, {"--masking"}, "the tolerance is not coupled to the film's coding");
+        note(lines, options.said, {"--masking"}, "the tolerance is not coupled to the film's coding");
     return lines;
 }
 
 std::vector<std::string> unused_options(const EncodeOptions& options) {
     Names lines;
-    if (!options.motion) note(lines, options.given, {"--motion-convention"}, "there is no --motion");
+    if (!options.motion) note(lines, options.said, {"--motion-convention"}, "there is no --motion");
     return lines;
 }
 

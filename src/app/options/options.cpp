@@ -181,13 +181,6 @@ std::optional<int> read(CLI::App& app, const std::vector<std::string>& words) {
     return {};
 }
 
-std::vector<std::string> given_of(const CLI::App& command) {
-    std::vector<std::string> names;
-    for (const CLI::Option* option : command.get_options())
-        if (option->count() > 0 && !option->get_lnames().empty()) names.push_back("--" + option->get_lnames().front());
-    return names;
-}
-
 std::map<std::string, std::string> said_of(const CLI::App& command) {
     std::map<std::string, std::string> said;
     for (const CLI::Option* option : command.get_options()) {
@@ -196,11 +189,6 @@ std::map<std::string, std::string> said_of(const CLI::App& command) {
         for (const std::string& word : option->results()) text += (text.empty() ? "" : " ") + word;
     }
     return said;
-}
-
-void keep_words(const CLI::App& command, RenderOptions& options) {
-    options.given = given_of(command);
-    options.said = said_of(command);
 }
 
 }  // namespace
@@ -241,17 +229,17 @@ CommandLine parse(int argc, char** argv) {
     struct Known {
         CLI::App* app;
         Command command;
-        RenderOptions* render;  ///< whose words are kept; null: none
+        std::map<std::string, std::string>* said;  ///< its words are kept there; null: nowhere
         bool shows_progress = true;
     };
-    const Known all[] = {{add_render_command(app, line.render), Command::render, &line.render},
-                         {add_encode_command(app, line.encode), Command::encode, nullptr},
-                         {add_plan_command(app, line.plan), Command::plan, &line.plan},
+    const Known all[] = {{add_render_command(app, line.render), Command::render, &line.render.said},
+                         {add_encode_command(app, line.encode), Command::encode, &line.encode.said},
+                         {add_plan_command(app, line.plan), Command::plan, &line.plan.said},
                          {add_info_command(app, line.info), Command::info, nullptr, false},
-                         {add_cost_command(app, line.cost), Command::cost, &line.cost.render},
-                         {add_tune_command(app, line.tune), Command::tune, &line.tune.render},
-                         {add_compare_command(app, line.compare), Command::compare, &line.compare.render},
-                         {add_watch_command(app, line.watch), Command::watch, &line.watch},
+                         {add_cost_command(app, line.cost), Command::cost, &line.cost.render.said},
+                         {add_tune_command(app, line.tune), Command::tune, &line.tune.render.said},
+                         {add_compare_command(app, line.compare), Command::compare, &line.compare.render.said},
+                         {add_watch_command(app, line.watch), Command::watch, &line.watch.said},
                          {add_farm_command(app, line.farm), Command::farm, nullptr},
                          {add_part_command(app, line.part), Command::part, nullptr},
                          {add_join_command(app, line.join), Command::join, nullptr, false},
@@ -267,8 +255,7 @@ CommandLine parse(int argc, char** argv) {
     for (const Known& known : all) {
         if (!known.app->parsed()) continue;
         line.command = known.command;
-        if (known.render != nullptr) keep_words(*known.app, *known.render);
-        if (known.command == Command::encode) line.encode.given = given_of(*known.app);
+        if (known.said != nullptr) *known.said = said_of(*known.app);
         // Parts run without a terminal.
         if (known.command == Command::part && known.app->get_option("--progress")->empty()) line.progress = "minute";
     }

@@ -1,12 +1,10 @@
 #pragma once
 // Options of all commands.
-#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -106,12 +104,12 @@ struct RenderOptions {
     bool hold = false;       ///< frames outside the film are wanted
     bool overwrite = false;  ///< replace films and make folders without a question
     bool verbose = false;
-    std::string within = "10s";               ///< for sample frames that tell what the film takes; "0": none
-    std::optional<std::string> memory;        ///< as memory_from() reads it; none: all that there is
-    std::vector<std::string> given;           ///< long names of the options on the command line
-    std::map<std::string, std::string> said;  ///< with these: the words behind each
+    std::string within = "10s";         ///< for sample frames that tell what the film takes; "0": none
+    std::optional<std::string> memory;  ///< as memory_from() reads it; none: all that there is
+    std::map<std::string, std::string>
+        said;  ///< options of the command line by their long names: the words behind each
 
-    bool is_given(std::string_view name) const { return std::find(given.begin(), given.end(), name) != given.end(); }
+    bool is_given(const std::string& name) const { return said.contains(name); }
 };
 
 struct EncodeOptions {
@@ -128,8 +126,8 @@ struct EncodeOptions {
     int threads = 0;  ///< 0: all
     std::optional<std::filesystem::path> stats;
     bool quiet = false;
-    bool overwrite = false;          ///< as in RenderOptions
-    std::vector<std::string> given;  ///< likewise
+    bool overwrite = false;                   ///< as in RenderOptions
+    std::map<std::string, std::string> said;  ///< likewise
 };
 
 struct InfoOptions {

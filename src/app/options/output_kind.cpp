@@ -129,11 +129,6 @@ std::filesystem::path work_folder_of(const std::filesystem::path& output) {
     return std::filesystem::path(output) += ".partial";
 }
 
-std::filesystem::path partial_film_of(const std::filesystem::path& output, int which) {
-    const std::string number = which > 1 ? "-" + std::to_string(which) : "";
-    return std::filesystem::path(output).replace_extension(".partial" + number + output.extension().string());
-}
-
 double pictures_in_file(double bytes, std::int64_t pictures, const std::filesystem::path& file, bool disc) {
     const Overhead overhead = overhead_of(core::ending_of(file), disc);
     // chosen: two passes come within 1 % of a rate, seldom 2 % (docs/measurements.md#rates).

@@ -36,9 +36,8 @@ std::filesystem::path layers_in(const std::filesystem::path& folder);
 /// Its motion files (docs/coding.md).
 std::filesystem::path motion_in(const std::filesystem::path& folder);
 
-/// `film.mpg.partial/`, and `film.partial.mpg` (then `film.partial-2.mpg`) after an interruption.
+/// `film.mpg.partial/`
 std::filesystem::path work_folder_of(const std::filesystem::path& output);
-std::filesystem::path partial_film_of(const std::filesystem::path& output, int which = 1);
 
 /// Bytes for pictures in a file of `bytes`, after the container's share; at least 1.
 double pictures_in_file(double bytes, std::int64_t pictures, const std::filesystem::path& file, bool disc);

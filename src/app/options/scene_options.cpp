@@ -9,6 +9,7 @@
 #include "core/view.h"
 
 namespace render2mpeg::app {
+namespace {
 
 std::string check_exposure(const std::string& text) {
     if (text == "auto") return {};
@@ -17,49 +18,6 @@ std::string check_exposure(const std::string& text) {
     if (text.empty() || *end != '\0' || !std::isfinite(ev) || std::abs(ev) > 64)
         throw UsageError("exposure " + text + ": expected `auto` or a number of EV from -64 to 64, e.g. -1.5");
     return {};
-}
-
-void add_scene_options(CLI::App& command, RenderOptions& options) {
-    command
-        .add_option(
-            "INPUT", options.input,
-            "Scene: .gltf, .glb, an animation file (.json, or a folder with film.json), .blend where Blender is "
-            "installed, or any format that Assimp reads (.obj, .ply, .fbx, .dae, .3ds, ...)")
-        ->required();
-    const std::string scene = "Scene";
-    add_option(command, scene, "--camera", options.camera,
-               "Camera to look through, by name or index (default: the first)", "NAME");
-    add_option(command, scene, "--animation", options.animation,
-               "Animation to play, by name or index (default: all at once)", "NAME");
-    add_option(command, scene, "--variant", options.variant,
-               "Variant of a glTF file's materials, by name or index (default: none of them)", "NAME");
-    add_option(command, scene, "--sky", options.sky,
-               "Sky image (EXR, HDR, latitude-longitude), or `none` (default: the scene's)", "FILE|none");
-    add_option(command, scene, "--light", options.light,
-               "What lights a scene without any light: a `studio` with a floor, an `even` sky, or `none`",
-               one_of({"studio", "even", "none"}), shown);
-    add_option(command, "Light", "--indirect", options.indirect,
-               "How bounced light and the sky are gathered: by `rays` that ask a cache on surfaces, or by "
-               "`lightcuts` through light points",
-               one_of({"rays", "lightcuts"}), shown);
-    add_option(command, "Light", "--vpls", options.vpls, "Light points that carry indirect light; 0: direct light only",
-               shown, range(0, 1 << 22));
-    add_option(command, "Light", "--caustics", options.caustics,
-               "Whether mirrors and solid glass throw light onto other things; `off`: they do not, and light passes "
-               "solid glass straight",
-               one_of({"on", "off"}), shown);
-}
-
-void add_tolerance_option(CLI::App& command, RenderOptions& options, const std::string& group) {
-    add_option(
-        command, group, "--tolerance", options.tolerance,
-        "Error allowed in a pixel's light. `coupled`: what the film's coding and the eye hide; coupled=K: K times "
-        "what they hide at most (default: 0.5), less in pictures that others are predicted from; fixed=P% of its "
-        "luminance; `reference`: every light point and 4096 rays a point, slow; `truth`: paths of light instead of "
-        "light points, as many "
-        "as bring each pixel's standard error to 1% of its luminance, or truth=P%, very slow (default: coupled "
-        "for films, fixed=2% for frames)",
-        "coupled|fixed=P%|reference|truth", tolerance_from);
 }
 
 void add_light_options(CLI::App& command, RenderOptions& options) {
@@ -75,7 +33,15 @@ void add_light_options(CLI::App& command, RenderOptions& options) {
                "Samples over the shutter and the lens of each pixel that they blur (default: by quantiser, what "
                "coding keeps of them; `plan` tells)",
                range(1, 1024));
-    add_tolerance_option(command, options, light);
+    add_option(
+        command, light, "--tolerance", options.tolerance,
+        "Error allowed in a pixel's light. `coupled`: what the film's coding and the eye hide; coupled=K: K times "
+        "what they hide at most (default: 0.5), less in pictures that others are predicted from; fixed=P% of its "
+        "luminance; `reference`: every light point and 4096 rays a point, slow; `truth`: paths of light instead of "
+        "light points, as many "
+        "as bring each pixel's standard error to 1% of its luminance, or truth=P%, very slow (default: coupled "
+        "for films, fixed=2% for frames)",
+        "coupled|fixed=P%|reference|truth", tolerance_from);
     add_option(command, light, "--masking", options.masking,
                "What hides errors in coupled films: the picture before, `warped` along motion, or place by place as "
                "decoded, its coding errors included (`quantised`; for films that hardly move)",
@@ -91,8 +57,6 @@ void add_light_options(CLI::App& command, RenderOptions& options) {
                one_of({"on", "off", "auto"}), shown);
 }
 
-namespace {
-
 /// Shutter and lens.
 void add_exposure_options(CLI::App& command, RenderOptions& options, const std::string& picture) {
     add_option(command, picture, "--shutter", options.shutter,
@@ -107,21 +71,6 @@ void add_exposure_options(CLI::App& command, RenderOptions& options, const std::
     add_option(command, picture, "--focus", options.focus,
                "What is in focus: a distance along the camera's axis, or the middle of the objects of a name",
                "DISTANCE|NAME");
-}
-
-}  // namespace
-
-void add_film_options(CLI::App& command, RenderOptions& options) {
-    add_picture_options(command, options);
-    add_light_options(command, options);
-    add_coding_options(command, options.coding);
-}
-
-void add_effort_option(CLI::App& command, RenderOptions& options) {
-    add_option(command, "Light", "--effort", options.effort,
-               "All settings of light by one name: `draft`, as --preview but in the film's size, `low`, `default` or "
-               "`high`; other options win over it; `cost` tells what each takes and loses",
-               one_of({"draft", "low", "default", "high"}));
 }
 
 void add_picture_options(CLI::App& command, RenderOptions& options) {
@@ -157,6 +106,52 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
                "Whether the camera does not see the sky, which shines all the same: frames have alpha, films black "
                "there (default: the animation file's or the .blend's, or off)",
                one_of({"on", "off"}));
+}
+
+}  // namespace
+
+void add_scene_options(CLI::App& command, RenderOptions& options) {
+    command
+        .add_option(
+            "INPUT", options.input,
+            "Scene: .gltf, .glb, an animation file (.json, or a folder with film.json), .blend where Blender is "
+            "installed, or any format that Assimp reads (.obj, .ply, .fbx, .dae, .3ds, ...)")
+        ->required();
+    const std::string scene = "Scene";
+    add_option(command, scene, "--camera", options.camera,
+               "Camera to look through, by name or index (default: the first)", "NAME");
+    add_option(command, scene, "--animation", options.animation,
+               "Animation to play, by name or index (default: all at once)", "NAME");
+    add_option(command, scene, "--variant", options.variant,
+               "Variant of a glTF file's materials, by name or index (default: none of them)", "NAME");
+    add_option(command, scene, "--sky", options.sky,
+               "Sky image (EXR, HDR, latitude-longitude), or `none` (default: the scene's)", "FILE|none");
+    add_option(command, scene, "--light", options.light,
+               "What lights a scene without any light: a `studio` with a floor, an `even` sky, or `none`",
+               one_of({"studio", "even", "none"}), shown);
+    add_option(command, "Light", "--indirect", options.indirect,
+               "How bounced light and the sky are gathered: by `rays` that ask a cache on surfaces, or by "
+               "`lightcuts` through light points",
+               one_of({"rays", "lightcuts"}), shown);
+    add_option(command, "Light", "--vpls", options.vpls, "Light points that carry indirect light; 0: direct light only",
+               shown, range(0, 1 << 22));
+    add_option(command, "Light", "--caustics", options.caustics,
+               "Whether mirrors and solid glass throw light onto other things; `off`: they do not, and light passes "
+               "solid glass straight",
+               one_of({"on", "off"}), shown);
+}
+
+void add_film_options(CLI::App& command, RenderOptions& options) {
+    add_picture_options(command, options);
+    add_light_options(command, options);
+    add_coding_options(command, options.coding);
+}
+
+void add_effort_option(CLI::App& command, RenderOptions& options) {
+    add_option(command, "Light", "--effort", options.effort,
+               "All settings of light by one name: `draft`, as --preview but in the film's size, `low`, `default` or "
+               "`high`; other options win over it; `cost` tells what each takes and loses",
+               one_of({"draft", "low", "default", "high"}));
 }
 
 }  // namespace render2mpeg::app

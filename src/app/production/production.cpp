@@ -124,10 +124,18 @@ Published publish_frames(const OpenRender& open, bool complete) {
             parts.push_back(std::filesystem::path(chunk.file()).replace_extension(".y4m"));
         const std::filesystem::path file = open.work.begin("film.y4m");
         join_y4m(film, parts, file);
-        return give_name(file, open.work, options.output, complete);
+        return complete ? give_name(file, options.output) : published_at(file);
     }
     // Images have their names already.
     return {options.output, 0};
+}
+
+/// How many of the chunks are whole.
+std::size_t whole_of(const std::vector<ChunkFile>& chunks) {
+    return static_cast<std::size_t>(std::count_if(chunks.begin(), chunks.end(), [](const ChunkFile& chunk) {
+        std::error_code error;
+        return std::filesystem::exists(ChunkFile::record_of(chunk.file()), error);
+    }));
 }
 
 }  // namespace
@@ -173,7 +181,10 @@ void check_before_reading(const RenderOptions& options) {
     if (is_slow && !options.dry_run && !options.resume) require_consent(wishes, options.overwrite);
 }
 
-void check_outputs(const RenderJob& film, const RenderOptions& options) {
+namespace {
+
+/// All files of a render; empty names are passed over.
+std::vector<Files> outputs_of(const RenderJob& film, const RenderOptions& options) {
     std::vector<Files> outputs{is_one_file(film) ? Files(options.output) : Files(options.output, film.frames),
                                options.stats.value_or(""), options.last_frame.value_or("")};
     for (const auto& [subject, file] : options.heatmaps) outputs.emplace_back(file);
@@ -184,6 +195,13 @@ void check_outputs(const RenderJob& film, const RenderOptions& options) {
     if (options.layers)
         for (const auto& pattern : {layers_in(*options.layers), motion_in(*options.layers)})
             outputs.emplace_back(pattern, film.frames);
+    return outputs;
+}
+
+}  // namespace
+
+void check_outputs(const RenderJob& film, const RenderOptions& options) {
+    const std::vector<Files> outputs = outputs_of(film, options);
     check_apart(inputs_of(film, options), outputs);
     for (const Files& output : outputs)
         if (!output.name.empty()) check_reachable(output.name);
@@ -203,13 +221,10 @@ Wishes written_by(const RenderJob& film, const RenderOptions& options) {
     return wishes;
 }
 
-std::unique_ptr<WorkFolder> open_outputs(const RenderOptions& options, const nlohmann::json& identity) {
-    check_writable(options.output);
-    if (options.layers) check_writable(layers_in(*options.layers));
-    if (options.stats) check_writable(*options.stats);
-    if (options.report) check_writable(*options.report);
-    if (options.report) check_writable(report_json_of(*options.report));
-    for (const auto& [subject, file] : options.heatmaps) check_writable(file);
+std::unique_ptr<WorkFolder> open_outputs(const RenderJob& film, const RenderOptions& options,
+                                         const nlohmann::json& identity) {
+    for (const Files& output : outputs_of(film, options))
+        if (!output.name.empty()) check_writable(output.name);
     const auto earlier = options.resume ? WorkFolder::Earlier::resumed : WorkFolder::Earlier::removed;
     return std::make_unique<WorkFolder>(options.output, identity, earlier);
 }
@@ -217,13 +232,6 @@ std::unique_ptr<WorkFolder> open_outputs(const RenderOptions& options, const nlo
 void take_up(SampleFrameObserver& sample_frame, const std::vector<ChunkFile>& chunks) {
     for (const ChunkFile& chunk : chunks)
         if (sample_frame.is_in(chunk.chunk())) sample_frame.take_up(chunk.facts().value(sample_frame_name, ""));
-}
-
-std::size_t whole_of(const std::vector<ChunkFile>& chunks) {
-    return static_cast<std::size_t>(std::count_if(chunks.begin(), chunks.end(), [](const ChunkFile& chunk) {
-        std::error_code error;
-        return std::filesystem::exists(ChunkFile::record_of(chunk.file()), error);
-    }));
 }
 
 bool render_chunks(const OpenRender& open) {
@@ -255,13 +263,6 @@ bool write_about(const OpenRender& open, const RunFacts& facts, ErrorCollector& 
     return stats && report;
 }
 
-/// Marks complete outputs, and removes their intermediate files. Call when none of these is needed any more.
-void clear_away(const OpenRender& open) {
-    if (!open.heatmaps.has_lost()) mark_as_whole(open.film, open.options, open.identity);
-    open.heatmaps.clear_away();
-    open.work.clear_away();  // last, since it knows of the others
-}
-
 }  // namespace
 
 bool publish_all(const OpenRender& open, bool complete, RunFacts& facts, const std::string& again) {
@@ -280,7 +281,8 @@ bool publish_all(const OpenRender& open, bool complete, RunFacts& facts, const s
     errors.attempt([&] { open.heatmaps.rethrow(); });
     open.statistics.wall = open.clock.seconds(open.statistics);
     all_written = write_about(open, facts, errors) && all_written;
-    if (all_written) clear_away(open);
+    if (all_written && !open.heatmaps.has_lost()) mark_as_whole(open.film, open.options, open.identity);
+    if (all_written) open.work.remove();
     if (complete && !all_written && !quiet) print_line(resuming_text(open.film, open.files.size()));
     if (!quiet && published) errors.attempt([&] { print(summary(open.film, open.statistics, facts)); });
     if (!complete && !quiet)

@@ -40,7 +40,8 @@ void check_outputs(const RenderJob& film, const RenderOptions& options);
 Wishes written_by(const RenderJob& film, const RenderOptions& options);
 
 /// Sees that all outputs can be written before hours go into them; from now on no other run has the film.
-std::unique_ptr<WorkFolder> open_outputs(const RenderOptions& options, const nlohmann::json& identity);
+std::unique_ptr<WorkFolder> open_outputs(const RenderJob& film, const RenderOptions& options,
+                                         const nlohmann::json& identity);
 
 /// Seconds on the clock of this run, and of those that it goes on from.
 class WallClock {
@@ -74,9 +75,6 @@ void take_up(SampleFrameObserver& sample_frame, const std::vector<ChunkFile>& ch
 /// Renders the chunks that have no file yet, the last of them incompletely after an interruption. Returns whether all
 /// that the job makes is whole. The message of a failure ends with the work that is preserved.
 bool render_chunks(const OpenRender& open);
-
-/// How many of the chunks are whole.
-std::size_t whole_of(const std::vector<ChunkFile>& chunks);
 
 /// Publishes complete outputs; leaves incomplete ones beside the target. Stores the outcome in `facts`. `again`: the
 /// command to continue after an interruption. Returns whether all requested outputs are written. A failure does not

@@ -26,6 +26,7 @@ struct SubjectScale {
     const char* title;
     bool logarithmic, per_cent;
     std::vector<float> values;
+    core::Plane<float> core::Radiance::*of_records = nullptr;  ///< shown as it is; null: not about records
 };
 
 const std::vector<SubjectScale>& subjects() {
@@ -35,18 +36,21 @@ const std::vector<SubjectScale>& subjects() {
         {"cut", cut, "CUT: CLUSTERS PER PIXEL", true, false, {5, 10, 30, 100, 300, 1000, 4000}},
         {"error", error, "ERROR REACHED / LUMINANCE", true, true, {0.001f, 0.01f, 0.02f, 0.05f, 0.1f, 0.3f, 1}},
         {"quantiser", quantiser, "QUANTISER SCALE CODE", true, false, {1, 2, 3, 4, 6, 8, 12, 16, 24, 31}},
-        {"records", records, "RECORDS IN THE PIXEL", false, false, {0, 1, 2, 4, 6, 8}},
-        {"age", age, "AGE OF LIGHT: FRAMES", false, false, {0, 10, 20, 30, 40, 50, 60}},
-        {"reuse", reuse, "LIGHT REUSED", false, true, {0, 0.25f, 0.5f, 0.75f, 1}}};
+        {"records", records, "RECORDS IN THE PIXEL", false, false, {0, 1, 2, 4, 6, 8}, &core::Radiance::record_density},
+        {"age", age, "AGE OF LIGHT: FRAMES", false, false, {0, 10, 20, 30, 40, 50, 60}, &core::Radiance::record_age},
+        {"reuse", reuse, "LIGHT REUSED", false, true, {0, 0.25f, 0.5f, 0.75f, 1}, &core::Radiance::record_reuse}};
     return all;
+}
+
+const SubjectScale& facts_of(HeatSubject subject) {
+    const auto& all = subjects();
+    return *std::find_if(all.begin(), all.end(), [&](const SubjectScale& one) { return one.subject == subject; });
 }
 
 }  // namespace
 
 perceptual::HeatScale scale_of(HeatSubject subject) {
-    const auto& all = subjects();
-    const SubjectScale& s =
-        *std::find_if(all.begin(), all.end(), [&](const SubjectScale& one) { return one.subject == subject; });
+    const SubjectScale& s = facts_of(subject);
     perceptual::HeatScale scale{s.title, s.values.front(), s.values.back(), s.logarithmic, {}};
     for (const float value : s.values)
         scale.marks.push_back({value, s.per_cent ? fmt::format("{:.3g}%", 100 * value) : fmt::format("{:g}", value)});
@@ -55,27 +59,14 @@ perceptual::HeatScale scale_of(HeatSubject subject) {
 
 namespace {
 
-/// Plane of a subject about records, unchanged; null for other subjects.
-const core::Plane<float>* of_records(HeatSubject subject, const core::Radiance& radiance) {
-    switch (subject) {
-        case HeatSubject::records:
-            return &radiance.record_density;
-        case HeatSubject::age:
-            return &radiance.record_age;
-        case HeatSubject::reuse:
-            return &radiance.record_reuse;
-        default:
-            return nullptr;
-    }
-}
-
 core::Plane<float> values_of(HeatSubject subject, const LitFrame& frame) {
     const core::Plane<glm::vec3>& light = frame.lit.radiance.combined;
-    if (const core::Plane<float>* plane = of_records(subject, frame.lit.radiance)) {
-        // None were kept where no light was.
-        return plane->size() == light.size() ? *plane : core::Plane<float>(light.width(), light.height(), 0.0f);
-    }
     core::Plane<float> values(light.width(), light.height(), 0.0f);
+    if (const auto of_records = facts_of(subject).of_records) {
+        // None were kept where no light was.
+        const core::Plane<float>& plane = frame.lit.radiance.*of_records;
+        return plane.size() == light.size() ? plane : values;
+    }
     for (std::size_t i = 0; i < values.size(); ++i) {
         const float luminance = core::luminance(light.values()[i]);
         // Black counts as far off: any light is infinitely more.
@@ -127,27 +118,20 @@ encoder::Settings heatmap_settings(const RenderJob& film, const std::filesystem:
     return settings;
 }
 
-/// A heatmap that an interrupted run left belongs to the same film and shows the same.
-nlohmann::json identity_of(HeatSubject subject, nlohmann::json film) {
-    film["options"]["--heatmap"] = std::to_string(static_cast<int>(subject));
-    return film;
-}
-
-}  // namespace
-
 HeatSubject heat_subject_from(const std::string& name) {
     for (const SubjectScale& known : subjects())
         if (name == known.name) return known.subject;
     throw UsageError("--heatmap " + name + ": expected tolerance, cut, error, quantiser, records, age or reuse");
 }
 
+}  // namespace
+
 HeatmapFilm::HeatmapFilm(HeatSubject subject, const std::filesystem::path& output, const RenderJob& film,
-                         const nlohmann::json& identity, WorkFolder::Earlier earlier, WorkFolder& whole)
+                         WorkFolder& work)
     : subject_(subject),
       output_(output),
-      // Remembered first: however this run ends, the next one knows of the folder.
-      work_((whole.remember_companion(output, identity_of(subject, identity)), output), identity_of(subject, identity),
-            earlier),
+      work_(work),
+      name_(fmt::format("{}-{}", facts_of(subject).name, output.filename().string())),
       film_(film.film()),
       grid_(film.chunks()),
       codec_(film.coding.codec),
@@ -155,6 +139,7 @@ HeatmapFilm::HeatmapFilm(HeatSubject subject, const std::filesystem::path& outpu
       scale_(scale_of(subject)) {
     film_.coding = heatmap_settings(film, output);
     film_.disc = false;
+    work_.hold(output);
 }
 
 HeatmapFilm::~HeatmapFilm() = default;
@@ -168,13 +153,12 @@ void HeatmapFilm::coded(const encoder::CodedPicture& coded) {
 }
 
 void HeatmapFilm::take_up(std::size_t chunks) {
-    chunks_ = work_.finished(grid_);
+    chunks_ = work_.finished(grid_, name_);
     if (chunks_.size() < chunks)
         throw core::Error("resuming", output_.string(),
                           "there is no heatmap of the frames that are there; leave out --heatmap, or begin the film "
                           "anew without --resume");
     while (chunks_.size() > chunks) chunks_.pop_back();
-    work_.drop_all_but(chunks_);
 }
 
 void HeatmapFilm::append(HeatmapFilm& part) {
@@ -183,7 +167,7 @@ void HeatmapFilm::append(HeatmapFilm& part) {
 }
 
 void HeatmapFilm::begins(const Chunk& chunk) {
-    chunks_.push_back(work_.open(chunk));
+    chunks_.push_back(work_.open(chunk, name_));
     encoder_ = av::make_coder(film_.coding);
     next_ = chunk.first;
     early_.clear();
@@ -214,21 +198,27 @@ void HeatmapFilm::show(std::int64_t number, core::Plane<float> values) {
 }
 
 void HeatmapFilm::finish() {
-    const std::filesystem::path file = work_.begin("film" + output_.extension().string());
+    const std::filesystem::path file = work_.begin(name_);
     assemble(chunks_, film_, file, output_);
-    give_name(file, work_, output_, true);
+    give_name(file, output_);
+}
+
+void HeatmapFilm::discard() {
+    std::error_code ignored;
+    for (const ChunkFile& chunk : chunks_)
+        for (const auto& file : {chunk.file(), ChunkFile::record_of(chunk.file())})
+            std::filesystem::remove(file, ignored);
 }
 
 void check_heatmaps(const RenderOptions& options, const RenderJob& film) {
     for (const auto& [name, output] : options.heatmaps) {
         const HeatSubject subject = heat_subject_from(name);
         if (kind_of(output) != OutputKind::film)
-            throw core::Error("heatmap " + name + ": " + output + " is no film; choose an ending such as .mpg");
+            throw core::Error(fmt::format("heatmap {}: {} is no film; choose an ending such as .mpg", name, output));
         if (subject == HeatSubject::quantiser && film.kind != OutputKind::film)
             throw core::Error("heatmap quantiser: only films have one");
-        const bool of_records =
-            subject == HeatSubject::records || subject == HeatSubject::age || subject == HeatSubject::reuse;
-        if (of_records && (film.rendering.cache == renderer::CacheUse::off || film.tolerance.reference))
+        if (facts_of(subject).of_records &&
+            (film.rendering.cache == renderer::CacheUse::off || film.tolerance.reference))
             throw core::Error("heatmap " + name + ": there are no records without `--cache on`, nor with " +
                               "`--tolerance reference`");
         if (subject == HeatSubject::tolerance && film.tolerance.reference)
@@ -244,12 +234,9 @@ void check_heatmaps(const RenderOptions& options, const RenderJob& film) {
     }
 }
 
-HeatmapFilms::HeatmapFilms(const RenderOptions& options, const RenderJob& film, const nlohmann::json& identity,
-                           WorkFolder& whole) {
+HeatmapFilms::HeatmapFilms(const RenderOptions& options, const RenderJob& film, WorkFolder& work) {
     for (const auto& [name, output] : options.heatmaps)
-        films_.push_back(std::make_unique<HeatmapFilm>(
-            heat_subject_from(name), output, film, identity,
-            options.resume ? WorkFolder::Earlier::resumed : WorkFolder::Earlier::removed, whole));
+        films_.push_back(std::make_unique<HeatmapFilm>(heat_subject_from(name), output, film, work));
 }
 
 }  // namespace render2mpeg::app

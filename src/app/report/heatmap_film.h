@@ -4,7 +4,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -29,9 +28,6 @@ enum class HeatSubject {
     reuse,      ///< share of a pixel's points whose light was not gathered for them
 };
 
-/// The subject of that name. Throws core::Error with the list of names.
-HeatSubject heat_subject_from(const std::string& name);
-
 /// Meaning of the subject's colours.
 perceptual::HeatScale scale_of(HeatSubject subject);
 
@@ -40,12 +36,10 @@ perceptual::HeatScale scale_of(HeatSubject subject);
 void check_heatmaps(const RenderOptions& options, const RenderJob& film);
 
 /// A false-colour film of a render with a legend below, as long as the render and in square pixels. It has its name
-/// once it is whole; until then it lies in a work folder of its own.
+/// once it is whole; until then it lies in the film's work folder.
 class HeatmapFilm : public LoopObserver {
   public:
-    /// `identity` is the film's; `whole` its work folder, which remembers this one.
-    HeatmapFilm(HeatSubject subject, const std::filesystem::path& output, const RenderJob& film,
-                const nlohmann::json& identity, WorkFolder::Earlier earlier, WorkFolder& whole);
+    HeatmapFilm(HeatSubject subject, const std::filesystem::path& output, const RenderJob& film, WorkFolder& work);
     ~HeatmapFilm() override;
 
     /// Goes on after so many chunks that an earlier run left. Throws core::Error where it left fewer.
@@ -59,9 +53,8 @@ class HeatmapFilm : public LoopObserver {
     void coded(const encoder::CodedPicture& coded) override;
     /// After the film's last picture: gives it its name. What it was made of stays.
     void finish();
-    void clear_away() { work_.clear_away(); }
     /// Leaves nothing of it.
-    void discard() { work_.remove(); }
+    void discard();
 
   private:
     /// Coded pictures come in another order.
@@ -69,8 +62,9 @@ class HeatmapFilm : public LoopObserver {
 
     HeatSubject subject_;
     std::filesystem::path output_;
-    WorkFolder work_;
-    Film film_;  ///< the heatmap's, not the one that it shows
+    WorkFolder& work_;
+    std::string name_;  ///< of its streams in the work folder
+    Film film_;         ///< the heatmap's, not the one that it shows
     std::vector<Chunk> grid_;
     std::vector<ChunkFile> chunks_;
     encoder::Codec codec_;  ///< of the film itself
@@ -85,8 +79,7 @@ class HeatmapFilm : public LoopObserver {
 class HeatmapFilms : public LoopObserver {
   public:
     /// Creates every file. Throws core::Error where one cannot be written; check_heatmaps() comes before.
-    HeatmapFilms(const RenderOptions& options, const RenderJob& film, const nlohmann::json& identity,
-                 WorkFolder& whole);
+    HeatmapFilms(const RenderOptions& options, const RenderJob& film, WorkFolder& work);
 
     bool empty() const { return films_.empty(); }
     /// As HeatmapFilm::take_up().
@@ -117,8 +110,6 @@ class HeatmapFilms : public LoopObserver {
     }
     /// Whether one failed; only a film that begins anew makes it.
     bool has_lost() const { return lost_; }
-    /// Removes their intermediate files.
-    void clear_away() { each(&HeatmapFilm::clear_away); }
     /// Throws the first failure, also one from the making of the film.
     void rethrow() const { failures_.rethrow(); }
 

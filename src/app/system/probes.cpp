@@ -115,11 +115,11 @@ bool probe_images(const scene::Animation& film, const ImageProbes& probes) {
     return !InterruptGuard::requested();
 }
 
-std::string read_probed_images(const scene::TakeTurns& take_turns) {
+std::string read_probed_images(const scene::BeginLimits& begin_limits) {
     image::open_decoders();
     for (const json& source : json::from_msgpack(std::cin)) {
         const std::vector<std::uint8_t>& bytes = source.at(2).get_binary();
-        take_turns(scene::Turn::parser);
+        begin_limits();
         try {
             image::read_image(source.at(0).get<std::string>(), std::as_bytes(std::span(bytes)),
                               source.at(1).get<std::string>());
@@ -136,9 +136,7 @@ void probe_sound(const std::filesystem::path& file) {
     if (!std::filesystem::is_regular_file(file, failure))
         throw core::Error("reading", file.string(), "there is no such file");
     if (!scene::Probe::is_possible()) return;
-    const scene::ProbeLimits limits = film_limits(file);
-    scene::text_of(scene::Probe(limits, {"sound", file.string()}).end(InterruptGuard::requested), file.string(),
-                   limits);
+    scene::read_in_probe({"sound", file.string()}, file.string(), film_limits(file), InterruptGuard::requested);
 }
 
 scene::ProbeLimits film_limits(const std::filesystem::path& film) {

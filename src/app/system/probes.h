@@ -28,7 +28,7 @@ ImageProbes image_probes(bool held_to_limit);
 bool probe_images(const scene::Animation& film, const ImageProbes& probes);
 
 /// Reads the images of standard input; '.' for each.
-std::string read_probed_images(const scene::TakeTurns& take_turns);
+std::string read_probed_images(const scene::BeginLimits& begin_limits);
 
 /// Decodes sound in a probe. Throws core::Error.
 void probe_sound(const std::filesystem::path& file);

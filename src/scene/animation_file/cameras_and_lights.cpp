@@ -130,6 +130,14 @@ Mesh round_panel(glm::dvec2 diameters) {
     return mesh;
 }
 
+/// Colour of a light's copy, and its number among the light's colours.
+std::pair<glm::vec3, std::size_t> color_of(const JsonValue& value, std::size_t copy) {
+    const auto several = value.find("colors");
+    if (!several) return {value.has("color") ? value.need("color").color(1) : glm::vec3(1), 0};
+    const std::vector<JsonValue> colors = several->list(1, 1000);
+    return {colors[copy % colors.size()].color(1), copy % colors.size()};
+}
+
 class Lights {
   public:
     Lights(Animation& film, const FilmClock& clock) : film_(film), clock_(clock) {}
@@ -163,11 +171,7 @@ void Lights::build_punctual(const JsonValue& value, const std::string& name, int
     light.node = node;
     light.kind = kind_of[kind];
     light.intensity = static_cast<float>(value.number_or("intensity", 0, 1e9, usual[kind]));
-    if (const auto v = value.find("color")) light.color = v->color(1);
-    if (const auto v = value.find("colors")) {
-        const std::vector<JsonValue> colors = v->list(1, 1000);
-        light.color = colors[copy % colors.size()].color(1);
-    }
+    light.color = color_of(value, copy).first;
     value.set("range", light.range, 0, 1e7);
     if (light.kind == LightKind::directional && value.has("angle"))
         light.angle = static_cast<float>(glm::radians(value.need("angle").number(0, 180) / 2));
@@ -189,11 +193,11 @@ void Lights::build_lamp(const JsonValue& value, const std::string& name, int nod
     if (mesh_at_.find(value.place()) == mesh_at_.end()) {
         Mesh mesh;
         if (is_panel) {
-            const auto s = sizes_or<2>(value, "size", 1);
+            const glm::dvec2 size = sizes_or<2>(value, "size", 1);
             const auto round = value.find("round");
-            mesh = round && round->boolean() ? round_panel({s[0], s[1]}) : flat_panel({s[0], s[1]});
+            mesh = round && round->boolean() ? round_panel(size) : flat_panel(size);
         } else {
-            mesh = lamp_mesh(value.number_or("radius", smallest_size, largest_size, 0.1));
+            mesh = lamp_mesh(size_or(value, "radius", 0.1));
         }
         mesh.name = value.place();
         film_.meshes.push_back(std::move(mesh));
@@ -201,22 +205,11 @@ void Lights::build_lamp(const JsonValue& value, const std::string& name, int nod
     }
 
     // Copies share a material unless they differ in colour or time.
-    std::size_t variant = 0;
-    glm::vec3 color = value.has("color") ? value.need("color").color(1) : glm::vec3(1);
-    if (const auto v = value.find("colors")) {
-        const std::vector<JsonValue> colors = v->list(1, 1000);
-        variant = copy % colors.size();
-        color = colors[variant].color(1);
-    }
+    auto [color, variant] = color_of(value, copy);
     if (value.has("stagger")) variant = copy;
     const std::string place = value.place() + "/" + std::to_string(variant);
     if (material_at_.find(place) == material_at_.end()) {
-        Material material;
-        material.name = name;
-        material.base_color = glm::vec4(0, 0, 0, 1);
-        material.specular_glossiness = true;
-        material.specular = glm::vec3(0);
-        material.glossiness = 0;
+        Material material = matt(name, glm::vec3(0));
         material.emission = color * static_cast<float>(value.number_or("intensity", 0, 1e6, 10));
         if (const auto v = value.find("seen"); v && !v->boolean()) {
             // Alpha hides what is seen of a surface, not what it shines.
@@ -262,18 +255,12 @@ void Lights::build(const JsonValue& value, std::size_t number) {
     }
 
     std::size_t copy_number = 0;
-    for (Node& copy : copies_of(value)) {
-        int node = placed;
-        if (value.has("repeat")) {
-            copy.name = name + " " + std::to_string(copy_number + 1);
-            copy.parent = placed;
-            film_.nodes.push_back(copy);
-            node = static_cast<int>(film_.nodes.size()) - 1;
-        }
+    for (const int node : copies_of(value, placed, film_)) {
+        const std::string own = film_.nodes[static_cast<std::size_t>(node)].name;
         if (punctual)
-            build_punctual(value, film_.nodes[static_cast<std::size_t>(node)].name, node, copy_number);
+            build_punctual(value, own, node, copy_number);
         else
-            build_lamp(value, film_.nodes[static_cast<std::size_t>(node)].name, node, copy_number);
+            build_lamp(value, own, node, copy_number);
         ++copy_number;
     }
 }

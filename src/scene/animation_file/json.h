@@ -1,6 +1,5 @@
 #pragma once
 // JSON values that know their place, so that errors name it.
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <glm/glm.hpp>
@@ -77,17 +76,19 @@ class JsonValue {
 
 inline constexpr double smallest_size = 1e-6, largest_size = 1e6;
 
+/// A size, or `otherwise`.
+inline double size_or(const JsonValue& value, std::string_view key, double otherwise) {
+    return value.number_or(key, smallest_size, largest_size, otherwise);
+}
+
 /// n sizes, or one number for all of them.
-template <std::size_t n>
-std::array<double, n> sizes_or(const JsonValue& value, std::string_view key, double otherwise) {
-    std::array<double, n> out;
+template <int n>
+glm::vec<n, double> sizes_or(const JsonValue& value, std::string_view key, double otherwise) {
     const auto v = value.find(key);
-    if (!v || v->is_number()) {
-        out.fill(value.number_or(key, smallest_size, largest_size, otherwise));
-        return out;
-    }
+    if (!v || v->is_number()) return glm::vec<n, double>(size_or(value, key, otherwise));
     const std::vector<JsonValue> items = v->list(n, n);
-    for (std::size_t i = 0; i < n; ++i) out[i] = items[i].number(smallest_size, largest_size);
+    glm::vec<n, double> out;
+    for (int i = 0; i < n; ++i) out[i] = items[static_cast<std::size_t>(i)].number(smallest_size, largest_size);
     return out;
 }
 

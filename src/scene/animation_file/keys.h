@@ -1,93 +1,45 @@
 #pragma once
 // Every key that an animation file may have.
-#include <array>
 #include <string_view>
+#include <vector>
+
+#include "core/text.h"
 
 /// Keys of each kind of object; a test holds docs/animation-file.schema.json against them.
 namespace render2mpeg::scene::animation_file_keys {
 
-using K = std::string_view;
-
-inline constexpr std::array film{
-    K("$schema"), K("title"),      K("scene"),   K("size"),          K("display_aspect"),  K("frame_rate"),
-    K("frames"),  K("seconds"),    K("times"),   K("sky"),           K("exposure"),        K("camera"),
-    K("cameras"), K("shots"),      K("lights"),  K("objects"),       K("materials"),       K("change"),
-    K("sound"),   K("view"),       K("shutter"), K("shutter_phase"), K("rolling_shutter"), K("glare"),
-    K("fog"),     K("transparent")};
-
-inline constexpr std::array fog{K("visibility"), K("color"), K("anisotropy"), K("height"), K("falloff")};
-
-inline constexpr std::array glare{K("kind"), K("strength"), K("size"), K("seed")};
-
-inline constexpr std::array view{K("name"), K("gamma")};
-
-inline constexpr std::array camera{
-    K("position"),      K("look_at"),       K("rotate"), K("roll"),           K("fov"),    K("height"),
-    K("interpolation"), K("keys"),          K("loop"),   K("near"),           K("shift"),  K("f_stop"),
-    K("focus"),         K("sensor_height"), K("blades"), K("blade_rotation"), K("squeeze")};
-inline constexpr std::array camera_key{K("at"),   K("position"), K("look_at"), K("rotate"),
-                                       K("roll"), K("fov"),      K("f_stop"),  K("focus")};
-
-inline constexpr std::array shot{K("at"), K("camera")};
-
-inline constexpr std::array light{K("name"),      K("kind"),          K("color"),  K("intensity"), K("range"),
-                                  K("position"),  K("look_at"),       K("rotate"), K("angle"),     K("softness"),
-                                  K("elevation"), K("azimuth"),       K("size"),   K("radius"),    K("power"),
-                                  K("keys"),      K("interpolation"), K("loop"),   K("repeat"),    K("colors"),
-                                  K("stagger"),   K("seen"),          K("round")};
-inline constexpr std::array light_key{K("at"), K("position"), K("look_at"), K("rotate"), K("power")};
-
-inline constexpr std::array object{
-    K("name"),          K("shape"),    K("size"),     K("radius"),   K("top_radius"), K("tube_radius"), K("height"),
-    K("opening"),       K("profile"),  K("crease"),   K("segments"), K("strands"),    K("tip_radius"),  K("uv"),
-    K("parts"),         K("material"), K("position"), K("rotate"),   K("scale"),      K("visible"),     K("keys"),
-    K("interpolation"), K("loop"),     K("repeat"),   K("colors"),   K("reflections")};
-inline constexpr std::array object_key{K("at"), K("position"), K("rotate"), K("scale"), K("visible"), K("reflections")};
-inline constexpr std::array reflection{K("at"), K("see"), K("radius"), K("border")};
-
-inline constexpr std::array change{K("position"),      K("rotate"), K("scale"),    K("visible"),    K("keys"),
-                                   K("interpolation"), K("loop"),   K("material"), K("reflections")};
-
-inline constexpr std::array repeat{K("count"), K("step"), K("centered"), K("ring")};
-inline constexpr std::array ring{K("count"), K("radius"), K("from"), K("to")};
-
-inline constexpr std::array material{K("base_color"),
-                                     K("texture"),
-                                     K("texture_scale"),
-                                     K("alpha"),
-                                     K("alpha_cutoff"),
-                                     K("metallic"),
-                                     K("roughness"),
-                                     K("normal_texture"),
-                                     K("normal_scale"),
-                                     K("emission"),
-                                     K("emission_texture"),
-                                     K("transmission"),
-                                     K("ior"),
-                                     K("solid"),
-                                     K("attenuation"),
-                                     K("attenuation_distance"),
-                                     K("dispersion"),
-                                     K("hair"),
-                                     K("subsurface"),
-                                     K("double_sided"),
-                                     K("unlit"),
-                                     K("holdout"),
-                                     K("power"),
-                                     K("keys"),
-                                     K("interpolation"),
-                                     K("loop")};
-inline constexpr std::array hair{K("color"),   K("absorption"), K("melanin"),
-                                 K("redness"), K("roughness"),  K("azimuthal_roughness"),
-                                 K("coat"),    K("ior"),        K("tilt")};
-
-inline constexpr std::array subsurface{K("weight"), K("free_path")};
-
-inline constexpr std::array material_key{K("at"), K("power")};
-
-inline constexpr std::array checker{K("checker"), K("squares")};
-
-inline constexpr std::array sky{K("color"),  K("image"),   K("rotation"), K("strength"),
-                                K("zenith"), K("horizon"), K("ground")};
+using Keys = std::vector<std::string_view>;
+inline const Keys film = core::words_in(
+    "$schema title scene size display_aspect frame_rate frames seconds times sky exposure camera cameras shots "
+    "lights objects materials change sound view shutter shutter_phase rolling_shutter glare fog transparent");
+inline const Keys fog = core::words_in("visibility color anisotropy height falloff");
+inline const Keys glare = core::words_in("kind strength size seed");
+inline const Keys view = core::words_in("name gamma");
+inline const Keys camera = core::words_in(
+    "position look_at rotate roll fov height interpolation keys loop near shift f_stop focus sensor_height "
+    "blades blade_rotation squeeze");
+inline const Keys camera_key = core::words_in("at position look_at rotate roll fov f_stop focus");
+inline const Keys shot = core::words_in("at camera");
+inline const Keys light = core::words_in(
+    "name kind color intensity range position look_at rotate angle softness elevation azimuth size radius power "
+    "keys interpolation loop repeat colors stagger seen round");
+inline const Keys light_key = core::words_in("at position look_at rotate power");
+inline const Keys object = core::words_in(
+    "name shape size radius top_radius tube_radius height opening profile crease segments strands tip_radius uv "
+    "parts material position rotate scale visible keys interpolation loop repeat colors reflections");
+inline const Keys object_key = core::words_in("at position rotate scale visible reflections");
+inline const Keys reflection = core::words_in("at see radius border");
+inline const Keys change = core::words_in("position rotate scale visible keys interpolation loop material reflections");
+inline const Keys repeat = core::words_in("count step centered ring");
+inline const Keys ring = core::words_in("count radius from to");
+inline const Keys material = core::words_in(
+    "base_color texture texture_scale alpha alpha_cutoff metallic roughness normal_texture normal_scale emission "
+    "emission_texture transmission ior solid attenuation attenuation_distance dispersion hair subsurface "
+    "double_sided unlit holdout power keys interpolation loop");
+inline const Keys hair = core::words_in("color absorption melanin redness roughness azimuthal_roughness coat ior tilt");
+inline const Keys subsurface = core::words_in("weight free_path");
+inline const Keys material_key = core::words_in("at power");
+inline const Keys checker = core::words_in("checker squares");
+inline const Keys sky = core::words_in("color image rotation strength zenith horizon ground");
 
 }  // namespace render2mpeg::scene::animation_file_keys

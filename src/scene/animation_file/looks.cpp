@@ -23,17 +23,6 @@ namespace keys = animation_file_keys;
 // Radiances of suns and welding arcs stay below; larger numbers are mistakes.
 constexpr double brightest = 1e6;
 
-/// Without roughness, metallic or transmission a surface has no highlight.
-Material matt(const std::string& name, glm::vec3 color) {
-    Material material;
-    material.name = name;
-    material.base_color = glm::vec4(color, 1);
-    material.specular_glossiness = true;
-    material.specular = glm::vec3(0);
-    material.glossiness = 0;
-    return material;
-}
-
 // chosen: the reflectance of light stone or paint; with 0.5 rooms look dim, with 0.9 washed out.
 constexpr glm::vec3 light_grey(0.7f);
 

@@ -62,6 +62,11 @@ void densify(const std::function<glm::dquat(double)>& rotation_at, double t0, co
     densify(rotation_at, middle, q, t1, q1, depth - 1, out);
 }
 
+void add_key(Track& track, double time, const glm::dquat& q) {
+    track.times.push_back(track_time(time));
+    for (const double v : {q.x, q.y, q.z, q.w}) track.values.push_back(static_cast<float>(v));
+}
+
 constexpr std::array<std::string_view, 4> passages{"smooth", "ease", "linear", "step"};
 
 /// A list of numbers, one number for all three where that is plain, or a truth.
@@ -156,11 +161,7 @@ void turn(Animation& film, int node, const JsonValue& thing, const FilmClock& cl
         track.times.clear();
         track.values.clear();
         track.interpolation = Interpolation::step;
-        for (const double t : times) {
-            const glm::dquat q = rotation_at(t);
-            track.times.push_back(track_time(t));
-            for (const double v : {q.x, q.y, q.z, q.w}) track.values.push_back(static_cast<float>(v));
-        }
+        for (const double t : times) add_key(track, t, rotation_at(t));
     }
     film.tracks.push_back(std::move(track));
 }
@@ -240,8 +241,7 @@ Track rotation_track(const std::function<glm::dquat(double)>& rotation_at, std::
     track.width = 4;
     for (const auto& [time, q] : keys) {
         if (!track.times.empty() && !(track_time(time) > track.times.back())) continue;
-        track.times.push_back(track_time(time));
-        for (const double v : {q.x, q.y, q.z, q.w}) track.values.push_back(static_cast<float>(v));
+        add_key(track, time, q);
     }
     return track;
 }
@@ -323,14 +323,16 @@ void place(Animation& film, int node, const JsonValue& thing, const FilmClock& c
     film.tracks.push_back(track_of(visible, TrackTarget::visibility, node));
 }
 
-std::vector<Node> copies_of(const JsonValue& thing) {
+std::vector<int> copies_of(const JsonValue& thing, int placed, Animation& film) {
     const auto repeat = thing.find("repeat");
-    std::vector<Node> copies;
-    if (!repeat) {
-        copies.emplace_back();
-        return copies;
-    }
+    if (!repeat) return {placed};
     repeat->allow_only(animation_file_keys::repeat);
+    const std::string name = film.nodes[static_cast<std::size_t>(placed)].name;
+    std::vector<int> copies;
+    const auto add = [&]() -> Node& {
+        copies.push_back(add_node(film, name + " " + std::to_string(copies.size() + 1), placed));
+        return film.nodes.back();
+    };
     if (const auto ring = repeat->find("ring")) {
         ring->allow_only(animation_file_keys::ring);
         const auto count = ring->need("count").integer(1, 100000);
@@ -339,12 +341,11 @@ std::vector<Node> copies_of(const JsonValue& thing) {
         // A full turn's last copy lies one step before its end.
         const bool full = !ring->has("to");
         const double to = full ? from + 360 : ring->need("to").number(-1e4, 1e4);
+        const double steps = full ? static_cast<double>(count) : std::max(1.0, static_cast<double>(count - 1));
         for (std::int64_t i = 0; i < count; ++i) {
-            const double steps = full ? static_cast<double>(count) : std::max(1.0, static_cast<double>(count - 1));
-            Node copy;
+            Node& copy = add();
             copy.rotation = rotation_of({0, from + (to - from) * static_cast<double>(i) / steps, 0});
             copy.translation = copy.rotation * glm::dvec3(0, 0, radius);
-            copies.push_back(copy);
         }
         return copies;
     }
@@ -355,16 +356,12 @@ std::vector<Node> copies_of(const JsonValue& thing) {
     const glm::dvec3 step = repeat->need("step").position();
     const auto centered = repeat->find("centered");
     const double shift = centered && centered->boolean() ? 0.5 : 0;
-    for (std::int64_t z = 0; z < count[2]; ++z)
-        for (std::int64_t y = 0; y < count[1]; ++y)
-            for (std::int64_t x = 0; x < count[0]; ++x) {
-                Node copy;
-                const auto along = [&](std::int64_t i, int axis) {
-                    return static_cast<double>(i) - shift * static_cast<double>(count[axis] - 1);
-                };
-                copy.translation = step * glm::dvec3(along(x, 0), along(y, 1), along(z, 2));
-                copies.push_back(copy);
-            }
+    const auto along = [&](std::int64_t i, int axis) {
+        return static_cast<double>(i) - shift * static_cast<double>(count[axis] - 1);
+    };
+    for (std::int64_t i = 0; i < total; ++i)
+        add().translation = step * glm::dvec3(along(i % count[0], 0), along(i / count[0] % count[1], 1),
+                                              along(i / count[0] / count[1], 2));
     return copies;
 }
 

@@ -83,7 +83,7 @@ int add_node(Animation& film, const std::string& name, int parent);
 
 void add_object(Animation& film, const std::string& name, int node, int mesh, int material);
 
-/// Nodes of a thing's `repeat`, without name or parent; one at the origin without it.
-std::vector<Node> copies_of(const JsonValue& thing);
+/// Adds a node for each copy of a thing's `repeat` below its own, `placed`; that one itself without it.
+std::vector<int> copies_of(const JsonValue& thing, int placed, Animation& film);
 
 }  // namespace render2mpeg::scene

@@ -58,24 +58,22 @@ Mesh lathe_of(const JsonValue& value, int segments, TextureLayout layout) {
 }
 
 Mesh torus_of(const JsonValue& value, int segments, TextureLayout layout) {
-    const double radius = value.number_or("radius", smallest_size, largest_size, 0.5),
-                 tube = value.number_or("tube_radius", smallest_size, largest_size, radius / 4);
+    const double radius = size_or(value, "radius", 0.5), tube = size_or(value, "tube_radius", radius / 4);
     if (tube >= radius) value.fail("`tube_radius` must be smaller than `radius`");
     return torus_mesh(radius, tube, segments, layout);
 }
 
 Mesh arch_of(const JsonValue& value, int segments, TextureLayout layout) {
-    const auto size = sizes_or<3>(value, "size", 1);
-    const auto opening = sizes_or<2>(value, "opening", 0.5);
-    if (opening[0] >= size[0] || opening[1] >= size[1] || 2 * opening[1] < opening[0])
+    const glm::dvec3 size = sizes_or<3>(value, "size", 1);
+    const glm::dvec2 opening = sizes_or<2>(value, "opening", 0.5);
+    if (opening.x >= size.x || opening.y >= size.y || 2 * opening.y < opening.x)
         value.fail("`opening` must be smaller than the wall, and at least half as high as wide");
-    return arch_mesh({size[0], size[1], size[2]}, {opening[0], opening[1]}, segments, layout);
+    return arch_mesh(size, opening, segments, layout);
 }
 
 Mesh strands_of(const JsonValue& value) {
     Mesh mesh;
-    const double root = value.number_or("radius", smallest_size, largest_size, 0.001),
-                 tip = value.number_or("tip_radius", 0, largest_size, root);
+    const double root = size_or(value, "radius", 0.001), tip = value.number_or("tip_radius", 0, largest_size, root);
     for (const JsonValue& strand : value.need("strands").list(1, 1000000)) {
         std::vector<glm::vec3> points;
         std::vector<float> radii;
@@ -88,61 +86,48 @@ Mesh strands_of(const JsonValue& value) {
     return mesh;
 }
 
-}  // namespace
-
-int Objects::mesh_of(const JsonValue& value) {
-    if (const auto known = mesh_at_.find(value.place()); known != mesh_at_.end()) return known->second;
-    const auto shape = static_cast<Shape>(value.need("shape").word(shapes));
+Mesh shape_of(const JsonValue& value, Shape shape) {
     constexpr std::array<std::string_view, 2> layouts{"fit", "units"};
     const auto uv = value.find("uv");
     const auto layout = uv ? static_cast<TextureLayout>(uv->word(layouts)) : TextureLayout::fit;
     // chosen: 48 sides: a disc a quarter of the picture wide shows its corners below 24.
     const auto segments = value.has("segments") ? static_cast<int>(value.need("segments").integer(3, 1024)) : 48;
-
-    Mesh mesh;
+    const auto size = [&](std::string_view key, double otherwise) { return size_or(value, key, otherwise); };
     switch (shape) {
-        case box: {
-            const auto s = sizes_or<3>(value, "size", 1);
-            mesh = box_mesh({s[0], s[1], s[2]}, layout);
-            break;
-        }
+        case box:
+            return box_mesh(sizes_or<3>(value, "size", 1), layout);
         case plane:
-        case quad: {
-            const auto s = sizes_or<2>(value, "size", 1);
-            mesh = shape == plane ? plane_mesh({s[0], s[1]}, layout) : quad_mesh({s[0], s[1]}, layout);
-            break;
-        }
+            return plane_mesh(sizes_or<2>(value, "size", 1), layout);
+        case quad:
+            return quad_mesh(sizes_or<2>(value, "size", 1), layout);
         case sphere:
-            mesh = sphere_mesh(value.number_or("radius", smallest_size, largest_size, 0.5), segments, layout);
-            break;
+            return sphere_mesh(size("radius", 0.5), segments, layout);
         case disc:
-            mesh = disc_mesh(value.number_or("radius", smallest_size, largest_size, 0.5), segments, layout);
-            break;
-        case cylinder: {
-            const double radius = value.number_or("radius", smallest_size, largest_size, 0.5);
-            mesh = cylinder_mesh(radius, value.number_or("top_radius", smallest_size, largest_size, radius),
-                                 value.number_or("height", smallest_size, largest_size, 1), segments, layout);
-            break;
-        }
+            return disc_mesh(size("radius", 0.5), segments, layout);
+        case cylinder:
+            return cylinder_mesh(size("radius", 0.5), size("top_radius", size("radius", 0.5)), size("height", 1),
+                                 segments, layout);
         case cone:
-            mesh = cylinder_mesh(value.number_or("radius", smallest_size, largest_size, 0.5), 0,
-                                 value.number_or("height", smallest_size, largest_size, 1), segments, layout);
-            break;
+            return cylinder_mesh(size("radius", 0.5), 0, size("height", 1), segments, layout);
         case torus:
-            mesh = torus_of(value, segments, layout);
-            break;
+            return torus_of(value, segments, layout);
         case lathe:
-            mesh = lathe_of(value, segments, layout);
-            break;
+            return lathe_of(value, segments, layout);
         case arch:
-            mesh = arch_of(value, segments, layout);
-            break;
+            return arch_of(value, segments, layout);
         case strands:
-            mesh = strands_of(value);
-            break;
+            return strands_of(value);
         case group:
             break;
     }
+    return {};
+}
+
+}  // namespace
+
+int Objects::mesh_of(const JsonValue& value) {
+    if (const auto known = mesh_at_.find(value.place()); known != mesh_at_.end()) return known->second;
+    Mesh mesh = shape_of(value, static_cast<Shape>(value.need("shape").word(shapes)));
     mesh.name = value.place();
     film_.meshes.push_back(std::move(mesh));
     return mesh_at_[value.place()] = static_cast<int>(film_.meshes.size()) - 1;
@@ -167,18 +152,10 @@ void Objects::build(const JsonValue& value, int parent) {
     const int own_material =
         shape == group ? -1 : (material ? looks_.material_of(*material, -1) : looks_.default_material());
 
-    const bool repeated = value.has("repeat");
+    const std::vector<int> copies = copies_of(value, placed, film_);
+    if (film_.nodes.size() > most_objects) value.fail("makes more than " + std::to_string(most_objects) + " things");
     std::size_t number = 0;
-    for (Node& copy : copies_of(value)) {
-        int node = placed;
-        if (repeated) {
-            copy.name = name + " " + std::to_string(number + 1);
-            copy.parent = placed;
-            film_.nodes.push_back(copy);
-            node = static_cast<int>(film_.nodes.size()) - 1;
-        }
-        if (film_.nodes.size() > most_objects)
-            value.fail("makes more than " + std::to_string(most_objects) + " things");
+    for (const int node : copies) {
         if (shape == group) {
             for (const JsonValue& part : value.need("parts").list(1, 10000)) build(part, node);
         } else {

@@ -432,7 +432,7 @@ void SceneReader::read_cameras() {
 
 }  // namespace
 
-Animation load_with_assimp(const fs::path& file, const LoadOptions& options, const TakeTurns& take_turns) {
+Animation load_with_assimp(const fs::path& file, const LoadOptions& options) {
     Animation animation;
     animation.source = file.string();
     if (!fs::is_regular_file(file)) throw core::Error("reading", file.string(), "no such file");
@@ -457,18 +457,14 @@ Animation load_with_assimp(const fs::path& file, const LoadOptions& options, con
         refuse("it is damaged, or is not what its name says (" + words + ")");
     }
     if (!scene->mRootNode || scene->mNumMeshes == 0) refuse("has no mesh");
-    take_turns(Turn::ours);
     refuse_unsound_meshes(*scene, file.string());
-    take_turns(Turn::parser);
     scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_GenSmoothNormals |
                                          aiProcess_GenUVCoords | aiProcess_LimitBoneWeights |
                                          aiProcess_JoinIdenticalVertices | aiProcess_FlipUVs);
     if (!scene) refuse(importer.GetErrorString());
     if (scene->mNumMeshes == 0) refuse("has points or lines, but no triangle");
 
-    take_turns(Turn::ours);
     SceneReader(*scene, file, options, animation).read();
-    take_turns(Turn::parser);
     return animation;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "scene/model/wording.h"
 
@@ -48,24 +49,23 @@ T value_at(const std::byte* p) {
     return value;
 }
 
+/// From -1 or 0 to 1 where normalised. [glTF2, 3.6.2.2]
+template <class T>
+float share_at(const std::byte* p, bool normalized) {
+    const float v = value_at<T>(p);
+    return normalized ? std::max(v / static_cast<float>(std::numeric_limits<T>::max()), -1.0f) : v;
+}
+
 float float_at(const std::byte* p, Component component, bool normalized) {
     switch (component) {
-        case Component::int8: {
-            const float v = value_at<std::int8_t>(p);
-            return normalized ? std::max(v / 127.0f, -1.0f) : v;
-        }
-        case Component::uint8: {
-            const float v = value_at<std::uint8_t>(p);
-            return normalized ? v / 255.0f : v;
-        }
-        case Component::int16: {
-            const float v = value_at<std::int16_t>(p);
-            return normalized ? std::max(v / 32767.0f, -1.0f) : v;
-        }
-        case Component::uint16: {
-            const float v = value_at<std::uint16_t>(p);
-            return normalized ? v / 65535.0f : v;
-        }
+        case Component::int8:
+            return share_at<std::int8_t>(p, normalized);
+        case Component::uint8:
+            return share_at<std::uint8_t>(p, normalized);
+        case Component::int16:
+            return share_at<std::int16_t>(p, normalized);
+        case Component::uint16:
+            return share_at<std::uint16_t>(p, normalized);
         case Component::uint32:
             return static_cast<float>(value_at<std::uint32_t>(p));
         default:
@@ -144,9 +144,11 @@ Shape shape_of(const Document& document, const Element& accessor, std::size_t ex
     return shape;
 }
 
-/// Calls replace(index, bytes of the value) for each element that a sparse accessor replaces. [glTF2, 3.6.2.3]
-template <class Replace>
-void for_each_sparse(const Document& document, const Element& accessor, const Shape& shape, Replace replace) {
+/// Calls take(index, bytes of the value) for each element, and again for each that a sparse accessor replaces. [glTF2,
+/// 3.6.2.3]
+template <class Take>
+void for_each(const Document& document, const Element& accessor, const Shape& shape, Take take) {
+    for (std::size_t i = 0; shape.run && i < shape.count; ++i) take(i, shape.run->first + i * shape.run->stride);
     const std::optional<Element> sparse = accessor.object("sparse");
     if (!sparse) return;
     const std::size_t count = sparse->required_size("count");
@@ -167,7 +169,7 @@ void for_each_sparse(const Document& document, const Element& accessor, const Sh
         const std::uint32_t index = integer_at(index_run.first + i * index_run.stride, component);
         if (index >= shape.count)
             indices->refuse("index " + std::to_string(index) + " exceeds the " + counted(shape.count, "element"));
-        replace(static_cast<std::size_t>(index), value_run.first + i * value_run.stride);
+        take(static_cast<std::size_t>(index), value_run.first + i * value_run.stride);
     }
 }
 
@@ -193,9 +195,7 @@ Floats read_floats(const Document& document, int accessor, std::initializer_list
         for (std::size_t k = 0; k < n; ++k)
             result.values[index * n + k] = float_at(bytes + k * size, shape.component, shape.normalized);
     };
-    if (shape.run)
-        for (std::size_t i = 0; i < shape.count; ++i) convert(i, shape.run->first + i * shape.run->stride);
-    for_each_sparse(document, element, shape, convert);
+    for_each(document, element, shape, convert);
     return result;
 }
 
@@ -226,9 +226,7 @@ std::vector<std::uint32_t> read_integers(const Document& document, int accessor,
     const auto convert = [&](std::size_t index, const std::byte* bytes) {
         for (std::size_t k = 0; k < n; ++k) result[index * n + k] = integer_at(bytes + k * size, shape.component);
     };
-    if (shape.run)
-        for (std::size_t i = 0; i < shape.count; ++i) convert(i, shape.run->first + i * shape.run->stride);
-    for_each_sparse(document, element, shape, convert);
+    for_each(document, element, shape, convert);
     return result;
 }
 

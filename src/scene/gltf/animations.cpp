@@ -62,39 +62,31 @@ class AnimationReader {
     /// A channel of KHR_animation_pointer.
     void add_pointed(const std::string& pointer, const Element& channel, const Element& sampler,
                      const std::string& name) {
-        using What = PointedTrack::What;
         const PointedTrack pointed = pointed_track(document_, pointer);
-        switch (pointed.what) {
-            case What::translation:
-                return add_track(TrackTarget::translation, pointed.index, sampler, name);
-            case What::rotation:
-                return add_track(TrackTarget::rotation, pointed.index, sampler, name);
-            case What::scale:
-                return add_track(TrackTarget::scale, pointed.index, sampler, name);
-            case What::weights:
-                return add_track(TrackTarget::weights, pointed.index, sampler, name);
-            case What::visibility:
-                return add_numbers(TrackTarget::visibility, pointed.index, sampler, name, 1);
-            case What::field_of_view:
-                for (std::size_t i = 0; i < carried_.cameras.size(); ++i)
-                    if (carried_.cameras[i] == pointed.index)
-                        add_numbers(TrackTarget::field_of_view, static_cast<int>(i), sampler, name, 1);
-                return;
-            case What::light_intensity:
-                for (std::size_t i = 0; i < carried_.lights.size(); ++i)
-                    if (carried_.lights[i] == pointed.index) add_intensity(i, sampler, name);
-                return;
-            case What::light_color:
-                for (std::size_t i = 0; i < carried_.lights.size(); ++i)
-                    if (carried_.lights[i] == pointed.index)
-                        add_color(TrackTarget::light_color, static_cast<int>(i), 3, sampler, name);
-                return;
-            case What::base_color:
-                return add_color(TrackTarget::base_color, pointed.index, 4, sampler, name);
-            case What::emission:
-            case What::emission_strength:
+        const auto each_of = [&](const std::vector<int>& carried, auto&& add) {
+            for (std::size_t i = 0; i < carried.size(); ++i)
+                if (carried[i] == pointed.index) add(static_cast<int>(i));
+        };
+        using enum TrackTarget;
+        switch (pointed.what.value_or(f_stop)) {
+            case translation:
+            case rotation:
+            case scale:
+            case weights:
+                return add_track(*pointed.what, pointed.index, sampler, name);
+            case visibility:
+                return add_numbers(visibility, pointed.index, sampler, name, 1);
+            case field_of_view:
+                return each_of(carried_.cameras, [&](int i) { add_numbers(field_of_view, i, sampler, name, 1); });
+            case light_intensity:
+                return each_of(carried_.lights, [&](int i) { add_intensity(i, sampler, name); });
+            case light_color:
+                return each_of(carried_.lights, [&](int i) { add_color(light_color, i, 3, sampler, name); });
+            case base_color:
+                return add_color(base_color, pointed.index, 4, sampler, name);
+            case emission:
                 return add_emission(pointed, sampler, name);
-            case What::unknown:
+            default:
                 break;
         }
         note_once(animation_, channel.where() + ": moves " + in_quotes(pointer) + ", which stays still here; left out");
@@ -156,11 +148,11 @@ class AnimationReader {
         animation_.tracks.push_back(std::move(track));
     }
 
-    void add_intensity(std::size_t index, const Element& sampler, const std::string& name) {
+    void add_intensity(int index, const Element& sampler, const std::string& name) {
         // Tracks are factors; a light that begins dark gets a strength.
-        float& own = animation_.lights[index].intensity;
+        float& own = animation_.lights[static_cast<std::size_t>(index)].intensity;
         if (!(own > 0)) own = 1;
-        add_numbers(TrackTarget::light_intensity, static_cast<int>(index), sampler, name, own);
+        add_numbers(TrackTarget::light_intensity, index, sampler, name, own);
     }
 
     /// Emission by colour or strength, as factors of the material's own.
@@ -171,7 +163,7 @@ class AnimationReader {
         const std::vector<double> factor = element.numbers("emissiveFactor", 3);
         const auto extension = element.extension("KHR_materials_emissive_strength");
         const auto strength = static_cast<float>(extension ? extension->number("emissiveStrength", 1) : 1);
-        const bool by_color = pointed.what == PointedTrack::What::emission;
+        const bool by_color = !pointed.strength;
         Track track = keys_of(TrackTarget::emission, pointed.index, sampler, by_color ? 3 : 1);
         if (!by_color) {
             material.emission = factor.empty() ? glm::vec3(0) : glm::vec3(factor[0], factor[1], factor[2]);

@@ -5,34 +5,19 @@
 #include <set>
 #include <string_view>
 
+#include "core/text.h"
 #include "scene/model/wording.h"
 
 namespace render2mpeg::scene::gltf {
 namespace {
 
-constexpr std::array<std::string_view, 23> read_extensions{"EXT_mesh_gpu_instancing",
-                                                           "EXT_meshopt_compression",
-                                                           "EXT_texture_webp",
-                                                           "KHR_animation_pointer",
-                                                           "KHR_draco_mesh_compression",
-                                                           "KHR_lights_punctual",
-                                                           "KHR_materials_anisotropy",
-                                                           "KHR_materials_clearcoat",
-                                                           "KHR_materials_diffuse_transmission",
-                                                           "KHR_materials_dispersion",
-                                                           "KHR_materials_emissive_strength",
-                                                           "KHR_materials_ior",
-                                                           "KHR_materials_iridescence",
-                                                           "KHR_materials_pbrSpecularGlossiness",
-                                                           "KHR_materials_sheen",
-                                                           "KHR_materials_specular",
-                                                           "KHR_materials_transmission",
-                                                           "KHR_materials_unlit",
-                                                           "KHR_materials_variants",
-                                                           "KHR_materials_volume",
-                                                           "KHR_mesh_quantization",
-                                                           "KHR_node_visibility",
-                                                           "KHR_texture_transform"};
+const std::vector<std::string_view> read_extensions = core::words_in(
+    "EXT_mesh_gpu_instancing EXT_meshopt_compression EXT_texture_webp KHR_animation_pointer "
+    "KHR_draco_mesh_compression KHR_lights_punctual KHR_materials_anisotropy KHR_materials_clearcoat "
+    "KHR_materials_diffuse_transmission KHR_materials_dispersion KHR_materials_emissive_strength "
+    "KHR_materials_ior KHR_materials_iridescence KHR_materials_pbrSpecularGlossiness KHR_materials_sheen "
+    "KHR_materials_specular KHR_materials_transmission KHR_materials_unlit KHR_materials_variants "
+    "KHR_materials_volume KHR_mesh_quantization KHR_node_visibility KHR_texture_transform");
 
 struct Meaning {
     std::string_view extension, meaning;

@@ -36,31 +36,14 @@ std::vector<glm::uvec3> triangles_of(const Element& primitive, std::size_t mode,
     return result;
 }
 
-std::vector<glm::vec2> pairs_at(const Floats& floats, const std::vector<std::uint32_t>& used) {
-    std::vector<glm::vec2> result;
-    result.reserve(used.size());
-    for (const std::uint32_t v : used) result.emplace_back(floats.values[2 * v], floats.values[2 * v + 1]);
-    return result;
-}
-
-std::vector<glm::vec3> triples_at(const Floats& floats, const std::vector<std::uint32_t>& used) {
-    std::vector<glm::vec3> result;
-    result.reserve(used.size());
-    for (const std::uint32_t v : used)
-        result.emplace_back(floats.values[3 * v], floats.values[3 * v + 1], floats.values[3 * v + 2]);
-    return result;
-}
-
-/// Four numbers each; where there are three, the fourth is 1.
-std::vector<glm::vec4> quadruples_at(const Floats& floats, const std::vector<std::uint32_t>& used) {
-    const std::size_t n = static_cast<std::size_t>(floats.components);
-    std::vector<glm::vec4> result;
-    result.reserve(used.size());
-    for (const std::uint32_t v : used) {
-        const float* f = &floats.values[n * v];
-        result.emplace_back(f[0], f[1], f[2], n > 3 ? f[3] : 1.0f);
-    }
-    return result;
+/// Values of the vertices `used`; what the accessor has no components for is 1.
+template <class Vector>
+void take(const Floats& floats, const std::vector<std::uint32_t>& used, std::vector<Vector>& into) {
+    into.assign(used.size(), Vector(1));
+    for (std::size_t i = 0; i < used.size(); ++i)
+        for (int k = 0; k < floats.components; ++k)
+            into[i][k] =
+                floats.values[static_cast<std::size_t>(floats.components) * used[i] + static_cast<std::size_t>(k)];
 }
 
 /// Strands of hair: lines whose vertices have radii, each from one vertex to the next. Returns for each of the mesh's
@@ -238,9 +221,9 @@ void MeshReader::read_morph_targets(const Element& primitive, const std::vector<
         MorphTarget morph;
         for (const auto& [name, accessor] : target.index_map(nullptr, "accessors")) {
             const std::string user = target.where() + ", " + name;
-            if (name == "POSITION") morph.positions = triples_at(floats(accessor, {3}, vertices, user), used);
+            if (name == "POSITION") take(floats(accessor, {3}, vertices, user), used, morph.positions);
             if (name == "NORMAL" && !mesh.normals.empty())
-                morph.normals = triples_at(floats(accessor, {3}, vertices, user), used);
+                take(floats(accessor, {3}, vertices, user), used, morph.normals);
         }
         mesh.morph_targets.push_back(std::move(morph));
     }
@@ -264,38 +247,30 @@ std::optional<Mesh> MeshReader::read_primitive(const Element& primitive) {
     const Floats& positions = floats(position->second, {3}, 0, primitive.where() + ", POSITION");
     const std::size_t vertices = positions.count();
     std::vector<std::uint32_t> corners = read_corners(primitive, vertices);
-    if (strands) {
-        Mesh mesh;
-        const Floats& radii = floats(radius->second, {1}, vertices, primitive.where() + ", _RADIUS");
-        const std::vector<std::uint32_t> own = strands_of(primitive, mode, positions, radii, corners, mesh);
-        const auto color = attributes.find("COLOR_0");
-        if (color != attributes.end())
-            mesh.colors = quadruples_at(floats(color->second, {3, 4}, vertices, primitive.where() + ", COLOR_0"), own);
-        read_joints(primitive, attributes, own, mesh);
-        read_morph_targets(primitive, own, vertices, mesh);
-        return mesh;
-    }
-    std::vector<std::uint32_t> used = corners;
-    std::sort(used.begin(), used.end());
-    used.erase(std::unique(used.begin(), used.end()), used.end());
-    if (used.size() < vertices)
-        for (std::uint32_t& corner : corners)
-            corner = static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), corner) - used.begin());
-
     Mesh mesh;
-    mesh.positions = triples_at(positions, used);
-    mesh.triangles = triangles_of(primitive, mode, corners);
-    const auto read = [&](const char* name, std::initializer_list<int> components) -> const Floats* {
-        const auto found = attributes.find(name);
-        return found == attributes.end()
-                   ? nullptr
-                   : &floats(found->second, components, vertices, primitive.where() + ", " + name);
+    std::vector<std::uint32_t> used;
+    const auto read = [&](const char* name, std::initializer_list<int> components, auto& into) {
+        if (const auto found = attributes.find(name); found != attributes.end())
+            take(floats(found->second, components, vertices, primitive.where() + ", " + name), used, into);
     };
-    if (const Floats* normals = read("NORMAL", {3})) mesh.normals = triples_at(*normals, used);
-    if (const Floats* tangents = read("TANGENT", {4})) mesh.tangents = quadruples_at(*tangents, used);
-    if (const Floats* uv = read("TEXCOORD_0", {2})) mesh.uv[0] = pairs_at(*uv, used);
-    if (const Floats* uv = read("TEXCOORD_1", {2})) mesh.uv[1] = pairs_at(*uv, used);
-    if (const Floats* colors = read("COLOR_0", {3, 4})) mesh.colors = quadruples_at(*colors, used);
+    if (strands) {
+        const Floats& radii = floats(radius->second, {1}, vertices, primitive.where() + ", _RADIUS");
+        used = strands_of(primitive, mode, positions, radii, corners, mesh);
+    } else {
+        used = corners;
+        std::sort(used.begin(), used.end());
+        used.erase(std::unique(used.begin(), used.end()), used.end());
+        if (used.size() < vertices)
+            for (std::uint32_t& corner : corners)
+                corner = static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), corner) - used.begin());
+        take(positions, used, mesh.positions);
+        mesh.triangles = triangles_of(primitive, mode, corners);
+        read("NORMAL", {3}, mesh.normals);
+        read("TANGENT", {4}, mesh.tangents);
+        read("TEXCOORD_0", {2}, mesh.uv[0]);
+        read("TEXCOORD_1", {2}, mesh.uv[1]);
+    }
+    read("COLOR_0", {3, 4}, mesh.colors);
     read_joints(primitive, attributes, used, mesh);
     read_morph_targets(primitive, used, vertices, mesh);
     return mesh;

@@ -66,22 +66,9 @@ class MeshReader {
 
 /// Target of a KHR_animation_pointer channel.
 struct PointedTrack {
-    enum class What {
-        translation,
-        rotation,
-        scale,
-        weights,
-        visibility,
-        field_of_view,
-        light_intensity,
-        light_color,
-        base_color,
-        emission,           ///< emissiveFactor
-        emission_strength,  ///< KHR_materials_emissive_strength
-        unknown
-    };
-    What what = What::unknown;
-    int index = -1;  ///< node, camera, light of the file, or material
+    std::optional<TrackTarget> what = {};  ///< none: unknown
+    int index = -1;                        ///< node, camera, light of the file, or material
+    bool strength = false;                 ///< emission by KHR_materials_emissive_strength, not by emissiveFactor
 };
 
 /// Target of a JSON pointer.

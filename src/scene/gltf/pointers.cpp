@@ -8,26 +8,26 @@
 namespace render2mpeg::scene::gltf {
 namespace {
 
-using What = PointedTrack::What;
+using enum TrackTarget;
 
 struct Place {
     std::string_view before, after, kind;  ///< text around the index, and the indexed array
-    What what;
+    TrackTarget what;
+    bool strength = false;  ///< as in PointedTrack
 };
 
 constexpr std::array<Place, 11> places{{
-    {"/nodes/", "/translation", "nodes", What::translation},
-    {"/nodes/", "/rotation", "nodes", What::rotation},
-    {"/nodes/", "/scale", "nodes", What::scale},
-    {"/nodes/", "/weights", "nodes", What::weights},
-    {"/nodes/", "/extensions/KHR_node_visibility/visible", "nodes", What::visibility},
-    {"/cameras/", "/perspective/yfov", "cameras", What::field_of_view},
-    {"/extensions/KHR_lights_punctual/lights/", "/intensity", "", What::light_intensity},
-    {"/extensions/KHR_lights_punctual/lights/", "/color", "", What::light_color},
-    {"/materials/", "/pbrMetallicRoughness/baseColorFactor", "materials", What::base_color},
-    {"/materials/", "/emissiveFactor", "materials", What::emission},
-    {"/materials/", "/extensions/KHR_materials_emissive_strength/emissiveStrength", "materials",
-     What::emission_strength},
+    {"/nodes/", "/translation", "nodes", translation},
+    {"/nodes/", "/rotation", "nodes", rotation},
+    {"/nodes/", "/scale", "nodes", scale},
+    {"/nodes/", "/weights", "nodes", weights},
+    {"/nodes/", "/extensions/KHR_node_visibility/visible", "nodes", visibility},
+    {"/cameras/", "/perspective/yfov", "cameras", field_of_view},
+    {"/extensions/KHR_lights_punctual/lights/", "/intensity", "", light_intensity},
+    {"/extensions/KHR_lights_punctual/lights/", "/color", "", light_color},
+    {"/materials/", "/pbrMetallicRoughness/baseColorFactor", "materials", base_color},
+    {"/materials/", "/emissiveFactor", "materials", emission},
+    {"/materials/", "/extensions/KHR_materials_emissive_strength/emissiveStrength", "materials", emission, true},
 }};
 
 std::size_t count_of(const Document& document, const Place& place) {
@@ -49,7 +49,7 @@ PointedTrack pointed_track(const Document& document, const std::string& pointer)
         const auto [end, failure] = std::from_chars(first, last, index);
         if (failure != std::errc() || end != last || index < 0) continue;
         if (static_cast<std::size_t>(index) >= count_of(document, place)) continue;
-        return {place.what, index};
+        return {place.what, index, place.strength};
     }
     return {};
 }

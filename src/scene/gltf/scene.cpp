@@ -73,7 +73,7 @@ class SceneReader {
         if (const auto extension = document.root().extension("KHR_lights_punctual"))
             lights_ = extension->objects("lights");
         for (const PointedTrack& pointed : pointed_tracks(document))
-            if (pointed.what == PointedTrack::What::visibility) switched_.insert(pointed.index);
+            if (pointed.what == TrackTarget::visibility) switched_.insert(pointed.index);
     }
 
     Carried run() {
@@ -100,24 +100,6 @@ class SceneReader {
                     document_.refuse(name,
                                      "has two parents, nodes " + std::to_string(parent) + " and " + std::to_string(i));
                 parent = static_cast<int>(i);
-            }
-        }
-        refuse_cycles();
-    }
-
-    /// A node in a cycle is its own ancestor.
-    void refuse_cycles() {
-        const std::vector<Node>& nodes = animation_.nodes;
-        std::vector<int> reached_from(nodes.size(), -1);
-        for (std::size_t start = 0; start < nodes.size(); ++start) {
-            for (int n = static_cast<int>(start); n >= 0; n = nodes[static_cast<std::size_t>(n)].parent) {
-                int& mark = reached_from[static_cast<std::size_t>(n)];
-                if (mark == static_cast<int>(start))
-                    document_.refuse(
-                        described("node", static_cast<std::size_t>(n), nodes[static_cast<std::size_t>(n)].name),
-                        "the node graph has a cycle through it");
-                if (mark >= 0) break;
-                mark = static_cast<int>(start);
             }
         }
     }

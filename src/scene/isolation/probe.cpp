@@ -18,7 +18,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <new>
-#include <stdexcept>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -71,9 +70,19 @@ int file_of(std::span<const std::byte> bytes) {
     return file.release();
 }
 
-rlim_t limit_of(int resource) {
+/// Address space of this process in bytes; 0: unknown.
+std::uintmax_t address_space_now() {
+    std::uintmax_t pages = 0;
+    if (std::FILE* statm = std::fopen("/proc/self/statm", "re")) {
+        if (std::fscanf(statm, "%ju", &pages) != 1) pages = 0;
+        std::fclose(statm);
+    }
+    return pages * static_cast<std::uintmax_t>(sysconf(_SC_PAGESIZE));
+}
+
+rlim_t limit_of(__rlimit_resource resource) {
     rlimit both{};
-    return getrlimit(static_cast<__rlimit_resource>(resource), &both) == 0 ? both.rlim_cur : RLIM_INFINITY;
+    return getrlimit(resource, &both) == 0 ? both.rlim_cur : RLIM_INFINITY;
 }
 
 /// Whether this process itself is limited to less memory than a probe (`ulimit`, `--memory`).
@@ -121,8 +130,8 @@ ProbeEnd::How how_ended(int status) {
     }
 }
 
-/// Starts the program with these descriptors as 0, 1 and 3.
-pid_t spawn(std::vector<std::string> words, int input, int text, int turns) {
+/// Starts the program with these descriptors as 0 and 1.
+pid_t spawn(std::vector<std::string> words, int input, int text) {
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
@@ -130,7 +139,6 @@ pid_t spawn(std::vector<std::string> words, int input, int text, int turns) {
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
     posix_spawn_file_actions_adddup2(&actions, text, STDOUT_FILENO);
-    posix_spawn_file_actions_adddup2(&actions, turns, probe_turns);
     posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
     // Interrupts are the parent's.
     posix_spawnattr_t attributes;
@@ -159,12 +167,12 @@ rlim_t seconds_now() {
     return static_cast<rlim_t>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec);
 }
 
-/// Limits turn by turn, within those of the process.
-class TurnLimits {
+/// Limits that begin anew, within those of the process.
+class RenewedLimits {
   public:
-    explicit TurnLimits(const ProbeLimits& limits) : limits_(limits) {}
+    explicit RenewedLimits(const ProbeLimits& limits) : limits_(limits) {}
 
-    void begin_turn() const {
+    void begin() const {
 #ifndef RENDER2MPEG_SANITIZED
         // Sanitizers reserve more address space than there is memory; they go without this limit.
         lower(RLIMIT_AS, std::min<rlim_t>(memory_, limits_.memory + address_space_now()));
@@ -176,10 +184,6 @@ class TurnLimits {
     }
 
   private:
-    static rlim_t limit_of(__rlimit_resource resource) {
-        rlimit both{};
-        return getrlimit(resource, &both) == 0 ? both.rlim_cur : RLIM_INFINITY;
-    }
     static void lower(__rlimit_resource resource, rlim_t limit) {
         rlimit both{};
         if (getrlimit(resource, &both) != 0) return;
@@ -225,19 +229,19 @@ bool Probe::is_possible() {
 }
 
 Probe::Probe(const ProbeLimits& limits, const std::vector<std::string>& words, std::span<const std::byte> input) {
-    int text[2], turns[2];
+    int text[2];
     if (pipe2(text, O_CLOEXEC) != 0) fail(errno);
     Descriptor text_end(text[0]), text_begin(text[1]);
-    if (pipe2(turns, O_CLOEXEC) != 0) fail(errno);
-    Descriptor turns_end(turns[0]), turns_begin(turns[1]);
-    // High numbers, which dup2 does not overwrite.
-    const Descriptor read_from(file_of(input)), high_turns(fcntl(turns[1], F_DUPFD_CLOEXEC, 10));
-    std::vector<std::string> all = probe_words(limits);
-    all.insert(all.begin(), program().string());
+    const Descriptor read_from(file_of(input));
+    std::vector<std::string> all{program().string(),
+                                 std::string(flag),
+                                 std::to_string(getpid()),
+                                 std::to_string(limits.memory),
+                                 std::to_string(limits.seconds),
+                                 std::to_string(limits.clock_seconds)};
     all.insert(all.end(), words.begin(), words.end());
-    child_ = spawn(std::move(all), read_from.value, text[1], high_turns.value);
+    child_ = spawn(std::move(all), read_from.value, text[1]);
     text_ = text_end.release();
-    turns_ = turns_end.release();
 }
 
 Probe::~Probe() {
@@ -246,7 +250,6 @@ Probe::~Probe() {
         wait_for(child_);
     }
     if (text_ >= 0) close(text_);
-    if (turns_ >= 0) close(turns_);
 }
 
 ProbeEnd Probe::end(const std::function<bool()>& give_up) {
@@ -257,9 +260,6 @@ ProbeEnd Probe::end(const std::function<bool()>& give_up) {
     end.how = how_ended(wait_for(child_));
     if (!ended) end.how = ProbeEnd::How::given_up;
     child_ = -1;
-    std::string turns;
-    read_all(turns_, turns, {});
-    if (!turns.empty() && turns.back() == turn_mark(Turn::ours)) end.turn = Turn::ours;
     return end;
 }
 
@@ -275,26 +275,13 @@ std::string text_of(ProbeEnd end, const std::string& name, const ProbeLimits& li
         throw OutOfMemory("reading", name, "takes more memory than this process may have (--memory, ulimit)");
     const std::string more =
         std::string("takes more ") + (no_memory ? "memory" : "time") + " than a file of its size can need";
-    if (end.turn == Turn::ours)
-        throw std::logic_error("reading " + name + ": render2mpeg " +
-                               (no_memory || no_time ? "itself " + more : std::string("itself crashes on it")) +
-                               "; this is a fault of the program, not of the file");
     if (no_memory) throw OutOfMemory("reading", name, more + ": it is damaged");
-    throw core::Error("reading", name, no_time ? more + ": it is damaged" : "its parser crashed: the file is damaged");
+    throw core::Error("reading", name, no_time ? more + ": it is damaged" : "reading it crashed: the file is damaged");
 }
 
-std::uintmax_t address_space_now() {
-    std::uintmax_t pages = 0;
-    if (std::FILE* statm = std::fopen("/proc/self/statm", "re")) {
-        if (std::fscanf(statm, "%ju", &pages) != 1) pages = 0;
-        std::fclose(statm);
-    }
-    return pages * static_cast<std::uintmax_t>(sysconf(_SC_PAGESIZE));
-}
-
-std::vector<std::string> probe_words(const ProbeLimits& limits) {
-    return {std::string(flag), std::to_string(getpid()), std::to_string(limits.memory), std::to_string(limits.seconds),
-            std::to_string(limits.clock_seconds)};
+std::string read_in_probe(const std::vector<std::string>& words, const std::string& name, const ProbeLimits& limits,
+                          const std::function<bool()>& give_up) {
+    return text_of(Probe(limits, words).end(give_up), name, limits);
 }
 
 void write_from_probe(const std::string& text) {
@@ -318,17 +305,13 @@ void live_as_probe(int argc, char** argv, const std::map<std::string, ProbedRead
     // Libraries print to standard output.
     text_pipe = dup(STDOUT_FILENO);
     dup2(STDERR_FILENO, STDOUT_FILENO);
-    const TurnLimits limits({std::strtoumax(argv[3], nullptr, 10),
-                             static_cast<unsigned>(std::strtoul(argv[4], nullptr, 10)),
-                             static_cast<unsigned>(std::strtoul(argv[5], nullptr, 10))});
+    const RenewedLimits limits({std::strtoumax(argv[3], nullptr, 10),
+                                static_cast<unsigned>(std::strtoul(argv[4], nullptr, 10)),
+                                static_cast<unsigned>(std::strtoul(argv[5], nullptr, 10))});
     int status = 0;
     std::string text;
     try {
-        text = reading->second({words.begin() + own_words, words.end()}, [&](Turn turn) {
-            const char mark = turn_mark(turn);
-            if (write(probe_turns, &mark, 1) != 1) _exit(probe_crashed);
-            limits.begin_turn();
-        });
+        text = reading->second({words.begin() + own_words, words.end()}, [&] { limits.begin(); });
     } catch (const core::Error& error) {
         // Libraries report a lack of memory in many ways; malloc() has one.
         status = errno == ENOMEM ? probe_out_of_memory : probe_refused;

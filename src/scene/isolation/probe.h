@@ -15,10 +15,8 @@
 /// this program (`--probe`) with limits of memory and time.
 namespace render2mpeg::scene {
 
-enum class Turn { parser, ours };
-
-/// Called at changes of code, where limits begin anew.
-using TakeTurns = std::function<void(Turn)>;
+/// Lets limits begin anew: once the code that is limited begins, and for each of several files.
+using BeginLimits = std::function<void()>;
 
 /// A probe ran out of memory.
 class OutOfMemory : public core::Error {
@@ -26,9 +24,9 @@ class OutOfMemory : public core::Error {
     using core::Error::Error;
 };
 
-/// Limits of outside code in each turn, below this process's own.
+/// Limits of reading, below this process's own.
 struct ProbeLimits {
-    std::uintmax_t memory = 0;   ///< bytes more than the probe's process holds at the turn's beginning
+    std::uintmax_t memory = 0;   ///< bytes more than the probe's process holds at the beginning
     unsigned seconds = 0;        ///< of processor time; 0: any
     unsigned clock_seconds = 0;  ///< for what waits, since a busy machine makes others wait, too; 0: any
 };
@@ -39,8 +37,7 @@ ProbeLimits limits_for(const std::filesystem::path& file);
 struct ProbeEnd {
     enum class How { read, refused, out_of_memory, out_of_time, killed, crashed, given_up };
     How how = How::crashed;
-    Turn turn = Turn::parser;  ///< whose code ran at last
-    std::string text;          ///< messages until then; refused: the reason
+    std::string text;  ///< messages until then; refused: the reason
 };
 
 /// A process that reads a file. It ignores interrupts, and ends with its parent thread.
@@ -61,16 +58,20 @@ class Probe {
     ProbeEnd end(const std::function<bool()>& give_up = {});
 
   private:
-    int child_ = -1, text_ = -1, turns_ = -1;
+    int child_ = -1, text_ = -1;
 };
 
-/// Output of the probe of `name`. Throws core::Error for refusals and crashes of the parser, OutOfMemory where it
-/// lacked memory, and std::logic_error for a crash of our own code.
+/// Reads as `words` say in a probe, until `give_up` says so. Returns and throws as text_of() does.
+std::string read_in_probe(const std::vector<std::string>& words, const std::string& name, const ProbeLimits& limits,
+                          const std::function<bool()>& give_up = {});
+
+/// Output of the probe of `name`. Throws core::Error for refusals and crashes, and OutOfMemory where it lacked
+/// memory.
 std::string text_of(ProbeEnd end, const std::string& name, const ProbeLimits& limits);
 
-/// Reads as `words` say, with the Probe's input as standard input, and returns the output. Limits hold from the first
-/// turn.
-using ProbedReading = std::function<std::string(const std::vector<std::string>& words, const TakeTurns& take_turns)>;
+/// Reads as `words` say, with the Probe's input as standard input, and returns the output.
+using ProbedReading =
+    std::function<std::string(const std::vector<std::string>& words, const BeginLimits& begin_limits)>;
 
 bool is_probe(int argc, char** argv);
 
@@ -82,15 +83,5 @@ void write_from_probe(const std::string& text);
 
 /// Exit statuses; libraries and sanitizers exit with small ones.
 constexpr int probe_refused = 61, probe_out_of_memory = 62, probe_crashed = 63;
-/// Descriptor of turns, one character each.
-constexpr int probe_turns = 3;
-constexpr char turn_mark(Turn turn) {
-    return turn == Turn::ours ? 'o' : 'p';
-}
-
-std::vector<std::string> probe_words(const ProbeLimits& limits);
-
-/// Address space of this process in bytes; 0: unknown.
-std::uintmax_t address_space_now();
 
 }  // namespace render2mpeg::scene

@@ -26,24 +26,6 @@ std::uint32_t add_strand(Mesh& mesh, std::span<const glm::vec3> points, std::spa
     return first + 1;
 }
 
-void add_bezier_strand(Mesh& mesh, std::span<const glm::vec3> points, std::span<const float> radii) {
-    EXPECTS(points.size() >= 4 && points.size() % 3 == 1 && radii.size() == points.size());
-    for (std::size_t k = 0; k + 3 < points.size(); k += 3) {
-        const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-        // The same cubic in the other basis, whose inner control points it passes: ends of tangents of thrice the
-        // length.
-        const auto add = [&](auto& to, const auto& b) {
-            to.push_back(b[k + 3] - 6.0f * (b[k + 1] - b[k]));
-            to.push_back(b[k]);
-            to.push_back(b[k + 3]);
-            to.push_back(b[k] + 6.0f * (b[k + 3] - b[k + 2]));
-        };
-        add(mesh.positions, points);
-        add(mesh.radii, radii);
-        mesh.curves.push_back(first);
-    }
-}
-
 float width_scale(const glm::mat4& m) {
     return std::cbrt(std::abs(glm::determinant(glm::mat3(m))));
 }

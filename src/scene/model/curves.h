@@ -19,9 +19,6 @@ struct CurveWeights {
 /// ends', doubled. Returns the index of each point's position: `points[k]` is the mesh's position `first + k`.
 std::uint32_t add_strand(Mesh& mesh, std::span<const glm::vec3> points, std::span<const float> radii);
 
-/// Adds a strand of cubic Bezier segments: 3 n + 1 points, every third one passed.
-void add_bezier_strand(Mesh& mesh, std::span<const glm::vec3> points, std::span<const float> radii);
-
 /// By how much a transform widens strands: the cube root of its volume's.
 float width_scale(const glm::mat4& m);
 

@@ -108,6 +108,17 @@ struct Material {
     bool emits() const { return emission.x > 0 || emission.y > 0 || emission.z > 0; }
 };
 
+/// Without roughness, metallic or transmission a surface has no highlight.
+inline Material matt(const std::string& name, glm::vec3 color) {
+    Material material;
+    material.name = name;
+    material.base_color = glm::vec4(color, 1);
+    material.specular_glossiness = true;
+    material.specular = glm::vec3(0);
+    material.glossiness = 0;
+    return material;
+}
+
 struct NamedTexture {
     TextureUse Material::*use;
     const char* name;  ///< for messages

@@ -153,13 +153,8 @@ Mesh disc(float inner, float outer) {
 }
 
 void add_floor(Animation& animation, const Extent& extent) {
-    Material matt;
-    matt.name = "studio floor";
-    matt.base_color = glm::vec4(glm::vec3(floor_reflectance), 1);
-    matt.specular_glossiness = true;
-    matt.specular = glm::vec3(0);
-    matt.glossiness = 0;
-    matt.alpha_mode = AlphaMode::blend;
+    Material floor = matt("studio floor", glm::vec3(floor_reflectance));
+    floor.alpha_mode = AlphaMode::blend;
 
     const glm::dvec3 size = extent.high - extent.low;
     const double reach = 0.5 * std::hypot(size.x, size.z) + 0.5 * size.y;
@@ -176,7 +171,7 @@ void add_floor(Animation& animation, const Extent& extent) {
     animation.stage = static_cast<int>(animation.objects.size());
     animation.meshes.push_back(disc(static_cast<float>(1.2 * reach), static_cast<float>(3.5 * reach)));
     animation.nodes.push_back(std::move(node));
-    animation.materials.push_back(std::move(matt));
+    animation.materials.push_back(std::move(floor));
     animation.objects.push_back(std::move(object));
 }
 

@@ -59,8 +59,8 @@ constexpr double share_of_open_side = 0.2;
 // A longer lens than elsewhere, as products are shown. chosen: 16 seconds a turn is slow enough to look at, 4 seconds
 // of it show the front and both sides.
 constexpr double studio_fov = 0.5235988;  // 30 degrees
-constexpr double studio_turns = 1 / 16.0, studio_start = 0.7;
-constexpr double orbit_period = 8, turn_period = 16, sway_period = 8;  // seconds
+constexpr double studio_start = 0.7;
+constexpr double studio_period = 16, orbit_period = 8, turn_period = 16, sway_period = 8;  // seconds
 
 constexpr const char* automatic_name = "automatic";
 
@@ -195,41 +195,31 @@ Framing choose_framing(const Animation& animation) {
     return turn.facing > gain_within * orbit.facing ? turn : orbit;
 }
 
-/// Rotation of a node about +y, by `keys` equal parts of `seconds`; `yaw` gives the angle at a time.
-template <class Yaw>
-Track turning_track(int node, double seconds, double keys, const Yaw& yaw) {
+/// Rotation of a node about +y for the film. Where nothing else moves, for one period; in the studio for four seconds,
+/// from the left past the front to the right.
+Track track_of(int node, const Framing& framing, bool studio, double duration) {
+    const bool sways = framing.kind == View::front;
+    const double period = studio                        ? studio_period
+                          : framing.kind == View::orbit ? orbit_period
+                          : sways                       ? sway_period
+                                                        : turn_period;
+    const double length = duration > 0 ? duration : studio ? studio_seconds : period;
+    // chosen: a quarter turn a key is within the half turn that a shortest path allows; 32 keys make a sine look
+    // smooth.
+    const double keys = (sways ? 32 : 4) * length / period;
     const int count = std::max(1, static_cast<int>(std::ceil(std::min(1e5, keys))));
     Track track;
     track.target = TrackTarget::rotation;
     track.index = node;
     track.width = 4;
     for (int k = 0; k <= count; ++k) {
-        const double time = seconds * k / count, half = yaw(time) / 2;
+        const double time = length * k / count, phase = 2 * glm::pi<double>() * time / period;
+        const double yaw = studio ? studio_start - phase : framing.start_yaw + (sways ? 0.25 * std::sin(phase) : phase);
         track.times.push_back(static_cast<float>(time));
         track.values.insert(track.values.end(),
-                            {0.0f, static_cast<float>(std::sin(half)), 0.0f, static_cast<float>(std::cos(half))});
+                            {0.0f, static_cast<float>(std::sin(yaw / 2)), 0.0f, static_cast<float>(std::cos(yaw / 2))});
     }
     return track;
-}
-
-/// Lasts for the film, or for one period where nothing else moves.
-Track track_of(int node, const Framing& framing, double duration) {
-    const bool sways = framing.kind == View::front;
-    const double period = framing.kind == View::orbit ? orbit_period : sways ? sway_period : turn_period;
-    const double length = duration > 0 ? duration : period;
-    // chosen: a quarter turn a key is within the half turn that a shortest path allows; 32 keys make a sine look
-    // smooth.
-    return turning_track(node, length, (sways ? 32 : 4) * length / period, [&](double seconds) {
-        const double phase = 2 * glm::pi<double>() * seconds / period;
-        return framing.start_yaw + (sways ? 0.25 * std::sin(phase) : phase);
-    });
-}
-
-/// A slow turn in the studio: of still things for four seconds, from the left past the front to the right.
-Track studio_track(int node, double duration) {
-    const double length = duration > 0 ? duration : studio_seconds;
-    return turning_track(node, length, 4 * studio_turns * length,
-                         [](double seconds) { return studio_start - 2 * glm::pi<double>() * studio_turns * seconds; });
 }
 
 /// `aspect`: width of the picture over its height, at most 1. Moves an orbit up or down and as near as it can go, so
@@ -348,8 +338,7 @@ AutomaticCamera add_automatic_camera(Animation& animation, bool in_studio) {
                                            : studio                   ? studio_fov
                                                                       : vertical_fov);
 
-    animation.tracks.push_back(studio ? studio_track(eye.parent, animation.duration)
-                                      : track_of(eye.parent, framing, animation.duration));
+    animation.tracks.push_back(track_of(eye.parent, framing, studio, animation.duration));
     animation.nodes.push_back(std::move(pivot));
     animation.nodes.push_back(std::move(eye));
     animation.cameras.push_back(std::move(lens));

@@ -23,14 +23,13 @@ bool is_finite(const glm::dmat4& m) {
     return true;
 }
 
-/// Whether an index names one of `count` things.
-bool in_range(int index, std::size_t count) {
-    return index >= 0 && static_cast<std::size_t>(index) < count;
-}
-
-std::string range_text(const char* kind, int index, std::size_t count) {
-    return std::string("refers to ") + kind + " " + std::to_string(index) + ", but there " +
-           (count == 1 ? "is " : "are ") + std::to_string(count);
+/// Refuses an index that names none of `count` things; -1 may stand for none of them, where `least` is -1.
+void check_index(const Animation& animation, const std::string& name, const char* kind, int index, std::size_t count,
+                 int least = 0) {
+    if (index < least || index >= static_cast<int>(count))
+        refuse(animation, name,
+               std::string("refers to ") + kind + " " + std::to_string(index) + ", but there " +
+                   (count == 1 ? "is " : "are ") + std::to_string(count));
 }
 
 /// Whether a material is invisible whatever its textures; emission needs no alpha.
@@ -95,12 +94,7 @@ class MaterialCheck {
     }
 
     void check(const TextureUse& use, const char* what) {
-        if (use.image < -1)
-            refuse(animation_, name_, std::string(what) + " refers to image " + std::to_string(use.image));
-        if (use.image >= static_cast<int>(animation_.images.size()))
-            refuse(animation_, name_,
-                   std::string(what) + " refers to image " + std::to_string(use.image) + ", but there are " +
-                       std::to_string(animation_.images.size()));
+        check_index(animation_, name_ + ", " + what, "image", use.image, animation_.images.size(), -1);
         if (use.uv_set < 0 || use.uv_set > 1)
             refuse(animation_, name_,
                    std::string(what) + " uses texture coordinates " + std::to_string(use.uv_set) +
@@ -123,8 +117,7 @@ void validate_nodes(Animation& animation) {
     for (std::size_t i = 0; i < nodes.size(); ++i) {
         Node& node = nodes[i];
         const std::string name = described("node", i, node.name);
-        if (node.parent < -1 || (node.parent >= 0 && !in_range(node.parent, nodes.size())))
-            refuse(animation, name, range_text("node", node.parent, nodes.size()));
+        check_index(animation, name, "node", node.parent, nodes.size(), -1);
         if (node.matrix && !is_finite(*node.matrix))
             refuse(animation, name, "its matrix has a number that is not finite");
         if (!is_finite(node.translation)) refuse(animation, name, "its translation is not finite");
@@ -156,8 +149,7 @@ void validate_focus(const Animation& animation, const CameraLens& lens, const st
     if (lens.focus_objects.empty() && !lens.focus_point && !above_zero(lens.focus_distance))
         refuse(animation, name, "it has an f-stop, and nothing that it is focused on");
     for (const int object : lens.focus_objects)
-        if (!in_range(object, animation.objects.size()))
-            refuse(animation, name, range_text("object", object, animation.objects.size()));
+        check_index(animation, name, "object", object, animation.objects.size());
     if (!above_zero(lens.sensor_height) || !above_zero(lens.squeeze) || !std::isfinite(lens.blade_rotation))
         refuse(animation, name, "its sensor and its squeeze must be above 0");
 }
@@ -166,8 +158,7 @@ void validate_cameras(Animation& animation) {
     for (std::size_t i = 0; i < animation.cameras.size(); ++i) {
         const CameraLens& lens = animation.cameras[i];
         const std::string name = described("camera", i, lens.name);
-        if (lens.node < -1 || (lens.node >= 0 && !in_range(lens.node, animation.nodes.size())))
-            refuse(animation, name, range_text("node", lens.node, animation.nodes.size()));
+        check_index(animation, name, "node", lens.node, animation.nodes.size(), -1);
         // 3.1415 rather than pi: beyond it half the height of the picture at unit depth exceeds 20000.
         if (lens.perspective && !(lens.vertical_fov > 0 && lens.vertical_fov < 3.1415f))
             refuse(animation, name,
@@ -188,9 +179,7 @@ void validate_cameras(Animation& animation) {
     if (!Shutter::is_rolling(static_cast<double>(animation.shutter.rolling)))
         refuse(animation, "shutter", "it must roll by 0 to 1 frames");
     for (std::size_t i = 0; i < animation.shots.size(); ++i)
-        if (!in_range(animation.shots[i].camera, animation.cameras.size()))
-            refuse(animation, described("shot", i, ""),
-                   range_text("camera", animation.shots[i].camera, animation.cameras.size()));
+        check_index(animation, described("shot", i, ""), "camera", animation.shots[i].camera, animation.cameras.size());
     std::stable_sort(animation.shots.begin(), animation.shots.end(),
                      [](const Shot& a, const Shot& b) { return a.frame < b.frame; });
     if (animation.frame_rate) {
@@ -209,8 +198,7 @@ void validate_lights(Animation& animation) {
     for (std::size_t i = 0; i < animation.lights.size(); ++i) {
         Light& light = animation.lights[i];
         const std::string name = described("light", i, light.name);
-        if (light.node < -1 || (light.node >= 0 && !in_range(light.node, animation.nodes.size())))
-            refuse(animation, name, range_text("node", light.node, animation.nodes.size()));
+        check_index(animation, name, "node", light.node, animation.nodes.size(), -1);
         if (!core::is_finite(light.color) || light.color.x < 0 || light.color.y < 0 || light.color.z < 0)
             refuse(animation, name, "its colour must be finite and not negative");
         if (!(light.intensity >= 0) || !std::isfinite(light.intensity))
@@ -251,8 +239,7 @@ void validate_objects(Animation& animation) {
         if (skin.inverse_bind.size() != skin.joints.size())
             refuse(animation, name, "has not as many inverse bind matrices as joints");
         for (std::size_t j = 0; j < skin.joints.size(); ++j) {
-            if (!in_range(skin.joints[j], animation.nodes.size()))
-                refuse(animation, name, range_text("node", skin.joints[j], animation.nodes.size()));
+            check_index(animation, name, "node", skin.joints[j], animation.nodes.size());
             if (!is_finite(skin.inverse_bind[j]))
                 refuse(animation, name,
                        "inverse bind matrix " + std::to_string(j) + " has a number that is not finite");
@@ -263,22 +250,17 @@ void validate_objects(Animation& animation) {
     for (std::size_t i = 0; i < animation.objects.size(); ++i) {
         Object& object = animation.objects[i];
         const std::string name = described("object", i, object.name);
-        if (object.node < -1 || (object.node >= 0 && !in_range(object.node, animation.nodes.size())))
-            refuse(animation, name, range_text("node", object.node, animation.nodes.size()));
-        if (!in_range(object.mesh, animation.meshes.size()))
-            refuse(animation, name, range_text("mesh", object.mesh, animation.meshes.size()));
-        if (!in_range(object.material, animation.materials.size()))
-            refuse(animation, name, range_text("material", object.material, animation.materials.size()));
+        check_index(animation, name, "node", object.node, animation.nodes.size(), -1);
+        check_index(animation, name, "mesh", object.mesh, animation.meshes.size());
+        check_index(animation, name, "material", object.material, animation.materials.size());
         const Mesh& mesh = animation.meshes[static_cast<std::size_t>(object.mesh)];
-        if (object.skin < -1 || (object.skin >= 0 && !in_range(object.skin, animation.skins.size())))
-            refuse(animation, name, range_text("skin", object.skin, animation.skins.size()));
+        check_index(animation, name, "skin", object.skin, animation.skins.size(), -1);
         if (object.skin >= 0 && mesh.joints.empty()) object.skin = -1;
         if (object.skin >= 0) {
             const std::size_t count = animation.skins[static_cast<std::size_t>(object.skin)].joints.size();
             for (const VertexJoints& joints : mesh.joints)
                 for (std::size_t k = 0; k < joints.joint.size(); ++k)
-                    if (joints.weight[k] != 0 && joints.joint[k] >= count)
-                        refuse(animation, name, range_text("joint", joints.joint[k], count));
+                    if (joints.weight[k] != 0) check_index(animation, name, "joint", joints.joint[k], count);
         }
         if (!object.morph_weights.empty() && object.morph_weights.size() != mesh.morph_targets.size())
             refuse(animation, name,
@@ -313,10 +295,7 @@ void validate_looks(Animation& animation) {
     if (!core::is_finite(sky.color) || sky.color.x < 0 || sky.color.y < 0 || sky.color.z < 0)
         refuse(animation, "sky", "its colour must be finite and not negative");
     if (!std::isfinite(sky.rotation)) refuse(animation, "sky", "its rotation is not finite");
-    if (sky.image < -1 || sky.image >= static_cast<int>(animation.images.size()))
-        refuse(animation, "sky",
-               "refers to image " + std::to_string(sky.image) + ", but there are " +
-                   std::to_string(animation.images.size()));
+    check_index(animation, "sky", "image", sky.image, animation.images.size(), -1);
 }
 
 }  // namespace render2mpeg::scene
