@@ -64,7 +64,7 @@ TEST_F(Wall, RecordsOfAnotherSurfaceSayNothing) {
 }
 
 TEST_F(Wall, NobodyIsServedBeyondWhereRecordsLie) {
-    strew(1, [](glm::vec2 at) { return at.x < 12.0f ? 1.0f : 1.0f; });
+    strew(1, [](glm::vec2) { return 1.0f; });
     RecordStore half;
     for (const IrradianceRecord& r : records_.all())
         if (stage_.world().camera.project(r.position)->position.x < 12.0f) half.insert(r);
@@ -101,7 +101,7 @@ TEST_F(Wall, NobodyIsServedWhereThePictureDoesNotReach) {
     }
 }
 
-/// Records along a row, lit by 64 rays whose noise is this large, about a step of light.
+/// Records in every pixel, lit by 64 rays whose noise is this large, about a step of light.
 struct NoisyWall : Wall {
     void strew_noisy(float noise, float step) {
         strew(1, [&](glm::vec2 at) { return at.x < 12.0f ? 1.0f : 1.0f + step; });
@@ -161,6 +161,26 @@ TEST_F(NoisyWall, StepsOfLightAreNoNoise) {
     const Errors e = errors(8, 15, 0.5f);
     EXPECT_LT(e.found, 2 * e.raw);
     EXPECT_LT(e.radius, 2);
+}
+
+TEST(Records, TellTheVarianceThatTheirReceiverSees) {
+    // Of light that scatters by a tenth on a red wall, in one lesson and in two.
+    GatherPoint red;
+    red.weight = glm::vec3(1);
+    red.point.bsdf.diffuse = {0.8f, 0.05f, 0.05f};
+    const GatherPoint plain = plain_receiver(red);
+    RayLight rays{{glm::vec3(1)}, 0.0f, 0.0f, 16};
+    const double shown = shown_luminance(plain, rays.light);
+    rays.batch_variance = static_cast<float>(0.01 * shown * shown);
+    auto record = record_of(red, {}, {}, rays, 1.0f, 0);
+    ASSERT_TRUE(record.has_value());
+    EXPECT_NEAR(record->batch_variance * receives(plain) * receives(plain), rays.batch_variance, 1e-6);
+    EXPECT_TRUE(take_rays(rays, plain, *record));
+    EXPECT_EQ(record->ray_count, 32u);
+    EXPECT_NEAR(record->batch_variance * receives(plain) * receives(plain), rays.batch_variance, 1e-6);
+    rays.light[0].x = std::numeric_limits<float>::infinity();
+    EXPECT_FALSE(take_rays(rays, plain, *record));
+    EXPECT_EQ(record->ray_count, 32u);
 }
 
 TEST_F(NoisyWall, SmoothPlacesAreServedWithinATolerance) {

@@ -156,6 +156,34 @@ TEST(FinalGather, TakesRaysByThePowerOfItsTolerance) {
     EXPECT_LT(fine, 20 * coarse);
 }
 
+TEST(FinalGather, RaysThatGoOnAreThoseOfOneRequest) {
+    const Stage stage(sunny_room());
+    const std::vector<GatherPoint> points = points_about(stage, 1, {0, 1.7f, 0.9f});
+    FinalGather gather(stage.posed_scene(), stage.plan(), true);
+    gather.forget({std::numeric_limits<float>::infinity(), 0.0f, {}});
+    const auto rays_of = [&](std::uint32_t from, std::uint32_t rays) {
+        GatherRequest r{&points[0], {}, 5, 1e-3f};
+        r.from = from;
+        r.rays = rays;
+        r.keeps = true;
+        return gather.gather(std::span(&r, 1), {}).front();
+    };
+    // Cells learn from every question: ask all of them first.
+    rays_of(0, 48);
+    const RayLight whole = rays_of(0, 48), first = rays_of(0, 16), more = rays_of(16, 32);
+    ASSERT_EQ(whole.rays, 48u);
+    for (std::size_t k = 0; k < whole.light.size(); ++k) {
+        const glm::vec3 both = glm::mix(first.light[k], more.light[k], 2.0f / 3.0f);
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(both[c], whole.light[k][c], 1e-5f + 1e-4f * whole.light[k][c]);
+    }
+    ASSERT_TRUE(first.kept && more.kept && whole.kept);
+    KeptRays sum = *first.kept;
+    sum.add(*more.kept);
+    EXPECT_EQ(sum.count, whole.kept->count);
+    ASSERT_EQ(sum.rays.size(), whole.kept->rays.size());
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(sum.mean[0][c], whole.kept->mean[0][c], 1e-5f + 0.01f * sum.mean[0][c]);
+}
+
 TEST(FinalGather, KeepsItsTolerance) {
     const Stage stage(sunny_room());
     const std::vector<GatherPoint> points = points_about(stage, 1, {0, 1.7f, 0.9f});

@@ -276,7 +276,7 @@ TEST(IrradianceCache, LightsPolishedMetalForAFractionOfTheRays) {
         plain_over += share_over(cut, plain.reference(second), 0.1f) / 3;
     }
     EXPECT_LE(over, plain_over + 0.01);
-    EXPECT_LE(rays, all * 9 / 10) << "an eighth of so small a picture is watched";
+    EXPECT_LE(rays, all * 9 / 10);
     EXPECT_GT(rays, all / 5);
 }
 

@@ -154,8 +154,10 @@ std::uint64_t checksum_of(const core::Picture& picture) {
 }
 
 std::string program_text() {
-    return std::string(RENDER2MPEG_VERSION) + " (build " +
-           text_of(checksum_of(std::filesystem::path("/proc/self/exe"))) + ")";
+    const std::filesystem::path program("/proc/self/exe");
+    std::error_code error;
+    const bool known = std::filesystem::exists(program, error);
+    return std::string(RENDER2MPEG_VERSION) + " (build " + (known ? text_of(checksum_of(program)) : "unknown") + ")";
 }
 
 std::string text_of(std::uint64_t checksum) {

@@ -190,7 +190,9 @@ void WorkFolder::take_over(Earlier earlier) {
 
 void WorkFolder::hold(const std::filesystem::path& output) {
     // Remembered first: a later run finds it after a kill.
-    (*manifest_)["held"].push_back(std::filesystem::absolute(output).lexically_normal().string());
+    json& held = (*manifest_)["held"];
+    const std::string name = std::filesystem::absolute(output).lexically_normal().string();
+    if (std::find(held.begin(), held.end(), name) == held.end()) held.push_back(name);
     write_manifest();
     held_.push_back(std::make_unique<WorkFolder>(output, nullptr));
 }
@@ -242,7 +244,8 @@ std::size_t WorkFolder::left(const std::filesystem::path& output, const json& id
 }
 
 bool WorkFolder::is_of(const std::filesystem::path& output, const json& identity) {
-    return manifest_in(work_folder_of(output)).value("identity", json()) == as_written(identity);
+    const json manifest = manifest_in(work_folder_of(output));
+    return manifest.contains("identity") && manifest["identity"] == as_written(identity);
 }
 
 std::vector<ChunkFile> WorkFolder::finished(const std::vector<Chunk>& chunks, const std::string& of) const {

@@ -10,6 +10,7 @@
 #include "app/files/publish.h"
 #include "app/options/output_kind.h"
 #include "app/options/usage_error.h"
+#include "core/checksum.h"
 #include "core/color.h"
 #include "core/error.h"
 #include "core/numeric.h"
@@ -124,6 +125,13 @@ HeatSubject heat_subject_from(const std::string& name) {
     throw UsageError("--heatmap " + name + ": expected tolerance, cut, error, quantiser, records, age or reuse");
 }
 
+/// Of chunks: another for each output.
+std::string name_of(HeatSubject subject, const std::filesystem::path& output) {
+    core::Checksum sum;
+    sum.add(std::filesystem::absolute(output).lexically_normal().string());
+    return fmt::format("{}-{}", facts_of(subject).name, core::checksum_text(sum.value()));
+}
+
 }  // namespace
 
 HeatmapFilm::HeatmapFilm(HeatSubject subject, const std::filesystem::path& output, const RenderJob& film,
@@ -131,7 +139,7 @@ HeatmapFilm::HeatmapFilm(HeatSubject subject, const std::filesystem::path& outpu
     : subject_(subject),
       output_(output),
       work_(work),
-      name_(fmt::format("{}-{}", facts_of(subject).name, output.filename().string())),
+      name_(name_of(subject, output)),
       film_(film.film()),
       grid_(film.chunks()),
       codec_(film.coding.codec),

@@ -11,7 +11,7 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// Rounds, and the growth of a record's rays in one. chosen: 3 and 4, from 16 rays to 1,024; a fourth brings nothing.
+/// Rounds, and the growth of a record's rays in one. chosen: 3 and 4, from 16 rays to 1,024 at most.
 constexpr int rounds = 3;
 constexpr std::uint32_t most_growth = 4;
 
@@ -25,6 +25,16 @@ PointLight light_of(const FrameState& frame, const NewRecord& fresh, const RayLi
     return light;
 }
 
+/// Light by the regression's sum of records.
+RayLight blend(const LocalRegression& fit, const RecordStore& records) {
+    RayLight light;
+    for (std::size_t i = 0; i < fit.size(); ++i)
+        for (std::size_t k = 0; k < light.light.size() && fit.weight(i) != 0.0f; ++k)
+            light.light[k] += fit.weight(i) * records[fit.record(i)].by_rays[k];
+    for (glm::vec3& part : light.light) part = glm::max(part, glm::vec3(0));
+    return light;
+}
+
 /// Rays that a new record is worth in all.
 std::uint32_t wanted_rays(const FrameState& frame, const NewRecord& fresh, LocalRegression& fit) {
     const IrradianceRecord& record = frame.records[fresh.record];
@@ -32,23 +42,14 @@ std::uint32_t wanted_rays(const FrameState& frame, const NewRecord& fresh, Local
     if (!query) return record.ray_count;
     fit.collect(*query, LocalRegression::Of::rays_light, frame.grid, frame.records, fresh.record);
     const RegressionError error = fit.estimate();
-    const float light = core::luminance(light_of(frame, fresh, {record.by_rays}).scattered(query->point)),
+    if (!error.is_valid() || !(error.square > 0.0)) return record.ray_count;
+    // The neighbours' light says what is allowed: rays that found too much by chance would allow themselves more.
+    const float light = core::luminance(light_of(frame, fresh, blend(fit, frame.records)).scattered(query->point)),
                 tolerance = query->tolerance.allows(light) / errors_allowed;
-    const double has = record.ray_count;
-    const double needs = tolerance > 0.0f ? has * std::pow(error.square / (tolerance * tolerance), 1.0 / variance_power)
-                                          : most_gather_rays;
-    const auto worth = static_cast<std::uint32_t>(std::clamp(frame.aim.worth(needs), 0.0, 1.0 * most_gather_rays));
-    return std::min(worth, most_growth * record.ray_count);
-}
-
-/// Light by the regression's sum of records.
-RayLight blend(const LocalRegression& fit, const RecordStore& records) {
-    RayLight light;
-    for (std::size_t i = 0; i < fit.size(); ++i)
-        for (std::size_t k = 0; k < light.light.size(); ++k)
-            light.light[k] += fit.weight(i) * records[fit.record(i)].by_rays[k];
-    for (glm::vec3& part : light.light) part = glm::max(part, glm::vec3(0));
-    return light;
+    const double has = record.ray_count, most = most_growth * has;
+    if (!(tolerance > 0.0f)) return static_cast<std::uint32_t>(most);
+    const double needs = has * std::pow(error.square / (tolerance * tolerance), 1.0 / variance_power);
+    return static_cast<std::uint32_t>(std::min(frame.aim.worth(needs), most));
 }
 
 }  // namespace
@@ -68,7 +69,8 @@ void refine_rays(FrameState& frame, std::size_t first) {
         receivers.reserve(fresh.size());
         for (std::size_t i = 0; i < fresh.size(); ++i) {
             const IrradianceRecord& record = frame.records[fresh[i].record];
-            const std::uint32_t more = (std::max(wanted[i], record.ray_count) - record.ray_count) / 16 * 16;
+            const std::uint32_t more =
+                (std::max(wanted[i], record.ray_count) - record.ray_count) / first_rays * first_rays;
             if (more == 0) continue;
             const GatherPoint& p = frame.point(fresh[i].point);
             receivers.push_back(plain_receiver(p));
@@ -100,7 +102,14 @@ void reconstruct(FrameState& frame) {
             if (!error.is_valid()) continue;
             RayLight light = blend(fit, frame.records);
             light.rays = frame.records[fresh.record].ray_count;
-            light.error = errors_allowed * static_cast<float>(std::sqrt(error.square));
+            glm::vec3 turned(0);
+            for (std::size_t k = 0; k < fit.size(); ++k) {
+                if (fit.weight(k) == 0.0f) continue;
+                turned += fit.weight(k) * fit.lobe(k).turned;
+                frame.records.mark_used(fit.record(k), frame.snapshot.frame);
+            }
+            light.error =
+                errors_allowed * static_cast<float>(std::sqrt(error.square)) + turn_error * glm::length(turned);
             frame.tiles[fresh.point.tile].light[fresh.point.index] = light_of(frame, fresh, light);
         }
     });

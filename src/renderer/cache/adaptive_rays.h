@@ -4,8 +4,8 @@
 
 namespace render2mpeg::renderer {
 
-/// Traces more rays for the frame's new records from the `first` on, in rounds, until what the regression about each
-/// (local_regression.h) leaves of the error is worth no more: adaptive sampling and reconstruction [Moon2014].
+/// Traces more rays for the frame's new records from the `first` on, in rounds, as far as the error of the regression
+/// about each (local_regression.h) is worth them: adaptive sampling and reconstruction [Moon2014].
 void refine_rays(FrameState& frame, std::size_t first);
 
 /// Gives the points of all new records the light that the regression about them finds.

@@ -1,5 +1,6 @@
 #include "renderer/cache/cache_query.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/color.h"
@@ -40,7 +41,8 @@ PointLight blend(const LocalRegression& fit, const CacheQuery& q, const RecordSt
     return light;
 }
 
-/// A tolerance holds so many of the errors that light without noise is off planes by: one point in twenty exceeds it.
+/// A tolerance holds so many root mean squares of the distance of light without noise from planes. chosen: 2, as one
+/// point in twenty exceeds it; not tuned.
 constexpr float errors_of_detail = 2.0f;
 
 /// Mean square error that is allowed to a point whose rays vary by so much, of which a share is left by its neighbours.
@@ -48,7 +50,7 @@ double allowed_square(const RegressionError& error, float tolerance, GatherAim a
     if (!(error.batch_variance > 0.0)) return std::pow(tolerance / errors_of_detail, 2.0f);
     const double square = std::pow(tolerance / errors_allowed, 2.0f);
     const double batches = std::pow(error.batch_variance * error.variance_share / square, 1.0 / variance_power);
-    return square * aim.left(batch_rays * batches);
+    return square * aim.left(std::max(batch_rays * batches, 1.0 * first_rays));
 }
 
 }  // namespace

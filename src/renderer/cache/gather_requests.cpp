@@ -59,9 +59,6 @@ void gather_area(const FrameState& frame, const std::vector<PointRef>& requests,
         gather_requests_of(frame, group, out.pools.empty() ? 0 : out.pools.back() + 1, gatherer, out);
 }
 
-/// Rays that tell how much they differ, for a record. chosen: 16, two batches.
-constexpr std::uint32_t first_rays = 16;
-
 /// Gathers the sky and indirect light by rays: the first rays of records, all of other points.
 void gather_rays(FrameState& frame, std::vector<GatheredRequests>& found) {
     std::vector<GatherRequest> requests;

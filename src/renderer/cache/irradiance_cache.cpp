@@ -1,7 +1,6 @@
 #include "renderer/cache/irradiance_cache.h"
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 #include <utility>
 

@@ -36,7 +36,8 @@ struct IrradianceRecord {
     glm::vec3 shading_normal{0};
     glm::vec3 direct{0}, indirect{0};  ///< irradiance over pi, of light trees
     GlossyRecord lobe;                 ///< likewise
-    /// Light of gather rays (RayLight), their number, and the variance of a batch for a white receiver.
+    /// Light of gather rays (RayLight), their number, and the variance of the mean of 8 of them: luminance squared, for
+    /// a receiver that reflects all.
     std::array<glm::vec3, 3> by_rays{};
     std::uint32_t ray_count = 0;
     float batch_variance = 0;

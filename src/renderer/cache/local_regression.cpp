@@ -11,15 +11,23 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// Pixels to each side that records are taken from, in turn.
+/// Pixels to each side that records are taken from, in turn. chosen: up to 6 of 6 and 8; the larger errs no less.
 constexpr int radii[] = {1, 2, 4, 6}, largest_radius = 6;
 
+/// Weights fall to zero at so many times the square of the reach. chosen: 1.1, so that the farthest count a little; not
+/// tuned.
+constexpr double falloff_end = 1.1;
+
 /// A plane takes three records; the others tell what it misses. Through the six of two columns of a lattice it always
-/// passes, and a step between them looks like a slope: seven are more than these.
+/// passes, and a step between them looks like a slope: seven are more than these. chosen: the least such number.
 constexpr int least_records = 7;
 
 /// Sum of the sizes of a plane's weights: 1 within the records. chosen: 1.5, so that rims of the picture are served.
 constexpr double most_stretch = 1.5;
+
+/// Share of s^3 r^4 below which records lie along a line. chosen: 1e-5 of 1e-3 to 1e-6, at which thin columns still
+/// carry planes: an even disc has 0.02.
+constexpr double line_share = 1e-5;
 
 /// Records in the place of a point lie so near, in pixels. chosen: 0.1, where light is another in corners alone.
 constexpr float same_place = 0.1f;
@@ -39,6 +47,7 @@ void LocalRegression::collect(const CacheQuery& q, Of of, const RecordGrid& grid
     const SurfacePoint& p = q.point.point;
     const SurfaceMark here = mark_of(q);
     const GatherPoint plain = plain_receiver(q.point);
+    const float shown = of == Of::all_light ? q.receives : receives(plain), receives2 = shown * shown;
     const glm::vec3 reflects = q.point.weight * p.bsdf.diffuse;
     for (int row = top; row <= bottom; ++row) {
         for (const SurfaceMark& m : grid.row(row, left, right)) {
@@ -56,8 +65,8 @@ void LocalRegression::collect(const CacheQuery& q, Of of, const RecordGrid& grid
                  of == Of::all_light ? core::luminance(reflects * r.irradiance() + q.point.weight * lobe->radiance)
                                      : static_cast<float>(shown_luminance(plain, r.by_rays)),
                  rays > 0 ? std::sqrt(rays) : 1.0f, rays > 0 ? std::pow(batch_rays / rays, variance_power) : 0.0f,
-                 q.receives * q.receives * r.batch_variance,
-                 own == none ? distance2 < same_place * same_place : m.record == own, *lobe});
+                 receives2 * r.batch_variance, own == none ? distance2 < same_place * same_place : m.record == own,
+                 *lobe});
         }
     }
 }
@@ -65,7 +74,7 @@ void LocalRegression::collect(const CacheQuery& q, Of of, const RecordGrid& grid
 /// Considers the plane through records within a radius.
 void LocalRegression::fit_plane(int radius, RegressionError& best) {
     const float reach = static_cast<float>(radius) + 0.5f, reach2 = reach * reach;
-    const auto closeness = [&](const Member& m) { return 1.0 - m.distance2 / (1.1 * reach2); };
+    const auto closeness = [&](const Member& m) { return 1.0 - m.distance2 / (falloff_end * reach2); };
     // Normal equations of a plane about the point.
     double s = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0, batch = 0, close = 0;
     int count = 0;
@@ -84,8 +93,8 @@ void LocalRegression::fit_plane(int radius, RegressionError& best) {
     }
     if (count < least_records) return;
     const glm::dmat3 moments(s, sx, sy, sx, sxx, sxy, sy, sxy, syy);
-    // Records along a line carry no plane: compare with the determinant of records all around, s^3 r^4 / 4.
-    if (!(glm::determinant(moments) > 1e-3 * s * s * s)) return;
+    // Records along a line carry no plane; the determinant of those all around is some s^3 r^4 / 50.
+    if (!(glm::determinant(moments) > line_share * s * s * s * reach2 * reach2)) return;
     const glm::dmat3 inverse = glm::inverse(moments);
     batch /= close;
     plane_.assign(members_.size(), 0.0f);
@@ -98,7 +107,7 @@ void LocalRegression::fit_plane(int radius, RegressionError& best) {
             inverse * glm::dvec3(1.0, m.offset.x, m.offset.y) * (closeness(m) * closeness(m) * m.precision);
         plane_[i] = static_cast<float>(row.x);
         stretch += std::abs(row.x);
-        variance += row.x * row.x * batch * m.variance;
+        variance += row.x * row.x * batch * m.batch_share;
         plane += row * static_cast<double>(m.value);
     }
     // What records are off it by, beyond their variance.
@@ -107,15 +116,13 @@ void LocalRegression::fit_plane(int radius, RegressionError& best) {
         if (m.distance2 > reach2) continue;
         const double d = m.value - plane.x - m.offset.x * plane.y - m.offset.y * plane.z, w = closeness(m);
         off += w * d * d;
-        chance += w * m.variance;
+        chance += w * m.batch_share;
         sum += w;
     }
     off *= count / ((count - 3.0) * sum);
     chance *= batch / sum;
     const double square = variance + std::max(off - chance, 0.0);
-    if (!(stretch <= most_stretch) || !(square < std::numeric_limits<double>::infinity()) ||
-        (best.is_valid() && !(square < best.square)))
-        return;
+    if (!(stretch <= most_stretch) || !std::isfinite(square) || (best.is_valid() && !(square < best.square))) return;
     best = {square, variance, batch, core::divide_or(variance, chance, 1.0), radius};
     weights_.swap(plane_);
 }
@@ -126,8 +133,8 @@ void LocalRegression::take_own(RegressionError& best) {
         const Member& m = members_[i];
         if (!m.is_own) continue;
         // Neighbours know better how rays vary than its own do.
-        const double batch = best.is_valid() ? best.batch_variance : m.batch_variance, square = batch * m.variance;
-        if (best.is_valid() && !(square < best.square)) continue;
+        const double batch = best.is_valid() ? best.batch_variance : m.batch_variance, square = batch * m.batch_share;
+        if (!std::isfinite(square) || (best.is_valid() && !(square < best.square))) continue;
         best = {square, square, batch, 1.0, 0};
         weights_.assign(members_.size(), 0.0f);
         weights_[i] = 1;

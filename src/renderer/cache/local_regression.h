@@ -1,6 +1,5 @@
 #pragma once
 // Weighted local regression among records, of the order and radius that promise the least error.
-#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>
@@ -9,11 +8,11 @@
 
 namespace render2mpeg::renderer {
 
-/// Errors of a local regression at a point, in luminance of its pixel.
+/// Errors of a local regression at a point: squares of luminance of its pixel.
 struct RegressionError {
-    double square = 0;          ///< mean square: variance of what rays found, and what a plane may miss
+    double square = 0;          ///< mean square: variance of rays, plus the square of a plane's bias
     double variance = 0;        ///< the first part
-    double batch_variance = 0;  ///< of a batch of rays there (RayLight)
+    double batch_variance = 0;  ///< of the mean of 8 rays there (RayLight)
     double variance_share = 1;  ///< of the variance of one record that is left
     int radius = -1;            ///< pixels; 0: one record alone; -1: there is no estimate
     bool is_valid() const { return radius >= 0; }
@@ -21,13 +20,13 @@ struct RegressionError {
 
 /// Light at a gather point by the records about it [Moon2014]: planes of weighted least squares through those within 1,
 /// 2, 4 and 6 pixels that lie on its surface, and a record in its place alone. The one with the least estimated mean
-/// square error is taken, its bias estimated by what records are off the plane beyond the variance of their rays
+/// square error is taken, its bias estimated by the distance of records from the plane beyond their rays' variance
 /// (docs/model/irradiance-cache.md). Planes lie over the picture.
 class LocalRegression {
   public:
     enum class Of {
-        all_light,  ///< what records send into the pixel, in the point's material
-        rays_light  ///< what their rays found, for the plain receiver in its place (receiver.h)
+        all_light,  ///< light that records send into the pixel, in the point's material
+        rays_light  ///< light of their rays alone, for the plain receiver in its place (receiver.h)
     };
     /// A record as an unknown one.
     static constexpr std::uint32_t none = 0xffffffffu;
@@ -51,7 +50,7 @@ class LocalRegression {
         float distance2 = 0;       ///< square of its length
         float value = 0;           ///< luminance of the pixel
         float precision = 1;       ///< by which it is weighted
-        float variance = 0;        ///< of its rays' mean, over a batch's
+        float batch_share = 0;     ///< variance of its rays' mean over that of a batch
         float batch_variance = 0;  ///< luminance of the pixel, squared
         bool is_own = false;       ///< the point's, or one in its place
         SeenLobe lobe;

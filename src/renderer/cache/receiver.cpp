@@ -38,17 +38,20 @@ GatherPoint plain_receiver(const GatherPoint& p) {
     return receiver;
 }
 
-void take_rays(const RayLight& rays, const GatherPoint& p, IrradianceRecord& record) {
+bool take_rays(const RayLight& rays, const GatherPoint& plain, IrradianceRecord& record) {
+    for (const glm::vec3& part : rays.light)
+        if (!core::is_finite(part)) return false;
     const float share = core::divide_or(1.0f * rays.rays, 1.0f * (record.ray_count + rays.rays), 0.0f);
     for (std::size_t k = 0; k < rays.light.size(); ++k)
         record.by_rays[k] = glm::mix(record.by_rays[k], rays.light[k], share);
-    const float own = core::divide_or(rays.batch_variance, receives(p) * receives(p), 0.0f);
+    const float own = core::divide_or(rays.batch_variance, receives(plain) * receives(plain), 0.0f);
     record.batch_variance = glm::mix(record.batch_variance, own, share);
     record.ray_count += rays.rays;
     if (record.rays && rays.kept)
         record.rays->add(*rays.kept);
     else
         record.rays = rays.kept;
+    return true;
 }
 
 std::optional<IrradianceRecord> record_of(const GatherPoint& p, const PointLight& light, const GlossyRecord& lobe,
@@ -66,9 +69,8 @@ std::optional<IrradianceRecord> record_of(const GatherPoint& p, const PointLight
     record.error = core::divide_or(light.error, receives(p) * error_scale, 0.0f);
     record.clamped = core::divide_or(light.clamped, core::luminance(light.scattered(p)), 0.0f);
     record.born = record.used = frame;
-    take_rays(rays, p, record);
-    const bool finite = core::is_finite(record.irradiance()) && core::is_finite(lobe.f0 + record.by_rays[1]) &&
-                        core::is_finite(lobe.schlick + record.by_rays[2]);
+    const bool finite = take_rays(rays, plain_receiver(p), record) && core::is_finite(record.direct) &&
+                        core::is_finite(record.indirect) && core::is_finite(lobe.f0) && core::is_finite(lobe.schlick);
     return finite ? std::optional(record) : std::nullopt;
 }
 

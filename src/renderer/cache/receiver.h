@@ -20,12 +20,13 @@ float receives(const GatherPoint& p);
 /// told well enough for it.
 GatherPoint plain_receiver(const GatherPoint& p);
 
-/// The record of what trees and rays were found to bring to a point's plain receiver, with an error scale; none where
-/// that is not finite.
+/// The record of light that trees and rays bring to a point's plain receiver, with an error scale; none where it is not
+/// finite.
 std::optional<IrradianceRecord> record_of(const GatherPoint& p, const PointLight& trees, const GlossyRecord& lobe,
                                           const RayLight& rays, float error_scale, std::int64_t frame);
 
-/// Adds more rays to the record of a point.
-void take_rays(const RayLight& rays, const GatherPoint& p, IrradianceRecord& record);
+/// Adds rays to a record; `plain` is the receiver that they were traced for. False, and nothing is added, where they
+/// found light that is not finite.
+bool take_rays(const RayLight& rays, const GatherPoint& plain, IrradianceRecord& record);
 
 }  // namespace render2mpeg::renderer

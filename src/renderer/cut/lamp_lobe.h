@@ -48,7 +48,6 @@ class LobeIntegral {
 
     /// Not 0 in lanes that take directions along their lobes.
     const Lanes& peaks() const { return peaks_; }
-    bool looks_along_lobes() const { return along_lobes_; }
 
   private:
     static constexpr int first_samples = 16;

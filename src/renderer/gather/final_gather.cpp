@@ -23,8 +23,7 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// Rays of a point's first look, in two halves.
-constexpr std::uint32_t first_rays = 2 * batch_rays;
+static_assert(first_rays == 2 * batch_rays);
 
 /// Rays that are traced in one go before what they ask is learnt, and of one task. chosen: memory of some 60 MB.
 constexpr std::size_t rays_at_once = std::size_t{1} << 19;

@@ -17,8 +17,11 @@
 
 namespace render2mpeg::renderer {
 
-/// Rays of a point without a tolerance, and at most.
+/// Rays of a request without a tolerance, and of one with it at most.
 inline constexpr std::uint32_t most_gather_rays = 4096;
+
+/// Rays of a point's first look: two batches of 8.
+inline constexpr std::uint32_t first_rays = 16;
 
 struct PointSums;
 
@@ -41,7 +44,7 @@ struct GatherAim {
 
     /// Rays that a point is worth, of those that it would take to meet its tolerance.
     double worth(double rays) const;
-    /// Mean square error that these leave it, over that of the tolerance.
+    /// Mean square error that these leave it, over the square of its tolerance's standard error.
     double left(double rays) const;
 };
 
@@ -83,10 +86,10 @@ struct FinalGatherCounts {
 };
 
 /// Final gathering [Ward1988, Christensen1999]: the mean of what cosine-distributed rays see, their hits looked up in a
-/// surface cache. Where a tolerance decides how many, the first rays of all points of a pool, less the point's own,
-/// tell how much rays differ there (docs/model/gathering.md): no point's number depends on what its own rays found,
-/// which would bias it. Where light comes from few directions, rays of the pool guide the rest. A function of the posed
-/// instant and of the requests since `forget`, for any number of threads.
+/// surface cache. Where a request's tolerance decides how many, the first rays of all points of a pool, less the
+/// point's own, tell how much rays differ there (docs/model/gathering.md): no point's number depends on what its own
+/// rays found, which would bias it. Where light comes from few directions, rays of the pool guide the rest. A function
+/// of the posed instant and of the requests since `forget`, for any number of threads.
 class FinalGather {
   public:
     /// `light_changes`: cells and rays of records may be kept for other instants.

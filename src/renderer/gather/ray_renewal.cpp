@@ -30,6 +30,7 @@ void KeptRays::add(const KeptRays& more) {
     const float share = static_cast<float>(more.count) / static_cast<float>(count + more.count);
     for (std::size_t k = 0; k < mean.size(); ++k) mean[k] = glm::mix(mean[k], more.mean[k], share);
     count += more.count;
+    rays.reserve(rays.size() + more.rays.size());
     rays.insert(rays.end(), more.rays.begin(), more.rays.end());
     is_lost = is_lost || more.is_lost;
 }

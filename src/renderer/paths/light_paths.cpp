@@ -234,7 +234,7 @@ LightPaths::Event LightPaths::go_on(Path& path, const SurfacePoint& met, float c
             path.ray.leave(met, path.ray.direction);
             return Event::passes;
     }
-    // What the place reflects is weighed where the path leaves it.
+    // The surface's albedo enters where the path leaves it.
     path.throughput *= cut / chances[found];
     path.first = false;
     path.stand_on(std::move(there));

@@ -59,7 +59,7 @@ void LightRay::leave(const SurfacePoint& point, glm::vec3 to) {
 void LightRay::pass(const PosedScene& scene, const SurfacePoint& point) {
     if (point.bounds_body)
         media.cross(point.address.object, *scene.medium_within(point.address.object), point.back_side);
-    // Suns remain as far.
+    // Air in front of the layer has dimmed it already.
     origin = offset_origin(point, direction);
     from_far = false;
 }

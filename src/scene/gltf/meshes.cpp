@@ -36,7 +36,7 @@ std::vector<glm::uvec3> triangles_of(const Element& primitive, std::size_t mode,
     return result;
 }
 
-/// Values of the vertices `used`; what the accessor has no components for is 1.
+/// Values of the vertices `used`; components that the accessor lacks are 1.
 template <class Vector>
 void take(const Floats& floats, const std::vector<std::uint32_t>& used, std::vector<Vector>& into) {
     into.assign(used.size(), Vector(1));
