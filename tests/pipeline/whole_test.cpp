@@ -119,7 +119,7 @@ TEST(Heatmap, ThatCannotHaveItsNameAtLastMayHaveItLaterSlow) {
         EXPECT_EQ(run(start + " --quiet").status, 0);
         whole = contents(heat);
         std::filesystem::remove(heat);
-        return run(start + waits_for(path(folder, "f.mpg.partial/chunk_00000.cut-heat.mpg.m2v")) + "mkdir " + heat +
+        return run(start + waits_for(path(folder, "f.mpg.partial/chunk_00000.cut-*.m2v")) + "mkdir " + heat +
                    "; touch " + heat + "/mine; wait $job");
     });
     EXPECT_EQ(outcome.status, 1) << outcome.output;
