@@ -111,10 +111,10 @@ TEST(Heatmap, OfTwoRunsIsTheFirstOnes) {
                               " --size 64x64 --indirect lightcuts --vpls 16 --exposure 0 --quiet ";
     const std::string heat = " --heatmap cut " + path(folder, "heat.mpg");
     const std::string second = start + "--frames 0:1 -o " + path(folder, "b.mpg") + heat;
-    const auto outcome = run(start + "--hold --frames 0:9999 -o " + path(folder, "a.mpg") + heat +
-                             " & job=$!; while [ ! -e " + path(folder, "a.mpg.partial/chunk_00000.cut-*.m2v") +
-                             " ]; do kill -0 $job || exit 99; sleep 0.05; done; " + second +
-                             "; echo second $?; kill -INT $job; wait $job");
+    const auto outcome =
+        run(start + "--hold --frames 0:9999 -o " + path(folder, "a.mpg") + heat + " & job=$!; while [ ! -e " +
+            path(folder, "a.mpg.partial/chunk_00000.cut-*.m2v") + " ]; do kill -0 $job || exit 99; sleep 0.05; done; " +
+            second + "; echo second $?; kill -INT $job; wait $job");
     EXPECT_EQ(outcome.status, 130) << outcome.output;
     EXPECT_TRUE(has(outcome, "heat.mpg: another run is writing it")) << outcome.output;
     EXPECT_TRUE(has(outcome, "second 1")) << outcome.output;
