@@ -57,11 +57,10 @@ void FilmLights::start_chunk(const scene::Snapshot& first) {
     shone_at_.reset();
 }
 
-std::optional<LightChange> FilmLights::update(const scene::Snapshot& snapshot) {
-    LightChange change = shone_at_ ? change_between(*shone_at_, snapshot) : LightChange::everything();
-    if (!shine(snapshot, change)) return std::nullopt;
+bool FilmLights::update(const scene::Snapshot& snapshot) {
+    if (!shine(snapshot, shone_at_ ? change_between(*shone_at_, snapshot) : LightChange{true, true})) return false;
     build_trees(snapshot);
-    return change;
+    return true;
 }
 
 /// Lets the lights of the posed snapshot shine, and what light bounces off with them. Nothing is done, and false
@@ -98,7 +97,7 @@ bool FilmLights::shine(const scene::Snapshot& snapshot, const LightChange& chang
 /// Near field of the view, kept while view and sources stay.
 NearField FilmLights::near_field_of(const scene::Snapshot& snapshot, std::span<const LightPoint> lights,
                                     const LightChange& change) const {
-    if (!snapshot.cut_before && !change.changes_sources(posed_scene_.animation())) return sky_of_rays_.near_field;
+    if (!snapshot.cut_before && !change.sources) return sky_of_rays_.near_field;
     return NearField(
         lights, look_about(posed_scene_, plan_, snapshot.camera, {settings_.format.width, settings_.format.height}));
 }

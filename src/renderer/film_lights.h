@@ -27,8 +27,8 @@ class FilmLights {
 
     /// Builds what a chunk keeps, and poses its first instant.
     void start_chunk(const scene::Snapshot& first);
-    /// Lights of the posed snapshot. What has changed since the instant lit before; nullopt: `trees` hold still.
-    std::optional<LightChange> update(const scene::Snapshot& snapshot);
+    /// Lights of the posed snapshot. Whether they are others than those of the instant lit before.
+    bool update(const scene::Snapshot& snapshot);
 
     /// Of the instant of the last update.
     LightTrees& trees() { return trees_; }

@@ -25,16 +25,6 @@
 #include "scene/preparation/traits.h"
 
 namespace render2mpeg::renderer {
-namespace {
-
-/// Whether light may change, of things whose boxes are known: strands are wider than their points.
-bool keeps_rays(const scene::Animation& film) {
-    return scene::traits_of(film).changes_light() &&
-           std::none_of(film.meshes.begin(), film.meshes.end(), [](const scene::Mesh& m) { return m.has_curves(); });
-}
-
-}  // namespace
-
 struct Renderer::Impl {
     Impl(const scene::Animation& film, const Settings& s, const Plan& p)
         : settings(s),
@@ -42,7 +32,7 @@ struct Renderer::Impl {
           posed_scene(film, s.isa, p),
           lights(posed_scene, plan, settings, statistics, times),
           caustics({s.caustic_photons}),
-          final_gather(posed_scene, plan, keeps_rays(film)),
+          final_gather(posed_scene, plan),
           hair_light(posed_scene, plan) {
         statistics.image_notes = posed_scene.notes();
         if (lights.by_rays()) rays_of.push_back(RaysOf::hemispheres);
@@ -60,13 +50,11 @@ struct Renderer::Impl {
         lights.start_chunk(first);
         caches = settings.cache != CacheUse::off && (lights.by_rays() || settings.cache == CacheUse::on ||
                                                      !scene::traits_of(posed_scene.animation()).changes_light());
-        is_lit = false;
         caustics.forget();
         ambient_air = {};
         cache.forget();
         calibration.forget();
         draft_light.forget();
-        final_gather.start_chunk();
     }
 
     SeeSettings see_settings() const {
@@ -76,16 +64,9 @@ struct Renderer::Impl {
 
     /// Lights of the posed snapshot; light that was gathered is taken over to it, as far as it still holds.
     void update_lights(const scene::Snapshot& snapshot) {
-        const std::optional<LightChange> change = lights.update(snapshot);
-        if (!change) return;
-        if (is_lit && caches && lights.by_rays()) {
-            cache.renew(*change, lights.trees(), posed_scene.tracer(), shade_settings().limits, lights.sky_of_rays(),
-                        final_gather);
-        } else {
-            if (is_lit) cache.invalidate();
-            if (!rays_of.empty()) final_gather.forget(lights.sky_of_rays());
-        }
-        is_lit = true;
+        if (!lights.update(snapshot)) return;
+        cache.light_changes();
+        if (!rays_of.empty()) final_gather.forget(lights.sky_of_rays());
     }
 
     /// Parts the time of gathering among the rows of the plan that it serves, by clusters.
@@ -139,7 +120,6 @@ struct Renderer::Impl {
     std::vector<RaysOf> rays_of;  ///< that see light missing in light trees
     bool started = false;
     bool caches = false;  ///< light is cached in this chunk
-    bool is_lit = false;  ///< an instant of the chunk was
     Caustics caustics;
     AmbientAir ambient_air;
     FinalGather final_gather;
@@ -353,7 +333,7 @@ auto Renderer::Impl::audited(const scene::Snapshot& snapshot, const Lit& lit, co
     const Statistics before = statistics;
     update_lights(snapshot);
     statistics = before;
-    const auto rays = !rays_of.empty() ? std::make_unique<FinalGather>(posed_scene, plan, false) : nullptr;
+    const auto rays = !rays_of.empty() ? std::make_unique<FinalGather>(posed_scene, plan) : nullptr;
     if (rays) rays->forget(lights.sky_of_rays());
     return use(AuditedFrame{posed_scene, context_of(snapshot, lit.frame, lit.ungathered, tolerance), rays.get(),
                             rays_of, lit.middle.combined.empty() ? lit.radiance : lit.middle});

@@ -33,8 +33,7 @@ constexpr std::uint64_t per_candidate = 400;  ///< of the places that anchors ar
 constexpr std::uint64_t per_pixel = 250, per_sample = 60;
 constexpr std::uint64_t per_pixel_looked_at_closer = 500;
 constexpr std::uint64_t per_exposed_sample = 40;
-/// Of rays that are kept, and of all of them (most_kept_rays, most_kept_places).
-constexpr std::uint64_t per_kept_pixel = 90'000, most_kept = 1'700'000'000;
+constexpr std::uint64_t per_followed_pixel = 1600;      ///< where light changes and records follow
 constexpr std::uint64_t samples_of_blurred_lamps = 32;  ///< of a pixel on the average, where a lens blurs
 constexpr std::uint64_t per_decoded_pixel = 48;
 constexpr std::uint64_t always = std::uint64_t{24} << 20;
@@ -286,14 +285,13 @@ MemoryNeed memory_need(const RenderJob& film) {
     need.lights = per_lamp * (static_cast<std::uint64_t>(film.rendering.direct_points) + scene.lights.size()) +
                   per_candidate * renderer::candidates_for(static_cast<std::uint64_t>(film.rendering.vpls));
     const std::uint64_t closer = film.rendering.most_samples > 0 ? per_pixel_looked_at_closer : 0;
-    need.frames = always + (per_pixel + closer + per_sample * static_cast<std::uint64_t>(film.rendering.samples) +
+    const bool follows = film.rendering.indirect == renderer::Indirect::rays &&
+                         film.rendering.cache != renderer::CacheUse::off && scene::traits_of(scene).changes_light();
+    need.frames = always + (per_pixel + closer + (follows ? per_followed_pixel : 0) +
+                            per_sample * static_cast<std::uint64_t>(film.rendering.samples) +
                             per_exposed_sample * most_exposure_samples(film)) *
                                static_cast<std::uint64_t>(film.format.width) *
                                static_cast<std::uint64_t>(film.format.height);
-    if (film.rendering.indirect == renderer::Indirect::rays && film.rendering.cache != renderer::CacheUse::off &&
-        scene::traits_of(scene).changes_light())
-        need.kept = std::min(most_kept, per_kept_pixel * static_cast<std::uint64_t>(film.format.width) *
-                                            static_cast<std::uint64_t>(film.format.height));
     return need;
 }
 
@@ -304,10 +302,9 @@ bool may_decode_at_once(const RenderJob& film, const MemoryNeed& need, std::uint
         "rendering", film.animation->source,
         fmt::format(
             "it takes about {}, and --memory allows {}: {} for what was read, {} for triangles, {} for textures, "
-            "{} to read the largest of them, {} for lights, {} for frames, {} for rays that are kept",
+            "{} to read the largest of them, {} for lights, {} for frames",
             size_text(need.total()), size_text(limit), size_text(need.held), size_text(need.triangles),
-            size_text(need.textures), size_text(need.decoding), size_text(need.lights), size_text(need.frames),
-            size_text(need.kept)));
+            size_text(need.textures), size_text(need.decoding), size_text(need.lights), size_text(need.frames)));
 }
 
 FrameSample FrameSample::grown(double times, double power) const {

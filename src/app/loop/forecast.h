@@ -25,9 +25,8 @@ struct MemoryNeed {
     std::uint64_t decoding = 0;   ///< of the largest image, while it is read
     std::uint64_t lights = 0;     ///< light points and their trees
     std::uint64_t frames = 0;     ///< visibility, light and pictures in flight
-    std::uint64_t kept = 0;       ///< rays that are kept for light that changes
 
-    std::uint64_t total() const { return held + triangles + textures + decoding + lights + frames + kept; }
+    std::uint64_t total() const { return held + triangles + textures + decoding + lights + frames; }
 };
 
 /// Reads the headers of all images. Throws core::Error.

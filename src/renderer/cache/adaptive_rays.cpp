@@ -52,6 +52,31 @@ std::uint32_t wanted_rays(const FrameState& frame, const NewRecord& fresh, Local
     return static_cast<std::uint32_t>(std::min(frame.aim.worth(needs), most));
 }
 
+/// Traces the first rays of records again that took other rays since: anchors need both of one instant.
+void look_now(FrameState& frame, std::span<const NewRecord> fresh) {
+    std::vector<GatherRequest> requests;
+    std::vector<GatherPoint> receivers;
+    std::vector<std::uint32_t> which;
+    receivers.reserve(fresh.size());
+    for (const NewRecord& f : fresh) {
+        const IrradianceRecord& record = frame.records[f.record];
+        if (record.looks_now || record.anchor) continue;
+        receivers.push_back(plain_receiver(frame.point(f.point)));
+        receivers.back().others = 0;
+        GatherRequest& r = requests.emplace_back(request_of(receivers.back(), {}, {0, 0}, frame.camera));
+        r.seed = record.seed;
+        r.rays = first_rays;
+        r.pool = f.pool;
+        which.push_back(f.record);
+    }
+    const std::vector<RayLight> found = frame.rays->gather(requests, frame.aim);
+    for (std::size_t k = 0; k < which.size(); ++k) {
+        IrradianceRecord& r = frame.records.change(which[k]);
+        r.look = look_of(found[k], receivers[k]);
+        r.looks_now = true;
+    }
+}
+
 }  // namespace
 
 void refine_rays(FrameState& frame, std::size_t first) {
@@ -74,12 +99,11 @@ void refine_rays(FrameState& frame, std::size_t first) {
             if (more == 0) continue;
             const GatherPoint& p = frame.point(fresh[i].point);
             receivers.push_back(plain_receiver(p));
-            GatherRequest& r = requests.emplace_back(
-                request_of(receivers.back(), {}, frame.pixel_of(fresh[i].point.tile, p), frame.camera));
+            GatherRequest& r = requests.emplace_back(request_of(receivers.back(), {}, {0, 0}, frame.camera));
+            r.seed = record.seed;
             r.rays = more;
-            r.from = record.ray_count;
+            r.from = record.next_ray;
             r.pool = fresh[i].pool;
-            r.keeps = record.rays != nullptr;
             which.push_back(i);
         }
         if (requests.empty()) break;
@@ -87,6 +111,7 @@ void refine_rays(FrameState& frame, std::size_t first) {
         for (std::size_t k = 0; k < which.size(); ++k)
             take_rays(found[k], receivers[k], frame.records.change(fresh[which[k]].record));
     }
+    look_now(frame, fresh);
 }
 
 void reconstruct(FrameState& frame) {

@@ -25,6 +25,19 @@ bool look_up(FrameState& frame, std::size_t t, std::size_t i) {
     return found.has_value();
 }
 
+/// The record in the very place of a point that it failed.
+std::uint32_t record_at(const FrameState& frame, std::size_t t, const GatherPoint& p) {
+    const glm::ivec2 pixel = frame.pixel_of(t, p);
+    for (const SurfaceMark& m : frame.grid.row(pixel.y, pixel.x, pixel.x)) {
+        const IrradianceRecord& r = frame.records[m.record];
+        if (r.address == p.point.address && r.back_side == p.point.back_side && r.position == p.point.position &&
+            (r.lobe.alpha > 0.0f) == p.point.bsdf.has_glossy() &&
+            (r.lobe.alpha == 0.0f || r.lobe.outgoing == p.point.outgoing))
+            return m.record;
+    }
+    return PointRef::none;
+}
+
 /// Queries the cache for the points of a tile on a lattice; returns those that must be gathered.
 std::vector<PointRef> look_up_tile(FrameState& frame, std::size_t t, int lattice) {
     TileState& tile = frame.tiles[t];
@@ -32,15 +45,17 @@ std::vector<PointRef> look_up_tile(FrameState& frame, std::size_t t, int lattice
     for (std::size_t i = 0; i < tile.state.size(); ++i) {
         const GatherPoint& p = frame.seen.tiles[t][i];
         if (tile.state[i] >= PointState::done || !frame.on_lattice(t, p, lattice)) continue;
+        PointRef request{static_cast<std::uint32_t>(t), static_cast<std::uint32_t>(i)};
         if (uses_cache(p)) {
             if (look_up(frame, t, i)) {
                 ++tile.served;
                 continue;
             }
+            request.record = record_at(frame, t, p);
         } else if (lattice > 1) {
             continue;
         }
-        requests.push_back({static_cast<std::uint32_t>(t), static_cast<std::uint32_t>(i)});
+        requests.push_back(request);
     }
     return requests;
 }

@@ -14,7 +14,6 @@ FrameState::FrameState(const LightingContext& context, const scene::Snapshot& in
                        float error_of_reused, RecordStore& store, FinalGather* final_gather)
     : light_trees(context.light_trees),
       rays(final_gather),
-      keeps_rays(rays != nullptr && rays->keeps() && store.kept_rays() < most_kept_rays),
       tracer(context.tracer),
       seen(context.seen),
       snapshot(instant),

@@ -55,7 +55,6 @@ struct FrameState {
     const LightTrees& light_trees;
     FinalGather* rays;  ///< gathers the sky and indirect light; null: light trees hold them
     GatherAim aim;      ///< of them
-    bool keeps_rays;    ///< of new records
     const RayTracer& tracer;
     const Frame& seen;
     const scene::Snapshot& snapshot;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <span>
+#include <tuple>
 
 #include "core/color.h"
 #include "core/numeric.h"
@@ -59,6 +60,12 @@ void gather_area(const FrameState& frame, const std::vector<PointRef>& requests,
         gather_requests_of(frame, group, out.pools.empty() ? 0 : out.pools.back() + 1, gatherer, out);
 }
 
+/// Light that a record's rays have found, as that of its plain receiver.
+RayLight light_of_rays(const IrradianceRecord& r, const GatherPoint& plain) {
+    const float shown = receives(plain);
+    return {r.by_rays, 0.0f, r.batch_variance * shown * shown, r.ray_count};
+}
+
 /// Gathers the sky and indirect light by rays: the first rays of records, all of other points.
 void gather_rays(FrameState& frame, std::vector<GatheredRequests>& found) {
     std::vector<GatherRequest> requests;
@@ -71,29 +78,28 @@ void gather_rays(FrameState& frame, std::vector<GatheredRequests>& found) {
         for (std::size_t i = 0; i < g.points.size(); ++i) {
             const PointRef& ref = g.points[i];
             const GatherPoint& p = frame.point(ref);
+            g.pools[i] += first_pool;
             receivers.push_back(uses_cache(p) ? plain_receiver(p) : p);
+            if (ref.record != PointRef::none) {
+                g.rays[i] = light_of_rays(frame.records[ref.record], receivers.back());
+                continue;
+            }
             GatherRequest& r =
                 requests.emplace_back(request_of(receivers.back(), frame.tiles[ref.tile].tolerance[ref.index],
                                                  frame.pixel_of(ref.tile, p), frame.camera));
-            r.pool = g.pools[i] += first_pool;
+            r.pool = g.pools[i];
             if (!uses_cache(p)) continue;
+            // The record's own place alone, to which looks come back.
+            receivers.back().others = 0;
             r.rays = first_rays;
-            r.keeps = frame.keeps_rays;
         }
         if (!g.pools.empty()) first_pool = g.pools.back() + 1;
     }
     const std::vector<RayLight> rays = frame.rays->gather(requests, frame.aim);
-    std::size_t k = 0;
+    auto of_point = rays.begin();
     for (GatheredRequests& g : found)
-        for (std::size_t i = 0; i < g.points.size(); ++i, ++k) {
-            g.rays[i] = rays[k];
-            if (!rays[k].kept) continue;
-            KeptRays& kept = *rays[k].kept;
-            kept.receiver = receivers[k];
-            kept.tolerance = requests[k].tolerance;
-            kept.set = g.sets[i];
-            kept.trees = {g.light[i].direct, g.light[i].indirect, g.lobes[i].f0, g.lobes[i].schlick};
-        }
+        for (std::size_t i = 0; i < g.points.size(); ++i)
+            if (g.points[i].record == PointRef::none) g.rays[i] = *of_point++;
 }
 
 }  // namespace
@@ -120,38 +126,49 @@ std::vector<GatheredRequests> gather(FrameState& frame, const std::vector<std::v
     return found;
 }
 
-void gather_trees_again(const LightTrees& trees, const RayTracer& tracer, const CutLimits& limits,
-                        std::span<KeptRays* const> kept) {
-    std::vector<std::span<KeptRays* const>> groups;
-    for (std::size_t first = 0, last = 0; first < kept.size(); first = last) {
-        while (last < kept.size() && last - first < lane_count && kept[last]->pool == kept[first]->pool) ++last;
-        groups.push_back(kept.subspan(first, last - first));
+void gather_trees_again(FrameState& frame, std::span<const GatherPoint> receivers) {
+    // Of one surface and set of representatives, in blocks of 8 x 8 pixels.
+    struct Placed {
+        std::uint32_t set, surface, record;
+        glm::ivec2 pixel;
+        auto key() const { return std::tuple(set, surface, pixel.y >> 3, pixel.x >> 3, pixel.y, pixel.x, record); }
+    };
+    std::vector<Placed> placed;
+    for (const SurfaceMark& m : frame.grid.marks())
+        placed.push_back({frame.records[m.record].set, m.surface, m.record, glm::ivec2(glm::floor(m.at))});
+    std::sort(placed.begin(), placed.end(), [](const Placed& a, const Placed& b) { return a.key() < b.key(); });
+    std::vector<std::span<const Placed>> groups;
+    for (std::size_t first = 0, last = 0; first < placed.size(); first = last) {
+        while (last < placed.size() && last - first < lane_count && placed[last].set == placed[first].set &&
+               placed[last].surface == placed[first].surface)
+            ++last;
+        groups.push_back(std::span(placed).subspan(first, last - first));
     }
     parallel::for_ranges(groups.size(), 16, [&](std::size_t first, std::size_t end) {
-        Gatherer gatherer(trees, tracer);
+        Gatherer gatherer(frame.light_trees, frame.tracer);
         for (std::size_t g = first; g < end; ++g) {
-            const std::span<KeptRays* const> group = groups[g];
+            const std::span<const Placed> group = groups[g];
             const GatherPoint* pointers[lane_count];
             GroupTolerance tolerance;
             for (std::size_t i = 0; i < lane_count; ++i) {
-                const KeptRays& r = *group[std::min(i, group.size() - 1)];
-                tolerance.set(static_cast<int>(i), r.tolerance);
-                pointers[i] = &r.receiver;
+                const std::uint32_t record = group[std::min(i, group.size() - 1)].record;
+                tolerance.set(static_cast<int>(i), frame.records[record].tolerance);
+                pointers[i] = &receivers[record];
             }
             GatherLanes lanes;
             fill(lanes, std::span<const GatherPoint* const>(pointers, group.size()));
-            lanes.set = group.front()->set;
+            lanes.set = static_cast<int>(group.front().set);
             GatheredLight gathered;
-            gatherer.gather(lanes, tolerance, limits, gathered);
+            gatherer.gather(lanes, tolerance, frame.limits, gathered);
             for (std::size_t i = 0; i < group.size(); ++i) {
                 const auto lane = static_cast<int>(i);
                 const PointLight light = point_light(gathered, lane, *pointers[i]);
-                const bool lobe = pointers[i]->point.bsdf.has_glossy();
-                const std::array<glm::vec3, 4> now = {light.direct, light.indirect,
-                                                      lobe ? gathered.f0.at(lane) : glm::vec3(0),
-                                                      lobe ? gathered.schlick.at(lane) : glm::vec3(0)};
-                for (std::size_t k = 0; k < now.size(); ++k) group[i]->tree_change[k] = now[k] - group[i]->trees[k];
-                group[i]->trees = now;
+                IrradianceRecord& r = frame.records.change(group[i].record);
+                r.direct = light.direct;
+                r.indirect = light.indirect;
+                if (r.lobe.alpha > 0.0f) r.lobe.f0 = gathered.f0.at(lane), r.lobe.schlick = gathered.schlick.at(lane);
+                r.capped = light.capped;
+                r.error = core::divide_or(light.error, receives(*pointers[i]) * frame.limits.error_scale, 0.0f);
             }
         }
     });
@@ -168,8 +185,24 @@ void keep(FrameState& frame, const GatheredRequests& g, std::size_t i) {
     auto record = record_of(p, g.light[i], g.lobes[i], g.rays[i], frame.limits.error_scale, frame.snapshot.frame);
     if (!record) return;
     record->set = g.sets[i];
-    frame.fresh.push_back({ref, g.pools[i], frame.records.insert(*record), g.light[i]});
-    ++frame.counts.created;
+    record->tolerance = tile.tolerance[ref.index];
+    std::uint32_t index = ref.record;
+    if (index == PointRef::none) {
+        record->seed = request_of(p, {}, frame.pixel_of(ref.tile, p), frame.camera).seed;
+        index = frame.records.insert(*record);
+        ++frame.counts.created;
+    } else {
+        // Its rays stay what they are.
+        const IrradianceRecord& before = frame.records[index];
+        record->born = before.born;
+        record->seed = before.seed;
+        record->next_ray = before.next_ray;
+        record->look = before.look;
+        record->looks_now = before.looks_now;
+        record->anchor = before.anchor;
+        frame.records.change(index) = *record;
+    }
+    frame.fresh.push_back({ref, g.pools[i], index, g.light[i]});
 }
 
 }  // namespace render2mpeg::renderer

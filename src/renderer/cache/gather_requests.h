@@ -1,6 +1,7 @@
 #pragma once
 // Gathers points that the cache cannot serve, and keeps what was found as records.
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "renderer/cache/frame_state.h"
@@ -26,9 +27,8 @@ std::vector<std::vector<PointRef>> by_area(const FrameState& frame, const std::v
 std::vector<GatheredRequests> gather(FrameState& frame, const std::vector<std::vector<PointRef>>& of_tile,
                                      std::size_t least);
 
-/// Gathers light of trees again for receivers of records that are kept; those of one pool lie next to each other.
-void gather_trees_again(const LightTrees& trees, const RayTracer& tracer, const CutLimits& limits,
-                        std::span<KeptRays* const> kept);
+/// Gathers light of trees again for all records, by their plain receivers; they lie on the frame's grid.
+void gather_trees_again(FrameState& frame, std::span<const GatherPoint> receivers);
 
 /// Takes what was found of one of them as its point's light, and as a record if the point uses the cache.
 void keep(FrameState& frame, const GatheredRequests& found, std::size_t i);

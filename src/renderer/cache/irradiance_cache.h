@@ -16,12 +16,8 @@ class IrradianceCache {
     /// A chunk begins.
     void forget();
 
-    /// Light is another than at the frame before, by this change: records keep what their rays still find. `rays`
-    /// gathered them.
-    void renew(const LightChange& change, const LightTrees& trees, const RayTracer& tracer, CutLimits limits,
-               const SkyOfRays& sky, FinalGather& rays);
-    /// Likewise, and nothing that is known holds.
-    void invalidate();
+    /// Light is another than at the frame before, or things lie elsewhere.
+    void light_changes();
 
     /// Light of all points of a frame within their tolerances (not for the reference), gathered or from records.
     FrameLight light(const LightingContext& context, const scene::Snapshot& snapshot, const CutLimits& limits,
@@ -39,6 +35,7 @@ class IrradianceCache {
 
     RecordStore records_;
     FrameHistory history_;
+    bool is_other_light_ = false;
     float last_error_scale_ = 1;  ///< that the last frame was lit with
 };
 

@@ -113,8 +113,6 @@ void RecordStore::thin(std::int64_t frame, const RecordGrid& map) {
             return std::tie(a.surface, a.born, a.record) < std::tie(b.surface, b.born, b.record);
         });
         for (std::size_t i = 0; i + 1 < of_pixel.size(); ++i) {
-            // Rays of the newest say most.
-            if (of_pixel[i + 1].surface == of_pixel[i].surface) records_[of_pixel[i].record].rays.reset();
             if (i + most_in_pixel < of_pixel.size() && of_pixel[i + most_in_pixel].surface == of_pixel[i].surface)
                 keeps[of_pixel[i].record] = 0;
         }

@@ -10,7 +10,7 @@
 
 #include "core/plane.h"
 #include "core/surface_address.h"
-#include "renderer/gather/kept_rays.h"
+#include "renderer/cut/point_light.h"
 #include "renderer/surface/gather_point.h"
 #include "scene/pose/snapshot.h"
 
@@ -22,6 +22,20 @@ struct GlossyRecord {
     float alpha = 0;        ///< its width; 0: no lobe
     glm::vec3 outgoing{0};  ///< unit, world
     glm::vec3 f0{0}, schlick{0};
+};
+
+/// What the first rays of a record find at an instant (RayLight).
+struct RecordLook {
+    std::array<glm::vec3, 3> light{};
+    float difference = 0;  ///< luminance by the first 8 less that by the others, for a receiver that reflects all
+};
+
+/// A record at the instant of its rays, of which light that changes since is told.
+struct RecordAnchor {
+    std::array<glm::vec3, 3> light{};  ///< by its rays
+    RecordLook look;
+    double variance = 0;  ///< of `light`: luminance squared, for a receiver that reflects all
+    std::uint32_t ray_count = 0;
 };
 
 /// Incident light at one place on a surface, independent of its texture (docs/model/irradiance-cache.md): kept where it
@@ -39,13 +53,18 @@ struct IrradianceRecord {
     /// Light of gather rays (RayLight), their number, and the variance of the mean of 8 of them: luminance squared, for
     /// a receiver that reflects all.
     std::array<glm::vec3, 3> by_rays{};
-    std::uint32_t ray_count = 0;
+    std::uint32_t ray_count = 0;  ///< of independent rays of the last instant that would err as much
     float batch_variance = 0;
+    std::uint64_t seed = 0;      ///< of its rays
+    std::uint32_t next_ray = 0;  ///< number of rays that were traced for it
+    RecordLook look;
+    bool looks_now = true;                         ///< `look` is of the last instant
+    std::shared_ptr<const RecordAnchor> anchor{};  ///< null: the last instant is that of all its rays and its look
+    PointTolerance tolerance;                      ///< that its trees' light is within
     /// Luminance by which trees may be off for a white receiver, as the cut's rule reckons with an error scale of 1.
     float error = 0;
-    float clamped = 0;                 ///< loss to the clamp of near lights, as a share of arriving light
-    std::int64_t born = 0, used = 0;   ///< frames
-    std::shared_ptr<KeptRays> rays{};  ///< that brought `by_rays`; null: not kept
+    float clamped = 0;                ///< loss to the clamp of near lights, as a share of arriving light
+    std::int64_t born = 0, used = 0;  ///< frames
 
     glm::vec3 irradiance() const { return direct + indirect + by_rays[0]; }  ///< over pi
 };
@@ -148,15 +167,7 @@ class RecordStore {
     /// Notes that a record served; may be called from many threads.
     void mark_used(std::uint32_t index, std::int64_t frame);
 
-    /// Rays that are kept of all of them.
-    std::size_t kept_rays() const {
-        std::size_t sum = 0;
-        for (const IrradianceRecord& r : records_) sum += r.rays ? r.rays->rays.size() : 0;
-        return sum;
-    }
-    std::size_t bytes() const {
-        return records_.capacity() * sizeof(IrradianceRecord) + kept_rays() * sizeof(KeptGatherRay);
-    }
+    std::size_t bytes() const { return records_.capacity() * sizeof(IrradianceRecord); }
 
   private:
     std::vector<IrradianceRecord> records_;

@@ -57,6 +57,7 @@ void LocalRegression::collect(const CacheQuery& q, Of of, const RecordGrid& grid
                 !on_one_surface(here, m, q.extent * std::sqrt(distance2), q.extent, p.position_error))
                 continue;
             const IrradianceRecord& r = records[m.record];
+            if (of == Of::change && !r.looks_now) continue;
             const auto lobe = lobe_at(q, r);
             if (!lobe) continue;
             const auto rays = static_cast<float>(r.ray_count);
@@ -68,6 +69,37 @@ void LocalRegression::collect(const CacheQuery& q, Of of, const RecordGrid& grid
                  receives2 * r.batch_variance, own == none ? distance2 < same_place * same_place : m.record == own,
                  *lobe});
         }
+    }
+    if (of == Of::change) explain_change(plain, records, receives2);
+}
+
+/// Makes the members' values those of a change: what looks find beyond a factor of the anchors' looks, by least
+/// squares over all members.
+void LocalRegression::explain_change(const GatherPoint& plain, const RecordStore& records, float receives2) {
+    const auto closeness = [](const Member& m) {
+        const double c = 1.0 - m.distance2 / (falloff_end * (largest_radius + 0.5) * (largest_radius + 0.5));
+        return c * c;
+    };
+    double both = 0, before = 0, variance = 0, sum = 0;
+    for (const Member& m : members_) {
+        const IrradianceRecord& r = records[m.record];
+        const double now = shown_luminance(plain, r.look.light), then = shown_luminance(plain, r.anchor->look.light),
+                     w = closeness(m);
+        both += w * now * then;
+        before += w * then * then;
+        variance += w * 0.5 * r.look.difference * r.look.difference;
+        sum += w;
+    }
+    factor_ = core::divide_or(both, before, 1.0);
+    batch_variance_now_ = receives2 * static_cast<float>(core::divide_or(variance, sum, 0.0));
+    for (Member& m : members_) {
+        const IrradianceRecord& r = records[m.record];
+        m.value = static_cast<float>(shown_luminance(plain, r.look.light) -
+                                     factor_ * shown_luminance(plain, r.anchor->look.light));
+        const double difference = r.look.difference - factor_ * r.anchor->look.difference;
+        m.batch_variance = receives2 * static_cast<float>(0.5 * difference * difference);
+        m.precision = 1;
+        m.batch_share = std::pow(1.0f * batch_rays / first_rays, variance_power);
     }
 }
 

@@ -25,8 +25,10 @@ struct RegressionError {
 class LocalRegression {
   public:
     enum class Of {
-        all_light,  ///< light that records send into the pixel, in the point's material
-        rays_light  ///< light of their rays alone, for the plain receiver in its place (receiver.h)
+        all_light,   ///< light that records send into the pixel, in the point's material
+        rays_light,  ///< light of their rays alone, for the plain receiver in its place (receiver.h)
+        /// Likewise, looks of the last instant beyond `factor` times those of their anchors.
+        change
     };
     /// A record as an unknown one.
     static constexpr std::uint32_t none = 0xffffffffu;
@@ -36,6 +38,11 @@ class LocalRegression {
                  std::uint32_t own = none);
     /// Chooses among the estimates.
     RegressionError estimate();
+
+    /// Light now over that of the anchors, which explains most of what looks find there; after `collect` of changes.
+    double factor() const { return factor_; }
+    /// Variance of the mean of 8 rays now, likewise: luminance of the pixel, squared.
+    float batch_variance_now() const { return batch_variance_now_; }
 
     /// Number of records that may take part, and their part of it: the weights of the last estimate, which sum to 1.
     std::size_t size() const { return members_.size(); }
@@ -55,11 +62,14 @@ class LocalRegression {
         bool is_own = false;       ///< the point's, or one in its place
         SeenLobe lobe;
     };
+    void explain_change(const GatherPoint& plain, const RecordStore& records, float receives2);
     void fit_plane(int radius, RegressionError& best);
     void take_own(RegressionError& best);
 
     std::vector<Member> members_;
     std::vector<float> weights_, plane_;
+    double factor_ = 1;
+    float batch_variance_now_ = 0;
 };
 
 }  // namespace render2mpeg::renderer

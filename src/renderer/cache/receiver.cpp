@@ -1,9 +1,11 @@
 #include "renderer/cache/receiver.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/color.h"
 #include "core/numeric.h"
+#include "renderer/gather/ray_sums.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -47,11 +49,18 @@ bool take_rays(const RayLight& rays, const GatherPoint& plain, IrradianceRecord&
     const float own = core::divide_or(rays.batch_variance, receives(plain) * receives(plain), 0.0f);
     record.batch_variance = glm::mix(record.batch_variance, own, share);
     record.ray_count += rays.rays;
-    if (record.rays && rays.kept)
-        record.rays->add(*rays.kept);
-    else
-        record.rays = rays.kept;
+    record.next_ray += rays.rays;
+    record.anchor.reset();
     return true;
+}
+
+RecordLook look_of(const RayLight& rays, const GatherPoint& plain) {
+    return {rays.light, core::divide_or(rays.difference, receives(plain), 0.0f)};
+}
+
+RecordAnchor anchor_of(const IrradianceRecord& r) {
+    const double share = core::divide_or(1.0 * batch_rays, 1.0 * r.ray_count, 0.0);
+    return {r.by_rays, r.look, r.batch_variance * std::pow(share, variance_power), r.ray_count};
 }
 
 std::optional<IrradianceRecord> record_of(const GatherPoint& p, const PointLight& light, const GlossyRecord& lobe,
@@ -69,7 +78,9 @@ std::optional<IrradianceRecord> record_of(const GatherPoint& p, const PointLight
     record.error = core::divide_or(light.error, receives(p) * error_scale, 0.0f);
     record.clamped = core::divide_or(light.clamped, core::luminance(light.scattered(p)), 0.0f);
     record.born = record.used = frame;
-    const bool finite = take_rays(rays, plain_receiver(p), record) && core::is_finite(record.direct) &&
+    const GatherPoint plain = plain_receiver(p);
+    record.look = look_of(rays, plain);
+    const bool finite = take_rays(rays, plain, record) && core::is_finite(record.direct) &&
                         core::is_finite(record.indirect) && core::is_finite(lobe.f0) && core::is_finite(lobe.schlick);
     return finite ? std::optional(record) : std::nullopt;
 }

@@ -10,7 +10,11 @@ namespace render2mpeg::renderer {
 
 /// A gather point that wants to be gathered.
 struct PointRef {
+    /// As `record`: there is none.
+    static constexpr std::uint32_t none = 0xffffffffu;
+
     std::uint32_t tile = 0, index = 0;
+    std::uint32_t record = none;  ///< of the very same place, which wants more rays
     bool operator==(const PointRef&) const = default;
 };
 

@@ -71,16 +71,8 @@ struct FinalGather::Traced {
         std::uint32_t cell = 0;         ///< of RayGuide
         float density = 1;              ///< that it was drawn by
     };
-    struct Way {
-        std::uint32_t ray = 0;
-        core::PackedNormal direction;
-        float far = 0;
-    };
     std::vector<Ray> rays;
     std::vector<RayTerm> terms;
-    std::vector<Way> ways;  ///< of rays that were traced, if they are kept
-    std::vector<KeptGatherRay> kept;
-    bool is_lost = false;  ///< KeptRays
     std::uint64_t traced = 0;
 };
 
@@ -89,10 +81,10 @@ double shown_luminance(const GatherPoint& point, const std::array<glm::vec3, 3>&
     return core::luminance(point.weight * (bsdf.diffuse * light[0] + bsdf.f0 * light[1] + bsdf.f90 * light[2]));
 }
 
-FinalGather::FinalGather(const PosedScene& posed_scene, const Plan& plan, bool light_changes)
+FinalGather::FinalGather(const PosedScene& posed_scene, const Plan& plan)
     : posed_scene_(posed_scene),
       gather_rays_(posed_scene, plan),
-      cache_(posed_scene, plan, light_changes),
+      cache_(posed_scene, plan),
       bodies_block_(plan.runs(Pass::caustics)) {}
 
 void FinalGather::forget(const SkyOfRays& sky) {
@@ -219,36 +211,6 @@ void FinalGather::trace(const GatherRequest& request, const Bundle& bundle, Trac
         out.rays[index[k]].light = gather_rays_.follow(queries[k], hits[k], rules, ray.solid_angle,
                                                        core::mix(bundle.seed + 8u * (bundle.first + index[k])),
                                                        index[k], out.terms, out.traced);
-        if (request.keeps)
-            out.ways.push_back({index[k], core::PackedNormal(ray.direction), gather_rays_.length(hits[k])});
-    }
-}
-
-/// Of a ray that met a cell, which is known.
-void FinalGather::set_term(KeptGatherRay& ray, const RayTerm& term) const {
-    ray.cell = cache_.index_of(term.place.key);
-    static const PackedLight all(glm::vec3(1));
-    ray.light = term.weight == glm::vec3(1) ? all : PackedLight(term.weight);
-    if (!SurfaceCache::is_own(ray.cell)) return;
-    ray.light = PackedLight(term.weight * cache_.far_part(ray.cell));
-    ray.cell = KeptGatherRay::own;
-}
-
-/// Notes the rays of a bundle for when light changes: their terms' cells are known, their light has none of them yet.
-void FinalGather::note_rays(Traced& traced) const {
-    std::vector<const RayTerm*> term_of(traced.rays.size(), nullptr);
-    for (const RayTerm& term : traced.terms) term_of[term.ray] = &term;
-    for (const Traced::Way& way : traced.ways) {
-        const Traced::Ray& ray = traced.rays[way.ray];
-        KeptGatherRay kept{way.direction, way.far};
-        if (term_of[way.ray] == nullptr && ray.light != glm::vec3(0)) kept.light = PackedLight(ray.light);
-        for (std::size_t k = 0; k < 3; ++k) kept.weights[k] = short_float(ray.weight[k]);
-        if (const RayTerm* term = term_of[way.ray]; term != nullptr) {
-            // Rays that see the sky through a pane have both.
-            traced.is_lost = traced.is_lost || core::luminance(ray.light) > 0.0f;
-            set_term(kept, *term);
-        }
-        traced.kept.push_back(kept);
     }
 }
 
@@ -263,17 +225,13 @@ void FinalGather::trace_all(std::span<const GatherRequest> requests, std::span<c
     std::vector<Sighting> wanted;
     for (Traced& t : found) {
         counts_.rays += t.traced;
-        for (const RayTerm& term : t.terms) {
-            const std::uint32_t cell = cache_.find(term.place.key);
-            if (cell == CellTable::none) wanted.push_back(term.place);
-            cache_.mark(cell);
-        }
+        for (const RayTerm& term : t.terms)
+            if (cache_.find(term.place.key) == CellTable::none) wanted.push_back(term.place);
     }
     cache_.learn(wanted);
     // and sum up, in the order of rays.
     parallel::for_ranges(bundles.size(), 16, [&](std::size_t first, std::size_t last) {
         for (std::size_t b = first; b < last; ++b) {
-            if (requests[bundles[b].request].keeps) note_rays(found[b]);
             for (const RayTerm& term : found[b].terms) {
                 const std::uint32_t cell = cache_.index_of(term.place.key);
                 const glm::vec3 radiance =
@@ -286,6 +244,7 @@ void FinalGather::trace_all(std::span<const GatherRequest> requests, std::span<c
         const GatherPoint& point = *requests[bundles[b].request].point;
         PointSums& s = sums[bundles[b].request];
         RaySums batch;
+        std::uint32_t done = 0;
         RayGuide& guide = pools[s.pool].guide;
         for (const Traced::Ray& ray : found[b].rays) {
             std::array<glm::vec3, 3> shares;
@@ -299,14 +258,12 @@ void FinalGather::trace_all(std::span<const GatherRequest> requests, std::span<c
             guide.add(ray.cell, ray.density * shown_luminance(point, shares));
             if (++batch.rays < batch_rays) continue;
             const double shown = shown_luminance(point, batch.mean(s.albedo));
+            if (const std::uint32_t number = s.rays / batch_rays + done++; number < 2) s.first_batches[number] = shown;
             s.batches += shown;
             s.batch_squares += shown * shown;
             batch = {};
         }
         s.rays += bundles[b].count;
-        if (!s.kept) continue;
-        s.kept->rays.insert(s.kept->rays.end(), found[b].kept.begin(), found[b].kept.end());
-        s.kept->is_lost = s.kept->is_lost || found[b].is_lost;
     }
 }
 
@@ -392,17 +349,12 @@ std::vector<FinalGather::Pool> FinalGather::pools_of(std::span<const GatherReque
     return pools;
 }
 
-std::vector<PointSums> FinalGather::sums_of(std::span<const GatherRequest> requests, std::span<const Pool> pools,
-                                            std::uint64_t first_pool) {
+std::vector<PointSums> FinalGather::sums_of(std::span<const GatherRequest> requests, std::span<const Pool> pools) {
     std::vector<PointSums> sums(requests.size());
     for (std::uint32_t k = 0; k < pools.size(); ++k)
         for (std::size_t i = pools[k].first; i < pools[k].last; ++i) {
             const SurfacePoint& p = requests[i].point->point;
             sums[i].pool = k;
-            if (requests[i].keeps) {
-                sums[i].kept = std::make_shared<KeptRays>();
-                sums[i].kept->pool = first_pool + k;
-            }
             if (requests[i].lobe)
                 sums[i].albedo = lobe_albedo(glm::dot(p.shading_normal, p.outgoing), p.bsdf.mean_alpha());
         }
@@ -431,21 +383,10 @@ void FinalGather::trace_wanted(std::span<const GatherRequest> requests, std::spa
     flush();
 }
 
-/// Completes rays that are kept.
-static void finish(const GatherRequest& request, const PointSums& sums, const SurfaceCache& cells, KeptRays& kept) {
-    kept.origin = shadow_origin(request.point->point);
-    kept.normal = request.point->point.shading_normal;
-    kept.extent = request.extent;
-    kept.seed = request.seed;
-    kept.count = sums.rays;
-    kept.rays.shrink_to_fit();
-    kept.mean = kept.sum(cells);
-}
-
 std::vector<RayLight> FinalGather::gather(std::span<const GatherRequest> requests, GatherAim aim) {
     const Stopwatch timer(counts_.seconds);
     std::vector<Pool> pools = pools_of(requests);
-    std::vector<PointSums> sums = sums_of(requests, pools, std::exchange(pools_, pools_ + pools.size()));
+    std::vector<PointSums> sums = sums_of(requests, pools);
     // A first look tells how many rays are wanted and where to, a second one whether these are enough.
     std::vector<std::uint32_t> wanted;
     for (const GatherRequest& r : requests)
@@ -463,9 +404,9 @@ std::vector<RayLight> FinalGather::gather(std::span<const GatherRequest> request
     std::vector<RayLight> light(requests.size());
     for (std::size_t i = 0; i < requests.size(); ++i) {
         const PointSums& s = sums[i];
-        if (s.kept) finish(requests[i], s, cache_, *s.kept);
         light[i] = {s.mean(), errors_allowed * static_cast<float>(std::sqrt(s.variance())),
-                    static_cast<float>(s.batch_variance()), s.rays, s.kept};
+                    static_cast<float>(s.batch_variance()), s.rays,
+                    static_cast<float>(s.first_batches[0] - s.first_batches[1])};
     }
     counts_.points += requests.size();
     counts_.cell_rays = cache_.rays();

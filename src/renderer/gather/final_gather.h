@@ -9,7 +9,6 @@
 #include "renderer/base/plan.h"
 #include "renderer/cut/point_light.h"
 #include "renderer/gather/gather_ray.h"
-#include "renderer/gather/kept_rays.h"
 #include "renderer/gather/near_light.h"
 #include "renderer/gather/surface_cache.h"
 #include "renderer/surface/gather_point.h"
@@ -35,7 +34,6 @@ struct GatherRequest {
     std::uint32_t pool = 0;    ///< requests of one pool lie next to each other, on about one surface
     std::uint32_t rays = 0;    ///< so many, a multiple of 8; 0: by the tolerance
     std::uint32_t from = 0;    ///< number of the first: it has so many already
-    bool keeps = false;        ///< its rays are wanted as well; not of lobes
 };
 
 /// Conversion of tolerances to numbers of rays.
@@ -59,7 +57,8 @@ struct RayLight {
     float error = 0;           ///< luminance of the pixel that one point in a hundred exceeds
     float batch_variance = 0;  ///< of means of 8 rays, luminance of the pixel squared
     std::uint32_t rays = 0;
-    std::shared_ptr<KeptRays> kept{};  ///< if the request keeps them
+    /// Luminance of the pixel by the first 8 less that by the next 8: how they vary by chance, with sign.
+    float difference = 0;
 };
 
 /// The request of a point that lies in this pixel of the picture.
@@ -92,18 +91,12 @@ struct FinalGatherCounts {
 /// of the posed instant and of the requests since `forget`, for any number of threads.
 class FinalGather {
   public:
-    /// `light_changes`: cells and rays of records may be kept for other instants.
-    FinalGather(const PosedScene& posed_scene, const Plan& plan, bool light_changes);
+    FinalGather(const PosedScene& posed_scene, const Plan& plan);
 
-    /// A chunk begins.
-    void start_chunk() { cache_.start_chunk(); }
+    const PosedScene& posed_scene() const { return posed_scene_; }
+
     /// Forgets all: light or things are others now.
     void forget(const SkyOfRays& sky);
-    /// Light or things are others now, by this change. Finds what it adds to the light of kept rays: traces again those
-    /// that it meets, and sums up; those of which it meets too many are lost. False: all is forgotten.
-    bool renew(const LightChange& change, const SkyOfRays& sky, std::span<KeptRays* const> kept);
-    /// Whether rays of requests can be kept.
-    bool keeps() const { return cache_.keeps(); }
 
     /// Light of all requests, in their order.
     std::vector<RayLight> gather(std::span<const GatherRequest> requests, GatherAim aim);
@@ -120,12 +113,8 @@ class FinalGather {
     Directions hemisphere(const GatherRequest& request, const Bundle& bundle) const;
     Directions lobe(const GatherRequest& request, const Bundle& bundle) const;
     void trace(const GatherRequest& request, const Bundle& bundle, Traced& out) const;
-    void set_term(KeptGatherRay& ray, const RayTerm& term) const;
-    void note_rays(Traced& traced) const;
-    void trace_again(std::span<KeptRays* const> kept, std::span<const std::vector<std::uint32_t>> met);
     static std::vector<Pool> pools_of(std::span<const GatherRequest> requests);
-    static std::vector<PointSums> sums_of(std::span<const GatherRequest> requests, std::span<const Pool> pools,
-                                          std::uint64_t first_pool);
+    static std::vector<PointSums> sums_of(std::span<const GatherRequest> requests, std::span<const Pool> pools);
     void trace_all(std::span<const GatherRequest> requests, std::span<const Bundle> bundles,
                    std::vector<PointSums>& sums, std::vector<Pool>& pools);
     void trace_wanted(std::span<const GatherRequest> requests, std::span<const std::uint32_t> wanted,
@@ -140,7 +129,6 @@ class FinalGather {
     SurfaceCache cache_;
     bool bodies_block_;
     SkyOfRays sky_;
-    std::uint64_t pools_ = 0;  ///< that were gathered
     FinalGatherCounts counts_;
 };
 

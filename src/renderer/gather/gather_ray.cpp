@@ -134,12 +134,6 @@ float GatherRays::fibre_cell(std::uint32_t object) const {
     return fibre_cells_[object] * (state.deformed >= 0 ? 1.0f : scene::width_scale(state.to_world));
 }
 
-float GatherRays::length(const Hit& hit) const {
-    if (!hit.found()) return std::numeric_limits<float>::infinity();
-    const auto material = static_cast<std::size_t>(posed_scene_.animation().objects[hit.address.object].material);
-    return plain_[material] ? hit.distance : std::numeric_limits<float>::infinity();
-}
-
 /// Radiance of the sky, and of suns that were asked.
 glm::vec3 GatherRays::escaped(glm::vec3 direction, const RayRules& rules, bool mirrored, float solid_angle) const {
     glm::vec3 sky(0);

@@ -72,9 +72,6 @@ class GatherRays {
     glm::vec3 follow(RayQuery ray, Hit hit, const RayRules& rules, float solid_angle, std::uint64_t number,
                      std::uint32_t index, std::vector<RayTerm>& terms, std::uint64_t& rays) const;
 
-    /// How far a ray's light comes from at most, given what it meets first: where that is opaque, from there.
-    float length(const Hit& hit) const;
-
     const PosedScene& posed_scene() const { return posed_scene_; }
 
   private:

@@ -137,7 +137,7 @@ NearField::Part NearField::at(glm::vec3 place) const {
 EyeLook look_about(const PosedScene& posed_scene, const Plan& plan, const scene::Camera& camera, glm::ivec2 size) {
     const FlushDenormals flushed;
     const GatherRays rays(posed_scene, plan);
-    SurfaceCache cache(posed_scene, plan, false);
+    SurfaceCache cache(posed_scene, plan);
     cache.forget({});
     std::vector<glm::vec3> places;
     std::vector<RayTerm> terms;

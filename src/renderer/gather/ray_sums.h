@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "core/numeric.h"
-#include "renderer/gather/kept_rays.h"
+#include "renderer/cut/point_light.h"
 #include "renderer/surface/gather_point.h"
 #include "renderer/surface/lobe_albedo.h"
 
@@ -45,13 +45,12 @@ struct PointSums : RaySums {
     std::optional<LobeAlbedo> albedo{};     ///< of a request along a lobe
     double batches = 0, batch_squares = 0;  ///< of luminances of the pixel, means of batches
     std::uint32_t pool = 0;
-    std::shared_ptr<KeptRays> kept{};  ///< GatherRequest::keeps
+    std::array<double, 2> first_batches{};  ///< likewise, of the first two
 
     std::array<glm::vec3, 3> mean() const { return RaySums::mean(albedo); }
     void forget() {
         static_cast<RaySums&>(*this) = {};
         batches = batch_squares = 0;
-        if (kept) kept->rays.clear();
     }
     /// Variance of the mean of a batch.
     double batch_variance() const {

@@ -10,7 +10,6 @@
 #include "parallel/loops.h"
 #include "renderer/base/flush_denormals.h"
 #include "renderer/base/lobe.h"
-#include "renderer/gather/packed_light.h"
 #include "renderer/paths/scatterer.h"
 #include "renderer/surface/lobe_albedo.h"
 
@@ -77,20 +76,6 @@ void CellTable::insert(std::uint64_t key, std::uint32_t index) {
     ++used_;
 }
 
-void CellTable::erase(std::uint64_t key) {
-    const std::size_t mask = slots_.size() - 1;
-    std::size_t hole = place_of(key);
-    // Keys behind it that would not be found across the hole move into it.
-    for (std::size_t i = (hole + 1) & mask; slots_[i].index != none; i = (i + 1) & mask) {
-        const std::size_t home = core::mix(slots_[i].key) & mask;
-        if (((i - home) & mask) < ((i - hole) & mask)) continue;
-        slots_[hole] = slots_[i];
-        hole = i;
-    }
-    slots_[hole] = {};
-    --used_;
-}
-
 /// A ray on which a cell's light goes on.
 struct SurfaceCache::Bounce {
     RayQuery ray;
@@ -102,7 +87,6 @@ struct SurfaceCache::Bounce {
     float near = 0;            ///< RayRules
     float carried = 1;         ///< Sighting
     std::uint32_t lesson = 0;  ///< of its task
-    std::uint32_t place = 0;   ///< likewise
     std::uint8_t depth = 0;
 };
 
@@ -110,13 +94,11 @@ struct SurfaceCache::Bounce {
 struct SurfaceCache::Evaluated {
     std::vector<Bounce> bounces;
     std::vector<RayTerm> terms;
-    std::vector<KeptPlace> kept;
-    std::uint32_t places = 0;
     std::uint64_t rays = 0;
 };
 
-SurfaceCache::SurfaceCache(const PosedScene& posed_scene, const Plan& plan, bool keeps)
-    : posed_scene_(posed_scene), gather_rays_(posed_scene, plan), plan_(plan), may_keep_(keeps) {}
+SurfaceCache::SurfaceCache(const PosedScene& posed_scene, const Plan& plan)
+    : posed_scene_(posed_scene), gather_rays_(posed_scene, plan), plan_(plan) {}
 
 void SurfaceCache::forget(NearField near_field) {
     near_field_ = std::move(near_field);
@@ -124,29 +106,14 @@ void SurfaceCache::forget(NearField near_field) {
     own_table_.clear();
     cells_.clear();
     own_cells_.clear();
-    kept_cells_.clear();
-    places_.clear();
-    free_places_.clear();
-    free_cells_.clear();
     sources_.emplace(posed_scene_, plan_);
-    strengths_ = asked_strengths_ = strengths_of(posed_scene_.posed());
 }
 
 std::uint32_t SurfaceCache::make_cell(std::uint64_t key) {
     const bool is_own = (key & own_cell) != 0;
     std::vector<Cell>& cells = is_own ? own_cells_ : cells_;
-    std::uint32_t index = static_cast<std::uint32_t>(cells.size()) | (is_own ? own_index : 0u);
-    if (!is_own && !free_cells_.empty()) {
-        index = free_cells_.back();
-        free_cells_.pop_back();
-    } else {
-        cells.emplace_back();
-        if (!is_own && keeps()) kept_cells_.emplace_back();
-    }
-    if (!is_own && keeps()) {
-        kept_cells_[index].used = mark_;
-        kept_cells_[index].key = key;
-    }
+    const std::uint32_t index = static_cast<std::uint32_t>(cells.size()) | (is_own ? own_index : 0u);
+    cells.emplace_back();
     (is_own ? own_table_ : table_).insert(key, index);
     return index;
 }
@@ -160,16 +127,11 @@ std::uint32_t SurfaceCache::find(std::uint64_t key) const {
     return index != none && cells_[index].places >= most_places ? index : none;
 }
 
-glm::vec3 SurfaceCache::strength(std::size_t kind, std::uint32_t source) const {
-    if (source == none) return glm::vec3(1);
-    return kind == lamp ? strengths_.lamps[source] : glm::vec3(strengths_.objects[source]);
-}
-
 /// Light of lamps, shining surfaces and the image of a sky, by next events.
-glm::vec3 SurfaceCache::lamps(const Scatterer& at, std::uint64_t number, std::uint64_t& rays, KeptPlace* kept) const {
+glm::vec3 SurfaceCache::lamps(const Scatterer& at, std::uint64_t number, std::uint64_t& rays) const {
     const LightQuery& query = at.query();
     glm::vec3 sum(0);
-    const auto add = [&](const LightSample& s, Number kind) {
+    const auto add = [&](const LightSample& s) {
         if (!(core::luminance(s.light) > 0.0f) || !query.may_see(s.direction)) return;
         const Scattered to = at.scattered(s.direction, s.density > 0.0f);
         glm::vec3 light = to.share * s.light;
@@ -185,18 +147,12 @@ glm::vec3 SurfaceCache::lamps(const Scatterer& at, std::uint64_t number, std::ui
         ++rays;
         const float skipped = at.skipped(s.ray);
         const glm::vec3 passes = posed_scene_.tracer().passes(at.origin_of(s.ray), s.ray, s.far - skipped);
-        // Lamps shine in `sources_` as when these were made.
-        const glm::vec3 now = strength(kind, s.source);
-        if (kind == lamp) light *= over(now, asked_strengths_.lamps[s.source]);
         sum += light * passes;
-        if (kept != nullptr && core::is_finite(light))
-            kept->rays[kind] = {core::PackedNormal(s.ray), s.far, PackedLight(over(light, now)), s.source,
-                                packed_share(passes)};
     };
     const auto pair = [&](Number use) { return glm::vec2(uniform(number, use, 1), uniform(number, use, 2)); };
-    if (sources_->has_lamps()) add(sources_->to_lamp(query, uniform(number, lamp, 0), pair(lamp)), lamp);
-    if (sources_->has_surfaces()) add(sources_->to_surface(query, uniform(number, surface, 0), pair(surface)), surface);
-    if (sources_->has_sky()) add(sources_->to_sky(query, uniform(number, sky, 0), pair(sky)), sky);
+    if (sources_->has_lamps()) add(sources_->to_lamp(query, uniform(number, lamp, 0), pair(lamp)));
+    if (sources_->has_surfaces()) add(sources_->to_surface(query, uniform(number, surface, 0), pair(surface)));
+    if (sources_->has_sky()) add(sources_->to_sky(query, uniform(number, sky, 0), pair(sky)));
     return sum;
 }
 
@@ -214,24 +170,9 @@ glm::vec3 SurfaceCache::choose_side(std::uint64_t number, SurfacePoint& p) const
     return weight;
 }
 
-/// Notes where a place's rays leave. `weight`: of the side that was chosen.
-void SurfaceCache::note_place(const LightQuery& query, glm::vec3 weight, KeptPlace& kept) {
-    kept.origin = query.origin;
-    kept.normal = core::PackedNormal(query.normal);
-    for (std::size_t kind = 0; kind < bounce && weight.x != 1.0f; ++kind)
-        kept.rays[kind].light = PackedLight(weight * unpacked(kept.rays[kind].light));
-}
-
 /// Evaluates a place: what lamps send, and one ray whose end sends the rest.
 void SurfaceCache::light_place(const Sighting& place, std::uint64_t number, std::uint32_t index, Lesson& lesson,
                                Evaluated& out) const {
-    const std::uint32_t which = out.places++;
-    KeptPlace* kept = nullptr;
-    if (keeps()) {
-        kept = &out.kept.emplace_back();
-        kept->ordinal = static_cast<std::uint32_t>(number - core::mix(place.key));
-        kept->object = place.address.object;
-    }
     glm::vec3 along, across;
     core::make_frame(place.outgoing, along, across);
     SurfacePoint p = posed_scene_.surface_at(place.address, place.outgoing, {place.size * along, place.size * across});
@@ -249,8 +190,7 @@ void SurfaceCache::light_place(const Sighting& place, std::uint64_t number, std:
     const Scatterer at(posed_scene_, p);
     lesson.fibres = p.fibre;
     lesson.albedo += p.fibre ? at.albedo() : scale * weight * albedo;
-    const glm::vec3 direct = weight * lamps(at, number, out.rays, kept);
-    if (kept != nullptr) note_place(at.query(), weight, *kept);
+    const glm::vec3 direct = weight * lamps(at, number, out.rays);
     const float share = near_field_.share(p.position);
     if (core::is_finite(direct)) {
         lesson.known += direct;
@@ -265,10 +205,6 @@ void SurfaceCache::light_place(const Sighting& place, std::uint64_t number, std:
     if (!(core::luminance(weight) > 0.0f) || !core::is_finite(weight)) return;
     lesson.drawn += weight;
     out.rays += 1;
-    if (kept != nullptr) {
-        kept->density = density;
-        kept->goes_on = PackedLight(weight);
-    }
     out.bounces.push_back({{at.origin_of(direction), direction, std::numeric_limits<float>::infinity()},
                            at.query(),
                            density,
@@ -278,7 +214,6 @@ void SurfaceCache::light_place(const Sighting& place, std::uint64_t number, std:
                            place.depth > 0 ? 0.5f * place.size : 0.0f,
                            place.carried,
                            index,
-                           which,
                            place.depth});
 }
 
@@ -299,17 +234,10 @@ void SurfaceCache::follow_bounces(std::span<Lesson> lessons, Evaluated& out) con
         Lesson& lesson = lessons[b.lesson];
         const auto first = static_cast<std::uint32_t>(out.terms.size());
         const glm::vec3 known = b.weight * gather_rays_.follow(b.ray, hits[i], rules, lobe::inverse_pi,
-                                                               core::mix(b.number), b.place, out.terms, out.rays);
+                                                               core::mix(b.number), 0, out.terms, out.rays);
         if (core::is_finite(known)) {
             lesson.known += known;
             lesson.near += b.share * known;
-        }
-        if (keeps()) {
-            const bool shines = hits[i].found() && core::luminance(known) > 0.0f;
-            const std::uint32_t source = shines ? hits[i].address.object : none;
-            out.kept[b.place].rays[bounce] = {
-                core::PackedNormal(b.ray.direction), gather_rays_.length(hits[i]),
-                PackedLight(over(core::is_finite(known) ? known : glm::vec3(0), strength(bounce, source))), source};
         }
         if (out.terms.size() > first) {
             RayTerm& term = out.terms.back();
@@ -374,13 +302,11 @@ void SurfaceCache::evaluate_lessons(std::span<Lesson> lessons, const std::vector
         const std::size_t first = task * lessons_at_once, last = std::min(first + lessons_at_once, lessons.size());
         for (std::size_t l = first; l < last; ++l) lessons[l].first_link += base, lessons[l].last_link += base;
         for (const RayTerm& t : found[task].terms) {
-            links.push_back({t.place.key, t.weight, t.near, index_of(t.place.key), t.ray});
+            links.push_back({t.place.key, t.weight, t.near, index_of(t.place.key)});
             const bool known = links.back().cell != none && cell(links.back().cell).places >= most;
             if (!known && t.place.carried > least_carried) wanted.push_back(t.place);
         }
         rays_ += found[task].rays;
-        if (keeps()) keep(found[task].kept, lessons.subspan(first, last - first), std::span(links).subspan(base));
-        found[task].kept = {};
     }
 }
 
@@ -420,7 +346,6 @@ void SurfaceCache::solve(std::span<Lesson> lessons, std::vector<Link>& links) {
         links_of(l, [&](Link& link) { row += link.weight *= albedo; });
         const float largest = lessons[l].fibres ? largest_fibre_albedo : largest_albedo;
         const glm::vec3 most(largest * static_cast<float>(taught.places));
-        lessons[l].scale = albedo * most / glm::max(row, most);
         if (glm::any(glm::greaterThan(row, most)))
             links_of(l, [&](Link& link) { link.weight *= most / glm::max(row, most); });
     }
@@ -459,7 +384,6 @@ void SurfaceCache::learn(std::vector<Sighting>& wanted) {
         evaluate_lessons(std::span(lessons).subspan(first), places, links, most, wanted);
     }
     solve(lessons, links);
-    if (keeps()) keep_solved(lessons, links);
 }
 
 }  // namespace render2mpeg::renderer

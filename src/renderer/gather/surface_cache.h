@@ -9,12 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/packed_normal.h"
-#include "renderer/base/light_packing.h"
 #include "renderer/base/plan.h"
 #include "renderer/gather/gather_ray.h"
 #include "renderer/gather/near_light.h"
-#include "renderer/geometry/light_change.h"
 #include "renderer/paths/light_sources.h"
 #include "renderer/paths/scatterer.h"
 
@@ -29,8 +26,6 @@ class CellTable {
     std::uint32_t find(std::uint64_t key) const;
     /// The key is not there yet.
     void insert(std::uint64_t key, std::uint32_t index);
-    /// The key is there.
-    void erase(std::uint64_t key);
     std::size_t bytes() const { return slots_.capacity() * sizeof(Slot); }
 
   private:
@@ -49,26 +44,12 @@ class CellTable {
 /// These cells are learnt as well, until every ray has an answer; then the sums are solved as the linear equations that
 /// they are, so that no bounce is cut off. Which places a cell has is decided by the order of the questions alone, for
 /// any number of threads.
-///
-/// Where light changes in a film, places keep their rays: a change evaluates the cells again whose rays it meets, with
-/// the same random numbers, and solves all equations anew (docs/model/gathering.md#when-light-changes).
 class SurfaceCache {
   public:
-    /// `keeps`: light may change.
-    SurfaceCache(const PosedScene& posed_scene, const Plan& plan, bool keeps);
+    SurfaceCache(const PosedScene& posed_scene, const Plan& plan);
 
     /// Forgets all: light or things are others now, as posed.
     void forget(NearField near_field);
-    /// Light or things are others now, as posed, by this change. Whether cells that were marked since the last one, and
-    /// those that these ask, are what they were, by their indices; else all is forgotten.
-    bool renew(const LightChange& change, NearField near_field);
-    void mark(std::uint32_t index) {
-        if (keeps() && index != none && !is_own(index)) kept_cells_[index].used = mark_;
-    }
-    /// A chunk begins: keeping is tried anew.
-    void start_chunk() { keeps_ = may_keep_; }
-    /// Whether a change may leave cells what they were.
-    bool keeps() const { return keeps_; }
 
     /// Index of a cell that needs to learn no more; CellTable::none: ask `learn`.
     std::uint32_t find(std::uint64_t key) const;
@@ -79,9 +60,7 @@ class SurfaceCache {
     void learn(std::vector<Sighting>& wanted);
 
     /// Light of lamps, shining surfaces and the image of a sky that a place scatters, by next-event estimation.
-    glm::vec3 lamps(const Scatterer& at, std::uint64_t number, std::uint64_t& rays) const {
-        return lamps(at, number, rays, nullptr);
-    }
+    glm::vec3 lamps(const Scatterer& at, std::uint64_t number, std::uint64_t& rays) const;
     /// Lights of the posed instant.
     const LightSources& sources() const { return *sources_; }
 
@@ -95,8 +74,7 @@ class SurfaceCache {
     glm::vec3 far_part(std::uint32_t index) const { return glm::max(radiance(index) - near_part(index), glm::vec3(0)); }
 
     std::size_t bytes() const {
-        return (cells_.capacity() + own_cells_.capacity()) * sizeof(Cell) + table_.bytes() + own_table_.bytes() +
-               places_.capacity() * sizeof(KeptPlace) + kept_cells_.capacity() * sizeof(KeptCell);
+        return (cells_.capacity() + own_cells_.capacity()) * sizeof(Cell) + table_.bytes() + own_table_.bytes();
     }
     std::uint64_t rays() const { return rays_; }
 
@@ -112,8 +90,7 @@ class SurfaceCache {
         std::uint64_t key = 0;
         glm::vec3 weight{0};
         float near = 0;  ///< share of it that near_light has
-        std::uint32_t cell = CellTable::none;
-        std::uint32_t place = none;  ///< that is kept
+        std::uint32_t cell = none;
     };
     /// A cell that is being learnt.
     struct Lesson {
@@ -121,38 +98,10 @@ class SurfaceCache {
         std::uint32_t first = 0, places = 0;          ///< of the places that are evaluated
         std::uint32_t number = 0;                     ///< of the first, among all that the cell ever had
         std::uint32_t earlier = none;                 ///< lesson of the same cell
-        std::uint32_t kept = none;                    ///< last of its places that are kept
         std::uint32_t first_link = 0, last_link = 0;  ///< once they are
         glm::vec3 known{0}, near{0};                  ///< sums over places
         glm::vec3 albedo{0}, drawn{0};                ///< likewise, of surfaces and of weights of the rays they send
         bool fibres = false;                          ///< places are of hair
-        std::optional<glm::vec3> scale;               ///< of these weights; of the last lesson
-    };
-    /// A ray of a place. Light is in units of its source's strength.
-    struct KeptRay {
-        core::PackedNormal direction;
-        float far = 0;                ///< 0: there is none
-        PackedLight light;            ///< that it brings if nothing is in the way
-        std::uint32_t source = none;  ///< LightSample::source; or the object that shines where the ray ends
-        std::array<std::uint8_t, 3> passes{255, 255, 255};
-    };
-    /// A place that a cell was evaluated at.
-    struct KeptPlace {
-        std::uint32_t object = core::no_id;
-        std::uint32_t ordinal = 0;  ///< of its cell's places: makes its random numbers
-        core::PackedNormal normal;
-        glm::vec3 origin{0};          ///< of its rays
-        float density = 0;            ///< of the direction on which light goes on
-        std::array<KeptRay, 4> rays;  ///< to a lamp, a surface, the sky; on which light goes on
-        PackedLight goes_on;          ///< share of the light that comes on the last ray
-        PackedLight weight;           ///< of the cell that this asks
-        std::uint32_t cell = none;
-        std::uint32_t next = none;  ///< place of its cell
-    };
-    struct KeptCell {
-        std::uint32_t first = none;  ///< place
-        std::uint32_t used = 0;      ///< span of renewals
-        std::uint64_t key = 0;
     };
     struct Bounce;
     struct Evaluated;
@@ -167,41 +116,19 @@ class SurfaceCache {
     void plan_lessons(std::vector<Sighting>& wanted, std::uint32_t most, std::vector<Sighting>& places,
                       std::vector<Lesson>& lessons);
     glm::vec3 choose_side(std::uint64_t number, SurfacePoint& p) const;
-    static void note_place(const LightQuery& query, glm::vec3 weight, KeptPlace& kept);
     void light_place(const Sighting& place, std::uint64_t number, std::uint32_t index, Lesson& lesson,
                      Evaluated& out) const;
-    glm::vec3 strength(std::size_t kind, std::uint32_t source) const;
     void follow_bounces(std::span<Lesson> lessons, Evaluated& out) const;
     void evaluate_lessons(std::span<Lesson> lessons, const std::vector<Sighting>& places, std::vector<Link>& links,
                           std::uint32_t most, std::vector<Sighting>& wanted);
-    void keep(std::span<const KeptPlace> kept, std::span<Lesson> lessons, std::span<Link> links);
     void solve(std::span<Lesson> lessons, std::vector<Link>& links);
-    void keep_solved(std::span<const Lesson> lessons, std::span<const Link> links);
-    void mark_asked();
-    void free_places(std::uint32_t cell);
-    void free_cell(std::uint32_t cell);
-    bool meets_too_much(const LightChange& change) const;
-    void solve_near();
-    void trace_met(const LightChange& change);
-    struct Retraced;
-    void trace_met(std::span<const std::uint32_t> cells, const LightChange& change, Retraced& out);
-    glm::vec3 known_of(const KeptPlace& place) const;
-    void solve_kept();
-    glm::vec3 lamps(const Scatterer& at, std::uint64_t number, std::uint64_t& rays, KeptPlace* kept) const;
 
     const PosedScene& posed_scene_;
     GatherRays gather_rays_;
     const Plan& plan_;
-    bool may_keep_, keeps_ = may_keep_;
-    std::optional<LightSources> sources_;  ///< of the last instant from which on none has moved
-    SourceStrengths asked_strengths_;      ///< likewise
-    SourceStrengths strengths_;            ///< of the posed instant
+    std::optional<LightSources> sources_;  ///< of the posed instant
     CellTable table_, own_table_;
     std::vector<Cell> cells_, own_cells_;
-    std::vector<KeptCell> kept_cells_;  ///< of `cells_`
-    std::uint32_t renewals_ = 0, mark_ = 0;
-    std::vector<KeptPlace> places_;
-    std::vector<std::uint32_t> free_places_, free_cells_;
     NearField near_field_;
     std::uint64_t rays_ = 0;
 };

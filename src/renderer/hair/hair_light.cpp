@@ -43,7 +43,7 @@ struct HairLight::Traced {
 };
 
 HairLight::HairLight(const PosedScene& posed_scene, const Plan& plan)
-    : posed_scene_(posed_scene), gather_rays_(posed_scene, plan), cache_(posed_scene, plan, false) {}
+    : posed_scene_(posed_scene), gather_rays_(posed_scene, plan), cache_(posed_scene, plan) {}
 
 /// Lights of one sample by next events, and one ray by the fibre's scattering, whose end the cache knows.
 void HairLight::trace(const FibreSample& sample, std::uint64_t number, Traced& out) const {

@@ -163,7 +163,6 @@ LightSample LightSources::to_lamp(const LightQuery& query, float choice, glm::ve
 
 LightSample LightSources::lamp_sample(const LightQuery& query, const Lamp& lamp, float chance, glm::vec2 u) const {
     LightSample sample;
-    sample.source = lamp.state.id;
     sample.light = lamp.state.intensity / chance;
     if (lamp.state.kind != scene::LightKind::directional) {
         const glm::vec3 d = lamp.state.position - query.position;
@@ -218,7 +217,6 @@ LightSample LightSources::to_surface(const LightQuery& query, float choice, glm:
     const glm::vec3 at = (1.0f - place.x - place.y) * t.a + place.x * t.b + place.y * t.c;
 
     LightSample sample;
-    sample.source = emitter.object;
     sample.direction = core::normalize_or(at - query.position, query.normal);
     if (!query.may_see(sample.direction)) return {};
     sample.density = surface_density(query, address);

@@ -14,11 +14,10 @@ namespace render2mpeg::renderer {
 /// Light from one direction. What a surface scatters of it: f_s cos x `light`, if nothing is in the way.
 struct LightSample {
     glm::vec3 light{0};  ///< radiance over `density`, or irradiance across the beam over the chance of the choice
-    glm::vec3 direction{0, 0, 1};        ///< unit, to the light
-    glm::vec3 ray{0, 0, 1};              ///< the shadow ray's, from the query's origin
-    float far = 0;                       ///< where that ends, in units of `ray`
-    float density = 0;                   ///< of choosing the direction, per steradian; 0: rays cannot meet the light
-    std::uint32_t source = core::no_id;  ///< index into Animation::lights, or of an object; none: the sky, or nothing
+    glm::vec3 direction{0, 0, 1};  ///< unit, to the light
+    glm::vec3 ray{0, 0, 1};        ///< the shadow ray's, from the query's origin
+    float far = 0;                 ///< where that ends, in units of `ray`
+    float density = 0;             ///< of choosing the direction, per steradian; 0: rays cannot meet the light
 };
 
 /// All that shines at the posed instant: punctual lights, suns, surfaces, the sky (docs/model/truth.md). Three choices

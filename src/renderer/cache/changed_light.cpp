@@ -1,0 +1,175 @@
+#include "renderer/cache/changed_light.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/color.h"
+#include "core/numeric.h"
+#include "parallel/loops.h"
+#include "renderer/cache/gather_requests.h"
+#include "renderer/cache/local_regression.h"
+#include "renderer/gather/ray_sums.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Records of one task.
+constexpr std::size_t records_of_task = 64;
+
+/// Poses a record as its surface lies now, and the receiver in its place. False: it is gone, or another.
+bool pose(const PosedScene& scene, IrradianceRecord& r, GatherPoint& receiver) {
+    if (!scene.posed().objects[r.address.object].present) return false;
+    const bool glossy = r.lobe.alpha > 0.0f;
+    SurfacePoint& p = receiver.point;
+    p = scene.surface_at(r.address, glossy ? r.lobe.outgoing : r.geometric_normal);
+    if (p.back_side != r.back_side || p.bsdf.has_glossy() != glossy || !core::is_finite(p.position)) return false;
+    if (p.position == r.position && p.geometric_normal == r.geometric_normal) {
+        p.shading_normal = r.shading_normal;
+    } else {
+        r.position = p.position;
+        r.geometric_normal = p.geometric_normal;
+        r.shading_normal = p.shading_normal;
+    }
+    receiver = plain_receiver(receiver);
+    return true;
+}
+
+/// Drops all records but the one of the most rays of each surface in each pixel of the picture and its border.
+void thin(FrameState& frame, std::vector<GatherPoint>& receivers, std::span<const std::uint8_t> holds) {
+    frame.grid.build(frame.records.all(), frame.camera);
+    std::vector<std::uint8_t> keeps(frame.records.size(), 0);
+    const std::span<const SurfaceMark> marks = frame.grid.marks();
+    std::vector<SurfaceMark> here;
+    for (std::size_t first = 0, last = 0; first < marks.size(); first = last) {
+        const glm::vec2 pixel = glm::floor(marks[first].at);
+        while (last < marks.size() && glm::floor(marks[last].at) == pixel) ++last;
+        here.clear();
+        for (std::size_t i = first; i < last; ++i)
+            if (holds[marks[i].record] != 0) here.push_back(marks[i]);
+        std::stable_sort(here.begin(), here.end(), [&](const SurfaceMark& a, const SurfaceMark& b) {
+            const auto rays = [&](const SurfaceMark& m) { return frame.records[m.record].ray_count; };
+            return a.surface != b.surface ? a.surface < b.surface : rays(a) > rays(b);
+        });
+        for (const SurfaceMark& m : here)
+            keeps[m.record] = std::none_of(here.begin(), here.end(), [&](const SurfaceMark& other) {
+                return keeps[other.record] != 0 && other.surface == m.surface &&
+                       glm::dot(other.shading_normal, m.shading_normal) >= same_normal;
+            });
+    }
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < receivers.size(); ++i)
+        if (keeps[i] != 0 && kept++ != i) receivers[kept - 1] = std::move(receivers[i]);
+    receivers.resize(kept);
+    std::size_t i = 0;
+    frame.records.drop([&](const IrradianceRecord&) { return keeps[i++] == 0; });
+    frame.grid.build(frame.records.all(), frame.camera);
+}
+
+/// Traces the first rays of some records again.
+void look_again(FrameState& frame, std::span<const GatherPoint> receivers, std::span<const std::uint32_t> which) {
+    std::vector<GatherRequest> requests;
+    for (const std::uint32_t i : which) {
+        GatherRequest& r = requests.emplace_back(request_of(receivers[i], {}, {0, 0}, frame.camera));
+        r.seed = frame.records[i].seed;
+        r.rays = first_rays;
+        r.pool = i / lane_count;
+    }
+    const std::vector<RayLight> found = frame.rays->gather(requests, frame.aim);
+    for (std::size_t k = 0; k < which.size(); ++k) {
+        IrradianceRecord& r = frame.records.change(which[k]);
+        r.look = look_of(found[k], receivers[which[k]]);
+        r.looks_now = true;
+    }
+}
+
+/// A record's light now, by its own before and its neighbours' looks.
+struct Followed {
+    std::array<glm::vec3, 3> light{};
+    float batch_variance = 0;  ///< as IrradianceRecord's
+    std::uint32_t rays = 0;
+    bool is_look = true;   ///< that of its look alone
+    bool is_vague = true;  ///< a look of its own takes fewer rays than the record loses by its change
+};
+
+Followed followed(const FrameState& frame, const SurfaceMark& mark, const GatherPoint& receiver, LocalRegression& fit) {
+    const IrradianceRecord& r = frame.records[mark.record];
+    const float shown = receives(receiver), shown2 = shown * shown;
+    Followed now{r.look.light, 0.5f * r.look.difference * r.look.difference, first_rays};
+    const auto eye = frame.camera.perspective() ? std::optional(frame.camera.position()) : std::nullopt;
+    const auto on_picture = frame.camera.project(r.position);
+    if (!on_picture) return now;
+    const float extent = frame.camera.pixel_size() * (frame.camera.perspective() ? on_picture->depth : 1.0f);
+    fit.collect({receiver, {}, mark.at, extent, shown, eye}, LocalRegression::Of::change, frame.grid, frame.records,
+                mark.record);
+    const RegressionError error = fit.estimate();
+    if (!error.is_valid()) return now;
+    now.batch_variance = fit.batch_variance_now() / shown2;
+    const RecordAnchor& before = *r.anchor;
+    const double factor = fit.factor(), variance = factor * factor * before.variance + error.square / shown2,
+                 of_look = now.batch_variance * std::pow(1.0 * batch_rays / first_rays, variance_power);
+    if (!(variance < of_look)) return now;
+    now.is_look = false;
+    std::array<glm::dvec3, 3> light{};
+    for (std::size_t k = 0; k < light.size(); ++k) light[k] = factor * glm::dvec3(before.light[k]);
+    for (std::size_t i = 0; i < fit.size(); ++i) {
+        if (fit.weight(i) == 0.0f) continue;
+        const IrradianceRecord& other = frame.records[fit.record(i)];
+        for (std::size_t k = 0; k < light.size(); ++k)
+            light[k] += static_cast<double>(fit.weight(i)) *
+                        (glm::dvec3(other.look.light[k]) - factor * glm::dvec3(other.anchor->look.light[k]));
+    }
+    for (std::size_t k = 0; k < light.size(); ++k) now.light[k] = glm::max(glm::vec3(light[k]), glm::vec3(0));
+    const double rays = variance > 0.0 ? batch_rays * std::pow(now.batch_variance / variance, 1.0 / variance_power)
+                                       : 1.0 * before.ray_count;
+    now.rays = static_cast<std::uint32_t>(std::clamp(rays, 1.0 * first_rays, 1.0 * before.ray_count));
+    now.is_vague = before.ray_count - now.rays > first_rays;
+    return now;
+}
+
+}  // namespace
+
+void follow_light(FrameState& frame) {
+    const PosedScene& scene = frame.rays->posed_scene();
+    std::vector<GatherPoint> receivers(frame.records.size());
+    std::vector<std::uint8_t> holds(frame.records.size());
+    parallel::for_ranges(receivers.size(), records_of_task, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i)
+            holds[i] = pose(scene, frame.records.change(static_cast<std::uint32_t>(i)), receivers[i]) ? 1 : 0;
+    });
+    thin(frame, receivers, holds);
+    for (IrradianceRecord& r : frame.records.all())
+        if (!r.anchor) r.anchor = std::make_shared<const RecordAnchor>(anchor_of(r));
+    // Look from every second pixel of every second row, then from where this tells too little.
+    std::vector<SurfaceMark> marks(frame.grid.marks().begin(), frame.grid.marks().end());
+    std::vector<Followed> now(frame.records.size());
+    std::vector<std::uint32_t> looks;
+    for (const SurfaceMark& m : marks) {
+        frame.records.change(m.record).looks_now = false;
+        const glm::ivec2 pixel(glm::floor(m.at));
+        if (pixel.x % 2 == 0 && pixel.y % 2 == 0) looks.push_back(m.record);
+    }
+    while (!looks.empty()) {
+        look_again(frame, receivers, std::exchange(looks, {}));
+        parallel::for_ranges(marks.size(), records_of_task, [&](std::size_t first, std::size_t last) {
+            LocalRegression fit;
+            for (std::size_t i = first; i < last; ++i)
+                now[marks[i].record] = followed(frame, marks[i], receivers[marks[i].record], fit);
+        });
+        std::erase_if(marks, [&](const SurfaceMark& m) { return !now[m.record].is_vague; });
+        for (const SurfaceMark& m : marks)
+            if (!frame.records[m.record].looks_now) looks.push_back(m.record);
+    }
+    for (std::uint32_t i = 0; i < now.size(); ++i) {
+        IrradianceRecord& r = frame.records.change(i);
+        r.by_rays = now[i].light;
+        r.batch_variance = now[i].batch_variance;
+        r.ray_count = now[i].rays;
+        if (now[i].is_look) r.anchor.reset();
+    }
+    if (!frame.light_trees.empty()) gather_trees_again(frame, receivers);
+    frame.records.drop([](const IrradianceRecord& r) { return !core::is_finite(r.irradiance()); });
+    frame.grid.build(frame.records.all(), frame.camera);
+}
+
+}  // namespace render2mpeg::renderer
