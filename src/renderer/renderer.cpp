@@ -1,6 +1,7 @@
 #include "renderer/renderer.h"
 
 #include <algorithm>
+#include <cstring>
 #include <utility>
 
 #include "core/error.h"
@@ -254,6 +255,18 @@ Renderer::~Renderer() = default;
 
 void Renderer::start_chunk(const scene::Snapshot& first) {
     impl_->start_chunk(first);
+}
+
+void Renderer::know_light(std::span<const std::byte> light) {
+    std::vector<StoredRecord> records(light.size() / sizeof(StoredRecord));
+    if (!records.empty()) std::memcpy(records.data(), light.data(), records.size() * sizeof(StoredRecord));
+    impl_->cache.library().know(std::move(records));
+}
+
+std::vector<std::byte> Renderer::found_light() {
+    const std::vector<StoredRecord> found = impl_->cache.found();
+    const auto bytes = std::as_bytes(std::span(found));
+    return {bytes.begin(), bytes.end()};
 }
 
 Frame Renderer::look(const scene::Snapshot& snapshot) {

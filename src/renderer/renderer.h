@@ -1,5 +1,6 @@
 #pragma once
 // The renderer's façade: look, light, audit.
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <span>
@@ -62,6 +63,12 @@ class Renderer {
 
     /// Forgets everything that was carried over from earlier frames.
     void start_chunk(const scene::Snapshot& first);
+
+    /// Takes light that `found_light` returned in earlier runs of the same film under the same light, which never
+    /// changes; before the first chunk. From now on light is kept for `found_light`.
+    void know_light(std::span<const std::byte> light);
+    /// Light that the chunk found beyond that, at its end.
+    std::vector<std::byte> found_light();
 
     /// Primary visibility with antialiasing; no light. May run ahead by some frames of a chunk that was started.
     Frame look(const scene::Snapshot& snapshot);

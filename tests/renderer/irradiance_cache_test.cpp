@@ -61,6 +61,19 @@ TEST(IrradianceCache, AStillFilmShootsNoSecondShadowRayAndStaysStill) {
     EXPECT_GT(more, 0u);
 }
 
+TEST(IrradianceCache, AFinerToleranceGoesOnWithTheRecordsInItsPlaces) {
+    Settings s = cache_settings(true);
+    s.indirect = Indirect::rays;
+    FilmStage stage(walk(false), s);
+    stage.cut(0.1f, 0);
+    const Statistics coarse = stage.statistics();
+    stage.cut(0.02f, 1);
+    const Statistics fine = stage.statistics();
+    EXPECT_GT(fine.gather_rays - coarse.gather_rays, coarse.gather_rays) << "it takes more rays";
+    EXPECT_LE(fine.cache.created, coarse.gather_points) << "no place has two records";
+    EXPECT_GT(fine.cache.created + fine.cache.created / 4, coarse.gather_points) << "and most have one";
+}
+
 TEST(IrradianceCache, IsTheSameForAnyNumberOfThreadsSlow) {
     // Six areas whose records meet, two samples a pixel.
     Settings s = cache_settings(true);

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "app/files/light_file.h"
 #include "app/loop/coupling.h"
 #include "app/options/effort.h"
 #include "app/options/film.h"
@@ -66,6 +67,7 @@ struct RenderJob {
     bool images_in_turn = false;                      ///< decode one at a time: memory is short
     std::optional<int> exposure_samples;              ///< none: by quantiser
     int audit = 0;                   ///< pixels of every frame that are gathered again without clustering
+    LightExtent known_light;         ///< of the light file
     std::optional<ChunkRange> part;  ///< chunks that this run makes of it; none: all
 
     std::int64_t frame_count() const { return frames.last - frames.first + 1; }

@@ -17,6 +17,7 @@
 #include "app/system/interrupt.h"
 #include "app/system/terminal.h"
 #include "core/error.h"
+#include "scene/preparation/traits.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -171,6 +172,42 @@ json identity_of(const RenderJob& film, const RenderOptions& options) {
             {"inputs", inputs}};
 }
 
+json light_identity_of(const RenderJob& film, const RenderOptions& options) {
+    json inputs = json::object();
+    const auto add = [&](const std::filesystem::path& file) {
+        std::error_code error;
+        if (std::filesystem::is_regular_file(file, error))
+            inputs[canonical_of(file).string()] = text_of(checksum_of(file));
+    };
+    add(options.input);
+    for (const std::filesystem::path& file : film.animation->files) add(file);
+    for (const scene::ImageSource& image : film.animation->images) add(image.path);
+    const renderer::Settings& s = film.rendering;
+    json words = json::object();
+    for (const char* name : {"--animation", "--variant", "--sky", "--light", "--fog", "--caustics", "--clamp"})
+        if (options.is_given(name)) words[name] = options.said.at(name);
+    return {{"render2mpeg", program_text()},
+            {"inputs", inputs},
+            {"options", words},
+            {"--indirect", s.indirect == renderer::Indirect::rays ? "rays" : "lightcuts"},
+            {"--vpls", s.vpls},
+            {"light points", s.direct_points},
+            {"depth of mirrors", s.specular_depth},
+            {"largest cut", s.max_cut},
+            {"seed", {s.seed, s.draw}}};
+}
+
+std::string why_no_light_file(const RenderJob& film) {
+    if (scene::traits_of(*film.animation).changes_light()) return "light changes in this film";
+    if (film.preview) return "a draft keeps no light";
+    return film.cache.keeps() ? "" : "no light is kept: " + film.cache.reason;
+}
+
+std::optional<LightFile> light_file_of(const RenderJob& film, const RenderOptions& options) {
+    if (!options.light_cache || !why_no_light_file(film).empty()) return std::nullopt;
+    return LightFile(*options.light_cache, light_identity_of(film, options));
+}
+
 json identity_of(const Film& film, const std::string& command) {
     std::error_code error;
     return {{"render2mpeg", program_text()},
@@ -245,6 +282,12 @@ void settle(RenderJob& film, const RenderOptions& options, WorkFolder* work, Run
     if (!film.exposure) {
         film.exposure = timed(statistics, Stage::load, [&] { return measure_exposure(film); });
         keep("exposure", *film.exposure);
+    }
+    if (const auto light = light_file_of(film, options)) {
+        // Others may add to the file while this film is made.
+        const json before = kept("light");
+        film.known_light = before.is_array() ? LightExtent{before.at(0), before.at(1)} : light->extent();
+        keep("light", {film.known_light.bytes, film.known_light.checksum});
     }
     if (!film.two_passes || InterruptGuard::requested()) return;
     film.allocations = allocations_from(film, kept("allocations"));

@@ -3,10 +3,12 @@
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "app/files/chunk_file.h"
+#include "app/files/light_file.h"
 #include "app/files/publish.h"
 #include "app/files/work_folder.h"
 #include "app/loop/render_job.h"
@@ -22,6 +24,15 @@ nlohmann::json identity_of(const RenderJob& film, const RenderOptions& options);
 
 /// The same for a film of finished frames, which cannot be resumed: its command and folder.
 nlohmann::json identity_of(const Film& film, const std::string& command);
+
+/// The same for light on the film's surfaces: its size, its coding and its frames do not matter.
+nlohmann::json light_identity_of(const RenderJob& film, const RenderOptions& options);
+
+/// Why --light-cache has no effect, in words; empty where it has.
+std::string why_no_light_file(const RenderJob& film);
+
+/// The film's light file; none where there is none, or it has no effect.
+std::optional<LightFile> light_file_of(const RenderJob& film, const RenderOptions& options);
 
 std::vector<Files> inputs_of(const RenderJob& film, const RenderOptions& options);
 
@@ -45,7 +56,8 @@ bool is_done_already(const RenderJob& film, const RenderOptions& options, const 
 std::vector<ChunkFile> take_up(const RenderJob& film, const RenderOptions& options, WorkFolder& work,
                                const std::function<void(std::size_t)>& kept, RunStatistics& statistics);
 
-/// Settles exposure and first pass, or takes them over from an earlier run. `work`: kept there; null: nowhere.
+/// Settles exposure, first pass and the extent of known light, or takes them over from an earlier run. `work`: kept
+/// there; null: nowhere.
 void settle(RenderJob& film, const RenderOptions& options, WorkFolder* work, RunStatistics& statistics);
 inline void settle(RenderJob& film, const RenderOptions& options, WorkFolder& work, RunStatistics& statistics) {
     settle(film, options, &work, statistics);

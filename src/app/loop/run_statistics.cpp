@@ -96,6 +96,7 @@ void each_count(Visit&& visit, Counts&... s) {
     visit("sky_seconds", added, s.sky_seconds...);
     visit("layer_seconds", added, s.layer_seconds...);
     visit("records_created", added, s.cache.created...);
+    visit("records_known", added, s.cache.known...);
     visit("records_served", added, s.cache.served...);
     visit("records_most", largest, s.cache.most...);
     visit("hair_rays", added, s.hair.rays...);

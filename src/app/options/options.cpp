@@ -68,6 +68,11 @@ void add_run_options(CLI::App& command, RenderOptions& options, bool whole) {
                "Most memory to take, e.g. 8G: refuse what would need more before it is begun, and never swap "
                "(default: no limit)",
                "SIZE", memory_from);
+    add_option(command, run_group, "--light-cache", options.light_cache,
+               "Begin with the light that earlier runs of this scene found on its surfaces, and add what this one "
+               "finds: with another quantiser, rate or codec light takes a third of the time. For light that never "
+               "changes; made where it is missing (docs/choosing.md)",
+               "FILE");
     if (whole) add_whole_run_options(command, options);
     add_consent_option(command, options.overwrite);
     CLI::Option* quiet = add_flag(command, run_group, "--quiet", options.quiet, "Print nothing but errors");

@@ -83,8 +83,9 @@ struct RenderOptions {
     std::optional<std::string> transparent;  ///< "on" or "off"; likewise
     std::string clamp = "bounded";           ///< "bounded" or "none"
     std::string cache = "auto";              ///< "on", "off" or "auto"
-    std::optional<std::string> sky;          ///< image file or "none"
-    std::string light = "studio";            ///< of scenes without any: "studio", "even" or "none"
+    std::optional<std::filesystem::path> light_cache;  ///< --light-cache
+    std::optional<std::string> sky;                    ///< image file or "none"
+    std::string light = "studio";                      ///< of scenes without any: "studio", "even" or "none"
     std::optional<std::string> camera;
     std::optional<std::string> animation;
     std::optional<std::string> variant;

@@ -55,6 +55,17 @@ std::vector<std::int64_t> fresh_starts(const RenderJob& film) {
     return frames;
 }
 
+/// Adds a chunk's light to the film's file. False, and told, where that fails: the film goes on without.
+bool add_light(LightFile& light, renderer::Renderer& renderer, const RenderOptions& options) {
+    try {
+        light.add(renderer.found_light());
+        return true;
+    } catch (const core::Error& error) {
+        if (!options.quiet) print_line(std::string(error.what()) + "; no more light is added");
+        return false;
+    }
+}
+
 /// Renders the chunks that have no file yet, the last of them incompletely after an interruption. Returns whether the
 /// film is whole.
 bool render_whole_chunks(const OpenRender& open) {
@@ -70,6 +81,8 @@ bool render_whole_chunks(const OpenRender& open) {
                       fresh_starts(film));
     if (!files.empty()) progress.advance_to(static_cast<std::int64_t>(statistics.frames.size()), frames);
     renderer::Renderer renderer = renderer_of(film);
+    std::optional<LightFile> light = light_file_of(film, options);
+    if (light) renderer.know_light(light->known(film.known_light));
     std::optional<LayersWriter> layers;
     if (options.layers) layers.emplace(*options.layers, film, statistics);
     std::optional<LastFrameWriter> last_frame;
@@ -106,6 +119,7 @@ bool render_whole_chunks(const OpenRender& open) {
         nlohmann::json record = chunk_record_of(film, options, open.work, chunk, so_far);
         if (open.sample_frame.is_in(chunk)) record[sample_frame_name] = open.sample_frame.figures();
         files.back().finish(record);
+        if (light && !add_light(*light, renderer, options)) light.reset();
         if (options.verbose) print_line(chunk_text(chunk, so_far));
         if (InterruptGuard::requested()) break;
     }
@@ -156,6 +170,8 @@ void print_notes(const RenderJob& film, const RenderOptions& options) {
     std::vector<std::string> notes = film.animation->notes;
     for (const std::string& line : unused_options(options, film.kind, film.tolerance)) notes.push_back(line);
     notes.push_back(film.kind == OutputKind::film ? unused_keyframes(film.keyframes, film.frames) : "");
+    if (const std::string why = why_no_light_file(film); options.light_cache && !why.empty())
+        notes.push_back("--light-cache has no effect: " + why);
     notes.push_back(film.kind == OutputKind::film ? keyframes_without_chapter(film.film()) : "");
     for (const std::string& note : notes)
         if (!note.empty()) print_line(note);
@@ -171,7 +187,7 @@ void check_before_reading(const RenderOptions& options) {
     if (kind == OutputKind::film || kind == OutputKind::y4m) wishes.films.emplace_back(options.output);
     for (const auto& [subject, file] : options.heatmaps) wishes.films.emplace_back(file);
     for (const Files& film : wishes.films) check_reachable(film.name);
-    for (const auto& file : {options.stats, options.report, options.last_frame})
+    for (const auto& file : {options.stats, options.report, options.last_frame, options.light_cache})
         if (file) check_reachable(*file);
     if (options.report) check_report(*options.report);
     if (options.last_frame && core::ending_of(*options.last_frame) != ".png")

@@ -13,6 +13,7 @@ namespace render2mpeg::renderer {
 
 void IrradianceCache::forget() {
     records_.forget();
+    library_.start_chunk();
     history_ = {};
 }
 
@@ -26,7 +27,26 @@ void IrradianceCache::cut_to(const Frame& seen, const scene::Snapshot& snapshot)
     history_.tiles.clear();
     RecordGrid grid(seen.visible.width(), seen.visible.height());
     grid.build(records_.all(), snapshot.camera);
-    records_.thin(snapshot.frame, grid);
+    library_.note(records_.thin(snapshot.frame, grid), near_field_);
+}
+
+std::uint64_t IrradianceCache::take_known(const Frame& seen, std::int64_t frame) {
+    const std::size_t before = records_.size();
+    for (const GatherTile& tile : seen.tiles)
+        for (const GatherPoint& p : tile)
+            if (uses_cache(p))
+                if (const auto record = library_.take(p.point, near_field_, frame)) records_.insert(*record);
+    return records_.size() - before;
+}
+
+void IrradianceCache::forget_records() {
+    library_.note(records_.all(), near_field_);
+    records_.forget();
+}
+
+std::vector<StoredRecord> IrradianceCache::found() {
+    library_.note(records_.all(), near_field_);
+    return library_.take_noted();
 }
 
 FrameLight IrradianceCache::light(const LightingContext& context, const scene::Snapshot& snapshot,
@@ -42,14 +62,16 @@ FrameLight IrradianceCache::light(const LightingContext& context, const scene::S
         if (rays != nullptr && !snapshot.cut_before)
             follow_light(frame);
         else
-            records_.forget();
+            forget_records();
     }
+    if (rays != nullptr) near_field_ = rays->near_field().key();
+    if (!library_.is_empty()) counts.known += take_known(context.seen, snapshot.frame);
     // Reuse the last frame's light,
     start(frame, context, history_);
     // ask the cache for the rest, or gather it,
     light_points(frame);
     // and remember.
-    records_.thin(snapshot.frame, frame.grid);
+    library_.note(records_.thin(snapshot.frame, frame.grid), near_field_);
     FrameLight light = finish(frame, history_);
     frame.counts.live = frame.counts.most = records_.size();
     counts.add(frame.counts);

@@ -2,6 +2,7 @@
 // The irradiance cache over a film's frames.
 #include "renderer/cache/cache_counts.h"
 #include "renderer/cache/frame_state.h"
+#include "renderer/cache/record_library.h"
 #include "renderer/cache/temporal_reuse.h"
 #include "renderer/cut/lighting_context.h"
 #include "renderer/cut/shade.h"
@@ -26,14 +27,24 @@ class IrradianceCache {
     /// How many records lie in each pixel of a picture, seen or hidden.
     core::Plane<float> density(const scene::Camera& camera, const scene::PictureFormat& format) const;
 
+    /// Records of earlier runs under the same light, and those for later ones. Of light that never changes.
+    RecordLibrary& library() { return library_; }
+    /// Records of the chunk so far that earlier runs did not know. Ends the chunk.
+    std::vector<StoredRecord> found();
+
     /// Bytes held between frames.
-    std::size_t bytes() const { return records_.bytes() + history_.bytes(); }
+    std::size_t bytes() const { return records_.bytes() + history_.bytes() + library_.bytes(); }
 
   private:
     /// Another shot: forgets the last frame, and records of surfaces that are so far now that they crowd its pixels.
     void cut_to(const Frame& seen, const scene::Snapshot& snapshot);
+    void forget_records();
+    /// Takes records of earlier runs that lie where points of the frame do. Their number.
+    std::uint64_t take_known(const Frame& seen, std::int64_t frame);
 
     RecordStore records_;
+    RecordLibrary library_;
+    std::uint32_t near_field_ = 0;  ///< NearField::key of the last frame
     FrameHistory history_;
     bool is_other_light_ = false;
     float last_error_scale_ = 1;  ///< that the last frame was lit with

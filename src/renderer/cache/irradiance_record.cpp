@@ -92,7 +92,7 @@ void RecordStore::mark_used(std::uint32_t index, std::int64_t frame) {
     std::atomic_ref<std::int64_t>(records_[index].used).store(frame, std::memory_order_relaxed);
 }
 
-void RecordStore::thin(std::int64_t frame, const RecordGrid& map) {
+std::vector<IrradianceRecord> RecordStore::thin(std::int64_t frame, const RecordGrid& map) {
     std::vector<std::uint8_t> keeps(records_.size(), 1);
     const std::span<const SurfaceMark> marks = map.marks();
     struct Crowding {
@@ -117,8 +117,11 @@ void RecordStore::thin(std::int64_t frame, const RecordGrid& map) {
                 keeps[of_pixel[i].record] = 0;
         }
     }
-    for (std::size_t i = 0; i < records_.size(); ++i)
+    std::vector<IrradianceRecord> dropped;
+    for (std::size_t i = 0; i < records_.size(); ++i) {
         if (frame - records_[i].used > keeps_unused) keeps[i] = 0;
+        if (keeps[i] == 0) dropped.push_back(records_[i]);
+    }
     // In the order of the picture, since pixels ask for those around them: what is neither dropped nor seen comes last.
     std::vector<IrradianceRecord> kept;
     kept.reserve(records_.size());
@@ -129,6 +132,7 @@ void RecordStore::thin(std::int64_t frame, const RecordGrid& map) {
     for (const SurfaceMark& m : marks) take(m.record);
     for (std::size_t i = 0; i < records_.size(); ++i) take(i);
     records_.swap(kept);
+    return dropped;
 }
 
 }  // namespace render2mpeg::renderer

@@ -55,8 +55,9 @@ struct IrradianceRecord {
     std::array<glm::vec3, 3> by_rays{};
     std::uint32_t ray_count = 0;  ///< of independent rays of the last instant that would err as much
     float batch_variance = 0;
-    std::uint64_t seed = 0;      ///< of its rays
-    std::uint32_t next_ray = 0;  ///< number of rays that were traced for it
+    std::uint64_t seed = 0;        ///< of its rays
+    std::uint32_t next_ray = 0;    ///< number of rays that were traced for it
+    std::uint32_t known_rays = 0;  ///< of them in earlier runs
     RecordLook look;
     bool looks_now = true;                         ///< `look` is of the last instant
     std::shared_ptr<const RecordAnchor> anchor{};  ///< null: the last instant is that of all its rays and its look
@@ -155,7 +156,8 @@ class RecordStore {
     }
 
     /// Drops what was of no use for some frames, and the oldest of those that crowd one pixel of the frame's map.
-    void thin(std::int64_t frame, const RecordGrid& map);
+    /// Returns them.
+    std::vector<IrradianceRecord> thin(std::int64_t frame, const RecordGrid& map);
 
     std::uint32_t insert(const IrradianceRecord& record);
     IrradianceRecord& change(std::uint32_t index) { return records_[index]; }

@@ -94,6 +94,7 @@ class FinalGather {
     FinalGather(const PosedScene& posed_scene, const Plan& plan);
 
     const PosedScene& posed_scene() const { return posed_scene_; }
+    const NearField& near_field() const { return sky_.near_field; }
 
     /// Forgets all: light or things are others now.
     void forget(const SkyOfRays& sky);

@@ -119,6 +119,14 @@ NearField::NearField(std::span<const LightPoint> lights, const EyeLook& look) {
     spheres_.resize(most_spheres);
 }
 
+std::uint32_t NearField::key() const {
+    std::uint64_t key = spheres_.size();
+    for (const Sphere& s : spheres_)
+        for (const float value : {s.centre.x, s.centre.y, s.centre.z, s.inverse2, s.intensity})
+            key = core::mix(key ^ std::bit_cast<std::uint32_t>(value));
+    return static_cast<std::uint32_t>(key >> 32);
+}
+
 NearField::Part NearField::at(glm::vec3 place) const {
     float least = 1.0f, intensity = 0.0f;
     float inverse2 = 1.0f;

@@ -42,6 +42,8 @@ class NearField {
     Part at(glm::vec3 place) const;
     float share(glm::vec3 place) const { return at(place).share; }
     bool operator==(const NearField&) const = default;
+    /// Others have other keys, but for one in 2^32.
+    std::uint32_t key() const;
 
   private:
     struct Sphere {

@@ -1,0 +1,55 @@
+#pragma once
+// Records of light that stays, kept beyond a chunk: for later runs of the same film.
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <optional>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include "core/packed_normal.h"
+#include "renderer/base/light_packing.h"
+#include "renderer/cache/irradiance_record.h"
+#include "renderer/surface/surface_point.h"
+
+namespace render2mpeg::renderer {
+
+/// An IrradianceRecord as files keep it.
+struct StoredRecord {
+    core::SurfaceAddress address;
+    glm::vec3 position{0};
+    core::PackedNormal geometric_normal, shading_normal, outgoing;
+    std::uint32_t near_field = 0;        ///< NearField::key of the frame that it was gathered for
+    std::array<PackedLight, 7> light{};  ///< direct, indirect, the lobe's two parts; by rays, in RayLight's order
+    float alpha = 0, batch_variance = 0, error = 0, clamped = 0;
+    std::uint64_t seed = 0;
+    std::uint32_t ray_count = 0, next_ray = 0;
+    std::uint8_t back_side = 0, capped = 0, set = 0, padding[5] = {};
+};
+static_assert(std::is_trivially_copyable_v<StoredRecord>);
+
+/// Records that earlier runs found, and those that this one finds beside them. Light must not change while they hold.
+class RecordLibrary {
+  public:
+    /// Takes these as known; of several in one place the one of most rays. From now on records are noted.
+    void know(std::vector<StoredRecord> records);
+    bool is_empty() const { return known_.empty(); }
+
+    /// A chunk begins: none is taken.
+    void start_chunk();
+    /// The known record in the very place of a point, under this near field, the first time that the chunk asks.
+    std::optional<IrradianceRecord> take(const SurfacePoint& point, std::uint32_t near_field, std::int64_t frame);
+    /// Notes records that leave a chunk, if `know` was called: those which know more than the known ones.
+    void note(std::span<const IrradianceRecord> records, std::uint32_t near_field);
+    /// All that was noted since the last call.
+    std::vector<StoredRecord> take_noted();
+    std::size_t bytes() const { return (known_.capacity() + noted_.capacity()) * sizeof(StoredRecord); }
+
+  private:
+    std::vector<StoredRecord> known_, noted_;
+    bool notes_ = false;
+    std::vector<std::uint8_t> taken_;  ///< by known one
+};
+
+}  // namespace render2mpeg::renderer
