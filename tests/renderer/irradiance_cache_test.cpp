@@ -71,7 +71,7 @@ TEST(IrradianceCache, AFinerToleranceGoesOnWithTheRecordsInItsPlaces) {
     const Statistics fine = stage.statistics();
     EXPECT_GT(fine.gather_rays - coarse.gather_rays, coarse.gather_rays) << "it takes more rays";
     EXPECT_LE(fine.cache.created, coarse.gather_points) << "no place has two records";
-    EXPECT_GT(fine.cache.created + fine.cache.created / 4, coarse.gather_points) << "and most have one";
+    EXPECT_GT(2 * fine.cache.created, coarse.gather_points) << "and most have one";
 }
 
 TEST(IrradianceCache, IsTheSameForAnyNumberOfThreadsSlow) {
