@@ -26,6 +26,7 @@
 #include "scene/preparation/traits.h"
 
 namespace render2mpeg::renderer {
+
 struct Renderer::Impl {
     Impl(const scene::Animation& film, const Settings& s, const Plan& p)
         : settings(s),
@@ -63,7 +64,7 @@ struct Renderer::Impl {
                 settings.specular_depth, settings.mattes,  settings.transparent};
     }
 
-    /// Lights of the posed snapshot; light that was gathered is taken over to it, as far as it still holds.
+    /// Lights of the posed snapshot. Where they are others, gathered light is told.
     void update_lights(const scene::Snapshot& snapshot) {
         if (!lights.update(snapshot)) return;
         cache.light_changes();

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/renderer/film_stage.h"
 
 namespace render2mpeg::renderer {
@@ -89,6 +91,35 @@ TEST(LightChange, OfTheOnlyLampIsAFactor) {
     // Cells are asked at other places than before, and err otherwise.
     EXPECT_LE(share_over(now, half, 0.05f), 0.03);
     EXPECT_LE(stage.statistics().cache.created - created, created / 10) << "records stay";
+}
+
+TEST(LightChange, ToDarknessLeavesNoGhost) {
+    test::SceneBuilder b = fading_room();
+    b.add_track(scene::TrackTarget::light_intensity, 0, 1, {0, 1}, {1, 0});
+    FilmStage stage(b, by_rays(CacheUse::on));
+    const core::Radiance lit = stage.cut(0.1f, 0), dark = stage.cut(0.1f, 1);
+    const auto brightest = [](const core::Radiance& r) {
+        float most = 0;
+        for (const glm::vec3& p : r.combined.values()) most = std::max(most, p.x);
+        return most;
+    };
+    EXPECT_GT(brightest(lit), 0.01f);
+    EXPECT_LE(brightest(dark), 1e-6f * brightest(lit));
+}
+
+TEST(LightChange, FollowsASmallThingOnASinglePixel) {
+    // Wherever its only records lie, on even pixels or not.
+    for (int shift = 0; shift < 4; ++shift) {
+        test::SceneBuilder b;
+        b.add_box({0.0f, 0.0f, 0.0f}, {0.06f, 0.06f, 0.06f}, b.add_material(glm::vec3(0.8f)));
+        b.film().sky.color = {1, 1, 1};
+        const float x = 0.06f * static_cast<float>(shift % 2), y = 0.06f * static_cast<float>(shift / 2);
+        b.add_camera({x, y, 2.0f}, {x, y, 0}, 1.0f);
+        b.move_object(b.add_box({5, 5, 5}, {6, 6, 6}, b.add_material(glm::vec3(0.5f))), {{0, 0, 0}, {0.5f, 0, 0}});
+        FilmStage stage(b, by_rays(CacheUse::on));
+        const core::Radiance before = stage.cut(0.1f, 0), now = stage.cut(0.1f, 1);
+        EXPECT_LE(share_over(now, before, 0.1f), 0.0) << shift;
+    }
 }
 
 TEST(LightChange, RecordsGoWithWhatMoves) {

@@ -59,6 +59,22 @@ TEST(RecordLibrary, GivesARecordToThePointInItsPlaceOnce) {
     EXPECT_TRUE(later.take(point(0.5f), 5, 11)) << "a chunk begins with none";
 }
 
+TEST(RecordLibrary, KeepsLobesToTheBit) {
+    RecordLibrary first, later;
+    first.know({});
+    IrradianceRecord glossy = record(0.5f, 16);
+    glossy.lobe = {0.3f, glm::normalize(glm::vec3(0.3f, -0.2f, 0.9f)), {1, 2, 3}, {0.5f, 0, 0}};
+    later.know(left_by(first, {glossy}));
+    EXPECT_FALSE(later.take(point(0.5f), 5, 0)) << "the point has no lobe";
+    SurfacePoint p = point(0.5f);
+    p.bsdf.f0 = glm::vec3(0.04f);
+    p.bsdf.alpha = 0.3f;
+    const auto taken = later.take(p, 5, 0);
+    ASSERT_TRUE(taken);
+    EXPECT_EQ(taken->lobe.outgoing, glossy.lobe.outgoing) << "by which the point in its place finds it";
+    EXPECT_NEAR(taken->lobe.f0.z, 3.0f, 1e-3f);
+}
+
 TEST(RecordLibrary, NotesOnlyWhatIsBetterThanKnownAndGivesTheBest) {
     RecordLibrary first, second;
     first.know({});

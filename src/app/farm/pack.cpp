@@ -83,7 +83,8 @@ std::filesystem::path copy_scene(const RenderJob& film, const RenderOptions& opt
 
 void pack_inputs(FarmPlan& plan, const RenderJob& film, const RenderOptions& options) {
     if (options.light_cache)
-        throw core::Error("packing", options.light_cache->string(), "a light file cannot be packed: parts add to it");
+        throw core::Error("packing", options.light_cache->string(),
+                          "a light file cannot be packed; leave --light-cache out");
     const std::filesystem::path inputs = plan.folder / "inputs";
     std::error_code error;
     std::filesystem::remove_all(inputs, error);

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -21,8 +22,8 @@ namespace {
 
 constexpr std::string_view magic = "render2mpeg light\n";
 
-/// chosen: 2 GiB, which a run holds in memory; 19 million places.
-constexpr std::size_t most_bytes = std::size_t{1} << 31;
+/// chosen: 1 GiB, 7 million places; a run that begins with it takes three times as much memory while it is read.
+constexpr std::size_t most_bytes = std::size_t{1} << 30;
 
 /// Before each block of a light file, and before its identity.
 struct BlockHead {
@@ -70,6 +71,12 @@ class LockedFile {
         if (fstat(descriptor_, &found) != 0) fail();
         return static_cast<std::size_t>(found.st_size);
     }
+    /// Of its device and on it.
+    std::array<std::uint64_t, 2> number() const {
+        struct stat found {};
+        if (fstat(descriptor_, &found) != 0) fail();
+        return {found.st_dev, found.st_ino};
+    }
     /// All from a place on.
     std::string text(std::size_t place) const {
         std::string text(size() - place, '\0');
@@ -104,7 +111,7 @@ class LockedFile {
 }  // namespace
 
 LightFile::LightFile(std::filesystem::path file, const nlohmann::json& identity)
-    : file_(std::move(file)),
+    : file_(canonical_of(file)),
       identity_(std::make_shared<const nlohmann::json>(nlohmann::json::parse(json_text(identity)))) {}
 
 /// Bytes of a file that are whole, by its text `from` a block on.
@@ -127,6 +134,7 @@ std::size_t LightFile::whole_of(std::string_view text, std::size_t from) const {
 LightExtent LightFile::extent() const {
     std::error_code error;
     if (!std::filesystem::exists(file_, error)) return {};
+    if (!std::filesystem::is_regular_file(file_, error)) throw core::Error("reading", file_.string(), "it is no file");
     const std::string text = file_text(file_);
     const std::size_t whole = whole_of(text);
     return whole == 0 ? LightExtent{} : LightExtent{whole, checksum_of_text(std::string_view(text).substr(0, whole))};
@@ -134,10 +142,12 @@ LightExtent LightFile::extent() const {
 
 std::vector<std::byte> LightFile::known(const LightExtent& beginning) const {
     if (beginning.bytes == 0) return {};
-    const std::string text = file_text(file_);
+    std::error_code error;
+    const std::string text = std::filesystem::exists(file_, error) ? file_text(file_) : std::string();
     if (text.size() < beginning.bytes ||
         checksum_of_text(std::string_view(text).substr(0, beginning.bytes)) != beginning.checksum)
-        throw core::Error("reading", file_.string(), "it is another than when the film was begun");
+        throw core::Error("reading", file_.string(),
+                          "it is another than when the film was begun: put that back, or begin the film anew");
     std::vector<std::byte> light;
     light.reserve(beginning.bytes);
     std::size_t place = magic.size();
@@ -152,14 +162,18 @@ std::vector<std::byte> LightFile::known(const LightExtent& beginning) const {
 
 void LightFile::add(std::span<const std::byte> light) {
     if (light.empty()) return;
+    std::error_code error;
+    std::filesystem::create_directories(file_.parent_path(), error);
     const LockedFile file(file_);
-    const std::size_t size = file.size(), from = size >= added_to_ ? added_to_ : 0;
-    const std::size_t whole = whole_of(file.text(from), from);
-    if (whole + light.size() > most_bytes) return;
+    // What this run saw whole need not be read again, in the same file.
+    const bool is_same = file.number() == number_ && file.size() >= added_to_;
+    const std::size_t from = is_same ? added_to_ : 0, whole = whole_of(file.text(from), from);
+    if (whole + light.size() > most_bytes) throw core::Error("writing", file_.string(), "it is full: 1 GiB");
     std::string block = block_of({reinterpret_cast<const char*>(light.data()), light.size()});
     if (whole == 0) block = std::string(magic) + block_of(json_text(*identity_)) + block;
     file.write(whole, block);
     added_to_ = whole + block.size();
+    number_ = file.number();
 }
 
 }  // namespace render2mpeg::app

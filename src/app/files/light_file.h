@@ -1,5 +1,6 @@
 #pragma once
 // Light that films found on their surfaces, in a file for later runs.
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -20,7 +21,7 @@ struct LightExtent {
 };
 
 /// Whole blocks of light behind what it is light of. A file grows by whole blocks, under a lock, so that many runs may
-/// add to one; what a killed run left of a block is overwritten by the next.
+/// add to one. The next block is written over the remains of one that a killed run left.
 class LightFile {
   public:
     /// `identity`: all that decides the light (resume.h). The file may be missing.
@@ -30,7 +31,7 @@ class LightFile {
     LightExtent extent() const;
     /// Light of its beginning. Throws core::Error where that is another now.
     std::vector<std::byte> known(const LightExtent& beginning) const;
-    /// Adds a block, unless the file is full: 2 GiB. Throws core::Error.
+    /// Adds a block. Throws core::Error, also where the file is full: 1 GiB.
     void add(std::span<const std::byte> light);
 
   private:
@@ -38,7 +39,8 @@ class LightFile {
 
     std::filesystem::path file_;
     std::shared_ptr<const nlohmann::json> identity_;
-    std::size_t added_to_ = 0;  ///< bytes of the file after the last `add`
+    std::size_t added_to_ = 0;               ///< bytes of the file after the last `add`
+    std::array<std::uint64_t, 2> number_{};  ///< of the file then
 };
 
 }  // namespace render2mpeg::app

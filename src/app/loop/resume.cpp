@@ -184,22 +184,28 @@ json light_identity_of(const RenderJob& film, const RenderOptions& options) {
     for (const scene::ImageSource& image : film.animation->images) add(image.path);
     const renderer::Settings& s = film.rendering;
     json words = json::object();
-    for (const char* name : {"--animation", "--variant", "--sky", "--light", "--fog", "--caustics", "--clamp"})
+    for (const char* name : {"--animation", "--camera", "--variant", "--sky", "--fog"})
         if (options.is_given(name)) words[name] = options.said.at(name);
     return {{"render2mpeg", program_text()},
+            {"instruction set", core::name_of(s.isa)},
             {"inputs", inputs},
             {"options", words},
-            {"--indirect", s.indirect == renderer::Indirect::rays ? "rays" : "lightcuts"},
+            {"--light", options.light},
+            {"--caustics", options.caustics},
+            {"--clamp", options.clamp},
             {"--vpls", s.vpls},
             {"light points", s.direct_points},
             {"depth of mirrors", s.specular_depth},
             {"largest cut", s.max_cut},
-            {"seed", {s.seed, s.draw}}};
+            {"seed", s.seed},
+            {"draw", s.draw}};
 }
 
 std::string why_no_light_file(const RenderJob& film) {
     if (scene::traits_of(*film.animation).changes_light()) return "light changes in this film";
     if (film.preview) return "a draft keeps no light";
+    if (film.rendering.indirect != renderer::Indirect::rays || film.rendering.vpls == 0)
+        return "rays gather no light (--indirect, --vpls)";
     return film.cache.keeps() ? "" : "no light is kept: " + film.cache.reason;
 }
 

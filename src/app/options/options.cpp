@@ -69,9 +69,9 @@ void add_run_options(CLI::App& command, RenderOptions& options, bool whole) {
                "(default: no limit)",
                "SIZE", memory_from);
     add_option(command, run_group, "--light-cache", options.light_cache,
-               "Begin with the light that earlier runs of this scene found on its surfaces, and add what this one "
-               "finds: with another quantiser, rate or codec light takes a third of the time. For light that never "
-               "changes; made where it is missing (docs/choosing.md)",
+               "Begin with the light that earlier runs of the same frames found, and add the light of this one: with "
+               "another quantiser, bit rate or codec light takes a third of the time. For light that never changes; "
+               "made where it is missing (docs/choosing.md)",
                "FILE");
     if (whole) add_whole_run_options(command, options);
     add_consent_option(command, options.overwrite);

@@ -202,7 +202,8 @@ namespace {
 /// All files of a render; empty names are passed over.
 std::vector<Files> outputs_of(const RenderJob& film, const RenderOptions& options) {
     std::vector<Files> outputs{is_one_file(film) ? Files(options.output) : Files(options.output, film.frames),
-                               options.stats.value_or(""), options.last_frame.value_or("")};
+                               options.stats.value_or(""), options.last_frame.value_or(""),
+                               options.light_cache.value_or("")};
     for (const auto& [subject, file] : options.heatmaps) outputs.emplace_back(file);
     if (options.report) {
         outputs.emplace_back(*options.report);
@@ -221,6 +222,7 @@ void check_outputs(const RenderJob& film, const RenderOptions& options) {
     check_apart(inputs_of(film, options), outputs);
     for (const Files& output : outputs)
         if (!output.name.empty()) check_reachable(output.name);
+    if (const auto light = light_file_of(film, options)) static_cast<void>(light->extent());
     if (options.report) check_report(*options.report);
     check_heatmaps(options, film);
     WorkFolder::check(options.output);

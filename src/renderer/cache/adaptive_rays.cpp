@@ -66,7 +66,6 @@ void look_now(FrameState& frame, std::span<const NewRecord> fresh) {
         GatherRequest& r = requests.emplace_back(request_of(receivers.back(), {}, {0, 0}, frame.camera));
         r.seed = record.seed;
         r.rays = first_rays;
-        r.pool = f.pool;
         which.push_back(f.record);
     }
     const std::vector<RayLight> found = frame.rays->gather(requests, frame.aim);

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
-#include "core/color.h"
 #include "core/numeric.h"
 #include "parallel/loops.h"
 #include "renderer/cache/gather_requests.h"
@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t records_of_task = 64;
 
 /// Poses a record as its surface lies now, and the receiver in its place. False: it is gone, or another.
-bool pose(const PosedScene& scene, IrradianceRecord& r, GatherPoint& receiver) {
+bool pose(const PosedScene& scene, std::optional<glm::vec3> eye, IrradianceRecord& r, GatherPoint& receiver) {
     if (!scene.posed().objects[r.address.object].present) return false;
     const bool glossy = r.lobe.alpha > 0.0f;
     SurfacePoint& p = receiver.point;
@@ -31,6 +31,7 @@ bool pose(const PosedScene& scene, IrradianceRecord& r, GatherPoint& receiver) {
         r.geometric_normal = p.geometric_normal;
         r.shading_normal = p.shading_normal;
     }
+    if (eye && !is_lobe_seen_from(r, *eye)) return false;
     receiver = plain_receiver(receiver);
     return true;
 }
@@ -73,7 +74,6 @@ void look_again(FrameState& frame, std::span<const GatherPoint> receivers, std::
         GatherRequest& r = requests.emplace_back(request_of(receivers[i], {}, {0, 0}, frame.camera));
         r.seed = frame.records[i].seed;
         r.rays = first_rays;
-        r.pool = i / lane_count;
     }
     const std::vector<RayLight> found = frame.rays->gather(requests, frame.aim);
     for (std::size_t k = 0; k < which.size(); ++k) {
@@ -122,8 +122,9 @@ Followed followed(const FrameState& frame, const SurfaceMark& mark, const Gather
     for (std::size_t k = 0; k < light.size(); ++k) now.light[k] = glm::max(glm::vec3(light[k]), glm::vec3(0));
     const double rays = variance > 0.0 ? batch_rays * std::pow(now.batch_variance / variance, 1.0 / variance_power)
                                        : 1.0 * before.ray_count;
-    now.rays = static_cast<std::uint32_t>(std::clamp(rays, 1.0 * first_rays, 1.0 * before.ray_count));
-    now.is_vague = before.ray_count - now.rays > first_rays;
+    now.rays =
+        static_cast<std::uint32_t>(std::clamp(rays, 1.0 * first_rays, 1.0 * std::max(before.ray_count, first_rays)));
+    now.is_vague = before.ray_count > now.rays + first_rays;
     return now;
 }
 
@@ -131,11 +132,12 @@ Followed followed(const FrameState& frame, const SurfaceMark& mark, const Gather
 
 void follow_light(FrameState& frame) {
     const PosedScene& scene = frame.rays->posed_scene();
+    const auto eye = frame.camera.perspective() ? std::optional(frame.camera.position()) : std::nullopt;
     std::vector<GatherPoint> receivers(frame.records.size());
     std::vector<std::uint8_t> holds(frame.records.size());
     parallel::for_ranges(receivers.size(), records_of_task, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i)
-            holds[i] = pose(scene, frame.records.change(static_cast<std::uint32_t>(i)), receivers[i]) ? 1 : 0;
+            holds[i] = pose(scene, eye, frame.records.change(static_cast<std::uint32_t>(i)), receivers[i]) ? 1 : 0;
     });
     thin(frame, receivers, holds);
     for (IrradianceRecord& r : frame.records.all())
@@ -149,7 +151,7 @@ void follow_light(FrameState& frame) {
         const glm::ivec2 pixel(glm::floor(m.at));
         if (pixel.x % 2 == 0 && pixel.y % 2 == 0) looks.push_back(m.record);
     }
-    while (!looks.empty()) {
+    do {
         look_again(frame, receivers, std::exchange(looks, {}));
         parallel::for_ranges(marks.size(), records_of_task, [&](std::size_t first, std::size_t last) {
             LocalRegression fit;
@@ -159,7 +161,7 @@ void follow_light(FrameState& frame) {
         std::erase_if(marks, [&](const SurfaceMark& m) { return !now[m.record].is_vague; });
         for (const SurfaceMark& m : marks)
             if (!frame.records[m.record].looks_now) looks.push_back(m.record);
-    }
+    } while (!looks.empty());
     for (std::uint32_t i = 0; i < now.size(); ++i) {
         IrradianceRecord& r = frame.records.change(i);
         r.by_rays = now[i].light;
@@ -167,8 +169,10 @@ void follow_light(FrameState& frame) {
         r.ray_count = now[i].rays;
         if (now[i].is_look) r.anchor.reset();
     }
-    if (!frame.light_trees.empty()) gather_trees_again(frame, receivers);
-    frame.records.drop([](const IrradianceRecord& r) { return !core::is_finite(r.irradiance()); });
+    gather_trees_again(frame, receivers);
+    frame.records.drop([](const IrradianceRecord& r) {
+        return !core::is_finite(r.irradiance() + r.lobe.f0 + r.lobe.schlick + r.by_rays[1] + r.by_rays[2]);
+    });
     frame.grid.build(frame.records.all(), frame.camera);
 }
 

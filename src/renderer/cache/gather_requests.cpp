@@ -127,6 +127,14 @@ std::vector<GatheredRequests> gather(FrameState& frame, const std::vector<std::v
 }
 
 void gather_trees_again(FrameState& frame, std::span<const GatherPoint> receivers) {
+    if (frame.light_trees.empty()) {
+        for (IrradianceRecord& r : frame.records.all()) {
+            r.direct = r.indirect = r.lobe.f0 = r.lobe.schlick = glm::vec3(0);
+            r.error = 0;
+            r.capped = false;
+        }
+        return;
+    }
     // Of one surface and set of representatives, in blocks of 8 x 8 pixels.
     struct Placed {
         std::uint32_t set, surface, record;
@@ -197,6 +205,7 @@ void keep(FrameState& frame, const GatheredRequests& g, std::size_t i) {
         record->born = before.born;
         record->seed = before.seed;
         record->next_ray = before.next_ray;
+        record->known_rays = before.known_rays;
         record->look = before.look;
         record->looks_now = before.looks_now;
         record->anchor = before.anchor;

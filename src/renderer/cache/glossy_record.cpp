@@ -39,6 +39,11 @@ std::optional<SeenLobe> lobe_at(const CacheQuery& q, const IrradianceRecord& r) 
     return SeenLobe{radiance, core::luminance(q.point.weight * radiance) / alpha * (turn + bend)};
 }
 
+bool is_lobe_seen_from(const IrradianceRecord& r, glm::vec3 eye) {
+    const glm::vec3 turn = 0.5f * (r.lobe.outgoing - core::normalize_or(eye - r.position, r.lobe.outgoing));
+    return r.lobe.alpha == 0.0f || glm::dot(turn, turn) <= most_turn * most_turn * r.lobe.alpha * r.lobe.alpha;
+}
+
 /// A typical cosine of light stands for it in [Heitz2014, eq. 99].
 glm::vec3 seen_from(const GlossyRecord& lobe, glm::vec3 normal, glm::vec3 outgoing, const Bsdf& bsdf) {
     constexpr float typical = 0.6f, least = 0.05f;

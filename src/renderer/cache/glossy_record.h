@@ -20,6 +20,9 @@ struct SeenLobe {
 /// None where it says nothing of the point's.
 std::optional<SeenLobe> lobe_at(const CacheQuery& query, const IrradianceRecord& record);
 
+/// Whether a record's lobe, if it has one, was seen much as this eye sees it.
+bool is_lobe_seen_from(const IrradianceRecord& record, glm::vec3 eye);
+
 /// Radiance of a place's lobe towards another eye than the record's, `outgoing`: what hides and shadows its facets
 /// changes with the angle to the normal, for the rest it must be wide. By the material of `bsdf`.
 glm::vec3 seen_from(const GlossyRecord& lobe, glm::vec3 normal, glm::vec3 outgoing, const Bsdf& bsdf);

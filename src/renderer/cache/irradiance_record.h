@@ -30,7 +30,7 @@ struct RecordLook {
     float difference = 0;  ///< luminance by the first 8 less that by the others, for a receiver that reflects all
 };
 
-/// A record at the instant of its rays, of which light that changes since is told.
+/// A record at the instant of its rays. Later light is found as a change of it.
 struct RecordAnchor {
     std::array<glm::vec3, 3> light{};  ///< by its rays
     RecordLook look;

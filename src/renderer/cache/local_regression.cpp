@@ -80,7 +80,7 @@ void LocalRegression::explain_change(const GatherPoint& plain, const RecordStore
         const double c = 1.0 - m.distance2 / (falloff_end * (largest_radius + 0.5) * (largest_radius + 0.5));
         return c * c;
     };
-    double both = 0, before = 0, variance = 0, sum = 0;
+    double both = 0, before = 0, variance = 0, sum = 0, spread = 0;
     for (const Member& m : members_) {
         const IrradianceRecord& r = records[m.record];
         const double now = shown_luminance(plain, r.look.light), then = shown_luminance(plain, r.anchor->look.light),
@@ -90,17 +90,20 @@ void LocalRegression::explain_change(const GatherPoint& plain, const RecordStore
         variance += w * 0.5 * r.look.difference * r.look.difference;
         sum += w;
     }
-    factor_ = core::divide_or(both, before, 1.0);
+    // Of few looks it would explain their noise.
+    factor_ = members_.size() < std::size_t{least_records} ? 1.0 : core::divide_or(both, before, 1.0);
     batch_variance_now_ = receives2 * static_cast<float>(core::divide_or(variance, sum, 0.0));
     for (Member& m : members_) {
         const IrradianceRecord& r = records[m.record];
         m.value = static_cast<float>(shown_luminance(plain, r.look.light) -
                                      factor_ * shown_luminance(plain, r.anchor->look.light));
         const double difference = r.look.difference - factor_ * r.anchor->look.difference;
-        m.batch_variance = receives2 * static_cast<float>(0.5 * difference * difference);
+        spread += closeness(m) * 0.5 * difference * difference;
         m.precision = 1;
         m.batch_share = std::pow(1.0f * batch_rays / first_rays, variance_power);
     }
+    // One difference alone tells little of a variance.
+    for (Member& m : members_) m.batch_variance = receives2 * static_cast<float>(core::divide_or(spread, sum, 0.0));
 }
 
 /// Considers the plane through records within a radius.

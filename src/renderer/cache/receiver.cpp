@@ -55,7 +55,10 @@ bool take_rays(const RayLight& rays, const GatherPoint& plain, IrradianceRecord&
 }
 
 RecordLook look_of(const RayLight& rays, const GatherPoint& plain) {
-    return {rays.light, core::divide_or(rays.difference, receives(plain), 0.0f)};
+    RecordLook look{rays.light, core::divide_or(rays.difference, receives(plain), 0.0f)};
+    for (glm::vec3& part : look.light)
+        if (!core::is_finite(part)) look = {};
+    return look;
 }
 
 RecordAnchor anchor_of(const IrradianceRecord& r) {

@@ -17,7 +17,7 @@ StoredRecord stored(const IrradianceRecord& r, std::uint32_t near_field) {
     s.position = r.position;
     s.geometric_normal = core::PackedNormal(r.geometric_normal);
     s.shading_normal = core::PackedNormal(r.shading_normal);
-    s.outgoing = core::PackedNormal(r.lobe.outgoing);
+    s.outgoing = r.lobe.outgoing;
     s.near_field = near_field;
     const std::array<glm::vec3, 7> light = {r.direct,     r.indirect,   r.lobe.f0,   r.lobe.schlick,
                                             r.by_rays[0], r.by_rays[1], r.by_rays[2]};
@@ -43,7 +43,7 @@ IrradianceRecord record_from(const StoredRecord& s, std::int64_t frame) {
     r.geometric_normal = s.geometric_normal.unpack();
     r.shading_normal = s.shading_normal.unpack();
     r.lobe.alpha = s.alpha;
-    if (s.alpha > 0.0f) r.lobe.outgoing = s.outgoing.unpack();
+    r.lobe.outgoing = s.outgoing;
     const std::array<glm::vec3*, 7> light = {&r.direct,     &r.indirect,   &r.lobe.f0,   &r.lobe.schlick,
                                              &r.by_rays[0], &r.by_rays[1], &r.by_rays[2]};
     for (std::size_t k = 0; k < light.size(); ++k) s.light[k].unpack(light[k]->x, light[k]->y, light[k]->z);

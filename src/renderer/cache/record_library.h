@@ -18,15 +18,16 @@ namespace render2mpeg::renderer {
 /// An IrradianceRecord as files keep it.
 struct StoredRecord {
     core::SurfaceAddress address;
-    glm::vec3 position{0};
-    core::PackedNormal geometric_normal, shading_normal, outgoing;
-    std::uint32_t near_field = 0;        ///< NearField::key of the frame that it was gathered for
     std::array<PackedLight, 7> light{};  ///< direct, indirect, the lobe's two parts; by rays, in RayLight's order
-    float alpha = 0, batch_variance = 0, error = 0, clamped = 0;
     std::uint64_t seed = 0;
+    glm::vec3 position{0}, outgoing{0};
+    core::PackedNormal geometric_normal, shading_normal;
+    std::uint32_t near_field = 0;  ///< NearField::key of the frame that it was gathered for
+    float alpha = 0, batch_variance = 0, error = 0, clamped = 0;
     std::uint32_t ray_count = 0, next_ray = 0;
-    std::uint8_t back_side = 0, capped = 0, set = 0, padding[5] = {};
+    std::uint8_t back_side = 0, capped = 0, set = 0, padding = 0;
 };
+static_assert(sizeof(StoredRecord) == 144, "no byte is undefined");
 static_assert(std::is_trivially_copyable_v<StoredRecord>);
 
 /// Records that earlier runs found, and those that this one finds beside them. Light must not change while they hold.

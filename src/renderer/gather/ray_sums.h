@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "core/numeric.h"
-#include "renderer/cut/point_light.h"
 #include "renderer/surface/gather_point.h"
 #include "renderer/surface/lobe_albedo.h"
 

@@ -64,8 +64,6 @@ class SurfaceCache {
     /// Lights of the posed instant.
     const LightSources& sources() const { return *sources_; }
 
-    /// Whether an index is of one ray's own cell, known until the next `learn`.
-    static bool is_own(std::uint32_t index) { return index != CellTable::none && (index & own_index) != 0; }
     /// Radiance of a cell.
     glm::vec3 radiance(std::uint32_t index) const { return cell(index).radiance; }
     /// Part of it that near_light has.
