@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/numeric.h"
+#include "core/sampling.h"
 #include "parallel/loops.h"
 #include "renderer/cache/gather_requests.h"
 #include "renderer/cache/local_regression.h"
@@ -17,12 +18,21 @@ namespace {
 /// Records of one task.
 constexpr std::size_t records_of_task = 64;
 
+/// Extent of a pixel at a place of the picture, world.
+float extent_at(const scene::Camera& camera, glm::vec3 place) {
+    const auto seen = camera.project(place);
+    return camera.pixel_size() * (camera.perspective() && seen ? seen->depth : 1.0f);
+}
+
 /// Poses a record as its surface lies now, and the receiver in its place. False: it is gone, or another.
-bool pose(const PosedScene& scene, std::optional<glm::vec3> eye, IrradianceRecord& r, GatherPoint& receiver) {
+bool pose(const PosedScene& scene, const scene::Camera& camera, IrradianceRecord& r, GatherPoint& receiver) {
     if (!scene.posed().objects[r.address.object].present) return false;
     const bool glossy = r.lobe.alpha > 0.0f;
+    glm::vec3 along, across;
+    core::make_frame(r.geometric_normal, along, across);
+    const float extent = extent_at(camera, r.position);
     SurfacePoint& p = receiver.point;
-    p = scene.surface_at(r.address, glossy ? r.lobe.outgoing : r.geometric_normal);
+    p = scene.surface_at(r.address, glossy ? r.lobe.outgoing : r.geometric_normal, {extent * along, extent * across});
     if (p.back_side != r.back_side || p.bsdf.has_glossy() != glossy || !core::is_finite(p.position)) return false;
     if (p.position == r.position && p.geometric_normal == r.geometric_normal) {
         p.shading_normal = r.shading_normal;
@@ -31,7 +41,8 @@ bool pose(const PosedScene& scene, std::optional<glm::vec3> eye, IrradianceRecor
         r.geometric_normal = p.geometric_normal;
         r.shading_normal = p.shading_normal;
     }
-    if (eye && !is_lobe_seen_from(r, *eye)) return false;
+    if (camera.perspective() && !is_lobe_seen_from(r, camera.position())) return false;
+    if (glossy) p.bsdf.alpha = r.lobe.alpha;
     receiver = plain_receiver(receiver);
     return true;
 }
@@ -97,11 +108,8 @@ Followed followed(const FrameState& frame, const SurfaceMark& mark, const Gather
     const float shown = receives(receiver), shown2 = shown * shown;
     Followed now{r.look.light, 0.5f * r.look.difference * r.look.difference, first_rays};
     const auto eye = frame.camera.perspective() ? std::optional(frame.camera.position()) : std::nullopt;
-    const auto on_picture = frame.camera.project(r.position);
-    if (!on_picture) return now;
-    const float extent = frame.camera.pixel_size() * (frame.camera.perspective() ? on_picture->depth : 1.0f);
-    fit.collect({receiver, {}, mark.at, extent, shown, eye}, LocalRegression::Of::change, frame.grid, frame.records,
-                mark.record);
+    fit.collect({receiver, {}, mark.at, extent_at(frame.camera, r.position), shown, eye}, LocalRegression::Of::change,
+                frame.grid, frame.records, mark.record);
     const RegressionError error = fit.estimate();
     if (!error.is_valid()) return now;
     now.batch_variance = fit.batch_variance_now() / shown2;
@@ -132,12 +140,12 @@ Followed followed(const FrameState& frame, const SurfaceMark& mark, const Gather
 
 void follow_light(FrameState& frame) {
     const PosedScene& scene = frame.rays->posed_scene();
-    const auto eye = frame.camera.perspective() ? std::optional(frame.camera.position()) : std::nullopt;
     std::vector<GatherPoint> receivers(frame.records.size());
     std::vector<std::uint8_t> holds(frame.records.size());
     parallel::for_ranges(receivers.size(), records_of_task, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i)
-            holds[i] = pose(scene, eye, frame.records.change(static_cast<std::uint32_t>(i)), receivers[i]) ? 1 : 0;
+            holds[i] =
+                pose(scene, frame.camera, frame.records.change(static_cast<std::uint32_t>(i)), receivers[i]) ? 1 : 0;
     });
     thin(frame, receivers, holds);
     for (IrradianceRecord& r : frame.records.all())
