@@ -11,7 +11,6 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <system_error>
-#include <utility>
 
 #include "app/files/file_io.h"
 #include "app/files/work_folder.h"
@@ -110,7 +109,7 @@ class LockedFile {
 
 }  // namespace
 
-LightFile::LightFile(std::filesystem::path file, const nlohmann::json& identity)
+LightFile::LightFile(const std::filesystem::path& file, const nlohmann::json& identity)
     : file_(canonical_of(file)),
       identity_(std::make_shared<const nlohmann::json>(nlohmann::json::parse(json_text(identity)))) {}
 

@@ -25,7 +25,7 @@ struct LightExtent {
 class LightFile {
   public:
     /// `identity`: all that decides the light (resume.h). The file may be missing.
-    LightFile(std::filesystem::path file, const nlohmann::json& identity);
+    LightFile(const std::filesystem::path& file, const nlohmann::json& identity);
 
     /// What it holds now. Throws core::Error, naming the difference, where it is of other light, or no light file.
     LightExtent extent() const;

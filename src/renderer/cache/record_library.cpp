@@ -44,8 +44,8 @@ IrradianceRecord record_from(const StoredRecord& s, std::int64_t frame) {
     r.shading_normal = s.shading_normal.unpack();
     r.lobe.alpha = s.alpha;
     r.lobe.outgoing = s.outgoing;
-    const std::array<glm::vec3*, 7> light = {&r.direct,     &r.indirect,   &r.lobe.f0,   &r.lobe.schlick,
-                                             &r.by_rays[0], &r.by_rays[1], &r.by_rays[2]};
+    const std::array<glm::vec3*, 7> light = {&r.direct,        &r.indirect,   &r.lobe.f0,   &r.lobe.schlick,
+                                             r.by_rays.data(), &r.by_rays[1], &r.by_rays[2]};
     for (std::size_t k = 0; k < light.size(); ++k) s.light[k].unpack(light[k]->x, light[k]->y, light[k]->z);
     r.batch_variance = s.batch_variance;
     r.error = s.error;
