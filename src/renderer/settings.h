@@ -14,7 +14,7 @@ enum class Clamp { bounded, none };
 enum class CacheUse {
     off,
     static_light,  ///< where light stays what it is all through a film, or rays gather it
-    on             ///< everywhere; a change of light forgets what was kept
+    on             ///< everywhere; without rays a change of light forgets what was kept
 };
 
 /// How light that surfaces and skies send is gathered.

@@ -49,12 +49,13 @@ void add_light_options(CLI::App& command, RenderOptions& options) {
     add_option(command, light, "--clamp", options.clamp,
                "Light points too near a surface: `bounded` limits them, `none` does not (bright dots)",
                one_of({"bounded", "none"}), shown);
-    add_option(command, light, "--cache", options.cache,
-               "Where light comes from: `on` gathers it at places on surfaces, and keeps it there for other "
-               "pixels and frames while it stays what it is; `off` gathers it for every pixel of every frame; "
-               "`auto` is `on` where only the camera moves, or few things as well, and pictures are large enough; "
-               "`plan` says why",
-               one_of({"on", "off", "auto"}), shown);
+    add_option(
+        command, light, "--cache", options.cache,
+        "Where light comes from: `on` gathers it at places on surfaces, and keeps it there for other "
+        "pixels and frames, where it follows light that changes; `off` gathers it for every pixel of every frame; "
+        "`auto` is `on` wherever that pays: with `--indirect lightcuts` only where nothing but the camera "
+        "moves, and pictures are large enough; `plan` says why",
+        one_of({"on", "off", "auto"}), shown);
 }
 
 /// Shutter and lens.

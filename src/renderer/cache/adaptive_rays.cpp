@@ -5,6 +5,7 @@
 
 #include "core/color.h"
 #include "parallel/loops.h"
+#include "renderer/cache/changed_light.h"
 #include "renderer/cache/local_regression.h"
 #include "renderer/gather/ray_sums.h"
 
@@ -54,26 +55,17 @@ std::uint32_t wanted_rays(const FrameState& frame, const NewRecord& fresh, Local
 
 /// Traces the first rays of records again that took other rays since: anchors need both of one instant.
 void look_now(FrameState& frame, std::span<const NewRecord> fresh) {
-    std::vector<GatherRequest> requests;
     std::vector<GatherPoint> receivers;
     std::vector<std::uint32_t> which;
-    receivers.reserve(fresh.size());
     for (const NewRecord& f : fresh) {
-        const IrradianceRecord& record = frame.records[f.record];
-        if (record.looks_now || record.anchor) continue;
+        if (frame.records[f.record].looks_now || frame.records[f.record].anchor) continue;
         receivers.push_back(plain_receiver(frame.point(f.point)));
         receivers.back().others = 0;
-        GatherRequest& r = requests.emplace_back(request_of(receivers.back(), {}, {0, 0}, frame.camera));
-        r.seed = record.seed;
-        r.rays = first_rays;
         which.push_back(f.record);
     }
-    const std::vector<RayLight> found = frame.rays->gather(requests, frame.aim);
-    for (std::size_t k = 0; k < which.size(); ++k) {
-        IrradianceRecord& r = frame.records.change(which[k]);
-        r.look = look_of(found[k], receivers[k]);
-        r.looks_now = true;
-    }
+    std::vector<const GatherPoint*> pointers;
+    for (const GatherPoint& receiver : receivers) pointers.push_back(&receiver);
+    look_again(frame, which, pointers);
 }
 
 }  // namespace

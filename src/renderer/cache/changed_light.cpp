@@ -78,22 +78,6 @@ void thin(FrameState& frame, std::vector<GatherPoint>& receivers, std::span<cons
     frame.grid.build(frame.records.all(), frame.camera);
 }
 
-/// Traces the first rays of some records again.
-void look_again(FrameState& frame, std::span<const GatherPoint> receivers, std::span<const std::uint32_t> which) {
-    std::vector<GatherRequest> requests;
-    for (const std::uint32_t i : which) {
-        GatherRequest& r = requests.emplace_back(request_of(receivers[i], {}, {0, 0}, frame.camera));
-        r.seed = frame.records[i].seed;
-        r.rays = first_rays;
-    }
-    const std::vector<RayLight> found = frame.rays->gather(requests, frame.aim);
-    for (std::size_t k = 0; k < which.size(); ++k) {
-        IrradianceRecord& r = frame.records.change(which[k]);
-        r.look = look_of(found[k], receivers[which[k]]);
-        r.looks_now = true;
-    }
-}
-
 /// A record's light now, by its own before and its neighbours' looks.
 struct Followed {
     std::array<glm::vec3, 3> light{};
@@ -138,6 +122,22 @@ Followed followed(const FrameState& frame, const SurfaceMark& mark, const Gather
 
 }  // namespace
 
+void look_again(FrameState& frame, std::span<const std::uint32_t> which,
+                std::span<const GatherPoint* const> receivers) {
+    std::vector<GatherRequest> requests;
+    for (std::size_t k = 0; k < which.size(); ++k) {
+        GatherRequest& r = requests.emplace_back(request_of(*receivers[k], {}, {0, 0}, frame.camera));
+        r.seed = frame.records[which[k]].seed;
+        r.rays = first_rays;
+    }
+    const std::vector<RayLight> found = frame.rays->gather(requests, frame.aim);
+    for (std::size_t k = 0; k < which.size(); ++k) {
+        IrradianceRecord& r = frame.records.change(which[k]);
+        r.look = look_of(found[k], *receivers[k]);
+        r.looks_now = true;
+    }
+}
+
 void follow_light(FrameState& frame) {
     const PosedScene& scene = frame.rays->posed_scene();
     std::vector<GatherPoint> receivers(frame.records.size());
@@ -160,7 +160,10 @@ void follow_light(FrameState& frame) {
         if (pixel.x % 2 == 0 && pixel.y % 2 == 0) looks.push_back(m.record);
     }
     do {
-        look_again(frame, receivers, std::exchange(looks, {}));
+        std::vector<const GatherPoint*> pointers;
+        for (const std::uint32_t i : looks) pointers.push_back(&receivers[i]);
+        look_again(frame, looks, pointers);
+        looks.clear();
         parallel::for_ranges(marks.size(), records_of_task, [&](std::size_t first, std::size_t last) {
             LocalRegression fit;
             for (std::size_t i = first; i < last; ++i)

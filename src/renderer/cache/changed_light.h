@@ -1,5 +1,8 @@
 #pragma once
 // Records follow light that changes (docs/model/irradiance-cache.md).
+#include <cstdint>
+#include <span>
+
 #include "renderer/cache/frame_state.h"
 
 namespace render2mpeg::renderer {
@@ -10,5 +13,8 @@ namespace render2mpeg::renderer {
 /// `ray_count` becomes that of independent rays that would err as much. Records of surfaces that are gone, and those
 /// beyond the picture, are dropped.
 void follow_light(FrameState& frame);
+
+/// Takes the looks of these records at the posed instant, by their receivers.
+void look_again(FrameState& frame, std::span<const std::uint32_t> which, std::span<const GatherPoint* const> receivers);
 
 }  // namespace render2mpeg::renderer
