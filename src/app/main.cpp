@@ -5,6 +5,7 @@
 #include <exception>
 #include <filesystem>
 #include <new>
+#include <optional>
 #include <string>
 
 #include "app/commands/commands.h"
@@ -16,6 +17,7 @@
 #include "app/system/memory_limit.h"
 #include "app/system/progress.h"
 #include "app/system/terminal.h"
+#include "parallel/loops.h"
 #include "scene/isolation/probe.h"
 
 namespace {
@@ -51,6 +53,8 @@ int main(int argc, char** argv) {
         const CommandLine line = parse(argc, argv);
         if (line.exit_code) return *line.exit_code;
         show_progress_as(progress_style_from(line.progress));
+        std::optional<render2mpeg::parallel::LoopRecord> record;
+        if (const char* file = std::getenv("RENDER2MPEG_LOOPS"); file != nullptr && *file != '\0') record.emplace(file);
         switch (line.command) {
             case Command::render:
                 return render(line.render, line.text);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "parallel/loop_record.h"
 
 namespace render2mpeg::parallel {
 namespace {
@@ -43,7 +44,9 @@ int thread_count() {
     return static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
 }
 
-void for_each(std::size_t count, const std::function<void(std::size_t)>& body) {
+namespace {
+
+void run(std::size_t count, const std::function<void(std::size_t)>& body) {
     tbb::parallel_for(
         std::size_t{0}, count,
         [&](std::size_t i) {
@@ -53,9 +56,21 @@ void for_each(std::size_t count, const std::function<void(std::size_t)>& body) {
         tbb::simple_partitioner{});
 }
 
-void for_ranges(std::size_t count, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body) {
+}  // namespace
+
+void for_each(std::size_t count, const std::function<void(std::size_t)>& body, const char* file, int line) {
+    if (is_recorded())
+        record(
+            count, file, line, [&](const std::function<void(std::size_t)>& timed) { run(count, timed); }, body);
+    else
+        run(count, body);
+}
+
+void for_ranges(std::size_t count, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body,
+                const char* file, int line) {
     EXPECTS(grain > 0);
-    for_each((count + grain - 1) / grain, [&](std::size_t i) { body(i * grain, std::min(count, (i + 1) * grain)); });
+    for_each((count + grain - 1) / grain, [&](std::size_t i) { body(i * grain, std::min(count, (i + 1) * grain)); },
+             file, line);
 }
 
 }  // namespace render2mpeg::parallel

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <functional>
 
 /// The only place that knows TBB.
@@ -38,12 +39,28 @@ class StopWhen {
     const std::function<bool()>* before_;
 };
 
+/// While it lives, CPU seconds are taken of every task of the loops that this thread begins, and of the thread itself
+/// between them; of loops within tasks as part of these. With one thread this tells how long any number would take
+/// (bench/scaling). One at a time. Writes them to `file` in the end, a line for each place of the sources: file, line,
+/// loops, tasks, seconds of tasks, of each loop's longest task, of the thread before the loop, and of the loop as
+/// `recorded_threads` threads would take it, one task after another. A last line has the seconds after the last loop.
+class LoopRecord {
+  public:
+    explicit LoopRecord(std::filesystem::path file);
+    ~LoopRecord();
+    LoopRecord(const LoopRecord&) = delete;
+    LoopRecord& operator=(const LoopRecord&) = delete;
+};
+inline constexpr int recorded_threads[] = {2, 4, 8, 16, 32, 64};
+
 /// Calls body(i) for every i in [0, count), in any order, on any thread. What body throws is thrown here; the order of
-/// calls must not show in the result.
-void for_each(std::size_t count, const std::function<void(std::size_t)>& body);
+/// calls must not show in the result. `file` and `line` are of the call, for LoopRecord.
+void for_each(std::size_t count, const std::function<void(std::size_t)>& body, const char* file = __builtin_FILE(),
+              int line = __builtin_LINE());
 
 /// Calls body(first, last) for ranges of at most `grain` indices that cover [0, count). The ranges depend on count and
 /// grain alone, never on the number of threads.
-void for_ranges(std::size_t count, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body);
+void for_ranges(std::size_t count, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body,
+                const char* file = __builtin_FILE(), int line = __builtin_LINE());
 
 }  // namespace render2mpeg::parallel

@@ -25,9 +25,12 @@ namespace {
 
 static_assert(first_rays == 2 * batch_rays);
 
-/// Rays that are traced in one go before what they ask is learnt, and of one task. chosen: memory of some 60 MB.
+/// Rays that are traced in one go before what they ask is learnt, and of one bundle. chosen: memory of some 60 MB.
 constexpr std::size_t rays_at_once = std::size_t{1} << 19;
 constexpr std::uint32_t bundle_rays = 256;
+
+/// Rays of one task, and pools that one task looks at.
+constexpr std::size_t rays_of_task = 1024, pools_of_task = 16;
 
 /// Rays of a lobe whose cones fill it, for the sky's sake. chosen: 64.
 constexpr float lobe_rays = 64.0f;
@@ -75,6 +78,14 @@ struct FinalGather::Traced {
     std::vector<RayTerm> terms;
     std::uint64_t traced = 0;
 };
+
+/// Calls body(k) for all pools, whose requests and sums it may change.
+template <class Pools, class Body>
+void for_each_pool(const Pools& pools, const Body& body) {
+    parallel::for_ranges(pools.size(), pools_of_task, [&](std::size_t first, std::size_t last) {
+        for (std::size_t k = first; k < last; ++k) body(k);
+    });
+}
 
 double shown_luminance(const GatherPoint& point, const std::array<glm::vec3, 3>& light) {
     const Bsdf& bsdf = point.point.bsdf;
@@ -214,56 +225,74 @@ void FinalGather::trace(const GatherRequest& request, const Bundle& bundle, Trac
     }
 }
 
+/// Bundles that tasks take, by their rays: ends of runs.
+std::vector<std::size_t> FinalGather::runs_of(std::span<const Bundle> bundles, std::size_t rays) {
+    std::vector<std::size_t> ends;
+    for (std::size_t b = 0, sum = 0; b < bundles.size(); ++b) {
+        sum += bundles[b].count;
+        if (sum < rays && b + 1 < bundles.size()) continue;
+        ends.push_back(b + 1);
+        sum = 0;
+    }
+    return ends;
+}
+
 void FinalGather::trace_all(std::span<const GatherRequest> requests, std::span<const Bundle> bundles,
                             std::vector<PointSums>& sums, std::vector<Pool>& pools) {
     std::vector<Traced> found(bundles.size());
-    parallel::for_ranges(bundles.size(), 16, [&](std::size_t first, std::size_t last) {
+    const std::vector<std::size_t> ends = runs_of(bundles, rays_of_task);
+    std::vector<std::vector<Sighting>> wanted(ends.size());
+    parallel::for_each(ends.size(), [&](std::size_t run) {
         const FlushDenormals flushed;
-        for (std::size_t b = first; b < last; ++b) trace(requests[bundles[b].request], bundles[b], found[b]);
+        for (std::size_t b = run == 0 ? 0 : ends[run - 1]; b < ends[run]; ++b) {
+            trace(requests[bundles[b].request], bundles[b], found[b]);
+            for (RayTerm& term : found[b].terms)
+                if ((term.cell = cache_.find(term.place.key)) == LightCells::none) wanted[run].push_back(term.place);
+        }
     });
     // Learn what the cells that they met do not know,
-    std::vector<Sighting> wanted;
-    for (Traced& t : found) {
-        counts_.rays += t.traced;
-        for (const RayTerm& term : t.terms)
-            if (cache_.find(term.place.key) == CellTable::none) wanted.push_back(term.place);
+    for (const Traced& t : found) counts_.rays += t.traced;
+    cache_.learn(std::move(wanted));
+    // and sum up, in the order of rays: a task has pools to itself.
+    std::vector<std::size_t> pool_ends;
+    for (std::size_t run = 0, b = 0; b < bundles.size();) {
+        while (run + 1 < ends.size() && ends[run] <= b) ++run;
+        b = ends[run];
+        while (b < bundles.size() && sums[bundles[b].request].pool == sums[bundles[b - 1].request].pool) ++b;
+        pool_ends.push_back(b);
     }
-    cache_.learn(wanted);
-    // and sum up, in the order of rays.
-    parallel::for_ranges(bundles.size(), 16, [&](std::size_t first, std::size_t last) {
-        for (std::size_t b = first; b < last; ++b) {
-            for (const RayTerm& term : found[b].terms) {
-                const std::uint32_t cell = cache_.index_of(term.place.key);
-                const glm::vec3 radiance =
-                    requests[bundles[b].request].lobe ? cache_.radiance(cell) : cache_.far_part(cell);
-                found[b].rays[term.ray].light += term.weight * radiance;
-            }
+    parallel::for_each(pool_ends.size(), [&](std::size_t run) {
+        for (std::size_t b = run == 0 ? 0 : pool_ends[run - 1]; b < pool_ends[run]; ++b) {
+            PointSums& s = sums[bundles[b].request];
+            add_bundle(requests[bundles[b].request], found[b], s, pools[s.pool].guide);
         }
     });
-    for (std::size_t b = 0; b < bundles.size(); ++b) {
-        const GatherPoint& point = *requests[bundles[b].request].point;
-        PointSums& s = sums[bundles[b].request];
-        RaySums batch;
-        std::uint32_t done = 0;
-        RayGuide& guide = pools[s.pool].guide;
-        for (const Traced::Ray& ray : found[b].rays) {
-            std::array<glm::vec3, 3> shares;
-            for (std::size_t k = 0; k < 3; ++k) {
-                shares[k] = ray.weight[k] * ray.light;
-                s.light[k] += shares[k];
-                s.weight[k] += ray.weight[k];
-                batch.light[k] += shares[k];
-                batch.weight[k] += ray.weight[k];
-            }
-            guide.add(ray.cell, ray.density * shown_luminance(point, shares));
-            if (++batch.rays < batch_rays) continue;
-            const double shown = shown_luminance(point, batch.mean(s.albedo));
-            if (const std::uint32_t number = s.rays / batch_rays + done++; number < 2) s.first_batches[number] = shown;
-            s.batches += shown;
-            s.batch_squares += shown * shown;
-            batch = {};
+}
+
+/// Adds the rays of a bundle to the sums of its request, and tells the guide of its pool.
+void FinalGather::add_bundle(const GatherRequest& request, Traced& traced, PointSums& s, RayGuide& guide) const {
+    for (const RayTerm& term : traced.terms) {
+        const std::uint32_t cell = term.cell != LightCells::none ? term.cell : cache_.index_of(term.place.key);
+        traced.rays[term.ray].light += term.weight * (request.lobe ? cache_.radiance(cell) : cache_.far_part(cell));
+    }
+    RaySums batch;
+    for (const Traced::Ray& ray : traced.rays) {
+        std::array<glm::vec3, 3> shares;
+        for (std::size_t k = 0; k < 3; ++k) {
+            shares[k] = ray.weight[k] * ray.light;
+            s.light[k] += shares[k];
+            s.weight[k] += ray.weight[k];
+            batch.light[k] += shares[k];
+            batch.weight[k] += ray.weight[k];
         }
-        s.rays += bundles[b].count;
+        ++s.rays;
+        guide.add(ray.cell, ray.density * shown_luminance(*request.point, shares));
+        if (++batch.rays < batch_rays) continue;
+        const double shown = shown_luminance(*request.point, batch.mean(s.albedo));
+        if (const std::uint32_t number = s.rays / batch_rays - 1; number < 2) s.first_batches[number] = shown;
+        s.batches += shown;
+        s.batch_squares += shown * shown;
+        batch = {};
     }
 }
 
@@ -351,13 +380,14 @@ std::vector<FinalGather::Pool> FinalGather::pools_of(std::span<const GatherReque
 
 std::vector<PointSums> FinalGather::sums_of(std::span<const GatherRequest> requests, std::span<const Pool> pools) {
     std::vector<PointSums> sums(requests.size());
-    for (std::uint32_t k = 0; k < pools.size(); ++k)
+    for_each_pool(pools, [&](std::size_t k) {
         for (std::size_t i = pools[k].first; i < pools[k].last; ++i) {
             const SurfacePoint& p = requests[i].point->point;
-            sums[i].pool = k;
+            sums[i].pool = static_cast<std::uint32_t>(k);
             if (requests[i].lobe)
                 sums[i].albedo = lobe_albedo(glm::dot(p.shading_normal, p.outgoing), p.bsdf.mean_alpha());
         }
+    });
     return sums;
 }
 
@@ -394,12 +424,12 @@ std::vector<RayLight> FinalGather::gather(std::span<const GatherRequest> request
             r.rays == 0 ? first_rays
                         : std::max(r.rays / (worth_guiding * batch_rays) * batch_rays, std::min(first_rays, r.rays)));
     trace_wanted(requests, wanted, sums, pools);
-    for (Pool& pool : pools) guide(requests, aim, pool, sums, wanted);
+    for_each_pool(pools, [&](std::size_t k) { guide(requests, aim, pools[k], sums, wanted); });
     trace_wanted(requests, wanted, sums, pools);
-    for (Pool& pool : pools) {
-        if (pool.is_guided) pool.guide.learn();
-        want_rays(requests, sums, pool, false, aim, wanted);
-    }
+    for_each_pool(pools, [&](std::size_t k) {
+        if (pools[k].is_guided) pools[k].guide.learn();
+        want_rays(requests, sums, pools[k], false, aim, wanted);
+    });
     trace_wanted(requests, wanted, sums, pools);
     std::vector<RayLight> light(requests.size());
     for (std::size_t i = 0; i < requests.size(); ++i) {

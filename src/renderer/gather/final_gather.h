@@ -23,6 +23,7 @@ inline constexpr std::uint32_t most_gather_rays = 4096;
 inline constexpr std::uint32_t first_rays = 16;
 
 struct PointSums;
+class RayGuide;
 
 /// A point whose indirect light and sky are wanted.
 struct GatherRequest {
@@ -116,8 +117,10 @@ class FinalGather {
     void trace(const GatherRequest& request, const Bundle& bundle, Traced& out) const;
     static std::vector<Pool> pools_of(std::span<const GatherRequest> requests);
     static std::vector<PointSums> sums_of(std::span<const GatherRequest> requests, std::span<const Pool> pools);
+    static std::vector<std::size_t> runs_of(std::span<const Bundle> bundles, std::size_t rays);
     void trace_all(std::span<const GatherRequest> requests, std::span<const Bundle> bundles,
                    std::vector<PointSums>& sums, std::vector<Pool>& pools);
+    void add_bundle(const GatherRequest& request, Traced& traced, PointSums& s, RayGuide& guide) const;
     void trace_wanted(std::span<const GatherRequest> requests, std::span<const std::uint32_t> wanted,
                       std::vector<PointSums>& sums, std::vector<Pool>& pools);
     void want_rays(std::span<const GatherRequest> requests, std::span<const PointSums> sums, const Pool& pool,

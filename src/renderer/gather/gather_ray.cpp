@@ -45,7 +45,7 @@ std::uint64_t spread_bits(std::uint64_t v) {
 /// from bounce to bounce.
 class ChosenTerm {
   public:
-    ChosenTerm(std::uint32_t ray, float number) : term_{ray, glm::vec3(0), {}}, number_(number) {}
+    ChosenTerm(std::uint32_t ray, float number) : term_{.ray = ray, .weight = glm::vec3(0), .place = {}}, number_(number) {}
 
     void offer(glm::vec3 weight, const Sighting& place) {
         const float own = core::luminance(weight);
@@ -54,7 +54,7 @@ class ChosenTerm {
         const float likely = own / sum_;
         const bool taken = number_ < likely;
         number_ = taken ? number_ / likely : (number_ - likely) / (1.0f - likely);
-        if (taken) term_ = {term_.ray, weight / own, place};
+        if (taken) term_ = {.ray = term_.ray, .weight = weight / own, .place = place};
     }
     void put(std::vector<RayTerm>& terms) {
         term_.weight *= sum_;

@@ -6,6 +6,7 @@
 
 #include "core/numeric.h"
 #include "renderer/base/plan.h"
+#include "renderer/gather/light_cells.h"
 #include "renderer/geometry/ray_tracer.h"
 #include "renderer/paths/light_sources.h"
 #include "renderer/surface/posed_scene.h"
@@ -24,15 +25,13 @@ struct Sighting {
     bool operator<(const Sighting& other) const { return key < other.key; }
 };
 
-/// Keys with this bit are of cells of one ray's own, which no other ray asks.
-inline constexpr std::uint64_t own_cell = std::uint64_t{1} << 63;
-
 /// Part of a ray's radiance that a cell knows.
 struct RayTerm {
     std::uint32_t ray = 0;  ///< index that its owner gives it
     glm::vec3 weight{1};
     Sighting place;
-    float near = 0;  ///< NearField::share of where the ray comes from
+    float near = 0;                         ///< NearField::share of where the ray comes from
+    std::uint32_t cell = LightCells::none;  ///< once its owner has looked it up
 };
 
 /// Lights that a ray's owner asked for by next events as well: those that the ray meets count by the balance heuristic

@@ -160,7 +160,7 @@ EyeLook look_about(const PosedScene& posed_scene, const Plan& plan, const scene:
     }
     std::vector<Sighting> wanted;
     for (const RayTerm& term : terms) wanted.push_back(term.place);
-    cache.learn(wanted);
+    cache.learn({std::move(wanted)});
     std::vector<float> seen;
     for (const RayTerm& term : terms) {
         const float luminance = core::luminance(term.weight * cache.radiance(cache.index_of(term.place.key)));

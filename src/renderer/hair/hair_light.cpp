@@ -57,7 +57,7 @@ void HairLight::trace(const FibreSample& sample, std::uint64_t number, Traced& o
         point = *place;
     }
     const Scatterer at(posed_scene_, point);
-    glm::vec3& light = out.light.emplace_back(cache_.lamps(at, number, out.rays));
+    glm::vec3& light = out.light.emplace_back(cache_.light().lamps(at, number, out.rays));
     const auto u = [&](std::uint64_t which) { return core::uniform(number, 16, which); };
     glm::vec3 direction, weight(0);
     const float density = at.sample(u(0), {u(1), u(2)}, direction, weight);
@@ -65,7 +65,7 @@ void HairLight::trace(const FibreSample& sample, std::uint64_t number, Traced& o
     const RayQuery ray{at.origin_of(direction), direction, std::numeric_limits<float>::infinity()};
     Hit hit;
     posed_scene_.tracer().any_nearest(std::span(&ray, 1), std::span(&hit, 1), false);
-    const AskedLights asked{cache_.sources(), at.query(), density};
+    const AskedLights asked{cache_.light().sources(), at.query(), density};
     RayRules rules;
     rules.brightest = std::numeric_limits<float>::infinity();
     rules.asked = &asked;
@@ -96,13 +96,13 @@ void HairLight::take_round(std::span<const FibreTile> tiles, std::vector<Pixel>&
                 trace(tiles[p.tile][s], core::mix(seed + round * 0x10000u + (s - p.first)), found[task]);
         }
     });
-    std::vector<Sighting> wanted;
-    for (const Traced& t : found) {
-        counts.rays += t.rays;
-        for (const RayTerm& term : t.terms)
-            if (cache_.find(term.place.key) == CellTable::none) wanted.push_back(term.place);
+    std::vector<std::vector<Sighting>> wanted(found.size());
+    for (std::size_t task = 0; task < found.size(); ++task) {
+        counts.rays += found[task].rays;
+        for (const RayTerm& term : found[task].terms)
+            if (cache_.find(term.place.key) == LightCells::none) wanted[task].push_back(term.place);
     }
-    cache_.learn(wanted);
+    cache_.learn(std::move(wanted));
     parallel::for_each(found.size(), [&](std::size_t task) {
         Traced& t = found[task];
         for (const RayTerm& term : t.terms)

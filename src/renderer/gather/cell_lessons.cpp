@@ -1,0 +1,86 @@
+#include "renderer/gather/cell_lessons.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/numeric.h"
+#include "renderer/surface/lobe_albedo.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// As largest_albedo, of fibres, among which light stays for many of them. chosen: 0.999; white hair lacks a thousandth
+/// for each.
+constexpr float largest_fibre_albedo = 0.999f;
+
+template <class Asker>
+struct Ask {
+    std::uint64_t key = 0;
+    Asker who = nullptr;
+};
+
+/// Calls visit(askers of one key) for all keys in their order; askers of one key come in the order of tasks.
+template <class Asker, class Visit>
+void by_key(std::vector<Ask<Asker>>& asks, const Visit& visit) {
+    std::stable_sort(asks.begin(), asks.end(), [](const auto& a, const auto& b) { return a.key < b.key; });
+    for (std::size_t first = 0, last = 0; first < asks.size(); first = last) {
+        while (last < asks.size() && asks[last].key == asks[first].key) ++last;
+        visit(std::span(asks).subspan(first, last - first));
+    }
+}
+
+}  // namespace
+
+glm::vec3 link_scale(const Lesson& sums, glm::vec3 row, std::uint32_t places) {
+    glm::vec3 scale;
+    for (int c = 0; c < 3; ++c) scale[c] = core::divide_or(sums.albedo[c], sums.drawn[c], 0.0f);
+    const glm::vec3 most((sums.fibres ? largest_fibre_albedo : largest_albedo) * static_cast<float>(places));
+    return scale * (most / glm::max(scale * row, most));
+}
+
+/// Appends a lesson of so many places of a cell, which is made if it was not there.
+Lesson& ShardLessons::add(LightCells& cells, std::uint64_t key, std::uint32_t places) {
+    Lesson& lesson = lessons_.emplace_back();
+    lesson.cell = cells.teach(key, places);
+    LightCell& taught = cells.at(lesson.cell);
+    lesson.places = places;
+    lesson.number = taught.places - places;
+    lesson.earlier = std::exchange(taught.lesson, static_cast<std::uint32_t>(lessons_.size() - 1));
+    return lesson;
+}
+
+void ShardLessons::plan(std::size_t shard, std::span<const AskedPlaces> asked, std::uint32_t most, LightCells& cells) {
+    waves_.push_back(static_cast<std::uint32_t>(lessons_.size()));
+    places_.clear();
+    std::vector<Ask<const Sighting*>> asks;
+    for (const AskedPlaces& task : asked)
+        for (const AskedKeys::Entry& e : task.keys.of_shard(shard)) asks.push_back({e.key, &task.places[e.index]});
+    by_key(asks, [&](std::span<const Ask<const Sighting*>> askers) {
+        const std::uint64_t key = askers.front().key;
+        const std::uint32_t count = std::min(static_cast<std::uint32_t>(askers.size()), most);
+        const std::uint32_t known = cells.find(key).places;
+        if (count <= known) return;
+        const std::uint32_t take = count - known;
+        add(cells, key, take).first = static_cast<std::uint32_t>(places_.size());
+        for (std::size_t i = 0; i < take; ++i) places_.push_back(askers[i * askers.size() / take].who);
+    });
+}
+
+void ShardLessons::add_paths(std::size_t shard, std::span<const TaskPaths* const> paths, LightCells& cells) {
+    waves_.push_back(static_cast<std::uint32_t>(lessons_.size()));
+    std::vector<Ask<const PathLesson*>> asks;
+    for (const TaskPaths* task : paths)
+        for (const AskedKeys::Entry& e : task->keys.of_shard(shard)) asks.push_back({e.key, &task->lessons[e.index]});
+    by_key(asks, [&](std::span<const Ask<const PathLesson*>> askers) {
+        for (const auto& asker : askers) {
+            Lesson& added = add(cells, asker.key, 1);
+            Lesson lesson = asker.who->lesson;
+            lesson.cell = added.cell;
+            lesson.number = added.number;
+            lesson.earlier = added.earlier;
+            added = lesson;
+        }
+    });
+}
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,118 @@
+#pragma once
+// Plans at which places cells of the surface cache are evaluated.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "renderer/gather/gather_ray.h"
+#include "renderer/gather/light_cells.h"
+
+namespace render2mpeg::renderer {
+
+/// Light that one cell takes over from another: weight times its radiance.
+struct CellLink {
+    std::uint64_t key = 0;
+    glm::vec3 weight{0};
+    float near = 0;  ///< share of it that near_light has
+    std::uint32_t cell = LightCells::none;
+};
+
+/// A cell that is being learnt.
+struct Lesson {
+    std::uint32_t cell = LightCells::none;
+    std::uint32_t first = 0, places = 0;          ///< of the places that are evaluated
+    std::uint32_t number = 0;                     ///< of the first, among all that the cell ever had
+    std::uint32_t earlier = LightCells::none;     ///< lesson of the same cell
+    std::uint32_t first_link = 0, last_link = 0;  ///< of those of its task, once they are evaluated
+    glm::vec3 known{0}, near{0};                  ///< sums over places
+    glm::vec3 albedo{0}, drawn{0};                ///< likewise, of surfaces and of weights of the rays they send
+    bool fibres = false;                          ///< places are of hair
+    CellLink* links = nullptr;                    ///< of its task
+};
+
+/// Factor of the weights of a cell's links, whose sum is `row`: they come to the albedo of its places, and no cell
+/// reflects more than surfaces do. Else the equations have no solution. `sums` has albedo and drawn of all its lessons.
+glm::vec3 link_scale(const Lesson& sums, glm::vec3 row, std::uint32_t places);
+
+/// A lesson of one place, on a path that one task follows: its cell is made when the path has ended.
+struct PathLesson {
+    std::uint64_t key = 0;
+    std::uint32_t next = LightCells::none;  ///< path lesson of the same task that its ray meets
+    Lesson lesson;
+};
+
+/// Keys that one task asks for, by shard.
+class AskedKeys {
+  public:
+    struct Entry {
+        std::uint64_t key = 0;
+        std::uint32_t index = 0;  ///< of who asks, within the task
+    };
+
+    /// `key_of(i)`: of those 0 to count.
+    template <class KeyOf>
+    AskedKeys(std::size_t count, const KeyOf& key_of) : entries_(count) {
+        for (std::size_t i = 0; i < count; ++i) ++first_[LightCells::shard_of(key_of(i)) + 1];
+        for (std::size_t s = 0; s < LightCells::shards; ++s) first_[s + 1] += first_[s];
+        std::array<std::uint32_t, LightCells::shards + 1> next = first_;
+        for (std::size_t i = 0; i < count; ++i)
+            entries_[next[LightCells::shard_of(key_of(i))]++] = {key_of(i), static_cast<std::uint32_t>(i)};
+    }
+    AskedKeys() = default;
+
+    /// In their order.
+    std::span<const Entry> of_shard(std::size_t s) const {
+        return std::span(entries_).subspan(first_[s], first_[s + 1] - first_[s]);
+    }
+
+  private:
+    std::vector<Entry> entries_;
+    std::array<std::uint32_t, LightCells::shards + 1> first_{};
+};
+
+/// Places that one task asks for.
+struct AskedPlaces {
+    std::vector<Sighting> places;
+    AskedKeys keys;
+
+    /// Once all places are there.
+    void sort() {
+        keys = AskedKeys(places.size(), [&](std::size_t i) { return places[i].key; });
+    }
+};
+
+/// Lessons of the cells of one shard, wave by wave; only one task may change them.
+class ShardLessons {
+  public:
+    /// Plans a wave. Chooses the places that cells are evaluated at among those where rays met them, evenly, `most` at
+    /// most. A cell has as many as ever asked at once, so that asking again teaches nothing: frames that are alike
+    /// stay alike. Forgets the places of the wave before.
+    void plan(std::size_t shard, std::span<const AskedPlaces> asked, std::uint32_t most, LightCells& cells);
+
+    /// Adds lessons of paths, as a wave: of each task its lessons and their keys.
+    struct TaskPaths {
+        std::vector<PathLesson> lessons;
+        AskedKeys keys;
+    };
+    void add_paths(std::size_t shard, std::span<const TaskPaths* const> paths, LightCells& cells);
+
+    std::span<Lesson> all() { return lessons_; }
+    std::span<Lesson> of_last_wave() { return std::span(lessons_).subspan(waves_.back()); }
+    /// Index of a wave's first lesson.
+    std::uint32_t first_of(std::size_t wave) const { return waves_[wave]; }
+    /// Place of the last wave: Lesson::first is its index.
+    const Sighting& place(std::size_t index) const { return *places_[index]; }
+    std::size_t place_count() const { return places_.size(); }
+
+  private:
+    Lesson& add(LightCells& cells, std::uint64_t key, std::uint32_t places);
+
+    std::vector<Lesson> lessons_;
+    std::vector<std::uint32_t> waves_;
+    std::vector<const Sighting*> places_;
+};
+
+}  // namespace render2mpeg::renderer

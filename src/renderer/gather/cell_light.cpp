@@ -1,0 +1,270 @@
+#include "renderer/gather/cell_light.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/color.h"
+#include "core/numeric.h"
+#include "core/sampling.h"
+#include "renderer/base/lobe.h"
+#include "renderer/surface/lobe_albedo.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+/// Share of a gather ray's light from which on light that nobody asked for yet counts as none. chosen: 0.001, after ten
+/// bounces off a surface of 0.5; what is asked from elsewhere as well goes on.
+constexpr float least_carried = 0.001f;
+
+/// Lobes seen by a cell are at least so wide: what a mirror-like floor throws is a matter of caustics, and would be
+/// noise here. chosen: 0.25 of alpha, a roughness of 0.5; not tuned.
+constexpr float least_alpha = 0.25f;
+
+/// The first four are a place's rays as well.
+enum Number : std::uint64_t { lamp, surface, sky, bounce, side, part };
+
+float uniform(std::uint64_t number, Number use, std::uint64_t which) {
+    return core::uniform(number, use, which);
+}
+
+}  // namespace
+
+/// A ray on which a cell's light goes on.
+struct CellLight::Bounce {
+    RayQuery ray;
+    LightQuery query;   ///< that lights were asked by
+    float density = 0;  ///< of the direction
+    glm::vec3 weight{1};
+    float share = 0;  ///< NearField::share
+    std::uint64_t number = 0;
+    float near = 0;     ///< RayRules
+    float carried = 1;  ///< Sighting
+    Lesson* lesson = nullptr;
+    std::uint8_t depth = 0;
+};
+
+/// Results of some places.
+struct CellLight::Found {
+    std::vector<Bounce> bounces;
+    std::vector<RayTerm> terms;
+    std::uint64_t rays = 0;
+};
+
+CellLight::CellLight(const PosedScene& posed_scene, const Plan& plan)
+    : posed_scene_(posed_scene), gather_rays_(posed_scene, plan), plan_(plan) {}
+
+void CellLight::pose(NearField near_field) {
+    near_field_ = std::move(near_field);
+    sources_.emplace(posed_scene_, plan_);
+}
+
+/// Light of lamps, shining surfaces and the image of a sky, by next events.
+glm::vec3 CellLight::lamps(const Scatterer& at, std::uint64_t number, std::uint64_t& rays) const {
+    const LightQuery& query = at.query();
+    glm::vec3 sum(0);
+    const auto add = [&](const LightSample& s) {
+        if (!(core::luminance(s.light) > 0.0f) || !query.may_see(s.direction)) return;
+        const Scattered to = at.scattered(s.direction, s.density > 0.0f);
+        glm::vec3 light = to.share * s.light;
+        if (!(core::luminance(light) > 0.0f)) return;
+        if (s.density > 0.0f) light *= s.density / (s.density + to.density);
+        if (!(core::luminance(light) > 0.0f)) return;
+        if (const Air* air = posed_scene_.air(); air != nullptr) {
+            const glm::vec3 direction = core::normalize_or(s.ray, s.direction);
+            light *= std::isinf(s.far)
+                         ? std::exp(-air->depth_to_sky(query.origin, direction))
+                         : std::exp(-air->optical_depth(query.origin, direction, glm::length(s.ray) * s.far));
+        }
+        ++rays;
+        const float skipped = at.skipped(s.ray);
+        const glm::vec3 passes = posed_scene_.tracer().passes(at.origin_of(s.ray), s.ray, s.far - skipped);
+        sum += light * passes;
+    };
+    const auto pair = [&](Number use) { return glm::vec2(uniform(number, use, 1), uniform(number, use, 2)); };
+    if (sources_->has_lamps()) add(sources_->to_lamp(query, uniform(number, lamp, 0), pair(lamp)));
+    if (sources_->has_surfaces()) add(sources_->to_surface(query, uniform(number, surface, 0), pair(surface)));
+    if (sources_->has_sky()) add(sources_->to_sky(query, uniform(number, sky, 0), pair(sky)));
+    return sum;
+}
+
+/// Light comes from this side or from beyond, in proportion to what is reflected and let through. Returns its weight.
+glm::vec3 CellLight::choose_side(std::uint64_t number, SurfacePoint& p) const {
+    const float through = core::luminance(p.bsdf.diffuse_transmission);
+    glm::vec3 weight(1);
+    if (through > 0.0f) {
+        const float reflected = core::luminance(p.bsdf.diffuse) + core::luminance(p.bsdf.f0);
+        const float chance = through / (through + reflected);
+        const bool beyond = uniform(number, side, 0) < chance;
+        weight = glm::vec3(1.0f / (beyond ? chance : 1.0f - chance));
+        if (beyond) p = posed_scene_.other_side(p);
+    }
+    return weight;
+}
+
+/// Evaluates a place: what lamps send, and one ray whose end sends the rest.
+void CellLight::light_place(const Sighting& place, std::uint64_t number, Lesson& lesson, Found& out) const {
+    glm::vec3 along, across;
+    core::make_frame(place.outgoing, along, across);
+    SurfacePoint p = posed_scene_.surface_at(place.address, place.outgoing, {place.size * along, place.size * across});
+    if (p.unlit) return;
+    glm::vec3 weight = choose_side(number, p);
+    const float cosine = glm::dot(p.shading_normal, p.outgoing);
+    const glm::vec3 albedo = diffuse_albedo(p.bsdf, cosine) + glossy_albedo(p.bsdf, cosine);
+    const float brightest = p.fibre ? 1.0f : std::max({albedo.x, albedo.y, albedo.z});
+    if (!(brightest > 0.0f)) return;
+    const float scale = std::min(largest_albedo / brightest, 1.0f);
+    p.bsdf.scale(scale);
+    p.bsdf.alpha = std::max(p.bsdf.alpha, least_alpha);
+    p.bsdf.alpha_along = std::max(p.bsdf.alpha_along, least_alpha);
+
+    const Scatterer at(posed_scene_, p);
+    lesson.fibres = p.fibre;
+    lesson.albedo += p.fibre ? at.albedo() : scale * weight * albedo;
+    const glm::vec3 direct = weight * lamps(at, number, out.rays);
+    const float share = near_field_.share(p.position);
+    if (core::is_finite(direct)) {
+        lesson.known += direct;
+        lesson.near += share * direct;
+    }
+
+    glm::vec3 direction, chosen(0);
+    const float density = at.sample(uniform(number, part, 0), {uniform(number, bounce, 0), uniform(number, bounce, 1)},
+                                    direction, chosen);
+    if (!at.query().may_see(direction) || !(density > 0.0f)) return;
+    weight *= chosen;
+    if (!(core::luminance(weight) > 0.0f) || !core::is_finite(weight)) return;
+    lesson.drawn += weight;
+    out.rays += 1;
+    out.bounces.push_back({{at.origin_of(direction), direction, std::numeric_limits<float>::infinity()},
+                           at.query(),
+                           density,
+                           weight,
+                           share,
+                           number,
+                           place.depth > 0 ? 0.5f * place.size : 0.0f,
+                           place.carried,
+                           &lesson,
+                           place.depth});
+}
+
+/// Follows the rays of all places. Links of lessons are their terms.
+void CellLight::follow_bounces(Found& out) const {
+    std::vector<RayQuery> queries;
+    for (const Bounce& b : out.bounces) queries.push_back(b.ray);
+    std::vector<Hit> hits(queries.size());
+    posed_scene_.tracer().any_nearest(queries, hits, false);
+    RayRules rules;
+    rules.brightest = std::numeric_limits<float>::infinity();
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+        const Bounce& b = out.bounces[i];
+        const AskedLights asked{*sources_, b.query, b.density};
+        rules.asked = &asked;
+        rules.near = b.near;
+        rules.depth = b.depth;
+        Lesson& lesson = *b.lesson;
+        const auto first = static_cast<std::uint32_t>(out.terms.size());
+        const glm::vec3 known = b.weight * gather_rays_.follow(b.ray, hits[i], rules, lobe::inverse_pi,
+                                                               core::mix(b.number), 0, out.terms, out.rays);
+        if (core::is_finite(known)) {
+            lesson.known += known;
+            lesson.near += b.share * known;
+        }
+        if (out.terms.size() > first) {
+            RayTerm& term = out.terms.back();
+            term.weight *= b.weight;
+            term.near = b.share;
+            term.place.carried = b.carried * core::luminance(term.weight);
+        }
+        if (lesson.first_link == lesson.last_link) lesson.first_link = first;
+        lesson.last_link = static_cast<std::uint32_t>(out.terms.size());
+    }
+}
+
+TaskLight CellLight::evaluate(const ShardLessons& shard, std::span<Lesson> lessons, std::uint32_t known,
+                              const LightCells& cells) const {
+    Found found;
+    for (Lesson& lesson : lessons)
+        for (std::uint32_t k = 0; k < lesson.places; ++k) {
+            const Sighting& place = shard.place(lesson.first + k);
+            light_place(place, core::mix(place.key) + lesson.number + k, lesson, found);
+        }
+    follow_bounces(found);
+    TaskLight out;
+    out.rays = found.rays;
+    out.links.reserve(found.terms.size());
+    for (const RayTerm& t : found.terms) {
+        const CellTable::Found cell = cells.find(t.place.key);
+        out.links.push_back({t.place.key, t.weight, t.near, cell.index});
+        if (cell.places < known && t.place.carried > least_carried) out.asked.places.push_back(t.place);
+    }
+    for (Lesson& lesson : lessons) lesson.links = out.links.data();
+    if (known > 1)
+        out.asked.sort();
+    else
+        follow_paths(std::exchange(out.asked.places, {}), cells, out);
+    return out;
+}
+
+namespace {
+
+/// Replaces links between lessons of a path by links to what the path meets in the end: radiances of later ones are
+/// put in. Lessons come before those that they meet.
+void eliminate(std::vector<PathLesson>& lessons, std::vector<CellLink>& links) {
+    for (std::size_t i = lessons.size(); i-- > 0;) {
+        Lesson& lesson = lessons[i].lesson;
+        if (lesson.first_link == lesson.last_link) continue;
+        links[i].weight *= link_scale(lesson, links[i].weight, 1);
+        lesson.albedo = lesson.drawn = glm::vec3(1);
+        if (lessons[i].next == LightCells::none) continue;
+        const Lesson& met = lessons[lessons[i].next].lesson;
+        const glm::vec3 light = links[i].weight * met.known;
+        lesson.known += light;
+        lesson.near += links[i].near * light;
+        const CellLink& beyond = links[lessons[i].next];
+        links[i].key = beyond.key;
+        links[i].cell = beyond.cell;
+        links[i].weight *= beyond.weight;
+        if (met.first_link == met.last_link) lesson.last_link = lesson.first_link;
+    }
+}
+
+}  // namespace
+
+/// Follows rays from place to place, those of all paths together.
+void CellLight::follow_paths(std::vector<Sighting> places, const LightCells& cells, TaskLight& out) const {
+    std::vector<PathLesson>& lessons = out.paths.lessons;
+    while (!places.empty()) {
+        const std::size_t first = lessons.size();
+        lessons.resize(first + places.size());
+        out.path_links.resize(lessons.size());
+        Found found;
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            PathLesson& path = lessons[first + i];
+            path.key = places[i].key;
+            light_place(places[i], core::mix(path.key), path.lesson, found);
+        }
+        follow_bounces(found);
+        out.rays += found.rays;
+        places.clear();
+        const std::size_t next = lessons.size();
+        for (std::size_t i = first; i < next; ++i) {
+            Lesson& lesson = lessons[i].lesson;
+            const bool has_link = lesson.first_link < lesson.last_link;
+            const std::size_t term = std::exchange(lesson.first_link, static_cast<std::uint32_t>(i));
+            lesson.last_link = lesson.first_link + (has_link ? 1 : 0);
+            if (!has_link) continue;
+            const RayTerm& t = found.terms[term];
+            out.path_links[i] = {t.place.key, t.weight, t.near, cells.find(t.place.key).index};
+            if (out.path_links[i].cell != LightCells::none || !(t.place.carried > least_carried)) continue;
+            lessons[i].next = static_cast<std::uint32_t>(next + places.size());
+            places.push_back(t.place);
+        }
+    }
+    eliminate(lessons, out.path_links);
+    for (PathLesson& path : lessons) path.lesson.links = out.path_links.data();
+    out.paths.keys = AskedKeys(lessons.size(), [&](std::size_t i) { return lessons[i].key; });
+}
+
+}  // namespace render2mpeg::renderer

@@ -1,0 +1,61 @@
+#pragma once
+// Light that places of surfaces send on: of lamps by next events, the rest by one ray each, whose end a cell knows.
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "renderer/base/plan.h"
+#include "renderer/gather/cell_lessons.h"
+#include "renderer/gather/gather_ray.h"
+#include "renderer/gather/near_light.h"
+#include "renderer/paths/light_sources.h"
+#include "renderer/paths/scatterer.h"
+
+namespace render2mpeg::renderer {
+
+/// What the lessons of one task found.
+struct TaskLight {
+    std::vector<CellLink> links;  ///< of its lessons
+    AskedPlaces asked;            ///< by rays whose cell has to learn
+    ShardLessons::TaskPaths paths;
+    std::vector<CellLink> path_links;  ///< of lessons of paths: one each, or none
+    std::uint64_t rays = 0;
+};
+
+/// Evaluates places of the posed instant.
+class CellLight {
+  public:
+    CellLight(const PosedScene& posed_scene, const Plan& plan);
+
+    /// Lights and things are others now.
+    void pose(NearField near_field);
+
+    /// Light of lamps, shining surfaces and the image of a sky that a place scatters, by next-event estimation.
+    glm::vec3 lamps(const Scatterer& at, std::uint64_t number, std::uint64_t& rays) const;
+    /// Lights of the posed instant.
+    const LightSources& sources() const { return *sources_; }
+
+    /// Evaluates lessons of the last wave of a shard. Cells of fewer places than `known` are asked for. 1: rays whose
+    /// cells are not there are followed as paths instead, until they meet one that is.
+    TaskLight evaluate(const ShardLessons& shard, std::span<Lesson> lessons, std::uint32_t known,
+                       const LightCells& cells) const;
+
+  private:
+    struct Bounce;
+    struct Found;
+
+    glm::vec3 choose_side(std::uint64_t number, SurfacePoint& p) const;
+    void light_place(const Sighting& place, std::uint64_t number, Lesson& lesson, Found& out) const;
+    void follow_bounces(Found& out) const;
+    void follow_paths(std::vector<Sighting> places, const LightCells& cells, TaskLight& out) const;
+
+    const PosedScene& posed_scene_;
+    GatherRays gather_rays_;
+    const Plan& plan_;
+    std::optional<LightSources> sources_;
+    NearField near_field_;
+};
+
+}  // namespace render2mpeg::renderer

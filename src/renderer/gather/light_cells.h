@@ -1,0 +1,102 @@
+#pragma once
+// Cells of the surface cache, found by their keys.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <utility>
+#include <vector>
+
+#include "core/sampling.h"
+
+namespace render2mpeg::renderer {
+
+/// A table from keys to cells.
+class CellTable {
+  public:
+    static constexpr std::uint32_t none = 0xffffffffu;
+    /// What is known of a cell without a look at it.
+    struct Found {
+        std::uint32_t index = none;
+        std::uint32_t places = 0;  ///< that its radiance is the mean of, those that are being evaluated among them
+    };
+
+    void clear();
+    Found find(std::uint64_t key) const { return slots_.empty() ? Found{} : slots_[place_of(key)].found; }
+    /// The entry of a key, made with the next index if it is not there yet; until the next call.
+    Found& entry(std::uint64_t key);
+    std::size_t bytes() const { return slots_.capacity() * sizeof(Slot); }
+
+  private:
+    struct Slot {
+        std::uint64_t key = 0;
+        Found found;
+    };
+    std::size_t place_of(std::uint64_t key) const {
+        const std::size_t mask = slots_.size() - 1;
+        std::size_t i = core::mix(key) & mask;
+        while (slots_[i].found.index != none && slots_[i].key != key) i = (i + 1) & mask;
+        return i;
+    }
+
+    std::vector<Slot> slots_;
+    std::size_t used_ = 0;
+};
+
+/// Keys with this bit are of cells of one ray's own, which no other ray asks.
+inline constexpr std::uint64_t own_cell = std::uint64_t{1} << 63;
+
+/// Light of one cell: means over its places.
+struct LightCell {
+    glm::vec3 radiance{0}, near{0};
+    std::uint32_t places = 0;                ///< that it is the mean of, those that are being evaluated among them
+    std::uint32_t lesson = CellTable::none;  ///< that teaches it, the last one; then its row in the equations
+};
+
+/// Cells in shards by a hash of their keys. A task that has a shard to itself may make cells there without a lock; any
+/// number of tasks may read while nobody makes any. Indices depend on the order within each shard alone.
+class LightCells {
+  public:
+    static constexpr std::size_t shards = 64;  ///< chosen: as many as the threads that are to be busy
+    static constexpr std::uint32_t none = CellTable::none;
+
+    static std::size_t shard_of(std::uint64_t key) { return core::mix(key >> 51) >> 58; }
+
+    void forget();
+    /// Forgets the cells of one ray's own.
+    void forget_own();
+
+    /// Index `none`: the cell was never made.
+    CellTable::Found find(std::uint64_t key) const {
+        const std::size_t s = shard_of(key);
+        const bool is_own = (key & own_cell) != 0;
+        CellTable::Found found = (is_own ? shards_[s].own_table : shards_[s].table).find(key);
+        if (found.index != none) found.index = index_in(s, is_own, found.index);
+        return found;
+    }
+    /// Has a cell learn `places` more, after it was made where it has not been. Returns its index.
+    std::uint32_t teach(std::uint64_t key, std::uint32_t places);
+
+    const LightCell& at(std::uint32_t index) const {
+        const Shard& shard = shards_[index % shards];
+        return (index & own_index) != 0 ? shard.own_cells[(index & ~own_index) / shards] : shard.cells[index / shards];
+    }
+    LightCell& at(std::uint32_t index) { return const_cast<LightCell&>(std::as_const(*this).at(index)); }
+
+    std::size_t bytes() const;
+
+  private:
+    /// Indices with this bit are of own cells.
+    static constexpr std::uint32_t own_index = 1u << 31;
+    struct Shard {
+        CellTable table, own_table;
+        std::vector<LightCell> cells, own_cells;
+    };
+    static std::uint32_t index_in(std::size_t shard, bool is_own, std::uint32_t number) {
+        return static_cast<std::uint32_t>(number * shards + shard) | (is_own ? own_index : 0u);
+    }
+
+    std::array<Shard, shards> shards_;
+};
+
+}  // namespace render2mpeg::renderer
