@@ -151,6 +151,7 @@ json common_of(const Film& film, const RunStatistics& statistics, const RunFacts
             {"gop", coding.gop},
             {"seconds", seconds_of(statistics)},
             {"peak_rss_mib", peak_memory_mib()},
+            {"busy_cores", core::divide_or(cpu_seconds(), statistics.wall - statistics.earlier_wall, 0.0)},
             {"counts", json_of(statistics.rendering)},
             {"psnr_y", finite_or_null(statistics.psnr_y())},
             {"ssim_y", statistics.ssim_y()},

@@ -74,33 +74,38 @@ void refine_rays(FrameState& frame, std::size_t first) {
     const std::span<const NewRecord> fresh = std::span(frame.fresh).subspan(first);
     frame.grid.extend(frame.records.all(), frame.camera);
     for (int round = 0; round < rounds; ++round) {
-        std::vector<std::uint32_t> wanted(fresh.size());
+        // Rays more, a multiple of the first ones.
+        std::vector<std::uint32_t> more(fresh.size());
         parallel::for_ranges(fresh.size(), records_at_once, [&](std::size_t begin, std::size_t end) {
             LocalRegression fit;
-            for (std::size_t i = begin; i < end; ++i) wanted[i] = wanted_rays(frame, fresh[i], fit);
+            for (std::size_t i = begin; i < end; ++i) {
+                const std::uint32_t has = frame.records[fresh[i].record].ray_count;
+                more[i] = (std::max(wanted_rays(frame, fresh[i], fit), has) - has) / first_rays * first_rays;
+            }
         });
-        std::vector<GatherRequest> requests;
-        std::vector<GatherPoint> receivers;
         std::vector<std::size_t> which;
-        receivers.reserve(fresh.size());
-        for (std::size_t i = 0; i < fresh.size(); ++i) {
-            const IrradianceRecord& record = frame.records[fresh[i].record];
-            const std::uint32_t more =
-                (std::max(wanted[i], record.ray_count) - record.ray_count) / first_rays * first_rays;
-            if (more == 0) continue;
-            const GatherPoint& p = frame.point(fresh[i].point);
-            receivers.push_back(plain_receiver(p));
-            GatherRequest& r = requests.emplace_back(request_of(receivers.back(), {}, {0, 0}, frame.camera));
-            r.seed = record.seed;
-            r.rays = more;
-            r.from = record.next_ray;
-            r.pool = fresh[i].pool;
-            which.push_back(i);
-        }
-        if (requests.empty()) break;
+        for (std::size_t i = 0; i < fresh.size(); ++i)
+            if (more[i] > 0) which.push_back(i);
+        if (which.empty()) break;
+        std::vector<GatherRequest> requests(which.size());
+        std::vector<GatherPoint> receivers(which.size());
+        parallel::for_ranges(which.size(), records_at_once, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t k = begin; k < end; ++k) {
+                const NewRecord& f = fresh[which[k]];
+                const IrradianceRecord& record = frame.records[f.record];
+                receivers[k] = plain_receiver(frame.point(f.point));
+                requests[k] = request_of(receivers[k], {}, {0, 0}, frame.camera);
+                requests[k].seed = record.seed;
+                requests[k].rays = more[which[k]];
+                requests[k].from = record.next_ray;
+                requests[k].pool = f.pool;
+            }
+        });
         const std::vector<RayLight> found = frame.rays->gather(requests, frame.aim);
-        for (std::size_t k = 0; k < which.size(); ++k)
-            take_rays(found[k], receivers[k], frame.records.change(fresh[which[k]].record));
+        parallel::for_ranges(which.size(), records_at_once, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t k = begin; k < end; ++k)
+                take_rays(found[k], receivers[k], frame.records.change(fresh[which[k]].record));
+        });
     }
     look_now(frame, fresh);
 }

@@ -87,8 +87,7 @@ void light_lattice(FrameState& frame, int lattice) {
     // else gather, and keep what was found as records.
     const std::vector<GatheredRequests> found = gather(frame, requests, lattice > 1 ? least_dense : 0);
     const std::size_t first = frame.fresh.size();
-    for (const GatheredRequests& g : found)
-        for (std::size_t i = 0; i < g.points.size(); ++i) keep(frame, g, i);
+    keep(frame, found);
     if (frame.rays != nullptr) refine_rays(frame, first);
     reopen_near(frame, found);
 }

@@ -18,6 +18,14 @@ namespace {
 /// Records of one task.
 constexpr std::size_t records_of_task = 64;
 
+/// Calls body(i) for records, from many threads.
+template <class Body>
+void for_each_of(std::size_t count, const Body& body) {
+    parallel::for_ranges(count, records_of_task, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) body(i);
+    });
+}
+
 /// Extent of a pixel at a place of the picture, world.
 float extent_at(const scene::Camera& camera, glm::vec3 place) {
     const auto seen = camera.project(place);
@@ -52,13 +60,10 @@ void thin(FrameState& frame, std::vector<GatherPoint>& receivers, std::span<cons
     frame.grid.build(frame.records.all(), frame.camera);
     std::vector<std::uint8_t> keeps(frame.records.size(), 0);
     const std::span<const SurfaceMark> marks = frame.grid.marks();
-    std::vector<SurfaceMark> here;
-    for (std::size_t first = 0, last = 0; first < marks.size(); first = last) {
-        const glm::vec2 pixel = glm::floor(marks[first].at);
-        while (last < marks.size() && glm::floor(marks[last].at) == pixel) ++last;
-        here.clear();
-        for (std::size_t i = first; i < last; ++i)
-            if (holds[marks[i].record] != 0) here.push_back(marks[i]);
+    for_each_pixel(marks, [&](std::span<const SurfaceMark> all) {
+        std::vector<SurfaceMark> here;
+        for (const SurfaceMark& m : all)
+            if (holds[m.record] != 0) here.push_back(m);
         std::stable_sort(here.begin(), here.end(), [&](const SurfaceMark& a, const SurfaceMark& b) {
             const auto rays = [&](const SurfaceMark& m) { return frame.records[m.record].ray_count; };
             return a.surface != b.surface ? a.surface < b.surface : rays(a) > rays(b);
@@ -68,7 +73,7 @@ void thin(FrameState& frame, std::vector<GatherPoint>& receivers, std::span<cons
                 return keeps[other.record] != 0 && other.surface == m.surface &&
                        glm::dot(other.shading_normal, m.shading_normal) >= same_normal;
             });
-    }
+    });
     std::size_t kept = 0;
     for (std::size_t i = 0; i < receivers.size(); ++i)
         if (keeps[i] != 0 && kept++ != i) receivers[kept - 1] = std::move(receivers[i]);
@@ -124,32 +129,34 @@ Followed followed(const FrameState& frame, const SurfaceMark& mark, const Gather
 
 void look_again(FrameState& frame, std::span<const std::uint32_t> which,
                 std::span<const GatherPoint* const> receivers) {
-    std::vector<GatherRequest> requests;
-    for (std::size_t k = 0; k < which.size(); ++k) {
-        GatherRequest& r = requests.emplace_back(request_of(*receivers[k], {}, {0, 0}, frame.camera));
-        r.seed = frame.records[which[k]].seed;
-        r.rays = first_rays;
-    }
+    std::vector<GatherRequest> requests(which.size());
+    for_each_of(which.size(), [&](std::size_t k) {
+        requests[k] = request_of(*receivers[k], {}, {0, 0}, frame.camera);
+        requests[k].seed = frame.records[which[k]].seed;
+        requests[k].rays = first_rays;
+    });
     const std::vector<RayLight> found = frame.rays->gather(requests, frame.aim);
-    for (std::size_t k = 0; k < which.size(); ++k) {
+    for_each_of(which.size(), [&](std::size_t k) {
         IrradianceRecord& r = frame.records.change(which[k]);
         r.look = look_of(found[k], *receivers[k]);
         r.looks_now = true;
-    }
+    });
 }
 
 void follow_light(FrameState& frame) {
     const PosedScene& scene = frame.rays->posed_scene();
     std::vector<GatherPoint> receivers(frame.records.size());
     std::vector<std::uint8_t> holds(frame.records.size());
-    parallel::for_ranges(receivers.size(), records_of_task, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i)
-            holds[i] =
-                pose(scene, frame.camera, frame.records.change(static_cast<std::uint32_t>(i)), receivers[i]) ? 1 : 0;
-    });
+    const auto record = [&](std::size_t i) -> IrradianceRecord& {
+        return frame.records.change(static_cast<std::uint32_t>(i));
+    };
+    for_each_of(receivers.size(),
+                [&](std::size_t i) { holds[i] = pose(scene, frame.camera, record(i), receivers[i]) ? 1 : 0; });
     thin(frame, receivers, holds);
-    for (IrradianceRecord& r : frame.records.all())
+    for_each_of(frame.records.size(), [&](std::size_t i) {
+        IrradianceRecord& r = record(i);
         if (!r.anchor) r.anchor = std::make_shared<const RecordAnchor>(anchor_of(r));
+    });
     // Look from every second pixel of every second row, then from where this tells too little.
     std::vector<SurfaceMark> marks(frame.grid.marks().begin(), frame.grid.marks().end());
     std::vector<Followed> now(frame.records.size());
@@ -173,13 +180,13 @@ void follow_light(FrameState& frame) {
         for (const SurfaceMark& m : marks)
             if (!frame.records[m.record].looks_now) looks.push_back(m.record);
     } while (!looks.empty());
-    for (std::uint32_t i = 0; i < now.size(); ++i) {
-        IrradianceRecord& r = frame.records.change(i);
+    for_each_of(now.size(), [&](std::size_t i) {
+        IrradianceRecord& r = record(i);
         r.by_rays = now[i].light;
         r.batch_variance = now[i].batch_variance;
         r.ray_count = now[i].rays;
         if (now[i].is_look) r.anchor.reset();
-    }
+    });
     gather_trees_again(frame, receivers);
     frame.records.drop([](const IrradianceRecord& r) {
         return !core::is_finite(r.irradiance() + r.lobe.f0 + r.lobe.schlick + r.by_rays[1] + r.by_rays[2]);

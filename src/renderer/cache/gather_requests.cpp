@@ -1,8 +1,10 @@
 #include "renderer/cache/gather_requests.h"
 
 #include <algorithm>
+#include <optional>
 #include <span>
 #include <tuple>
+#include <utility>
 
 #include "core/color.h"
 #include "core/numeric.h"
@@ -53,11 +55,32 @@ void gather_requests_of(const FrameState& frame, const RequestGroup& group, std:
     }
 }
 
-/// Gathers the requests of one area, which share cuts.
-void gather_area(const FrameState& frame, const std::vector<PointRef>& requests, GatheredRequests& out) {
-    Gatherer gatherer(frame.light_trees, frame.tracer);
-    for (const RequestGroup& group : group_requests(frame.seen, requests, frame.camera.position()))
-        gather_requests_of(frame, group, out.pools.empty() ? 0 : out.pools.back() + 1, gatherer, out);
+/// Groups of points that one task gathers: where there are many lamps one takes milliseconds.
+constexpr std::size_t groups_at_once = 4;
+
+/// Gathers the requests of areas.
+std::vector<GatheredRequests> gather_areas(const FrameState& frame, const std::vector<std::vector<PointRef>>& of_area) {
+    std::vector<std::vector<RequestGroup>> groups(of_area.size());
+    parallel::for_each(of_area.size(), [&](std::size_t a) {
+        groups[a] = group_requests(frame.seen, of_area[a], frame.camera.position());
+    });
+    struct Part {
+        std::size_t area = 0, first = 0, last = 0;
+        GatheredRequests found;
+    };
+    std::vector<Part> parts;
+    for (std::size_t a = 0; a < groups.size(); ++a)
+        for (std::size_t first = 0; first < groups[a].size(); first += groups_at_once)
+            parts.push_back({a, first, std::min(first + groups_at_once, groups[a].size()), {}});
+    parallel::for_each(parts.size(), [&](std::size_t i) {
+        Part& part = parts[i];
+        Gatherer gatherer(frame.light_trees, frame.tracer);
+        for (std::size_t g = part.first; g < part.last; ++g)
+            gather_requests_of(frame, groups[part.area][g], static_cast<std::uint32_t>(g), gatherer, part.found);
+    });
+    std::vector<GatheredRequests> found(of_area.size());
+    for (const Part& part : parts) found[part.area].append(part.found);
+    return found;
 }
 
 /// Light that a record's rays have found, as that of its plain receiver.
@@ -66,35 +89,47 @@ RayLight light_of_rays(const IrradianceRecord& r, const GatherPoint& plain) {
     return {r.by_rays, 0.0f, r.batch_variance * shown * shown, r.ray_count};
 }
 
-/// Gathers the sky and indirect light by rays: the first rays of records, all of other points.
-void gather_rays(FrameState& frame, std::vector<GatheredRequests>& found) {
+/// Requests of an area for rays.
+struct RayRequests {
+    std::vector<GatherPoint> receivers;  ///< of all its points
     std::vector<GatherRequest> requests;
-    std::vector<GatherPoint> receivers;
-    std::size_t count = 0;
-    for (const GatheredRequests& g : found) count += g.points.size();
-    receivers.reserve(count);
+};
+
+/// The first rays of new records, all of other points. What a record's rays have found already is taken over.
+RayRequests ray_requests_of(const FrameState& frame, GatheredRequests& g) {
+    RayRequests out;
+    out.receivers.reserve(g.points.size());
+    for (std::size_t i = 0; i < g.points.size(); ++i) {
+        const PointRef& ref = g.points[i];
+        const GatherPoint& p = frame.point(ref);
+        out.receivers.push_back(uses_cache(p) ? plain_receiver(p) : p);
+        if (ref.record != PointRef::none) {
+            g.rays[i] = light_of_rays(frame.records[ref.record], out.receivers.back());
+            continue;
+        }
+        GatherRequest& r =
+            out.requests.emplace_back(request_of(out.receivers.back(), frame.tiles[ref.tile].tolerance[ref.index],
+                                                 frame.pixel_of(ref.tile, p), frame.camera));
+        r.pool = g.pools[i];
+        if (!uses_cache(p)) continue;
+        // The record's own place alone, to which looks come back.
+        out.receivers.back().others = 0;
+        r.rays = first_rays;
+    }
+    return out;
+}
+
+/// Gathers the sky and indirect light by rays.
+void gather_rays(FrameState& frame, std::vector<GatheredRequests>& found) {
     std::uint32_t first_pool = 0;
     for (GatheredRequests& g : found) {
-        for (std::size_t i = 0; i < g.points.size(); ++i) {
-            const PointRef& ref = g.points[i];
-            const GatherPoint& p = frame.point(ref);
-            g.pools[i] += first_pool;
-            receivers.push_back(uses_cache(p) ? plain_receiver(p) : p);
-            if (ref.record != PointRef::none) {
-                g.rays[i] = light_of_rays(frame.records[ref.record], receivers.back());
-                continue;
-            }
-            GatherRequest& r =
-                requests.emplace_back(request_of(receivers.back(), frame.tiles[ref.tile].tolerance[ref.index],
-                                                 frame.pixel_of(ref.tile, p), frame.camera));
-            r.pool = g.pools[i];
-            if (!uses_cache(p)) continue;
-            // The record's own place alone, to which looks come back.
-            receivers.back().others = 0;
-            r.rays = first_rays;
-        }
+        for (std::uint32_t& pool : g.pools) pool += first_pool;
         if (!g.pools.empty()) first_pool = g.pools.back() + 1;
     }
+    std::vector<RayRequests> of_area(found.size());
+    parallel::for_each(found.size(), [&](std::size_t a) { of_area[a] = ray_requests_of(frame, found[a]); });
+    std::vector<GatherRequest> requests;
+    for (const RayRequests& area : of_area) requests.insert(requests.end(), area.requests.begin(), area.requests.end());
     const std::vector<RayLight> rays = frame.rays->gather(requests, frame.aim);
     auto of_point = rays.begin();
     for (GatheredRequests& g : found)
@@ -103,6 +138,17 @@ void gather_rays(FrameState& frame, std::vector<GatheredRequests>& found) {
 }
 
 }  // namespace
+
+void GatheredRequests::append(const GatheredRequests& more) {
+    const auto join = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+    join(points, more.points);
+    join(light, more.light);
+    join(lobes, more.lobes);
+    join(sets, more.sets);
+    join(pools, more.pools);
+    join(rays, more.rays);
+    counts.add(more.counts);
+}
 
 std::vector<std::vector<PointRef>> by_area(const FrameState& frame, const std::vector<std::vector<PointRef>>& of_tile) {
     std::vector<std::vector<PointRef>> of_area(frame.area_count());
@@ -119,8 +165,7 @@ std::vector<GatheredRequests> gather(FrameState& frame, const std::vector<std::v
     // A few scattered ones fill no packet: they wait for the finer lattice.
     for (auto& list : of_area)
         if (list.size() < least) list.clear();
-    std::vector<GatheredRequests> found(of_area.size());
-    parallel::for_each(of_area.size(), [&](std::size_t a) { gather_area(frame, of_area[a], found[a]); });
+    std::vector<GatheredRequests> found = gather_areas(frame, of_area);
     if (frame.rays != nullptr) gather_rays(frame, found);
     for (const GatheredRequests& g : found) frame.shade_counts.add(g.counts);
     return found;
@@ -152,7 +197,7 @@ void gather_trees_again(FrameState& frame, std::span<const GatherPoint> receiver
             ++last;
         groups.push_back(std::span(placed).subspan(first, last - first));
     }
-    parallel::for_ranges(groups.size(), 16, [&](std::size_t first, std::size_t end) {
+    parallel::for_ranges(groups.size(), groups_at_once, [&](std::size_t first, std::size_t end) {
         Gatherer gatherer(frame.light_trees, frame.tracer);
         for (std::size_t g = first; g < end; ++g) {
             const std::span<const Placed> group = groups[g];
@@ -182,36 +227,57 @@ void gather_trees_again(FrameState& frame, std::span<const GatherPoint> receiver
     });
 }
 
-void keep(FrameState& frame, const GatheredRequests& g, std::size_t i) {
+namespace {
+
+/// Takes the light of one point; what its record is to be, if it uses the cache.
+std::optional<IrradianceRecord> take(FrameState& frame, const GatheredRequests& g, std::size_t i) {
     const PointRef& ref = g.points[i];
     const GatherPoint& p = frame.point(ref);
     TileState& tile = frame.tiles[ref.tile];
     PointLight& light = tile.light[ref.index] = g.light[i];
     add(g.rays[i], p, light);
     tile.state[ref.index] = PointState::done;
-    if (!uses_cache(p)) return;
+    if (!uses_cache(p)) return std::nullopt;
     auto record = record_of(p, g.light[i], g.lobes[i], g.rays[i], frame.limits.error_scale, frame.snapshot.frame);
-    if (!record) return;
+    if (!record) return std::nullopt;
     record->set = g.sets[i];
     record->tolerance = tile.tolerance[ref.index];
-    std::uint32_t index = ref.record;
-    if (index == PointRef::none) {
+    if (ref.record == PointRef::none) {
         record->seed = request_of(p, {}, frame.pixel_of(ref.tile, p), frame.camera).seed;
-        index = frame.records.insert(*record);
-        ++frame.counts.created;
-    } else {
-        // Its rays stay what they are.
-        const IrradianceRecord& before = frame.records[index];
-        record->born = before.born;
-        record->seed = before.seed;
-        record->next_ray = before.next_ray;
-        record->known_rays = before.known_rays;
-        record->look = before.look;
-        record->looks_now = before.looks_now;
-        record->anchor = before.anchor;
-        frame.records.change(index) = *record;
+        return record;
     }
-    frame.fresh.push_back({ref, g.pools[i], index, g.light[i]});
+    // Its rays stay what they are.
+    const IrradianceRecord& before = frame.records[ref.record];
+    record->born = before.born;
+    record->seed = before.seed;
+    record->next_ray = before.next_ray;
+    record->known_rays = before.known_rays;
+    record->look = before.look;
+    record->looks_now = before.looks_now;
+    record->anchor = before.anchor;
+    return record;
+}
+
+}  // namespace
+
+void keep(FrameState& frame, const std::vector<GatheredRequests>& found) {
+    std::vector<std::vector<std::optional<IrradianceRecord>>> records(found.size());
+    parallel::for_each(found.size(), [&](std::size_t a) {
+        for (std::size_t i = 0; i < found[a].points.size(); ++i) records[a].push_back(take(frame, found[a], i));
+    });
+    for (std::size_t a = 0; a < found.size(); ++a) {
+        for (std::size_t i = 0; i < records[a].size(); ++i) {
+            if (!records[a][i]) continue;
+            std::uint32_t index = found[a].points[i].record;
+            if (index == PointRef::none) {
+                index = frame.records.insert(std::move(*records[a][i]));
+                ++frame.counts.created;
+            } else {
+                frame.records.change(index) = std::move(*records[a][i]);
+            }
+            frame.fresh.push_back({found[a].points[i], found[a].pools[i], index, found[a].light[i]});
+        }
+    }
 }
 
 }  // namespace render2mpeg::renderer

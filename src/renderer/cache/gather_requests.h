@@ -17,6 +17,8 @@ struct GatheredRequests {
     std::vector<std::uint32_t> pools;  ///< GatherRequest::pool, within the area
     std::vector<RayLight> rays;        ///< of records the first; of other points all
     ShadeCounts counts;
+
+    void append(const GatheredRequests& more);
 };
 
 /// Requests by area, so that those of neighbouring tiles share cuts.
@@ -30,7 +32,7 @@ std::vector<GatheredRequests> gather(FrameState& frame, const std::vector<std::v
 /// Gathers light of trees again for all records, by their plain receivers; they lie on the frame's grid.
 void gather_trees_again(FrameState& frame, std::span<const GatherPoint> receivers);
 
-/// Takes what was found of one of them as its point's light, and as a record if the point uses the cache.
-void keep(FrameState& frame, const GatheredRequests& found, std::size_t i);
+/// Takes what was found of them as their points' light, and as records of those points that use the cache.
+void keep(FrameState& frame, const std::vector<GatheredRequests>& found);
 
 }  // namespace render2mpeg::renderer

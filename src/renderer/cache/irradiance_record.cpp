@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "core/numeric.h"
+#include "parallel/loops.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -25,6 +26,9 @@ constexpr float least_normal = 0.95f;
 /// that are seen as steps (see.cpp); not tuned.
 constexpr float plane_near = 0.3f, plane_slope = 0.09f;
 
+/// Records of one task.
+constexpr std::size_t records_at_once = 1024;
+
 constexpr std::uint32_t nowhere = std::numeric_limits<std::uint32_t>::max();
 
 }  // namespace
@@ -41,39 +45,42 @@ bool on_one_surface(const SurfaceMark& a, const SurfaceMark& b, float apart, flo
     return off <= pixel * plane_near + apart * plane_slope + bend + error;
 }
 
+RecordGrid::Place RecordGrid::place_of(const IrradianceRecord& record, const scene::Camera& camera) const {
+    const auto seen = camera.project(record.position);
+    if (!seen) return {{}, nowhere};
+    const float x = std::floor(seen->position.x), y = std::floor(seen->position.y);
+    if (!(x >= -border && y >= -border && x < static_cast<float>(width_ + border) &&
+          y < static_cast<float>(height_ + border)))
+        return {{}, nowhere};
+    const int across = width_ + 2 * border;
+    return {seen->position,
+            static_cast<std::uint32_t>((static_cast<int>(y) + border) * across + static_cast<int>(x) + border)};
+}
+
 void RecordGrid::extend(std::span<const IrradianceRecord> records, const scene::Camera& camera) {
     if (!starts_.empty() && records.size() == places_.size()) return;
-    const int across = width_ + 2 * border, down = height_ + 2 * border;
-    const auto pixels = static_cast<std::size_t>(across) * static_cast<std::size_t>(down);
-    for (std::size_t i = places_.size(); i < records.size(); ++i) {
-        places_.push_back({{}, nowhere});
-        const auto seen = camera.project(records[i].position);
-        if (!seen) continue;
-        const float x = std::floor(seen->position.x), y = std::floor(seen->position.y);
-        if (!(x >= -border && y >= -border && x < static_cast<float>(width_ + border) &&
-              y < static_cast<float>(height_ + border)))
-            continue;
-        places_.back() = {seen->position, static_cast<std::uint32_t>((static_cast<int>(y) + border) * across +
-                                                                     static_cast<int>(x) + border)};
-    }
+    const auto pixels = static_cast<std::size_t>(width_ + 2 * border) * static_cast<std::size_t>(height_ + 2 * border);
+    const std::size_t known = places_.size();
+    places_.resize(records.size());
+    parallel::for_ranges(records.size() - known, records_at_once, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = known + first; i < known + last; ++i) places_[i] = place_of(records[i], camera);
+    });
     // Count, then place: the order within a pixel stays.
     starts_.assign(pixels + 1, 0);
     for (const Place& place : places_)
         if (place.pixel != nowhere) ++starts_[place.pixel + 1];
     for (std::size_t p = 0; p < pixels; ++p) starts_[p + 1] += starts_[p];
-    marks_.resize(starts_[pixels]);
-    std::vector<std::uint32_t> next(starts_.begin(), starts_.end() - 1);
-    for (std::size_t i = 0; i < records.size(); ++i) {
-        const Place& place = places_[i];
-        if (place.pixel == nowhere) continue;
-        const IrradianceRecord& r = records[i];
-        marks_[next[place.pixel]++] = {place.at,
-                                       static_cast<std::uint32_t>(i),
-                                       surface_of(r.address, r.back_side),
-                                       r.position,
-                                       r.geometric_normal,
-                                       r.shading_normal};
-    }
+    std::vector<std::uint32_t> next(starts_.begin(), starts_.end() - 1), order(starts_[pixels]);
+    for (std::uint32_t i = 0; i < records.size(); ++i)
+        if (places_[i].pixel != nowhere) order[next[places_[i].pixel]++] = i;
+    marks_.resize(order.size());
+    parallel::for_ranges(order.size(), records_at_once, [&](std::size_t first, std::size_t last) {
+        for (std::size_t k = first; k < last; ++k) {
+            const IrradianceRecord& r = records[order[k]];
+            marks_[k] = {places_[order[k]].at, order[k],           surface_of(r.address, r.back_side),
+                         r.position,           r.geometric_normal, r.shading_normal};
+        }
+    });
 }
 
 core::Plane<float> RecordGrid::density() const {
@@ -83,8 +90,25 @@ core::Plane<float> RecordGrid::density() const {
     return count;
 }
 
-std::uint32_t RecordStore::insert(const IrradianceRecord& record) {
-    records_.push_back(record);
+void for_each_pixel(std::span<const SurfaceMark> marks,
+                    const std::function<void(std::span<const SurfaceMark>)>& visit) {
+    const auto ends_pixel = [&](std::size_t i) {
+        return i == marks.size() || glm::floor(marks[i].at) != glm::floor(marks[i - 1].at);
+    };
+    parallel::for_ranges(marks.size(), records_at_once, [&](std::size_t first, std::size_t last) {
+        // A task has the pixels that begin in its range.
+        while (first > 0 && first < last && !ends_pixel(first)) ++first;
+        while (first < last) {
+            std::size_t end = first + 1;
+            while (!ends_pixel(end)) ++end;
+            visit(marks.subspan(first, end - first));
+            first = end;
+        }
+    });
+}
+
+std::uint32_t RecordStore::insert(IrradianceRecord record) {
+    records_.push_back(std::move(record));
     return static_cast<std::uint32_t>(records_.size() - 1);
 }
 
@@ -100,37 +124,35 @@ std::vector<IrradianceRecord> RecordStore::thin(std::int64_t frame, const Record
         std::int64_t born;
         std::uint32_t record;
     };
-    std::vector<Crowding> of_pixel;
-    for (std::size_t first = 0, last = 0; first < marks.size(); first = last) {
-        const glm::vec2 pixel = glm::floor(marks[first].at);
-        while (last < marks.size() && glm::floor(marks[last].at) == pixel) ++last;
-        if (last - first < 2) continue;
+    for_each_pixel(marks, [&](std::span<const SurfaceMark> here) {
+        if (here.size() < 2) return;
         // Surface by surface, the oldest first: after a cut to a far view a pixel may hold thousands.
-        of_pixel.clear();
-        for (std::size_t i = first; i < last; ++i)
-            of_pixel.push_back({marks[i].surface, records_[marks[i].record].born, marks[i].record});
-        std::sort(of_pixel.begin(), of_pixel.end(), [](const Crowding& a, const Crowding& b) {
+        std::vector<Crowding> crowd;
+        for (const SurfaceMark& m : here) crowd.push_back({m.surface, records_[m.record].born, m.record});
+        std::sort(crowd.begin(), crowd.end(), [](const Crowding& a, const Crowding& b) {
             return std::tie(a.surface, a.born, a.record) < std::tie(b.surface, b.born, b.record);
         });
-        for (std::size_t i = 0; i + 1 < of_pixel.size(); ++i) {
-            if (i + most_in_pixel < of_pixel.size() && of_pixel[i + most_in_pixel].surface == of_pixel[i].surface)
-                keeps[of_pixel[i].record] = 0;
-        }
-    }
+        for (std::size_t i = 0; i + most_in_pixel < crowd.size(); ++i)
+            if (crowd[i + most_in_pixel].surface == crowd[i].surface) keeps[crowd[i].record] = 0;
+    });
     std::vector<IrradianceRecord> dropped;
     for (std::size_t i = 0; i < records_.size(); ++i) {
         if (frame - records_[i].used > keeps_unused) keeps[i] = 0;
         if (keeps[i] == 0) dropped.push_back(records_[i]);
     }
     // In the order of the picture, since pixels ask for those around them: what is neither dropped nor seen comes last.
-    std::vector<IrradianceRecord> kept;
-    kept.reserve(records_.size());
-    const auto take = [&](std::size_t i) {
-        if (keeps[i] != 0) kept.push_back(records_[i]);
+    std::vector<std::uint32_t> order;
+    order.reserve(records_.size());
+    const auto take = [&](std::uint32_t i) {
+        if (keeps[i] != 0) order.push_back(i);
         keeps[i] = 0;
     };
     for (const SurfaceMark& m : marks) take(m.record);
-    for (std::size_t i = 0; i < records_.size(); ++i) take(i);
+    for (std::uint32_t i = 0; i < records_.size(); ++i) take(i);
+    std::vector<IrradianceRecord> kept(order.size());
+    parallel::for_ranges(order.size(), records_at_once, [&](std::size_t first, std::size_t last) {
+        for (std::size_t k = first; k < last; ++k) kept[k] = std::move(records_[order[k]]);
+    });
     records_.swap(kept);
     return dropped;
 }

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <glm/glm.hpp>
 #include <memory>
 #include <span>
@@ -137,11 +138,16 @@ class RecordGrid {
         std::uint32_t pixel = 0;  ///< of the picture with its border; or nowhere
     };
 
+    Place place_of(const IrradianceRecord& record, const scene::Camera& camera) const;
+
     int width_ = 0, height_ = 0;
     std::vector<Place> places_;          ///< of the records
     std::vector<std::uint32_t> starts_;  ///< of each pixel in `marks_`, and the end
     std::vector<SurfaceMark> marks_;
 };
+
+/// Calls visit(marks) for the marks of each pixel, given pixel by pixel, from many threads.
+void for_each_pixel(std::span<const SurfaceMark> marks, const std::function<void(std::span<const SurfaceMark>)>& visit);
 
 /// The records of a chunk.
 class RecordStore {
@@ -159,7 +165,7 @@ class RecordStore {
     /// Returns them.
     std::vector<IrradianceRecord> thin(std::int64_t frame, const RecordGrid& map);
 
-    std::uint32_t insert(const IrradianceRecord& record);
+    std::uint32_t insert(IrradianceRecord record);
     IrradianceRecord& change(std::uint32_t index) { return records_[index]; }
     const IrradianceRecord& operator[](std::uint32_t index) const { return records_[index]; }
     std::span<const IrradianceRecord> all() const { return records_; }

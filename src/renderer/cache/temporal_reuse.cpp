@@ -145,11 +145,9 @@ FrameLight finish(FrameState& frame, FrameHistory& history) {
     FrameLight light(frame.tiles.size());
     history.frame = frame.snapshot.frame;
     history.tiles.resize(frame.tiles.size());
-    for (std::size_t t = 0; t < frame.tiles.size(); ++t) {
+    parallel::for_each(frame.tiles.size(), [&](std::size_t t) {
         TileState& tile = frame.tiles[t];
         history.tiles[t].clear();
-        frame.counts.served += tile.served;
-        frame.shade_counts.gather_points += tile.served;
         for (std::size_t i = 0; i < tile.light.size(); ++i) {
             const GatherPoint& p = frame.seen.tiles[t][i];
             history.tiles[t].push_back(
@@ -157,6 +155,10 @@ FrameLight finish(FrameState& frame, FrameHistory& history) {
             add_up(frame, t, i);
         }
         light[t] = std::move(tile.light);
+    });
+    for (const TileState& tile : frame.tiles) {
+        frame.counts.served += tile.served;
+        frame.shade_counts.gather_points += tile.served;
     }
     return light;
 }

@@ -13,10 +13,6 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// Tiles that one thread shades in a row, so that a gatherer keeps its memory between them. chosen: 4; small pictures
-/// still have ranges for all threads.
-constexpr std::size_t tiles_at_once = 4;
-
 class TileShader {
   public:
     TileShader(const LightingContext& context, const ShadeSettings& settings, const FrameLight* known,
@@ -266,12 +262,10 @@ core::Radiance shade(const LightingContext& context, const ShadeSettings& settin
     }
     std::vector<ShadeCounts> of_tile(seen.tiles.size());
     if (light != nullptr) light->resize(seen.tiles.size());
-    parallel::for_ranges(seen.tiles.size(), tiles_at_once, [&](std::size_t first, std::size_t last) {
+    parallel::for_each(seen.tiles.size(), [&](std::size_t i) {
         TileShader shader(context, settings, known, radiance);
-        for (std::size_t i = first; i < last; ++i) {
-            of_tile[i] = shader.shade(i);
-            if (light != nullptr) (*light)[i] = shader.take_light();
-        }
+        of_tile[i] = shader.shade(i);
+        if (light != nullptr) (*light)[i] = shader.take_light();
     });
     for (const ShadeCounts& c : of_tile) counts.add(c);
     return radiance;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -30,7 +31,7 @@ constexpr std::size_t rays_at_once = std::size_t{1} << 19;
 constexpr std::uint32_t bundle_rays = 256;
 
 /// Rays of one task, and pools that one task looks at.
-constexpr std::size_t rays_of_task = 1024, pools_of_task = 16;
+constexpr std::size_t rays_of_task = 512, pools_of_task = 16;
 
 /// Rays of a lobe whose cones fill it, for the sky's sake. chosen: 64.
 constexpr float lobe_rays = 64.0f;
@@ -63,7 +64,7 @@ struct FinalGather::Bundle {
 struct FinalGather::Pool {
     std::uint32_t first = 0, last = 0;  ///< requests, `last` not included
     bool is_guided = false;
-    RayGuide guide;
+    std::unique_ptr<RayGuide> guide;  ///< null: it would not pay
 };
 
 /// Results of tracing, by ray.
@@ -264,13 +265,13 @@ void FinalGather::trace_all(std::span<const GatherRequest> requests, std::span<c
     parallel::for_each(pool_ends.size(), [&](std::size_t run) {
         for (std::size_t b = run == 0 ? 0 : pool_ends[run - 1]; b < pool_ends[run]; ++b) {
             PointSums& s = sums[bundles[b].request];
-            add_bundle(requests[bundles[b].request], found[b], s, pools[s.pool].guide);
+            add_bundle(requests[bundles[b].request], found[b], s, pools[s.pool].guide.get());
         }
     });
 }
 
-/// Adds the rays of a bundle to the sums of its request, and tells the guide of its pool.
-void FinalGather::add_bundle(const GatherRequest& request, Traced& traced, PointSums& s, RayGuide& guide) const {
+/// Adds the rays of a bundle to the sums of its request, and tells the guide of its pool, if it has one. They go.
+void FinalGather::add_bundle(const GatherRequest& request, Traced& traced, PointSums& s, RayGuide* guide) const {
     for (const RayTerm& term : traced.terms) {
         const std::uint32_t cell = term.cell != LightCells::none ? term.cell : cache_.index_of(term.place.key);
         traced.rays[term.ray].light += term.weight * (request.lobe ? cache_.radiance(cell) : cache_.far_part(cell));
@@ -286,7 +287,7 @@ void FinalGather::add_bundle(const GatherRequest& request, Traced& traced, Point
             batch.weight[k] += ray.weight[k];
         }
         ++s.rays;
-        guide.add(ray.cell, ray.density * shown_luminance(*request.point, shares));
+        if (guide != nullptr) guide->add(ray.cell, ray.density * shown_luminance(*request.point, shares));
         if (++batch.rays < batch_rays) continue;
         const double shown = shown_luminance(*request.point, batch.mean(s.albedo));
         if (const std::uint32_t number = s.rays / batch_rays - 1; number < 2) s.first_batches[number] = shown;
@@ -294,6 +295,7 @@ void FinalGather::add_bundle(const GatherRequest& request, Traced& traced, Point
         s.batch_squares += shown * shown;
         batch = {};
     }
+    traced = {};
 }
 
 double GatherAim::worth(double rays) const {
@@ -311,7 +313,7 @@ void FinalGather::want_rays(std::span<const GatherRequest> requests, std::span<c
                             bool pilot, GatherAim aim, std::vector<std::uint32_t>& wanted) const {
     double all = 0;
     for (std::size_t i = pool.first; i < pool.last; ++i) all += sums[i].batch_variance();
-    const double share = pilot && pool.is_guided ? pool.guide.variance_share() : 1.0;
+    const double share = pilot && pool.is_guided ? pool.guide->variance_share() : 1.0;
     const double others = static_cast<double>(pool.last - pool.first) - 1.0;
     for (std::size_t i = pool.first; i < pool.last; ++i) {
         if (wanted[i] = requests[i].rays; wanted[i] > 0) continue;
@@ -333,12 +335,12 @@ void FinalGather::want_rays(std::span<const GatherRequest> requests, std::span<c
 void FinalGather::guide(std::span<const GatherRequest> requests, GatherAim aim, Pool& pool,
                         std::vector<PointSums>& sums, std::vector<std::uint32_t>& wanted) const {
     want_rays(requests, sums, pool, true, aim, wanted);
-    if (requests[pool.first].lobe) return;
+    if (pool.guide == nullptr) return;
     double rays = 0, seen = 0;
     for (std::size_t i = pool.first; i < pool.last; ++i) rays += wanted[i], seen += sums[i].rays;
     if (rays < worth_guiding * seen) return;
-    pool.guide.learn();
-    if (pool.guide.variance_share() > gain_of_guides) return;
+    pool.guide->learn();
+    if (pool.guide->variance_share() > gain_of_guides) return;
     pool.is_guided = true;
     want_rays(requests, sums, pool, true, aim, wanted);
     for (std::size_t i = pool.first; i < pool.last; ++i) {
@@ -369,26 +371,49 @@ void add(const RayLight& rays, const GatherPoint& point, PointLight& light) {
     light.error = std::hypot(light.error, rays.error);
 }
 
-std::vector<FinalGather::Pool> FinalGather::pools_of(std::span<const GatherRequest> requests) {
-    std::vector<Pool> pools;
-    for (std::uint32_t i = 0; i < requests.size(); ++i) {
-        if (i == 0 || requests[i].pool != requests[i - 1].pool) pools.push_back({i, i, false, {}});
-        ++pools.back().last;
-    }
-    return pools;
+namespace {
+
+/// Rays of a request's first look.
+std::uint32_t look_of(const GatherRequest& r) {
+    return r.rays == 0 ? first_rays
+                       : std::max(r.rays / (worth_guiding * batch_rays) * batch_rays, std::min(first_rays, r.rays));
 }
 
-std::vector<PointSums> FinalGather::sums_of(std::span<const GatherRequest> requests, std::span<const Pool> pools) {
-    std::vector<PointSums> sums(requests.size());
+/// Whether a guide may pay, as far as it is known before any ray.
+bool may_be_guided(std::span<const GatherRequest> pool) {
+    if (pool.front().lobe) return false;
+    double rays = 0, seen = 0;
+    for (const GatherRequest& r : pool) {
+        if (r.rays == 0) return true;
+        rays += r.rays;
+        seen += look_of(r);
+    }
+    return !(rays < worth_guiding * seen);
+}
+
+}  // namespace
+
+/// Pools, and empty sums of their requests.
+std::vector<FinalGather::Pool> FinalGather::pools_of(std::span<const GatherRequest> requests,
+                                                     std::vector<PointSums>& sums) {
+    std::vector<Pool> pools;
+    for (std::uint32_t i = 0; i < requests.size(); ++i) {
+        if (i == 0 || requests[i].pool != requests[i - 1].pool) pools.push_back({i, i, false, nullptr});
+        ++pools.back().last;
+    }
+    sums.resize(requests.size());
     for_each_pool(pools, [&](std::size_t k) {
-        for (std::size_t i = pools[k].first; i < pools[k].last; ++i) {
+        Pool& pool = pools[k];
+        if (may_be_guided(requests.subspan(pool.first, pool.last - pool.first)))
+            pool.guide = std::make_unique<RayGuide>();
+        for (std::size_t i = pool.first; i < pool.last; ++i) {
             const SurfacePoint& p = requests[i].point->point;
             sums[i].pool = static_cast<std::uint32_t>(k);
             if (requests[i].lobe)
                 sums[i].albedo = lobe_albedo(glm::dot(p.shading_normal, p.outgoing), p.bsdf.mean_alpha());
         }
     });
-    return sums;
+    return pools;
 }
 
 void FinalGather::trace_wanted(std::span<const GatherRequest> requests, std::span<const std::uint32_t> wanted,
@@ -406,7 +431,7 @@ void FinalGather::trace_wanted(std::span<const GatherRequest> requests, std::spa
         const std::uint64_t seed = pool.is_guided ? core::mix(requests[i].seed + guided_seed) : requests[i].seed;
         for (std::uint32_t first = sums[i].rays; first < wanted[i]; first += bundle_rays)
             bundles.push_back({i, requests[i].from + first, std::min(bundle_rays, wanted[i] - first),
-                               pool.is_guided ? &pool.guide : nullptr, seed});
+                               pool.is_guided ? pool.guide.get() : nullptr, seed});
         rays += wanted[i] - std::min(wanted[i], sums[i].rays);
         if (rays >= rays_at_once) flush();
     }
@@ -415,29 +440,28 @@ void FinalGather::trace_wanted(std::span<const GatherRequest> requests, std::spa
 
 std::vector<RayLight> FinalGather::gather(std::span<const GatherRequest> requests, GatherAim aim) {
     const Stopwatch timer(counts_.seconds);
-    std::vector<Pool> pools = pools_of(requests);
-    std::vector<PointSums> sums = sums_of(requests, pools);
+    std::vector<PointSums> sums;
+    std::vector<Pool> pools = pools_of(requests, sums);
     // A first look tells how many rays are wanted and where to, a second one whether these are enough.
-    std::vector<std::uint32_t> wanted;
-    for (const GatherRequest& r : requests)
-        wanted.push_back(
-            r.rays == 0 ? first_rays
-                        : std::max(r.rays / (worth_guiding * batch_rays) * batch_rays, std::min(first_rays, r.rays)));
+    std::vector<std::uint32_t> wanted(requests.size());
+    std::transform(requests.begin(), requests.end(), wanted.begin(), look_of);
     trace_wanted(requests, wanted, sums, pools);
     for_each_pool(pools, [&](std::size_t k) { guide(requests, aim, pools[k], sums, wanted); });
     trace_wanted(requests, wanted, sums, pools);
     for_each_pool(pools, [&](std::size_t k) {
-        if (pools[k].is_guided) pools[k].guide.learn();
+        if (pools[k].is_guided) pools[k].guide->learn();
         want_rays(requests, sums, pools[k], false, aim, wanted);
     });
     trace_wanted(requests, wanted, sums, pools);
     std::vector<RayLight> light(requests.size());
-    for (std::size_t i = 0; i < requests.size(); ++i) {
-        const PointSums& s = sums[i];
-        light[i] = {s.mean(), errors_allowed * static_cast<float>(std::sqrt(s.variance())),
-                    static_cast<float>(s.batch_variance()), s.rays,
-                    static_cast<float>(s.first_batches[0] - s.first_batches[1])};
-    }
+    for_each_pool(pools, [&](std::size_t k) {
+        for (std::size_t i = pools[k].first; i < pools[k].last; ++i) {
+            const PointSums& s = sums[i];
+            light[i] = {s.mean(), errors_allowed * static_cast<float>(std::sqrt(s.variance())),
+                        static_cast<float>(s.batch_variance()), s.rays,
+                        static_cast<float>(s.first_batches[0] - s.first_batches[1])};
+        }
+    });
     counts_.points += requests.size();
     counts_.cell_rays = cache_.rays();
     return light;

@@ -115,12 +115,11 @@ class FinalGather {
     Directions hemisphere(const GatherRequest& request, const Bundle& bundle) const;
     Directions lobe(const GatherRequest& request, const Bundle& bundle) const;
     void trace(const GatherRequest& request, const Bundle& bundle, Traced& out) const;
-    static std::vector<Pool> pools_of(std::span<const GatherRequest> requests);
-    static std::vector<PointSums> sums_of(std::span<const GatherRequest> requests, std::span<const Pool> pools);
+    static std::vector<Pool> pools_of(std::span<const GatherRequest> requests, std::vector<PointSums>& sums);
     static std::vector<std::size_t> runs_of(std::span<const Bundle> bundles, std::size_t rays);
     void trace_all(std::span<const GatherRequest> requests, std::span<const Bundle> bundles,
                    std::vector<PointSums>& sums, std::vector<Pool>& pools);
-    void add_bundle(const GatherRequest& request, Traced& traced, PointSums& s, RayGuide& guide) const;
+    void add_bundle(const GatherRequest& request, Traced& traced, PointSums& s, RayGuide* guide) const;
     void trace_wanted(std::span<const GatherRequest> requests, std::span<const std::uint32_t> wanted,
                       std::vector<PointSums>& sums, std::vector<Pool>& pools);
     void want_rays(std::span<const GatherRequest> requests, std::span<const PointSums> sums, const Pool& pool,

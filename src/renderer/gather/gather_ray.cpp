@@ -45,7 +45,8 @@ std::uint64_t spread_bits(std::uint64_t v) {
 /// from bounce to bounce.
 class ChosenTerm {
   public:
-    ChosenTerm(std::uint32_t ray, float number) : term_{.ray = ray, .weight = glm::vec3(0), .place = {}}, number_(number) {}
+    ChosenTerm(std::uint32_t ray, float number)
+        : term_{.ray = ray, .weight = glm::vec3(0), .place = {}}, number_(number) {}
 
     void offer(glm::vec3 weight, const Sighting& place) {
         const float own = core::luminance(weight);

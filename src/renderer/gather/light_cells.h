@@ -60,7 +60,7 @@ class LightCells {
     static constexpr std::size_t shards = 64;  ///< chosen: as many as the threads that are to be busy
     static constexpr std::uint32_t none = CellTable::none;
 
-    static std::size_t shard_of(std::uint64_t key) { return core::mix(key >> 51) >> 58; }
+    static std::size_t shard_of(std::uint64_t key) { return core::mix(key) >> 58; }
 
     void forget();
     /// Forgets the cells of one ray's own.

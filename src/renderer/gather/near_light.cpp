@@ -36,7 +36,7 @@ constexpr double most_reach = 0.5;
 constexpr std::size_t most_spheres = 512;
 
 /// Rays that look about.
-constexpr std::uint64_t eye_rays = 256;
+constexpr std::uint64_t eye_rays = 256, eye_rays_at_once = 16;
 
 /// Plans at least half of the photons for lights that have a near field.
 void favour_near(std::span<const LightPoint> shining, const NearField& near_field, const WorldBox& box,
@@ -147,16 +147,29 @@ EyeLook look_about(const PosedScene& posed_scene, const Plan& plan, const scene:
     const GatherRays rays(posed_scene, plan);
     SurfaceCache cache(posed_scene, plan);
     cache.forget({});
+    // What the rays of one task met.
+    struct Looked {
+        std::vector<glm::vec3> places;
+        std::vector<RayTerm> terms;
+    };
+    std::vector<Looked> looked(eye_rays / eye_rays_at_once);
+    parallel::for_each(looked.size(), [&](std::size_t task) {
+        const FlushDenormals flushed;
+        std::uint64_t traced = 0;
+        for (std::uint64_t i = task * eye_rays_at_once; i < (task + 1) * eye_rays_at_once; ++i) {
+            const scene::Ray eye =
+                camera.ray_through(glm::vec2(core::halton(0, i + 1), core::halton(1, i + 1)) * glm::vec2(size));
+            const RayQuery ray{eye.origin, eye.direction, std::numeric_limits<float>::infinity()};
+            const Hit hit = posed_scene.tracer().nearest(ray.origin, ray.direction, ray.far);
+            if (hit.found()) looked[task].places.push_back(ray.origin + hit.distance * ray.direction);
+            rays.follow(ray, hit, {}, lobe::inverse_pi, i, static_cast<std::uint32_t>(i), looked[task].terms, traced);
+        }
+    });
     std::vector<glm::vec3> places;
     std::vector<RayTerm> terms;
-    std::uint64_t traced = 0;
-    for (std::uint64_t i = 0; i < eye_rays; ++i) {
-        const scene::Ray eye =
-            camera.ray_through(glm::vec2(core::halton(0, i + 1), core::halton(1, i + 1)) * glm::vec2(size));
-        const RayQuery ray{eye.origin, eye.direction, std::numeric_limits<float>::infinity()};
-        const Hit hit = posed_scene.tracer().nearest(ray.origin, ray.direction, ray.far);
-        if (hit.found()) places.push_back(ray.origin + hit.distance * ray.direction);
-        rays.follow(ray, hit, {}, lobe::inverse_pi, i, static_cast<std::uint32_t>(i), terms, traced);
+    for (const Looked& part : looked) {
+        places.insert(places.end(), part.places.begin(), part.places.end());
+        terms.insert(terms.end(), part.terms.begin(), part.terms.end());
     }
     std::vector<Sighting> wanted;
     for (const RayTerm& term : terms) wanted.push_back(term.place);

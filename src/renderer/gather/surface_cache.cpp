@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <deque>
 #include <span>
 #include <utility>
 
@@ -20,6 +21,9 @@ constexpr std::size_t waves = 5;
 /// Tasks of a wave, and places that a task is worth.
 constexpr std::size_t most_tasks = 256, least_places = 16;
 
+/// Tasks whose memory one task frees.
+constexpr std::size_t tasks_at_once = 32;
+
 template <class Body>
 void for_each_shard(const Body& body) {
     parallel::for_each(LightCells::shards, [&](std::size_t s) {
@@ -34,7 +38,8 @@ void for_each_shard(const Body& body) {
 struct SurfaceCache::Learning {
     std::vector<AskedPlaces> asked;  ///< of the wave to come
     std::array<ShardLessons, LightCells::shards> shards;
-    std::vector<std::vector<TaskLight>> found;  ///< by wave and task
+    std::deque<TaskLight> found;  ///< by wave and task
+    std::size_t first_of_wave = 0;
 };
 
 void SurfaceCache::forget(NearField near_field) {
@@ -66,21 +71,23 @@ void SurfaceCache::evaluate_wave(Learning& learning, std::uint32_t known) {
             left = left.subspan(taken);
         }
     }
-    std::vector<TaskLight>& found = learning.found.emplace_back(tasks.size());
+    const std::size_t first = learning.first_of_wave = learning.found.size();
+    learning.found.resize(first + tasks.size());
     parallel::for_each(tasks.size(), [&](std::size_t t) {
         const FlushDenormals flushed;
-        found[t] = light_.evaluate(learning.shards[tasks[t].shard], tasks[t].lessons, known, cells_);
+        learning.found[first + t] = light_.evaluate(learning.shards[tasks[t].shard], tasks[t].lessons, known, cells_);
     });
     learning.asked.clear();
-    for (TaskLight& task : found) {
-        rays_ += task.rays;
-        learning.asked.push_back(std::move(task.asked));
+    for (std::size_t t = first; t < learning.found.size(); ++t) {
+        rays_ += learning.found[t].rays;
+        learning.asked.push_back(std::move(learning.found[t].asked));
     }
 }
 
 void SurfaceCache::add_paths(Learning& learning) {
     std::vector<const ShardLessons::TaskPaths*> paths;
-    for (const TaskLight& task : learning.found.back()) paths.push_back(&task.paths);
+    for (std::size_t t = learning.first_of_wave; t < learning.found.size(); ++t)
+        paths.push_back(&learning.found[t].paths);
     for_each_shard([&](std::size_t s) { learning.shards[s].add_paths(s, paths, cells_); });
 }
 
@@ -224,6 +231,10 @@ void SurfaceCache::learn(std::vector<std::vector<Sighting>> wanted) {
     }
     add_paths(learning);
     solve(learning);
+    // Memory of many small things takes its time to go.
+    parallel::for_ranges(learning.found.size(), tasks_at_once, [&](std::size_t first, std::size_t last) {
+        for (std::size_t t = first; t < last; ++t) learning.found[t] = {};
+    });
 }
 
 }  // namespace render2mpeg::renderer
