@@ -35,7 +35,7 @@ class WithoutModules : public testing::Test {
 };
 
 const std::string small =
-    " --size 32x24 --frames 0:0 --tolerance fixed=20% --samples 1 --indirect lightcuts --vpls 16 ";
+    " --size 64x64 --frames 0:0 --tolerance fixed=20% --samples 1 --indirect lightcuts --vpls 16 ";
 
 TEST_F(WithoutModules, EveryOutputIsRefusedBeforeAnyFrameIsLit) {
     struct Case {
@@ -45,7 +45,7 @@ TEST_F(WithoutModules, EveryOutputIsRefusedBeforeAnyFrameIsLit) {
                                                            {"f.m2v", "av"},
                                                            {"f.ts", "av"},
                                                            {"f.mp4", "av"},
-                                                           {"f.mkv --codec av1 --size 64x64", "av"},
+                                                           {"f.mkv --codec av1", "av"},
                                                            {"f.y4m --heatmap cut OUT/h.mpg", "av"},
                                                            {"f%04d.png", "image"},
                                                            {"f.y4m --last-frame OUT/last.png", "image"},
