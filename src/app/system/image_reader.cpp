@@ -8,10 +8,12 @@
 #include <algorithm>
 #include <cerrno>
 #include <deque>
+#include <filesystem>
 #include <iostream>
 #include <new>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <system_error>
 #include <utility>
 
 #include "app/system/interrupt.h"
@@ -49,6 +51,13 @@ std::uint64_t whole_pages(std::uint64_t bytes) {
 std::uint64_t size_of_file(int file) {
     struct stat state {};
     return fstat(file, &state) == 0 ? static_cast<std::uint64_t>(state.st_size) : 0;
+}
+
+/// Encoded bytes; 0 where there is no such file.
+std::uintmax_t size_of(const scene::ImageSource& source) {
+    std::error_code failure;
+    const std::uintmax_t size = source.path.empty() ? 0 : std::filesystem::file_size(source.path, failure);
+    return failure ? 0 : std::max<std::uintmax_t>(size, source.bytes.size());
 }
 
 void write_at(int file, std::uint64_t at, std::span<const std::byte> bytes) {
@@ -241,9 +250,13 @@ std::vector<int> ImageReader::finish(std::unique_ptr<Group> group, bool refuses)
 }
 
 bool ImageReader::read(const std::vector<int>& images, const ImageProbes& probes, bool headers_alone) {
-    // chosen: opening OpenImageIO takes a process 0.2 s, as long as some sixteen small images (4..16).
-    constexpr std::size_t images_of_one = 16;
-    const std::size_t count = std::min(probes.at_once, (images.size() + images_of_one - 1) / images_of_one);
+    // chosen: opening OpenImageIO takes a process 0.2 s, as long as some sixteen small images or 4 MB of large ones (4
+    // to 16, 1 to 16 MB).
+    constexpr std::uintmax_t images_of_one = 16, bytes_of_one = 4'000'000;
+    std::uintmax_t bytes = 0;
+    for (const int image : images) bytes += size_of(film_->images[static_cast<std::size_t>(image)]);
+    const std::uintmax_t wanted = std::max((images.size() + images_of_one - 1) / images_of_one, bytes / bytes_of_one);
+    const std::size_t count = std::min({probes.at_once, images.size(), static_cast<std::size_t>(wanted)});
     std::deque<std::unique_ptr<Group>> running;
     for (std::size_t p = 0; p < count; ++p) {
         std::vector<int> own;
