@@ -61,6 +61,14 @@ const char* format_of(const std::filesystem::path& name) {
     return nullptr;
 }
 
+/// The same; throws core::Error instead.
+const char* container_of(const std::filesystem::path& name, ProgramStream program_stream) {
+    const char* format = format_of(name);
+    if (format == nullptr)
+        throw core::Error("writing", name.string(), "its ending is none of mpg, mpeg, vob, ts, m2v, mkv, mp4, mov");
+    return std::string_view(format) == "vob" && program_stream == ProgramStream::dvd ? "dvd" : format;
+}
+
 }  // namespace
 
 void check_container(const std::filesystem::path& name, encoder::Codec codec) {
@@ -76,6 +84,15 @@ void check_container(const std::filesystem::path& name, encoder::Codec codec) {
 const Backend& backend() {
     static const Backend* const backend = core::module_function<const Backend*()>("av", "render2mpeg_av_backend")();
     return *backend;
+}
+
+void open_libraries() {
+    backend();
+}
+
+void check_film(const std::filesystem::path& name, encoder::Codec codec, const Sound& sound,
+                ProgramStream program_stream) {
+    backend().check_film(name, container_of(name, program_stream), codec, sound);
 }
 
 bool can_have_sound(const std::filesystem::path& film) {
@@ -106,10 +123,7 @@ struct Muxer::Impl {
 Muxer::Muxer(const std::filesystem::path& file, const std::filesystem::path& name, const encoder::Settings& settings,
              std::size_t largest_picture, ProgramStream program_stream, const Sound& sound)
     : impl_(std::make_unique<Impl>()) {
-    const char* format = format_of(name);
-    if (format != nullptr && std::string_view(format) == "vob" && program_stream == ProgramStream::dvd) format = "dvd";
-    if (format == nullptr)
-        throw core::Error("writing", name.string(), "its ending is none of mpg, mpeg, vob, ts, m2v, mkv, mp4, mov");
+    const char* format = container_of(name, program_stream);
     check_container(name, settings.codec);
     // Open the module and the file now, so that a film that cannot be written fails before it is rendered.
     backend();

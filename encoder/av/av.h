@@ -25,6 +25,14 @@ void check_container(const std::filesystem::path& name, encoder::Codec codec);
 /// before each video object unit, as tools that make DVDs take them; for streams of at most 9.8 Mb/s.
 enum class ProgramStream { plain, dvd };
 
+/// Opens FFmpeg's libraries. Throws core::Error where their module is missing.
+void open_libraries();
+
+/// Opens what films of this name, codec and sound are made with and proved by: FFmpeg's libraries, the container's
+/// writer, the decoder, the sound's encoder. Throws core::Error, naming what is missing.
+void check_film(const std::filesystem::path& name, encoder::Codec codec, const Sound& sound = {},
+                ProgramStream program_stream = ProgramStream::plain);
+
 /// Takes the bytes of a film as they come, in order; false: it takes no more. Throws nothing.
 using ByteSink = std::function<bool(std::span<const std::uint8_t>)>;
 

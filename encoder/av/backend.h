@@ -69,6 +69,9 @@ class Backend {
     virtual std::unique_ptr<Container> create(const std::filesystem::path& file, const ByteSink& sink,
                                               const char* format, const encoder::Settings& settings,
                                               const SequenceFacts& facts, const Sound& sound) const = 0;
+    /// Throws core::Error where films of libavformat's `format` are not written or decoded, or this sound not encoded.
+    virtual void check_film(const std::filesystem::path& name, const char* format, encoder::Codec codec,
+                            const Sound& sound) const = 0;
     /// Throws core::Error where libavcodec has no encoder for the codec, or none with this bit depth.
     virtual void check_encoder(const encoder::Settings& settings) const = 0;
     virtual std::unique_ptr<LibraryEncoder> open_encoder(const encoder::Settings& settings) const = 0;

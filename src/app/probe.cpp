@@ -8,7 +8,7 @@
 
 #include "app/commands/commands.h"
 #include "app/options/options.h"
-#include "app/system/probes.h"
+#include "app/system/image_reader.h"
 #include "core/error.h"
 #include "core/picture.h"
 #include "encoder/av/av.h"
@@ -36,10 +36,6 @@ std::string read_scene(const Words& words, const scene::BeginLimits& begin_limit
 std::string read_gltf(const Words& words, const scene::BeginLimits& begin_limits) {
     scene::load_gltf(words.at(0), {}, [&](std::uintmax_t) { begin_limits(); });
     return {};
-}
-
-std::string read_images(const Words&, const scene::BeginLimits& begin_limits) {
-    return read_probed_images(begin_limits);
 }
 
 /// FILE
@@ -82,7 +78,7 @@ void probe(int argc, char** argv) {
     scene::live_as_probe(argc, argv,
                          {{"scene", read_scene},
                           {"gltf", read_gltf},
-                          {"images", read_images},
+                          {"images", read_probed_images},
                           {"film", read_film},
                           {"sound", read_sound},
                           {"info", read_facts},

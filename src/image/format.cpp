@@ -8,6 +8,7 @@
 #include "core/checksum.h"
 #include "core/error.h"
 #include "core/text.h"
+#include "image/image.h"
 
 namespace render2mpeg::image {
 namespace {
@@ -128,6 +129,16 @@ std::uint64_t max_pixels_per_byte(Format format) {
             return 16384;  // chosen: what no picture needs; runs, arithmetic codes and fax codes have no limit of their
                            // own
     }
+}
+
+void check_size(int width, int height, std::size_t file_bytes, Format format, const std::string& name) {
+    const std::uint64_t pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
+    if (pixels > max_pixels)
+        throw core::Error("reading", name,
+                          std::to_string(width) + " x " + std::to_string(height) + " pixels: the limit is " +
+                              std::to_string(max_pixels) + " in all");
+    if (pixels > max_pixels_per_byte(format) * file_bytes)
+        throw core::Error("reading", name, "the file is too short for its size in pixels");
 }
 
 std::optional<Format> format_of(std::span<const std::byte> bytes, const std::string& name) {

@@ -19,6 +19,9 @@ const char* name_of(Format format);
 /// The most pixels that a byte of such a file can hold; files that claim more are cut off, or a trap.
 std::uint64_t max_pixels_per_byte(Format format);
 
+/// Refuses an image by what its header says, before any pixel has a place. Throws core::Error.
+void check_size(int width, int height, std::size_t file_bytes, Format format, const std::string& name);
+
 /// Format by first bytes; TGA by its ending or footer. None for others.
 std::optional<Format> format_of(std::span<const std::byte> bytes, const std::string& name);
 

@@ -1,7 +1,10 @@
 #include "image/image.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
+#include <memory>
 #include <set>
 #include <system_error>
 
@@ -9,6 +12,8 @@
 #include "core/module.h"
 #include "image/format.h"
 #include "image/module/codec.h"
+#include "image/png_jpeg.h"
+#include "image/stored_image.h"
 
 namespace render2mpeg::image {
 namespace {
@@ -104,25 +109,37 @@ void replace_file(const fs::path& path, std::span<const unsigned char> bytes) {
 
 }  // namespace
 
-void open_decoders() {
-    codec();
-}
-
-std::size_t count_non_finite(const Image& image) {
-    std::size_t count = 0;
-    for (const glm::vec4& p : image.pixels.values())
-        for (int c = 0; c < 3; ++c) count += std::isfinite(p[c]) ? 0 : 1;
-    return count;
-}
-
 Image read_image(const fs::path& path, std::span<const std::byte> bytes, const std::string& name) {
     const Encoded file(path, bytes, name);
-    return codec().decode(file.bytes, file.format, name);
+    const std::optional<StoredImage> stored = decode_png_or_jpeg(file.bytes, file.format, name);
+    if (!stored) return codec().decode(file.bytes, file.format, name);
+    Image image{core::Plane<glm::vec4>(stored->width, stored->height), stored->has_alpha, stored->pixel_aspect};
+    std::transform(stored->codes.begin(), stored->codes.end(), image.pixels.values().begin(), StoredImage::value_of);
+    return image;
+}
+
+StoredImage read_stored_image(const fs::path& path, std::span<const std::byte> bytes, const std::string& name) {
+    const Encoded file(path, bytes, name);
+    if (std::optional<StoredImage> stored = decode_png_or_jpeg(file.bytes, file.format, name)) return *stored;
+    const auto image = std::make_shared<const Image>(codec().decode(file.bytes, file.format, name));
+    StoredImage stored(*image);
+    if (stored.codes.empty()) stored.memory = image;
+    return stored;
 }
 
 ImageHeader read_image_header(const fs::path& path, std::span<const std::byte> bytes, const std::string& name) {
     const Encoded file(path, bytes, name);
-    return codec().header_of(file.bytes, file.format, name);
+    const std::optional<ImageHeader> header = header_of_png_or_jpeg(file.bytes, file.format, name);
+    return header ? *header : codec().header_of(file.bytes, file.format, name);
+}
+
+void open_decoder(const fs::path& path, std::span<const std::byte> bytes, const std::string& name) {
+    std::array<std::byte, 16> start{};
+    if (bytes.empty() &&
+        std::ifstream(path, std::ios::binary).read(reinterpret_cast<char*>(start.data()), start.size()))
+        bytes = start;
+    const std::optional<Format> format = format_of(bytes, name);
+    if (format != Format::png && format != Format::jpeg) codec();
 }
 
 ExrChannels read_exr(const fs::path& path, const std::function<bool(const std::string&)>& wanted) {
@@ -188,6 +205,14 @@ std::vector<unsigned char> png_bytes(int width, int height, std::span<const unsi
     EXPECTS(width > 0 && height > 0);
     EXPECTS(rgb.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3);
     return codec().encode_png(width, height, rgb, 1, name);
+}
+
+void open_writer(const std::string& ending) {
+    EXPECTS(ending == ".png" || ending == ".exr");
+    if (ending == ".png")
+        codec();
+    else
+        exr_codec();
 }
 
 void write_png(const fs::path& path, int width, int height, std::span<const unsigned char> colors, float pixel_aspect) {

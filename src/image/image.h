@@ -27,15 +27,9 @@ struct Image {
 /// The largest half float: replaces overflowed values.
 inline constexpr float overflowed = 65504.0f;
 
-/// How many values of the image's colours are infinite or NaN.
-std::size_t count_non_finite(const Image& image);
-
 /// Reads a file, or `bytes` unless empty. `name` is for messages. Throws core::Error, for more than `max_pixels` before
 /// allocating.
 Image read_image(const std::filesystem::path& path, std::span<const std::byte> bytes, const std::string& name);
-
-/// Opens image libraries, which takes half a second: before probes are started.
-void open_decoders();
 
 /// chosen: a sky of 16384x8192 pixels is read, which takes 3.5 GB as a texture of 8-bit colours. A file of less than a
 /// megabyte can claim as many, so that more would be refused by the machine (16384x16384 took 12.8 GB).
@@ -76,6 +70,10 @@ void write_exr(const std::filesystem::path& path, int width, int height, std::sp
 /// multiplied by, which the file says.
 void write_png(const std::filesystem::path& path, int width, int height, std::span<const unsigned char> colors,
                float pixel_aspect = 1);
+
+/// Opens what writes files of such an ending, .png or .exr, so that a missing module is told at once. Throws
+/// core::Error.
+void open_writer(const std::string& ending);
 
 /// The bytes of such a PNG file with square pixels. `name` is for messages.
 std::vector<unsigned char> png_bytes(int width, int height, std::span<const unsigned char> rgb,

@@ -233,10 +233,10 @@ void SkyGrid::divide(const Part& part, const core::Plane<float>& power, std::vec
 
 SkyMap::SkyMap(glm::vec3 radiance) : mean_(usable(radiance.x), usable(radiance.y), usable(radiance.z)) {}
 
-SkyMap::SkyMap(const Image& image, glm::vec3 factor, float rotation)
+SkyMap::SkyMap(const StoredImage& image, glm::vec3 factor, float rotation)
     : cos_rotation_(std::cos(rotation)), sin_rotation_(std::sin(rotation)) {
     EXPECTS(std::isfinite(rotation));
-    const int width = image.pixels.width(), height = image.pixels.height();
+    const int width = image.width, height = image.height;
     if (width == 0 || height == 0) return;
 
     // Make the radiance linear and usable. Its alpha weighs a row by its solid angle, so that the texture's means are
@@ -245,7 +245,7 @@ SkyMap::SkyMap(const Image& image, glm::vec3 factor, float rotation)
     for (int y = 0; y < height; ++y) {
         const auto weight = static_cast<float>(std::sin(std::numbers::pi * (y + 0.5) / height));
         for (int x = 0; x < width; ++x) {
-            const glm::vec4 p = image.pixels.at(x, y);
+            const glm::vec4 p = image.at(x, y);
             glm::vec4& radiance = sky.pixels.at(x, y);
             for (int c = 0; c < 3; ++c)
                 radiance[c] =

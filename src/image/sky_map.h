@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/plane.h"
-#include "image/image.h"
+#include "image/stored_image.h"
 #include "image/texture.h"
 
 namespace render2mpeg::image {
@@ -67,7 +67,7 @@ class SkyMap {
     /// -z then lies at
     /// (-sin, 0, -cos). 8- and 16-bit images are taken as sRGB. Negative values and NaN count as black, infinite ones
     /// as 65504, the largest half float: an overflowed sun was at least that. An image without pixels is black.
-    SkyMap(const Image& image, glm::vec3 factor, float rotation);
+    SkyMap(const StoredImage& image, glm::vec3 factor, float rotation);
 
     /// Mean radiance over a cone of `solid_angle` steradian about `direction` (any length > 0); 0: a point,
     /// interpolated. Finite for any arguments.

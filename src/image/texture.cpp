@@ -90,23 +90,19 @@ std::uint8_t code_of(float v) {
     return static_cast<std::uint8_t>(std::lround(std::clamp(v, 0.0f, 1.0f) * 255.0f));
 }
 
-/// Whether the image came from 8 bits per channel: every value is a multiple of 1/255 but for the rounding of a float.
-bool fits_in_8_bits(const core::Plane<glm::vec4>& pixels) {
-    return std::all_of(pixels.values().begin(), pixels.values().end(), [](const glm::vec4& p) {
-        for (int c = 0; c < 4; ++c) {
-            const float code = p[c] * 255.0f;
-            if (!(code >= 0.0f && code <= 255.0f) || std::abs(code - std::nearbyint(code)) > 1e-3f) return false;
-        }
-        return true;
-    });
-}
-
-/// The linear value of a pixel; colours times coverage where alpha means that.
-glm::vec4 linear_value(glm::vec4 p, bool in_codes, Encoding encoding, AlphaMeaning alpha) {
+/// The linear value of a pixel that is a float.
+glm::vec4 linear_value(glm::vec4 p, Encoding encoding) {
     for (int c = 0; c < 4; ++c) p[c] = finite(p[c]);
     if (encoding == Encoding::srgb)
-        for (int c = 0; c < 3; ++c) p[c] = in_codes ? tables.srgb[code_of(p[c])] : core::srgb_to_linear(p[c]);
-    return alpha == AlphaMeaning::coverage ? glm::vec4(glm::vec3(p) * p.w, p.w) : p;
+        for (int c = 0; c < 3; ++c) p[c] = core::srgb_to_linear(p[c]);
+    return p;
+}
+
+/// The linear value of a pixel in code values.
+glm::vec4 linear_value(const Codes& codes, Encoding encoding) {
+    const glm::vec4 p = StoredImage::value_of(codes);
+    if (encoding == Encoding::linear) return p;
+    return {tables.srgb[codes.rgba[0]], tables.srgb[codes.rgba[1]], tables.srgb[codes.rgba[2]], p.w};
 }
 
 /// A coordinate brought into [0, 1] as the wrap mode says.
@@ -139,7 +135,7 @@ Tap tap_at(float t, int n, core::Wrap wrap, float sharpness) {
 }
 
 /// Texels kept as code values.
-struct Codes {
+struct CodeTexels {
     const std::uint8_t* texel;
     const float* color;
 
@@ -234,16 +230,16 @@ struct Texture::Probes {
     glm::vec2 sharpness{1, 1};
 };
 
-Texture::Texture(const Image& image, Encoding encoding, core::Wrap wrap_u, core::Wrap wrap_v, bool nearest,
+Texture::Texture(const StoredImage& image, Encoding encoding, core::Wrap wrap_u, core::Wrap wrap_v, bool nearest,
                  AlphaMeaning alpha)
     : wrap_u_(wrap_u),
       wrap_v_(wrap_v),
       encoding_(image.high_range ? Encoding::linear : encoding),
       alpha_(image.has_alpha ? alpha : AlphaMeaning::value),
       nearest_(nearest) {
-    EXPECTS(!image.pixels.empty());
-    const bool in_codes = !image.high_range && fits_in_8_bits(image.pixels);
-    const std::size_t size = image.pixels.size();
+    EXPECTS(image.pixels() > 0);
+    const bool in_codes = !image.codes.empty();
+    const std::size_t size = image.pixels(), columns = static_cast<std::size_t>(image.width);
     if (in_codes)
         codes_.reserve(size * 6);
     else
@@ -251,30 +247,35 @@ Texture::Texture(const Image& image, Encoding encoding, core::Wrap wrap_u, core:
 
     // Take the finest level row by row, since as linear floats it would be as large as the image; its mean in double
     // precision.
-    std::vector<glm::vec4> line(static_cast<std::size_t>(image.pixels.width()));
+    std::vector<glm::vec4> line(columns);
     const auto linear_row = [&](int y) -> const glm::vec4* {
-        std::transform(image.pixels.row(y), image.pixels.row(y) + line.size(), line.begin(),
-                       [&](const glm::vec4& p) { return linear_value(p, in_codes, encoding_, alpha_); });
+        const std::size_t first = static_cast<std::size_t>(y) * columns;
+        const auto take = [&](const auto& row) {
+            std::transform(row.begin(), row.end(), line.begin(),
+                           [&](const auto& pixel) { return linear_value(pixel, encoding_); });
+        };
+        if (in_codes)
+            take(image.codes.subspan(first, columns));
+        else
+            take(image.values.subspan(first, columns));
+        if (alpha_ == AlphaMeaning::coverage)
+            for (glm::vec4& p : line) p = glm::vec4(glm::vec3(p) * p.w, p.w);
         return line.data();
     };
     glm::dvec4 sum{0};
-    for (int y = 0; y < image.pixels.height(); ++y)
-        for (const glm::vec4& p : std::span(linear_row(y), line.size())) sum += glm::dvec4(p);
+    for (int y = 0; y < image.height; ++y)
+        for (const glm::vec4& p : std::span(linear_row(y), columns)) sum += glm::dvec4(p);
     const auto whole = glm::vec4(sum / static_cast<double>(size));
     mean_ = unassociated(whole);
-    begin_level(image.pixels.width(), image.pixels.height());
-    for (int y = 0; y < image.pixels.height(); ++y) {
-        if (in_codes)
-            for (std::size_t x = 0; x < line.size(); ++x)
-                for (int c = 0; c < 4; ++c) codes_.push_back(code_of(image.pixels.row(y)[x][c]));
-        else
-            append_linear({linear_row(y), line.size()}, in_codes);
-    }
+    begin_level(image.width, image.height);
+    const auto* const first_code = reinterpret_cast<const std::uint8_t*>(image.codes.data());
+    codes_.insert(codes_.end(), first_code, first_code + image.codes.size_bytes());
+    for (int y = 0; y < image.height && !in_codes; ++y) append_linear({linear_row(y), columns}, in_codes);
 
     // Build the pyramid down to one texel, which is the mean whatever the filter did at the edges. Only what is stored
     // is rounded, not what the next level is made of.
     if (size == 1) return;
-    for (core::Plane<glm::vec4> level = halve(image.pixels.width(), image.pixels.height(), linear_row, wrap_u, wrap_v);;
+    for (core::Plane<glm::vec4> level = halve(image.width, image.height, linear_row, wrap_u, wrap_v);;
          level = halve(level, wrap_u, wrap_v)) {
         if (level.size() == 1) level.at(0, 0) = whole;
         begin_level(level.width(), level.height());
@@ -407,8 +408,8 @@ glm::vec4 Texture::filter(const Probes& probes) const {
         const Floats texels{floats_.data()};
         return covered ? filter(Covered<Floats>{texels}, probes) : filter(texels, probes);
     }
-    const Codes texels{codes_.data(), encoding_ == Encoding::srgb ? tables.srgb.data() : tables.linear.data()};
-    return covered ? filter(Covered<Codes>{texels}, probes) : filter(texels, probes);
+    const CodeTexels texels{codes_.data(), encoding_ == Encoding::srgb ? tables.srgb.data() : tables.linear.data()};
+    return covered ? filter(Covered<CodeTexels>{texels}, probes) : filter(texels, probes);
 }
 
 }  // namespace render2mpeg::image

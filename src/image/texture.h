@@ -10,6 +10,7 @@
 #include "core/plane.h"
 #include "core/wrap.h"
 #include "image/image.h"
+#include "image/stored_image.h"
 
 namespace render2mpeg::image {
 
@@ -41,15 +42,15 @@ enum class Encoding { linear, srgb };
 enum class AlphaMeaning { value, coverage };
 
 /// An image with its mip pyramid, filtered anisotropically (docs/model/images.md). Values come linear and
-/// unassociated; alpha is never sRGB. Any finite or non-finite coordinate gives a finite value. Images whose values are
-/// all multiples of 1/255 are kept in 8 bits per channel, others as floats; NaN counts as 0, infinity as the
-/// largest half float; magnitudes end at 1e18.
+/// unassociated; alpha is never sRGB. Any finite or non-finite coordinate gives a finite value. What is stored in 8
+/// bits per channel is kept so, other images as floats; NaN counts as 0, infinity as the largest half float; magnitudes
+/// end at 1e18.
 class Texture {
   public:
     /// White, without an image.
     Texture() = default;
     /// `nearest`: texels keep their edges when magnified. The image must have pixels.
-    Texture(const Image& image, Encoding encoding, core::Wrap wrap_u, core::Wrap wrap_v, bool nearest = false,
+    Texture(const StoredImage& image, Encoding encoding, core::Wrap wrap_u, core::Wrap wrap_v, bool nearest = false,
             AlphaMeaning alpha = AlphaMeaning::value);
 
     /// Mean over the footprint about uv; uv (0, 0) is the upper left corner of the image. Where the coordinates or the

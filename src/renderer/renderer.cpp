@@ -28,10 +28,10 @@
 namespace render2mpeg::renderer {
 
 struct Renderer::Impl {
-    Impl(const scene::Animation& film, const Settings& s, const Plan& p)
+    Impl(const scene::Animation& film, const Settings& s, const Plan& p, TextureStore* store)
         : settings(s),
           plan(p),
-          posed_scene(film, s.isa, p),
+          posed_scene(film, s.isa, p, store),
           lights(posed_scene, plan, settings, statistics, times),
           caustics({s.caustic_photons}),
           final_gather(posed_scene, plan),
@@ -250,9 +250,10 @@ core::Radiance Renderer::Impl::trace(const UngatheredLight& ungathered, const Tr
     return std::move(truth.radiance);
 }
 
-Renderer::Renderer(const scene::Animation& animation, const Settings& settings, const Plan& plan)
-    : impl_(std::make_unique<Impl>(animation, settings, plan)) {}
+Renderer::Renderer(const scene::Animation& animation, const Settings& settings, const Plan& plan, TextureStore* store)
+    : impl_(std::make_unique<Impl>(animation, settings, plan, store)) {}
 Renderer::~Renderer() = default;
+Renderer::Renderer(Renderer&&) noexcept = default;
 
 void Renderer::start_chunk(const scene::Snapshot& first) {
     impl_->start_chunk(first);

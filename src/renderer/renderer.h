@@ -21,6 +21,8 @@
 
 namespace render2mpeg::renderer {
 
+class TextureStore;
+
 /// How light is gathered.
 enum class Manner {
     film,    ///< within the tolerance, with light cached in the chunk so far
@@ -57,9 +59,12 @@ struct Lit : PlacedFrame {
 /// chunk's first frame.
 class Renderer {
   public:
-    /// Decodes textures and builds static data. Throws core::Error for images that cannot be read.
-    Renderer(const scene::Animation& animation, const Settings& settings, const Plan& plan);
+    /// Takes textures from `store` (none: one of its own) and builds static data. Throws core::Error for images that
+    /// cannot be read.
+    Renderer(const scene::Animation& animation, const Settings& settings, const Plan& plan,
+             TextureStore* store = nullptr);
     ~Renderer();
+    Renderer(Renderer&&) noexcept;
 
     /// Forgets everything that was carried over from earlier frames.
     void start_chunk(const scene::Snapshot& first);

@@ -47,6 +47,8 @@ const std::vector<Library>& libraries() {
         {"OpenImageIO", {"OpenImageIO/"}, "src/image/", 2},
         {"OpenEXR", {"OpenEXR/", "Imath/", "Imf", "half.h"}, "src/image/", 2},
         {"libdeflate", {"libdeflate.h"}, "src/image/", 1},
+        {"libpng", {"png.h"}, "src/image/", 1},
+        {"libjpeg", {"jpeglib.h"}, "src/image/", 1},
         {"FFmpeg", {"libav", "libsw"}, "encoder/av/", 2},
         {"TBB", {"tbb/", "oneapi/"}, "src/parallel/", 2},
         {"Assimp", {"assimp/"}, "src/scene/assimp/", 3},

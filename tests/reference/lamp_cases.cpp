@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "scene/model/tga.h"
+#include "scene/model/png.h"
 #include "tests/reference/truth_case.h"
 
 namespace render2mpeg::reference {
@@ -168,7 +168,7 @@ TruthCase panel_with_image() {
     const int material = c.scene.add_emitter({12, 12, 12});
     std::vector<glm::u8vec4> texels;
     for (int i = 0; i < 16; ++i) texels.emplace_back(40 + 13 * i, i % 3 == 0 ? 220 : 90, i % 4 < 2 ? 30 : 200, 255);
-    c.scene.film().images.push_back({"pattern", {}, scene::encode_tga(4, 4, texels)});
+    c.scene.film().images.push_back({"pattern", {}, scene::encode_png(4, 4, texels)});
     c.scene.material(material).emission_texture.image = 0;
     c.scene.add_quad(panel_corner, panel_u, panel_v, material);
     return c;
@@ -232,7 +232,7 @@ TruthCase sky_image() {
             const int band = (x / 8) % 2 == 0 ? 60 : 30;
             texels.push_back(bright ? glm::u8vec4(255) : glm::u8vec4(band, band, 100 - y, 255));
         }
-    c.scene.film().images.push_back({"sky", {}, scene::encode_tga(width, height, texels)});
+    c.scene.film().images.push_back({"sky", {}, scene::encode_png(width, height, texels)});
     c.scene.film().sky.image = 0;
     c.scene.film().sky.color = glm::vec3(10);
     c.scene.film().sky.rotation = 0.8f;

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "scene/model/tga.h"
+#include "scene/model/png.h"
 #include "tests/reference/scattering.h"
 #include "tests/reference/truth_case.h"
 
@@ -46,7 +46,7 @@ void glossiness(SceneBuilder&, Material& m) {
 
 /// Texels as large as a sixth of the picture, so that no filter matters but at their edges.
 int add_image(SceneBuilder& b, int width, int height, const std::vector<glm::u8vec4>& texels) {
-    b.film().images.push_back({"texels", {}, scene::encode_tga(width, height, texels)});
+    b.film().images.push_back({"texels", {}, scene::encode_png(width, height, texels)});
     return static_cast<int>(b.film().images.size()) - 1;
 }
 

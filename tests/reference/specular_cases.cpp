@@ -1,7 +1,7 @@
 // Mirrors, glass and layers with holes.
 #include <cmath>
 
-#include "scene/model/tga.h"
+#include "scene/model/png.h"
 #include "tests/reference/truth_case.h"
 
 namespace render2mpeg::reference {
@@ -184,7 +184,7 @@ TruthCase cut_out() {
     TruthCase c = stage_case();
     std::vector<glm::u8vec4> texels;
     for (int i = 0; i < 16; ++i) texels.emplace_back(200, 120, 60, (i + i / 4) % 2 == 0 ? 255 : 0);
-    c.scene.film().images.push_back({"holes", {}, scene::encode_tga(4, 4, texels)});
+    c.scene.film().images.push_back({"holes", {}, scene::encode_png(4, 4, texels)});
     Material m;
     m.alpha_mode = scene::AlphaMode::mask;
     m.base_color_texture.image = 0;

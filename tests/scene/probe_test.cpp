@@ -53,6 +53,16 @@ TEST_F(Probes, PassOnWhatTheReaderRefuses) {
     EXPECT_EQ(complaint_of({"refuse"}), "reading a.obj: no such mesh");
 }
 
+TEST_F(Probes, WhichDoNotBeginAreNoDamagedFiles) {
+    const ProbeLimits limits = limits_for(std::uintmax_t{10});
+    setenv("RENDER2MPEG_PROGRAM", "/bin/false", 1);
+    const ProbeEnd end = Probe(limits, {"read", "well"}).end();
+    setenv("RENDER2MPEG_PROGRAM", readings.c_str(), 1);
+    EXPECT_EQ(end.how, ProbeEnd::How::not_begun);
+    EXPECT_NE(end.text.find("/bin/false"), std::string::npos);
+    EXPECT_EQ(Probe(limits, {"a kind of another version"}).end().how, ProbeEnd::How::not_begun);
+}
+
 TEST_F(Probes, SurviveACrash) {
     for (const char* how : {"abort", "throw", "exit", "contract"})
         EXPECT_EQ(complaint_of({how}), "reading scene.xyz: reading it crashed: the file is damaged") << how;

@@ -21,6 +21,10 @@ class FfmpegBackend final : public Backend {
                 const std::function<void(const core::Picture&)>& picture) const override {
         decode_film(file, picture);
     }
+    void check_film(const std::filesystem::path& name, const char* format, encoder::Codec codec,
+                    const Sound& sound) const override {
+        check_container(name, format, codec, sound);
+    }
     void check_encoder(const encoder::Settings& settings) const override { check_library_encoder(settings); }
     std::unique_ptr<LibraryEncoder> open_encoder(const encoder::Settings& settings) const override {
         return open_library_encoder(settings);

@@ -242,4 +242,22 @@ std::unique_ptr<Container> create_container(const std::filesystem::path& file, c
     return std::make_unique<File>(file, sink, format, settings, facts, sound);
 }
 
+void check_container(const std::filesystem::path& name, const char* format, encoder::Codec codec, const Sound& sound) {
+    const auto refuse = [&](const std::string& what) {
+        throw core::Error("writing", name.string(), "this machine's FFmpeg " + what);
+    };
+    if (av_guess_format(format, nullptr, nullptr) == nullptr)
+        refuse("does not write such files (libavformat lacks the muxer " + std::string(format) + ")");
+    if (avcodec_find_decoder(codec_of(codec)) == nullptr)
+        refuse(std::string("does not decode ") + avcodec_get_name(codec_of(codec)) + ", which would prove the film");
+    if (sound.file.empty()) return;
+    AVFormatContext* context = nullptr;
+    if (avformat_alloc_output_context2(&context, nullptr, format, "check") < 0) refuse("lacks memory");
+    const std::unique_ptr<AVFormatContext, void (*)(AVFormatContext*)> held(context, avformat_free_context);
+    Sound second = sound;
+    second.seconds = 1;
+    second.offset = 0;
+    const SoundTrack track(second, *context);
+}
+
 }  // namespace render2mpeg::av

@@ -13,4 +13,7 @@ std::unique_ptr<Container> create_container(const std::filesystem::path& file, c
                                             const encoder::Settings& settings, const SequenceFacts& facts,
                                             const Sound& sound);
 
+/// `Backend::check_film` inside the module.
+void check_container(const std::filesystem::path& name, const char* format, encoder::Codec codec, const Sound& sound);
+
 }  // namespace render2mpeg::av

@@ -38,6 +38,7 @@
 #include "app/system/terminal.h"
 #include "core/error.h"
 #include "core/text.h"
+#include "encoder/av/av.h"
 #include "encoder/av/coders.h"
 #include "encoder/bit_allocation.h"
 #include "encoder/codec.h"
@@ -149,6 +150,7 @@ Job prepare(const EncodeOptions& options) {
     // Finished frames are a film from their first one on, whatever their numbers.
     const FrameRange whole{0, job.film.frame_count() - 1};
     job.film.sound = sound_of(options.coding, std::nullopt, options.output, whole, coding.rate);
+    av::check_film(options.output, coding.codec, job.film.sound);
 
     if (motion_pipe) {
         motion_pipe->start(job.frames->size().width, job.frames->size().height);

@@ -19,8 +19,8 @@
 #include "app/report/sample_frame.h"
 #include "app/report/statistics.h"
 #include "app/report/summary.h"
+#include "app/system/image_reader.h"
 #include "app/system/interrupt.h"
-#include "app/system/probes.h"
 #include "app/system/terminal.h"
 #include "core/error.h"
 #include "core/text.h"
@@ -98,8 +98,7 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
         return 0;
     }
     require_consent(written_by(film, options), is_agreed(film, options, identity));
-    if (!options.memory)
-        timed(statistics, Stage::load, [&] { return probe_images(*film.animation, image_probes(false)); });
+    if (!options.memory) timed(statistics, Stage::load, [&] { return film.images->read_ahead(image_probes(false)); });
     if (InterruptGuard::requested()) return interrupted_before_frames(options);
     if (!options.quiet && !options.resume && !left.empty()) print_line(left);
     const std::unique_ptr<WorkFolder> work = open_outputs(film, options, identity);

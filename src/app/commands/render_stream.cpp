@@ -16,6 +16,7 @@
 #include "app/report/statistics.h"
 #include "app/report/summary.h"
 #include "app/system/error_collector.h"
+#include "app/system/image_reader.h"
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"
 #include "app/system/terminal.h"
@@ -83,7 +84,10 @@ int render_stream(const RenderOptions& options, const std::string& command) {
     RunStatistics statistics;
     RenderJob film = timed(statistics, Stage::load, [&] { return prepare_within_memory(options); });
     if (!options.quiet) print_notes(film, options);
+    open_writers(film, options);
     if (options.dry_run) return 0;
+    if (!options.memory) timed(statistics, Stage::load, [&] { return film.images->read_ahead(image_probes(false)); });
+    if (InterruptGuard::requested()) return InterruptGuard::status();
     OutputStream out(STDOUT_FILENO, stream_name);
     settle(film, options, nullptr, statistics);
     if (InterruptGuard::requested()) return InterruptGuard::status();

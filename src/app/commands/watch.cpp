@@ -81,6 +81,7 @@ class Show {
         files_.emplace(files_about(options_));
         WatchedFiles scene({scene_file(options_)});  // it may change while it is read
         RenderJob film = prepare_within_memory(options_);
+        if (!options_.memory) film.images->read_ahead(image_probes(false));
         files_.emplace(files_of(film, options_));
         if (!options_.quiet) print_notes(film, options_);
         settle(film, options_, nullptr, statistics);

@@ -15,10 +15,11 @@
 #include "app/report/heatmap_film.h"
 #include "app/report/report.h"
 #include "app/system/error_collector.h"
+#include "app/system/image_reader.h"
 #include "app/system/interrupt.h"
-#include "app/system/probes.h"
 #include "app/system/terminal.h"
 #include "core/error.h"
+#include "encoder/av/av.h"
 #include "renderer/gather/final_gather.h"
 
 namespace render2mpeg::app {
@@ -33,7 +34,10 @@ void check_trial_outputs(const RenderJob& film, const TrialOptions& options) {
     }
     for (const Files& output : outputs)
         if (!output.name.empty()) check_writable(output.name);
-    if (!options.render.output.empty()) outputs.emplace_back(options.render.output);
+    if (!options.render.output.empty()) {
+        av::check_film(options.render.output, film.coding.codec, film.sound);
+        outputs.emplace_back(options.render.output);
+    }
     check_apart(inputs_of(film, options.render), outputs);
 }
 
@@ -75,7 +79,7 @@ RenderJob prepare_trials(const RenderOptions& render, const TrialOptions& option
     RenderJob film = prepare(render);
     for (const std::string& note : film.animation->notes)
         if (!render.quiet && !note.empty()) print_line(note);
-    if (!probe_images(*film.animation, image_probes(false))) return film;
+    if (!film.images->read_ahead(image_probes(false))) return film;
     if (!film.exposure) film.exposure = told("exposure", render.quiet, [&] { return measure_exposure(film); });
     check_trial_outputs(film, options);
     return film;

@@ -78,7 +78,8 @@ int render_part(const FarmPlan& plan, const FilmPart& part, const PartOptions& w
     RunStatistics statistics;
     RenderJob film = timed(statistics, Stage::load, [&] { return prepare_within_memory(options); });
     timed(statistics, Stage::load, [&] { refuse_other_film(plan, film, whole); });
-    // Its images have the checksums of those that the plan was probed with.
+    open_writers(film, options);
+    if (!options.memory) timed(statistics, Stage::load, [&] { return film.images->read_ahead(image_probes(false)); });
     if (InterruptGuard::requested()) return InterruptGuard::status();
     film.part = part.chunks;
     keep_settled(plan, *work);

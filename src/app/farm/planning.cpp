@@ -18,8 +18,8 @@
 #include "app/options/command_options.h"
 #include "app/options/usage_error.h"
 #include "app/production/production.h"
+#include "app/system/image_reader.h"
 #include "app/system/interrupt.h"
-#include "app/system/probes.h"
 #include "core/error.h"
 #include "core/text.h"
 #include "parallel/loops.h"
@@ -152,7 +152,7 @@ int farm(const FarmOptions& options, const std::vector<std::string>& words) {
     if (InterruptGuard::requested()) return InterruptGuard::status();
     print_notes(film, render);
     check_outputs(film, render);
-    if (!render.memory) probe_images(*film.animation, image_probes(false));
+    if (!render.memory) film.images->read_ahead(image_probes(false));
     const std::filesystem::path before = std::filesystem::current_path();
     check_writable(farm_folder_of(render.output) / "plan.json");
     FarmPlan plan = begin_plan(options, words, film, render);

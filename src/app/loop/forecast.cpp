@@ -11,8 +11,8 @@
 #include "app/loop/pipeline.h"
 #include "app/loop/scene_settings.h"
 #include "app/options/output_kind.h"
+#include "app/system/image_reader.h"
 #include "app/system/memory_limit.h"
-#include "app/system/probes.h"
 #include "core/error.h"
 #include "core/numeric.h"
 #include "core/text.h"
@@ -142,7 +142,7 @@ FrameCost later_of(std::span<const FrameEntry> frames, const std::vector<std::in
 
 /// Settles the film's exposure. Whether nobody interrupted.
 bool settle(RenderJob& film) {
-    if (!probe_images(*film.animation, image_probes(false))) return false;
+    if (!film.images->read_ahead(image_probes(false))) return false;
     if (!film.exposure) film.exposure = measure_exposure(film);
     return !InterruptGuard::requested();
 }
@@ -273,9 +273,7 @@ MemoryNeed memory_need(const RenderJob& film) {
     MemoryNeed need;
     need.held = own_memory().resident;
     need.triangles = per_triangle * triangles_of(scene);
-    for (const int i : images_of(scene)) {
-        const scene::ImageSource& source = scene.images[static_cast<std::size_t>(i)];
-        const image::ImageHeader header = image::read_image_header(source.path, source.bytes, source.name);
+    for (const auto& [image, header] : film.images->headers()) {
         const std::uint64_t pixels =
             static_cast<std::uint64_t>(header.width) * static_cast<std::uint64_t>(header.height);
         // Mip levels take a third more.

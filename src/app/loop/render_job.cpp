@@ -12,6 +12,7 @@
 #include "app/options/option_text.h"
 #include "app/options/rate_options.h"
 #include "app/options/usage_error.h"
+#include "app/system/image_reader.h"
 #include "app/system/probes.h"
 #include "core/color.h"
 #include "core/error.h"
@@ -221,7 +222,9 @@ RenderJob without(const RenderJob& film, renderer::Pass effect) {
 renderer::Renderer renderer_of(const RenderJob& film) {
     std::optional<parallel::ThreadLimit> one_thread;
     if (film.images_in_turn) one_thread.emplace(1);
-    return renderer::Renderer(*film.animation, film.rendering, film.plan);
+    renderer::Renderer renderer(*film.animation, film.rendering, film.plan, film.textures.get());
+    film.images->forget();
+    return renderer;
 }
 
 void check_scene(const std::filesystem::path& input) {
@@ -243,6 +246,18 @@ void check_scene(const std::filesystem::path& input) {
     throw core::Error("reading", input.string(),
                       "there is no such file" + core::did_you_mean(input.filename().string(), names, before));
 }
+
+namespace {
+
+/// The scene, with its images on demand.
+void take(RenderJob& film, const std::shared_ptr<const scene::Animation>& animation) {
+    film.animation = animation;
+    film.images = std::make_shared<ImageReader>(animation);
+    film.textures = std::make_shared<renderer::TextureStore>(
+        *animation, [images = film.images](int image) { return images->take(image); });
+}
+
+}  // namespace
 
 RenderJob prepare(const RenderOptions& wanted) {
     const RenderOptions asked = with_effort(wanted), options = asked.preview ? preview_options(asked) : asked;
@@ -271,7 +286,7 @@ RenderJob prepare(const RenderOptions& wanted) {
     change_scene(*loaded, options);
     film.exposure_samples = options.exposure_samples;
     const std::shared_ptr<const scene::Animation> animation = loaded;
-    film.animation = animation;
+    take(film, animation);
     if (!std::filesystem::is_directory(options.input) && !options.output.empty() &&
         std::filesystem::weakly_canonical(options.input) == std::filesystem::weakly_canonical(options.output))
         throw core::Error("writing", options.output.string(), "it is the input");

@@ -12,6 +12,7 @@
 #include "app/options/film.h"
 #include "app/options/options.h"
 #include "app/options/output_kind.h"
+#include "app/system/image_reader.h"
 #include "core/rational.h"
 #include "core/tolerance_map.h"
 #include "encoder/av/sound.h"
@@ -19,6 +20,7 @@
 #include "perceptual/display.h"
 #include "renderer/base/plan.h"
 #include "renderer/renderer.h"
+#include "renderer/surface/texture_store.h"
 #include "scene/model/animation.h"
 #include "scene/pose/snapshot.h"
 
@@ -42,6 +44,8 @@ inline bool kept_records(const renderer::Settings& rendering, const renderer::St
 /// All settings of a film, with the options' gaps filled. Constant while it is rendered.
 struct RenderJob {
     std::shared_ptr<const scene::Animation> animation;
+    std::shared_ptr<ImageReader> images;               ///< of the animation
+    std::shared_ptr<renderer::TextureStore> textures;  ///< likewise
     core::FrameRate rate;
     FrameRange frames;
     scene::PictureFormat format;
@@ -64,7 +68,7 @@ struct RenderJob {
     bool rough = false;       ///< a first pass: its light is too rough to tell whether it changes
     bool two_passes = false;  ///< the first one finds `allocations`
     std::vector<encoder::BitAllocation> allocations;  ///< one per frame, or none
-    bool images_in_turn = false;                      ///< decode one at a time: memory is short
+    bool images_in_turn = false;                      ///< read one at a time: memory is short
     std::optional<int> exposure_samples;              ///< none: by quantiser
     int audit = 0;                   ///< pixels of every frame that are gathered again without clustering
     LightExtent known_light;         ///< of the light file

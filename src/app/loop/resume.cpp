@@ -286,7 +286,7 @@ void settle(RenderJob& film, const RenderOptions& options, WorkFolder* work, Run
     if (const json exposure = kept("exposure"); !film.exposure && exposure.is_number())
         film.exposure = exposure.get<float>();
     if (!film.exposure) {
-        film.exposure = timed(statistics, Stage::load, [&] { return measure_exposure(film); });
+        film.exposure = timed(statistics, Stage::exposure, [&] { return measure_exposure(film); });
         keep("exposure", *film.exposure);
     }
     if (const auto light = light_file_of(film, options)) {

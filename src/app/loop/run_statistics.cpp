@@ -1,5 +1,7 @@
 #include "app/loop/run_statistics.h"
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -190,7 +192,11 @@ renderer::Statistics sum_of(const renderer::Statistics& earlier, const renderer:
 double cpu_seconds() {
     timespec t{};
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+    rusage ended{};
+    getrusage(RUSAGE_CHILDREN, &ended);
+    return static_cast<double>(t.tv_sec + ended.ru_utime.tv_sec + ended.ru_stime.tv_sec) +
+           1e-9 * static_cast<double>(t.tv_nsec) +
+           1e-6 * static_cast<double>(ended.ru_utime.tv_usec + ended.ru_stime.tv_usec);
 }
 
 double clock_seconds() {

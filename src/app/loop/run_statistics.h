@@ -16,14 +16,14 @@
 
 namespace render2mpeg::app {
 
-enum class Stage { load, first_pass, see, preview, tolerate, shade, develop, encode, count };
-inline constexpr std::array stage_names{"load",     "first_pass", "see",     "preview",
-                                        "tolerate", "shade",      "develop", "encode"};
+enum class Stage { load, exposure, first_pass, see, preview, tolerate, shade, develop, encode, count };
+inline constexpr std::array stage_names{"load",     "exposure", "first_pass", "see",   "preview",
+                                        "tolerate", "shade",    "develop",    "encode"};
 
-inline constexpr std::array stage_words{"reading",  "first pass",      "looking",    "a rough look",
-                                        "weighing", "gathering light", "developing", "coding"};
+inline constexpr std::array stage_words{"reading",  "measuring the exposure", "first pass", "looking", "a rough look",
+                                        "weighing", "gathering light",        "developing", "coding"};
 
-/// CPU seconds of this process, summed over threads.
+/// CPU seconds of this process and of those that it waited for, summed over threads.
 double cpu_seconds();
 /// Monotonic clock, seconds.
 double clock_seconds();

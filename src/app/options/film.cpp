@@ -109,6 +109,7 @@ int quantiser_of(const CodingOptions& options, encoder::Codec codec) {
 }  // namespace
 
 void check_settings(const encoder::Settings& coding) {
+    if (coding.codec != encoder::Codec::mpeg2) av::open_libraries();
     refuse_as_usage([&] { av::check(coding); });
 }
 

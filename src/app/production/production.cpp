@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <system_error>
+#include <thread>
 
 #include "app/files/file_io.h"
 #include "app/loop/forecast.h"
@@ -17,13 +18,15 @@
 #include "app/report/report.h"
 #include "app/report/summary.h"
 #include "app/system/error_collector.h"
+#include "app/system/image_reader.h"
 #include "app/system/interrupt.h"
 #include "app/system/memory_limit.h"
-#include "app/system/probes.h"
 #include "app/system/progress.h"
 #include "app/system/terminal.h"
 #include "core/error.h"
 #include "core/text.h"
+#include "encoder/av/av.h"
+#include "image/image.h"
 #include "parallel/loops.h"
 
 namespace render2mpeg::app {
@@ -159,9 +162,8 @@ RenderJob prepare_within_memory(const RenderOptions& options) {
     const std::uint64_t limit = memory_from(*options.memory);
     hold_to(limit, parallel::thread_count());
     RenderJob film = prepare(options);
-    if (!probe_images(*film.animation, image_probes(true))) return film;
-    // Their headers may be read now.
     film.images_in_turn = !may_decode_at_once(film, memory_need(film), limit, parallel::thread_count());
+    if (!film.images_in_turn) film.images->read_ahead(image_probes(true));
     return film;
 }
 
@@ -173,6 +175,11 @@ void print_notes(const RenderJob& film, const RenderOptions& options) {
     if (const std::string why = why_no_light_file(film); options.light_cache && !why.empty())
         notes.push_back("--light-cache has no effect: " + why);
     notes.push_back(film.kind == OutputKind::film ? keyframes_without_chapter(film.film()) : "");
+    const unsigned cores = std::thread::hardware_concurrency();
+    if (cores > 0 && options.threads > static_cast<int>(cores))
+        notes.push_back(
+            fmt::format("--threads {}: this machine has {} core{}, and more threads than those gain nothing",
+                        options.threads, cores, cores == 1 ? "" : "s"));
     for (const std::string& note : notes)
         if (!note.empty()) print_line(note);
 }
@@ -217,6 +224,15 @@ std::vector<Files> outputs_of(const RenderJob& film, const RenderOptions& option
 
 }  // namespace
 
+void open_writers(const RenderJob& film, const RenderOptions& options) {
+    if (film.kind == OutputKind::film)
+        av::check_film(options.output, film.coding.codec, film.sound,
+                       film.disc ? av::ProgramStream::dvd : av::ProgramStream::plain);
+    for (const auto& [subject, file] : options.heatmaps) av::check_film(file, codec_of({}, file));
+    if (film.kind == OutputKind::png || options.last_frame || options.report) image::open_writer(".png");
+    if (film.kind == OutputKind::exr || options.layers) image::open_writer(".exr");
+}
+
 void check_outputs(const RenderJob& film, const RenderOptions& options) {
     const std::vector<Files> outputs = outputs_of(film, options);
     check_apart(inputs_of(film, options), outputs);
@@ -225,6 +241,7 @@ void check_outputs(const RenderJob& film, const RenderOptions& options) {
     if (const auto light = light_file_of(film, options)) static_cast<void>(light->extent());
     if (options.report) check_report(*options.report);
     check_heatmaps(options, film);
+    open_writers(film, options);
     WorkFolder::check(options.output);
 }
 

@@ -33,7 +33,12 @@ bool is_one_file(const RenderJob& film);
 /// is read, which may take minutes. Throws core::Error or Refusal.
 void check_before_reading(const RenderOptions& options);
 
-/// Refuses outputs that would replace other files, or have nothing to show. Writes nothing. Throws core::Error.
+/// Opens the modules of all writers that the outputs need and sees that they can write them, so that what is missing is
+/// told before any light is found. Writes nothing. Throws core::Error.
+void open_writers(const RenderJob& film, const RenderOptions& options);
+
+/// Refuses outputs that would replace other files, have nothing to show or cannot be written. Writes nothing. Throws
+/// core::Error.
 void check_outputs(const RenderJob& film, const RenderOptions& options);
 
 /// Outputs of the film, for require_consent().

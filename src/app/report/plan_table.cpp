@@ -24,6 +24,7 @@ double seconds_of(const RunStatistics& statistics, const Row& row) {
     if (row.pass) return statistics.pass_seconds[static_cast<std::size_t>(*row.pass)];
     if (row.name == "first pass") return statistics.stage_seconds(Stage::first_pass);
     if (row.name == "load") return statistics.stage_seconds(Stage::load);
+    if (row.name == "exposure") return statistics.stage_seconds(Stage::exposure);
     if (row.name == "tolerate") return statistics.stage_seconds(Stage::tolerate);
     return row.name == "audit" ? statistics.audit.seconds : 0;
 }
@@ -44,10 +45,10 @@ Row records_row(const RenderJob& film) {
 std::vector<Row> rows_of(const RenderJob& film) {
     const bool coupled = film.tolerance.coupled && film.kind == OutputKind::film;
     const bool measured = film.measures_exposure;
-    std::vector<Row> rows{{"load", true, measured ? "scene, textures, exposure" : "scene, textures", {}},
+    std::vector<Row> rows{{"load", true, "scene, textures", {}},
                           {"exposure",
                            measured,
-                           measured ? "none is given: a few small frames tell it; its time is in `load`"
+                           measured ? "none is given: a few small frames tell it"
                                     : fmt::format("no cause: {:g} EV are given", film.exposure.value_or(0)),
                            {}},
                           first_pass_row(film)};

@@ -27,13 +27,7 @@ void check_header(const OIIO::ImageSpec& spec, std::size_t file_bytes, Format fo
     if (spec.width <= 0 || spec.height <= 0 || spec.nchannels <= 0)
         throw core::Error("reading", name, "it has no pixels");
     if (spec.depth > 1 || spec.deep) throw core::Error("reading", name, "volumes and deep images are not read");
-    const std::uint64_t pixels = static_cast<std::uint64_t>(spec.width) * static_cast<std::uint64_t>(spec.height);
-    if (pixels > max_pixels)
-        throw core::Error("reading", name,
-                          std::to_string(spec.width) + " x " + std::to_string(spec.height) + " pixels: the limit is " +
-                              std::to_string(max_pixels) + " in all");
-    if (pixels > max_pixels_per_byte(format) * file_bytes)
-        throw core::Error("reading", name, "the file is too short for its size in pixels");
+    check_size(spec.width, spec.height, file_bytes, format, name);
 }
 
 /// Reads the chosen channels straight to where they belong.

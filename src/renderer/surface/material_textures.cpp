@@ -1,28 +1,11 @@
 #include "renderer/surface/material_textures.h"
 
-#include <algorithm>
-#include <iterator>
 #include <map>
-#include <tuple>
-
-#include "parallel/loops.h"
 
 namespace render2mpeg::renderer {
 namespace {
 
 constexpr std::size_t role_count = static_cast<std::size_t>(TextureRole::count);
-
-/// Everything that makes one texture of an image different from another.
-struct TextureKey {
-    int image;
-    image::Encoding encoding;
-    core::Wrap wrap_u, wrap_v;
-    bool nearest;
-    image::AlphaMeaning alpha;
-
-    auto order() const { return std::tuple(image, encoding, wrap_u, wrap_v, nearest, alpha); }
-    bool operator<(const TextureKey& other) const { return order() < other.order(); }
-};
 
 bool is_color(TextureRole role) {
     return role == TextureRole::base_color || role == TextureRole::emission ||
@@ -77,14 +60,6 @@ bool is_looked_at(const scene::Material& material, TextureRole role, const Plan&
 
 }  // namespace
 
-std::string note_of(const image::Image& image, const std::string& name) {
-    if (!image.high_range) return {};
-    const std::size_t count = image::count_non_finite(image);
-    if (count == 0) return {};
-    return name + ": " + std::to_string(count) + (count == 1 ? " value is" : " values are") +
-           " not finite: NaN counts as 0, infinity as 65504";
-}
-
 const scene::TextureUse& use_of(const scene::Material& material, TextureRole role) {
     switch (role) {
         case TextureRole::alpha:
@@ -126,7 +101,7 @@ const scene::TextureUse& use_of(const scene::Material& material, TextureRole rol
     }
 }
 
-MaterialTextures::MaterialTextures(const scene::Animation& animation, const Plan& plan)
+MaterialTextures::MaterialTextures(const scene::Animation& animation, const Plan& plan, TextureStore& store)
     : index_(animation.materials.size()) {
     for (auto& roles : index_) roles.fill(-1);
     if (!plan.runs(Pass::textures) && !plan.runs(Pass::normal_maps)) return;
@@ -154,25 +129,7 @@ MaterialTextures::MaterialTextures(const scene::Animation& animation, const Plan
     }
     for_each_use([&](const TextureKey& key, int& index) { index = wanted.at(key); });
 
-    // Read each image once and make all its textures, so that few decoded images are in memory at a time.
-    std::vector<std::size_t> first_of_image;
-    for (std::size_t i = 0; i < keys.size(); ++i)
-        if (i == 0 || keys[i].image != keys[i - 1].image) first_of_image.push_back(i);
-    textures_.resize(keys.size());
-    std::vector<std::string> notes(first_of_image.size());
-    parallel::for_each(first_of_image.size(), [&](std::size_t i) {
-        const std::size_t first = first_of_image[i];
-        const scene::ImageSource& source = animation.images[static_cast<std::size_t>(keys[first].image)];
-        const image::Image decoded = image::read_image(source.path, source.bytes, source.name);
-        notes[i] = note_of(decoded, source.name);
-        for (std::size_t k = first; k < keys.size() && keys[k].image == keys[first].image; ++k) {
-            const image::Encoding encoding = decoded.high_range ? image::Encoding::linear : keys[k].encoding;
-            textures_[k] =
-                image::Texture(decoded, encoding, keys[k].wrap_u, keys[k].wrap_v, keys[k].nearest, keys[k].alpha);
-        }
-    });
-    std::copy_if(notes.begin(), notes.end(), std::back_inserter(notes_),
-                 [](const std::string& n) { return !n.empty(); });
+    textures_ = store.textures(keys);
 }
 
 }  // namespace render2mpeg::renderer

@@ -2,18 +2,16 @@
 // A material's textures.
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "image/image.h"
 #include "image/texture.h"
 #include "renderer/base/plan.h"
+#include "renderer/surface/texture_store.h"
 #include "scene/model/animation.h"
 
 namespace render2mpeg::renderer {
-
-/// Note on an image's values that are not finite; empty where all are.
-std::string note_of(const image::Image& image, const std::string& name);
 
 /// The roles that an image can have in a material.
 enum class TextureRole {
@@ -41,27 +39,22 @@ enum class TextureRole {
 /// How a material uses an image in this role.
 const scene::TextureUse& use_of(const scene::Material& material, TextureRole role);
 
-/// The decoded images of all materials that some object has. An image that is used in several ways is read once, and
-/// becomes one texture for each encoding and wrapping.
+/// The textures of all materials that some object has.
 class MaterialTextures {
   public:
-    /// Reads in parallel. Throws core::Error for images that cannot be read.
-    MaterialTextures(const scene::Animation& animation, const Plan& plan);
+    /// Throws core::Error for images that cannot be read.
+    MaterialTextures(const scene::Animation& animation, const Plan& plan, TextureStore& store);
 
     /// Nothing where the material has no image in this role, or nobody looks at it.
     const image::Texture* of(std::uint32_t material, TextureRole role) const {
         const int index = index_[material][static_cast<std::size_t>(role)];
-        return index < 0 ? nullptr : &textures_[static_cast<std::size_t>(index)];
+        return index < 0 ? nullptr : textures_[static_cast<std::size_t>(index)].get();
     }
 
     std::size_t size() const { return textures_.size(); }
 
-    /// A line for each image with values that are no numbers or infinite, and what they count as.
-    const std::vector<std::string>& notes() const { return notes_; }
-
   private:
-    std::vector<image::Texture> textures_;
-    std::vector<std::string> notes_;
+    std::vector<std::shared_ptr<const image::Texture>> textures_;
     std::vector<std::array<int, static_cast<std::size_t>(TextureRole::count)>> index_;  ///< by material; -1: none
 };
 

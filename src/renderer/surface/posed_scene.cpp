@@ -9,11 +9,11 @@
 
 #include "core/error.h"
 #include "core/numeric.h"
-#include "image/image.h"
 #include "renderer/base/sampled_clock.h"
 #include "renderer/geometry/strands.h"
 #include "renderer/geometry/surface_shape.h"
 #include "renderer/surface/surface_material.h"
+#include "renderer/surface/texture_store.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -23,17 +23,6 @@ std::optional<Air> air_of(const scene::Animation& film, const Plan& plan) {
     core::Fog fog = film.fog;
     fog.height -= static_cast<float>(film.origin.y);
     return Air(fog, film.bounds_min, film.bounds_max);
-}
-
-std::optional<image::SkyMap> sky_of(const scene::Animation& animation, const Plan& plan,
-                                    std::vector<std::string>& notes) {
-    if (!plan.runs(Pass::sky_background) && !plan.runs(Pass::sky_light)) return std::nullopt;
-    const scene::Sky& sky = animation.sky;
-    if (sky.image < 0) return image::SkyMap(sky.color);
-    const scene::ImageSource& source = animation.images[static_cast<std::size_t>(sky.image)];
-    const image::Image image = image::read_image(source.path, source.bytes, source.name);
-    if (std::string note = note_of(image, source.name); !note.empty()) notes.push_back(std::move(note));
-    return image::SkyMap(image, sky.color, sky.rotation);
 }
 
 std::vector<bool> translucent_materials(const SurfaceMaterials& materials, std::size_t count) {
@@ -57,12 +46,12 @@ std::vector<std::optional<Medium>> media_of(const scene::Animation& animation, c
 }  // namespace
 
 struct PosedScene::Impl {
-    Impl(const scene::Animation& film, core::Isa isa, const Plan& plan)
+    Impl(const scene::Animation& film, core::Isa isa, const Plan& plan, TextureStore& store)
         : animation(film),
-          materials(film, plan),
+          materials(film, plan, store),
           media(media_of(film, plan)),
-          notes(materials.notes()),
-          sky(sky_of(film, plan, notes)),
+          sky(plan.runs(Pass::sky_background) || plan.runs(Pass::sky_light) ? store.sky() : nullptr),
+          notes(store.notes()),
           air(air_of(film, plan)),
           tracer(film, isa, translucent_materials(materials, film.materials.size()),
                  [this](const core::SurfaceAddress& address, glm::vec3 direction, Bodies bodies) {
@@ -117,16 +106,18 @@ struct PosedScene::Impl {
     const scene::Animation& animation;
     SurfaceMaterials materials;
     std::vector<std::optional<Medium>> media;
+    std::shared_ptr<const image::SkyMap> sky;
     std::vector<std::string> notes;
-    std::optional<image::SkyMap> sky;
     std::optional<Air> air;
     SampledClock layer_clock;
     RayTracer tracer;
     const scene::Snapshot* snapshot = nullptr;
 };
 
-PosedScene::PosedScene(const scene::Animation& animation, core::Isa isa, const Plan& plan)
-    : impl_(std::make_unique<Impl>(animation, isa, plan)) {}
+PosedScene::PosedScene(const scene::Animation& animation, core::Isa isa, const Plan& plan, TextureStore* store) {
+    std::optional<TextureStore> own;
+    impl_ = std::make_unique<Impl>(animation, isa, plan, store != nullptr ? *store : own.emplace(animation));
+}
 PosedScene::~PosedScene() = default;
 PosedScene::PosedScene(PosedScene&&) noexcept = default;
 
@@ -158,7 +149,7 @@ const Air* PosedScene::air() const {
 }
 
 const image::SkyMap* PosedScene::sky() const {
-    return impl_->sky ? &*impl_->sky : nullptr;
+    return impl_->sky.get();
 }
 
 const Medium* PosedScene::medium_within(std::uint32_t object) const {

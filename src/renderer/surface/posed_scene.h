@@ -16,13 +16,15 @@
 
 namespace render2mpeg::renderer {
 
+class TextureStore;
+
 /// The scene as rays meet it: geometry in a ray tracer, posed at one instant, and textured materials. Everything that
 /// is looked up is a function of the animation and the posed snapshot alone, whatever was posed before.
 class PosedScene {
   public:
-    /// Decodes the textures that surfaces use (in parallel) and builds what never moves. `animation` is complete
-    /// (scene::complete) and outlives this. Throws core::Error for images that cannot be read.
-    PosedScene(const scene::Animation& animation, core::Isa isa, const Plan& plan);
+    /// Takes the textures that surfaces use from `store` (none: one of its own) and builds what never moves.
+    /// `animation` is complete (scene::complete) and outlives this. Throws core::Error for images that cannot be read.
+    PosedScene(const scene::Animation& animation, core::Isa isa, const Plan& plan, TextureStore* store = nullptr);
     ~PosedScene();
     PosedScene(PosedScene&&) noexcept;
 

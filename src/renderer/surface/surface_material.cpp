@@ -135,7 +135,7 @@ glm::vec3 turned_to_viewer(glm::vec3 normal, glm::vec3 geometric, glm::vec3 outg
 
 }  // namespace
 
-SurfaceMaterials::SurfaceMaterials(const scene::Animation& animation, const Plan& plan)
+SurfaceMaterials::SurfaceMaterials(const scene::Animation& animation, const Plan& plan, TextureStore& store)
     : animation_(animation),
       alpha_(plan.runs(Pass::alpha)),
       mirrors_(plan.runs(Pass::mirrors)),
@@ -143,7 +143,7 @@ SurfaceMaterials::SurfaceMaterials(const scene::Animation& animation, const Plan
       glossy_(plan.runs(Pass::glossy)),
       hair_(plan.runs(Pass::hair)),
       subsurface_(plan.runs(Pass::subsurface)),
-      textures_(animation, plan) {}
+      textures_(animation, plan, store) {}
 
 glm::vec4 SurfaceMaterials::look_up(std::uint32_t material, TextureRole role, const SurfaceShape& shape) const {
     const image::Texture* texture = textures_.of(material, role);

@@ -11,7 +11,7 @@ namespace render2mpeg::renderer {
 /// The materials of an animation as surfaces show them (docs/model/materials.md).
 class SurfaceMaterials {
   public:
-    SurfaceMaterials(const scene::Animation& animation, const Plan& plan);
+    SurfaceMaterials(const scene::Animation& animation, const Plan& plan, TextureStore& store);
 
     /// Fills in normals, bsdf, emission, alpha and unlit of a point whose geometry (`shape`, `outgoing`, `back_side`,
     /// geometric normal) is known. `index`: where a body of glass is entered or left, what lies beyond over what lies
@@ -28,9 +28,6 @@ class SurfaceMaterials {
 
     /// Whether surfaces of a material may let light through somewhere.
     bool is_translucent(std::uint32_t material) const;
-
-    /// See MaterialTextures.
-    const std::vector<std::string>& notes() const { return textures_.notes(); }
 
   private:
     glm::vec4 look_up(std::uint32_t material, TextureRole role, const SurfaceShape& shape) const;

@@ -8,7 +8,7 @@
 #include "core/numeric.h"
 #include "core/text.h"
 #include "scene/animation_file/keys.h"
-#include "scene/model/tga.h"
+#include "scene/model/png.h"
 
 namespace render2mpeg::scene {
 namespace {
@@ -119,7 +119,7 @@ TextureUse Looks::checker_of(const JsonValue& value) {
     for (int y = 0; y < side; ++y)
         for (int x = 0; x < side; ++x) image.push_back(shades[(x / texels + y / texels) % 2]);
     TextureUse use;
-    use.image = add_image({"checker", {}, encode_tga(side, side, image)});
+    use.image = add_image({"checker", {}, encode_png(side, side, image)});
     return use;
 }
 
@@ -270,7 +270,7 @@ int Looks::gradient_image(glm::vec3 zenith, glm::vec3 horizon, glm::vec3 ground)
         const glm::vec3 below = glm::mix(horizon, ground, std::clamp(-up / 0.05f, 0.0f, 1.0f));
         texels.insert(texels.end(), width, code_values(up >= 0 ? above : below));
     }
-    return add_image({"sky gradient", {}, encode_tga(width, height, texels)});
+    return add_image({"sky gradient", {}, encode_png(width, height, texels)});
 }
 
 void Looks::read_sky(const JsonValue& value) {

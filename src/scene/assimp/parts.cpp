@@ -12,7 +12,7 @@
 #include "core/text.h"
 #include "scene/assimp/classic_shading.h"
 #include "scene/assimp/rest_pose.h"
-#include "scene/model/tga.h"
+#include "scene/model/png.h"
 
 namespace render2mpeg::scene {
 namespace {
@@ -135,7 +135,7 @@ int MaterialReader::image_named(const std::string& written, Animation& into) {
                 const aiTexel& t = embedded->pcData[i];
                 texels.emplace_back(t.r, t.g, t.b, t.a);
             }
-            image.bytes = encode_tga(static_cast<int>(embedded->mWidth), static_cast<int>(embedded->mHeight), texels);
+            image.bytes = encode_png(static_cast<int>(embedded->mWidth), static_cast<int>(embedded->mHeight), texels);
         }
     } else if (const auto found = finder_.find(written)) {
         image.path = *found;

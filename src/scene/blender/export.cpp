@@ -130,6 +130,7 @@ ProbeLimits blender_limits() {
     if (end.how == How::killed)
         throw core::Error("reading", file, "Blender was killed while it exported it (out of memory?)");
     if (end.how == How::given_up) throw core::Error("reading", file, "interrupted");
+    if (end.how == How::not_begun || end.how == How::refused) throw core::Error("reading", file, end.text);
     throw core::Error("reading", file, "Blender crashed while it exported it");
 }
 

@@ -55,7 +55,10 @@ struct Descriptor {
 };
 
 [[noreturn]] void fail(int failure) {
-    throw core::Error("starting", program().string(), std::strerror(failure));
+    const std::string cause = std::strerror(failure);
+    throw core::Error("starting", program().string(),
+                      "a process that reads files cannot begin: " + cause +
+                          (failure == EAGAIN ? " (too many processes? ulimit -u)" : ""));
 }
 
 /// A memory file with `bytes`.
@@ -110,6 +113,18 @@ bool read_all(int pipe, std::string& text, const std::function<bool()>& give_up)
         if (n > 0) text.append(buffer.data(), static_cast<std::size_t>(n));
         if (n == 0 || (n < 0 && errno != EINTR)) return true;
     }
+}
+
+/// First of what a probe writes, once it understands what it is to read.
+constexpr char begun = '\6';
+
+/// Why a probe ended before it began to read.
+std::string why_not_begun(int status) {
+    const std::string who = program().string() + ", which should read it in a process of its own, ";
+    if (WIFSIGNALED(status)) return who + "was ended by signal " + std::to_string(WTERMSIG(status)) + " as it started";
+    const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 0;
+    if (code == probe_crashed) return who + "is of another version";
+    return who + "does not start (exit status " + std::to_string(code) + ")";
 }
 
 ProbeEnd::How how_ended(int status) {
@@ -232,7 +247,7 @@ Probe::Probe(const ProbeLimits& limits, const std::vector<std::string>& words, s
     int text[2];
     if (pipe2(text, O_CLOEXEC) != 0) fail(errno);
     Descriptor text_end(text[0]), text_begin(text[1]);
-    const Descriptor read_from(file_of(input));
+    Descriptor read_from(file_of(input));
     std::vector<std::string> all{program().string(),
                                  std::string(flag),
                                  std::to_string(getpid()),
@@ -242,6 +257,7 @@ Probe::Probe(const ProbeLimits& limits, const std::vector<std::string>& words, s
     all.insert(all.end(), words.begin(), words.end());
     child_ = spawn(std::move(all), read_from.value, text[1]);
     text_ = text_end.release();
+    input_ = read_from.release();
 }
 
 Probe::~Probe() {
@@ -249,7 +265,13 @@ Probe::~Probe() {
         kill(child_, SIGKILL);
         wait_for(child_);
     }
-    if (text_ >= 0) close(text_);
+    for (const int open : {text_, input_})
+        if (open >= 0) close(open);
+}
+
+int Probe::take_input() {
+    EXPECTS(child_ < 0 && input_ >= 0);
+    return std::exchange(input_, -1);
 }
 
 ProbeEnd Probe::end(const std::function<bool()>& give_up) {
@@ -257,9 +279,13 @@ ProbeEnd Probe::end(const std::function<bool()>& give_up) {
     ProbeEnd end;
     const bool ended = read_all(text_, end.text, give_up);
     if (!ended) kill(child_, SIGKILL);
-    end.how = how_ended(wait_for(child_));
-    if (!ended) end.how = ProbeEnd::How::given_up;
+    const int status = wait_for(child_);
     child_ = -1;
+    end.how = ended ? how_ended(status) : ProbeEnd::How::given_up;
+    const bool has_begun = end.text.starts_with(begun);
+    if (has_begun) end.text.erase(0, 1);
+    if (ended && !has_begun && end.how != ProbeEnd::How::killed)
+        end = {ProbeEnd::How::not_begun, why_not_begun(status)};
     return end;
 }
 
@@ -267,6 +293,7 @@ std::string text_of(ProbeEnd end, const std::string& name, const ProbeLimits& li
     using How = ProbeEnd::How;
     if (end.how == How::read || end.how == How::given_up) return std::move(end.text);
     if (end.how == How::refused) throw core::Error(end.text);
+    if (end.how == How::not_begun) throw core::Error("reading", name, end.text);
     // Our limits do not kill, but the system's lack of memory does.
     if (end.how == How::killed)
         throw OutOfMemory("reading", name, "the process that read it was killed (out of memory?)");
@@ -305,6 +332,7 @@ void live_as_probe(int argc, char** argv, const std::map<std::string, ProbedRead
     // Libraries print to standard output.
     text_pipe = dup(STDOUT_FILENO);
     dup2(STDERR_FILENO, STDOUT_FILENO);
+    write_from_probe({begun});
     const RenewedLimits limits({std::strtoumax(argv[3], nullptr, 10),
                                 static_cast<unsigned>(std::strtoul(argv[4], nullptr, 10)),
                                 static_cast<unsigned>(std::strtoul(argv[5], nullptr, 10))});

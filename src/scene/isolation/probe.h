@@ -35,9 +35,9 @@ ProbeLimits limits_for(std::uintmax_t file_size);
 ProbeLimits limits_for(const std::filesystem::path& file);
 
 struct ProbeEnd {
-    enum class How { read, refused, out_of_memory, out_of_time, killed, crashed, given_up };
+    enum class How { read, refused, out_of_memory, out_of_time, killed, crashed, given_up, not_begun };
     How how = How::crashed;
-    std::string text;  ///< messages until then; refused: the reason
+    std::string text;  ///< messages until then; refused: the reason; not begun: why
 };
 
 /// A process that reads a file. It ignores interrupts, and ends with its parent thread.
@@ -47,8 +47,8 @@ class Probe {
     /// or one folder above. Without it files are read unprobed.
     static bool is_possible();
 
-    /// `words`: kind of reading, and arguments; `input`: standard input. Throws core::Error without a
-    /// process.
+    /// `words`: kind of reading, and arguments; `input`: standard input, a file in memory that the probe may also write
+    /// to. Throws core::Error without a process.
     Probe(const ProbeLimits& limits, const std::vector<std::string>& words, std::span<const std::byte> input = {});
     ~Probe();
     Probe(const Probe&) = delete;
@@ -57,8 +57,11 @@ class Probe {
     /// Waits for its end, or until `give_up` says so. Once only.
     ProbeEnd end(const std::function<bool()>& give_up = {});
 
+    /// The file of its standard input, which the caller closes. Once only, after end().
+    int take_input();
+
   private:
-    int child_ = -1, text_ = -1;
+    int child_ = -1, text_ = -1, input_ = -1;
 };
 
 /// Reads as `words` say in a probe, until `give_up` says so. Returns and throws as text_of() does.

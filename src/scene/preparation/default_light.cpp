@@ -8,7 +8,7 @@
 
 #include "core/color.h"
 #include "scene/model/node.h"
-#include "scene/model/tga.h"
+#include "scene/model/png.h"
 #include "scene/model/wording.h"
 #include "scene/pose/pose.h"
 #include "scene/pose/surface_grid.h"
@@ -108,7 +108,7 @@ void add_sky(Animation& animation, const StudioSky& sky) {
     animation.sky.image = static_cast<int>(animation.images.size());
     animation.sky.color = glm::vec3(peak);
     animation.sky.rotation = 0;
-    animation.images.push_back({"studio", {}, encode_tga(StudioSky::width, StudioSky::height, texels)});
+    animation.images.push_back({"studio", {}, encode_png(StudioSky::width, StudioSky::height, texels)});
 }
 
 void add_sun(Animation& animation, const char* name, glm::dvec3 towards, float irradiance, float angle) {
