@@ -2,6 +2,7 @@
 
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
@@ -9,16 +10,26 @@
 #include <utility>
 
 #include "core/error.h"
+#include "parallel/fork.h"
+#include "parallel/lane.h"
 
 namespace render2mpeg::parallel {
 namespace {
 
-std::atomic<const std::function<bool()>*> stop{nullptr};
-
-void stop_where_asked() {
-    const std::function<bool()>* asked = stop.load(std::memory_order_acquire);
+void stop_where_asked(const Lane& lane) {
+    const std::function<bool()>* asked = lane.stop.load(std::memory_order_acquire);
     if (asked != nullptr && *asked && (*asked)()) throw Stopped{};
 }
+
+/// Bodies of loops that this thread is within.
+thread_local int depth = 0;
+
+struct Deeper {
+    Deeper() { ++depth; }
+    ~Deeper() { --depth; }
+    Deeper(const Deeper&) = delete;
+    Deeper& operator=(const Deeper&) = delete;
+};
 
 }  // namespace
 
@@ -33,10 +44,11 @@ ThreadLimit::~ThreadLimit() {
     delete static_cast<tbb::global_control*>(control_);
 }
 
-StopWhen::StopWhen(std::function<bool()> asked) : asked_(std::move(asked)), before_(stop.exchange(&asked_)) {}
+StopWhen::StopWhen(std::function<bool()> asked)
+    : asked_(std::move(asked)), before_(present_lane().stop.exchange(&asked_)) {}
 
 StopWhen::~StopWhen() {
-    stop = before_;
+    present_lane().stop = before_;
 }
 
 int thread_count() {
@@ -44,13 +56,25 @@ int thread_count() {
 }
 
 void for_each(std::size_t count, const std::function<void(std::size_t)>& body) {
-    tbb::parallel_for(
-        std::size_t{0}, count,
-        [&](std::size_t i) {
-            stop_where_asked();
-            body(i);
-        },
-        tbb::simple_partitioner{});
+    Lane& lane = present_lane();
+    Fork fork;
+    const auto loop = [&] {
+        tbb::parallel_for(
+            std::size_t{0}, count,
+            [&](std::size_t i) {
+                const Fork::Prong prong(fork);
+                const InLane in(lane);
+                const Deeper deeper;
+                stop_where_asked(lane);
+                body(i);
+            },
+            tbb::simple_partitioner{});
+    };
+    // Who waits within a body takes up no other, which would find that one's locks and thread_local variables.
+    if (depth > 0)
+        tbb::this_task_arena::isolate(loop);
+    else
+        loop();
 }
 
 void for_ranges(std::size_t count, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body) {

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "core/error.h"
@@ -81,6 +82,11 @@ json ChunkFile::facts() const {
 
 std::filesystem::path ChunkFile::record_of(const std::filesystem::path& file) {
     return std::filesystem::path(file).replace_extension(".json");
+}
+
+bool is_whole(const ChunkFile& chunk) {
+    std::error_code error;
+    return std::filesystem::exists(ChunkFile::record_of(chunk.file()), error);
 }
 
 }  // namespace render2mpeg::app

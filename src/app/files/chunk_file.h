@@ -54,4 +54,7 @@ class ChunkFile {
     Checksum checksum_;  ///< of the stream
 };
 
+/// Whether it was finished.
+bool is_whole(const ChunkFile& chunk);
+
 }  // namespace render2mpeg::app

@@ -273,6 +273,9 @@ MemoryNeed memory_need(const RenderJob& film) {
     MemoryNeed need;
     need.held = own_memory().resident;
     need.triangles = per_triangle * triangles_of(scene);
+    for (const scene::Object& object : scene.objects)
+        if (object.mobility == scene::Mobility::deforming)
+            need.moving += per_triangle * scene.meshes[static_cast<std::size_t>(object.mesh)].primitives();
     for (const int i : images_of(scene)) {
         const scene::ImageSource& source = scene.images[static_cast<std::size_t>(i)];
         const image::ImageHeader header = image::read_image_header(source.path, source.bytes, source.name);

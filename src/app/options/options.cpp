@@ -68,6 +68,11 @@ void add_run_options(CLI::App& command, RenderOptions& options, bool whole) {
                "Most memory to take, e.g. 8G: refuse what would need more before it is begun, and never swap "
                "(default: no limit)",
                "SIZE", memory_from);
+    add_option(command, run_group, "--chunks-at-once", options.chunks_at_once,
+               "Chunks of some 60 frames that are made beside each other, each by a thread or more, where one frame "
+               "cannot keep all cores busy (default: one for 16 threads, as memory allows; docs/machines.md). The "
+               "film's bytes do not depend on it",
+               range(1, 1024));
     add_option(command, run_group, "--light-cache", options.light_cache,
                "Begin with the light that earlier runs of the same frames found, and add the light of this one: with "
                "another quantiser, bit rate or codec light takes a third of the time. For light that never changes; "

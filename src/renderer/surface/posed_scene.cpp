@@ -56,20 +56,38 @@ std::vector<std::optional<Medium>> media_of(const scene::Animation& animation, c
 
 }  // namespace
 
-struct PosedScene::Impl {
-    Impl(const scene::Animation& film, core::Isa isa, const Plan& plan)
-        : animation(film),
-          materials(film, plan),
+/// What is the same at every instant.
+struct PosedScene::Still {
+    Still(const scene::Animation& film, const Plan& plan)
+        : materials(film, plan),
           media(media_of(film, plan)),
           notes(materials.notes()),
           sky(sky_of(film, plan, notes)),
-          air(air_of(film, plan)),
-          tracer(film, isa, translucent_materials(materials, film.materials.size()),
-                 [this](const core::SurfaceAddress& address, glm::vec3 direction, Bodies bodies) {
-                     if (bodies == Bodies::block && animation.objects[address.object].body == scene::Body::solid)
-                         return glm::vec3{0.0f};
-                     return layer_clock.time([&] { return transmittance(address, direction); });
-                 }) {}
+          air(air_of(film, plan)) {}
+
+    SurfaceMaterials materials;
+    std::vector<std::optional<Medium>> media;
+    std::vector<std::string> notes;
+    std::optional<image::SkyMap> sky;
+    std::optional<Air> air;
+};
+
+struct PosedScene::Impl {
+    Impl(const scene::Animation& film, core::Isa isa, const Plan& plan)
+        : animation(film),
+          still(std::make_shared<Still>(film, plan)),
+          tracer(film, isa, translucent_materials(still->materials, film.materials.size()), passing()) {}
+    explicit Impl(const Impl& posed)
+        : animation(posed.animation), still(posed.still), tracer(posed.tracer, passing()) {}
+
+    /// The ray tracer's question, asked of this object.
+    RayTracer::Transmittance passing() {
+        return [this](const core::SurfaceAddress& address, glm::vec3 direction, Bodies bodies) {
+            if (bodies == Bodies::block && animation.objects[address.object].body == scene::Body::solid)
+                return glm::vec3{0.0f};
+            return layer_clock.time([&] { return transmittance(address, direction); });
+        };
+    }
 
     std::uint32_t material_of(std::uint32_t object) const {
         return static_cast<std::uint32_t>(animation.objects[object].material);
@@ -110,16 +128,12 @@ struct PosedScene::Impl {
         shape.mesh = &animation.meshes[static_cast<std::size_t>(animation.objects[address.object].mesh)];
         set_corners(shape, address);
         const bool is_glass = animation.materials[material].transmission > 0.0f;
-        return materials.transmittance_at(material, shape, *snapshot,
-                                          is_glass ? cosine_at(address, shape, direction) : 1.0f);
+        return still->materials.transmittance_at(material, shape, *snapshot,
+                                                 is_glass ? cosine_at(address, shape, direction) : 1.0f);
     }
 
     const scene::Animation& animation;
-    SurfaceMaterials materials;
-    std::vector<std::optional<Medium>> media;
-    std::vector<std::string> notes;
-    std::optional<image::SkyMap> sky;
-    std::optional<Air> air;
+    std::shared_ptr<const Still> still;
     SampledClock layer_clock;
     RayTracer tracer;
     const scene::Snapshot* snapshot = nullptr;
@@ -127,6 +141,7 @@ struct PosedScene::Impl {
 
 PosedScene::PosedScene(const scene::Animation& animation, core::Isa isa, const Plan& plan)
     : impl_(std::make_unique<Impl>(animation, isa, plan)) {}
+PosedScene::PosedScene(const PosedScene& posed) : impl_(std::make_unique<Impl>(*posed.impl_)) {}
 PosedScene::~PosedScene() = default;
 PosedScene::PosedScene(PosedScene&&) noexcept = default;
 
@@ -148,24 +163,25 @@ const scene::Animation& PosedScene::animation() const {
     return impl_->animation;
 }
 const std::vector<std::string>& PosedScene::notes() const {
-    return impl_->notes;
+    return impl_->still->notes;
 }
 double PosedScene::layer_seconds() const {
     return impl_->layer_clock.seconds();
 }
 const Air* PosedScene::air() const {
-    return impl_->air ? &*impl_->air : nullptr;
+    return impl_->still->air ? &*impl_->still->air : nullptr;
 }
 
 const image::SkyMap* PosedScene::sky() const {
-    return impl_->sky ? &*impl_->sky : nullptr;
+    return impl_->still->sky ? &*impl_->still->sky : nullptr;
 }
 
 const Medium* PosedScene::medium_within(std::uint32_t object) const {
-    return impl_->media.empty() || !impl_->media[object] ? nullptr : &*impl_->media[object];
+    const std::vector<std::optional<Medium>>& media = impl_->still->media;
+    return media.empty() || !media[object] ? nullptr : &*media[object];
 }
 bool PosedScene::has_bodies() const {
-    return !impl_->media.empty();
+    return !impl_->still->media.empty();
 }
 
 SurfacePoint PosedScene::surface_at(const core::SurfaceAddress& address, glm::vec3 outgoing,
@@ -196,7 +212,7 @@ SurfacePoint PosedScene::surface_in(const MediaStack& media, Band band, const co
         if (point.back_side) around.begin_inside(address.object, *medium);
         index = around.index_across(address.object, *medium, point.back_side, band);
     }
-    impl_->materials.fill(point, shape, object, index);
+    impl_->still->materials.fill(point, shape, object, index);
     return point;
 }
 
@@ -241,7 +257,7 @@ glm::vec3 PosedScene::mean_emission(std::uint32_t object, std::uint32_t primitiv
     if (m.unlit || !m.emits() || !impl_->snapshot->objects[object].present) return glm::vec3{0.0f};
     const float factor = impl_->snapshot->emission_factor[material];
     SurfaceShape shape = impl_->shape({object, primitive, 0.0f, 0.0f}, {});
-    if (!m.emission_texture.present()) return factor * impl_->materials.emission_at(material, shape);
+    if (!m.emission_texture.present()) return factor * impl_->still->materials.emission_at(material, shape);
 
     // Average over 4 x 4 similar triangles, each filtered over a parallelogram of its area.
     constexpr int split = 4;
@@ -254,7 +270,7 @@ glm::vec3 PosedScene::mean_emission(std::uint32_t object, std::uint32_t primitiv
             const float third = j % 2 == 0 ? 1.0f / 3.0f : 2.0f / 3.0f;
             const float u = (static_cast<float>(j / 2) + third) / split, v = (static_cast<float>(i) + third) / split;
             shape.weights = {1.0f - u - v, u, v};
-            sum += impl_->materials.emission_at(material, shape);
+            sum += impl_->still->materials.emission_at(material, shape);
         }
     }
     return factor * sum / static_cast<float>(split * split);

@@ -23,6 +23,9 @@ class PosedScene {
     /// Decodes the textures that surfaces use (in parallel) and builds what never moves. `animation` is complete
     /// (scene::complete) and outlives this. Throws core::Error for images that cannot be read.
     PosedScene(const scene::Animation& animation, core::Isa isa, const Plan& plan);
+    /// Another for other instants: it shares what never moves with `posed`, which was posed before. Each may be posed
+    /// while the other is looked at.
+    explicit PosedScene(const PosedScene& posed);
     ~PosedScene();
     PosedScene(PosedScene&&) noexcept;
 
@@ -95,6 +98,7 @@ class PosedScene {
     double layer_seconds() const;
 
   private:
+    struct Still;
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };
