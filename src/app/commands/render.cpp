@@ -130,7 +130,7 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
 int plan(const RenderOptions& options) {
     const parallel::ThreadLimit threads(options.threads);
     const InterruptGuard guard(options.quiet);
-    RenderJob film = prepare(options);
+    RenderJob film = prepare_within_memory(options);
     print_notes(film, options);
     print(plan_text(film, options));
     return InterruptGuard::requested() ? InterruptGuard::status() : 0;

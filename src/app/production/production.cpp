@@ -30,12 +30,8 @@
 namespace render2mpeg::app {
 namespace {
 
-/// The film's first chunks without a gap, of which the last may be incomplete.
 std::span<const ChunkFile> leading_of(const OpenRender& open) {
-    const int first = open.film.chunks().front().index;
-    std::size_t count = 0;
-    while (count < open.files.size() && open.files[count].chunk().index == first + static_cast<int>(count)) ++count;
-    return std::span(open.files).first(count);
+    return leading_of(open.files, open.film.chunks().front().index);
 }
 
 /// Publishes the film under its name, or an incomplete one under another.
