@@ -54,6 +54,22 @@ TEST(Lanes, LoopsOfAllComeOutWhole) {
     }
 }
 
+TEST(Lanes, TogetherTakeNoMoreThreadsThanLoopsMay) {
+    const ThreadLimit limit(3);
+    std::atomic<int> running = 0, most = 0;
+    run_lanes(2, [&](std::size_t) {
+        for_each(150, [&](std::size_t) {
+            const int now = ++running;
+            for (int seen = most; now > seen && !most.compare_exchange_weak(seen, now);) {
+            }
+            std::this_thread::sleep_for(std::chrono::microseconds(100));
+            --running;
+        });
+    });
+    EXPECT_LE(most, 3);
+    EXPECT_GE(most, 2);
+}
+
 TEST(Lanes, ThrowWhatTheFirstOfThemThrowsOnceAllHaveEnded) {
     std::atomic<int> ended = 0;
     try {

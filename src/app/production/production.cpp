@@ -57,7 +57,7 @@ Published publish_frames(const OpenRender& open, bool complete) {
 RenderJob prepare_within_memory(const RenderOptions& options) {
     if (!options.memory) return prepare(options);
     const std::uint64_t limit = memory_from(*options.memory);
-    hold_to(limit, parallel::thread_count());
+    hold_to(limit, std::max(parallel::thread_count(), options.chunks_at_once.value_or(1)));
     RenderJob film = prepare(options);
     if (!probe_images(*film.animation, image_probes(true))) return film;
     // Their headers may be read now.
