@@ -2,6 +2,7 @@
 
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
@@ -9,17 +10,27 @@
 #include <utility>
 
 #include "core/error.h"
+#include "parallel/fork.h"
+#include "parallel/lane.h"
 #include "parallel/loop_record.h"
 
 namespace render2mpeg::parallel {
 namespace {
 
-std::atomic<const std::function<bool()>*> stop{nullptr};
-
-void stop_where_asked() {
-    const std::function<bool()>* asked = stop.load(std::memory_order_acquire);
+void stop_where_asked(const Lane& lane) {
+    const std::function<bool()>* asked = lane.stop.load(std::memory_order_acquire);
     if (asked != nullptr && *asked && (*asked)()) throw Stopped{};
 }
+
+/// Bodies of loops that this thread is within.
+thread_local int depth = 0;
+
+struct Deeper {
+    Deeper() { ++depth; }
+    ~Deeper() { --depth; }
+    Deeper(const Deeper&) = delete;
+    Deeper& operator=(const Deeper&) = delete;
+};
 
 }  // namespace
 
@@ -34,10 +45,11 @@ ThreadLimit::~ThreadLimit() {
     delete static_cast<tbb::global_control*>(control_);
 }
 
-StopWhen::StopWhen(std::function<bool()> asked) : asked_(std::move(asked)), before_(stop.exchange(&asked_)) {}
+StopWhen::StopWhen(std::function<bool()> asked)
+    : asked_(std::move(asked)), before_(present_lane().stop.exchange(&asked_)) {}
 
 StopWhen::~StopWhen() {
-    stop = before_;
+    present_lane().stop = before_;
 }
 
 int thread_count() {
@@ -47,13 +59,25 @@ int thread_count() {
 namespace {
 
 void run(std::size_t count, const std::function<void(std::size_t)>& body) {
-    tbb::parallel_for(
-        std::size_t{0}, count,
-        [&](std::size_t i) {
-            stop_where_asked();
-            body(i);
-        },
-        tbb::simple_partitioner{});
+    Lane& lane = present_lane();
+    Fork fork;
+    const auto loop = [&] {
+        tbb::parallel_for(
+            std::size_t{0}, count,
+            [&](std::size_t i) {
+                const Fork::Prong prong(fork);
+                const InLane in(lane);
+                const Deeper deeper;
+                stop_where_asked(lane);
+                body(i);
+            },
+            tbb::simple_partitioner{});
+    };
+    // Who waits within a body takes up no other, which would find that one's locks and thread_local variables.
+    if (depth > 0)
+        tbb::this_task_arena::isolate(loop);
+    else
+        loop();
 }
 
 }  // namespace

@@ -25,8 +25,8 @@ int thread_count();
 /// Thrown by a loop that was asked to stop.
 struct Stopped {};
 
-/// While it lives, loops end with Stopped at the next call of a body once `asked` returns true, on any thread. The
-/// innermost of several counts; an empty function lets loops go on.
+/// While it lives, loops of its lane (lanes.h) end with Stopped at the next call of a body once `asked` returns true,
+/// on any thread. The innermost of several counts; an empty function lets loops go on.
 class StopWhen {
   public:
     explicit StopWhen(std::function<bool()> asked);

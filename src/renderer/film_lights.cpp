@@ -27,22 +27,36 @@ FilmLights::FilmLights(PosedScene& posed_scene, const Plan& plan, const Settings
       times_(times),
       light_points_(posed_scene, plan, (plan.runs(Pass::sky_light) ? 2 : 1) * settings.direct_points, settings.seed) {}
 
-void FilmLights::start_chunk(const scene::Snapshot& first) {
-    first_frame_ = first.frame;
+FilmLights::FilmLights(const FilmLights& prepared, PosedScene& posed_scene, const Plan& plan, const Settings& settings,
+                       Statistics& statistics, PassTimes& times)
+    : posed_scene_(posed_scene),
+      plan_(plan),
+      settings_(settings),
+      statistics_(statistics),
+      times_(times),
+      light_points_(prepared.light_points_),
+      anchors_(prepared.anchors_) {}
+
+void FilmLights::prepare(const scene::Snapshot& instant) {
     {
         const Stopwatch timer(times_[Pass::sky_light]);
         statistics_.photon_rays += light_points_.look_at_sky(posed_scene_);
     }
     {
         const Stopwatch timer(times_[Pass::pose]);
-        posed_scene_.pose(first);
+        posed_scene_.pose(instant);
     }
     if (!anchors_ && plan_.runs(Pass::photons) && settings_.vpls > 0 && !by_rays()) {
         const Stopwatch timer(times_[Pass::photons]);
-        anchors_.emplace(posed_scene_, light_points_,
-                         AnchorSettings{settings_.vpls, settings_.bounces, settings_.photons});
+        anchors_ = std::make_shared<const Anchors>(
+            posed_scene_, light_points_, AnchorSettings{settings_.vpls, settings_.bounces, settings_.photons});
         statistics_.photon_rays += anchors_->rays();
     }
+}
+
+void FilmLights::start_chunk(const scene::Snapshot& first) {
+    first_frame_ = first.frame;
+    prepare(first);
     {
         const Stopwatch timer(times_[Pass::emissive_lights]);
         light_points_.place(posed_scene_, first);

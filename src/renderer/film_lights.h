@@ -1,6 +1,7 @@
 #pragma once
 // The lights of a film, as they shine at the posed instant.
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -24,7 +25,12 @@ class FilmLights {
   public:
     FilmLights(PosedScene& posed_scene, const Plan& plan, const Settings& settings, Statistics& statistics,
                PassTimes& times);
+    /// Lights of the same film for other instants, with what `prepared` has prepared.
+    FilmLights(const FilmLights& prepared, PosedScene& posed_scene, const Plan& plan, const Settings& settings,
+               Statistics& statistics, PassTimes& times);
 
+    /// Finds what is the same in all chunks, where that was not done. The snapshot gets posed.
+    void prepare(const scene::Snapshot& instant);
     /// Builds what a chunk keeps, and poses its first instant.
     void start_chunk(const scene::Snapshot& first);
     /// Lights of the posed snapshot. Whether they are others than those of the instant lit before.
@@ -54,7 +60,7 @@ class FilmLights {
     Statistics& statistics_;
     PassTimes& times_;
     LightPoints light_points_;
-    std::optional<Anchors> anchors_;
+    std::shared_ptr<const Anchors> anchors_;  ///< null: not prepared, or the film has none
     AreaLamps lamps_;
     PersistentLightTrees persistent_trees_;  ///< of the chunk
     std::int64_t first_frame_ = 0;           ///< of the chunk

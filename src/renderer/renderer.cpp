@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/numeric.h"
+#include "parallel/lanes.h"
 #include "renderer/air/airlight.h"
 #include "renderer/cache/irradiance_cache.h"
 #include "renderer/calibration/audit.h"
@@ -36,6 +37,21 @@ struct Renderer::Impl {
           caustics({s.caustic_photons}),
           final_gather(posed_scene, plan),
           hair_light(posed_scene, plan) {
+        begin();
+    }
+    /// Beside `prepared`.
+    explicit Impl(const Impl& prepared)
+        : settings(prepared.settings),
+          plan(prepared.plan),
+          posed_scene(prepared.posed_scene),
+          lights(prepared.lights, posed_scene, plan, settings, statistics, times),
+          caustics({settings.caustic_photons}),
+          final_gather(posed_scene, plan),
+          hair_light(posed_scene, plan) {
+        begin();
+    }
+
+    void begin() {
         statistics.image_notes = posed_scene.notes();
         if (lights.by_rays()) rays_of.push_back(RaysOf::hemispheres);
         if (plan.runs(Pass::lobe_rays)) rays_of.push_back(RaysOf::lobes);
@@ -129,8 +145,9 @@ struct Renderer::Impl {
     IrradianceCache cache;
     FilmCalibration calibration;
     DraftLight draft_light;
-    double shared_seconds = 0;       ///< of gathering by rays, that rows have already
-    std::uint64_t counted_rays = 0;  ///< of all, that statistics have, or that count nowhere
+    double shared_seconds = 0;         ///< of gathering by rays, that rows have already
+    std::uint64_t counted_rays = 0;    ///< of all, that statistics have, or that count nowhere
+    double earlier_layer_seconds = 0;  ///< before statistics began
 };
 
 /// Finer edges, where the tolerance shows them.
@@ -252,8 +269,14 @@ core::Radiance Renderer::Impl::trace(const UngatheredLight& ungathered, const Tr
 
 Renderer::Renderer(const scene::Animation& animation, const Settings& settings, const Plan& plan, TextureStore* store)
     : impl_(std::make_unique<Impl>(animation, settings, plan, store)) {}
+Renderer::Renderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
+
+std::unique_ptr<Renderer> Renderer::beside(const scene::Snapshot& instant) {
+    impl_->lights.prepare(instant);
+    return std::unique_ptr<Renderer>(new Renderer(std::make_unique<Impl>(*impl_)));
+}
 
 void Renderer::start_chunk(const scene::Snapshot& first) {
     impl_->start_chunk(first);
@@ -303,7 +326,7 @@ Lit Renderer::gather(const scene::Snapshot& snapshot, PlacedFrame placed, const 
     if (order.manner != Manner::truth) i.update_lights(snapshot);
     i.counted_rays = i.gathered_rays();
     i.shared_seconds = i.final_gather.counts().seconds;
-    const double start = cpu_seconds();
+    const double start = parallel::lane_seconds();
     Lit lit{std::move(placed), {}};
     const core::ToleranceMap tolerance = tolerance_of_points(lit.frame, order.tolerance);
     const LightingContext context = i.context_of(snapshot, lit.frame, lit.ungathered, tolerance);
@@ -333,8 +356,8 @@ Lit Renderer::gather(const scene::Snapshot& snapshot, PlacedFrame placed, const 
         spread_light(lit.frame, lit.ungathered, light, i.shade_settings().layers, lit.radiance, blurred);
         if (!order.is_rough()) i.count(blurred, lit.frame.visible);
     }
-    i.share_time(cpu_seconds() - start, counts);
-    i.statistics.layer_seconds = i.posed_scene.layer_seconds();
+    i.share_time(parallel::lane_seconds() - start, counts);
+    i.statistics.layer_seconds = i.posed_scene.layer_seconds() - i.earlier_layer_seconds;
     return lit;
 }
 
@@ -378,6 +401,13 @@ const RayTracer& Renderer::tracer() const {
 
 const Statistics& Renderer::statistics() const {
     return impl_->statistics;
+}
+
+void Renderer::count_anew() {
+    impl_->statistics = {};
+    impl_->statistics.image_notes = impl_->posed_scene.notes();
+    impl_->times = {};
+    impl_->earlier_layer_seconds = impl_->posed_scene.layer_seconds();
 }
 
 double Renderer::seconds(Pass pass) const {

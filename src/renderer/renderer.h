@@ -66,6 +66,11 @@ class Renderer {
     ~Renderer();
     Renderer(Renderer&&) noexcept;
 
+    /// Another one of the same film, for a chunk that is lit beside one of this: they share what never moves, and what
+    /// is the same in all chunks, which is found now where it was not. `instant` of the film gets posed here. Not while
+    /// this one lights a frame.
+    std::unique_ptr<Renderer> beside(const scene::Snapshot& instant);
+
     /// Forgets everything that was carried over from earlier frames.
     void start_chunk(const scene::Snapshot& first);
 
@@ -100,13 +105,16 @@ class Renderer {
                                          const TruthSettings& finely = {});
 
     const Statistics& statistics() const;
+    /// Begins the statistics and `seconds` anew.
+    void count_anew();
     /// The scene as posed for the last frame, for measurements.
     const RayTracer& tracer() const;
-    /// CPU seconds by pass since construction, for the plan's table.
+    /// CPU seconds by pass since construction, or count_anew().
     double seconds(Pass pass) const;
 
   private:
     struct Impl;
+    explicit Renderer(std::unique_ptr<Impl> impl);
     std::unique_ptr<Impl> impl_;
 };
 

@@ -36,7 +36,7 @@ const std::vector<Building>& buildings() {
           {"animation_file", {"model"}, {"core"}}}},
         {"src/renderer/",
          "renderer/",
-         {{"base", {}, {"core", "scene"}},
+         {{"base", {}, {"core", "scene", "parallel"}},
           {"geometry", {"base"}, {"core", "scene", "image"}},
           {"surface", {"geometry", "base"}, {"core", "scene", "image", "parallel"}},
           {"lights", {"surface", "geometry", "base"}, {"core", "scene", "image", "parallel"}},

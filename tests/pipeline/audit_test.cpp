@@ -91,7 +91,7 @@ TEST(Audit, AddsUpOverRuns) {
     earlier.audit.errors.add(1);
     whole.audit.split.add(frame, luma);
     whole.audit.split.add(frame, luma);
-    restore(later, json_of(earlier, 0));
+    restore(later, json_of(earlier));
     later.audit.split.add(frame, luma);
     EXPECT_EQ(later.audit.split.pixels(), 8u);
     EXPECT_EQ(later.audit.split.sums().paths, 5600u);
@@ -106,8 +106,8 @@ TEST(Audit, AddsUpOverRuns) {
         EXPECT_EQ(later.audit.split.bias(cause).value, whole.audit.split.bias(cause).value);
     }
     // Statistics of runs without an audit hold none.
-    restore(later, json_of(RunStatistics(), 0));
-    EXPECT_FALSE(json_of(RunStatistics(), 0).contains("audit_split"));
+    restore(later, json_of(RunStatistics()));
+    EXPECT_FALSE(json_of(RunStatistics()).contains("audit_split"));
 }
 
 TEST(Audit, OfNoPixelsIsOfNoError) {

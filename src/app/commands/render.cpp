@@ -10,6 +10,7 @@
 #include "app/commands/render_stream.h"
 #include "app/files/file_io.h"
 #include "app/files/publish.h"
+#include "app/loop/chunks_at_once.h"
 #include "app/loop/forecast.h"
 #include "app/loop/resume.h"
 #include "app/options/option_text.h"
@@ -42,8 +43,8 @@ std::string plan_text(RenderJob& film, const RenderOptions& options) {
                                    ? "No times and sizes: --within " + options.within +
                                          " is over before two frames are lit, however small; give more\n"
                                    : "";
-    return film_text(film) + "\n" + (found ? text_of(*found) : reason) + "\n" +
-           plan_table(film, found ? &found->sample : nullptr);
+    return film_text(film) + "\n" + (found ? text_of(*found) : reason) + text_of(chunks_at_once(film, options)) +
+           "\n\n" + plan_table(film, found ? &found->sample : nullptr);
 }
 
 std::string dry_run_text(RenderJob& film, const RenderOptions& options) {
@@ -59,9 +60,9 @@ std::string dry_run_text(RenderJob& film, const RenderOptions& options) {
 /// Fate of chunks that an earlier run of this film left; empty where there are none.
 std::string left_text(const RenderJob& film, const RenderOptions& options, const nlohmann::json& identity) {
     const std::vector<Chunk> chunks = film.chunks();
-    const std::size_t left = WorkFolder::left(options.output, identity, chunks);
-    if (left == 0) return {};
-    const std::int64_t done = chunks[left - 1].last + 1 - film.frames.first;
+    std::int64_t done = 0;
+    for (const Chunk& chunk : WorkFolder::left(options.output, identity, chunks)) done += chunk.frames();
+    if (done == 0) return {};
     return fmt::format("{}: {} of {} frames are left of an earlier run, {}", options.output.string(), done,
                        film.frame_count(),
                        options.resume ? "which goes on" : "and given up, since --resume is not given");
@@ -104,11 +105,12 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
     const std::unique_ptr<WorkFolder> work = open_outputs(film, options, identity);
     HeatmapFilms heatmaps(options, film, *work);
     std::vector<ChunkFile> files = take_up(
-        film, options, *work, [&](std::size_t kept) { heatmaps.take_up(kept); }, statistics);
+        film, options, *work, [&](const std::vector<ChunkFile>& kept) { heatmaps.take_up(kept); }, statistics);
     settle(film, options, *work, statistics);
     if (InterruptGuard::requested()) return interrupted_before_frames(options);
 
-    if (options.verbose) print(film_text(film) + "\n" + plan_table(film));
+    if (options.verbose)
+        print(film_text(film) + "\n" + text_of(chunks_at_once(film, options)) + "\n" + plan_table(film));
     SampleFrameObserver sample_frame(film);
     if (options.report) take_up(sample_frame, files);
     const OpenRender open{film, options, identity, clock, *work, heatmaps, sample_frame, statistics, files};
@@ -127,7 +129,7 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
 int plan(const RenderOptions& options) {
     const parallel::ThreadLimit threads(options.threads);
     const InterruptGuard guard(options.quiet);
-    RenderJob film = prepare(options);
+    RenderJob film = prepare_within_memory(options);
     print_notes(film, options);
     print(plan_text(film, options));
     return InterruptGuard::requested() ? InterruptGuard::status() : 0;

@@ -53,7 +53,7 @@ bool FarmPlan::is_made(const FilmPart& part) const {
     const std::filesystem::path output = folder_of(part) / output_name;
     std::vector<Chunk> chunks;
     for (std::size_t i = part.chunks.first; i <= part.chunks.last; ++i) chunks.push_back({static_cast<int>(i), 0, 0});
-    return WorkFolder::left(output, facts->at("identity"), chunks) == chunks.size();
+    return WorkFolder::left(output, facts->at("identity"), chunks).size() == chunks.size();
 }
 
 std::filesystem::path farm_folder_of(const std::filesystem::path& output) {

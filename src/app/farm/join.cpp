@@ -59,11 +59,10 @@ std::optional<MadePart> made_part(const FarmPlan& plan, const FilmPart& part, co
     job.part = part.chunks;
     WorkFolder work(made.options.output, identity, WorkFolder::Earlier::resumed);
     HeatmapFilms shown(made.options, job, work);
-    std::size_t whole = 0;
     made.chunks = take_up(
-        job, made.options, work, [&](std::size_t kept) { whole = kept; }, made.statistics);
-    if (whole < part.chunks.count()) return {};
-    shown.take_up(whole);
+        job, made.options, work, [](const std::vector<ChunkFile>&) {}, made.statistics);
+    if (made.chunks.size() < part.chunks.count()) return {};
+    shown.take_up(made.chunks);
     heatmaps.append(shown);
     return made;
 }

@@ -88,7 +88,7 @@ int render_part(const FarmPlan& plan, const FilmPart& part, const PartOptions& w
     RenderOptions silent = options;
     silent.quiet = true;
     std::vector<ChunkFile> files = take_up(
-        film, silent, *work, [&](std::size_t kept) { heatmaps.take_up(kept); }, statistics);
+        film, silent, *work, [&](const std::vector<ChunkFile>& kept) { heatmaps.take_up(kept); }, statistics);
     settle(film, silent, *work, statistics);
     if (!options.quiet)
         print_line(fmt::format("part {}: frames {} to {}{}", part.number, part.frames.first, part.frames.last,

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "app/files/file_io.h"
@@ -53,5 +54,11 @@ class ChunkFile {
     std::vector<PictureRecord> pictures_;
     Checksum checksum_;  ///< of the stream
 };
+
+/// Whether it was finished.
+bool is_whole(const ChunkFile& chunk);
+
+/// Of files by index those from the film's `first` chunk on without a gap; the last of them may be incomplete.
+std::span<const ChunkFile> leading_of(std::span<const ChunkFile> files, int first);
 
 }  // namespace render2mpeg::app

@@ -134,7 +134,7 @@ std::vector<Doubt> doubts_of(const Wishes& wishes) {
 
 }  // namespace
 
-void assemble(const std::vector<ChunkFile>& chunks, const Film& film, const std::filesystem::path& file,
+void assemble(std::span<const ChunkFile> chunks, const Film& film, const std::filesystem::path& file,
               const std::filesystem::path& name) {
     std::size_t largest = 0;
     for (const ChunkFile& chunk : chunks)
@@ -154,7 +154,7 @@ void assemble(const std::vector<ChunkFile>& chunks, const Film& film, const std:
     muxer.finish();
 }
 
-void verify(const std::filesystem::path& film, const std::vector<ChunkFile>& chunks) {
+void verify(const std::filesystem::path& film, std::span<const ChunkFile> chunks) {
     std::vector<PictureRecord> expected;
     for (const ChunkFile& chunk : chunks)
         expected.insert(expected.end(), chunk.pictures().begin(), chunk.pictures().end());
@@ -219,7 +219,7 @@ void check_apart(const std::vector<Files>& inputs, const std::vector<Files>& out
     }
 }
 
-Published publish(const std::vector<ChunkFile>& chunks, const Film& film, WorkFolder& work,
+Published publish(std::span<const ChunkFile> chunks, const Film& film, WorkFolder& work,
                   const std::filesystem::path& output, bool complete) {
     const std::filesystem::path file = work.begin("film" + output.extension().string());
     assemble(chunks, film, file, output);

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -14,11 +15,11 @@
 namespace render2mpeg::app {
 
 /// Joins chunks to a film in the format of `name`'s ending.
-void assemble(const std::vector<ChunkFile>& chunks, const Film& film, const std::filesystem::path& file,
+void assemble(std::span<const ChunkFile> chunks, const Film& film, const std::filesystem::path& file,
               const std::filesystem::path& name);
 
 /// Throws core::Error unless every decoded picture equals its reconstruction bit for bit.
-void verify(const std::filesystem::path& film, const std::vector<ChunkFile>& chunks);
+void verify(const std::filesystem::path& film, std::span<const ChunkFile> chunks);
 
 /// A file, or the files of a numbered sequence. An empty name is passed over.
 struct Files {
@@ -45,7 +46,7 @@ struct Published {
 
 /// Assembles and verifies the film, then renames it; an incomplete one stays in the work folder. Pipes and devices are
 /// written to. Throws core::Error.
-Published publish(const std::vector<ChunkFile>& chunks, const Film& film, WorkFolder& work,
+Published publish(std::span<const ChunkFile> chunks, const Film& film, WorkFolder& work,
                   const std::filesystem::path& output, bool complete);
 
 /// A file that keeps its name.

@@ -231,16 +231,15 @@ void WorkFolder::check(const std::filesystem::path& output, const json& identity
     refuse_other(output, as_written(identity));
 }
 
-std::size_t WorkFolder::left(const std::filesystem::path& output, const json& identity,
-                             const std::vector<Chunk>& chunks) {
-    if (!is_of(output, identity)) return 0;
+std::vector<Chunk> WorkFolder::left(const std::filesystem::path& output, const json& identity,
+                                    const std::vector<Chunk>& chunks) {
+    std::vector<Chunk> left;
+    if (!is_of(output, identity)) return left;
     const std::filesystem::path folder = work_folder_of(output);
-    std::size_t count = 0;
     std::error_code error;
-    while (count < chunks.size() &&
-           std::filesystem::exists(ChunkFile::record_of(folder / name_of(chunks[count])), error))
-        ++count;
-    return count;
+    for (const Chunk& chunk : chunks)
+        if (std::filesystem::exists(ChunkFile::record_of(folder / name_of(chunk)), error)) left.push_back(chunk);
+    return left;
 }
 
 bool WorkFolder::is_of(const std::filesystem::path& output, const json& identity) {
@@ -252,8 +251,7 @@ std::vector<ChunkFile> WorkFolder::finished(const std::vector<Chunk>& chunks, co
     std::vector<ChunkFile> files;
     for (const Chunk& chunk : chunks) {
         std::optional<ChunkFile> file = resumed_ ? ChunkFile::reopened(place(name_of(chunk, of)), chunk) : std::nullopt;
-        if (!file) break;
-        files.push_back(std::move(*file));
+        if (file) files.push_back(std::move(*file));
     }
     return files;
 }

@@ -55,13 +55,13 @@ class WorkFolder {
     static void check(const std::filesystem::path& output);
     static void check(const std::filesystem::path& output, const nlohmann::json& identity);
 
-    /// Finished chunks of the same film by their records. Changes nothing.
-    static std::size_t left(const std::filesystem::path& output, const nlohmann::json& identity,
-                            const std::vector<Chunk>& chunks);
+    /// Those of the chunks that are finished by their records, of the same film. Changes nothing.
+    static std::vector<Chunk> left(const std::filesystem::path& output, const nlohmann::json& identity,
+                                   const std::vector<Chunk>& chunks);
 
     static bool is_of(const std::filesystem::path& output, const nlohmann::json& identity);
 
-    /// Finished chunks without a gap; none unless resumed. `of`: of a heatmap's streams, by name; empty: the film's.
+    /// Finished chunks, with gaps; none unless resumed. `of`: of a heatmap's streams, by name; empty: the film's.
     std::vector<ChunkFile> finished(const std::vector<Chunk>& chunks, const std::string& of = {}) const;
     /// Removes everything else but the folder's own files.
     void drop_all_but(const std::vector<ChunkFile>& chunks);

@@ -273,6 +273,9 @@ MemoryNeed memory_need(const RenderJob& film) {
     MemoryNeed need;
     need.held = own_memory().resident;
     need.triangles = per_triangle * triangles_of(scene);
+    for (const scene::Object& object : scene.objects)
+        if (object.mobility == scene::Mobility::deforming)
+            need.moving += per_triangle * scene.meshes[static_cast<std::size_t>(object.mesh)].primitives();
     for (const auto& [image, header] : film.images->headers()) {
         const std::uint64_t pixels =
             static_cast<std::uint64_t>(header.width) * static_cast<std::uint64_t>(header.height);

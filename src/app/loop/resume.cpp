@@ -25,9 +25,9 @@ namespace {
 using nlohmann::json;
 
 /// Options that change no byte of the film; heatmaps have work folders of their own.
-constexpr std::array<std::string_view, 15> idle{"--output", "--threads",   "--quiet",   "--stats",  "--report",
-                                                "--hold",   "--overwrite", "--verbose", "--within", "--progress",
-                                                "--resume", "--dry-run",   "--heatmap", "--memory", "--isa"};
+constexpr std::array<std::string_view, 16> idle{
+    "--output",  "--threads", "--quiet",    "--stats",  "--report",  "--chunks-at-once", "--hold",   "--overwrite",
+    "--verbose", "--within",  "--progress", "--resume", "--dry-run", "--heatmap",        "--memory", "--isa"};
 
 json options_of(const RenderOptions& options) {
     json words = json::object();
@@ -73,21 +73,30 @@ json sums_of(const std::vector<std::filesystem::path>& files) {
     return sums;
 }
 
-/// Takes in a chunk's record and returns true, if it is whole and its products are there.
+/// Adds a chunk's record and returns true, if it is whole and its products are there.
 bool take_in(const RenderJob& film, const RenderOptions& options, const WorkFolder& work, const ChunkFile& chunk,
              RunStatistics& statistics) {
     try {
         const json facts = chunk.facts();
         if (facts.at("products") != sums_of(products_of(film, options, work, chunk.chunk()))) return false;
-        RunStatistics trial = statistics;
-        restore(trial, facts.at("statistics"));
-        const bool whole =
-            static_cast<std::int64_t>(trial.frames.size() - statistics.frames.size()) == chunk.chunk().frames();
-        if (whole) statistics = std::move(trial);
+        RunStatistics own;
+        restore(own, facts.at("statistics"));
+        const bool whole = static_cast<std::int64_t>(own.frames.size()) == chunk.chunk().frames();
+        if (whole) statistics = sum_of(statistics, own);
         return whole;
     } catch (const std::exception&) {
         return false;  // a damaged record is none
     }
+}
+
+/// First frame of the first chunk that is not whole; behind the last where all are.
+std::int64_t first_missing(const RenderJob& film, const std::vector<ChunkFile>& files) {
+    const std::vector<Chunk> chunks = film.chunks();
+    for (const Chunk& chunk : chunks)
+        if (std::none_of(files.begin(), files.end(),
+                         [&](const ChunkFile& file) { return file.chunk().index == chunk.index && is_whole(file); }))
+            return chunk.first;
+    return chunks.back().last + 1;
 }
 
 constexpr const char* mark_name = "user.render2mpeg.film";
@@ -246,33 +255,32 @@ bool is_done_already(const RenderJob& film, const RenderOptions& options, const 
 }
 
 json chunk_record_of(const RenderJob& film, const RenderOptions& options, const WorkFolder& work, const Chunk& chunk,
-                     const RunStatistics& so_far) {
-    const std::size_t first = so_far.frames.size() - static_cast<std::size_t>(chunk.frames());
+                     const RunStatistics& statistics) {
     const std::vector<std::filesystem::path> products = products_of(film, options, work, chunk);
     for (const std::filesystem::path& file : products) bring_to_disk(file);
-    return {{"statistics", json_of(so_far, first)}, {"products", sums_of(products)}};
+    return {{"statistics", json_of(statistics)}, {"products", sums_of(products)}};
 }
 
 std::vector<ChunkFile> take_up(const RenderJob& film, const RenderOptions& options, WorkFolder& work,
-                               const std::function<void(std::size_t)>& kept, RunStatistics& statistics) {
+                               const std::function<void(const std::vector<ChunkFile>&)>& kept,
+                               RunStatistics& statistics) {
     if (!options.resume) return {};
     std::vector<ChunkFile> left = work.finished(film.chunks()), chunks;
     RunStatistics earlier;
-    for (ChunkFile& chunk : left) {
-        if (!take_in(film, options, work, chunk, earlier)) break;
-        chunks.push_back(std::move(chunk));
-    }
+    for (ChunkFile& chunk : left)
+        if (take_in(film, options, work, chunk, earlier)) chunks.push_back(std::move(chunk));
+    earlier.earlier_seconds = earlier.seconds;
     // This run has read the scene so far.
     for (std::size_t i = 0; i < statistics.seconds.size(); ++i) earlier.seconds[i] += statistics.seconds[i];
     statistics = std::move(earlier);
-    kept(chunks.size());
+    kept(chunks);
     work.drop_all_but(chunks);
     if (!options.quiet) {
         const std::string name = options.output.string();
         const std::string text =
             chunks.empty() ? fmt::format("--resume: no chunk was left of {}, which begins anew", name)
                            : fmt::format("resuming {} with frame {}: {} of {} are there", name,
-                                         chunks.back().chunk().last + 1, statistics.frames.size(), film.frame_count());
+                                         first_missing(film, chunks), statistics.frames.size(), film.frame_count());
         print_line(text);
     }
     return chunks;
@@ -304,13 +312,18 @@ void settle(RenderJob& film, const RenderOptions& options, WorkFolder* work, Run
     if (!film.allocations.empty()) keep("allocations", written);
 }
 
-std::string resuming_text(const RenderJob& film, std::size_t whole_chunks, const std::string& command) {
+std::string resuming_text(const RenderJob& film, const std::vector<ChunkFile>& files, const std::string& command) {
     const std::vector<Chunk> chunks = film.chunks();
-    if (whole_chunks == 0)
+    if (std::none_of(files.begin(), files.end(), &is_whole))
         return fmt::format("no chunk of {} frames is whole yet, so that --resume would begin anew",
                            chunks.front().frames());
-    if (whole_chunks == chunks.size()) return "with --resume only what comes after the last frame is done again";
-    return fmt::format("{} with --resume goes on with frame {}", command, chunks[whole_chunks].first);
+    const std::int64_t next = first_missing(film, files);
+    if (next > chunks.back().last) return "with --resume only what comes after the last frame is done again";
+    std::int64_t behind = 0;
+    for (const ChunkFile& file : files)
+        if (file.chunk().first > next && is_whole(file)) behind += file.chunk().frames();
+    return fmt::format("{} with --resume goes on with frame {}{}", command, next,
+                       behind > 0 ? fmt::format("; {} behind it are there, too", behind) : "");
 }
 
 }  // namespace render2mpeg::app

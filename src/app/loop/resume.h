@@ -40,9 +40,9 @@ std::vector<Files> inputs_of(const RenderJob& film, const RenderOptions& options
 std::filesystem::path frames_of(const RenderJob& film, const RenderOptions& options, const WorkFolder& work,
                                 const Chunk& chunk);
 
-/// Record of a chunk: statistics so far, and checksums of its files.
+/// Record of a chunk: its statistics, and checksums of its files.
 nlohmann::json chunk_record_of(const RenderJob& film, const RenderOptions& options, const WorkFolder& work,
-                               const Chunk& chunk, const RunStatistics& so_far);
+                               const Chunk& chunk, const RunStatistics& statistics);
 
 /// Marks a whole film by an extended attribute of its first file: a checksum of identity and files. Without such
 /// attributes nothing happens.
@@ -51,10 +51,11 @@ void mark_as_whole(const RenderJob& film, const RenderOptions& options, const nl
 /// Whether --resume finds this mark and unchanged files. Says so.
 bool is_done_already(const RenderJob& film, const RenderOptions& options, const nlohmann::json& identity);
 
-/// Takes over the whole chunks of an earlier run with their statistics, and removes the rest, after `kept` got their
-/// number. None without --resume.
+/// Takes over the whole chunks of an earlier run with their statistics, gaps or not, and removes the rest, after `kept`
+/// got them. None without --resume.
 std::vector<ChunkFile> take_up(const RenderJob& film, const RenderOptions& options, WorkFolder& work,
-                               const std::function<void(std::size_t)>& kept, RunStatistics& statistics);
+                               const std::function<void(const std::vector<ChunkFile>&)>& kept,
+                               RunStatistics& statistics);
 
 /// Settles exposure, first pass and the extent of known light, or takes them over from an earlier run. `work`: kept
 /// there; null: nowhere.
@@ -64,7 +65,7 @@ inline void settle(RenderJob& film, const RenderOptions& options, WorkFolder& wo
 }
 
 /// Effect of `command` with --resume on these chunks, as a part of a sentence.
-std::string resuming_text(const RenderJob& film, std::size_t whole_chunks,
+std::string resuming_text(const RenderJob& film, const std::vector<ChunkFile>& files,
                           const std::string& command = "the same command");
 
 }  // namespace render2mpeg::app

@@ -169,6 +169,7 @@ renderer::Statistics sum_of(const renderer::Statistics& earlier, const renderer:
     renderer::Statistics sum = later;
     each_count(Adder{}, sum, earlier);
     if (!earlier.first_non_finite.empty()) sum.first_non_finite = earlier.first_non_finite;
+    if (later.image_notes.empty()) sum.image_notes = earlier.image_notes;
 
     // Means are weighted by what was lit; without later frames the earlier ones stay.
     const auto frames = static_cast<double>(earlier.frames_calibrated),
@@ -298,7 +299,7 @@ json json_of(const FrameEntry& entry) {
     return written;
 }
 
-json json_of(const RunStatistics& statistics, std::size_t first_frame) {
+json json_of(const RunStatistics& statistics) {
     json written, frames = json::array();
     each_sum(Writer{written}, statistics);
     if (statistics.audit.errors.count() > 0) {
@@ -306,8 +307,7 @@ json json_of(const RunStatistics& statistics, std::size_t first_frame) {
         each_split_sum(statistics.audit.split.sums(), Writer{written["audit_split"]});
     }
     written["rendering"] = json_of(statistics.rendering);
-    for (std::size_t i = first_frame; i < statistics.frames.size(); ++i)
-        frames.push_back(json_of(statistics.frames[i]));
+    for (const FrameEntry& entry : statistics.frames) frames.push_back(json_of(entry));
     written["frames"] = frames;
     return written;
 }

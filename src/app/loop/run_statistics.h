@@ -12,6 +12,7 @@
 #include "app/system/error_histogram.h"
 #include "app/system/progress.h"
 #include "encoder/types.h"
+#include "parallel/lanes.h"
 #include "renderer/renderer.h"
 
 namespace render2mpeg::app {
@@ -86,6 +87,7 @@ struct RunStatistics {
     std::array<double, static_cast<std::size_t>(Stage::count)> seconds{};  ///< CPU, summed over threads
     double wall = 0;
     double earlier_cpu = 0, earlier_wall = 0;  ///< of the runs that this one goes on from; `wall` has it in it
+    std::array<double, static_cast<std::size_t>(Stage::count)> earlier_seconds{};  ///< likewise, in `seconds`
     std::vector<FrameEntry> frames;
     int brightest_luma = 0;  ///< code value
     renderer::Statistics rendering;
@@ -111,7 +113,7 @@ struct Rendered {
     std::uint64_t bytes = 0;
 };
 
-/// Adds the CPU time of its scope to a sum, a stage, or a row of the plan.
+/// Adds the CPU time of its scope to a sum, a stage, or a row of the plan: its lane's (parallel/lanes.h).
 class StageTimer {
   public:
     explicit StageTimer(double& sum) : sum_(sum) {}
@@ -120,13 +122,13 @@ class StageTimer {
     }
     StageTimer(RunStatistics& statistics, renderer::Pass pass)
         : StageTimer(statistics.pass_seconds[static_cast<std::size_t>(pass)]) {}
-    ~StageTimer() { sum_ += cpu_seconds() - start_; }
+    ~StageTimer() { sum_ += parallel::lane_seconds() - start_; }
     StageTimer(const StageTimer&) = delete;
     StageTimer& operator=(const StageTimer&) = delete;
 
   private:
     double& sum_;
-    double start_ = cpu_seconds();
+    double start_ = parallel::lane_seconds();
 };
 
 /// Sets the CPU time of the entry that its scope adds.
@@ -134,7 +136,7 @@ class FrameTimer {
   public:
     explicit FrameTimer(RunStatistics& statistics) : statistics_(statistics), before_(statistics.frames.size()) {}
     ~FrameTimer() {
-        if (statistics_.frames.size() > before_) statistics_.frames.back().seconds = cpu_seconds() - start_;
+        if (statistics_.frames.size() > before_) statistics_.frames.back().seconds = parallel::lane_seconds() - start_;
     }
     FrameTimer(const FrameTimer&) = delete;
     FrameTimer& operator=(const FrameTimer&) = delete;
@@ -142,7 +144,7 @@ class FrameTimer {
   private:
     RunStatistics& statistics_;
     std::size_t before_;
-    double start_ = cpu_seconds();
+    double start_ = parallel::lane_seconds();
 };
 
 /// Adds the CPU time of `work` to `sum`.
@@ -163,8 +165,8 @@ RunStatistics sum_of(const RunStatistics& earlier, const RunStatistics& later);
 /// The statistics plus all counts of the renderer.
 RunStatistics totals_of(const RunStatistics& statistics, const renderer::Renderer& renderer);
 
-/// Statistics with the frames from index `first_frame` on, in full precision, for a later run.
-nlohmann::json json_of(const RunStatistics& statistics, std::size_t first_frame);
+/// Statistics in full precision, for a later run.
+nlohmann::json json_of(const RunStatistics& statistics);
 
 /// The renderer's counts, and the members of an entry, by name.
 nlohmann::json json_of(const renderer::Statistics& counts);

@@ -102,6 +102,7 @@ void LayersWriter::lit(const LitFrame& frame) {
 }
 
 void LastFrameWriter::lit(const LitFrame& frame) {
+    const std::lock_guard lock(mutex_);
     if (clock_seconds() < written_ + 1) return;
     // Replaces the picture at once; a full disk is no error.
     const std::filesystem::path part = std::filesystem::path(file_) += ".part";

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -49,6 +50,7 @@ class LastFrameWriter : public LoopObserver {
   private:
     std::filesystem::path file_;
     const RenderJob& film_;
+    std::mutex mutex_;    ///< chunks are lit beside each other
     double written_ = 0;  ///< clock_seconds(); 0: not yet
 };
 

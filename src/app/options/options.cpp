@@ -59,15 +59,24 @@ void add_whole_run_options(CLI::App& command, RenderOptions& options) {
     add_within_option(command, options.within, run_group);
 }
 
+void add_memory_options(CLI::App& command, RenderOptions& options) {
+    add_option(command, run_group, "--memory", options.memory,
+               "Most memory to take, e.g. 8G: refuse what would need more before it is begun, and never swap "
+               "(default: no limit)",
+               "SIZE", memory_from);
+    add_option(command, run_group, "--chunks-at-once", options.chunks_at_once,
+               "Chunks of some 60 frames that are made beside each other, each by a thread or more, where one frame "
+               "cannot keep all cores busy (default: one for 16 threads, as memory allows; docs/machines.md). The "
+               "film's bytes do not depend on it",
+               range(1, 1024));
+}
+
 /// `whole`: of a command that renders by itself.
 void add_run_options(CLI::App& command, RenderOptions& options, bool whole) {
     add_threads_option(command, options.threads);
     add_isa_option(command, options.isa);
     add_product_options(command, options);
-    add_option(command, run_group, "--memory", options.memory,
-               "Most memory to take, e.g. 8G: refuse what would need more before it is begun, and never swap "
-               "(default: no limit)",
-               "SIZE", memory_from);
+    add_memory_options(command, options);
     add_option(command, run_group, "--light-cache", options.light_cache,
                "Begin with the light that earlier runs of the same frames found, and add the light of this one: with "
                "another quantiser, bit rate or codec light takes a third of the time. For light that never changes; "
@@ -137,6 +146,7 @@ CLI::App* add_plan_command(CLI::App& app, RenderOptions& options) {
     add_within_option(*command, options.within, run_group);
     add_flag(*command, run_group, "--quiet", options.quiet, "Show no progress");
     add_threads_option(*command, options.threads);
+    add_memory_options(*command, options);
     add_isa_option(*command, options.isa);
     return command;
 }

@@ -107,6 +107,7 @@ struct RenderOptions {
     bool verbose = false;
     std::string within = "10s";         ///< for sample frames that tell what the film takes; "0": none
     std::optional<std::string> memory;  ///< as memory_from() reads it; none: all that there is
+    std::optional<int> chunks_at_once;  ///< none: by cores and memory
     std::map<std::string, std::string>
         said;  ///< options of the command line by their long names: the words behind each
 

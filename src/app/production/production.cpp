@@ -5,23 +5,24 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <system_error>
 #include <thread>
 
 #include "app/files/file_io.h"
+#include "app/loop/chunks_at_once.h"
 #include "app/loop/forecast.h"
-#include "app/loop/pipeline.h"
 #include "app/loop/resume.h"
 #include "app/loop/sink.h"
 #include "app/options/mistakes.h"
 #include "app/options/output_kind.h"
+#include "app/production/chunk_production.h"
 #include "app/report/report.h"
 #include "app/report/summary.h"
 #include "app/system/error_collector.h"
 #include "app/system/image_reader.h"
 #include "app/system/interrupt.h"
 #include "app/system/memory_limit.h"
-#include "app/system/progress.h"
 #include "app/system/terminal.h"
 #include "core/error.h"
 #include "core/text.h"
@@ -32,112 +33,19 @@
 namespace render2mpeg::app {
 namespace {
 
-/// In a chunk's record: figures for the report of the frame that it shows.
-constexpr const char* sample_frame_name = "sample_frame";
-
-/// Summary of a chunk, for --verbose.
-std::string chunk_text(const Chunk& chunk, const RunStatistics& statistics) {
-    double seconds = 0, bytes = 0, quantiser = 0;
-    for (const FrameEntry& entry : statistics.frames) {
-        if (entry.frame < chunk.first || entry.frame > chunk.last) continue;
-        seconds += entry.seconds;
-        bytes += static_cast<double>(entry.bytes);
-        quantiser += entry.mean_quantiser / static_cast<double>(chunk.frames());
-    }
-    return fmt::format("frames {} to {}: {:.2f} s of CPU, {:.0f} bytes, quantiser {:.1f}", chunk.first, chunk.last,
-                       seconds, bytes, quantiser);
-}
-
-/// Frames of this run that begin light anew, from its first: those of chunks, and after cuts.
-std::vector<std::int64_t> fresh_starts(const RenderJob& film) {
-    const std::vector<Chunk> chunks = film.chunks();
-    std::vector<std::int64_t> frames = cuts_of(film);
-    for (const Chunk& chunk : chunks) frames.push_back(chunk.first);
-    for (std::int64_t& frame : frames) frame -= chunks.front().first;
-    std::sort(frames.begin(), frames.end());
-    return frames;
-}
-
-/// Adds a chunk's light to the film's file. False, and told, where that fails: the film goes on without.
-bool add_light(LightFile& light, renderer::Renderer& renderer, const RenderOptions& options) {
-    try {
-        light.add(renderer.found_light());
-        return true;
-    } catch (const core::Error& error) {
-        if (!options.quiet) print_line(std::string(error.what()) + "; no more light is added");
-        return false;
-    }
-}
-
-/// Renders the chunks that have no file yet, the last of them incompletely after an interruption. Returns whether the
-/// film is whole.
-bool render_whole_chunks(const OpenRender& open) {
-    const RenderJob& film = open.film;
-    const RenderOptions& options = open.options;
-    RunStatistics& statistics = open.statistics;
-    std::vector<ChunkFile>& files = open.files;
-    const std::vector<Chunk> chunks = film.chunks();
-    if (files.size() == chunks.size()) return true;
-    const std::int64_t frames = chunks.back().last + 1 - chunks.front().first;
-    tell_activity("building");
-    Progress progress(frames, options.quiet, "frame", Counted::frames, open.clock.seconds(statistics),
-                      fresh_starts(film));
-    if (!files.empty()) progress.advance_to(static_cast<std::int64_t>(statistics.frames.size()), frames);
-    renderer::Renderer renderer = renderer_of(film);
-    std::optional<LightFile> light = light_file_of(film, options);
-    if (light) renderer.know_light(light->known(film.known_light));
-    std::optional<LayersWriter> layers;
-    if (options.layers) layers.emplace(*options.layers, film, statistics);
-    std::optional<LastFrameWriter> last_frame;
-    if (options.last_frame) last_frame.emplace(*options.last_frame, film);
-    bool whole = true;
-    while (files.size() < chunks.size()) {
-        const Chunk& chunk = chunks[files.size()];
-        const std::size_t before = statistics.frames.size();
-        files.push_back(open.work.open(chunk));
-        const std::unique_ptr<Sink> sink = make_sink(film, frames_of(film, options, open.work, chunk));
-        ChunkWriter coded(files.back());
-        LoopObservers products;
-        if (film.kind == OutputKind::film) products.add(coded);
-        if (sink) products.add(*sink);
-        if (layers) products.add(*layers);
-        if (last_frame) products.add(*last_frame);
-        if (!open.heatmaps.empty()) products.add(open.heatmaps);
-        if (options.report) products.add(open.sample_frame);
-        whole = render_chunk(film, renderer, chunk, products, statistics, [&] {
-            progress.advance();
-            if (open.frames_done) open.frames_done(static_cast<std::int64_t>(statistics.frames.size()));
-            return !InterruptGuard::requested();
-        });
-        if (sink) sink->finish();
-        if (!whole) {
-            files.back().abandon();
-            // Drop a chunk that was stopped before its first frame.
-            if (statistics.frames.size() == before) files.pop_back();
-            break;
-        }
-        RunStatistics so_far = totals_of(statistics, renderer);
-        so_far.earlier_wall = open.clock.seconds(statistics);
-        so_far.earlier_cpu += cpu_seconds();
-        nlohmann::json record = chunk_record_of(film, options, open.work, chunk, so_far);
-        if (open.sample_frame.is_in(chunk)) record[sample_frame_name] = open.sample_frame.figures();
-        files.back().finish(record);
-        if (light && !add_light(*light, renderer, options)) light.reset();
-        if (options.verbose) print_line(chunk_text(chunk, so_far));
-        if (InterruptGuard::requested()) break;
-    }
-    statistics = totals_of(statistics, renderer);
-    return whole && files.size() == chunks.size();
+std::span<const ChunkFile> leading_of(const OpenRender& open) {
+    return leading_of(open.files, open.film.chunks().front().index);
 }
 
 /// Publishes the film under its name, or an incomplete one under another.
 Published publish_frames(const OpenRender& open, bool complete) {
     const RenderJob& film = open.film;
     const RenderOptions& options = open.options;
-    if (film.kind == OutputKind::film) return publish(open.files, film.film(), open.work, options.output, complete);
+    const std::span<const ChunkFile> files = leading_of(open);
+    if (film.kind == OutputKind::film) return publish(files, film.film(), open.work, options.output, complete);
     if (film.kind == OutputKind::y4m) {
         std::vector<std::filesystem::path> parts;
-        for (const ChunkFile& chunk : open.files)
+        for (const ChunkFile& chunk : files)
             parts.push_back(std::filesystem::path(chunk.file()).replace_extension(".y4m"));
         const std::filesystem::path file = open.work.begin("film.y4m");
         join_y4m(film, parts, file);
@@ -147,20 +55,12 @@ Published publish_frames(const OpenRender& open, bool complete) {
     return {options.output, 0};
 }
 
-/// How many of the chunks are whole.
-std::size_t whole_of(const std::vector<ChunkFile>& chunks) {
-    return static_cast<std::size_t>(std::count_if(chunks.begin(), chunks.end(), [](const ChunkFile& chunk) {
-        std::error_code error;
-        return std::filesystem::exists(ChunkFile::record_of(chunk.file()), error);
-    }));
-}
-
 }  // namespace
 
 RenderJob prepare_within_memory(const RenderOptions& options) {
     if (!options.memory) return prepare(options);
     const std::uint64_t limit = memory_from(*options.memory);
-    hold_to(limit, parallel::thread_count());
+    hold_to(limit, std::max(parallel::thread_count(), options.chunks_at_once.value_or(1)));
     RenderJob film = prepare(options);
     film.images_in_turn = !may_decode_at_once(film, memory_need(film), limit, parallel::thread_count());
     if (!film.images_in_turn) film.images->read_ahead(image_probes(true));
@@ -271,11 +171,11 @@ void take_up(SampleFrameObserver& sample_frame, const std::vector<ChunkFile>& ch
 
 bool render_chunks(const OpenRender& open) {
     try {
-        return render_whole_chunks(open);
+        return make_chunks(open, static_cast<std::size_t>(chunks_at_once(open.film, open.options).count));
     } catch (const core::Error& error) {
-        const std::size_t whole = whole_of(open.files);
-        if (whole == 0) throw;
-        throw core::Error(std::string(error.what()) + "; " + resuming_text(open.film, whole));
+        const bool keeps = std::any_of(open.files.begin(), open.files.end(), &is_whole);
+        if (!keeps) throw;
+        throw core::Error(std::string(error.what()) + "; " + resuming_text(open.film, open.files));
     }
 }
 
@@ -304,7 +204,7 @@ bool publish_all(const OpenRender& open, bool complete, RunFacts& facts, const s
     const bool quiet = open.options.quiet;
     ErrorCollector errors;
     bool published = false;
-    if (!open.files.empty())
+    if (!leading_of(open).empty())
         errors.attempt([&] {
             const Published film_file = publish_frames(open, complete);
             facts.bytes = film_file.bytes;
@@ -318,11 +218,11 @@ bool publish_all(const OpenRender& open, bool complete, RunFacts& facts, const s
     all_written = write_about(open, facts, errors) && all_written;
     if (all_written && !open.heatmaps.has_lost()) mark_as_whole(open.film, open.options, open.identity);
     if (all_written) open.work.remove();
-    if (complete && !all_written && !quiet) print_line(resuming_text(open.film, open.files.size()));
+    if (complete && !all_written && !quiet) print_line(resuming_text(open.film, open.files));
     if (!quiet && published) errors.attempt([&] { print(summary(open.film, open.statistics, facts)); });
     if (!complete && !quiet)
         print_line(fmt::format("interrupted after {} of {} frames; {}", open.statistics.frames.size(),
-                               open.film.frame_count(), resuming_text(open.film, whole_of(open.files), again)));
+                               open.film.frame_count(), resuming_text(open.film, open.files, again)));
     errors.rethrow();
     return all_written;
 }

@@ -70,15 +70,19 @@ struct OpenRender {
     HeatmapFilms& heatmaps;
     SampleFrameObserver& sample_frame;
     RunStatistics& statistics;
-    std::vector<ChunkFile>& files;                       ///< of the chunks that were begun
+    std::vector<ChunkFile>& files;                       ///< of whole chunks, and of the one behind them, by index
     std::function<void(std::int64_t)> frames_done = {};  ///< told of the frames that are whole, after each; or empty
 };
+
+/// In a chunk's record: figures for the report of the frame that it shows.
+inline constexpr const char* sample_frame_name = "sample_frame";
 
 /// Restores the report's sample frame from the records of finished chunks of an earlier run.
 void take_up(SampleFrameObserver& sample_frame, const std::vector<ChunkFile>& chunks);
 
-/// Renders the chunks that have no file yet, the last of them incompletely after an interruption. Returns whether all
-/// that the job makes is whole. The message of a failure ends with the work that is preserved.
+/// Renders the chunks that have no file yet, several at once (chunks_at_once.h); after an interruption the first that
+/// is not whole is there incompletely. Returns whether all that the job makes is whole. The message of a failure ends
+/// with the work that is preserved.
 bool render_chunks(const OpenRender& open);
 
 /// Publishes complete outputs; leaves incomplete ones beside the target. Stores the outcome in `facts`. `again`: the

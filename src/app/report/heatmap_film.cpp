@@ -141,7 +141,6 @@ HeatmapFilm::HeatmapFilm(HeatSubject subject, const std::filesystem::path& outpu
       work_(work),
       name_(name_of(subject, output)),
       film_(film.film()),
-      grid_(film.chunks()),
       codec_(film.coding.codec),
       matrix_(perceptual::matrix_for(film.format.height)),
       scale_(scale_of(subject)) {
@@ -160,13 +159,14 @@ void HeatmapFilm::coded(const encoder::CodedPicture& coded) {
     if (subject_ == HeatSubject::quantiser) show(coded.plan.number, quantisers_of(codec_, coded));
 }
 
-void HeatmapFilm::take_up(std::size_t chunks) {
-    chunks_ = work_.finished(grid_, name_);
-    if (chunks_.size() < chunks)
+void HeatmapFilm::take_up(const std::vector<ChunkFile>& chunks) {
+    std::vector<Chunk> wanted;
+    for (const ChunkFile& chunk : chunks) wanted.push_back(chunk.chunk());
+    chunks_ = work_.finished(wanted, name_);
+    if (chunks_.size() < wanted.size())
         throw core::Error("resuming", output_.string(),
                           "there is no heatmap of the frames that are there; leave out --heatmap, or begin the film "
                           "anew without --resume");
-    while (chunks_.size() > chunks) chunks_.pop_back();
 }
 
 void HeatmapFilm::append(HeatmapFilm& part) {
@@ -206,6 +206,8 @@ void HeatmapFilm::show(std::int64_t number, core::Plane<float> values) {
 }
 
 void HeatmapFilm::finish() {
+    std::sort(chunks_.begin(), chunks_.end(),
+              [](const ChunkFile& a, const ChunkFile& b) { return a.chunk().index < b.chunk().index; });
     const std::filesystem::path file = work_.begin(name_);
     assemble(chunks_, film_, file, output_);
     give_name(file, output_);

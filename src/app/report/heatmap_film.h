@@ -42,8 +42,8 @@ class HeatmapFilm : public LoopObserver {
     HeatmapFilm(HeatSubject subject, const std::filesystem::path& output, const RenderJob& film, WorkFolder& work);
     ~HeatmapFilm() override;
 
-    /// Goes on after so many chunks that an earlier run left. Throws core::Error where it left fewer.
-    void take_up(std::size_t chunks);
+    /// Goes on where an earlier run left these chunks of the film. Throws core::Error where it left fewer of this one.
+    void take_up(const std::vector<ChunkFile>& chunks);
     /// Takes over the chunks of a part, which stay where they are.
     void append(HeatmapFilm& part);
     void begins(const Chunk& chunk) override;
@@ -65,7 +65,6 @@ class HeatmapFilm : public LoopObserver {
     WorkFolder& work_;
     std::string name_;  ///< of its streams in the work folder
     Film film_;         ///< the heatmap's, not the one that it shows
-    std::vector<Chunk> grid_;
     std::vector<ChunkFile> chunks_;
     encoder::Codec codec_;  ///< of the film itself
     perceptual::ColorMatrix matrix_;
@@ -83,7 +82,7 @@ class HeatmapFilms : public LoopObserver {
 
     bool empty() const { return films_.empty(); }
     /// As HeatmapFilm::take_up().
-    void take_up(std::size_t chunks) {
+    void take_up(const std::vector<ChunkFile>& chunks) {
         for (const std::unique_ptr<HeatmapFilm>& film : films_) film->take_up(chunks);
     }
     /// Appends the same films of a part of this film.

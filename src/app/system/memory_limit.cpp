@@ -22,6 +22,10 @@ OwnMemory own_memory() {
     return {resident * page, writable * page};
 }
 
+std::uint64_t machine_memory() {
+    return static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+}
+
 std::uint64_t memory_from(const std::string& text) {
     double number = 0;
     char unit = 0, more = 0;

@@ -15,6 +15,8 @@ struct OwnMemory {
     std::uint64_t resident = 0, writable = 0;
 };
 OwnMemory own_memory();
+/// Bytes of the machine.
+std::uint64_t machine_memory();
 
 /// Limits own memory to about `limit` bytes with this number of threads: more throws std::bad_alloc instead of
 /// swapping.

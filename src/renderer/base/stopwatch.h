@@ -2,18 +2,11 @@
 
 #include <array>
 #include <cstddef>
-#include <ctime>
 
+#include "parallel/lanes.h"
 #include "renderer/base/plan.h"
 
 namespace render2mpeg::renderer {
-
-/// CPU seconds of this process, all threads.
-inline double cpu_seconds() {
-    timespec t{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 /// CPU seconds by pass.
 class PassTimes {
@@ -25,11 +18,11 @@ class PassTimes {
     std::array<double, static_cast<std::size_t>(Pass::count)> seconds_{};
 };
 
-/// Adds the CPU time of its life to a row.
+/// Adds the CPU time of its life to a row: its lane's (parallel/lanes.h).
 class Stopwatch {
   public:
-    explicit Stopwatch(double& row) : row_(row), start_(cpu_seconds()) {}
-    ~Stopwatch() { row_ += cpu_seconds() - start_; }
+    explicit Stopwatch(double& row) : row_(row), start_(parallel::lane_seconds()) {}
+    ~Stopwatch() { row_ += parallel::lane_seconds() - start_; }
     Stopwatch(const Stopwatch&) = delete;
     Stopwatch& operator=(const Stopwatch&) = delete;
 

@@ -51,16 +51,21 @@ void EmbreeScene::ReleaseScene::operator()(RTCSceneTy* scene) const {
 }
 
 EmbreeScene::EmbreeScene(const scene::Animation& animation, core::Isa isa, std::vector<bool> translucent, Filter filter)
-    : animation_(animation), translucent_(std::move(translucent)), filter_(filter), placed_(animation.objects.size()) {
+    : animation_(animation),
+      translucent_(std::move(translucent)),
+      filter_(filter),
+      still_(std::make_shared<Still>()),
+      placed_(animation.objects.size()) {
     EXPECTS(translucent_.size() == animation.materials.size());
     const FlushDenormals flushed;
-    device_.reset(rtcNewDevice((std::string("isa=") + core::name_of(isa)).c_str()));
-    if (!device_) throw core::Error("starting Embree: " + name_of_error(rtcGetDeviceError(nullptr)));
-    const auto remember = [](void* self, RTCError code, const char* text) {
-        std::string& first = static_cast<EmbreeScene*>(self)->message_;
+    still_->device.reset(rtcNewDevice((std::string("isa=") + core::name_of(isa)).c_str()));
+    if (!still_->device) throw core::Error("starting Embree: " + name_of_error(rtcGetDeviceError(nullptr)));
+    const auto remember = [](void* still, RTCError code, const char* text) {
+        const std::lock_guard lock(static_cast<Still*>(still)->errors);
+        std::string& first = static_cast<Still*>(still)->message;
         if (first.empty()) first = name_of_error(code) + (text != nullptr ? std::string(": ") + text : std::string());
     };
-    rtcSetDeviceErrorFunction(device_.get(), remember, this);
+    rtcSetDeviceErrorFunction(still_->device.get(), remember, still_.get());
 
     // Decide object by object how it is placed.
     std::vector<std::size_t> users(animation.meshes.size(), 0);
@@ -84,27 +89,53 @@ EmbreeScene::EmbreeScene(const scene::Animation& animation, core::Isa isa, std::
     }
 
     // Start with empty scenes: nothing is anywhere before it is posed.
-    baked_ = new_scene(false);
-    rtcCommitScene(baked_.get());
-    if (!all_baked) {
-        top_ = new_scene(true);
-        baked_instance_ = new_instance(baked_.get(), static_cast<unsigned>(placed_.size()), baked_mask);
-        rtcCommitScene(top_.get());
-    }
+    still_->baked = new_scene(false);
+    rtcCommitScene(still_->baked.get());
+    if (!all_baked) make_top();
     check("starting Embree");
+}
+
+EmbreeScene::EmbreeScene(const EmbreeScene& posed)
+    : animation_(posed.animation_),
+      translucent_(posed.translucent_),
+      filter_(posed.filter_),
+      still_(posed.still_),
+      placed_(posed.placed_.size()),
+      any_translucent_(posed.any_translucent_),
+      has_dynamic_objects_(posed.has_dynamic_objects_),
+      has_static_instances_(posed.has_static_instances_) {
+    const FlushDenormals flushed;
+    for (std::size_t i = 0; i < placed_.size(); ++i) {
+        const Placed& from = posed.placed_[i];
+        placed_[i].kind = from.kind;
+        placed_[i].strands = from.strands;
+        if (from.kind != Kind::baked) continue;
+        placed_[i].present = from.present;
+        placed_[i].geometry = from.geometry;
+        placed_[i].to_world = from.to_world;
+    }
+    if (posed.top_) make_top();
+    check("starting Embree");
+}
+
+void EmbreeScene::make_top() {
+    top_ = new_scene(true);
+    baked_instance_ = new_instance(still_->baked.get(), static_cast<unsigned>(placed_.size()), baked_mask);
+    rtcCommitScene(top_.get());
 }
 
 EmbreeScene::~EmbreeScene() = default;
 
 void EmbreeScene::check(const char* doing) {
-    const RTCError code = rtcGetDeviceError(device_.get());
-    if (code == RTC_ERROR_NONE && message_.empty()) return;
+    const RTCError code = rtcGetDeviceError(still_->device.get());
+    const std::lock_guard lock(still_->errors);
+    if (code == RTC_ERROR_NONE && still_->message.empty()) return;
     throw core::Error(std::string(doing) + ": " +
-                      (message_.empty() ? name_of_error(code) : std::exchange(message_, {})));
+                      (still_->message.empty() ? name_of_error(code) : std::exchange(still_->message, {})));
 }
 
 EmbreeScene::Scene EmbreeScene::new_scene(bool instances) const {
-    Scene scene(rtcNewScene(device_.get()));
+    Scene scene(rtcNewScene(still_->device.get()));
     const int flags = RTC_SCENE_FLAG_ROBUST | embree::filters_of_contexts |
                       (instances ? RTC_SCENE_FLAG_DYNAMIC : RTC_SCENE_FLAG_NONE);
     rtcSetSceneFlags(scene.get(), static_cast<RTCSceneFlags>(flags));
@@ -124,13 +155,13 @@ RTCGeometry EmbreeScene::new_triangles(std::span<const std::vector<glm::vec3>* c
                                        float width) const {
     const auto mesh = static_cast<std::size_t>(animation_.objects[object].mesh);
     if (animation_.meshes[mesh].has_curves()) {
-        RTCGeometry strands = new_strands(device_.get(), animation_.meshes[mesh], steps, width);
+        RTCGeometry strands = new_strands(still_->device.get(), animation_.meshes[mesh], steps, width);
         if (is_filtered(object)) rtcSetGeometryOccludedFilterFunction(strands, filter_);
         rtcCommitGeometry(strands);
         return strands;
     }
     const std::vector<glm::uvec3>& triangles = animation_.meshes[mesh].triangles;
-    RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
+    RTCGeometry geometry = rtcNewGeometry(still_->device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
     rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(steps.size()));
     for (unsigned k = 0; k < steps.size(); ++k) {
         const std::vector<glm::vec3>& positions = *steps[k];
@@ -148,7 +179,7 @@ RTCGeometry EmbreeScene::new_triangles(std::span<const std::vector<glm::vec3>* c
 }
 
 RTCGeometry EmbreeScene::new_instance(RTCScene of, unsigned id, unsigned mask) const {
-    RTCGeometry instance = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_INSTANCE);
+    RTCGeometry instance = rtcNewGeometry(still_->device.get(), RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(instance, of);
     rtcSetGeometryMask(instance, mask);
     rtcCommitGeometry(instance);
@@ -159,7 +190,8 @@ RTCGeometry EmbreeScene::new_instance(RTCScene of, unsigned id, unsigned mask) c
 
 RTCScene EmbreeScene::shared_mesh(std::uint32_t object) {
     const int mesh = animation_.objects[object].mesh;
-    Scene& scene = shared_[{mesh, is_filtered(object)}];
+    const std::lock_guard lock(still_->building);
+    Scene& scene = still_->meshes[{mesh, is_filtered(object)}];
     if (!scene) {
         scene = new_scene(false);
         RTCGeometry geometry = new_triangles(animation_.meshes[static_cast<std::size_t>(mesh)].positions, object);
@@ -178,7 +210,8 @@ void EmbreeScene::pose(const scene::Snapshot& snapshot) {
         if (!place(i, snapshot)) continue;
         (placed_[i].kind == Kind::baked ? baked_changed : top_changed) = true;
     }
-    if (baked_changed) rtcCommitScene(baked_.get());
+    EXPECTS(!baked_changed || still_.use_count() == 1);
+    if (baked_changed) rtcCommitScene(still_->baked.get());
     if (baked_changed && baked_instance_ != nullptr) rtcCommitGeometry(baked_instance_);
     if (top_ && (baked_changed || top_changed)) rtcCommitScene(top_.get());
     check("building the ray tracer's scene");
@@ -190,8 +223,7 @@ std::vector<MiddleBox> EmbreeScene::dynamic_object_boxes() const {
         const Placed& placed = placed_[i];
         if (!placed.present || is_still(i)) continue;
         RTCBounds bounds;
-        rtcGetSceneBounds(
-            placed.own ? placed.own.get() : shared_.at({animation_.objects[i].mesh, is_filtered(i)}).get(), &bounds);
+        rtcGetSceneBounds(placed.own ? placed.own.get() : placed.mesh, &bounds);
         const glm::vec3 low{bounds.lower_x, bounds.lower_y, bounds.lower_z},
             high{bounds.upper_x, bounds.upper_y, bounds.upper_z};
         if (!(low.x <= high.x)) continue;
@@ -246,9 +278,9 @@ bool EmbreeScene::bake(std::uint32_t object, const glm::mat4& to_world) {
     const auto mesh = static_cast<std::size_t>(animation_.objects[object].mesh);
     std::vector<glm::vec3> world = animation_.meshes[mesh].positions;
     for (glm::vec3& p : world) p = glm::vec3(to_world * glm::vec4(p, 1.0f));
-    if (placed.geometry != nullptr) rtcDetachGeometry(baked_.get(), object);
+    if (placed.geometry != nullptr) rtcDetachGeometry(still_->baked.get(), object);
     placed.geometry = new_triangles(world, object, scene::width_scale(to_world));
-    rtcAttachGeometryByID(baked_.get(), placed.geometry, object);
+    rtcAttachGeometryByID(still_->baked.get(), placed.geometry, object);
     rtcReleaseGeometry(placed.geometry);
     placed.to_world = to_world;
     return true;
@@ -262,7 +294,8 @@ bool EmbreeScene::move_instance(std::uint32_t object, const scene::Snapshot& sna
         for (const scene::SweepKnot& knot : snapshot.sweep->knots) steps.push_back(knot.objects[object].to_world);
     if (placed.geometry == nullptr || placed.steps.size() != steps.size()) {
         if (placed.geometry != nullptr) rtcDetachGeometry(top_.get(), object);
-        placed.geometry = new_instance(shared_mesh(object), object, is_still(object) ? copied_mask : dynamic_mask);
+        placed.mesh = shared_mesh(object);
+        placed.geometry = new_instance(placed.mesh, object, is_still(object) ? copied_mask : dynamic_mask);
         rtcSetGeometryTimeStepCount(placed.geometry, static_cast<unsigned>(std::max<std::size_t>(steps.size(), 1)));
     } else if (placed.to_world == to_world && placed.steps == steps) {
         return false;

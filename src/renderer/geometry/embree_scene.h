@@ -5,6 +5,7 @@
 #include <glm/glm.hpp>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,6 +34,9 @@ class EmbreeScene {
     using Filter = void (*)(const RTCFilterFunctionNArguments*);
 
     EmbreeScene(const scene::Animation& animation, core::Isa isa, std::vector<bool> translucent, Filter filter);
+    /// Of the same animation at other instants, with what `posed` shows of things that never move; they share it.
+    EmbreeScene(const EmbreeScene& posed);
+    EmbreeScene& operator=(const EmbreeScene&) = delete;
     ~EmbreeScene();
 
     void pose(const scene::Snapshot& snapshot);
@@ -40,12 +44,12 @@ class EmbreeScene {
     /// World boxes of posed objects that move.
     std::vector<MiddleBox> dynamic_object_boxes() const;
 
-    RTCSceneTy* root() const { return top_ ? top_.get() : baked_.get(); }
+    RTCSceneTy* root() const { return top_ ? top_.get() : still_->baked.get(); }
 
     /// Geometry that never moves, but for instances: the same as `root` where there are none. Embree never returns from
     /// some coherent packets that meet instances. Hence packets are traced here first and then, incoherently and with
     /// `instance_mask` in their rays, in `root`.
-    RTCSceneTy* baked() const { return baked_.get(); }
+    RTCSceneTy* baked() const { return still_->baked.get(); }
     bool has_instances() const { return top_ != nullptr; }
     bool has_dynamic_objects() const { return has_dynamic_objects_; }
     bool has_static_instances() const { return has_static_instances_; }
@@ -103,7 +107,8 @@ class EmbreeScene {
         Kind kind = Kind::baked;
         bool present = false, strands = false;
         RTCGeometryTy* geometry =
-            nullptr;  ///< baked: in `baked_`; else the instance in `top_`. None until first present
+            nullptr;  ///< baked: in `Still::baked`; else the instance in `top_`. None until first present
+        RTCSceneTy* mesh = nullptr;          ///< instanced: what it is an instance of
         RTCGeometryTy* triangles = nullptr;  ///< deforming: in `own`
         Scene own;                           ///< deforming
         glm::mat4 to_world{0.0f};
@@ -112,7 +117,17 @@ class EmbreeScene {
         int vertex_steps = 1;          ///< deforming: of `triangles`
     };
     static glm::vec3 swept_normal(const Placed& placed, glm::vec3 normal, float time);
+    /// What never moves: Embree's device and trees, of any number of scenes.
+    struct Still {
+        Device device;
+        Scene baked;
+        std::mutex building;
+        std::map<std::pair<int, bool>, Scene> meshes;  ///< in their own space, without and with the filter
+        std::mutex errors;
+        std::string message;  ///< of Embree's first error since the last check
+    };
 
+    void make_top();
     Scene new_scene(bool instances) const;
     bool is_filtered(std::uint32_t object) const;
     /// `steps`: vertices evenly over the shutter, at least once. `width`: a factor on radii of strands.
@@ -135,10 +150,7 @@ class EmbreeScene {
     const scene::Animation& animation_;
     std::vector<bool> translucent_;
     Filter filter_;
-    std::string message_;  ///< of Embree's first error since the last check
-    Device device_;
-    std::map<std::pair<int, bool>, Scene> shared_;  ///< meshes in their own space, without and with the filter
-    Scene baked_;
+    std::shared_ptr<Still> still_;
     Scene top_;  ///< none where everything is baked
     RTCGeometryTy* baked_instance_ = nullptr;
     std::vector<Placed> placed_;

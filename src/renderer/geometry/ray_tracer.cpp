@@ -220,6 +220,9 @@ RayTracer::RayTracer(const scene::Animation& animation, core::Isa isa, std::vect
     : impl_(new Impl{
           EmbreeScene(animation, isa, std::move(translucent), &Impl::filter_shadow), std::move(transmittance), {}}) {}
 
+RayTracer::RayTracer(const RayTracer& posed, Transmittance transmittance)
+    : impl_(new Impl{EmbreeScene(posed.impl_->scene), std::move(transmittance), {}}) {}
+
 RayTracer::~RayTracer() = default;
 RayTracer::RayTracer(RayTracer&&) noexcept = default;
 

@@ -53,6 +53,9 @@ class RayTracer {
     /// memory.
     RayTracer(const scene::Animation& animation, core::Isa isa, std::vector<bool> translucent,
               Transmittance transmittance);
+    /// Another of the same animation, for other instants: it shares what never moves with `posed`, which was posed
+    /// before. Each may be posed while rays are traced in the other.
+    RayTracer(const RayTracer& posed, Transmittance transmittance);
     ~RayTracer();
     RayTracer(RayTracer&&) noexcept;
 

@@ -45,20 +45,38 @@ std::vector<std::optional<Medium>> media_of(const scene::Animation& animation, c
 
 }  // namespace
 
-struct PosedScene::Impl {
-    Impl(const scene::Animation& film, core::Isa isa, const Plan& plan, TextureStore& store)
-        : animation(film),
-          materials(film, plan, store),
+/// What is the same at every instant.
+struct PosedScene::Still {
+    Still(const scene::Animation& film, const Plan& plan, TextureStore& store)
+        : materials(film, plan, store),
           media(media_of(film, plan)),
           sky(plan.runs(Pass::sky_background) || plan.runs(Pass::sky_light) ? store.sky() : nullptr),
           notes(store.notes()),
-          air(air_of(film, plan)),
-          tracer(film, isa, translucent_materials(materials, film.materials.size()),
-                 [this](const core::SurfaceAddress& address, glm::vec3 direction, Bodies bodies) {
-                     if (bodies == Bodies::block && animation.objects[address.object].body == scene::Body::solid)
-                         return glm::vec3{0.0f};
-                     return layer_clock.time([&] { return transmittance(address, direction); });
-                 }) {}
+          air(air_of(film, plan)) {}
+
+    SurfaceMaterials materials;
+    std::vector<std::optional<Medium>> media;
+    std::shared_ptr<const image::SkyMap> sky;
+    std::vector<std::string> notes;
+    std::optional<Air> air;
+};
+
+struct PosedScene::Impl {
+    Impl(const scene::Animation& film, core::Isa isa, const Plan& plan, TextureStore& store)
+        : animation(film),
+          still(std::make_shared<Still>(film, plan, store)),
+          tracer(film, isa, translucent_materials(still->materials, film.materials.size()), passing()) {}
+    explicit Impl(const Impl& posed)
+        : animation(posed.animation), still(posed.still), tracer(posed.tracer, passing()) {}
+
+    /// The ray tracer's question, asked of this object.
+    RayTracer::Transmittance passing() {
+        return [this](const core::SurfaceAddress& address, glm::vec3 direction, Bodies bodies) {
+            if (bodies == Bodies::block && animation.objects[address.object].body == scene::Body::solid)
+                return glm::vec3{0.0f};
+            return layer_clock.time([&] { return transmittance(address, direction); });
+        };
+    }
 
     std::uint32_t material_of(std::uint32_t object) const {
         return static_cast<std::uint32_t>(animation.objects[object].material);
@@ -99,16 +117,12 @@ struct PosedScene::Impl {
         shape.mesh = &animation.meshes[static_cast<std::size_t>(animation.objects[address.object].mesh)];
         set_corners(shape, address);
         const bool is_glass = animation.materials[material].transmission > 0.0f;
-        return materials.transmittance_at(material, shape, *snapshot,
-                                          is_glass ? cosine_at(address, shape, direction) : 1.0f);
+        return still->materials.transmittance_at(material, shape, *snapshot,
+                                                 is_glass ? cosine_at(address, shape, direction) : 1.0f);
     }
 
     const scene::Animation& animation;
-    SurfaceMaterials materials;
-    std::vector<std::optional<Medium>> media;
-    std::shared_ptr<const image::SkyMap> sky;
-    std::vector<std::string> notes;
-    std::optional<Air> air;
+    std::shared_ptr<const Still> still;
     SampledClock layer_clock;
     RayTracer tracer;
     const scene::Snapshot* snapshot = nullptr;
@@ -118,6 +132,7 @@ PosedScene::PosedScene(const scene::Animation& animation, core::Isa isa, const P
     std::optional<TextureStore> own;
     impl_ = std::make_unique<Impl>(animation, isa, plan, store != nullptr ? *store : own.emplace(animation));
 }
+PosedScene::PosedScene(const PosedScene& posed) : impl_(std::make_unique<Impl>(*posed.impl_)) {}
 PosedScene::~PosedScene() = default;
 PosedScene::PosedScene(PosedScene&&) noexcept = default;
 
@@ -139,24 +154,25 @@ const scene::Animation& PosedScene::animation() const {
     return impl_->animation;
 }
 const std::vector<std::string>& PosedScene::notes() const {
-    return impl_->notes;
+    return impl_->still->notes;
 }
 double PosedScene::layer_seconds() const {
     return impl_->layer_clock.seconds();
 }
 const Air* PosedScene::air() const {
-    return impl_->air ? &*impl_->air : nullptr;
+    return impl_->still->air ? &*impl_->still->air : nullptr;
 }
 
 const image::SkyMap* PosedScene::sky() const {
-    return impl_->sky.get();
+    return impl_->still->sky.get();
 }
 
 const Medium* PosedScene::medium_within(std::uint32_t object) const {
-    return impl_->media.empty() || !impl_->media[object] ? nullptr : &*impl_->media[object];
+    const std::vector<std::optional<Medium>>& media = impl_->still->media;
+    return media.empty() || !media[object] ? nullptr : &*media[object];
 }
 bool PosedScene::has_bodies() const {
-    return !impl_->media.empty();
+    return !impl_->still->media.empty();
 }
 
 SurfacePoint PosedScene::surface_at(const core::SurfaceAddress& address, glm::vec3 outgoing,
@@ -187,7 +203,7 @@ SurfacePoint PosedScene::surface_in(const MediaStack& media, Band band, const co
         if (point.back_side) around.begin_inside(address.object, *medium);
         index = around.index_across(address.object, *medium, point.back_side, band);
     }
-    impl_->materials.fill(point, shape, object, index);
+    impl_->still->materials.fill(point, shape, object, index);
     return point;
 }
 
@@ -232,7 +248,7 @@ glm::vec3 PosedScene::mean_emission(std::uint32_t object, std::uint32_t primitiv
     if (m.unlit || !m.emits() || !impl_->snapshot->objects[object].present) return glm::vec3{0.0f};
     const float factor = impl_->snapshot->emission_factor[material];
     SurfaceShape shape = impl_->shape({object, primitive, 0.0f, 0.0f}, {});
-    if (!m.emission_texture.present()) return factor * impl_->materials.emission_at(material, shape);
+    if (!m.emission_texture.present()) return factor * impl_->still->materials.emission_at(material, shape);
 
     // Average over 4 x 4 similar triangles, each filtered over a parallelogram of its area.
     constexpr int split = 4;
@@ -245,7 +261,7 @@ glm::vec3 PosedScene::mean_emission(std::uint32_t object, std::uint32_t primitiv
             const float third = j % 2 == 0 ? 1.0f / 3.0f : 2.0f / 3.0f;
             const float u = (static_cast<float>(j / 2) + third) / split, v = (static_cast<float>(i) + third) / split;
             shape.weights = {1.0f - u - v, u, v};
-            sum += impl_->materials.emission_at(material, shape);
+            sum += impl_->still->materials.emission_at(material, shape);
         }
     }
     return factor * sum / static_cast<float>(split * split);

@@ -25,6 +25,9 @@ class PosedScene {
     /// Takes the textures that surfaces use from `store` (none: one of its own) and builds what never moves.
     /// `animation` is complete (scene::complete) and outlives this. Throws core::Error for images that cannot be read.
     PosedScene(const scene::Animation& animation, core::Isa isa, const Plan& plan, TextureStore* store = nullptr);
+    /// Another for other instants: it shares what never moves with `posed`, which was posed before. Each may be posed
+    /// while the other is looked at.
+    explicit PosedScene(const PosedScene& posed);
     ~PosedScene();
     PosedScene(PosedScene&&) noexcept;
 
@@ -97,6 +100,7 @@ class PosedScene {
     double layer_seconds() const;
 
   private:
+    struct Still;
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };

@@ -1,0 +1,251 @@
+#include "app/production/chunk_production.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "app/loop/forecast.h"
+#include "app/loop/pipeline.h"
+#include "app/loop/resume.h"
+#include "app/loop/sink.h"
+#include "app/system/interrupt.h"
+#include "app/system/progress.h"
+#include "app/system/terminal.h"
+#include "core/error.h"
+#include "parallel/lanes.h"
+
+namespace render2mpeg::app {
+namespace {
+
+/// Summary of a chunk, for --verbose.
+std::string chunk_text(const Chunk& chunk, const RunStatistics& statistics) {
+    double seconds = 0, bytes = 0, quantiser = 0;
+    for (const FrameEntry& entry : statistics.frames) {
+        seconds += entry.seconds;
+        bytes += static_cast<double>(entry.bytes);
+        quantiser += entry.mean_quantiser / static_cast<double>(chunk.frames());
+    }
+    return fmt::format("frames {} to {}: {:.2f} s of CPU, {:.0f} bytes, quantiser {:.1f}", chunk.first, chunk.last,
+                       seconds, bytes, quantiser);
+}
+
+std::vector<Chunk> missing_of(const OpenRender& open) {
+    std::vector<Chunk> missing = open.film.chunks();
+    std::erase_if(missing, [&](const Chunk& chunk) {
+        return std::any_of(open.files.begin(), open.files.end(),
+                           [&](const ChunkFile& file) { return file.chunk().index == chunk.index; });
+    });
+    return missing;
+}
+
+/// Frames that begin light anew, those of chunks and after cuts, by their place in the order in which frames get done:
+/// first those that are there, then chunks in step with each other.
+std::vector<std::int64_t> fresh_starts(const RenderJob& film, const std::vector<Chunk>& missing, std::size_t at_once,
+                                       std::int64_t place) {
+    const std::vector<std::int64_t> cuts = cuts_of(film);
+    std::vector<std::int64_t> starts;
+    for (std::size_t i = 0; i < missing.size(); i += at_once)
+        for (std::int64_t step = 0, more = 1; more > 0; ++step) {
+            more = 0;
+            for (std::size_t k = i; k < std::min(i + at_once, missing.size()); ++k) {
+                if (step >= missing[k].frames()) continue;
+                if (step == 0 || std::binary_search(cuts.begin(), cuts.end(), missing[k].first + step))
+                    starts.push_back(place);
+                ++more, ++place;
+            }
+        }
+    return starts;
+}
+
+/// Adds a chunk's light to the film's file. False, and told, where that fails: the film goes on without.
+bool add_light(LightFile& light, renderer::Renderer& renderer, const RenderOptions& options) {
+    try {
+        light.add(renderer.found_light());
+        return true;
+    } catch (const core::Error& error) {
+        if (!options.quiet) print_line(std::string(error.what()) + "; no more light is added");
+        return false;
+    }
+}
+
+/// The missing chunks of a render in the making.
+class ChunkProduction {
+  public:
+    ChunkProduction(const OpenRender& open, std::size_t at_once);
+    bool run();
+
+  private:
+    struct Made {
+        std::optional<ChunkFile> file;  ///< none: not begun, or it failed
+        RunStatistics statistics;
+        bool whole = false;
+        std::exception_ptr failure;
+    };
+
+    std::optional<std::size_t> next();
+    bool stops() const { return failed_ || InterruptGuard::requested(); }
+    void drive(renderer::Renderer& renderer);
+    void make(const Chunk& chunk, renderer::Renderer& renderer, Made& made);
+    nlohmann::json record_of(const Chunk& chunk, RunStatistics statistics);
+    bool frame_done();
+    bool collect();
+
+    const OpenRender& open_;
+    const RenderJob& film_;
+    const RenderOptions& options_;
+    std::vector<Chunk> missing_;
+    std::size_t at_once_;
+    std::vector<Made> made_;  ///< of each missing chunk
+    std::atomic<bool> failed_{false};
+    std::mutex mutex_;  ///< of all that follows, and of the render's work folder
+    std::size_t next_ = 0;
+    std::int64_t done_;  ///< frames
+    std::optional<Progress> progress_;
+    std::optional<LightFile> light_;
+    std::optional<LastFrameWriter> last_frame_;
+    RunStatistics written_;  ///< times that records have
+};
+
+ChunkProduction::ChunkProduction(const OpenRender& open, std::size_t at_once)
+    : open_(open),
+      film_(open.film),
+      options_(open.options),
+      missing_(missing_of(open)),
+      at_once_(std::clamp<std::size_t>(at_once, 1, std::max<std::size_t>(1, missing_.size()))),
+      made_(missing_.size()),
+      done_(static_cast<std::int64_t>(open.statistics.frames.size())) {
+    written_.seconds = open.statistics.earlier_seconds;
+    written_.earlier_wall = open.statistics.earlier_wall;
+    if (options_.last_frame) last_frame_.emplace(*options_.last_frame, film_);
+}
+
+bool ChunkProduction::run() {
+    if (missing_.empty()) return true;
+    tell_activity("building");
+    std::int64_t frames = done_;
+    for (const Chunk& chunk : missing_) frames += chunk.frames();
+    progress_.emplace(frames, options_.quiet, "frame", Counted::frames, open_.clock.seconds(open_.statistics),
+                      fresh_starts(film_, missing_, at_once_, done_));
+    if (done_ > 0) progress_->advance_to(done_, frames);
+
+    // Those beside the first share with it what never moves.
+    renderer::Renderer first = renderer_of(film_);
+    light_ = light_file_of(film_, options_);
+    if (light_) first.know_light(light_->known(film_.known_light));
+    std::vector<std::unique_ptr<renderer::Renderer>> others;
+    if (at_once_ > 1) {
+        const scene::Snapshot instant = film_.snapshot(missing_.front().first);
+        while (others.size() + 1 < at_once_) others.push_back(first.beside(instant));
+    }
+    parallel::run_lanes(at_once_, [&](std::size_t lane) { drive(lane == 0 ? first : *others[lane - 1]); });
+    progress_.reset();
+    return collect();
+}
+
+std::optional<std::size_t> ChunkProduction::next() {
+    const std::lock_guard lock(mutex_);
+    if (stops() || next_ == missing_.size()) return {};
+    return next_++;
+}
+
+void ChunkProduction::drive(renderer::Renderer& renderer) {
+    while (const std::optional<std::size_t> i = next()) {
+        try {
+            make(missing_[*i], renderer, made_[*i]);
+        } catch (...) {
+            made_[*i].failure = std::current_exception();
+            failed_ = true;
+        }
+    }
+}
+
+void ChunkProduction::make(const Chunk& chunk, renderer::Renderer& renderer, Made& made) {
+    std::optional<ChunkFile> file;
+    {
+        const std::lock_guard lock(mutex_);
+        file.emplace(open_.work.open(chunk));
+    }
+    const std::unique_ptr<Sink> sink = make_sink(film_, frames_of(film_, options_, open_.work, chunk));
+    ChunkWriter coded(*file);
+    std::optional<LayersWriter> layers;
+    if (options_.layers) layers.emplace(*options_.layers, film_, made.statistics);
+    LoopObservers products;
+    if (film_.kind == OutputKind::film) products.add(coded);
+    if (sink) products.add(*sink);
+    if (layers) products.add(*layers);
+    if (last_frame_) products.add(*last_frame_);
+    if (!open_.heatmaps.empty()) products.add(open_.heatmaps);
+    const bool has_sample = options_.report && open_.sample_frame.is_in(chunk);
+    if (has_sample) products.add(open_.sample_frame);
+    made.whole = render_chunk(
+        film_, renderer, chunk, products, made.statistics, [&] { return frame_done(); }, [&] { return stops(); });
+    if (sink) sink->finish();
+    made.statistics = totals_of(made.statistics, renderer);
+    renderer.count_anew();
+    if (made.whole) {
+        nlohmann::json record = record_of(chunk, made.statistics);
+        if (has_sample) record[sample_frame_name] = open_.sample_frame.figures();
+        file->finish(record);
+        if (light_ && !add_light(*light_, renderer, options_)) light_.reset();
+        if (options_.verbose) print_line(chunk_text(chunk, made.statistics));
+    } else {
+        file->abandon();
+    }
+    made.file = std::move(file);
+}
+
+/// Times that no chunk has yet are this one's, so that those of all sum up to what the run took.
+nlohmann::json ChunkProduction::record_of(const Chunk& chunk, RunStatistics statistics) {
+    {
+        const std::lock_guard lock(mutex_);
+        const auto take = [](double& own, double& written, double now) { own += now - std::exchange(written, now); };
+        for (std::size_t i = 0; i < statistics.seconds.size(); ++i)
+            take(statistics.seconds[i], written_.seconds[i], open_.statistics.seconds[i]);
+        take(statistics.earlier_wall, written_.earlier_wall, open_.clock.seconds(open_.statistics));
+        take(statistics.earlier_cpu, written_.earlier_cpu, cpu_seconds());
+    }
+    return chunk_record_of(film_, options_, open_.work, chunk, statistics);
+}
+
+bool ChunkProduction::frame_done() {
+    const std::lock_guard lock(mutex_);
+    progress_->advance();
+    ++done_;
+    if (open_.frames_done) open_.frames_done(done_);
+    return !stops();
+}
+
+/// Adds what was made to the render.
+bool ChunkProduction::collect() {
+    RunStatistics& statistics = open_.statistics;
+    bool whole = true;
+    std::exception_ptr failure;
+    for (Made& made : made_) {
+        const bool is_next = std::exchange(whole, whole && made.whole);
+        if (!failure) failure = made.failure;
+        // Drop a chunk that was stopped before its first frame, or behind another.
+        if (!made.file || (!made.whole && (!is_next || made.statistics.frames.empty()))) continue;
+        statistics = sum_of(statistics, made.statistics);
+        open_.files.push_back(std::move(*made.file));
+    }
+    std::stable_sort(statistics.frames.begin(), statistics.frames.end(),
+                     [](const FrameEntry& a, const FrameEntry& b) { return a.frame < b.frame; });
+    std::sort(open_.files.begin(), open_.files.end(),
+              [](const ChunkFile& a, const ChunkFile& b) { return a.chunk().index < b.chunk().index; });
+    if (failure) std::rethrow_exception(failure);
+    return whole;
+}
+
+}  // namespace
+
+bool make_chunks(const OpenRender& open, std::size_t at_once) {
+    return ChunkProduction(open, at_once).run();
+}
+
+}  // namespace render2mpeg::app
