@@ -13,7 +13,7 @@ namespace render2mpeg::parallel {
 namespace {
 
 /// Takes about so many seconds of this thread.
-void work(double seconds) {
+void spend(double seconds) {
     const auto now = [] {
         timespec t{};
         clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
@@ -30,13 +30,13 @@ TEST(LoopRecord, TellsWhatLoopsAndWhatIsBetweenThemTake) {
     {
         const LoopRecord record(file);
         for (int k = 0; k < 2; ++k) {
-            work(0.02);
+            spend(0.02);
             for_each(4, [](std::size_t i) {
-                work(i == 0 ? 0.03 : 0.01);
+                spend(i == 0 ? 0.03 : 0.01);
                 for_each(3, [](std::size_t) {});  // is part of its task
             });
         }
-        work(0.02);
+        spend(0.02);
     }
     std::ifstream in(file);
     std::string row, end, none;

@@ -17,7 +17,7 @@ struct ChunksAtOnce {
 /// depend on it. Images' headers are read where memory may be the limit.
 ChunksAtOnce chunks_at_once(const RenderJob& film, const RenderOptions& options);
 
-/// "4 chunks at once: 64 threads, 16 to a chunk; memory allows 9".
+/// "4 chunks at once: 16 threads, 4 to a chunk; memory allows 9".
 std::string text_of(const ChunksAtOnce& chosen);
 
 }  // namespace render2mpeg::app

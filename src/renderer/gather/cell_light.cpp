@@ -235,7 +235,7 @@ void eliminate(std::vector<PathLesson>& lessons, std::vector<CellLink>& links) {
 /// Follows rays from place to place, those of all paths together.
 void CellLight::follow_paths(std::vector<Sighting> places, const LightCells& cells, TaskLight& out) const {
     std::vector<PathLesson>& lessons = out.paths.lessons;
-    while (!places.empty()) {
+    for (std::uint64_t step = 0; !places.empty(); ++step) {
         const std::size_t first = lessons.size();
         lessons.resize(first + places.size());
         out.path_links.resize(lessons.size());
@@ -243,7 +243,8 @@ void CellLight::follow_paths(std::vector<Sighting> places, const LightCells& cel
         for (std::size_t i = 0; i < places.size(); ++i) {
             PathLesson& path = lessons[first + i];
             path.key = places[i].key;
-            light_place(places[i], core::mix(path.key), path.lesson, found);
+            // A path may come back to a cell, and goes on to elsewhere then.
+            light_place(places[i], core::mix(core::mix(path.key) + step), path.lesson, found);
         }
         follow_bounces(found);
         out.rays += found.rays;
