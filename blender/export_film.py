@@ -355,7 +355,7 @@ def export(path, folder, texture_size):
     strengths.write(film, times)
     for name in materials.holes:
         film.setdefault("materials", {}).setdefault(name, {})["holdout"] = True
-    materials.write_fibres_and_skin(film)
+    materials.write_more(film)
     glb.save(os.path.join(folder, "scene.glb"))
     with open(os.path.join(folder, "film.json"), "w") as file:
         json.dump(film, file, indent=1)

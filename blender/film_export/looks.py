@@ -58,6 +58,12 @@ class Look:
         self.coat, self.coat_roughness = Constant(0.0), Constant(0.0)
         self.sheen, self.sheen_roughness = Constant((0.0, 0.0, 0.0)), 0.5
         self.specular_tint = Constant((1.0, 1.0, 1.0))
+        self.model = "gltf"         # whose Principled BSDF the inputs are of
+        self.specular = 0.5         # Blender's level
+        self.gloss = (0.0, 0.0, 0.0)  # of a lobe that reflects alike from all sides, over the rest
+        self.multiscatter = False
+        self.coat_ior, self.coat_tint = 1.5, (1.0, 1.0, 1.0)
+        self.diffuse_roughness = 0.0
         self.anisotropy, self.anisotropy_rotation = 0.0, 0.0  # glTF's strength, and radians from the tangent
         self.film, self.film_ior = 0.0, 1.3                   # nanometres of a thin film; 0: none
         self.leaf, self.leaf_color = 0.0, (1.0, 1.0, 1.0)     # diffuse light that leaves on the other side
@@ -70,6 +76,20 @@ class Look:
         self.hole = False     # Holdout
         self.animated = None  # (node's name, input's name) of the emission's strength
         self.__dict__.update(channels)
+
+    def is_plain(self):
+        """Whether it reflects, and nothing else."""
+        return (self.surface and not (self.hair or self.subsurface or self.leaf or self.film or self.hole)
+                and self.transmission == self.strength == self.coat == Constant(0.0) and self.alpha == Constant(1.0)
+                and self.sheen == Constant((0.0, 0.0, 0.0)))
+
+    def is_matt(self):
+        """Whether it is a Diffuse BSDF."""
+        return self.is_plain() and self.model == "gltf" and self.ior == 1.0 and self.metallic == Constant(0.0)
+
+    def is_gloss(self):
+        """Whether it is a Glossy BSDF."""
+        return self.is_plain() and self.model == "principled-3" and self.specular == 0.0 and self.metallic == Constant(1.0)
 
 
 def mapping_of(node):
@@ -189,16 +209,12 @@ class Reader:
                     transmission=self.input(node, ["Transmission Weight", "Transmission"], otherwise=0.0),
                     normal=self.normal(node))
         look.animated = (node.name, "Emission Strength")
-        ior = self.constant(node, ["IOR"], 1.45)
-        if look.transmission != Constant(0.0):
-            look.ior, look.refracts = ior, abs(ior - 1) > 1e-3
-        elif "Specular IOR Level" in node.inputs:
-            level = self.constant(node, ["Specular IOR Level"], 0.5)
-            normal = ((ior - 1) / (ior + 1)) ** 2 * 2 * level
-            look.ior = (1 + math.sqrt(min(normal, 0.9))) / (1 - math.sqrt(min(normal, 0.9)))
-        else:
-            normal = 0.08 * self.constant(node, ["Specular"], 0.5)
-            look.ior = (1 + math.sqrt(normal)) / (1 - math.sqrt(normal))
+        look.ior = self.constant(node, ["IOR"], 1.45)
+        look.refracts = look.transmission != Constant(0.0) and abs(look.ior - 1) > 1e-3
+        look.model = "principled-4" if "Specular IOR Level" in node.inputs else "principled-3"
+        look.specular = self.constant(node, ["Specular IOR Level", "Specular"], 0.5)
+        look.multiscatter = node.distribution == "MULTI_GGX"
+        look.diffuse_roughness = self.constant_or(node, ["Diffuse Roughness"], 0.0)
         self.read_layers(node, look)
         self.sink(node, look)
         self.frost(node, look)
@@ -249,10 +265,12 @@ class Reader:
         is_old = "Clearcoat" in node.inputs
         look.coat = self.scaled(self.input(node, ["Coat Weight", "Clearcoat"], otherwise=0.0), 0.25 if is_old else 1.0)
         look.coat_roughness = self.input(node, ["Coat Roughness", "Clearcoat Roughness"], otherwise=0.0)
-        look.sheen = self.sheen_of(node, look, is_old)
+        look.coat_ior = self.constant_or(node, ["Coat IOR"], 1.5)
+        if "Coat Tint" in node.inputs:
+            look.coat_tint = tuple(self.color(node, "Coat Tint"))
+        look.sheen = self.sheen_of(node, look)
         look.sheen_roughness = self.constant_or(node, ["Sheen Roughness"], 0.5)
-        if look.transmission == Constant(0.0):
-            look.specular_tint = self.tinted(node, "Specular Tint", look.base)
+        look.specular_tint = self.tinted(node, "Specular Tint", look.base)
         self.brush(look, self.constant_or(node, ["Anisotropic"], 0.0), self.constant_or(node, ["Anisotropic Rotation"], 0.0))
         look.film = self.constant_or(node, ["Thin Film Thickness"], 0.0)
         look.film_ior = self.constant_or(node, ["Thin Film IOR"], 1.3)
@@ -271,9 +289,8 @@ class Reader:
             return Constant(tuple(1 - share + share * h for h in hue))
         return self.input(node, [name], True)
 
-    def sheen_of(self, node, look, is_old):
-        # chosen: Disney's sheen of Blender 3 reflects about a third of what fibres of roughness 0.5 do (0.2 to 0.5).
-        weight = self.scaled(self.input(node, ["Sheen Weight", "Sheen"], otherwise=0.0), 0.3 if is_old else 1.0)
+    def sheen_of(self, node, look):
+        weight = self.input(node, ["Sheen Weight", "Sheen"], otherwise=0.0)
         if weight == Constant(0.0):
             return Constant((0.0, 0.0, 0.0))
         tint = self.tinted(node, "Sheen Tint", look.base)
@@ -340,10 +357,13 @@ class Reader:
         return [round(min(max(c, 0.0), 1.0), 6) for c in value.value]
 
     def read_bsdf_diffuse(self, node):
-        return Look(base=self.input(node, ["Color"], True), ior=1.0, normal=self.normal(node))
+        return Look(base=self.input(node, ["Color"], True), ior=1.0, normal=self.normal(node),
+                    diffuse_roughness=self.constant(node, ["Roughness"], 0.0))
 
     def read_bsdf_glossy(self, node):
-        return Look(base=self.input(node, ["Color"], True), metallic=Constant(1.0), roughness=self.glossiness(node), normal=self.normal(node))
+        """A metal whose edges reflect as its middle does."""
+        return Look(base=self.input(node, ["Color"], True), metallic=Constant(1.0), roughness=self.glossiness(node), normal=self.normal(node),
+                    model="principled-3", specular=0.0, multiscatter=getattr(node, "distribution", "") == "MULTI_GGX")
 
     def read_bsdf_anisotropic(self, node):
         look = self.read_bsdf_glossy(node)
@@ -395,6 +415,9 @@ class Reader:
         first = looks[0]
         if len(looks) > 1:
             second = looks[1]
+            sum_of_both = self.glossed(first, second, 1.0, 1.0)
+            if sum_of_both is not None:
+                return sum_of_both
             if second.surface or first.strength != Constant(0.0) and first.emission != Constant((0.0, 0.0, 0.0)):
                 self.lost.add(self.name, "sum of two shaders; only the first is kept")
             else:
@@ -418,7 +441,31 @@ class Reader:
             return self.cut_out(looks[0] if clear[1] else looks[1], factor, clear[1])
         if by_angle:
             return self.coated(looks, source.node)
+        if isinstance(factor, Constant):
+            sum_of_both = self.glossed(*looks, 1 - factor.value, factor.value)
+            if sum_of_both is not None:
+                return sum_of_both
         return self.mixed(looks, node.inputs[0])
+
+    def glossed(self, first, second, a, b):
+        """Shares of a Diffuse BSDF and of a Glossy one, or of two Diffuse ones, as one surface; None for others."""
+        def scaled(look, share):
+            return tuple(min(share * c, 1.0) for c in look.base.value)
+        if not all(isinstance(look.base, Constant) for look in (first, second)):
+            return None
+        if first.is_gloss() and second.is_matt():
+            first, second, a, b = second, first, b, a
+        if not first.is_matt() or first.diffuse_roughness != second.diffuse_roughness and second.is_matt():
+            return None
+        if second.is_matt():
+            first.base = Constant(tuple(min(x + y, 1.0) for x, y in zip(scaled(first, a), scaled(second, b))))
+            return first
+        if not second.is_gloss():
+            return None
+        second.base, second.gloss, second.metallic = Constant(scaled(first, a)), scaled(second, b), Constant(0.0)
+        second.model, second.diffuse_roughness = "principled-4", first.diffuse_roughness  # whose diffuse part is Lambert's
+        second.normal = second.normal or first.normal
+        return second
 
     def cut_out(self, look, factor, flipped):
         """A shader mixed with nothing."""
@@ -453,9 +500,19 @@ class Reader:
         out = Look(normal=first.normal or second.normal, surface=first.surface or second.surface)
         total = self.value(factor)
         share = total.value if isinstance(total, Constant) else 0.5
-        out.ior = first.ior * (1 - share) + second.ior * share
-        for name in ("sheen_roughness", "anisotropy", "anisotropy_rotation", "film", "film_ior", "leaf"):
+        models = {look.model for look in looks if not look.is_matt()} or {"gltf"}
+        if len(models) > 1:
+            self.lost.add(self.name, "mix of shaders of different models; all of it is that of the heavier part")
+        out.model = models.pop() if len(models) == 1 else (first if share <= 0.5 else second).model
+        # A Diffuse BSDF has no gloss, in whose terms ever.
+        levels = [0.0 if look.is_matt() and out.model != "gltf" else look.specular for look in looks]
+        out.specular = levels[0] * (1 - share) + levels[1] * share
+        ior = [second.ior if first.is_matt() and out.model != "gltf" else first.ior, first.ior if second.is_matt() and out.model != "gltf" else second.ior]
+        out.ior = ior[0] * (1 - share) + ior[1] * share
+        out.multiscatter = first.multiscatter or second.multiscatter
+        for name in ("diffuse_roughness", "coat_ior", "sheen_roughness", "anisotropy", "anisotropy_rotation", "film", "film_ior", "leaf"):
             setattr(out, name, getattr(first, name) * (1 - share) + getattr(second, name) * share)
+        out.coat_tint = (first if first.coat != Constant(0.0) else second).coat_tint
         out.leaf_color = second.leaf_color if second.leaf else first.leaf_color
         out.refracts, out.attenuation = first.refracts or second.refracts, first.attenuation or second.attenuation
         heavier, lighter = looks if share <= 0.5 else looks[::-1]
@@ -472,6 +529,9 @@ class Reader:
                 continue
             if name in {"base", "roughness"} and first.surface != second.surface:
                 out.__dict__[name] = a if first.surface else b
+                continue
+            if name == "roughness" and first.is_matt() != second.is_matt():
+                out.roughness = b if first.is_matt() else a
                 continue
             out.__dict__[name] = self.between(a, b, factor, total)
         if first.surface != second.surface:

@@ -141,19 +141,36 @@ class Materials:
             self.made[key] = self.make(material, look, baked or {}, not sides, body)
         return self.made[key]
 
-    def write_fibres_and_skin(self, film):
-        """What glTF has no words for: fibres of hair, light below surfaces."""
+    def write_more(self, film):
+        """What glTF has no words for: Blender's models, fibres of hair, light below surfaces."""
         for key, made in self.made.items():
             look = self.looks[key[0]][0] if key else None
-            if look is None or not (look.hair or look.subsurface):
+            model = {} if look is None else self.model_of(look)
+            if look is None or not (look.hair or look.subsurface or model):
                 continue
             says = film.setdefault("materials", {}).setdefault(self.glb.document["materials"][made[0]]["name"], {})
+            says.update(model)
             if look.hair:
                 says["hair"] = look.hair
             if look.subsurface:
                 below, base = look.subsurface, self.mean_base(look, self.baked.get((key[1], key[0]), {}).get("base"))
                 says["subsurface"] = {"weight": round(below["weight"], 6), "free_path": [
                     round(free_path(r, a, below["method"], below["ior"]), 9) for r, a in zip(below["radius"], base)]}
+
+    def model_of(self, look):
+        """Whose Principled BSDF it is, and the inputs that glTF lacks."""
+        says = {}
+        if look.model != "gltf":
+            says = {"model": look.model, "specular": round(min(max(look.specular, 0.0), 10.0), 6)}
+            if look.multiscatter != (look.model == "principled-4"):
+                says["multiscatter"] = look.multiscatter
+            if any(look.gloss):
+                says["gloss"] = [round(min(max(c, 0.0), 1.0), 6) for c in look.gloss]
+            if look.coat != Constant(0.0) and (look.coat_ior, look.coat_tint) != (1.5, (1.0, 1.0, 1.0)):
+                says["coat_ior"], says["coat_tint"] = round(min(max(look.coat_ior, 1.0), 5.0), 6), list(look.coat_tint)
+        if look.diffuse_roughness:
+            says["diffuse_roughness"] = round(min(max(look.diffuse_roughness, 0.0), 1.0), 6)
+        return says
 
     def mean_base(self, look, baked):
         """One free path goes for all of a texture."""
