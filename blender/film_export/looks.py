@@ -74,6 +74,7 @@ class Look:
         self.surface = True   # False: reflects nothing
         self.refracts = False
         self.hole = False     # Holdout
+        self.nowhere = False  # a volume alone
         self.animated = None  # (node's name, input's name) of the emission's strength
         self.__dict__.update(channels)
 
@@ -151,8 +152,11 @@ def picture_of(socket, is_color):
 class Reader:
     """Reads one material's tree (a copy without groups). What is not understood is told to `lost`."""
 
-    def __init__(self, tree, name, lost):
-        self.tree, self.name, self.lost = tree, name, lost
+    def __init__(self, tree, material, lost):
+        self.tree, self.material, self.lost = tree, material, lost
+
+    def tell(self, node, reason):
+        self.lost.add_of(self.material, reason, node)
 
     def value(self, socket, is_color=False):
         source = incoming(socket)
@@ -176,7 +180,7 @@ class Reader:
         value = self.input(node, names, otherwise=otherwise)
         if isinstance(value, Constant):
             return value.value
-        self.lost.add(self.name, f"texture of {names[0]}; its node's own value is used")
+        self.tell(node, f"texture of {names[0]}; its node's own value is used")
         return next(number_of(node.inputs[n].default_value) for n in names if n in node.inputs)
 
     def normal(self, node):
@@ -198,7 +202,7 @@ class Reader:
         reader = getattr(self, "read_" + node.type.lower(), None)
         if reader is not None:
             return reader(node)
-        self.lost.add(self.name, f"shader {node.bl_label}; shown as a matt surface of its colour")
+        self.tell(node, f"shader {node.bl_label}; shown as a matt surface of its colour")
         return Look(base=self.input(node, ["Color"], True, (0.8, 0.8, 0.8)), ior=1.0)
 
     def read_bsdf_principled(self, node):
@@ -228,7 +232,7 @@ class Reader:
         if all(isinstance(v, Constant) for v in (more, look.roughness, look.transmission)) and look.transmission.value > 0.5:
             look.roughness = Constant(1 - (1 - look.roughness.value) * (1 - more.value))
         else:
-            self.lost.add(self.name, "another roughness of what is seen through it")
+            self.tell(node, "another roughness of what is seen through it")
 
     def sink(self, node, look):
         """Light below the surface. Blender 3 scales the radius by the weight, and mixes the colours."""
@@ -245,9 +249,9 @@ class Reader:
 
     def spread(self, node, look, prefix, method, weight, scale):
         if self.constant_or(node, [prefix + "Anisotropy"], 0.0):
-            self.lost.add(self.name, "anisotropy of light below the surface")
+            self.tell(node, "anisotropy of light below the surface")
         if node.inputs[prefix + "Radius"].is_linked:
-            self.lost.add(self.name, "texture of how far light goes below the surface; the node's own value is used")
+            self.tell(node, "texture of how far light goes below the surface; the node's own value is used")
         # Blender 4 has other names for the same.
         methods = node.bl_rna.properties["subsurface_method" if prefix else "falloff"].enum_items.keys()
         if "RANDOM_WALK_SKIN" in methods:
@@ -284,7 +288,7 @@ class Reader:
             share = self.constant(node, [name], 0.0)
             if share == 0 or not isinstance(base, Constant):
                 return Constant((1.0, 1.0, 1.0))
-            luminance = sum(c * w for c, w in zip(base.value, (0.2126, 0.7152, 0.0722)))
+            luminance = sum(c * w for c, w in zip(base.value, (0.3, 0.6, 0.1)))  # Disney's
             hue = [c / luminance if luminance > 0 else 1.0 for c in base.value]
             return Constant(tuple(1 - share + share * h for h in hue))
         return self.input(node, [name], True)
@@ -333,12 +337,12 @@ class Reader:
 
     def read_bsdf_hair_principled(self, node):
         if getattr(node, "model", "CHIANG") != "CHIANG":
-            self.lost.add(self.name, "hair of the Huang model; shown by Chiang's, with round fibres")
+            self.tell(node, "hair of the Huang model; shown by Chiang's, with round fibres")
         hair = {key: self.constant(node, [name], value) for key, name, value in (
             ("roughness", "Roughness", 0.3), ("azimuthal_roughness", "Radial Roughness", 0.3), ("coat", "Coat", 0.0), ("ior", "IOR", 1.55))}
         hair["tilt"] = math.degrees(self.constant(node, ["Offset"], math.radians(2)))
         if any(self.constant_or(node, [name], 0.0) for name in ("Random Color", "Random Roughness")):
-            self.lost.add(self.name, "random colour or roughness of hair; all strands have the mean's")
+            self.tell(node, "random colour or roughness of hair; all strands have the mean's")
         color = self.color(node, "Tint" if node.parametrization == "MELANIN" else "Color")
         if node.parametrization == "ABSORPTION":
             hair["absorption"] = list(node.inputs["Absorption Coefficient"].default_value)
@@ -352,7 +356,7 @@ class Reader:
         """A colour that is no texture."""
         value = self.value(node.inputs[name], True)
         if not isinstance(value, Constant):
-            self.lost.add(self.name, f"texture of {name}; its node's own value is used")
+            self.tell(node, f"texture of {name}; its node's own value is used")
             value = Constant(tuple(node.inputs[name].default_value)[:3])
         return [round(min(max(c, 0.0), 1.0), 6) for c in value.value]
 
@@ -370,7 +374,9 @@ class Reader:
         self.brush(look, self.constant_or(node, ["Anisotropy"], 0.0), self.constant_or(node, ["Rotation"], 0.0))
         return look
 
-    read_bsdf_metallic = read_bsdf_glossy
+    def read_bsdf_metallic(self, node):
+        self.tell(node, "reflectance that depends on the angle; it is the same from all sides")
+        return self.read_bsdf_glossy(node)
 
     def read_bsdf_translucent(self, node):
         look = Look(base=self.input(node, ["Color"], True), ior=1.0, normal=self.normal(node), leaf=1.0)
@@ -379,6 +385,7 @@ class Reader:
         return look
 
     def read_bsdf_sheen(self, node):
+        self.tell(node, f"{node.bl_label}; shown by glTF's fibres")
         rough = self.constant_or(node, [n for n in ("Roughness", "Sigma") if n in node.inputs], 0.5)
         return Look(base=Constant((0.0, 0.0, 0.0)), ior=1.0, sheen=self.input(node, ["Color"], True), sheen_roughness=rough)
 
@@ -393,7 +400,9 @@ class Reader:
         return Look(base=self.input(node, ["Color"], True), transmission=Constant(1.0), roughness=self.glossiness(node),
                     ior=self.constant(node, ["IOR"], 1.45), normal=self.normal(node), refracts=True)
 
-    read_bsdf_refraction = read_bsdf_glass
+    def read_bsdf_refraction(self, node):
+        self.tell(node, "refraction without reflection; it reflects as glass does")
+        return self.read_bsdf_glass(node)
 
     def read_bsdf_transparent(self, node):
         return Look(base=Constant((0.0, 0.0, 0.0)), alpha=Constant(0.0), surface=False)
@@ -419,7 +428,7 @@ class Reader:
             if sum_of_both is not None:
                 return sum_of_both
             if second.surface or first.strength != Constant(0.0) and first.emission != Constant((0.0, 0.0, 0.0)):
-                self.lost.add(self.name, "sum of two shaders; only the first is kept")
+                self.tell(node, "sum of two shaders; only the first is kept")
             else:
                 first.emission, first.strength, first.animated = second.emission, second.strength, second.animated
         return first
@@ -438,14 +447,14 @@ class Reader:
                         ior=self.constant(source.node, ["IOR"], 1.5), normal=looks[1].normal)
         clear = [look.alpha == Constant(0.0) for look in looks]
         if clear[0] != clear[1]:
-            return self.cut_out(looks[0] if clear[1] else looks[1], factor, clear[1])
+            return self.cut_out(node, looks[0] if clear[1] else looks[1], factor, clear[1])
         if by_angle:
-            return self.coated(looks, source.node)
+            return self.coated(node, looks, source.node)
         if isinstance(factor, Constant):
             sum_of_both = self.glossed(*looks, 1 - factor.value, factor.value)
             if sum_of_both is not None:
                 return sum_of_both
-        return self.mixed(looks, node.inputs[0])
+        return self.mixed(node, looks, node.inputs[0])
 
     def glossed(self, first, second, a, b):
         """Shares of a Diffuse BSDF and of a Glossy one, or of two Diffuse ones, as one surface; None for others."""
@@ -467,34 +476,34 @@ class Reader:
         second.normal = second.normal or first.normal
         return second
 
-    def cut_out(self, look, factor, flipped):
+    def cut_out(self, node, look, factor, flipped):
         """A shader mixed with nothing."""
         if look.alpha != Constant(1.0):
-            self.lost.add(self.name, "transparency in transparency; only the outer one is kept")
+            self.tell(node, "transparency in transparency; only the outer one is kept")
         look.alpha = factor
         if flipped:
             if isinstance(factor, Constant):
                 look.alpha = Constant(1 - factor.value)
             else:
-                node = self.tree.nodes.new("ShaderNodeMath")
-                node.operation = "SUBTRACT"
-                node.inputs[0].default_value = 1.0
+                rest = self.tree.nodes.new("ShaderNodeMath")
+                rest.operation = "SUBTRACT"
+                rest.inputs[0].default_value = 1.0
                 source = factor.socket if isinstance(factor, Baked) else factor.node.outputs["Alpha" if factor.channel == "A" else "Color"]
-                self.tree.links.new(source, node.inputs[1])
-                look.alpha = Baked(node.outputs[0])
+                self.tree.links.new(source, rest.inputs[1])
+                look.alpha = Baked(rest.outputs[0])
         return look
 
-    def coated(self, looks, fresnel):
+    def coated(self, node, looks, fresnel):
         """Diffuse below a gloss by Fresnel's factor: a dielectric, as one surface."""
         under, gloss = looks
         if gloss.metallic != Constant(1.0) or under.metallic == Constant(1.0):
-            self.lost.add(self.name, "mix of shaders by the angle; only the first is kept")
+            self.tell(node, "mix of shaders by the angle; only the first is kept")
             return under
         under.roughness = gloss.roughness
         under.ior = self.constant(fresnel, ["IOR"], 1.5) if "IOR" in fresnel.inputs else 1.5
         return under
 
-    def mixed(self, looks, factor):
+    def mixed(self, node, looks, factor):
         """Each input mixed by itself."""
         first, second = looks
         out = Look(normal=first.normal or second.normal, surface=first.surface or second.surface)
@@ -502,7 +511,7 @@ class Reader:
         share = total.value if isinstance(total, Constant) else 0.5
         models = {look.model for look in looks if not look.is_matt()} or {"gltf"}
         if len(models) > 1:
-            self.lost.add(self.name, "mix of shaders of different models; all of it is that of the heavier part")
+            self.tell(node, "mix of shaders of different models; all of it is that of the heavier part")
         out.model = models.pop() if len(models) == 1 else (first if share <= 0.5 else second).model
         # A Diffuse BSDF has no gloss, in whose terms ever.
         levels = [0.0 if look.is_matt() and out.model != "gltf" else look.specular for look in looks]
@@ -518,7 +527,7 @@ class Reader:
         heavier, lighter = looks if share <= 0.5 else looks[::-1]
         out.hair, out.subsurface = heavier.hair or lighter.hair, heavier.subsurface or lighter.subsurface
         if (first.hair, first.subsurface) != (second.hair, second.subsurface):
-            self.lost.add(self.name, "mix of fibres or light below surfaces with others; the heavier part's are kept")
+            self.tell(node, "mix of fibres or light below surfaces with others; the heavier part's are kept")
         for name in CHANNELS:
             a, b = getattr(first, name), getattr(second, name)
             # What only one of them has is that one's: black emits nothing, whatever its colour.
@@ -575,30 +584,46 @@ def socket_of(tree, value):
 def look_of(material, tree, lost):
     """The look of a material, whose tree is a copy without groups."""
     from .nodes import output_of
-    reader = Reader(tree, material.name, lost)
+    reader = Reader(tree, material, lost)
     end = output_of(tree)
     if end is None:
         return Look(base=Constant((0.0, 0.0, 0.0)), ior=1.0)
     volume = incoming(end.inputs["Volume"])
-    if incoming(end.inputs["Displacement"]) is not None:
-        lost.add(material, "displacement")
+    raised = incoming(end.inputs["Displacement"])
+    if raised is not None:
+        reader.tell(raised.node, "displacement of the surface; it stays smooth")
     surface = incoming(end.inputs["Surface"])
     if surface is None:
-        return Look(base=Constant((0.0, 0.0, 0.0)), ior=1.0, alpha=Constant(0.0 if end.inputs["Volume"].is_linked else 1.0))
+        if volume is not None:
+            reader.tell(volume.node, "volume without a surface; nothing is there in the film, fog is made of the world's")
+        return Look(base=Constant((0.0, 0.0, 0.0)), ior=1.0, alpha=Constant(0.0 if end.inputs["Volume"].is_linked else 1.0), nowhere=volume is not None)
     look = reader.shader(surface)
     look.attenuation = attenuation_of(reader, volume.node, look) if volume is not None else None
     if volume is not None and look.attenuation is None:
-        lost.add(material, "volume")
+        reader.tell(volume.node, "volume within the surface" + ("" if look.refracts else ", which is no glass"))
     return look
 
 
 def attenuation_of(reader, node, look):
-    """(colour, distance) of light in glass that absorbs; None where it does something else."""
-    color, density = reader.input(node, ["Color"], True), reader.input(node, ["Density"], otherwise=1.0)
-    plain = node.type == "VOLUME_ABSORPTION" and isinstance(color, Constant) and isinstance(density, Constant)
-    if not plain or density.value <= 0 or not look.refracts:
+    """(colour, distance) of light in glass that absorbs: per scene unit `density` (1 - colour); None where it does something else."""
+    if node.type == "ADD_SHADER":
+        parts = [attenuation_of(reader, s.node, look) for s in (incoming(i) for i in node.inputs[:2]) if s is not None]
+        if not parts or None in parts:
+            return None
+        lost = [sum(-math.log(max(p[0][c], 1e-30)) / p[1] for p in parts) for c in range(3)]
+        return tuple(math.exp(-v / max(*lost, 1e-9)) for v in lost), 1 / max(*lost, 1e-9)
+    if node.type not in {"VOLUME_ABSORPTION", "PRINCIPLED_VOLUME"} or not look.refracts:
         return None
-    return tuple(math.exp(-(1 - min(max(c, 0.0), 1.0))) for c in color.value), 1 / density.value
+    color, density = reader.input(node, ["Color"], True), reader.input(node, ["Density"], otherwise=1.0)
+    if not isinstance(color, Constant) or not isinstance(density, Constant) or density.value <= 0:
+        return None
+    kept = [min(max(c, 0.0), 1.0) for c in color.value]
+    if node.type == "PRINCIPLED_VOLUME":
+        absorbed = reader.input(node, ["Absorption Color"], True)
+        if max(kept) > 0.0 or not isinstance(absorbed, Constant):
+            return None  # it scatters
+        kept = [max(c, 0.0) ** 0.5 for c in absorbed.value]
+    return tuple(math.exp(-(1 - c)) for c in kept), 1 / density.value
 
 
 def without_bakes(look):

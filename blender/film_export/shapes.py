@@ -35,16 +35,21 @@ class Shape:
 
     def is_closed(self):
         """Whether every edge has two triangles that run along it opposite ways, and the inside has a positive volume:
-        nobody sees the backs."""
-        triangles = self.vertex[self.corners].astype(np.int64)
+        nobody sees the backs. Vertices in one place are one: poles and seams of what modifiers turn are doubled."""
+        place = self.vertices - self.vertices.min(axis=0, initial=0)
+        grid = np.round(place * (1 / max(2e-6 * float(np.max(place, initial=0)), 1e-30)))
+        _, number = np.unique(grid, axis=0, return_inverse=True)
+        triangles = number.ravel()[self.vertex[self.corners]].astype(np.int64)
+        triangles = triangles[(triangles != np.roll(triangles, 1, axis=1)).all(axis=1)]
         if len(triangles) < 4:
             return False
         edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
         size = len(self.vertices)
         along, against = edges[:, 0] * size + edges[:, 1], edges[:, 1] * size + edges[:, 0]
-        if len(np.unique(along)) != len(along) or not np.array_equal(np.sort(along), np.sort(against)):
+        if not np.array_equal(np.sort(along), np.sort(against)):
             return False
-        a, b, c = (self.vertices[triangles[:, k]].astype(float) for k in range(3))
+        first = self.vertices[np.unique(number.ravel(), return_index=True)[1]].astype(float)
+        a, b, c = (first[triangles[:, k]] for k in range(3))
         return float(np.sum(a * np.cross(b, c))) > 0
 
 

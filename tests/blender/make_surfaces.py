@@ -156,11 +156,53 @@ def outdoors():
     add_camera((0.6, -5, 1.5), (0, 0, 1.0), lens=40)
 
 
+def lost_nodes():
+    """A thing for each node that is not kept as it is: kept.py has them; and bodies of coloured glass that modifiers turn."""
+    start(1)
+    world_of((0.5, 0.5, 0.5))
+    sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "blender"))
+    from film_export.kept import LOST, NEAR, SHADERS
+    for kind, _, fate, _ in SHADERS:
+        node = "Bsdf" + kind[5:].title()
+        if fate in {NEAR, LOST} and hasattr(bpy.types, "ShaderNode" + node):
+            add_primitive("plane", shader_of(f"M {kind}", node, (0.5, 0.5, 0.5)), size=1, name=f"T {kind}")
+    smoke = volume_of("Smoke", "ShaderNodeVolumePrincipled")
+    smoke.node_tree.nodes.remove(smoke.node_tree.nodes["Principled BSDF"])
+    add_primitive("cube", smoke, size=1, name="Domain")
+    add_primitive("cube", volume_of("Milk", "ShaderNodeVolumeScatter"), size=1, name="Bottle")
+    bottle = volume_of("Green", "ShaderNodeVolumeAbsorption", color=(0.1, 0.6, 0.2, 1), density=2.0)
+    node = bottle.node_tree.nodes["Principled BSDF"]
+    input_of(node, "Transmission Weight", "Transmission").default_value = 1
+    mesh = bpy.data.meshes.new("Lathe")
+    profile = [(0, 0, 0), (0.3, 0, 0), (0.35, 0, 0.5), (0.1, 0, 0.8), (0, 0, 0.85)]
+    mesh.from_pydata(profile, [(k, k + 1) for k in range(4)], [])
+    for name in ("Vase", "Open Vase"):
+        vase = add_object(name, mesh.copy())
+        vase.data.materials.append(bottle)
+        turned = vase.modifiers.new("Screw", "SCREW")
+        turned.steps = turned.render_steps = 24
+        turned.use_merge_vertices = False
+        turned.use_normal_calculate = True
+        if name == "Open Vase":
+            turned.angle = 5
+    add_camera((0, -6, 2), (0, 0, 0.5))
+
+
+def volume_of(name, kind, **inputs):
+    material = add_material(name)
+    nodes = material.node_tree.nodes
+    node = nodes.new(kind)
+    for key, value in inputs.items():
+        node.inputs[key.title()].default_value = value
+    material.node_tree.links.new(node.outputs[0], nodes["Material Output"].inputs["Volume"])
+    return material
+
+
 def main():
     folder, *names = sys.argv[sys.argv.index("--") + 1:]
     for name in names:
-        what, *parts = name.split("_")
-        {"chart": chart, "furnished": furnished, "outdoors": outdoors, "room": lambda: room(parts[0], int(parts[1]) / 100)}[what]()
+        what, *parts = [name] if name == "lost_nodes" else name.split("_")
+        {"lost_nodes": lost_nodes, "chart": chart, "furnished": furnished, "outdoors": outdoors, "room": lambda: room(parts[0], int(parts[1]) / 100)}[what]()
         bpy.ops.wm.save_as_mainfile(filepath=os.path.join(os.path.abspath(folder), name + ".blend"), check_existing=False)
 
 

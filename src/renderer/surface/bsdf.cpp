@@ -14,7 +14,7 @@ float DiffuseShape::value(float nl, float nv, float lv) const {
     return lobe::shaped(retro, loss, flat, rough, nl, nv, lv);
 }
 
-/// In closed form: the integrals of 2 x^(k + 1) (1 - x)^5 are Beta functions. For `rough` [Portsmouth2025, eq. 14].
+/// In closed form: the integrals of 2 x^(k + 1) (1 - x)^5 are Beta functions. For `rough` [Portsmouth2025].
 float DiffuseShape::albedo(float nv) const {
     constexpr float m0 = 1.0f / 21, m1 = 1.0f / 84, m2 = 1.0f / 252;
     const float v = std::clamp(nv, 0.0f, 1.0f), fv = lobe::schlick(v), a = retro - loss;

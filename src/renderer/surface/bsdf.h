@@ -14,7 +14,7 @@ inline constexpr float narrow_alpha = 0.999f * scene::narrow_roughness * scene::
 
 /// How a diffuse part differs from Lambert's, by directions; with F(x) = (1 - x)^5 of the cosines of light and eye,
 ///     (flat (1 + a F(n.l)) (1 + a F(n.v)) + rough t),   a = retro (1 + l.v) - loss,
-/// where t = l.v - n.l n.v, over the larger of n.l and n.v where it is positive. [Burley2012, eq. 4; Fujii2012]
+/// where t = l.v - n.l n.v, over the larger of n.l and n.v where it is positive. [Burley2012, 5.3; Fujii2012]
 struct DiffuseShape {
     float retro = 0, loss = 0;  ///< Disney's: roughness and 1/2
     float flat = 1, rough = 0;  ///< [Oren1994], as Fujii has it
@@ -45,7 +45,7 @@ struct Bsdf {
     float alpha_along = 1;  ///< GGX width along it, >= `alpha`, which is that across it
     glm::vec3 f90{1};       ///< reflectance of the GGX lobe at grazing incidence; as f0 above 1 on rough metals
     float covered = 1;      ///< how much of s the lobe takes from the diffuse part, 0..1
-    DiffuseShape shape;
+    DiffuseShape shape{};
 
     /// Multiplies all that leaves the surface.
     void scale(glm::vec3 by) {

@@ -434,7 +434,7 @@ Bsdf SurfaceMaterials::bsdf_at(std::uint32_t material, const SurfaceShape& shape
         bound_body(bsdf, surface, index, cos_outgoing, smooth || !glossy_);
         return bsdf;
     }
-    if (detail.anisotropy > 0.0f && m.model != scene::SurfaceModel::gltf) stretch(detail, bsdf);
+    if (detail.anisotropy > 0.0f) stretch(detail, bsdf);
     if (m.model != scene::SurfaceModel::gltf) {
         reflect_as_blender(material, shape, base_color, roughness, cos_outgoing, bsdf);
         return bsdf;
@@ -445,17 +445,16 @@ Bsdf SurfaceMaterials::bsdf_at(std::uint32_t material, const SurfaceShape& shape
         surface.metal_f0 = bsdf.f0;
     }
     if (!bsdf.has_lobe()) return bsdf;
-    if (detail.anisotropy > 0.0f) stretch(detail, bsdf);
 
     // Give the reflection to a traced ray or to the lobe.
     const bool traced = mirrors_ && smooth && !bsdf.is_stretched();
     if (glossy_ && !traced) {
         lay_below_lobe(bsdf, surface, cos_outgoing);
-        return bsdf;
+    } else {
+        if (traced) bsdf.mirror = fresnel(bsdf.f0, cos_outgoing, bsdf.f90);
+        bsdf.f0 = glm::vec3{0.0f};
+        lay_below_mirror(bsdf, surface, cos_outgoing);
     }
-    if (traced) bsdf.mirror = fresnel(bsdf.f0, cos_outgoing, bsdf.f90);
-    bsdf.f0 = glm::vec3{0.0f};
-    lay_below_mirror(bsdf, surface, cos_outgoing);
     return bsdf;
 }
 

@@ -250,6 +250,14 @@ RENDER2MPEG_ALWAYS_INLINED LaneNode lane_node(LightType type, const LightNode& n
     return n;
 }
 
+/// Bound of a light's geometry times the diffuse part's shape.
+RENDER2MPEG_ALWAYS_INLINED float shaped_geometry(const GatherLanes& lanes, int i, float cosine, float reach,
+                                                 bool clamped, float clamp) {
+    const float retro = lanes.retro[i], loss = lanes.loss[i], flat = lanes.flat[i], rough = lanes.rough[i];
+    const float nv = lanes.cos_outgoing[i], g = reach * lobe::shaped_bound(retro, loss, flat, rough, cosine, nv);
+    return clamped ? inlined::min(g, clamp * lobe::shaped_most(retro, loss, flat, rough, nv)) : g;
+}
+
 template <LightType type, bool glossy, bool stretched>
 RENDER2MPEG_ALWAYS_INLINED float bound_lane(const GatherLanes& __restrict lanes, int i, const LaneNode& n) {
     float x = n.cx, y = n.cy, z = n.cz, inverse2 = 1.0f, emit = 1.0f, spread2_low = 0.0f, spread2_high = 0.0f;
@@ -285,13 +293,7 @@ RENDER2MPEG_ALWAYS_INLINED float bound_lane(const GatherLanes& __restrict lanes,
     const float reach = emit * inverse2;
     float g = cosine * reach;
     if constexpr (type == LightType::oriented) g = inlined::min(g, n.clamp);
-    if constexpr (stretched) {
-        const float nv = lanes.cos_outgoing[i];
-        g = reach * lobe::shaped_bound(lanes.retro[i], lanes.loss[i], lanes.flat[i], lanes.rough[i], cosine, nv);
-        if constexpr (type == LightType::oriented)
-            g = inlined::min(
-                g, n.clamp * lobe::shaped_most(lanes.retro[i], lanes.loss[i], lanes.flat[i], lanes.rough[i], nv));
-    }
+    if constexpr (stretched) g = shaped_geometry(lanes, i, cosine, reach, type == LightType::oriented, n.clamp);
     float bound = g * noticed(lanes.diffuse_weight, i, n.red, n.green, n.blue);
     if constexpr (glossy) {
         const lobe::BoxCosines box{cosine, box_cosine(lanes.mirrored, i, x, y, z, n.hx, n.hy, n.hz),
