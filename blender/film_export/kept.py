@@ -10,7 +10,7 @@ SHADERS = [
     ("BSDF_PRINCIPLED", "Principled BSDF", KEPT, "of its version"),
     ("BSDF_DIFFUSE", "Diffuse BSDF", KEPT, "with its roughness"),
     ("BSDF_GLOSSY", "Glossy BSDF", KEPT, "a lobe of one reflectance"),
-    ("BSDF_ANISOTROPIC", "Anisotropic BSDF", KEPT, "a stretched lobe"),
+    ("BSDF_ANISOTROPIC", "Anisotropic BSDF", KEPT, "stretched, about the axis where it has no tangent"),
     ("BSDF_GLASS", "Glass BSDF", KEPT, "reflects white; a body if closed, else a pane"),
     ("BSDF_TRANSPARENT", "Transparent BSDF", KEPT, "coverage"),
     ("BSDF_TRANSLUCENT", "Translucent BSDF", KEPT, "light from behind"),

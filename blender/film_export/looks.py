@@ -65,6 +65,7 @@ class Look:
         self.coat_ior, self.coat_tint = 1.5, (1.0, 1.0, 1.0)
         self.diffuse_roughness = 0.0
         self.anisotropy, self.anisotropy_rotation = 0.0, 0.0  # glTF's strength, and radians from the tangent
+        self.brushed = False                                  # about the object's axis, not along texture coordinates
         self.film, self.film_ior = 0.0, 1.3                   # nanometres of a thin film; 0: none
         self.leaf, self.leaf_color = 0.0, (1.0, 1.0, 1.0)     # diffuse light that leaves on the other side
         self.attenuation = None                               # (colour, distance) of light in a body
@@ -275,7 +276,7 @@ class Reader:
         look.sheen = self.sheen_of(node, look)
         look.sheen_roughness = self.constant_or(node, ["Sheen Roughness"], 0.5)
         look.specular_tint = self.tinted(node, "Specular Tint", look.base)
-        self.brush(look, self.constant_or(node, ["Anisotropic"], 0.0), self.constant_or(node, ["Anisotropic Rotation"], 0.0))
+        self.brush(node, look, self.constant_or(node, ["Anisotropic"], 0.0), self.constant_or(node, ["Anisotropic Rotation"], 0.0))
         look.film = self.constant_or(node, ["Thin Film Thickness"], 0.0)
         look.film_ior = self.constant_or(node, ["Thin Film IOR"], 1.3)
 
@@ -322,7 +323,7 @@ class Reader:
         else:
             self.tree.links.new(socket_of(self.tree, value), entry)
 
-    def brush(self, look, strength, turns):
+    def brush(self, node, look, strength, turns):
         """Cycles' lobe is alpha / aspect by alpha * aspect wide, glTF's alpha + (1 - alpha) strength^2 by alpha."""
         if not strength:
             return
@@ -333,6 +334,7 @@ class Reader:
             narrow, wide = alpha * aspect, min(alpha / aspect, 1.0)
             look.roughness = Constant(math.sqrt(narrow))
             look.anisotropy = math.sqrt(max(wide - narrow, 0.0) / max(1 - narrow, 1e-6))
+        look.brushed = incoming(node.inputs["Tangent"]) is None
         look.anisotropy_rotation = 2 * math.pi * turns + (math.pi / 2 if strength < 0 else 0.0)
 
     def read_bsdf_hair_principled(self, node):
@@ -371,7 +373,7 @@ class Reader:
 
     def read_bsdf_anisotropic(self, node):
         look = self.read_bsdf_glossy(node)
-        self.brush(look, self.constant_or(node, ["Anisotropy"], 0.0), self.constant_or(node, ["Rotation"], 0.0))
+        self.brush(node, look, self.constant_or(node, ["Anisotropy"], 0.0), self.constant_or(node, ["Rotation"], 0.0))
         return look
 
     def read_bsdf_metallic(self, node):

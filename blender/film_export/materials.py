@@ -230,7 +230,10 @@ class Materials:
             self.holes.append(name)
         if len(layers) > 2:
             self.lost.add_of(material, "more than two layers of texture coordinates; the first two are kept")
-        return self.glb.add("materials", says), layers or [None]
+        index = self.glb.add("materials", says)
+        if look.anisotropy > 0 and look.brushed and look.normal is None:
+            self.glb.brushed.add(index)
+        return index, layers or [None]
 
     def make_base(self, look, baked, stem, says, layers, material):
         pbr = says["pbrMetallicRoughness"]

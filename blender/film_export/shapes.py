@@ -116,6 +116,19 @@ def welded(columns):
     return first, number.ravel()
 
 
+def around_axis(shape, corners):
+    """Cycles' tangents of a surface for which none are made: about the z axis through the middle of its box."""
+    box = shape.vertices.min(axis=0), shape.vertices.max(axis=0)
+    from_middle = (shape.vertices[shape.vertex[corners]] - (box[0] + box[1]) / 2) / np.maximum(box[1] - box[0], 1e-9)
+    turned = np.stack([-from_middle[:, 1], from_middle[:, 0], np.zeros(len(corners))], axis=1)
+    normals = shape.normals[corners]
+    turned -= normals * np.sum(normals * turned, axis=1, keepdims=True)
+    length = np.linalg.norm(turned, axis=1, keepdims=True)
+    other = np.cross(normals, np.where(np.abs(normals[:, :1]) < 0.9, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]]))
+    turned = np.where(length > 1e-6, turned / np.maximum(length, 1e-9), other / np.maximum(np.linalg.norm(other, axis=1, keepdims=True), 1e-9))
+    return np.concatenate([turned, np.ones((len(corners), 1))], axis=1).astype(np.float32)
+
+
 def add_mesh(glb, name, shape, offsets, materials):
     """`materials`: by slot (index of a glTF material, names of its two uv layers). Returns the mesh's index."""
     primitives = []
@@ -132,6 +145,8 @@ def add_mesh(glb, name, shape, offsets, materials):
         corners = used[first]
         attributes = {"POSITION": glb.accessor(shape.vertices[shape.vertex[corners]], bounds=True),
                       "NORMAL": glb.accessor(shape.normals[corners])}
+        if material in glb.brushed:
+            attributes["TANGENT"] = glb.accessor(around_axis(shape, corners))
         for k, layer in enumerate(uv):
             attributes[f"TEXCOORD_{k}"] = glb.accessor(layer[first])
         primitive = {"attributes": attributes, "indices": glb.accessor(number[local.ravel()].astype(np.uint32)), "material": material}

@@ -69,12 +69,12 @@ TEST(BlendSurfacesSlow, OnAChartReflectAsInCycles) {
     for (std::size_t k = 0; k < patches.size(); ++k) {
         ASSERT_EQ(patches[k].size(), 4u);
         const double off = std::abs(0.2126 * patches[k][1] + 0.7152 * patches[k][2] + 0.0722 * patches[k][3] - 1);
-        // Smooth coats should mirror lamps as well; metal is brushed about its board's axis in Blender alone.
-        const double most = k == 13 ? 0.04 : k == 15 ? 0.13 : k == 16 ? 0.03 : 0.022;
+        // Smooth coats should mirror lamps as well; multiple scattering is another formula.
+        const double most = k == 13 ? 0.04 : k == 16 ? 0.03 : 0.022;
         EXPECT_LT(off, most) << "material " << k;
         within_one += off < 0.0105 ? 1 : 0;
     }
-    EXPECT_GE(within_one, 15);
+    EXPECT_GE(within_one, 14);
 }
 
 struct SurfaceFilm {
