@@ -160,6 +160,35 @@ TEST(Principled, OfBlenderThreeReflectsWhatCyclesHasOfAnEvenSky) {
     }
 }
 
+/// Likewise: a black base with a clear coat of roughness 0.03 and 0.3, at 40, 15 and 10 degrees.
+TEST(Principled, OfBlenderThreeHasTheCoatThatCyclesHas) {
+    struct Seen {
+        float roughness;
+        double degrees, coat;
+    };
+    scene::Material material;
+    material.model = scene::SurfaceModel::principled_3;
+    for (const Seen& seen : {Seen{0.03f, 40, 0.0141}, Seen{0.03f, 15, 0.0534}, Seen{0.03f, 10, 0.0709},
+                             Seen{0.3f, 40, 0.014}, Seen{0.3f, 15, 0.043}, Seen{0.3f, 10, 0.0535}}) {
+        const auto cosine = static_cast<float>(std::sin(seen.degrees * pi / 180));
+        Bsdf bsdf;
+        lay_coat(material, {0.25f, seen.roughness, cosine}, bsdf);
+        EXPECT_NEAR(glossy_albedo(bsdf, cosine).x + bsdf.mirror.x, seen.coat, 0.002)
+            << seen.roughness << " " << seen.degrees;
+    }
+}
+
+/// Likewise: gold of roughness 0.7 with multiple scattering, at 40 degrees.
+TEST(Principled, OfBlenderThreeFollowsLightAmongFacetsAsCyclesDoes) {
+    const auto cosine = static_cast<float>(std::sin(40 * pi / 180));
+    PrincipledInputs in{scene::SurfaceModel::principled_3, {0.9f, 0.65f, 0.3f}, 1, 0.7f};
+    in.cosine = cosine;
+    in.multiscatter = true;
+    const glm::vec3 seen = glossy_albedo(principled(in), cosine);
+    const glm::vec3 cycles{0.8738f, 0.5873f, 0.2492f};
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(seen[c], cycles[c], 0.006) << c;
+}
+
 TEST(Principled, IsNeverBrighterThanItsLight) {
     for (const auto model : {scene::SurfaceModel::principled_3, scene::SurfaceModel::principled_4})
         for (const float coat : {0.0f, 1.0f})

@@ -32,12 +32,6 @@ float root_of(int k) {
     return largest_root * static_cast<float>(k) / (roots - 1);
 }
 
-/// Share of light along a direction of this cosine that facets do not hide. [Heitz2014, eqs. 43, 72]
-float unhidden(float cosine, float alpha) {
-    const float tangent2 = std::max(1.0f / (cosine * cosine) - 1.0f, 0.0f);
-    return 2.0f / (1.0f + std::sqrt(1.0f + alpha * alpha * tangent2));
-}
-
 MomentEntry entry_at(float cosine, float alpha) {
     constexpr int across = 32;
     const glm::vec3 eye(std::sqrt(1.0f - cosine * cosine), 0, cosine);
@@ -126,6 +120,11 @@ TablePlace place_of_root(float root_f0) {
 }
 
 }  // namespace
+
+float unhidden(float cosine, float alpha) {
+    const float tangent2 = std::max(1.0f / std::max(cosine * cosine, 1e-6f) - 1.0f, 0.0f);
+    return 2.0f / (1.0f + std::sqrt(1.0f + alpha * alpha * tangent2));
+}
 
 float relative_fresnel(float cosine, float root_f0) {
     const float f0 = root_f0 * root_f0;

@@ -22,6 +22,9 @@ float mean_whole(float alpha);
 /// The same of a smooth dielectric's (F - F0) / (1 - F0).
 float mean_fresnel(float root_f0);
 
+/// Share of light along a direction of this cosine that facets do not hide. [Heitz2014, eqs. 43, 72]
+float unhidden(float cosine, float alpha);
+
 /// (F - F0) / (1 - F0) of a smooth dielectric at this cosine (0..1).
 float relative_fresnel(float cosine, float root_f0);
 

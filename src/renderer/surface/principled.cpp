@@ -34,7 +34,11 @@ float largest_channel(glm::vec3 v) {
 class Facets {
   public:
     Facets(float cosine, float alpha, bool smooth, bool multiscatter, SurfaceModel model)
-        : cosine_(std::clamp(cosine, 0.0f, 1.0f)), alpha_(alpha), smooth_(smooth), multiscatter_(multiscatter) {
+        : cosine_(std::clamp(cosine, 0.0f, 1.0f)),
+          alpha_(alpha),
+          smooth_(smooth),
+          multiscatter_(multiscatter),
+          follows_(model == SurfaceModel::principled_3) {
         // Blender 3 masks light and eye apart, but where it follows light from facet to facet.
         masking_ = model == SurfaceModel::principled_3 && !multiscatter ? Masking::separable : Masking::correlated;
         schlick_ = smooth ? lobe::schlick(cosine_) : lobe_albedo(cosine_, alpha).f90;
@@ -77,15 +81,16 @@ class Facets {
         return {1.0f, relative_fresnel(cosine_, root_f0), cosine_ * std::pow(1.0f - cosine_, 6.0f)};
     }
     /// What comes after more reflections, of facets that reflect so much in the mean, over what comes after one.
+    /// Blender 3 follows light among them, and nearly all of it leaves after the second.
     glm::vec3 regained(glm::vec3 mean) const {
         if (!multiscatter_ || smooth_) return glm::vec3(1);
         const float whole = moments(0.0f).whole, average = mean_whole(alpha_);
-        const glm::vec3 more = mean * average / (1.0f - mean * (1.0f - average));
+        const glm::vec3 more = follows_ ? mean : mean * average / (1.0f - mean * (1.0f - average));
         return 1.0f + more * (core::divide_or(1.0f, whole, 1.0f) - 1.0f);
     }
 
     float cosine_, alpha_;
-    bool smooth_, multiscatter_;
+    bool smooth_, multiscatter_, follows_;
     Masking masking_;
     float schlick_ = 0;  ///< Schlick's part of a lobe that reflects all
 };
@@ -142,9 +147,14 @@ void reflect_as_principled(const PrincipledInputs& in, Bsdf& bsdf) {
 void lay_coat(const scene::Material& m, const CoatInputs& in, Bsdf& bsdf) {
     const bool smooth = in.roughness < scene::mirror_roughness || largest_channel(bsdf.f0) > most_of_dielectrics;
     const float root = (m.coat_ior - 1.0f) / (m.coat_ior + 1.0f);
-    const FacetReflection film =
+    FacetReflection film =
         Facets(in.cosine, in.roughness * in.roughness, smooth, false, m.model).dielectric(glm::vec3(root * root), root);
-    if (m.model == SurfaceModel::principled_4) {
+    if (m.model == SurfaceModel::principled_3) {
+        // Disney's coat hides light as a lobe of 1/4 does, whatever its own width. [Burley2012, 5.6]
+        const float masked = unhidden(in.cosine, 0.25f) / unhidden(in.cosine, in.roughness * in.roughness);
+        film.f0 *= masked;
+        film.grazing *= masked;
+    } else {
         const float inside = core::sqrt_or_zero(1.0f - (1.0f - in.cosine * in.cosine) / (m.coat_ior * m.coat_ior));
         const glm::vec3 tint = glm::pow(m.coat_tint, glm::vec3(core::divide_or(1.0f, inside, 1.0f)));
         bsdf.scale((1.0f - in.share * film.covers) * glm::mix(glm::vec3(1), tint, in.share));
