@@ -51,13 +51,13 @@ struct alignas(64) GatherLanes {
                                ///< diffuse / pi
     Vec3Lanes f0_weight;       ///< the same for the lobe's two parts, f0 (1 - s) and f90 s
     Vec3Lanes schlick_weight;
-    FrameLanes outgoing, mirrored;   ///< to the eye; and that direction mirrored about the normal
-    Lanes cos_outgoing;              ///< > 0
-    Lanes lobe_width;                ///< alpha squared, of stretched lobes their mean's
-    bool stretched = false;          ///< any lane has a stretched lobe or a shape; without, the next eight are unset
-    Vec3Lanes along, across;         ///< the lobe's axes in the surface
-    Lanes along2, across2;           ///< its squared widths there; alike in lanes whose lobe is round
-    Lanes view_along, view_across;   ///< cosines of these axes to the eye
+    FrameLanes outgoing, mirrored;  ///< to the eye; and that direction mirrored about the normal
+    Lanes cos_outgoing;             ///< > 0
+    Lanes lobe_width;               ///< alpha squared, of stretched lobes their mean's
+    bool stretched = false;         ///< any lane has a stretched lobe or a shape; without, `along` to `rough` are unset
+    Vec3Lanes along, across;        ///< the lobe's axes in the surface
+    Lanes along2, across2;          ///< its squared widths there; alike in lanes whose lobe is round
+    Lanes view_along, view_across;  ///< cosines of these axes to the eye
     Lanes retro, loss, flat, rough;  ///< DiffuseShape
     Lanes rays_see;                  ///< scale of the sky lobe's share that rays see; 0: no rays. See `by_trees`
     Lanes coat;                      ///< the diffuse part gets 1 - coat s of light
