@@ -19,6 +19,7 @@ class Glb:
         self.extensions = set()
         self.bytes = bytearray()
         self.times = {}
+        self.brushed = set()  # materials whose lobe is wider about their object's axis
 
     def add(self, kind, value):
         self.document[kind].append(value)

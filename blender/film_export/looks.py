@@ -58,7 +58,14 @@ class Look:
         self.coat, self.coat_roughness = Constant(0.0), Constant(0.0)
         self.sheen, self.sheen_roughness = Constant((0.0, 0.0, 0.0)), 0.5
         self.specular_tint = Constant((1.0, 1.0, 1.0))
+        self.model = "gltf"         # whose Principled BSDF the inputs are of
+        self.specular = 0.5         # Blender's level
+        self.gloss = (0.0, 0.0, 0.0)  # of a lobe that reflects alike from all sides, over the rest
+        self.multiscatter = False
+        self.coat_ior, self.coat_tint = 1.5, (1.0, 1.0, 1.0)
+        self.diffuse_roughness = 0.0
         self.anisotropy, self.anisotropy_rotation = 0.0, 0.0  # glTF's strength, and radians from the tangent
+        self.brushed = False                                  # about the object's axis, not along texture coordinates
         self.film, self.film_ior = 0.0, 1.3                   # nanometres of a thin film; 0: none
         self.leaf, self.leaf_color = 0.0, (1.0, 1.0, 1.0)     # diffuse light that leaves on the other side
         self.attenuation = None                               # (colour, distance) of light in a body
@@ -68,8 +75,23 @@ class Look:
         self.surface = True   # False: reflects nothing
         self.refracts = False
         self.hole = False     # Holdout
+        self.nowhere = False  # a volume alone
         self.animated = None  # (node's name, input's name) of the emission's strength
         self.__dict__.update(channels)
+
+    def is_plain(self):
+        """Whether it reflects, and nothing else."""
+        return (self.surface and not (self.hair or self.subsurface or self.leaf or self.film or self.hole)
+                and self.transmission == self.strength == self.coat == Constant(0.0) and self.alpha == Constant(1.0)
+                and self.sheen == Constant((0.0, 0.0, 0.0)))
+
+    def is_matt(self):
+        """Whether it is a Diffuse BSDF."""
+        return self.is_plain() and self.model == "gltf" and self.ior == 1.0 and self.metallic == Constant(0.0)
+
+    def is_gloss(self):
+        """Whether it is a Glossy BSDF."""
+        return self.is_plain() and self.model == "principled-3" and self.specular == 0.0 and self.metallic == Constant(1.0)
 
 
 def mapping_of(node):
@@ -131,8 +153,11 @@ def picture_of(socket, is_color):
 class Reader:
     """Reads one material's tree (a copy without groups). What is not understood is told to `lost`."""
 
-    def __init__(self, tree, name, lost):
-        self.tree, self.name, self.lost = tree, name, lost
+    def __init__(self, tree, material, lost):
+        self.tree, self.material, self.lost = tree, material, lost
+
+    def tell(self, node, reason):
+        self.lost.add_of(self.material, reason, node)
 
     def value(self, socket, is_color=False):
         source = incoming(socket)
@@ -156,7 +181,7 @@ class Reader:
         value = self.input(node, names, otherwise=otherwise)
         if isinstance(value, Constant):
             return value.value
-        self.lost.add(self.name, f"texture of {names[0]}; its node's own value is used")
+        self.tell(node, f"texture of {names[0]}; its node's own value is used")
         return next(number_of(node.inputs[n].default_value) for n in names if n in node.inputs)
 
     def normal(self, node):
@@ -178,7 +203,7 @@ class Reader:
         reader = getattr(self, "read_" + node.type.lower(), None)
         if reader is not None:
             return reader(node)
-        self.lost.add(self.name, f"shader {node.bl_label}; shown as a matt surface of its colour")
+        self.tell(node, f"shader {node.bl_label}; shown as a matt surface of its colour")
         return Look(base=self.input(node, ["Color"], True, (0.8, 0.8, 0.8)), ior=1.0)
 
     def read_bsdf_principled(self, node):
@@ -189,16 +214,12 @@ class Reader:
                     transmission=self.input(node, ["Transmission Weight", "Transmission"], otherwise=0.0),
                     normal=self.normal(node))
         look.animated = (node.name, "Emission Strength")
-        ior = self.constant(node, ["IOR"], 1.45)
-        if look.transmission != Constant(0.0):
-            look.ior, look.refracts = ior, abs(ior - 1) > 1e-3
-        elif "Specular IOR Level" in node.inputs:
-            level = self.constant(node, ["Specular IOR Level"], 0.5)
-            normal = ((ior - 1) / (ior + 1)) ** 2 * 2 * level
-            look.ior = (1 + math.sqrt(min(normal, 0.9))) / (1 - math.sqrt(min(normal, 0.9)))
-        else:
-            normal = 0.08 * self.constant(node, ["Specular"], 0.5)
-            look.ior = (1 + math.sqrt(normal)) / (1 - math.sqrt(normal))
+        look.ior = self.constant(node, ["IOR"], 1.45)
+        look.refracts = look.transmission != Constant(0.0) and abs(look.ior - 1) > 1e-3
+        look.model = "principled-4" if "Specular IOR Level" in node.inputs else "principled-3"
+        look.specular = self.constant(node, ["Specular IOR Level", "Specular"], 0.5)
+        look.multiscatter = node.distribution == "MULTI_GGX"
+        look.diffuse_roughness = self.constant_or(node, ["Diffuse Roughness"], 0.0)
         self.read_layers(node, look)
         self.sink(node, look)
         self.frost(node, look)
@@ -212,7 +233,7 @@ class Reader:
         if all(isinstance(v, Constant) for v in (more, look.roughness, look.transmission)) and look.transmission.value > 0.5:
             look.roughness = Constant(1 - (1 - look.roughness.value) * (1 - more.value))
         else:
-            self.lost.add(self.name, "another roughness of what is seen through it")
+            self.tell(node, "another roughness of what is seen through it")
 
     def sink(self, node, look):
         """Light below the surface. Blender 3 scales the radius by the weight, and mixes the colours."""
@@ -229,9 +250,9 @@ class Reader:
 
     def spread(self, node, look, prefix, method, weight, scale):
         if self.constant_or(node, [prefix + "Anisotropy"], 0.0):
-            self.lost.add(self.name, "anisotropy of light below the surface")
+            self.tell(node, "anisotropy of light below the surface")
         if node.inputs[prefix + "Radius"].is_linked:
-            self.lost.add(self.name, "texture of how far light goes below the surface; the node's own value is used")
+            self.tell(node, "texture of how far light goes below the surface; the node's own value is used")
         # Blender 4 has other names for the same.
         methods = node.bl_rna.properties["subsurface_method" if prefix else "falloff"].enum_items.keys()
         if "RANDOM_WALK_SKIN" in methods:
@@ -249,11 +270,13 @@ class Reader:
         is_old = "Clearcoat" in node.inputs
         look.coat = self.scaled(self.input(node, ["Coat Weight", "Clearcoat"], otherwise=0.0), 0.25 if is_old else 1.0)
         look.coat_roughness = self.input(node, ["Coat Roughness", "Clearcoat Roughness"], otherwise=0.0)
-        look.sheen = self.sheen_of(node, look, is_old)
+        look.coat_ior = self.constant_or(node, ["Coat IOR"], 1.5)
+        if "Coat Tint" in node.inputs:
+            look.coat_tint = tuple(self.color(node, "Coat Tint"))
+        look.sheen = self.sheen_of(node, look)
         look.sheen_roughness = self.constant_or(node, ["Sheen Roughness"], 0.5)
-        if look.transmission == Constant(0.0):
-            look.specular_tint = self.tinted(node, "Specular Tint", look.base)
-        self.brush(look, self.constant_or(node, ["Anisotropic"], 0.0), self.constant_or(node, ["Anisotropic Rotation"], 0.0))
+        look.specular_tint = self.tinted(node, "Specular Tint", look.base)
+        self.brush(node, look, self.constant_or(node, ["Anisotropic"], 0.0), self.constant_or(node, ["Anisotropic Rotation"], 0.0))
         look.film = self.constant_or(node, ["Thin Film Thickness"], 0.0)
         look.film_ior = self.constant_or(node, ["Thin Film IOR"], 1.3)
 
@@ -266,14 +289,13 @@ class Reader:
             share = self.constant(node, [name], 0.0)
             if share == 0 or not isinstance(base, Constant):
                 return Constant((1.0, 1.0, 1.0))
-            luminance = sum(c * w for c, w in zip(base.value, (0.2126, 0.7152, 0.0722)))
+            luminance = sum(c * w for c, w in zip(base.value, (0.3, 0.6, 0.1)))  # Disney's
             hue = [c / luminance if luminance > 0 else 1.0 for c in base.value]
             return Constant(tuple(1 - share + share * h for h in hue))
         return self.input(node, [name], True)
 
-    def sheen_of(self, node, look, is_old):
-        # chosen: Disney's sheen of Blender 3 reflects about a third of what fibres of roughness 0.5 do (0.2 to 0.5).
-        weight = self.scaled(self.input(node, ["Sheen Weight", "Sheen"], otherwise=0.0), 0.3 if is_old else 1.0)
+    def sheen_of(self, node, look):
+        weight = self.input(node, ["Sheen Weight", "Sheen"], otherwise=0.0)
         if weight == Constant(0.0):
             return Constant((0.0, 0.0, 0.0))
         tint = self.tinted(node, "Sheen Tint", look.base)
@@ -301,7 +323,7 @@ class Reader:
         else:
             self.tree.links.new(socket_of(self.tree, value), entry)
 
-    def brush(self, look, strength, turns):
+    def brush(self, node, look, strength, turns):
         """Cycles' lobe is alpha / aspect by alpha * aspect wide, glTF's alpha + (1 - alpha) strength^2 by alpha."""
         if not strength:
             return
@@ -312,16 +334,17 @@ class Reader:
             narrow, wide = alpha * aspect, min(alpha / aspect, 1.0)
             look.roughness = Constant(math.sqrt(narrow))
             look.anisotropy = math.sqrt(max(wide - narrow, 0.0) / max(1 - narrow, 1e-6))
+        look.brushed = incoming(node.inputs["Tangent"]) is None
         look.anisotropy_rotation = 2 * math.pi * turns + (math.pi / 2 if strength < 0 else 0.0)
 
     def read_bsdf_hair_principled(self, node):
         if getattr(node, "model", "CHIANG") != "CHIANG":
-            self.lost.add(self.name, "hair of the Huang model; shown by Chiang's, with round fibres")
+            self.tell(node, "hair of the Huang model; shown by Chiang's, with round fibres")
         hair = {key: self.constant(node, [name], value) for key, name, value in (
             ("roughness", "Roughness", 0.3), ("azimuthal_roughness", "Radial Roughness", 0.3), ("coat", "Coat", 0.0), ("ior", "IOR", 1.55))}
         hair["tilt"] = math.degrees(self.constant(node, ["Offset"], math.radians(2)))
         if any(self.constant_or(node, [name], 0.0) for name in ("Random Color", "Random Roughness")):
-            self.lost.add(self.name, "random colour or roughness of hair; all strands have the mean's")
+            self.tell(node, "random colour or roughness of hair; all strands have the mean's")
         color = self.color(node, "Tint" if node.parametrization == "MELANIN" else "Color")
         if node.parametrization == "ABSORPTION":
             hair["absorption"] = list(node.inputs["Absorption Coefficient"].default_value)
@@ -335,22 +358,27 @@ class Reader:
         """A colour that is no texture."""
         value = self.value(node.inputs[name], True)
         if not isinstance(value, Constant):
-            self.lost.add(self.name, f"texture of {name}; its node's own value is used")
+            self.tell(node, f"texture of {name}; its node's own value is used")
             value = Constant(tuple(node.inputs[name].default_value)[:3])
         return [round(min(max(c, 0.0), 1.0), 6) for c in value.value]
 
     def read_bsdf_diffuse(self, node):
-        return Look(base=self.input(node, ["Color"], True), ior=1.0, normal=self.normal(node))
+        return Look(base=self.input(node, ["Color"], True), ior=1.0, normal=self.normal(node),
+                    diffuse_roughness=self.constant(node, ["Roughness"], 0.0))
 
     def read_bsdf_glossy(self, node):
-        return Look(base=self.input(node, ["Color"], True), metallic=Constant(1.0), roughness=self.glossiness(node), normal=self.normal(node))
+        """A metal whose edges reflect as its middle does."""
+        return Look(base=self.input(node, ["Color"], True), metallic=Constant(1.0), roughness=self.glossiness(node), normal=self.normal(node),
+                    model="principled-3", specular=0.0, multiscatter=getattr(node, "distribution", "") == "MULTI_GGX")
 
     def read_bsdf_anisotropic(self, node):
         look = self.read_bsdf_glossy(node)
-        self.brush(look, self.constant_or(node, ["Anisotropy"], 0.0), self.constant_or(node, ["Rotation"], 0.0))
+        self.brush(node, look, self.constant_or(node, ["Anisotropy"], 0.0), self.constant_or(node, ["Rotation"], 0.0))
         return look
 
-    read_bsdf_metallic = read_bsdf_glossy
+    def read_bsdf_metallic(self, node):
+        self.tell(node, "reflectance that depends on the angle; it is the same from all sides")
+        return self.read_bsdf_glossy(node)
 
     def read_bsdf_translucent(self, node):
         look = Look(base=self.input(node, ["Color"], True), ior=1.0, normal=self.normal(node), leaf=1.0)
@@ -359,6 +387,7 @@ class Reader:
         return look
 
     def read_bsdf_sheen(self, node):
+        self.tell(node, f"{node.bl_label}; shown by glTF's fibres")
         rough = self.constant_or(node, [n for n in ("Roughness", "Sigma") if n in node.inputs], 0.5)
         return Look(base=Constant((0.0, 0.0, 0.0)), ior=1.0, sheen=self.input(node, ["Color"], True), sheen_roughness=rough)
 
@@ -373,7 +402,9 @@ class Reader:
         return Look(base=self.input(node, ["Color"], True), transmission=Constant(1.0), roughness=self.glossiness(node),
                     ior=self.constant(node, ["IOR"], 1.45), normal=self.normal(node), refracts=True)
 
-    read_bsdf_refraction = read_bsdf_glass
+    def read_bsdf_refraction(self, node):
+        self.tell(node, "refraction without reflection; it reflects as glass does")
+        return self.read_bsdf_glass(node)
 
     def read_bsdf_transparent(self, node):
         return Look(base=Constant((0.0, 0.0, 0.0)), alpha=Constant(0.0), surface=False)
@@ -395,8 +426,11 @@ class Reader:
         first = looks[0]
         if len(looks) > 1:
             second = looks[1]
+            sum_of_both = self.glossed(first, second, 1.0, 1.0)
+            if sum_of_both is not None:
+                return sum_of_both
             if second.surface or first.strength != Constant(0.0) and first.emission != Constant((0.0, 0.0, 0.0)):
-                self.lost.add(self.name, "sum of two shaders; only the first is kept")
+                self.tell(node, "sum of two shaders; only the first is kept")
             else:
                 first.emission, first.strength, first.animated = second.emission, second.strength, second.animated
         return first
@@ -415,53 +449,87 @@ class Reader:
                         ior=self.constant(source.node, ["IOR"], 1.5), normal=looks[1].normal)
         clear = [look.alpha == Constant(0.0) for look in looks]
         if clear[0] != clear[1]:
-            return self.cut_out(looks[0] if clear[1] else looks[1], factor, clear[1])
+            return self.cut_out(node, looks[0] if clear[1] else looks[1], factor, clear[1])
         if by_angle:
-            return self.coated(looks, source.node)
-        return self.mixed(looks, node.inputs[0])
+            return self.coated(node, looks, source.node)
+        if isinstance(factor, Constant):
+            sum_of_both = self.glossed(*looks, 1 - factor.value, factor.value)
+            if sum_of_both is not None:
+                return sum_of_both
+        return self.mixed(node, looks, node.inputs[0])
 
-    def cut_out(self, look, factor, flipped):
+    def glossed(self, first, second, a, b):
+        """Shares of a Diffuse BSDF and of a Glossy one, or of two Diffuse ones, as one surface; None for others."""
+        def scaled(look, share):
+            return tuple(min(share * c, 1.0) for c in look.base.value)
+        if not all(isinstance(look.base, Constant) for look in (first, second)):
+            return None
+        if first.is_gloss() and second.is_matt():
+            first, second, a, b = second, first, b, a
+        if not first.is_matt() or first.diffuse_roughness != second.diffuse_roughness and second.is_matt():
+            return None
+        if second.is_matt():
+            first.base = Constant(tuple(min(x + y, 1.0) for x, y in zip(scaled(first, a), scaled(second, b))))
+            return first
+        if not second.is_gloss():
+            return None
+        second.base, second.gloss, second.metallic = Constant(scaled(first, a)), scaled(second, b), Constant(0.0)
+        second.model, second.diffuse_roughness = "principled-4", first.diffuse_roughness  # whose diffuse part is Lambert's
+        second.normal = second.normal or first.normal
+        return second
+
+    def cut_out(self, node, look, factor, flipped):
         """A shader mixed with nothing."""
         if look.alpha != Constant(1.0):
-            self.lost.add(self.name, "transparency in transparency; only the outer one is kept")
+            self.tell(node, "transparency in transparency; only the outer one is kept")
         look.alpha = factor
         if flipped:
             if isinstance(factor, Constant):
                 look.alpha = Constant(1 - factor.value)
             else:
-                node = self.tree.nodes.new("ShaderNodeMath")
-                node.operation = "SUBTRACT"
-                node.inputs[0].default_value = 1.0
+                rest = self.tree.nodes.new("ShaderNodeMath")
+                rest.operation = "SUBTRACT"
+                rest.inputs[0].default_value = 1.0
                 source = factor.socket if isinstance(factor, Baked) else factor.node.outputs["Alpha" if factor.channel == "A" else "Color"]
-                self.tree.links.new(source, node.inputs[1])
-                look.alpha = Baked(node.outputs[0])
+                self.tree.links.new(source, rest.inputs[1])
+                look.alpha = Baked(rest.outputs[0])
         return look
 
-    def coated(self, looks, fresnel):
+    def coated(self, node, looks, fresnel):
         """Diffuse below a gloss by Fresnel's factor: a dielectric, as one surface."""
         under, gloss = looks
         if gloss.metallic != Constant(1.0) or under.metallic == Constant(1.0):
-            self.lost.add(self.name, "mix of shaders by the angle; only the first is kept")
+            self.tell(node, "mix of shaders by the angle; only the first is kept")
             return under
         under.roughness = gloss.roughness
         under.ior = self.constant(fresnel, ["IOR"], 1.5) if "IOR" in fresnel.inputs else 1.5
         return under
 
-    def mixed(self, looks, factor):
+    def mixed(self, node, looks, factor):
         """Each input mixed by itself."""
         first, second = looks
         out = Look(normal=first.normal or second.normal, surface=first.surface or second.surface)
         total = self.value(factor)
         share = total.value if isinstance(total, Constant) else 0.5
-        out.ior = first.ior * (1 - share) + second.ior * share
-        for name in ("sheen_roughness", "anisotropy", "anisotropy_rotation", "film", "film_ior", "leaf"):
+        models = {look.model for look in looks if not look.is_matt()} or {"gltf"}
+        if len(models) > 1:
+            self.tell(node, "mix of shaders of different models; all of it is that of the heavier part")
+        out.model = models.pop() if len(models) == 1 else (first if share <= 0.5 else second).model
+        # A Diffuse BSDF has no gloss, in whose terms ever.
+        levels = [0.0 if look.is_matt() and out.model != "gltf" else look.specular for look in looks]
+        out.specular = levels[0] * (1 - share) + levels[1] * share
+        ior = [second.ior if first.is_matt() and out.model != "gltf" else first.ior, first.ior if second.is_matt() and out.model != "gltf" else second.ior]
+        out.ior = ior[0] * (1 - share) + ior[1] * share
+        out.multiscatter = first.multiscatter or second.multiscatter
+        for name in ("diffuse_roughness", "coat_ior", "sheen_roughness", "anisotropy", "anisotropy_rotation", "film", "film_ior", "leaf"):
             setattr(out, name, getattr(first, name) * (1 - share) + getattr(second, name) * share)
+        out.coat_tint = (first if first.coat != Constant(0.0) else second).coat_tint
         out.leaf_color = second.leaf_color if second.leaf else first.leaf_color
         out.refracts, out.attenuation = first.refracts or second.refracts, first.attenuation or second.attenuation
         heavier, lighter = looks if share <= 0.5 else looks[::-1]
         out.hair, out.subsurface = heavier.hair or lighter.hair, heavier.subsurface or lighter.subsurface
         if (first.hair, first.subsurface) != (second.hair, second.subsurface):
-            self.lost.add(self.name, "mix of fibres or light below surfaces with others; the heavier part's are kept")
+            self.tell(node, "mix of fibres or light below surfaces with others; the heavier part's are kept")
         for name in CHANNELS:
             a, b = getattr(first, name), getattr(second, name)
             # What only one of them has is that one's: black emits nothing, whatever its colour.
@@ -472,6 +540,9 @@ class Reader:
                 continue
             if name in {"base", "roughness"} and first.surface != second.surface:
                 out.__dict__[name] = a if first.surface else b
+                continue
+            if name == "roughness" and first.is_matt() != second.is_matt():
+                out.roughness = b if first.is_matt() else a
                 continue
             out.__dict__[name] = self.between(a, b, factor, total)
         if first.surface != second.surface:
@@ -515,30 +586,46 @@ def socket_of(tree, value):
 def look_of(material, tree, lost):
     """The look of a material, whose tree is a copy without groups."""
     from .nodes import output_of
-    reader = Reader(tree, material.name, lost)
+    reader = Reader(tree, material, lost)
     end = output_of(tree)
     if end is None:
         return Look(base=Constant((0.0, 0.0, 0.0)), ior=1.0)
     volume = incoming(end.inputs["Volume"])
-    if incoming(end.inputs["Displacement"]) is not None:
-        lost.add(material, "displacement")
+    raised = incoming(end.inputs["Displacement"])
+    if raised is not None:
+        reader.tell(raised.node, "displacement of the surface; it stays smooth")
     surface = incoming(end.inputs["Surface"])
     if surface is None:
-        return Look(base=Constant((0.0, 0.0, 0.0)), ior=1.0, alpha=Constant(0.0 if end.inputs["Volume"].is_linked else 1.0))
+        if volume is not None:
+            reader.tell(volume.node, "volume without a surface; nothing is there in the film, fog is made of the world's")
+        return Look(base=Constant((0.0, 0.0, 0.0)), ior=1.0, alpha=Constant(0.0 if end.inputs["Volume"].is_linked else 1.0), nowhere=volume is not None)
     look = reader.shader(surface)
     look.attenuation = attenuation_of(reader, volume.node, look) if volume is not None else None
     if volume is not None and look.attenuation is None:
-        lost.add(material, "volume")
+        reader.tell(volume.node, "volume within the surface" + ("" if look.refracts else ", which is no glass"))
     return look
 
 
 def attenuation_of(reader, node, look):
-    """(colour, distance) of light in glass that absorbs; None where it does something else."""
-    color, density = reader.input(node, ["Color"], True), reader.input(node, ["Density"], otherwise=1.0)
-    plain = node.type == "VOLUME_ABSORPTION" and isinstance(color, Constant) and isinstance(density, Constant)
-    if not plain or density.value <= 0 or not look.refracts:
+    """(colour, distance) of light in glass that absorbs: per scene unit `density` (1 - colour); None where it does something else."""
+    if node.type == "ADD_SHADER":
+        parts = [attenuation_of(reader, s.node, look) for s in (incoming(i) for i in node.inputs[:2]) if s is not None]
+        if not parts or None in parts:
+            return None
+        lost = [sum(-math.log(max(p[0][c], 1e-30)) / p[1] for p in parts) for c in range(3)]
+        return tuple(math.exp(-v / max(*lost, 1e-9)) for v in lost), 1 / max(*lost, 1e-9)
+    if node.type not in {"VOLUME_ABSORPTION", "PRINCIPLED_VOLUME"} or not look.refracts:
         return None
-    return tuple(math.exp(-(1 - min(max(c, 0.0), 1.0))) for c in color.value), 1 / density.value
+    color, density = reader.input(node, ["Color"], True), reader.input(node, ["Density"], otherwise=1.0)
+    if not isinstance(color, Constant) or not isinstance(density, Constant) or density.value <= 0:
+        return None
+    kept = [min(max(c, 0.0), 1.0) for c in color.value]
+    if node.type == "PRINCIPLED_VOLUME":
+        absorbed = reader.input(node, ["Absorption Color"], True)
+        if max(kept) > 0.0 or not isinstance(absorbed, Constant):
+            return None  # it scatters
+        kept = [max(c, 0.0) ** 0.5 for c in absorbed.value]
+    return tuple(math.exp(-(1 - c)) for c in kept), 1 / density.value
 
 
 def without_bakes(look):

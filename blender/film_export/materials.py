@@ -13,15 +13,16 @@ from .walk import curves_of
 
 # Where each field of the renderer's materials (src/scene/model/material.h) comes from; None: Blender has nothing like it.
 FIELDS = {
-    "name": "the material's", "base_color": "base, alpha", "base_color_texture": "base, alpha", "metallic": "metallic",
+    "name": "the material's", "model": "the version", "specular_level": "specular", "multiscatter": "distribution", "gloss": "gloss",
+    "coat_ior": "coat_ior", "coat_tint": "coat_tint", "diffuse_roughness": "diffuse_roughness", "base_color": "base, alpha", "base_color_texture": "base, alpha", "metallic": "metallic",
     "roughness": "roughness", "metallic_roughness_texture": "metallic, roughness", "specular_glossiness": None, "specular": None,
     "glossiness": None, "specular_glossiness_texture": None, "normal_texture": "normal", "normal_scale": "normal",
     "emission": "emission, strength", "emission_texture": "emission, strength", "alpha_mode": "blend method",
     "alpha_texture": "in base_color_texture", "alpha_cutoff": "alpha_threshold", "double_sided": "whether the shape is closed",
     "unlit": None, "transmission": "transmission", "transmission_texture": "transmission", "ior": "ior",
     "thickness": "refracts, where the shape is closed", "attenuation_color": "volume absorption",
-    "attenuation_distance": "volume absorption", "dispersion": None, "specular_weight": "in ior",
-    "specular_weight_texture": "in ior", "specular_tint": "specular_tint", "specular_tint_texture": "specular_tint", "coat": "coat",
+    "attenuation_distance": "volume absorption", "dispersion": None, "specular_weight": None,
+    "specular_weight_texture": None, "specular_tint": "specular_tint", "specular_tint_texture": "specular_tint", "coat": "coat",
     "coat_texture": "coat", "coat_roughness": "coat_roughness", "coat_roughness_texture": "coat_roughness", "sheen": "sheen",
     "sheen_texture": "sheen", "sheen_roughness": "sheen_roughness", "sheen_roughness_texture": None,
     "iridescence": "film", "iridescence_texture": None, "film_ior": "film_ior", "film_thinnest": "film", "film_thickest": "film",
@@ -81,7 +82,7 @@ class Materials:
                 where = list(node.inputs).index(node.inputs[look.animated[1]])
                 if curve.data_path == f"{follows}.inputs[{where}].default_value":
                     continue
-            self.lost.add(material, f"animated {curve.data_path}; as on the first frame")
+            self.lost.add_of(material, f"animated {curve.data_path}; as on the first frame")
 
     def needs_bake(self, look):
         sources = [getattr(look, name) for name in CHANNELS]
@@ -100,7 +101,7 @@ class Materials:
             if copy is None:
                 copy = self.baker.stage(thing)
             if copy is None:
-                self.lost.add(thing, f"material {material.name}: there is no room for baked textures' coordinates")
+                self.lost.add_of(material, "there is no room for baked textures' coordinates", thing=thing.name)
                 break
             self.baked[thing.data.name_full, material.name_full] = self.bake(copy, slot, look, made)
         if copy is not None:
@@ -124,36 +125,56 @@ class Materials:
 
     # While shapes are written.
 
-    def index(self, material, mesh_name, closed):
+    def index(self, material, mesh_name, thing, closed):
         """(index of the glTF material, names of its layers of coordinates)."""
         if material is None:
             return self.plain(), [None]
         look, _ = self.look(material)
         baked = self.baked.get((mesh_name, material.name_full))
         if baked is None and self.needs_bake(look):
-            self.lost.add(material, "textures that cannot be baked on a shape without a mesh of its own; grey")
+            self.lost.add_of(material, "textures that cannot be baked on a shape without a mesh of its own; grey", thing=thing)
             look = without_bakes(look)
         shines = look.strength != Constant(0.0) and look.emission != Constant((0.0, 0.0, 0.0))
         sides = closed and shines
         body = closed and look.refracts
+        if look.refracts and not closed:
+            self.lost.add_of(material, "refraction: the shape is open, so that its glass is a thin pane; close its holes (Mesh > Clean Up > "
+                             "Fill Holes), give it a Solidify modifier, or turn its normals outwards", thing=thing)
         key = (material.name_full, mesh_name if self.needs_bake(look) else None, sides, body)
         if key not in self.made:
             self.made[key] = self.make(material, look, baked or {}, not sides, body)
         return self.made[key]
 
-    def write_fibres_and_skin(self, film):
-        """What glTF has no words for: fibres of hair, light below surfaces."""
+    def write_more(self, film):
+        """What glTF has no words for: Blender's models, fibres of hair, light below surfaces."""
         for key, made in self.made.items():
             look = self.looks[key[0]][0] if key else None
-            if look is None or not (look.hair or look.subsurface):
+            model = {} if look is None else self.model_of(look)
+            if look is None or not (look.hair or look.subsurface or model):
                 continue
             says = film.setdefault("materials", {}).setdefault(self.glb.document["materials"][made[0]]["name"], {})
+            says.update(model)
             if look.hair:
                 says["hair"] = look.hair
             if look.subsurface:
                 below, base = look.subsurface, self.mean_base(look, self.baked.get((key[1], key[0]), {}).get("base"))
                 says["subsurface"] = {"weight": round(below["weight"], 6), "free_path": [
                     round(free_path(r, a, below["method"], below["ior"]), 9) for r, a in zip(below["radius"], base)]}
+
+    def model_of(self, look):
+        """Whose Principled BSDF it is, and the inputs that glTF lacks."""
+        says = {}
+        if look.model != "gltf":
+            says = {"model": look.model, "specular": round(min(max(look.specular, 0.0), 10.0), 6)}
+            if look.multiscatter != (look.model == "principled-4"):
+                says["multiscatter"] = look.multiscatter
+            if any(look.gloss):
+                says["gloss"] = [round(min(max(c, 0.0), 1.0), 6) for c in look.gloss]
+            if look.coat != Constant(0.0) and (look.coat_ior, look.coat_tint) != (1.5, (1.0, 1.0, 1.0)):
+                says["coat_ior"], says["coat_tint"] = round(min(max(look.coat_ior, 1.0), 5.0), 6), list(look.coat_tint)
+        if look.diffuse_roughness:
+            says["diffuse_roughness"] = round(min(max(look.diffuse_roughness, 0.0), 1.0), 6)
+        return says
 
     def mean_base(self, look, baked):
         """One free path goes for all of a texture."""
@@ -194,8 +215,6 @@ class Materials:
                 extensions["KHR_materials_volume"] = volume = {"thicknessFactor": 1.0}
                 if look.attenuation:
                     volume["attenuationColor"], volume["attenuationDistance"] = list(look.attenuation[0]), look.attenuation[1]
-            elif look.refracts:
-                self.lost.add(material, "refraction on shapes that are open: their glass is a thin pane")
         self.make_layers(look, baked, stem, extensions, layers)
         if abs(look.ior - 1.5) > 1e-4:
             extensions["KHR_materials_ior"] = {"ior": min(max(look.ior, 1.0), 10.0)}
@@ -210,8 +229,11 @@ class Materials:
         if look.hole:
             self.holes.append(name)
         if len(layers) > 2:
-            self.lost.add(material, "more than two layers of texture coordinates; the first two are kept")
-        return self.glb.add("materials", says), layers or [None]
+            self.lost.add_of(material, "more than two layers of texture coordinates; the first two are kept")
+        index = self.glb.add("materials", says)
+        if look.anisotropy > 0 and look.brushed and look.normal is None:
+            self.glb.brushed.add(index)
+        return index, layers or [None]
 
     def make_base(self, look, baked, stem, says, layers, material):
         pbr = says["pbrMetallicRoughness"]
@@ -332,7 +354,7 @@ class Materials:
             if told is None:
                 told = self.write(stem + "-emission", png.srgb(light / peak), BAKE_UV)
             elif lit is not None:
-                self.lost.add(material, "texture of the emission's strength")
+                self.lost.add_of(material, "texture of the emission's strength")
         largest = float(factor.max())
         if largest <= 0:
             return

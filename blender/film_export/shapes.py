@@ -35,16 +35,21 @@ class Shape:
 
     def is_closed(self):
         """Whether every edge has two triangles that run along it opposite ways, and the inside has a positive volume:
-        nobody sees the backs."""
-        triangles = self.vertex[self.corners].astype(np.int64)
+        nobody sees the backs. Vertices in one place are one: poles and seams of what modifiers turn are doubled."""
+        place = self.vertices - self.vertices.min(axis=0, initial=0)
+        grid = np.round(place * (1 / max(2e-6 * float(np.max(place, initial=0)), 1e-30)))
+        _, number = np.unique(grid, axis=0, return_inverse=True)
+        triangles = number.ravel()[self.vertex[self.corners]].astype(np.int64)
+        triangles = triangles[(triangles != np.roll(triangles, 1, axis=1)).all(axis=1)]
         if len(triangles) < 4:
             return False
         edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
         size = len(self.vertices)
         along, against = edges[:, 0] * size + edges[:, 1], edges[:, 1] * size + edges[:, 0]
-        if len(np.unique(along)) != len(along) or not np.array_equal(np.sort(along), np.sort(against)):
+        if not np.array_equal(np.sort(along), np.sort(against)):
             return False
-        a, b, c = (self.vertices[triangles[:, k]].astype(float) for k in range(3))
+        first = self.vertices[np.unique(number.ravel(), return_index=True)[1]].astype(float)
+        a, b, c = (first[triangles[:, k]] for k in range(3))
         return float(np.sum(a * np.cross(b, c))) > 0
 
 
@@ -111,6 +116,19 @@ def welded(columns):
     return first, number.ravel()
 
 
+def around_axis(shape, corners):
+    """Cycles' tangents of a surface for which none are made: about the z axis through the middle of its box."""
+    box = shape.vertices.min(axis=0), shape.vertices.max(axis=0)
+    from_middle = (shape.vertices[shape.vertex[corners]] - (box[0] + box[1]) / 2) / np.maximum(box[1] - box[0], 1e-9)
+    turned = np.stack([-from_middle[:, 1], from_middle[:, 0], np.zeros(len(corners))], axis=1)
+    normals = shape.normals[corners]
+    turned -= normals * np.sum(normals * turned, axis=1, keepdims=True)
+    length = np.linalg.norm(turned, axis=1, keepdims=True)
+    other = np.cross(normals, np.where(np.abs(normals[:, :1]) < 0.9, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]]))
+    turned = np.where(length > 1e-6, turned / np.maximum(length, 1e-9), other / np.maximum(np.linalg.norm(other, axis=1, keepdims=True), 1e-9))
+    return np.concatenate([turned, np.ones((len(corners), 1))], axis=1).astype(np.float32)
+
+
 def add_mesh(glb, name, shape, offsets, materials):
     """`materials`: by slot (index of a glTF material, names of its two uv layers). Returns the mesh's index."""
     primitives = []
@@ -127,6 +145,8 @@ def add_mesh(glb, name, shape, offsets, materials):
         corners = used[first]
         attributes = {"POSITION": glb.accessor(shape.vertices[shape.vertex[corners]], bounds=True),
                       "NORMAL": glb.accessor(shape.normals[corners])}
+        if material in glb.brushed:
+            attributes["TANGENT"] = glb.accessor(around_axis(shape, corners))
         for k, layer in enumerate(uv):
             attributes[f"TEXCOORD_{k}"] = glb.accessor(layer[first])
         primitive = {"attributes": attributes, "indices": glb.accessor(number[local.ravel()].astype(np.uint32)), "material": material}

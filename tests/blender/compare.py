@@ -1,9 +1,11 @@
 """blender -b --factory-startup -noaudio --python-exit-code 1 -P compare.py -- FOLDER FRAME... [--picture OUT.png] [--shown] [--alpha]
+    [--patches COLUMNSxROWS]
 
 Holds FOLDER/oursNNNN.exr against cyclesNNNN.exr. A row per frame: mean luminance of ours over Cycles', PSNR (sRGB pictures
 of 8 bits, exposed so that Cycles' median is 0.25), and by how many pixels ours is shifted to the right and up: what turns ours
 into Cycles' by least squares over the gradients [Lucas1981]. With --shown oursNNNN.png against cyclesNNNN.png, as they are: the row
-begins with the mean code values' ratio. With --alpha another row: mean alpha of both, and their mean difference. The picture: ours, Cycles, their difference times four.
+begins with the mean code values' ratio. With --patches a row for each part of the picture, row by row: mean of ours over Cycles'
+by channel. With --alpha another row: mean alpha of both, and their mean difference. The picture: ours, Cycles, their difference times four.
 """
 import os
 import sys
@@ -40,13 +42,21 @@ def main():
     words = sys.argv[sys.argv.index("--") + 1:]
     out = words[words.index("--picture") + 1] if "--picture" in words else None
     ending = "png" if "--shown" in words else "exr"
-    folder, *frames = (word for word in words if word not in {"--picture", out, "--shown", "--alpha"})
+    patches = words[words.index("--patches") + 1] if "--patches" in words else None
+    folder, *frames = (word for word in words if word not in {"--picture", out, "--shown", "--alpha", "--patches", patches})
     rows = []
     for frame in frames:
         ours, truth = (load(os.path.join(folder, f"{who}{int(frame):04d}.{ending}")) for who in ("ours", "cycles"))
         if "--alpha" in words:
             print(f"ALPHA {np.mean(ours[..., 3]):.4f} {np.mean(truth[..., 3]):.4f} {np.mean(np.abs(ours[..., 3] - truth[..., 3])):.4f}")
         ours, truth = ours[..., :3], truth[..., :3]
+        if patches:
+            columns, rows_of_them = map(int, patches.split("x"))
+            for k in range(columns * rows_of_them):
+                high, wide = ours.shape[0] // rows_of_them, ours.shape[1] // columns
+                top, left = (rows_of_them - 1 - k // columns) * high, k % columns * wide
+                means = [p[top:top + high, left:left + wide].mean(axis=(0, 1)) for p in (ours, truth)]
+                print("PATCH", k, *(f"{a / max(b, 1e-9):.4f}" for a, b in zip(*means)))
         light = truth @ WEIGHTS
         exposure = 0.25 / max(float(np.median(light)), 1e-6)
         shown = [p if ending == "png" else png.srgb(p * exposure) for p in (ours, truth)]

@@ -637,4 +637,5 @@ def main():
         bpy.ops.wm.save_as_mainfile(filepath=os.path.join(os.path.abspath(folder), name + ".blend"), check_existing=False)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -154,7 +154,7 @@ TEST(BlendFileSlow, TellsWhatIsNotKeptByObjectAndReason) {
     ASSERT_EQ(said.status, 0) << said.output;
     for (const char* line :
          {"not kept: Growing: its shape has other corners", "not kept: Scene: 12 frames per second; the film has 24",
-          "not kept: Noisy: textures that cannot be baked"})
+          ": material Noisy: textures that cannot be baked"})
         EXPECT_NE(said.output.find(line), std::string::npos) << line << " is not in\n" << said.output;
     const fs::path exported = export_of(folder / "odds_and_ends.blend");
     const json film = json::parse(contents(exported / "film.json"));

@@ -174,6 +174,71 @@ TEST(LightKernel, AgreesWithTheBsdfAndTheInverseSquareLaw) {
     }
 }
 
+/// Diffuse parts by Disney's and by Oren and Nayar's formulas, under lobes that cover them or not.
+std::vector<GatherPoint> shaped_points(std::uint64_t seed) {
+    auto points = points_at_random(seed, true);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        Bsdf& bsdf = points[i].point.bsdf;
+        const float roughness = kernel_dice(seed, i, 20);
+        if (i % 3 != 2) bsdf.shape = i % 3 == 0 ? DiffuseShape::disney(roughness) : DiffuseShape::oren_nayar(roughness);
+        bsdf.covered = i % 4 == 0 ? 0.0f : 1.0f;
+    }
+    return points;
+}
+
+TEST(LightKernel, AgreesWithTheBsdfOfShapedDiffuseParts) {
+    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+        const auto points = shaped_points(seed);
+        GatherLanes lanes;
+        fill_from(points, lanes);
+        LightPoint lamp = lights_at_random(LightType::oriented, 1, seed + 9000).front();
+        const LightPoint one[] = {lamp};
+        const LightTree tree = build_light_tree(LightType::oriented, one, 1);
+        lamp.normal = tree.lights.front().normal();
+        LightLanes unit;
+        evaluate_light(lanes, LightType::oriented, tree.lights.front(), nullptr, GeometryClamp::none(), unit);
+        Lanes luminance = {};
+        add_luminance(lanes, unit_light(lanes, unit), lamp.intensity, luminance);
+        for (int i = 0; i < lane_count; ++i) {
+            const GatherPoint& point = points[static_cast<std::size_t>(i)];
+            const SurfacePoint& p = point.point;
+            const glm::dvec3 d = glm::dvec3(lamp.position) - glm::dvec3(p.position);
+            const auto l = glm::vec3(glm::normalize(d));
+            const double g = std::max(0.0f, glm::dot(l, p.shading_normal)) * std::max(0.0f, -glm::dot(l, lamp.normal)) /
+                             glm::dot(d, d);
+            const glm::vec3 f = evaluate(p.bsdf, p.shading_normal, p.outgoing, l);
+            const double expected = core::luminance(point.weight * f * lamp.intensity) * g;
+            EXPECT_NEAR(luminance[i], expected, (p.bsdf.alpha < 0.05f ? 2e-2 : 2e-3) * expected + 1e-6) << seed << i;
+        }
+    }
+}
+
+TEST(NodeBound, IsNoLessThanTheLightOnShapedDiffuseParts) {
+    for (const LightType type : {LightType::oriented, LightType::punctual, LightType::directional}) {
+        double log_slack = 0;
+        int compared = 0;
+        for (std::uint64_t seed = 0; seed < 100; ++seed) {
+            const std::vector<LightPoint> lights = lights_at_random(type, 12, seed);
+            const LightTree tree = build_light_tree(type, lights, seed);
+            auto points = shaped_points(seed + 7000);
+            for (GatherPoint& p : points) p.point.bsdf.f0 = p.point.bsdf.f90 = glm::vec3(0);  // diffuse parts alone
+            GatherLanes lanes;
+            fill_from(points, lanes);
+            Lanes bound, sum = {};
+            bound_node(lanes, tree, tree.root.index(), GeometryClamp::none(), bound);
+            sum_below(lanes, tree, tree.root, GeometryClamp::none(), sum);
+            for (int i = 0; i < lane_count; ++i) {
+                EXPECT_GE(bound[i] * 1.0005f + 1e-7f, sum[i]) << seed << " " << i;
+                if (!(sum[i] > 1e-3f)) continue;
+                log_slack += std::log(static_cast<double>(bound[i]) / sum[i]);
+                ++compared;
+            }
+        }
+        ASSERT_GT(compared, 50);
+        EXPECT_LT(std::exp(log_slack / compared), 6.0) << "as slack as bounds of Lambert's about";
+    }
+}
+
 TEST(LightKernel, ClampsGeometryAtTheDiscOfTheLight) {
     std::vector<GatherPoint> points = points_at_random(1, false);
     points.resize(1);

@@ -277,6 +277,30 @@ TEST(AnimationFileThings, MaterialsAreMattUntilTheySayOtherwise) {
     EXPECT_NEAR(thing_at(a, 0.5).emission_factor[static_cast<std::size_t>(a.objects[3].material)], 0.5, 1e-5);
 }
 
+TEST(AnimationFileThings, MaterialsAreOfTheModelThatTheySay) {
+    const Animation a = parsed(
+        R"({"objects": [{"shape": "box", "material": "three"}, {"shape": "box", "material": "four"}, {"shape": "box", "material": "own"}],
+        "materials": {"three": {"model": "principled-3", "specular": 0.7, "roughness": 0.9},
+                      "four": {"model": "principled-4", "coat_ior": 1.4, "coat_tint": [1, 0.5, 0], "gloss": 0.2, "diffuse_roughness": 0.5},
+                      "own": {"roughness": 0.3}}})");
+    const auto material = [&](std::size_t object) {
+        return a.materials[static_cast<std::size_t>(a.objects[object].material)];
+    };
+    EXPECT_EQ(material(0).model, SurfaceModel::principled_3);
+    EXPECT_FALSE(material(0).specular_glossiness);
+    EXPECT_EQ(material(0).specular_level, 0.7f);
+    EXPECT_FALSE(material(0).multiscatter);
+    EXPECT_EQ(material(1).model, SurfaceModel::principled_4);
+    EXPECT_TRUE(material(1).multiscatter) << "Blender 4's own";
+    EXPECT_EQ(material(1).coat_ior, 1.4f);
+    EXPECT_EQ(material(1).coat_tint, glm::vec3(1, 0.5f, 0));
+    EXPECT_EQ(material(1).gloss, glm::vec3(0.2f));
+    EXPECT_EQ(material(1).diffuse_roughness, 0.5f);
+    EXPECT_EQ(material(2).model, SurfaceModel::gltf);
+    EXPECT_THROW(parsed(R"({"objects": [{"shape": "box", "material": {"specular": 0.5}}]})"), core::Error);
+    EXPECT_THROW(parsed(R"({"objects": [{"shape": "box", "material": {"model": "principled-2"}}]})"), core::Error);
+}
+
 TEST(AnimationFileThings, ChangesMoveHideAndRepaintWhatTheSceneHas) {
     const std::string obj = "o left\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no right\nv 5 0 0\nv 6 0 0\nv 5 1 0\nf 4 5 6\n";
     const Animation a = parsed(R"({"scene": "two.obj", "change": {

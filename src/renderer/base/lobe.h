@@ -62,6 +62,29 @@ RENDER2MPEG_ALWAYS_INLINED float schlick(float vh) {
     return m2 * m2 * m;
 }
 
+/// DiffuseShape's value at cosines of light, eye, and between them; 1 for (0, 0, 1, 0).
+RENDER2MPEG_ALWAYS_INLINED float shaped(float retro, float loss, float flat, float rough, float nl, float nv,
+                                        float lv) {
+    const float a = retro * (1.0f + lv) - loss;
+    const float t = lv - nl * nv, larger = inlined::max(inlined::max(nl, nv), tiny);
+    return flat * (1.0f + a * schlick(nl)) * (1.0f + a * schlick(nv)) + rough * (t > 0.0f ? t / larger : t);
+}
+
+/// Upper bound of that value times n.l, where n.l is at most `nl`: with `a` at its largest it rises with n.l, and t n.l
+/// is below sin(v) min(n.l / n.v, 1).
+RENDER2MPEG_ALWAYS_INLINED float shaped_bound(float retro, float loss, float flat, float rough, float nl, float nv) {
+    const float a = 2.0f * retro - loss, across = inlined::sqrt(inlined::max(1.0f - nv * nv, 0.0f));
+    return flat * nl * (1.0f + a * schlick(nl)) * (1.0f + a * schlick(nv)) +
+           rough * across * inlined::min(nl / inlined::max(nv, tiny), 1.0f);
+}
+
+/// Upper bound of the value itself.
+RENDER2MPEG_ALWAYS_INLINED float shaped_most(float retro, float loss, float flat, float rough, float nv) {
+    const float a = inlined::max(2.0f * retro - loss, 0.0f);
+    const float across = inlined::sqrt(inlined::max(1.0f - nv * nv, 0.0f));
+    return flat * (1.0f + a) * (1.0f + a * schlick(nv)) + rough * across / inlined::max(nv, tiny);
+}
+
 /// Upper bound of the cosine between an axis and the vectors of a box [Walter2005, 5.1]. The box is given along the
 /// axis and along two directions across it, each as middle and half extent; 1 where it may hold the axis itself.
 RENDER2MPEG_ALWAYS_INLINED float cosine_bound(float axis_middle, float axis_half, float x_middle, float x_half,

@@ -135,7 +135,7 @@ void LampGatherer::measure() {
     std::fill(std::begin(part.diffuse), std::end(part.diffuse), 0.0f);
     add_luminance(lanes_, unit_light(lanes_, part), lamp_.radiance, lobe_);
     for (int i = 0; i < lane_count; ++i) {
-        if ((reached_ >> i & 1u) == 0 || lanes_.coat[i] == 0.0f) continue;
+        if ((reached_ >> i & 1u) == 0 || lanes_.lobed[i] == 0.0f) continue;
         if (!(lobes_->peaks()[i] > 0.0f)) {
             by_lobe_ |= 1u << i;
             continue;

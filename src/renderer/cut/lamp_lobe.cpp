@@ -29,6 +29,10 @@ RENDER2MPEG_ALWAYS_INLINED float stretched_at(const GatherLanes& lanes, const La
                                  lanes.along2[i], lanes.across2[i]);
 }
 
+RENDER2MPEG_ALWAYS_INLINED float shape_at(const GatherLanes& lanes, int i, float nl, float lv) {
+    return lobe::shaped(lanes.retro[i], lanes.loss[i], lanes.flat[i], lanes.rough[i], nl, lanes.cos_outgoing[i], lv);
+}
+
 }  // namespace
 
 RENDER2MPEG_CLONES
@@ -54,7 +58,7 @@ void respond(const GatherLanes& __restrict lanes, const LampSamples& __restrict 
             (lanes.stretched ? stretched_at(lanes, samples, i, half2) : d * lobe::masking(nl, nv, a2)) * weight;
         out.plain[i] = nl * inverse;
         out.geometry[i] = weight;
-        out.diffuse[i] = weight * (1.0f - lanes.coat[i] * s);
+        out.diffuse[i] = weight * (1.0f - lanes.coat[i] * s) * (lanes.stretched ? shape_at(lanes, i, nl, lv) : 1.0f);
         out.f0[i] = f * (1.0f - s);
         out.schlick[i] = f * s;
     }
@@ -87,7 +91,7 @@ void LobeIntegral::choose_lobes() {
         for (int i = 0; i < lane_count; ++i) sparsest[i] = std::max(sparsest[i], samples.inverse_density[i]);
     }
     for (int i = 0; i < lanes_.count; ++i) {
-        if (lanes_.coat[i] == 0.0f) continue;
+        if (lanes_.lobed[i] == 0.0f) continue;
         const float a2 = lanes_.lobe_width[i];
         const float peak = lobe::distribution(1.0f, a2) * density_over_d(lanes_.cos_outgoing[i], a2);
         if (!(peak * sparsest[i] > 1.0f)) continue;

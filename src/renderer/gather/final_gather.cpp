@@ -120,8 +120,8 @@ struct FinalGather::Directions {
 /// Cosine-distributed; wide lobes take them as well.
 FinalGather::Directions FinalGather::hemisphere(const GatherRequest& request, const Bundle& bundle) const {
     const SurfacePoint& p = request.point->point;
-    const bool coated = p.bsdf.has_glossy(), glossy = coated && !p.bsdf.has_narrow_lobe();
-    Bsdf white = p.bsdf;
+    const bool coated = p.bsdf.has_glossy(), glossy = p.bsdf.has_lobe() && !p.bsdf.has_narrow_lobe();
+    Bsdf white = p.bsdf;  // of the lobe alone
     white.diffuse = glm::vec3(0);
     white.f0 = white.f90 = glm::vec3(1);
     Directions out;
@@ -141,7 +141,11 @@ FinalGather::Directions FinalGather::hemisphere(const GatherRequest& request, co
         if (!coated) continue;
         const glm::vec3 half = core::normalize_or(ray.direction + p.outgoing, p.shading_normal);
         const float s = lobe::schlick(glm::dot(half, p.outgoing));
-        ray.weight[0] = share * (1.0f - s);
+        ray.weight[0] = share * (1.0f - (p.bsdf.has_lobe() ? p.bsdf.covered : 0.0f) * s);
+        if (!p.bsdf.shape.is_lambert())
+            ray.weight[0] *=
+                p.bsdf.shape.value(glm::dot(p.shading_normal, ray.direction), glm::dot(p.shading_normal, p.outgoing),
+                                   glm::dot(ray.direction, p.outgoing));
         if (!glossy) continue;
         const float both =
             share * std::numbers::pi_v<float> * evaluate(white, p.shading_normal, p.outgoing, ray.direction).x;

@@ -85,7 +85,8 @@ bool go_on(const PosedScene& scene, const SurfacePoint& p, Scattering event, glm
             return true;
         case Scattering::diffuse:
             direction = core::sample_cosine_hemisphere(p.shading_normal, u);
-            weight = diffuse_weight(p.bsdf, p.outgoing, direction) / kept(diffuse_albedo(p.bsdf, cosine));
+            weight =
+                diffuse_weight(p.bsdf, p.shading_normal, p.outgoing, direction) / kept(diffuse_albedo(p.bsdf, cosine));
             break;
         case Scattering::glossy: {
             const LobeSample sample = sample_glossy(p.bsdf, p.shading_normal, p.outgoing, u);

@@ -10,18 +10,51 @@
 
 namespace render2mpeg::renderer {
 
-glm::vec3 diffuse_weight(const Bsdf& bsdf, glm::vec3 outgoing, glm::vec3 to_light) {
+float DiffuseShape::value(float nl, float nv, float lv) const {
+    return lobe::shaped(retro, loss, flat, rough, nl, nv, lv);
+}
+
+/// In closed form: the integrals of 2 x^(k + 1) (1 - x)^5 are Beta functions. For `rough` [Portsmouth2025].
+float DiffuseShape::albedo(float nv) const {
+    constexpr float m0 = 1.0f / 21, m1 = 1.0f / 84, m2 = 1.0f / 252;
+    const float v = std::clamp(nv, 0.0f, 1.0f), fv = lobe::schlick(v), a = retro - loss;
+    const float square =
+        a * a * m0 + 2 * a * retro * v * m1 + retro * retro * (v * v * m2 + 0.5f * (1 - v * v) * (m0 - m2));
+    const float disney = 1 + a * m0 + retro * v * m1 + fv * (a + retro * v * (2.0f / 3) + square);
+    if (rough == 0) return flat * disney;
+    const float sine = core::sqrt_or_zero(1 - v * v), third = 2.0f / 3;
+    const float low = v < 1e-3f ? v : third * sine / v * (1 - sine * sine * sine);
+    const float g = sine * (std::acos(v) - third - sine * v) + low;
+    return flat * disney + rough * lobe::inverse_pi * g;
+}
+
+DiffuseShape DiffuseShape::oren_nayar(float roughness) {
+    constexpr float pi = std::numbers::pi_v<float>;
+    const float flat = 1 / (1 + roughness * (0.5f - 2 / (3 * pi)));
+    return {0, 0, flat, roughness * flat};
+}
+
+glm::vec3 diffuse_weight(const Bsdf& bsdf, glm::vec3 normal, glm::vec3 outgoing, glm::vec3 to_light) {
     if (!bsdf.has_glossy()) return bsdf.diffuse;
-    const float vh = core::sqrt_or_zero(0.5f * (1.0f + glm::dot(outgoing, to_light)));
-    return bsdf.diffuse * (1.0f - lobe::schlick(vh));
+    const float lv = glm::dot(outgoing, to_light);
+    float share = 1.0f;
+    if (bsdf.has_lobe()) share -= bsdf.covered * lobe::schlick(core::sqrt_or_zero(0.5f * (1.0f + lv)));
+    if (!bsdf.shape.is_lambert()) share *= bsdf.shape.value(glm::dot(normal, to_light), glm::dot(normal, outgoing), lv);
+    return bsdf.diffuse * share;
+}
+
+float diffuse_share(const Bsdf& bsdf, float cosine) {
+    float share = 1.0f;
+    if (bsdf.has_lobe()) share -= bsdf.covered * mean_schlick(cosine);
+    return bsdf.shape.is_lambert() ? share : share * bsdf.shape.albedo(cosine);
 }
 
 glm::vec3 evaluate(const Bsdf& bsdf, glm::vec3 normal, glm::vec3 outgoing, glm::vec3 to_light) {
     const float nl = glm::dot(normal, to_light);
     const float nv = glm::dot(normal, outgoing);
     if (!(nl > 0.0f) || !(nv > 0.0f)) return glm::vec3(0);
-    glm::vec3 f = diffuse_weight(bsdf, outgoing, to_light) * lobe::inverse_pi;
-    if (bsdf.has_glossy()) {
+    glm::vec3 f = diffuse_weight(bsdf, normal, outgoing, to_light) * lobe::inverse_pi;
+    if (bsdf.has_lobe()) {
         const glm::vec3 h = core::normalize_or(to_light + outgoing, normal);
         if (bsdf.is_stretched()) {
             const StretchedLobe stretched(bsdf, normal);
@@ -40,11 +73,11 @@ glm::vec3 evaluate(const Bsdf& bsdf, glm::vec3 normal, glm::vec3 outgoing, glm::
 }
 
 glm::vec3 diffuse_albedo(const Bsdf& bsdf, float cosine) {
-    return bsdf.has_glossy() ? bsdf.diffuse * (1.0f - mean_schlick(cosine)) : bsdf.diffuse;
+    return bsdf.has_glossy() ? bsdf.diffuse * diffuse_share(bsdf, cosine) : bsdf.diffuse;
 }
 
 glm::vec3 glossy_albedo(const Bsdf& bsdf, float cosine) {
-    if (!bsdf.has_glossy()) return glm::vec3(0);
+    if (!bsdf.has_lobe()) return glm::vec3(0);
     const LobeAlbedo albedo = lobe_albedo(cosine, bsdf.mean_alpha());
     return albedo.f0 * bsdf.f0 + albedo.f90 * bsdf.f90;
 }

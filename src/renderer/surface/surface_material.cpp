@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/numeric.h"
 #include "renderer/surface/dielectric.h"
 #include "renderer/surface/lobe_albedo.h"
+#include "renderer/surface/principled.h"
 #include "renderer/surface/sheen.h"
 #include "renderer/surface/thin_film.h"
 #include "scene/preparation/traits.h"
@@ -41,9 +43,13 @@ float metallic_of(const scene::Material& m, glm::vec4 texel) {
 }
 
 /// Share of light that passes glass which it meets with this cosine [KHR_materials_transmission].
-glm::vec3 passing_glass(glm::vec3 base_color, float metallic, float transmission, glm::vec3 f0, float f90,
-                        float cosine) {
-    return base_color * ((1.0f - metallic) * transmission) * (1.0f - fresnel(f0, cosine, glm::vec3{f90}));
+glm::vec3 passing_glass(glm::vec3 color, float metallic, float transmission, glm::vec3 f0, float f90, float cosine) {
+    return color * ((1.0f - metallic) * transmission) * (1.0f - fresnel(f0, cosine, glm::vec3{f90}));
+}
+
+/// Colour of light that passes one surface of glass. Blender 4 means its base colour for both.
+glm::vec3 glass_color(const scene::Material& m, glm::vec3 base_color) {
+    return m.model == scene::SurfaceModel::principled_4 ? glm::sqrt(base_color) : base_color;
 }
 
 /// A surface whose share `metal` reflects `metal_f0` at normal incidence and has nothing below; `coat`: what the
@@ -96,7 +102,7 @@ bool is_faded(const scene::Animation& animation, std::uint32_t material) {
 
 /// Parts the Lambert reflectance of `bsdf`, made for the mixture of both colours, among the two sides.
 void part_sides(Bsdf& bsdf, glm::vec3 base_color, float share, glm::vec3 color, float cosine) {
-    const float passes = bsdf.has_glossy() ? 1.0f - mean_schlick(cosine) : 1.0f;
+    const float passes = bsdf.has_lobe() ? 1.0f - bsdf.covered * mean_schlick(cosine) : 1.0f;
     const glm::vec3 mixed = glm::mix(base_color, color, share);
     for (int c = 0; c < 3; ++c) {
         const float through = bsdf.diffuse[c] * core::divide_or(share * color[c], mixed[c], 0.0f);
@@ -203,8 +209,8 @@ glm::vec3 SurfaceMaterials::transmittance_at(std::uint32_t material, const Surfa
     if (!(transmission > 0.0f) || m.specular_glossiness) return holes;
     const float metallic = metallic_of(m, look_up(material, TextureRole::metallic_roughness, shape));
     const Dielectric interface = dielectric_at(material, shape);
-    return holes + covered * passing_glass(unit_range(glm::vec3(base)), metallic, transmission, interface.f0,
-                                           interface.f90, cosine);
+    return holes + covered * passing_glass(glass_color(m, unit_range(glm::vec3(base))), metallic, transmission,
+                                           interface.f0, interface.f90, cosine);
 }
 
 void SurfaceMaterials::fill(SurfacePoint& point, const SurfaceShape& shape, const ObjectInstant& object,
@@ -231,10 +237,14 @@ void SurfaceMaterials::fill(SurfacePoint& point, const SurfaceShape& shape, cons
     if (m.diffuse_transmission > 0.0f && !m.specular_glossiness) detail.leaf = leaf_at(material, shape);
     if (m.anisotropy > 0.0f) brush(point, shape, object, detail);
     point.bsdf = bsdf_at(material, shape, color, cosine, detail, index);
+    if (m.diffuse_roughness > 0.0f) roughen(m, cosine, point.bsdf);
+    if (!point.bsdf.has_lobe() && !point.bsdf.shape.is_lambert()) point.bsdf.alpha = 1.0f;
     if (detail.leaf.share > 0.0f) part_sides(point.bsdf, color, detail.leaf.share, detail.leaf.color, cosine);
     if (m.has_sheen()) add_sheen(material, shape, cosine, point.bsdf);
     point.spreads = subsurface_ && m.subsurface && point.bsdf.has_diffuse() && !shape.mesh->has_curves();
+    if (point.spreads) point.bsdf.shape = {};
     if (m.coat > 0.0f) add_coat(material, shape, cosine, point.bsdf);
+    if (m.model != scene::SurfaceModel::gltf) keep_energy(point.bsdf, cosine);
 }
 
 /// Applies the normal map, and turns everything to the viewer. `variance`: of the map's slopes within the footprint.
@@ -310,11 +320,16 @@ void SurfaceMaterials::add_sheen(std::uint32_t material, const SurfaceShape& sha
     const scene::Material& m = animation_.materials[material];
     const glm::vec3 color = unit_range(m.sheen * glm::vec3(look_up(material, TextureRole::sheen, shape)));
     const float roughness = m.sheen_roughness * look_up(material, TextureRole::sheen_roughness, shape).a;
+    if (m.model == scene::SurfaceModel::principled_3) {
+        // Schlick's term of the half vector, per steradian, upon all else. [Burley2012, 5.4]
+        const float albedo = std::numbers::pi_v<float> * mean_schlick(cos_outgoing);
+        bsdf.diffuse += color * (albedo / diffuse_share(bsdf, cos_outgoing));
+        return;
+    }
     const float albedo = std::min(sheen_albedo(cos_outgoing, roughness), 1.0f);
     const float below = 1.0f - largest(color) * albedo;
-    const float passes = bsdf.has_glossy() ? 1.0f - mean_schlick(cos_outgoing) : 1.0f;
     bsdf.scale(below);
-    bsdf.diffuse += color * (albedo / passes);
+    bsdf.diffuse += color * (albedo / diffuse_share(bsdf, cos_outgoing));
 }
 
 /// A clear film of index 1.5 [KHR_materials_clearcoat]. A smooth one mirrors; a rough one takes the place of the lobe
@@ -327,17 +342,19 @@ void SurfaceMaterials::add_coat(std::uint32_t material, const SurfaceShape& shap
         std::clamp(m.coat_roughness * look_up(material, TextureRole::coat_roughness, shape).g, 0.0f, 1.0f);
     constexpr float f0 = 0.04f;
     if (!(share > 0.0f)) return;
+    if (m.model != scene::SurfaceModel::gltf) {
+        lay_coat(m, {share, roughness, cos_outgoing, mirrors_, glossy_}, bsdf);
+        return;
+    }
     const float reflected = share * fresnel(glm::vec3{f0}, cos_outgoing).x;
     bsdf.scale(1.0f - reflected);
-    // chosen: no dielectric reflects more at normal incidence, and no metal so little.
-    constexpr float most_of_dielectrics = 0.2f;
     if (roughness < scene::mirror_roughness || largest(bsdf.f0) > most_of_dielectrics) {
         if (mirrors_) bsdf.mirror += reflected;
         return;
     }
     if (!glossy_) return;
     const float passes = 1.0f - mean_schlick(cos_outgoing);
-    if (bsdf.has_glossy())
+    if (bsdf.has_lobe())
         bsdf.diffuse += glossy_albedo(bsdf, cos_outgoing) / passes;
     else
         bsdf.diffuse /= passes;
@@ -346,6 +363,38 @@ void SurfaceMaterials::add_coat(std::uint32_t material, const SurfaceShape& shap
     bsdf.f90 = glm::vec3{share};
     bsdf.alpha = roughness * roughness;
     bsdf.along = glm::vec3{0.0f};
+}
+
+void SurfaceMaterials::stretch(const Detail& detail, Bsdf& bsdf) {
+    bsdf.alpha_along = std::lerp(bsdf.alpha, 1.0f, detail.anisotropy * detail.anisotropy);
+    bsdf.along = detail.along;
+}
+
+/// Blender's models: diffuse part, lobe or mirror; transmission, width and direction are set.
+void SurfaceMaterials::reflect_as_blender(std::uint32_t material, const SurfaceShape& shape, glm::vec3 base_color,
+                                          float roughness, float cosine, Bsdf& bsdf) const {
+    const scene::Material& m = animation_.materials[material];
+    PrincipledInputs in;
+    in.model = m.model;
+    in.base = base_color;
+    in.metallic = metallic_of(m, look_up(material, TextureRole::metallic_roughness, shape));
+    in.roughness = roughness;
+    in.transmission = transmission_at(material, shape);
+    const float level = m.specular_level * look_up(material, TextureRole::specular_weight, shape).a;
+    in.glass_f0 = f0_of(m.ior);
+    in.specular_f0 =
+        m.model == scene::SurfaceModel::principled_3 ? 0.08f * level : std::min(2.0f * level * f0_of(m.ior), 1.0f);
+    in.tint = m.specular_tint * glm::vec3(look_up(material, TextureRole::specular_tint, shape));
+    in.gloss = m.gloss;
+    in.multiscatter = m.multiscatter;
+    in.cosine = cosine;
+    in.smooth = mirrors_ && roughness < scene::mirror_roughness && !bsdf.is_stretched();
+    if (m.iridescence > 0.0f) {
+        const glm::vec3 film = film_over(material, shape, cosine, glm::vec3(in.specular_f0));
+        in.tint *= film / std::max(in.specular_f0, 1e-6f);
+    }
+    reflect_as_principled(in, bsdf);
+    if (!glossy_) bsdf.f0 = bsdf.f90 = glm::vec3{0.0f};
 }
 
 Bsdf SurfaceMaterials::bsdf_at(std::uint32_t material, const SurfaceShape& shape, glm::vec3 base_color,
@@ -374,9 +423,9 @@ Bsdf SurfaceMaterials::bsdf_at(std::uint32_t material, const SurfaceShape& shape
         bsdf.f90 = glm::vec3{1.0f - (1.0f - metallic) * (1.0f - interface.f90)};
         bsdf.diffuse =
             glm::mix(base_color, detail.leaf.color, detail.leaf.share) * ((1.0f - metallic) * (1.0f - transmission));
-        bsdf.transmission =
-            index > 0.0f ? base_color * ((1.0f - metallic) * transmission)
-                         : passing_glass(base_color, metallic, transmission, interface.f0, interface.f90, cos_outgoing);
+        bsdf.transmission = index > 0.0f ? glass_color(m, base_color) * ((1.0f - metallic) * transmission)
+                                         : passing_glass(glass_color(m, base_color), metallic, transmission,
+                                                         interface.f0, interface.f90, cos_outgoing);
     }
     const bool smooth = roughness < scene::mirror_roughness;
     const float alpha = std::pow(std::max(roughness, scene::mirror_roughness), 2.0f);
@@ -385,26 +434,27 @@ Bsdf SurfaceMaterials::bsdf_at(std::uint32_t material, const SurfaceShape& shape
         bound_body(bsdf, surface, index, cos_outgoing, smooth || !glossy_);
         return bsdf;
     }
+    if (detail.anisotropy > 0.0f) stretch(detail, bsdf);
+    if (m.model != scene::SurfaceModel::gltf) {
+        reflect_as_blender(material, shape, base_color, roughness, cos_outgoing, bsdf);
+        return bsdf;
+    }
     if (m.iridescence > 0.0f) {
         bsdf.f0 = film_over(material, shape, cos_outgoing, bsdf.f0);
         surface.coat = largest(bsdf.f0);
         surface.metal_f0 = bsdf.f0;
     }
-    if (!bsdf.has_glossy()) return bsdf;
-    if (detail.anisotropy > 0.0f) {
-        bsdf.alpha_along = std::lerp(bsdf.alpha, 1.0f, detail.anisotropy * detail.anisotropy);
-        bsdf.along = detail.along;
-    }
+    if (!bsdf.has_lobe()) return bsdf;
 
     // Give the reflection to a traced ray or to the lobe.
     const bool traced = mirrors_ && smooth && !bsdf.is_stretched();
     if (glossy_ && !traced) {
         lay_below_lobe(bsdf, surface, cos_outgoing);
-        return bsdf;
+    } else {
+        if (traced) bsdf.mirror = fresnel(bsdf.f0, cos_outgoing, bsdf.f90);
+        bsdf.f0 = glm::vec3{0.0f};
+        lay_below_mirror(bsdf, surface, cos_outgoing);
     }
-    if (traced) bsdf.mirror = fresnel(bsdf.f0, cos_outgoing, bsdf.f90);
-    bsdf.f0 = glm::vec3{0.0f};
-    lay_below_mirror(bsdf, surface, cos_outgoing);
     return bsdf;
 }
 

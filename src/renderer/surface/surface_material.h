@@ -58,6 +58,9 @@ class SurfaceMaterials {
     };
     void brush(const SurfacePoint& point, const SurfaceShape& shape, const ObjectInstant& object, Detail& detail) const;
     void add_sheen(std::uint32_t material, const SurfaceShape& shape, float cos_outgoing, Bsdf& bsdf) const;
+    static void stretch(const Detail& detail, Bsdf& bsdf);
+    void reflect_as_blender(std::uint32_t material, const SurfaceShape& shape, glm::vec3 base_color, float roughness,
+                            float cosine, Bsdf& bsdf) const;
     void add_coat(std::uint32_t material, const SurfaceShape& shape, float cos_outgoing, Bsdf& bsdf) const;
     Bsdf bsdf_at(std::uint32_t material, const SurfaceShape& shape, glm::vec3 base_color, float cos_outgoing,
                  const Detail& detail, float index) const;

@@ -31,14 +31,15 @@ void set_frame(FrameLanes& lanes, int lane, glm::vec3 axis) {
 constexpr float least_cosine = 1e-3f;
 
 void fill_lobe(GatherLanes& lanes, int lane, const SurfacePoint& p, glm::vec3 luminance_share) {
-    const bool has_lobe = p.bsdf.has_glossy();
+    const bool has_lobe = p.bsdf.has_lobe();
     const float nv = glm::dot(p.shading_normal, p.outgoing);
     set(lanes.f0_weight, lane, has_lobe ? luminance_share * p.bsdf.f0 : glm::vec3(0));
     set(lanes.schlick_weight, lane, has_lobe ? luminance_share * p.bsdf.f90 : glm::vec3(0));
     set_frame(lanes.outgoing, lane, p.outgoing);
     set_frame(lanes.mirrored, lane, core::normalize_or(2.0f * nv * p.shading_normal - p.outgoing, p.shading_normal));
     lanes.cos_outgoing[lane] = std::max(nv, least_cosine);
-    lanes.coat[lane] = has_lobe ? 1.0f : 0.0f;
+    lanes.coat[lane] = has_lobe ? p.bsdf.covered : 0.0f;
+    lanes.lobed[lane] = has_lobe ? 1.0f : 0.0f;
     const float width = p.bsdf.is_stretched() ? p.bsdf.alpha_along * p.bsdf.alpha : p.bsdf.alpha * p.bsdf.alpha;
     lanes.lobe_width[lane] = has_lobe ? width : 1.0f;
 }
@@ -49,9 +50,13 @@ void fill_stretch(GatherLanes& lanes, int lane, const SurfacePoint& p) {
     set(lanes.across, lane, axes.y);
     lanes.view_along[lane] = glm::dot(axes.x, p.outgoing);
     lanes.view_across[lane] = glm::dot(axes.y, p.outgoing);
-    const bool stretched = p.bsdf.has_glossy() && p.bsdf.is_stretched();
+    const bool stretched = p.bsdf.has_lobe() && p.bsdf.is_stretched();
     lanes.along2[lane] = stretched ? p.bsdf.alpha_along * p.bsdf.alpha_along : lanes.lobe_width[lane];
     lanes.across2[lane] = stretched ? p.bsdf.alpha * p.bsdf.alpha : lanes.lobe_width[lane];
+    lanes.retro[lane] = p.bsdf.shape.retro;
+    lanes.loss[lane] = p.bsdf.shape.loss;
+    lanes.flat[lane] = p.bsdf.shape.flat;
+    lanes.rough[lane] = p.bsdf.shape.rough;
 }
 
 }  // namespace
@@ -63,7 +68,8 @@ void fill(GatherLanes& lanes, std::span<const GatherPoint* const> points) {
     for (const GatherPoint* point : points) lanes.glossy = lanes.glossy || point->point.bsdf.has_glossy();
     lanes.stretched = false;
     for (const GatherPoint* point : points)
-        lanes.stretched = lanes.stretched || (point->point.bsdf.has_glossy() && point->point.bsdf.is_stretched());
+        lanes.stretched = lanes.stretched || (point->point.bsdf.has_lobe() && point->point.bsdf.is_stretched()) ||
+                          !point->point.bsdf.shape.is_lambert();
     lanes.timed = false;
     for (const GatherPoint* point : points) lanes.timed = lanes.timed || point->shadow_part != 0;
     lanes.places = 1;

@@ -35,7 +35,7 @@ struct FrameLanes {
 struct alignas(64) GatherLanes {
     int count = 0;
     int set = 0;          ///< of representatives, 0..representative_sets - 1; `fill` leaves it alone
-    bool glossy = false;  ///< any lane has a GGX lobe; without, everything below `schlick_weight` is unset
+    bool glossy = false;  ///< any lane's Bsdf::has_glossy; without, everything below `schlick_weight` is unset
     Vec3Lanes position;   ///< world
     Vec3Lanes origin;     ///< of shadow rays: on the smooth surface, moved off it along the geometric normal
     int places = 1;       ///< origins of the lane that has most of them, further ones not counted
@@ -54,12 +54,14 @@ struct alignas(64) GatherLanes {
     FrameLanes outgoing, mirrored;  ///< to the eye; and that direction mirrored about the normal
     Lanes cos_outgoing;             ///< > 0
     Lanes lobe_width;               ///< alpha squared, of stretched lobes their mean's
-    bool stretched = false;         ///< any lane has a stretched lobe; without, what follows is unset
+    bool stretched = false;         ///< any lane has a stretched lobe or a shape; without, `along` to `rough` are unset
     Vec3Lanes along, across;        ///< the lobe's axes in the surface
     Lanes along2, across2;          ///< its squared widths there; alike in lanes whose lobe is round
     Lanes view_along, view_across;  ///< cosines of these axes to the eye
-    Lanes rays_see;                 ///< scale of the sky lobe's share that rays see; 0: no rays. See `by_trees`
-    Lanes coat;                     ///< 1: the diffuse part lies under the lobe and gets 1 - s of light; 0: all of it
+    Lanes retro, loss, flat, rough;  ///< DiffuseShape
+    Lanes rays_see;                  ///< scale of the sky lobe's share that rays see; 0: no rays. See `by_trees`
+    Lanes coat;                      ///< the diffuse part gets 1 - coat s of light
+    Lanes lobed;                     ///< 1: the lane has a lobe, else 0
 };
 
 /// Origins of each lane's shadow rays at one of its places, 0..places - 1.

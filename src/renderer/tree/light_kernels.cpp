@@ -45,7 +45,7 @@ RENDER2MPEG_ALWAYS_INLINED void glossy_value(const GatherLanes& lanes, int i, fl
     out.schlick[i] = dv * s;
 }
 
-/// The same where lobes may be stretched.
+/// The same where lobes may be stretched, and diffuse parts may have a shape.
 RENDER2MPEG_ALWAYS_INLINED void stretched_value(const GatherLanes& lanes, int i, float x, float y, float z,
                                                 float spread2, float irradiance, LightLanes& out) {
     const lobe::StretchedCosines light{dot(lanes.along, i, x, y, z), dot(lanes.across, i, x, y, z),
@@ -57,7 +57,9 @@ RENDER2MPEG_ALWAYS_INLINED void stretched_value(const GatherLanes& lanes, int i,
     const float dv = lobe::stretched_value(light, eye, half2, inlined::min(lanes.along2[i] + widening * spread2, 1.0f),
                                            inlined::min(lanes.across2[i] + widening * spread2, 1.0f)) *
                      irradiance;
-    out.diffuse[i] = irradiance * (1.0f - lanes.coat[i] * s);
+    out.diffuse[i] = irradiance * (1.0f - lanes.coat[i] * s) *
+                     lobe::shaped(lanes.retro[i], lanes.loss[i], lanes.flat[i], lanes.rough[i],
+                                  inlined::max(light.normal, 0.0f), eye.normal, lv);
     out.f0[i] = dv * (1.0f - s);
     out.schlick[i] = dv * s;
 }
@@ -248,6 +250,14 @@ RENDER2MPEG_ALWAYS_INLINED LaneNode lane_node(LightType type, const LightNode& n
     return n;
 }
 
+/// Bound of a light's geometry times the diffuse part's shape.
+RENDER2MPEG_ALWAYS_INLINED float shaped_geometry(const GatherLanes& lanes, int i, float cosine, float reach,
+                                                 bool clamped, float clamp) {
+    const float retro = lanes.retro[i], loss = lanes.loss[i], flat = lanes.flat[i], rough = lanes.rough[i];
+    const float nv = lanes.cos_outgoing[i], g = reach * lobe::shaped_bound(retro, loss, flat, rough, cosine, nv);
+    return clamped ? inlined::min(g, clamp * lobe::shaped_most(retro, loss, flat, rough, nv)) : g;
+}
+
 template <LightType type, bool glossy, bool stretched>
 RENDER2MPEG_ALWAYS_INLINED float bound_lane(const GatherLanes& __restrict lanes, int i, const LaneNode& n) {
     float x = n.cx, y = n.cy, z = n.cz, inverse2 = 1.0f, emit = 1.0f, spread2_low = 0.0f, spread2_high = 0.0f;
@@ -283,6 +293,7 @@ RENDER2MPEG_ALWAYS_INLINED float bound_lane(const GatherLanes& __restrict lanes,
     const float reach = emit * inverse2;
     float g = cosine * reach;
     if constexpr (type == LightType::oriented) g = inlined::min(g, n.clamp);
+    if constexpr (stretched) g = shaped_geometry(lanes, i, cosine, reach, type == LightType::oriented, n.clamp);
     float bound = g * noticed(lanes.diffuse_weight, i, n.red, n.green, n.blue);
     if constexpr (glossy) {
         const lobe::BoxCosines box{cosine, box_cosine(lanes.mirrored, i, x, y, z, n.hx, n.hy, n.hz),

@@ -56,6 +56,15 @@ void merge(GatherPoint& a, const Fragment& b, glm::vec3 weight) {
     bsdf.diffuse = mean(bsdf.diffuse, b.point.bsdf.diffuse);
     bsdf.f0 = mean(bsdf.f0, b.point.bsdf.f0);
     bsdf.f90 = mean(bsdf.f90, b.point.bsdf.f90);
+    const auto mix = [&](float& x, float y) { x = core::divide_or(heavy * x + light * y, heavy + light, x); };
+    const DiffuseShape& shape = b.point.bsdf.shape;
+    if (!(bsdf.shape.is_lambert() && shape.is_lambert())) {
+        mix(bsdf.shape.retro, shape.retro);
+        mix(bsdf.shape.loss, shape.loss);
+        mix(bsdf.shape.flat, shape.flat);
+        mix(bsdf.shape.rough, shape.rough);
+    }
+    if (bsdf.covered != b.point.bsdf.covered) mix(bsdf.covered, b.point.bsdf.covered);
     a.weight = sum;
 }
 

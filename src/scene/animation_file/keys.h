@@ -35,6 +35,7 @@ inline const Keys ring = core::words_in("count radius from to");
 inline const Keys material = core::words_in(
     "base_color texture texture_scale alpha alpha_cutoff metallic roughness normal_texture normal_scale emission "
     "emission_texture transmission ior solid attenuation attenuation_distance dispersion hair subsurface "
+    "model specular multiscatter gloss coat_ior coat_tint diffuse_roughness "
     "double_sided unlit holdout power keys interpolation loop");
 inline const Keys hair = core::words_in("color absorption melanin redness roughness azimuthal_roughness coat ior tilt");
 inline const Keys subsurface = core::words_in("weight free_path");

@@ -48,6 +48,24 @@ void change_body(const JsonValue& value, Material& material) {
     value.set("dispersion", material.dispersion, 0, 20);
 }
 
+void change_model(const JsonValue& value, Material& material) {
+    constexpr std::array<std::string_view, 3> models{"gltf", "principled-3", "principled-4"};
+    if (const auto v = value.find("model")) {
+        material.model = static_cast<SurfaceModel>(v->word(models));
+        material.multiscatter = material.model == SurfaceModel::principled_4;
+        material.specular_glossiness = false;
+    }
+    value.set("diffuse_roughness", material.diffuse_roughness, 0, 1);
+    for (const char* key : {"specular", "multiscatter", "gloss", "coat_ior", "coat_tint"})
+        if (value.has(key) && material.model == SurfaceModel::gltf)
+            value.need(key).fail("is for the models principled-3 and principled-4");
+    value.set("specular", material.specular_level, 0, 10);
+    value.set("coat_ior", material.coat_ior, 1, 5);
+    if (const auto v = value.find("multiscatter")) material.multiscatter = v->boolean();
+    if (const auto v = value.find("gloss")) material.gloss = v->color(1);
+    if (const auto v = value.find("coat_tint")) material.coat_tint = v->color(1);
+}
+
 void change_hair(const JsonValue& value, Material& material) {
     value.allow_only(keys::hair);
     Hair hair = material.hair.value_or(Hair{});
@@ -150,6 +168,7 @@ void Looks::change(const JsonValue& value, int index) {
     value.set("normal_scale", material().normal_scale, 0, 10);
     value.set("transmission", material().transmission, 0, 1);
     value.set("ior", material().ior, 1, 5);
+    change_model(value, material());
     change_body(value, material());
     if (const auto v = value.find("subsurface")) change_subsurface(*v, material());
     if (const auto v = value.find("hair")) change_hair(*v, material());

@@ -14,16 +14,20 @@ enum class AlphaMode { opaque, mask, blend };
 /// Glass without thickness, a body's boundary, or that where it is closed.
 enum class Thickness { thin, solid, solid_where_closed };
 
+/// Whose terms a surface is in: glTF's, or those of the Principled BSDF of Blender 3 and of Blender 4.
+enum class SurfaceModel { gltf, principled_3, principled_4 };
+
 /// Light that leaves a surface elsewhere than where it entered, after a random walk.
 struct Subsurface {
     float weight = 1;             ///< 0..1, of the Lambert part
     glm::vec3 free_path{0.001f};  ///< mean, by channel, scene units, >= 0
 };
 
-/// Surface in glTF 2.0's terms [glTF2, 3.9 and appendix B]. Factors are linear, colour textures sRGB, others linear;
-/// values are factor x texture.
+/// Surface in glTF 2.0's terms [glTF2, 3.9 and appendix B], or in Blender's by the same names. Factors are linear,
+/// colour textures sRGB, others linear; values are factor x texture.
 struct Material {
     std::string name;
+    SurfaceModel model = SurfaceModel::gltf;
 
     glm::vec4 base_color{1, 1, 1, 1};  ///< reflectance 0..1 and alpha; also the diffuse colour of `specular_glossiness`
     TextureUse base_color_texture;
@@ -67,6 +71,15 @@ struct Material {
     glm::vec3 specular_tint{1, 1, 1};    ///< >= 0
     TextureUse specular_tint_texture;    ///< sRGB
 
+    /// Blender's models alone.
+    float specular_level = 0.5f;   ///< 0..1: F0 is 0.08 x it in Blender 3, that of `ior` x 2 x it in Blender 4
+    bool multiscatter = false;     ///< light goes on among a rough lobe's facets
+    glm::vec3 gloss{0, 0, 0};      ///< 0..1, of the lobe from all directions (Glossy BSDF)
+    float coat_ior = 1.5f;         ///< >= 1
+    glm::vec3 coat_tint{1, 1, 1};  ///< 0..1, of light that goes straight through the film and back
+
+    float diffuse_roughness = 0;  ///< 0..1, [Oren1994]'s of a Lambert part; 0: Lambert's
+
     /// KHR_materials_clearcoat: a clear film of index 1.5 over all else.
     float coat = 0;                     ///< 0..1: how much of the surface it covers
     TextureUse coat_texture;            ///< r
@@ -104,6 +117,7 @@ struct Material {
         return specular_weight != 1 || specular_tint != glm::vec3(1) || specular_weight_texture.present() ||
                specular_tint_texture.present();
     }
+    bool has_gloss() const { return gloss.x > 0 || gloss.y > 0 || gloss.z > 0; }
     bool has_sheen() const { return sheen.x > 0 || sheen.y > 0 || sheen.z > 0; }
     bool emits() const { return emission.x > 0 || emission.y > 0 || emission.z > 0; }
 };

@@ -18,13 +18,17 @@ void add_material(const Material& material, Traits& traits) {
         !material.specular_glossiness && material.metallic >= 1 && !material.metallic_roughness_texture.present();
     const bool has_base = material.base_color.x > 0 || material.base_color.y > 0 || material.base_color.z > 0;
     const bool all_glass = material.transmission >= 1 && !material.transmission_texture.present();
-    const bool reflects = material.specular_glossiness ? material.specular != glm::vec3(0)
-                                                       : material.ior > 1 || (material.metallic > 0 && has_base);
+    const bool reflects = material.specular_glossiness
+                              ? material.specular != glm::vec3(0)
+                              : material.ior > 1 || (material.metallic > 0 && has_base) || material.has_gloss();
     const bool smooth_coat = material.coat > 0 && (material.coat_roughness < mirror_roughness || all_metal ||
                                                    material.coat_roughness_texture.present());
     const bool rough_coat = material.coat > 0 && material.coat_roughness >= mirror_roughness;
 
+    const bool shaped = material.model == SurfaceModel::principled_3 || material.diffuse_roughness > 0;
+
     if (!material.unlit) {
+        if (shaped && has_base && !all_metal && !all_glass) traits.has_glossy_surfaces = true;
         if (has_base && !all_metal && !all_glass) traits.has_diffuse_surfaces = true;
         if (reflects && largest_roughness >= mirror_roughness) traits.has_glossy_surfaces = true;
         if (reflects && largest_roughness >= mirror_roughness && smallest_roughness < narrow_roughness)

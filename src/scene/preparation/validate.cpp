@@ -76,6 +76,11 @@ class MaterialCheck {
         clamp(material_.attenuation_distance, 0, largest, "attenuation distance");
         // chosen: 20 / 1, far beyond every substance; rutile has 2.
         clamp(material_.dispersion, 0, 20, "dispersion");
+        clamp(material_.specular_level, 0, 10, "specular");
+        clamp(material_.diffuse_roughness, 0, 1, "diffuse roughness");
+        clamp(material_.coat_ior, 1, 100, "index of the coat");
+        for (int k = 0; k < 3; ++k) clamp(material_.coat_tint[k], 0, 1, "tint of the coat");
+        for (int k = 0; k < 3; ++k) clamp(material_.gloss[k], 0, 1, "gloss");
         clamp(material_.alpha_cutoff, 0, largest, "alpha cutoff");
         clamp(material_.normal_scale, -largest, largest, "normal scale");
         for (int k = 0; k < 3; ++k) clamp(material_.emission[k], 0, largest, "emission");
