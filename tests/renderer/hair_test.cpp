@@ -224,7 +224,7 @@ TEST(Strands, OfGlassAndInMotionAreLitByRaysAndByLightPoints) {
 }
 
 /// A tuft of fibres that absorb nothing.
-SceneBuilder white_tuft() {
+SceneBuilder white_tuft(float distance = 3) {
     SceneBuilder b;
     const int hair = b.add_material(glm::vec3(1));
     b.material(hair).hair = fibre(0.3f, 0.3f, glm::vec3(0));
@@ -237,25 +237,28 @@ SceneBuilder white_tuft() {
     }
     b.add_object(b.add_mesh(mesh), hair);
     b.film().sky.color = glm::vec3(1);
-    b.add_camera({0, 0, 3}, {0, 0, 0}, 0.3f);
+    b.add_camera({0, 0, distance}, {0, 0, 0}, 0.3f);
     return b;
 }
 
 TEST(HairLight, OfWhiteFibresInAWhiteSkyIsTheSky) {
     Settings settings = test::small_frame();
     settings.indirect = Indirect::rays;
-    FilmStage stage(white_tuft(), settings);
-    const core::Radiance r = stage.cut(0.02f);
-    double least = 1e9, most = 0, sum = 0;
-    for (const glm::vec3& light : r.combined.values()) {
-        const auto y = static_cast<double>(core::luminance(light));
-        least = std::min(least, y), most = std::max(most, y), sum += y;
+    double least = 1e9, most = 0, sum = 0, count = 0;
+    // A tuft has a hundred cells, whose light scatters by 0.6 % from view to view.
+    for (int view = 0; view < 5; ++view) {
+        FilmStage stage(white_tuft(3 + 0.01f * static_cast<float>(view)), settings);
+        const core::Radiance r = stage.cut(0.02f);
+        for (const glm::vec3& light : r.combined.values()) {
+            const auto y = static_cast<double>(core::luminance(light));
+            least = std::min(least, y), most = std::max(most, y), sum += y, count += 1;
+        }
+        EXPECT_GT(stage.statistics().hair.pixels, 100u);
     }
-    // Cells are means over directions and places, and keep 0.999 of what fibres scatter. chosen: measured 0.988.
-    EXPECT_NEAR(sum / static_cast<double>(r.combined.size()), 1.0, 0.02);
+    // Cells are means over directions and places, and keep 0.999 of what fibres scatter. chosen: measured 0.989.
+    EXPECT_NEAR(sum / count, 1.0, 0.02);
     EXPECT_GT(least, 0.75);
     EXPECT_LT(most, 1.1);
-    EXPECT_GT(stage.statistics().hair.pixels, 100u);
 }
 
 TEST(HairLight, OfPathsInAWhiteSkyIsTheSky) {

@@ -22,6 +22,7 @@ json seconds_of(const RunStatistics& statistics) {
     for (std::size_t i = 0; i < statistics.seconds.size(); ++i) seconds[stage_names[i]] = statistics.seconds[i];
     seconds["wall"] = statistics.wall;
     seconds["cpu"] = statistics.earlier_cpu + cpu_seconds();
+    seconds["busy_cores"] = core::divide_or(cpu_seconds(), statistics.wall - statistics.earlier_wall, 0.0);
     return seconds;
 }
 
@@ -151,7 +152,6 @@ json common_of(const Film& film, const RunStatistics& statistics, const RunFacts
             {"gop", coding.gop},
             {"seconds", seconds_of(statistics)},
             {"peak_rss_mib", peak_memory_mib()},
-            {"busy_cores", core::divide_or(cpu_seconds(), statistics.wall - statistics.earlier_wall, 0.0)},
             {"counts", json_of(statistics.rendering)},
             {"psnr_y", finite_or_null(statistics.psnr_y())},
             {"ssim_y", statistics.ssim_y()},

@@ -23,7 +23,7 @@ struct EquationBlock {
 /// Solves equations whose blocks lie in phases: `ends` has the end of each. Gauss-Seidel between phases: rows of later
 /// phases read what this sweep found in earlier ones. Jacobi within a phase: its blocks read each other's rows as of
 /// the sweep before, so that the result is the same for any number of threads. Put first what most others ask. Returns
-/// x by row. Sweeps end where luminance changes by less than a ten-thousandth in all.
+/// x by row, to about a ten-thousandth of all luminance; to some hundredths where cells keep 99 % to themselves.
 std::vector<glm::vec3> solve(std::span<const EquationBlock> blocks, std::span<const std::size_t> ends);
 
 }  // namespace render2mpeg::renderer

@@ -214,9 +214,11 @@ namespace {
 void eliminate(std::vector<PathLesson>& lessons, std::vector<CellLink>& links) {
     for (std::size_t i = lessons.size(); i-- > 0;) {
         Lesson& lesson = lessons[i].lesson;
-        if (lesson.first_link == lesson.last_link) continue;
-        links[i].weight *= link_scale(lesson, links[i].weight, 1);
+        const bool has_link = lesson.first_link < lesson.last_link;
+        if (has_link) links[i].weight *= link_scale(lesson, links[i].weight, 1);
+        // The cell of this lesson and others need not scale it again.
         lesson.albedo = lesson.drawn = glm::vec3(1);
+        if (!has_link) continue;
         if (lessons[i].next == LightCells::none) continue;
         const Lesson& met = lessons[lessons[i].next].lesson;
         const glm::vec3 light = links[i].weight * met.known;
