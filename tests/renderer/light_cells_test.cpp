@@ -64,13 +64,16 @@ TEST(ShardLessons, TakeAsManyPlacesAsAskAtOnceAndNoMore) {
     const std::size_t shard = LightCells::shard_of(key);
     LightCells cells;
     ShardLessons lessons;
-    lessons.plan(shard, std::vector{asked({key, other, key}), asked({key})}, 2, cells);
+    const std::vector first{asked({key, other, key}), asked({key})};
+    lessons.plan(shard, first, 2, cells);
     ASSERT_GE(lessons.of_last_wave().size(), 1u);
     EXPECT_EQ(cells.find(key).places, 2u);
     // Those that ask again learn nothing new, and more of them what is left.
-    lessons.plan(shard, std::vector{asked({key, key})}, 2, cells);
+    const std::vector again{asked({key, key})};
+    lessons.plan(shard, again, 2, cells);
     EXPECT_TRUE(lessons.of_last_wave().empty());
-    lessons.plan(shard, std::vector{asked({key, key, key, key, key})}, 4, cells);
+    const std::vector five{asked({key, key, key, key, key})};
+    lessons.plan(shard, five, 4, cells);
     ASSERT_EQ(lessons.of_last_wave().size(), 1u);
     const Lesson& more = lessons.of_last_wave().front();
     EXPECT_EQ(more.places, 2u);
