@@ -27,7 +27,7 @@ constexpr float least_normal = 0.95f;
 constexpr float plane_near = 0.3f, plane_slope = 0.09f;
 
 /// Records of one task.
-constexpr std::size_t records_at_once = 1024;
+constexpr std::size_t marks_at_once = 1024;
 
 constexpr std::uint32_t nowhere = std::numeric_limits<std::uint32_t>::max();
 
@@ -62,7 +62,7 @@ void RecordGrid::extend(std::span<const IrradianceRecord> records, const scene::
     const auto pixels = static_cast<std::size_t>(width_ + 2 * border) * static_cast<std::size_t>(height_ + 2 * border);
     const std::size_t known = places_.size();
     places_.resize(records.size());
-    parallel::for_ranges(records.size() - known, records_at_once, [&](std::size_t first, std::size_t last) {
+    parallel::for_ranges(records.size() - known, marks_at_once, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = known + first; i < known + last; ++i) places_[i] = place_of(records[i], camera);
     });
     // Count, then place: the order within a pixel stays.
@@ -74,7 +74,7 @@ void RecordGrid::extend(std::span<const IrradianceRecord> records, const scene::
     for (std::uint32_t i = 0; i < records.size(); ++i)
         if (places_[i].pixel != nowhere) order[next[places_[i].pixel]++] = i;
     marks_.resize(order.size());
-    parallel::for_ranges(order.size(), records_at_once, [&](std::size_t first, std::size_t last) {
+    parallel::for_ranges(order.size(), marks_at_once, [&](std::size_t first, std::size_t last) {
         for (std::size_t k = first; k < last; ++k) {
             const IrradianceRecord& r = records[order[k]];
             marks_[k] = {places_[order[k]].at, order[k],           surface_of(r.address, r.back_side),
@@ -95,7 +95,7 @@ void for_each_pixel(std::span<const SurfaceMark> marks,
     const auto ends_pixel = [&](std::size_t i) {
         return i == marks.size() || glm::floor(marks[i].at) != glm::floor(marks[i - 1].at);
     };
-    parallel::for_ranges(marks.size(), records_at_once, [&](std::size_t first, std::size_t last) {
+    parallel::for_ranges(marks.size(), marks_at_once, [&](std::size_t first, std::size_t last) {
         // A task has the pixels that begin in its range.
         while (first > 0 && first < last && !ends_pixel(first)) ++first;
         while (first < last) {
@@ -150,7 +150,7 @@ std::vector<IrradianceRecord> RecordStore::thin(std::int64_t frame, const Record
     for (const SurfaceMark& m : marks) take(m.record);
     for (std::uint32_t i = 0; i < records_.size(); ++i) take(i);
     std::vector<IrradianceRecord> kept(order.size());
-    parallel::for_ranges(order.size(), records_at_once, [&](std::size_t first, std::size_t last) {
+    parallel::for_ranges(order.size(), marks_at_once, [&](std::size_t first, std::size_t last) {
         for (std::size_t k = first; k < last; ++k) kept[k] = std::move(records_[order[k]]);
     });
     records_.swap(kept);
