@@ -54,9 +54,9 @@ TEST(Audit, SaysHowWellTolerancesWereKeptSlow) {
 }
 
 TEST(Audit, SplitsTheErrorByCauseSlow) {
-    const nlohmann::json audit = statistics_of("--tolerance fixed=4% --audit 20").at("audit"),
+    const nlohmann::json audit = statistics_of("--tolerance fixed=4% --audit 100").at("audit"),
                          truth = audit.at("truth");
-    EXPECT_EQ(audit.at("pixels"), 40);
+    EXPECT_EQ(audit.at("pixels"), 200);
     EXPECT_GE(truth.at("paths").get<double>(), 512.0);
     double bias = 0, dark = 0;
     const auto value = [&](const char* cause, const char* key) {
