@@ -22,11 +22,40 @@ constexpr float least_carried = 0.001f;
 /// noise here. chosen: 0.25 of alpha, a roughness of 0.5; not tuned.
 constexpr float least_alpha = 0.25f;
 
+/// Directions among which a place's ray is chosen. chosen: 4; by one, a closed room of roughness 0.9 and albedo 0.8 is
+/// 7 % dark.
+constexpr std::uint64_t candidates = 4;
+
 /// The first four are a place's rays as well.
 enum Number : std::uint64_t { lamp, surface, sky, bounce, side, part };
 
 float uniform(std::uint64_t number, Number use, std::uint64_t which) {
     return core::uniform(number, use, which);
+}
+
+struct Drawn {
+    glm::vec3 direction{0}, weight{0};
+    float density = 0;  ///< of one candidate
+};
+
+/// One of some directions, in proportion to what the surface throws from there: those below a rough surface are never
+/// chosen, and lobes get no more rays than light. Resampled importance sampling [Talbot2005].
+Drawn draw(const Scatterer& at, std::uint64_t number) {
+    const std::uint64_t count = at.is_fibre() || !at.point().bsdf.has_lobe() ? 1 : candidates;
+    Drawn chosen;
+    float sum = 0;
+    for (std::uint64_t k = 0; k < count; ++k) {
+        Drawn c;
+        c.density =
+            at.sample(uniform(number, part, 2 * k),
+                      {uniform(number, bounce, 2 * k), uniform(number, bounce, 2 * k + 1)}, c.direction, c.weight);
+        const float luminance = core::luminance(c.weight);
+        if (!(c.density > 0.0f) || !(luminance > 0.0f) || !at.query().may_see(c.direction)) continue;
+        sum += luminance;
+        if (uniform(number, part, 2 * k + 1) * sum < luminance) chosen = c;
+    }
+    if (sum > 0.0f) chosen.weight *= sum / (static_cast<float>(count) * core::luminance(chosen.weight));
+    return chosen;
 }
 
 }  // namespace
@@ -129,17 +158,14 @@ void CellLight::light_place(const Sighting& place, std::uint64_t number, Lesson&
         lesson.near += share * direct;
     }
 
-    glm::vec3 direction, chosen(0);
-    const float density = at.sample(uniform(number, part, 0), {uniform(number, bounce, 0), uniform(number, bounce, 1)},
-                                    direction, chosen);
-    if (!at.query().may_see(direction) || !(density > 0.0f)) return;
-    weight *= chosen;
+    const Drawn drawn = draw(at, number);
+    weight *= drawn.weight;
     if (!(core::luminance(weight) > 0.0f) || !core::is_finite(weight)) return;
     lesson.drawn += weight;
     out.rays += 1;
-    out.bounces.push_back({{at.origin_of(direction), direction, std::numeric_limits<float>::infinity()},
+    out.bounces.push_back({{at.origin_of(drawn.direction), drawn.direction, std::numeric_limits<float>::infinity()},
                            at.query(),
-                           density,
+                           drawn.density,
                            weight,
                            share,
                            number,

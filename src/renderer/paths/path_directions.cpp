@@ -11,11 +11,6 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// Directions of lobes so wide need no sampling of their own: half of those fall below a rough surface, where the light
-/// they stand for would be lost to cells (surface_cache.h). Lobes of glTF's mixing keep it. chosen: a roughness of 0.5,
-/// as cells see no narrower ones; not tuned.
-constexpr float wide_alpha = 0.25f;
-
 float mean_channel(glm::vec3 v) {
     return (v.x + v.y + v.z) / 3.0f;
 }
@@ -30,7 +25,6 @@ glm::vec3 whole_albedo(const SurfacePoint& p) {
 /// chosen: by what it reflects, a tenth at least, so that no part of f_s is much larger than its density.
 float lobe_chance(const SurfacePoint& p) {
     if (!p.bsdf.has_lobe()) return 0.0f;
-    if (p.bsdf.covered == 0.0f && p.bsdf.alpha >= wide_alpha) return 0.0f;
     if (!p.bsdf.has_diffuse()) return 1.0f;
     const float cosine = glm::dot(p.shading_normal, p.outgoing);
     const float diffuse = mean_channel(diffuse_albedo(p.bsdf, cosine)),
