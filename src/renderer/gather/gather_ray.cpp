@@ -205,8 +205,7 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, float
         if (rules.is_lobe && p.unlit) known += shown * p.emission;
         if (p.bsdf.has_diffuse() || p.bsdf.has_glossy() || p.bsdf.has_diffuse_transmission() || p.fibre)
             chosen.offer(shown, place);
-        const bool blocks = rules.bodies_block && p.bounds_body &&
-                            posed_scene_.animation().objects[hit.address.object].body == scene::Body::solid;
+        const bool blocks = rules.bodies_block && bends_light(posed_scene_, p);
         passing *= blocks ? glm::vec3(0) : posed_scene_.transmittance_at(hit.address, ray.direction);
         if (!(core::luminance(passing) > least_passing)) {
             passing = shown * p.bsdf.mirror;

@@ -113,8 +113,7 @@ std::optional<float> pane_thickness(const Animation& animation, const Object& ob
     return thickness;
 }
 
-}  // namespace
-
+/// Whether triangles close a surface: their vector areas cancel out.
 bool is_closed(const Mesh& mesh) {
     glm::dvec3 sum(0);
     double area = 0;
@@ -125,6 +124,8 @@ bool is_closed(const Mesh& mesh) {
     }
     return area > 0 && glm::length(sum) < closed * area;
 }
+
+}  // namespace
 
 void set_bodies(Animation& animation, double start) {
     std::vector<Pose> poses;

@@ -8,7 +8,4 @@ namespace render2mpeg::scene {
 /// instants from `start` (seconds) on where that changes; notes solids whose mesh is open. Needs the duration.
 void set_bodies(Animation& animation, double start);
 
-/// Whether triangles close a surface: their vector areas cancel out, to 5 % of the area.
-bool is_closed(const Mesh& mesh);
-
 }  // namespace render2mpeg::scene
