@@ -192,7 +192,7 @@ def write_nodes(glb, walk, materials, times, film, lost):
 
             def slot(number, over=over, closed=closed):
                 material = over.materials[min(number, len(over.materials) - 1)] if over.materials else None
-                index, layers = materials.index(material, over.mesh_name, over.object_name, closed)
+                index, layers = materials.index(material, over.mesh_name, over.object_name, closed, over.shape)
                 return index, [over.shape.main_uv if layer is None else layer for layer in layers]
             add = add_strands if isinstance(over.shape, Strands) else add_mesh
             meshes[thing.shape] = (add(glb, over.object_name, over.shape, offsets, slot), weights)

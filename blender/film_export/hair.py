@@ -18,6 +18,9 @@ class Strands:
     def is_closed(self):
         return False
 
+    def is_sheet(self):
+        return False
+
 
 def systems_of(thing):
     """Particle systems of an evaluated object that are rendered as strands."""

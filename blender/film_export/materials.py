@@ -125,7 +125,7 @@ class Materials:
 
     # While shapes are written.
 
-    def index(self, material, mesh_name, thing, closed):
+    def index(self, material, mesh_name, thing, closed, shape):
         """(index of the glTF material, names of its layers of coordinates)."""
         if material is None:
             return self.plain(), [None]
@@ -137,7 +137,7 @@ class Materials:
         shines = look.strength != Constant(0.0) and look.emission != Constant((0.0, 0.0, 0.0))
         sides = closed and shines
         body = closed and look.refracts
-        if look.refracts and not closed:
+        if look.refracts and not closed and not shape.is_sheet():
             self.lost.add_of(material, "refraction: the shape is open, so that its glass is a thin pane; close its holes (Mesh > Clean Up > "
                              "Fill Holes), give it a Solidify modifier, or turn its normals outwards", thing=thing)
         key = (material.name_full, mesh_name if self.needs_bake(look) else None, sides, body)

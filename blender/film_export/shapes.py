@@ -52,6 +52,12 @@ class Shape:
         a, b, c = (first[triangles[:, k]] for k in range(3))
         return float(np.sum(a * np.cross(b, c))) > 0
 
+    def is_sheet(self):
+        """Whether all lies in one plane, to a ten-thousandth of its size: a pane of glass as it stands."""
+        place = self.vertices.astype(float)
+        spread = np.linalg.svd(place - place.mean(axis=0), compute_uv=False) if len(place) > 2 else [0, 0]
+        return spread[-1] <= 1e-4 * spread[0]
+
 
 class Bending:
     """A base pose and orthonormal offsets of all later poses, found frame by frame by Gram and Schmidt's method, at the end

@@ -34,7 +34,7 @@ struct Renderer::Impl {
           plan(p),
           posed_scene(film, s.isa, p, store),
           lights(posed_scene, plan, settings, statistics, times),
-          caustics({s.caustic_photons}),
+          caustics({s.caustic_photons, plan.rays_see_sky_in_panes()}),
           final_gather(posed_scene, plan),
           hair_light(posed_scene, plan) {
         begin();
@@ -45,7 +45,7 @@ struct Renderer::Impl {
           plan(prepared.plan),
           posed_scene(prepared.posed_scene),
           lights(prepared.lights, posed_scene, plan, settings, statistics, times),
-          caustics({settings.caustic_photons}),
+          caustics({settings.caustic_photons, plan.rays_see_sky_in_panes()}),
           final_gather(posed_scene, plan),
           hair_light(posed_scene, plan) {
         begin();

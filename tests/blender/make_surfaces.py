@@ -185,6 +185,7 @@ def lost_nodes():
         turned.use_normal_calculate = True
         if name == "Open Vase":
             turned.angle = 5
+    add_primitive("plane", bottle, size=1, name="Window")
     add_camera((0, -6, 2), (0, 0, 0.5))
 
 

@@ -73,7 +73,7 @@ LitByCaustics caustics_of(Stage& stage, Caustics& caustics, const core::Toleranc
 }
 
 LitByCaustics caustics_of(Stage& stage, std::uint64_t photons, SplatVisibility visibility = SplatVisibility::by_rays) {
-    Caustics caustics(CausticSettings{photons, visibility});
+    Caustics caustics(CausticSettings{.photons = photons, .visibility = visibility});
     return caustics_of(stage, caustics, nullptr);
 }
 

@@ -59,6 +59,7 @@ std::unique_ptr<renderer::Renderer> FilmStage::make(bool layers) const {
     wanted.layers = layers;
     wanted.indirect = settings_.vpls > 0;
     wanted.caustics = caustics_;
+    wanted.by_rays = settings_.indirect == renderer::Indirect::rays;
     return std::make_unique<renderer::Renderer>(*film_, settings_,
                                                 renderer::make_plan(scene::traits_of(*film_), wanted));
 }

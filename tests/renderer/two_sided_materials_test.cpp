@@ -17,7 +17,7 @@ using test::FilmStage;
 using test::LitStage;
 using test::SceneBuilder;
 
-constexpr float pi = std::numbers::pi_v<float>;
+constexpr float pi_f = std::numbers::pi_v<float>;
 
 /// A leaf in the plane y = 0 of base colour 0.5 that sends 0.4 of its light to the other side, in another colour.
 int add_leaf(SceneBuilder& b) {
@@ -101,7 +101,7 @@ TEST(DiffuseTransmission, PhotonsLeaveLightOnTheOtherSide) {
     }
     // The leaf is 2 x 2: a flux of 8.
     for (int c = 0; c < 3; ++c) {
-        EXPECT_NEAR(above[c], 8 * leaf_reflects[c] / pi, 0.05f * 8 / pi);
+        EXPECT_NEAR(above[c], 8 * leaf_reflects[c] / pi_f, 0.05f * 8 / pi_f);
         EXPECT_NEAR(below[c] / above[c], leaf_passes[c] / leaf_reflects[c], 1e-3f);
     }
 }
@@ -121,7 +121,7 @@ float anisotropic_formula(float at, float ab, glm::vec3 v, glm::vec3 l) {
     const float w2 = at * ab / glm::dot(f, f);
     const float light = v.z * glm::length(glm::vec3(at * l.x, ab * l.y, l.z)),
                 view = l.z * glm::length(glm::vec3(at * v.x, ab * v.y, v.z));
-    return at * ab * w2 * w2 / pi * 0.5f / (light + view);
+    return at * ab * w2 * w2 / pi_f * 0.5f / (light + view);
 }
 
 TEST(Anisotropy, ScattersAsItsFormulaSays) {
@@ -156,7 +156,7 @@ TEST(Anisotropy, SamplesFindWhatItScatters) {
         const auto light = [](glm::vec3 d) { return 1.0f + d.x; };
         by_samples += glm::dvec3(s.weight * light(s.direction)) / static_cast<double>(n);
         const glm::vec3 l = core::sample_cosine_hemisphere(up, u);
-        by_cosine += glm::dvec3(evaluate(b, up, v, l) * (pi * light(l))) / static_cast<double>(n);
+        by_cosine += glm::dvec3(evaluate(b, up, v, l) * (pi_f * light(l))) / static_cast<double>(n);
     }
     EXPECT_NEAR(by_samples.x / by_cosine.x, 1, 0.01);
 }

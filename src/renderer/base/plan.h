@@ -74,6 +74,10 @@ class Plan {
     explicit Plan(std::vector<PlanRow> rows) : rows_(std::move(rows)) {}
     bool runs(Pass pass) const { return rows_[static_cast<std::size_t>(pass)].runs; }
     const std::vector<PlanRow>& rows() const { return rows_; }
+    /// Whether gather rays see the sky that panes mirror; else it is a caustic.
+    bool rays_see_sky_in_panes() const {
+        return runs(Pass::caustics) && runs(Pass::sky_light) && runs(Pass::indirect_tree) && !runs(Pass::photons);
+    }
 
   private:
     std::vector<PlanRow> rows_;

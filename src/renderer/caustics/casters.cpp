@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <numbers>
@@ -112,15 +113,18 @@ std::array<glm::vec3, 8> corners_of(const scene::Animation& film, const auto& po
     return corners;
 }
 
+bool is_of_sky(const LightPoint& light) {
+    return light.id >= first_sky_id && light.id < first_punctual_id;
+}
+
+/// All but the sky.
 std::vector<std::vector<LightPoint>> points_by_lamp(std::span<const LightPoint> lights) {
-    // Surfaces by object, the sky as a whole, punctual lights one by one.
+    // Surfaces by object, punctual lights one by one.
     std::map<std::uint64_t, std::vector<LightPoint>> by_lamp;
     for (const LightPoint& light : lights) {
-        if (!(core::luminance(light.intensity) > 0.0f)) continue;
-        const bool sky = light.id >= first_sky_id && light.id < first_punctual_id;
-        const std::uint64_t key = light.kind == LightPointKind::oriented ? light.object
-                                  : sky                                  ? std::uint64_t{1} << 32
-                                                                         : (std::uint64_t{2} << 32) + light.id;
+        if (!(core::luminance(light.intensity) > 0.0f) || is_of_sky(light)) continue;
+        const std::uint64_t key =
+            light.kind == LightPointKind::oriented ? light.object : (std::uint64_t{1} << 32) + light.id;
         by_lamp[key].push_back(light);
     }
     std::vector<std::vector<LightPoint>> lamps;
@@ -142,7 +146,7 @@ std::vector<std::vector<LightPoint>> points_by_lamp(std::span<const LightPoint> 
 
 }  // namespace
 
-Casters::Casters(const PosedScene& posed_scene, std::span<const LightPoint> lights) {
+Casters::Casters(const PosedScene& posed_scene, std::span<const LightPoint> lights, float sky_of_rays) {
     const scene::Snapshot& now = posed_scene.posed();
     const scene::Animation& film = posed_scene.animation();
     glm::vec3 low = film.bounds_min, high = film.bounds_max;
@@ -151,7 +155,7 @@ Casters::Casters(const PosedScene& posed_scene, std::span<const LightPoint> ligh
         const float weight = throws(film.materials[static_cast<std::size_t>(object.material)],
                                     posed_scene.has_bodies() ? object.body : scene::Body::none);
         if (!(weight > 0.0f) || !now.objects[i].present) continue;
-        Thing& thing = things_.emplace_back(Thing{i, weight, corners_of(film, now, i)});
+        Thing& thing = things_.emplace_back(Thing{i, weight, posed_scene.passes_straight(i), corners_of(film, now, i)});
         if (now.sweep && now.sweep->object_moves(i))
             for (const scene::SweepKnot& knot : now.sweep->knots) thing.knots.push_back(corners_of(film, knot, i));
         for (const glm::vec3& corner : thing.corners) {
@@ -163,9 +167,14 @@ Casters::Casters(const PosedScene& posed_scene, std::span<const LightPoint> ligh
     sweeps_ = now.sweep && !now.sweep->knots.empty();
     reach_ = 2.0f * glm::length(high - low);
 
-    for (std::vector<LightPoint>& points : points_by_lamp(lights)) {
-        Lamp& lamp = lamps_.emplace_back();
-        lamp.points = std::move(points);
+    for (std::vector<LightPoint>& points : points_by_lamp(lights)) lamps_.emplace_back().points = std::move(points);
+    std::vector<LightPoint> sky;
+    std::copy_if(lights.begin(), lights.end(), std::back_inserter(sky), is_of_sky);
+    std::erase_if(sky, [](const LightPoint& p) { return !(core::luminance(p.intensity) > 0.0f); });
+    lamps_.push_back({.points = beyond_rays(sky, sky_of_rays), .sky_of_panes = true});
+    lamps_.push_back({.points = std::move(sky), .sky = true});
+    std::erase_if(lamps_, [](const Lamp& lamp) { return lamp.points.empty(); });
+    for (Lamp& lamp : lamps_) {
         double sum = 0;
         for (const LightPoint& p : lamp.points)
             lamp.running.push_back(sum += static_cast<double>(core::luminance(p.intensity)));
@@ -173,6 +182,7 @@ Casters::Casters(const PosedScene& posed_scene, std::span<const LightPoint> ligh
     double all = 0;
     for (std::uint32_t l = 0; l < lamps_.size(); ++l)
         for (std::uint32_t t = 0; t < things_.size(); ++t) {
+            if (things_[t].pane ? lamps_[l].sky : lamps_[l].sky_of_panes) continue;
             const double light = caustic_flux(lamps_[l], things_[t]);
             if (light > 0.0) beams_.push_back({l, t, light, 0});
             all += light;

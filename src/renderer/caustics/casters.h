@@ -27,8 +27,9 @@ struct AimedPhoton : LightRay {
 /// their light; a tenth evenly.
 class Casters {
   public:
-    /// Of the posed instant. `lights`: all of its light points.
-    Casters(const PosedScene& posed_scene, std::span<const LightPoint> lights);
+    /// Of the posed instant. `lights`: all of its light points. `sky_of_rays`: luminance up to which gather rays see
+    /// the sky in panes; 0: they do not.
+    Casters(const PosedScene& posed_scene, std::span<const LightPoint> lights, float sky_of_rays);
 
     bool empty() const { return beams_.empty(); }
 
@@ -41,7 +42,8 @@ class Casters {
     using Corners = std::array<glm::vec3, 8>;
     struct Thing {
         std::uint32_t object = 0;
-        float weight = 0;  ///< share of light that it throws, about
+        float weight = 0;   ///< share of light that it throws, about
+        bool pane = false;  ///< glass that passes light straight, and throws what it mirrors
         Corners corners{};
         std::vector<Corners> knots{};  ///< of the sweep, where it moves
         Corners at(float time) const;
@@ -49,7 +51,8 @@ class Casters {
     /// Light points that belong together: those of one shining object, the sky, a lamp.
     struct Lamp {
         std::vector<LightPoint> points;
-        std::vector<double> running;  ///< luminance of the points, summed up
+        bool sky = false, sky_of_panes = false;  ///< what panes have of the sky is another lamp
+        std::vector<double> running;             ///< luminance of the points, summed up
     };
     struct Beam {
         std::uint32_t lamp = 0, thing = 0;

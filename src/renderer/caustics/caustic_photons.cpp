@@ -84,10 +84,25 @@ Landing land(const PosedScene& scene, const PhotonPath& ray, const SurfacePoint&
     return landing;
 }
 
-/// Chooses an event by the flux that it would carry, and carries it all; `scatterings`: nothing goes on.
-std::size_t choose(const SurfacePoint& p, float u, glm::vec3& flux) {
-    const ScatteringShares shares = specular_shares(p);
-    const std::array<float, scatterings> chances = shares.chances(flux);
+/// Chooses an event by the flux that it would carry, and carries it all; `scatterings`: nothing goes on. `sent_on`: the
+/// light has left the straight way from its lamp.
+std::size_t choose(const PosedScene& scene, const SurfacePoint& p, bool sent_on, const PhotonPath& ray, float u,
+                   glm::vec3& flux) {
+    ScatteringShares shares = specular_shares(p);
+    const bool straight = scene.passes_straight(p.address.object);
+    if (straight) {
+        shares[Scattering::glass] = glm::vec3(0);
+        shares[Scattering::layer] = scene.transmittance_at(p.address, ray.direction);
+        shares[Scattering::mirror] = p.alpha * mirrored_by_pane(scene, p);
+    }
+    std::array<float, scatterings> chances = shares.chances(flux);
+    // What passes straight is no caustic, unless another face mirrors it: thin glass mirrors every other photon, the
+    // front of a pane all.
+    if (straight && !sent_on) {
+        const bool all = p.bounds_body && !p.back_side;
+        float& passes = chances[static_cast<std::size_t>(Scattering::layer)];
+        passes = all ? 0.0f : std::min(passes, chances[static_cast<std::size_t>(Scattering::mirror)]);
+    }
     const float sum = std::accumulate(chances.begin(), chances.end(), 0.0f);
     const std::size_t event = chosen(chances, u * sum);
     if (event < scatterings) flux *= shares.of[event] * (sum / chances[event]);
@@ -108,9 +123,7 @@ bool turn(const PosedScene& scene, const SurfacePoint& p, bool bends, glm::vec2 
 
 /// Light that has not met its caster passes thin glass and layers straight, and ends at anything else.
 void pass_before(const PosedScene& scene, const SurfacePoint& p, PhotonPath& ray) {
-    glm::vec3 passing(1.0f - p.alpha);
-    if (!p.unlit && !bends_light(scene, p)) passing += p.alpha * p.bsdf.transmission;
-    ray.flux *= passing;
+    ray.flux *= bends_light(scene, p) ? glm::vec3(1.0f - p.alpha) : scene.transmittance_at(p.address, ray.direction);
     ray.pass(scene, p);
 }
 
@@ -123,7 +136,8 @@ void follow(const PosedScene& scene, const AimedPhoton& aimed, std::vector<Landi
         ++counts.rays;
         const Hit hit = ray.meet(scene);
         if (!hit.found()) return;
-        ray.flux *= ray.left_by_bodies(scene, hit);
+        // Panes take what they absorb at their faces.
+        if (!scene.passes_straight(hit.address.object)) ray.flux *= ray.left_by_bodies(scene, hit);
         ray.flux *= ray.left_by_air(scene, hit.distance);
         const SurfacePoint p = ray.surface_at(scene, hit);
         advance(ray, hit.distance, p.geometric_normal);
@@ -136,7 +150,7 @@ void follow(const PosedScene& scene, const AimedPhoton& aimed, std::vector<Landi
             landings.push_back(land(scene, ray, p, hit.distance, caster));
         const int dimension = first_choice + 3 * surfaces;
         const auto number = [&](int k) { return core::halton(dimension + k, aimed.number); };
-        const std::size_t found = choose(p, number(0), ray.flux);
+        const std::size_t found = choose(scene, p, is_sent_on, ray, number(0), ray.flux);
         if (found == scatterings) return;
         const bool mirrors = static_cast<Scattering>(found) == Scattering::mirror;
         if (!mirrors && (static_cast<Scattering>(found) == Scattering::layer || !bends_light(scene, p))) {

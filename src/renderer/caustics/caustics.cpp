@@ -41,6 +41,10 @@ constexpr float share_of_tolerance = 0.5f, share_of_pixels = 0.95f;
 /// dB or so. fit: docs/measurements.md#caustics. A pixel counts as no more than a hundred tolerances.
 constexpr float least_visible = 0.1f, most_of_pixel = 100.0f;
 
+/// Twice the standard error of caustics is no more than this share of the tolerance, root mean square over the picture:
+/// no more photons are followed than that takes. chosen: a third of `least_visible`.
+constexpr float least_error = 0.03f;
+
 /// Photons by which each frame of a chunk without visible caustics asks whether there are any now. chosen: 2,048, a
 /// hundredth of a CPU second.
 constexpr std::uint64_t asking_photons = 1u << 11;
@@ -177,7 +181,7 @@ CausticBudget budget_of(const Frame& seen, const SplatTree& tree, const std::vec
     };
     const auto tolerated = [&](std::size_t p) { return tolerance_of(p).allows(without(p) + pixels[p].luminance); };
     std::vector<float> excess;
-    double visible = 0;
+    double visible = 0, errors = 0;
     for (std::size_t p = 0; p < pixels.size(); ++p) {
         if (!(pixels[p].luminance > 0.0f)) continue;
         const float t = tolerated(p), allowed = share_of_tolerance * t;
@@ -185,6 +189,9 @@ CausticBudget budget_of(const Frame& seen, const SplatTree& tree, const std::vec
         const float between = std::sqrt(t * tolerance_of(p).allows(without(p)));
         const float shares = std::min(core::divide_or(pixels[p].luminance, between, most_of_pixel), most_of_pixel);
         visible += static_cast<double>(shares * shares);
+        const float error =
+            std::min(core::divide_or(2.0f * std::sqrt(pixels[p].variance), t, most_of_pixel), most_of_pixel);
+        errors += static_cast<double>(error * error);
         if (pixels[p].luminance > allowed)
             excess.push_back(core::divide_or(2.0f * std::sqrt(pixels[p].variance), allowed, 1e3f));
     }
@@ -195,7 +202,8 @@ CausticBudget budget_of(const Frame& seen, const SplatTree& tree, const std::vec
     // Errors fall with the root of the number, and slower than that where kernels narrow
     // (docs/measurements.md#caustics).
     const auto worst = static_cast<double>(quantile(excess, share_of_pixels));
-    const double wanted = static_cast<double>(photons) * std::min(1e6, worst * worst);
+    const double mean = errors / (static_cast<double>(least_error * least_error) * static_cast<double>(pixels.size()));
+    const double wanted = static_cast<double>(photons) * std::min({1e6, worst * worst, mean});
     while (budget.photons < most_photons && static_cast<double>(budget.photons) < wanted) budget.photons *= 2;
 
     // Photons of one irradiance v, at random, that bring E together err by sqrt(v E).
@@ -219,7 +227,8 @@ void Caustics::add(const PosedScene& posed_scene, std::span<const LightPoint> li
                    const core::ToleranceMap* tolerance, const Frame& seen, UngatheredLight& sum,
                    CausticCounts& counts) {
     const int width = seen.visible.width(), height = seen.visible.height();
-    const Casters casters(posed_scene, lights);
+    const float sky_of_rays = settings_.rays_see_sky_in_panes ? brightest_of_rays(posed_scene.sky()) : 0.0f;
+    const Casters casters(posed_scene, lights, sky_of_rays);
     if (casters.empty()) return;
     const SplatTree tree(seen);
     const Splatting splatting(posed_scene, casters, tree, height, settings_);

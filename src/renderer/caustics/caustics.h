@@ -13,7 +13,8 @@
 namespace render2mpeg::renderer {
 
 struct CausticSettings {
-    std::uint64_t photons = 0;  ///< 0: as many as the tolerance needs
+    std::uint64_t photons = 0;           ///< 0: as many as the tolerance needs
+    bool rays_see_sky_in_panes = false;  ///< Plan's: photons bring what of it is too bright for rays
     SplatVisibility visibility = SplatVisibility::by_rays;
 };
 

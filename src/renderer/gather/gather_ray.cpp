@@ -8,6 +8,7 @@
 #include "core/color.h"
 #include "core/sampling.h"
 #include "renderer/geometry/strands.h"
+#include "renderer/surface/light_ray.h"
 #include "scene/model/curves.h"
 
 namespace render2mpeg::renderer {
@@ -73,7 +74,8 @@ class ChosenTerm {
 GatherRays::GatherRays(const PosedScene& posed_scene, const Plan& plan)
     : posed_scene_(posed_scene),
       sky_light_(plan.runs(Pass::sky_light) && posed_scene.sky() != nullptr),
-      bounces_(plan.runs(Pass::indirect_tree)) {
+      bounces_(plan.runs(Pass::indirect_tree)),
+      sky_in_panes_(plan.rays_see_sky_in_panes() ? brightest_of_rays(posed_scene.sky()) : 0.0f) {
     const scene::Animation& film = posed_scene.animation();
     extent_ = glm::length(film.bounds_max - film.bounds_min);
     extent_level_ = extent_ > 0.0f ? std::ilogb(extent_) : 0;
@@ -146,6 +148,21 @@ glm::vec3 GatherRays::escaped(glm::vec3 direction, const RayRules& rules, bool m
     return sky + asked->lights.suns(asked->query, direction, [&](float other) { return asked->share(other); });
 }
 
+/// Light of the sky that a pane mirrors straight to where it is seen from. Smooth light needs no photons.
+glm::vec3 GatherRays::sky_in_pane(const SurfacePoint& pane, float solid_angle, std::uint64_t& rays) const {
+    const glm::vec3 share = pane.alpha * mirrored_by_pane(posed_scene_, pane);
+    if (!(core::luminance(share) > 0.0f)) return glm::vec3(0);
+    LightRay ray;
+    ray.reflect(pane, pane.shading_normal);
+    glm::vec3 sky = posed_scene_.sky()->radiance_of_ray(ray.direction, solid_angle);
+    sky *= std::min(core::divide_or(sky_in_panes_, core::luminance(sky), 1.0f), 1.0f);
+    if (const Air* air = posed_scene_.air()) sky *= std::exp(-air->depth_to_sky(ray.origin, ray.direction));
+    ++rays;
+    return share * sky *
+           posed_scene_.tracer().passes(ray.origin, ray.direction, std::numeric_limits<float>::infinity(),
+                                        Bodies::block);
+}
+
 glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, float solid_angle, std::uint64_t number,
                              std::uint32_t index, std::vector<RayTerm>& terms, std::uint64_t& rays) const {
     const Air* air = posed_scene_.air();
@@ -183,12 +200,12 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, float
         if (asked != nullptr && shines_[material])
             known += passing * p.emission *
                      (mirrored ? 1.0f : asked->share(asked->lights.surface_density(asked->query, hit.address)));
+        if (asked == nullptr && sky_in_panes_ > 0.0f) known += passing * sky_in_pane(p, solid_angle, rays);
         const glm::vec3 shown = passing * p.alpha;
         if (rules.is_lobe && p.unlit) known += shown * p.emission;
         if (p.bsdf.has_diffuse() || p.bsdf.has_glossy() || p.bsdf.has_diffuse_transmission() || p.fibre)
             chosen.offer(shown, place);
-        const bool blocks = rules.bodies_block && p.bounds_body &&
-                            posed_scene_.animation().objects[hit.address.object].body == scene::Body::solid;
+        const bool blocks = rules.bodies_block && bends_light(posed_scene_, p);
         passing *= blocks ? glm::vec3(0) : posed_scene_.transmittance_at(hit.address, ray.direction);
         if (!(core::luminance(passing) > least_passing)) {
             passing = shown * p.bsdf.mirror;

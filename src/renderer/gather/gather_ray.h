@@ -75,12 +75,14 @@ class GatherRays {
 
   private:
     glm::vec3 escaped(glm::vec3 direction, const RayRules& rules, bool mirrored, float solid_angle) const;
+    glm::vec3 sky_in_pane(const SurfacePoint& pane, float solid_angle, std::uint64_t& rays) const;
     float fibre_cell(std::uint32_t object) const;
     Sighting sighting(const RayQuery& ray, const Hit& hit, float distance, const RayRules& rules,
                       std::uint64_t number) const;
 
     const PosedScene& posed_scene_;
     bool sky_light_, bounces_;  ///< passes of the plan
+    float sky_in_panes_;        ///< luminance that panes mirror of the sky at most; 0: none
     float extent_;              ///< of the scene, world: places are sorted by its parts
     int extent_level_;          ///< power of two in it: scaled scenes have the same cells
     std::vector<bool> plain_;   ///< by material: opaque, neither mirror nor glass

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <tuple>
 #include <utility>
 
 #include "core/color.h"
@@ -45,18 +44,6 @@ std::map<std::uint32_t, std::uint32_t> outline_of(const scene::Mesh& mesh, const
         if (!next.emplace(edge.first, edge.second).second) simple = false;
     }
     return next;
-}
-
-/// For each vertex the first one at its place.
-std::vector<std::uint32_t> weld(const scene::Mesh& mesh) {
-    const auto less = [](const glm::vec3& a, const glm::vec3& b) {
-        return std::tuple(a.x, a.y, a.z) < std::tuple(b.x, b.y, b.z);
-    };
-    std::map<glm::vec3, std::uint32_t, decltype(less)> first(less);
-    std::vector<std::uint32_t> welded;
-    for (std::uint32_t i = 0; i < mesh.positions.size(); ++i)
-        welded.push_back(first.emplace(mesh.positions[i], i).first->second);
-    return welded;
 }
 
 glm::vec3 wound_normal(const scene::Mesh& mesh, glm::uvec3 t) {
@@ -192,7 +179,7 @@ std::vector<glm::vec3> convex_outline(const scene::Mesh& mesh) {
     const float size = size_of(mesh);
     const glm::vec3 normal = core::normalize_or(wound_normal(mesh, mesh.triangles.front()), glm::vec3(0));
     if (normal == glm::vec3(0) || !is_flat(mesh, normal, size)) return {};
-    const std::vector<std::uint32_t> welded = weld(mesh);
+    const std::vector<std::uint32_t> welded = scene::weld(mesh);
     bool simple = true;
     const auto next = outline_of(mesh, welded, simple);
     if (!simple || next.empty()) return {};

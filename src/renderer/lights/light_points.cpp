@@ -158,11 +158,6 @@ std::vector<LightPoint> LightPoints::at(const PosedScene& posed_scene) const {
     return points;
 }
 
-float brightest_of_rays(const image::SkyMap* sky) {
-    return sky == nullptr || sky->uniform() ? std::numeric_limits<float>::infinity()
-                                            : 8.0f * core::luminance(sky->mean());
-}
-
 std::vector<LightPoint> beyond_rays(std::vector<LightPoint> points, float brightest) {
     std::erase_if(points, [&](LightPoint& p) {
         if (p.id < first_sky_id || p.id >= first_punctual_id) return false;

@@ -66,10 +66,6 @@ class LightPoints {
     std::vector<LightPoint> average_;
 };
 
-/// Luminance that gather rays see of a sky at most; light points have what is brighter. chosen: 8 times its mean, so
-/// that rays differ by no more than that; infinite for a sky of one colour.
-float brightest_of_rays(const image::SkyMap* sky);
-
 /// The light points less what gather rays see of the sky: parts of it keep what is brighter than that.
 std::vector<LightPoint> beyond_rays(std::vector<LightPoint> points, float brightest);
 

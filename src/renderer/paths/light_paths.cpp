@@ -1,5 +1,6 @@
 #include "renderer/paths/light_paths.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -53,6 +54,7 @@ struct LightPaths::Path {
     float density = 0;          ///< of the ray's direction
     bool first = true;          ///< `at` is where the path began
     bool mirrored = false;      ///< a mirror lies between `at` and the ray
+    bool in_pane = false;       ///< a pane does, and nothing but the sky is seen in it
     glm::vec3 seen_in_lobe{0};  ///< share of a narrow lobe, on the ray from the first point; 0: it is not narrow
 
     void stand_on(Scatterer place) {
@@ -66,6 +68,7 @@ struct LightPaths::Path {
 LightPaths::LightPaths(const PosedScene& posed_scene, const Plan& plan)
     : posed_scene_(posed_scene),
       sky_light_(plan.runs(Pass::sky_light) && posed_scene.sky() != nullptr),
+      sky_in_panes_(plan.rays_see_sky_in_panes() ? brightest_of_rays(posed_scene.sky()) : 0.0f),
       bodies_(plan.runs(Pass::caustics) ? Bodies::block : Bodies::pass),
       lights_(posed_scene, plan) {}
 
@@ -176,6 +179,7 @@ glm::vec3 LightPaths::escaped(const Path& path) const {
     if (sky_light_)
         sum = posed_scene_.sky()->radiance(path.ray.direction, 0.0f) *
               path.weight(lights_.sky_density(path.ray.direction));
+    if (path.in_pane) sum *= std::min(core::divide_or(sky_in_panes_, core::luminance(sum), 1.0f), 1.0f);
     if (path.first && path.mirrored) return sum;
     return sum + lights_.suns(path.at.query(), path.ray.direction, [&](float other) { return path.weight(other); });
 }
@@ -196,8 +200,9 @@ LightPaths::Event LightPaths::go_on(Path& path, const SurfacePoint& met, float c
     ScatteringShares shares;
     shares[Scattering::diffuse] = there.albedo();
     shares[Scattering::beyond] = met.bsdf.diffuse_transmission;
-    shares[Scattering::mirror] = met.bsdf.mirror;
-    shares[Scattering::glass] = met.bsdf.transmission;
+    const bool straight = posed_scene_.passes_straight(met.address.object);
+    shares[Scattering::mirror] = straight ? mirrored_by_pane(posed_scene_, met) : met.bsdf.mirror;
+    if (!straight) shares[Scattering::glass] = met.bsdf.transmission;
     // No surface is brighter than the brightest.
     const float largest = there.is_fibre() ? largest_hair_albedo : largest_albedo;
     const float whole = core::divide_or(mean(path.throughput * shares.sum()), mean(path.throughput), 0.0f);
@@ -205,11 +210,16 @@ LightPaths::Event LightPaths::go_on(Path& path, const SurfacePoint& met, float c
     for (glm::vec3& share : shares.of) share *= cut;
     // All that goes straight on is one event.
     shares[Scattering::glass] = glm::vec3(0);
-    const bool translucent = met.alpha < 1.0f || mean(met.bsdf.transmission) > 0.0f;
+    const bool translucent = met.alpha < 1.0f || straight || mean(met.bsdf.transmission) > 0.0f;
     if (translucent && !(path.first && bodies_ == Bodies::block && bends_light(posed_scene_, met)))
         shares[Scattering::layer] = posed_scene_.transmittance_at(met.address, path.ray.direction);
-    // No caustic on the first surface; its narrow lobe alone looks into mirrors.
-    if (path.first) shares[Scattering::mirror] *= path.seen_in_lobe;
+    // No caustic on the first surface; its narrow lobe alone looks into mirrors, but for the sky in panes.
+    const bool for_sky = path.first && !(mean(path.seen_in_lobe) > 0.0f);
+    if (path.in_pane) shares[Scattering::diffuse] = shares[Scattering::beyond] = glm::vec3(0);
+    if (for_sky)
+        shares[Scattering::mirror] *= straight && sky_in_panes_ > 0.0f ? 1.0f : 0.0f;
+    else if (path.first)
+        shares[Scattering::mirror] *= path.seen_in_lobe;
 
     std::array<float, scatterings> chances = shares.chances(path.throughput);
     const float sum = std::accumulate(chances.begin(), chances.end(), 0.0f);
@@ -222,7 +232,8 @@ LightPaths::Event LightPaths::go_on(Path& path, const SurfacePoint& met, float c
             path.throughput *= shares.of[found] / chances[found];
             path.ray.reflect(met, met.shading_normal);
             path.mirrored = true;
-            if (path.first) path.seen_in_lobe = glm::vec3(1);
+            path.in_pane = for_sky;
+            if (path.first && !for_sky) path.seen_in_lobe = glm::vec3(1);
             return Event::passes;
         case Scattering::beyond:
             there = Scatterer(posed_scene_, posed_scene_.other_side(met));

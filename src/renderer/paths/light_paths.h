@@ -35,7 +35,8 @@ class LightPaths {
 
     const PosedScene& posed_scene_;
     bool sky_light_;
-    Bodies bodies_;  ///< to light that the first point sees straight
+    float sky_in_panes_;  ///< luminance that the first point sees of the sky in panes at most; 0: none
+    Bodies bodies_;       ///< to light that the first point sees straight
     LightSources lights_;
 };
 

@@ -64,6 +64,17 @@ glm::vec3 Medium::passes(float distance) const {
     return glm::exp(-absorption * distance);
 }
 
+glm::vec3 passing_pane(const Medium& medium, float reflected, float cosine, float thickness) {
+    const float within = cosine_beyond(std::clamp(cosine, 0.0f, 1.0f), medium.index);
+    const glm::vec3 left = medium.passes(core::divide_or(thickness, within, 0.0f));
+    glm::vec3 passing;
+    for (int c = 0; c < 3; ++c) {
+        const float around = reflected * left[c];
+        passing[c] = (1.0f - reflected) * core::sqrt_or_zero(core::divide_or(left[c], 1.0f - around * around, 0.0f));
+    }
+    return passing;
+}
+
 Medium medium_of(const scene::Material& material) {
     Medium medium;
     medium.index = material.ior;

@@ -40,6 +40,10 @@ struct Medium {
     glm::vec3 passes(float distance) const;
 };
 
+/// Share of light that passes one of a pane's two faces: the root of what passes both, all reflections between them
+/// included [BornWolf, 7.6.1]. `reflected`: by one face, 0..1; `cosine` before it; `thickness` >= 0.
+glm::vec3 passing_pane(const Medium& medium, float reflected, float cosine, float thickness);
+
 /// As a material says. [KHR_materials_volume, KHR_materials_dispersion]
 Medium medium_of(const scene::Material& material);
 

@@ -82,6 +82,16 @@ bool bends_light(const PosedScene& scene, const SurfacePoint& point) {
     return point.bounds_body && scene.animation().objects[point.address.object].body == scene::Body::solid;
 }
 
+glm::vec3 mirrored_by_pane(const PosedScene& scene, const SurfacePoint& point) {
+    if (point.unlit || !scene.passes_straight(point.address.object)) return glm::vec3{0.0f};
+    const glm::vec3 face = point.bsdf.mirror;
+    if (!point.bounds_body) return face;
+    if (point.back_side) return glm::vec3{0.0f};
+    // What the other face mirrors passes this one twice, and is mirrored between them [BornWolf, 7.6.1].
+    const glm::vec3 passing = scene.transmittance_at(point.address, -point.outgoing);
+    return face * (1.0f + passing * passing);
+}
+
 glm::vec3 facet_of(const SurfacePoint& point, glm::vec2 u) {
     const glm::vec3 n = point.shading_normal;
     if (!point.bounds_body || !(point.bsdf.alpha > 1.0001f * sharp_alpha)) return n;

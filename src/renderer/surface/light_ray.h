@@ -45,6 +45,10 @@ struct LightRay {
 /// Whether a point's boundary bends light: that of a solid body of glass.
 bool bends_light(const PosedScene& scene, const SurfacePoint& point);
 
+/// Share of light that glass mirrors which passes light straight, alpha apart. A pane's front has it all, its back
+/// nothing.
+glm::vec3 mirrored_by_pane(const PosedScene& scene, const SurfacePoint& point);
+
 /// The facet of a body's boundary that a ray meets: the shading normal, or, of rough glass, one chosen by the density
 /// of visible facets.
 glm::vec3 facet_of(const SurfacePoint& point, glm::vec2 u);

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/color.h"
 #include "core/error.h"
 #include "core/numeric.h"
 #include "renderer/base/sampled_clock.h"
@@ -116,9 +118,12 @@ struct PosedScene::Impl {
         SurfaceShape shape;
         shape.mesh = &animation.meshes[static_cast<std::size_t>(animation.objects[address.object].mesh)];
         set_corners(shape, address);
+        const scene::Object& object = animation.objects[address.object];
         const bool is_glass = animation.materials[material].transmission > 0.0f;
-        return still->materials.transmittance_at(material, shape, *snapshot,
-                                                 is_glass ? cosine_at(address, shape, direction) : 1.0f);
+        const bool is_pane = object.body == scene::Body::slab && !still->media.empty();
+        return still->materials.transmittance_at(
+            material, shape, *snapshot, is_glass ? cosine_at(address, shape, direction) : 1.0f,
+            is_pane ? &*still->media[address.object] : nullptr, object.pane_thickness);
     }
 
     const scene::Animation& animation;
@@ -173,6 +178,11 @@ const Medium* PosedScene::medium_within(std::uint32_t object) const {
 }
 bool PosedScene::has_bodies() const {
     return !impl_->still->media.empty();
+}
+
+bool PosedScene::passes_straight(std::uint32_t object) const {
+    return impl_->animation.materials[impl_->material_of(object)].transmission > 0.0f &&
+           !(has_bodies() && impl_->animation.objects[object].body == scene::Body::solid);
 }
 
 SurfacePoint PosedScene::surface_at(const core::SurfaceAddress& address, glm::vec3 outgoing,
@@ -283,6 +293,11 @@ SurfaceFootprint PosedScene::normal_change(const core::SurfaceAddress& address, 
 glm::vec3 offset_origin(const SurfacePoint& point, glm::vec3 direction) {
     const bool behind = glm::dot(direction, point.geometric_normal) < 0.0f;
     return point.position + (behind ? -point.position_error : point.position_error) * point.geometric_normal;
+}
+
+float brightest_of_rays(const image::SkyMap* sky) {
+    return sky == nullptr || sky->uniform() ? std::numeric_limits<float>::infinity()
+                                            : 8.0f * core::luminance(sky->mean());
 }
 
 }  // namespace render2mpeg::renderer

@@ -71,6 +71,9 @@ class PosedScene {
     /// Whether any object does.
     bool has_bodies() const;
 
+    /// Whether an object's glass lets light pass straight: panes, and all glass that is thin.
+    bool passes_straight(std::uint32_t object) const;
+
     /// Share of light that goes straight through a surface, as shadow rays of that direction have it
     /// (RayTracer::Transmittance).
     glm::vec3 transmittance_at(const core::SurfaceAddress& address, glm::vec3 direction) const;
@@ -104,6 +107,10 @@ class PosedScene {
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };
+
+/// Luminance that gather rays see of a sky at most; light points have what is brighter. chosen: 8 times its mean, so
+/// that rays differ by no more than that; infinite for a sky of one colour.
+float brightest_of_rays(const image::SkyMap* sky);
 
 /// Where a ray leaves `point` towards `direction`: moved off its surface by a bound of what rounding may be off, not by
 /// a fixed epsilon, so that scenes of any scale and at any place look alike (docs/model/visibility.md).

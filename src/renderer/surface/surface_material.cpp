@@ -199,7 +199,8 @@ glm::vec3 SurfaceMaterials::emission_at(std::uint32_t material, const SurfaceSha
 }
 
 glm::vec3 SurfaceMaterials::transmittance_at(std::uint32_t material, const SurfaceShape& shape,
-                                             const scene::Snapshot& snapshot, float cosine) const {
+                                             const scene::Snapshot& snapshot, float cosine, const Medium* pane,
+                                             float thickness) const {
     const scene::Material& m = animation_.materials[material];
     const glm::vec4 base = base_color_at(material, shape, snapshot);
     const float covered = coverage(material, shape, base.a);
@@ -209,8 +210,12 @@ glm::vec3 SurfaceMaterials::transmittance_at(std::uint32_t material, const Surfa
     if (!(transmission > 0.0f) || m.specular_glossiness) return holes;
     const float metallic = metallic_of(m, look_up(material, TextureRole::metallic_roughness, shape));
     const Dielectric interface = dielectric_at(material, shape);
-    return holes + covered * passing_glass(glass_color(m, unit_range(glm::vec3(base))), metallic, transmission,
-                                           interface.f0, interface.f90, cosine);
+    const glm::vec3 color = glass_color(m, unit_range(glm::vec3(base)));
+    if (pane == nullptr)
+        return holes + covered * passing_glass(color, metallic, transmission, interface.f0, interface.f90, cosine);
+    const float reflected = dielectric_reflectance(cosine, pane->index) * interface.f90;
+    return holes +
+           covered * color * ((1.0f - metallic) * transmission) * passing_pane(*pane, reflected, cosine, thickness);
 }
 
 void SurfaceMaterials::fill(SurfacePoint& point, const SurfaceShape& shape, const ObjectInstant& object,

@@ -3,6 +3,7 @@
 #include <glm/glm.hpp>
 
 #include "renderer/geometry/surface_shape.h"
+#include "renderer/surface/dielectric.h"
 #include "renderer/surface/material_textures.h"
 #include "renderer/surface/surface_point.h"
 
@@ -22,9 +23,9 @@ class SurfaceMaterials {
     glm::vec3 emission_at(std::uint32_t material, const SurfaceShape& shape) const;
 
     /// Share of light that goes straight through at a point, for shadow rays: holes, and glass that the ray meets with
-    /// this cosine to the normal, > 0.
+    /// this cosine to the normal, > 0. `pane`: medium of the pane, so thick, of which this is a face; null: of none.
     glm::vec3 transmittance_at(std::uint32_t material, const SurfaceShape& shape, const scene::Snapshot& snapshot,
-                               float cosine) const;
+                               float cosine, const Medium* pane, float thickness) const;
 
     /// Whether surfaces of a material may let light through somewhere.
     bool is_translucent(std::uint32_t material) const;

@@ -54,6 +54,7 @@ struct Object {
     std::vector<float> morph_weights;  ///< where no track says otherwise
     Mobility mobility = Mobility::still;
     Body body = Body::none;
+    float pane_thickness = 0;  ///< of a slab, world: the mean of its panes
 };
 
 /// From `frame` on, the film shows this camera.

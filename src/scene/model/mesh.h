@@ -40,4 +40,7 @@ struct Mesh {
     std::size_t primitives() const { return triangles.size() + curves.size(); }
 };
 
+/// For each vertex the first one at its place.
+std::vector<std::uint32_t> weld(const Mesh& mesh);
+
 }  // namespace render2mpeg::scene

@@ -12,6 +12,7 @@
 #include "scene/model/wording.h"
 #include "scene/pose/extent.h"
 #include "scene/pose/pose.h"
+#include "scene/preparation/bodies.h"
 #include "scene/preparation/default_light.h"
 #include "scene/preparation/framing.h"
 #include "scene/preparation/traits.h"
@@ -124,8 +125,8 @@ void complete(Animation& animation, DefaultLight light) {
 
     // Derive.
     set_mobility(animation);
-    set_bodies(animation);
     set_duration(animation);
+    set_bodies(animation, first_second(animation));
     suggest_rate(animation);
     const bool dark = !has_light(animation);
     View view = View::orbit;
