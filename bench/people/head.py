@@ -1,9 +1,7 @@
 """A head that turns before a studio's backdrop: skin below which light spreads, eyes, brows, and hair with children."""
-import math
-import os
 import sys
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+sys.path.insert(0, __file__.rpartition("/")[0] or ".")
 from making import *  # noqa: E402,F403
 
 

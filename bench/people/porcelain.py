@@ -1,9 +1,7 @@
 """A cup of coffee and a vase before white: a product studio of three soft boxes, past which the camera glides."""
-import math
-import os
 import sys
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+sys.path.insert(0, __file__.rpartition("/")[0] or ".")
 from making import *  # noqa: E402,F403
 
 start(4)

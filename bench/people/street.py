@@ -1,9 +1,7 @@
 """A wet street at night: instances of lamp posts with their spots, lit windows, a car with its lights on, and fog."""
-import math
-import os
 import sys
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+sys.path.insert(0, __file__.rpartition("/")[0] or ".")
 from making import *  # noqa: E402,F403
 
 start(4)

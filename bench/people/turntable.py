@@ -1,9 +1,7 @@
 """A bottle of perfume on a turntable out of doors: glass with a liquid, brushed metal, clear coat, relief; lens and shutter."""
-import math
-import os
 import sys
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+sys.path.insert(0, __file__.rpartition("/")[0] or ".")
 from making import *  # noqa: E402,F403
 
 scene = start(4)

@@ -1,9 +1,7 @@
 """A yard before a house in the afternoon: window panes, grass, a tree of ten thousand leaves, under sun and sky."""
-import math
-import os
 import sys
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+sys.path.insert(0, __file__.rpartition("/")[0] or ".")
 from making import *  # noqa: E402,F403
 
 start(4)
