@@ -53,6 +53,11 @@ core::Block8x8 worst_errors(const core::Block8x8& c, const core::Block8x8& m, co
     return errors;
 }
 
+float share_of_mean(const Quantisation& quantisation, const BlockCoding& coding) {
+    const core::Block8x8 errors = worst_errors({}, masking_sensitivity(), quantisation, coding);
+    return std::min(errors[0] / root_mean_square(errors), 1.0f);
+}
+
 float root_mean_square(const core::Block8x8& errors) {
     float sums[8] = {};
     for (std::size_t i = 0; i < 64; ++i) sums[i % 8] += errors[i] * errors[i];

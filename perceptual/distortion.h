@@ -30,6 +30,9 @@ struct BlockCoding {
 core::Block8x8 worst_errors(const core::Block8x8& c, const core::Block8x8& m, const Quantisation& quantisation,
                             const BlockCoding& coding);
 
+/// Error of a block's mean over that of its samples, RMS, of blocks that all but vanish: in (0, 1].
+float share_of_mean(const Quantisation& quantisation, const BlockCoding& coding);
+
 /// RMS over the block's 64 samples, since the transform keeps energy.
 float root_mean_square(const core::Block8x8& errors);
 

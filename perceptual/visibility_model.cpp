@@ -223,6 +223,8 @@ Tolerated VisibilityModel::tolerate(const core::Visible& visible, const Requanti
     // Newly visible pixels hide errors like the rest: with a tolerance of 2 % they would stand out as bands.
     const float unseen = std::max(least_relative, fraction * requantised.low_fraction);
     tolerated.map.typical = unseen;
+    const CodingPlan& plan = requantised.plan;
+    tolerated.map.means = share_of_mean(plan.quantisation, {plan.scale, plan.intra});
     for (std::size_t i = 0; i < tolerated.warped.size(); ++i) {
         const glm::vec2 masked = tolerated.warped.values()[i];
         core::Tolerance& t = tolerated.map.pixels.values()[i];

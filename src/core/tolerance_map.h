@@ -28,6 +28,7 @@ struct Tolerance {
 struct ToleranceMap {
     Plane<Tolerance> pixels;
     float typical = 0;  ///< share of luminance that most pixels may be off by; 0: tolerances are bounds, no prices
+    float means = 1;    ///< (0, 1]: of pixels' tolerances, what they may be off by all together in blocks of 8x8
 
     bool is_reference() const { return pixels.empty(); }
     static ToleranceMap reference() { return {}; }

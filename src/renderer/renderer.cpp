@@ -382,7 +382,7 @@ std::vector<AuditedPixel> Renderer::audit(const scene::Snapshot& snapshot, const
     if (count <= 0) return {};
     return impl_->audited(snapshot, lit, tolerance, [&](const AuditedFrame& frame) {
         const std::vector<LitPixel> pixels =
-            drawn(lit_pixels(lit.frame), static_cast<std::size_t>(count), lit.frame.visible.frame);
+            drawn_with_blocks(lit_pixels(lit.frame), static_cast<std::size_t>(count), lit.frame);
         return compare(lit.frame, pixels, exact_pixels(frame, pixels), frame.context.tolerance, frame.radiance);
     });
 }

@@ -39,6 +39,7 @@ std::vector<ValidatedPixel> validate_pixels(const AuditedFrame& frame, const See
     for (const AuditedPixel& a : audited) {
         const LitPixel pixel = pixel_at(seen, {a.x, a.y});
         ValidatedPixel& p = validated.emplace_back();
+        p.place = {a.x, a.y};
         p.shown = frame.radiance.combined.at(a.x, a.y), p.at_points = a.radiance;
         if (!tolerance.is_reference()) p.least = tolerance.pixels.at(a.x, a.y).absolute;
         const std::span<const GatherPoint> points(seen.tiles[pixel.tile]);

@@ -96,6 +96,16 @@ TEST(WorstErrors, OfTheMeanDoNotGrowWithTheScale) {
         }
 }
 
+TEST(ShareOfMean, FallsAsTheScaleRises) {
+    // 63 coefficients of size 8 s and a mean of at most half of the step of 8.
+    for (const bool intra : {true, false})
+        for (const float scale : {0.25f, 0.5f, 1.0f, 2.0f, 4.0f}) {
+            const float mean = intra ? 4.0f : std::min(8.0f * scale, 4.0f),
+                        all = std::sqrt((63 * 64 * scale * scale + mean * mean) / 64);
+            EXPECT_FLOAT_EQ(share_of_mean(default_quantisation(), {scale, intra, nullptr}), std::min(mean / all, 1.0f));
+        }
+}
+
 TEST(WorstErrors, FollowTheEncodersMatrices) {
     const core::Block8x8 c = random_block(8, 400.0f), m = random_thresholds(8);
     Quantisation twice = default_quantisation();

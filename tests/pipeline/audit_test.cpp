@@ -110,6 +110,36 @@ TEST(Audit, AddsUpOverRuns) {
     EXPECT_FALSE(json_of(RunStatistics()).contains("audit_split"));
 }
 
+TEST(Audit, OfWholeBlocksTellsTheErrorOfTheirMeans) {
+    // Errors of 3 and -1 code values by turns, whose mean is 1; the halves of the truth are 0.5 off it, up and down.
+    std::vector<renderer::ValidatedPixel> pixels;
+    const auto luma = [](glm::vec3 light) { return 20.0 * static_cast<double>(light.y); };
+    for (int i = 0; i < 64 + 63; ++i) {
+        renderer::ValidatedPixel& p = pixels.emplace_back();
+        p.place = {16 + i % 8, 8 + i / 8};
+        p.shown = p.at_points = glm::vec3(i % 2 == 0 ? 1.15f : 0.95f);
+        p.truth.at_points.halves = p.truth.whole.halves = {glm::dvec3(1.025), glm::dvec3(0.975)};
+    }
+    renderer::ErrorSplit split;
+    split.add(pixels, luma);
+    EXPECT_EQ(split.sums().blocks, 1u) << "one pixel of the second is missing";
+    const auto total = renderer::ErrorCause::total;
+    EXPECT_NEAR(split.block_mean_square(total).value, 0.5 * 1.5, 1e-5);
+    EXPECT_NEAR(split.block_rms(total), std::sqrt(0.75), 1e-5);
+    EXPECT_NEAR(split.mean_square(total, renderer::ErrorMeasure::code_value).value,
+                (64 * (2.5 * 3.5) + 63 * (1.5 * 0.5)) / 127, 1e-4);
+    renderer::ErrorSplit twice;
+    twice.add(split);
+    twice.add(split);
+    EXPECT_EQ(twice.sums().blocks, 2u);
+    EXPECT_EQ(twice.block_rms(total), split.block_rms(total));
+    RunStatistics written, read;
+    written.audit.split = split;
+    written.audit.errors.add(1);
+    restore(read, json_of(written));
+    EXPECT_EQ(read.audit.split.block_rms(total), split.block_rms(total));
+}
+
 TEST(Audit, OfNoPixelsIsOfNoError) {
     Audit audit;
     EXPECT_EQ(audit.share_over(), 0.0);

@@ -16,7 +16,7 @@ namespace render2mpeg::test {
 namespace {
 
 const std::string few_samples =
-    " --size 48x32 --indirect lightcuts --vpls 16 --samples 1 --exposure 0 --sample 1x4 --references 2";
+    " --size 48x32 --indirect lightcuts --vpls 4000 --samples 1 --exposure 0 --sample 1x4 --references 2";
 
 TEST(Compare, HoldsFourWaysAgainstOneReferenceSlow) {
     const Folder folder;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "core/sampling.h"
 #include "renderer/cache/local_regression.h"
@@ -28,6 +29,21 @@ TEST_F(Wall, LightThatChangesEvenlyIsFoundBetweenRecords) {
         }
     }
     EXPECT_GE(found, 14 * 14 * 9 / 10);
+}
+
+TEST_F(Wall, LightThatBendsAlikeInAllDirectionsIsFoundBetweenRecords) {
+    const auto light = [](glm::vec2 at) { return 1.0f - 0.002f * glm::dot(at - 12.0f, at - 12.0f); };
+    strew(2, light);
+    int found = 0;
+    for (int y = 7; y < 17; ++y)
+        for (int x = 7; x < 17; ++x) {
+            const auto e = estimate_at(x, y, 0.02f);
+            if (!e) continue;
+            ++found;
+            // Planes through records within 6 pixels would miss a hundredth.
+            EXPECT_NEAR(e->indirect.x, light({static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f}), 1e-4f);
+        }
+    EXPECT_EQ(found, 100);
 }
 
 TEST_F(Wall, NobodyGuessesAcrossAnEdgeOfLight) {
@@ -154,6 +170,31 @@ TEST_F(NoisyWall, NoiseOfRaysIsAveragedWhereLightIsEven) {
     EXPECT_GT(e.told, 0.8 * e.found);
     EXPECT_LT(e.told, 2 * e.found);
     EXPECT_GT(e.radius, 3);
+}
+
+TEST_F(NoisyWall, WhatABlockHasInCommonIsToldAndCosts) {
+    strew_noisy(0.1f, 0.0f);
+    // Shares of every record in the mean of 8x8 pixels, by the weights of each.
+    std::vector<double> shares(records_.size(), 0.0);
+    LocalRegression fit;
+    double variance = 0, told = 0, of_pixel = 0;
+    for (int p = 0; p < 64; ++p) {
+        const GatherPoint& point = point_at(8 + p % 8, 8 + p / 8);
+        const auto at = stage_.world().camera.project(point.point.position)->position;
+        fit.collect({point, {0, 0.02f, 0}, at, stage_.world().camera.pixel_size() * 2.0f, receives(point)},
+                    LocalRegression::Of::rays_light, map_, records_);
+        const RegressionError error = fit.estimate();
+        for (std::size_t k = 0; k < fit.size(); ++k) shares[fit.record(k)] += fit.weight(k) / 64.0;
+        const double shown = receives(point);
+        told += error.of_block / (64 * shown * shown);
+        of_pixel += error.variance / (64 * shown * shown);
+    }
+    for (const double share : shares) variance += share * share * 0.01;
+    EXPECT_GT(variance, 4 * of_pixel / 64) << "neighbours share noise";
+    EXPECT_NEAR(told / variance, 1.0, 0.35);
+    // Where coding hides half as much of it, a pixel's error counts by three times of that more.
+    EXPECT_DOUBLE_EQ((GatherAim{0.1f, 0.5f}.priced(1.0, 0.25)), 1.75);
+    EXPECT_DOUBLE_EQ((GatherAim{0.1f}.priced(1.0, 0.25)), 1.0);
 }
 
 TEST_F(NoisyWall, StepsOfLightAreNoNoise) {

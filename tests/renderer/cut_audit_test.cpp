@@ -1,11 +1,17 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
+#include <utility>
+#include <vector>
 
 #include "core/color.h"
 #include "parallel/loops.h"
+#include "renderer/calibration/audit.h"
 #include "tests/renderer/film_stage.h"
+#include "tests/renderer/stage.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -53,9 +59,10 @@ TEST(Audit, FindsTheDifferenceToTheReferenceFrame) {
     double errors = 0;
     for (const AuditedPixel& p : pixels) {
         const float expected = core::luminance(truth.combined.at(p.x, p.y));
-        EXPECT_NEAR(p.luminance, expected, 1e-5f * (expected + 1e-3f));
+        EXPECT_NEAR(p.luminance, expected, 3e-5f * (expected + 1e-3f));
         EXPECT_NEAR(p.error, std::abs(core::luminance(frame.cut.radiance.combined.at(p.x, p.y)) - expected),
-                    2e-5f * expected);
+                    3e-5f * expected)
+            << "rounding of sums";
         EXPECT_EQ(p.tolerance, 0.3f * p.luminance);
         errors += p.error;
     }
@@ -83,6 +90,29 @@ TEST(Audit, CostsNothingAndCountsNowhere) {
     frame.audit(50);
     EXPECT_EQ(frame.stage.statistics().shadow_rays, before.shadow_rays);
     EXPECT_EQ(frame.stage.statistics().gather_points, before.gather_points);
+}
+
+TEST(Audit, ChoosesHalfOfItsPixelsAsWholeBlocks) {
+    test::SceneBuilder b;
+    b.add_quad({-2, -2, 0}, {4, 0, 0}, {0, 4, 0}, b.add_material({0.5f, 0.4f, 0.3f}));
+    b.add_camera({0, 0, 2}, {0, 0, 0});
+    test::Stage stage(std::move(b), 36, 28);
+    const Frame seen = stage.see();
+    const std::vector<LitPixel> all = lit_pixels(seen);
+    ASSERT_EQ(all.size(), 36u * 28u);
+    for (const std::size_t count : {100u, 300u, 2000u}) {
+        std::map<std::pair<int, int>, int> of_block;
+        std::set<std::pair<int, int>> places;
+        for (const LitPixel& p : drawn_with_blocks(all, count, seen)) {
+            const glm::ivec2 at = place_of(seen, p);
+            places.insert({at.x, at.y});
+            ++of_block[{at.x / 8, at.y / 8}];
+        }
+        EXPECT_EQ(places.size(), std::min<std::size_t>(count, all.size())) << "none twice";
+        const auto whole =
+            std::count_if(of_block.begin(), of_block.end(), [](const auto& block) { return block.second == 64; });
+        EXPECT_EQ(whole, count == 100u ? 0 : count == 300u ? 2 : 12);
+    }
 }
 
 TEST(Audit, OfAReferenceFrameFindsNothing) {

@@ -80,10 +80,11 @@ bool Comparing::try_quantiser(int quantiser, const LitWindows& fixed) {
 
 void Comparing::run() {
     if (!light_references(trials_, is_quiet())) return;
+    find_truth(trials_, is_quiet());
     log(trial_heading(trials_));
     LitWindows fixed;
     if (!run_trial(trials_, with_tolerance(film(), {}), "fixed 2 %", is_quiet(), &fixed)) return;
-    log("\nCPU seconds and size per frame; decoded against reference light before coding.\n" +
+    log("\nCPU seconds and size per frame; decoded against that light.\n" +
         heads_text(compare_columns, "                    q", compare_name_width));
     for (const int quantiser : quantisers_)
         if (!try_quantiser(quantiser, fixed)) return;

@@ -126,6 +126,8 @@ class Cost {
 };
 
 bool Cost::try_settings() {
+    find_truth(trials_, is_quiet());
+    sweep_.truth = trials_.truth();
     log(trial_heading(trials_) +
         "\nLight: CPU seconds per frame, rays and clusters per point; error of a pixel's\n"
         "light, %: 50 and 95 of 100 err by no more, over: beyond tolerance; as decoded\n" +
@@ -137,10 +139,6 @@ bool Cost::try_settings() {
         sweep_.rows.push_back({setting.group, setting.value, *trial});
         log(row_text(cost_columns, name, cost_name_width, *trial));
     }
-    // chosen: pixels that tell both figures to about a tenth; each takes up to 0.2 CPU seconds (32 to 256).
-    constexpr int judged = 64;
-    sweep_.truth = told("truth", is_quiet(), [&] { return trials_.by_paths(judged); });
-    if (!is_quiet()) print_sentence(truth_text(sweep_));
     return !InterruptGuard::requested();
 }
 

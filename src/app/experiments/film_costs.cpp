@@ -94,7 +94,7 @@ std::string first_screen(const RenderJob& film, const Sweep& sweep, const std::v
         "Words: what light adds to the error that one sees (PSNR-HVS-M of 50, 46, 42 dB). dB: PSNR-Y after coding, "
         "below the most exact tolerance. {}",
         parallel::thread_count(), loosest.trial.frames, loosest.trial.frames == 1 ? "" : "s", film.format.width,
-        film.format.height, film.coding.quantiser, truth_text(sweep));
+        film.format.height, film.coding.quantiser, truth_text(sweep.truth));
     std::string figure;
     if (const auto& own = loosest.trial.sample_frame)
         figure = difference_figure(
@@ -118,7 +118,7 @@ const Trial* Sweep::best() const {
 }
 
 std::string FilmCost::difference() const {
-    if (value == by_truth) return "exact, by paths to 1 %";
+    if (value == by_truth) return fmt::format("exact, by paths to {} %", PathTruth::percent);
     return words_for(added) + (psnr_loss < 0.005 ? "" : fmt::format(" (-{:.2f} dB)", psnr_loss));
 }
 
@@ -184,25 +184,13 @@ std::string film_cost_table(const std::vector<FilmCost>& costs) {
     return text;
 }
 
-std::string truth_text(const Sweep& sweep) {
-    if (!sweep.truth) return {};
-    return fmt::format("Exact is reference light, at least {} dB PSNR-Y from the truth by unbiased paths of {} pixels.",
-                       psnr_text(sweep.truth->psnr_y), sweep.truth->pixels);
-}
-
 json cost_json(const Sweep& sweep, const std::vector<FilmCost>& costs, std::int64_t frames) {
     json rows = json::array();
     for (const TrialRow& row : sweep.rows) {
         rows.push_back(figures_json(row.trial));
         rows.back().update({{"group", row.group}, {"name", row.name}});
     }
-    json truth;
-    if (sweep.truth)
-        truth = {{"pixels", sweep.truth->pixels},
-                 {"seconds", sweep.truth->seconds},
-                 {"psnr_y", finite_or_null(sweep.truth->psnr_y)}};
     return {{"rows", rows},
-            {"truth", truth},
             {"film", film_json(costs)},
             {"render", sweep.render.empty() ? json(nullptr) : json(sweep.render)},
             {"effects", effects_json(sweep.effects)},

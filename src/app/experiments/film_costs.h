@@ -55,8 +55,6 @@ std::optional<std::size_t> recommended(const std::vector<FilmCost>& costs);
 std::string answer_of(const std::vector<FilmCost>& costs, std::int64_t frames);
 
 std::string film_cost_table(const std::vector<FilmCost>& costs);
-/// Distance of reference light from the truth; empty where it is not known.
-std::string truth_text(const Sweep& sweep);
 
 /// All results (docs/json.md), and the same as a page with plots.
 nlohmann::json cost_json(const Sweep& sweep, const std::vector<FilmCost>& costs, std::int64_t frames);

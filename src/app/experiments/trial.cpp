@@ -71,6 +71,19 @@ double sum_of(double shown, double there, double decoded) {
 
 }  // namespace
 
+double ReferenceFrame::mean_squared_error(const core::Plane<std::uint8_t>& luma) const {
+    // A pixel's squared error is the product of those against both halves.
+    double change = 0;
+    for (const TruePixel& p : truth) {
+        const double error = 1.0 * luma.at(p.place.x, p.place.y) - picture.y.at(p.place.x, p.place.y);
+        change += (error - p.beyond[0]) * (error - p.beyond[1]) - error * error;
+    }
+    const double share = static_cast<double>(gathering.size()) / static_cast<double>(luma.size());
+    const double all = perceptual::mean_squared_error(luma, picture.y) +
+                       share * core::divide_or(change, static_cast<double>(truth.size()), 0.0);
+    return std::max(all, 0.0);
+}
+
 std::vector<Chunk> windows_by_shot(const RenderJob& film, const Sample& sample) {
     std::vector<std::int64_t> begins = cuts_of(film);
     // chosen: eight shots are sampled one by one (4 to 16); of more the parts tell enough.
@@ -137,7 +150,7 @@ class Trials::Judge : public LoopObserver {
             trial_.over += p.over() ? 1 : 0;
             trial_.over_twice += p.noticed() > 2 * p.tolerance ? 1 : 0;
         }
-        trial_.lit.add(frame.picture, truth.picture);
+        trial_.lit.add(truth.mean_squared_error(frame.picture.y), perceptual::ssim(frame.picture.y, truth.picture.y));
         if (known == std::prev(trials_.references_.end())) keep_sample_frame(frame, truth);
     }
 
@@ -155,7 +168,8 @@ class Trials::Judge : public LoopObserver {
         trial_.shown_masked += masked / trials_.frames();
         const auto known = trials_.references_.find(number);
         if (known == trials_.references_.end()) return;
-        trial_.decoded.add(picture, known->second.picture);
+        const ReferenceFrame& truth = known->second;
+        trial_.decoded.add(truth.mean_squared_error(picture.y), perceptual::ssim(picture.y, truth.picture.y));
         if (trial_.sample_frame && trial_.sample_frame->frame == number) {
             auto sample_frame = std::make_shared<SampleFrame>(*trial_.sample_frame);
             sample_frame->decoded = part_of(picture, view_of(picture.width(), picture.height()));
@@ -373,35 +387,52 @@ void Trials::light_reference(std::int64_t frame, const std::function<void(double
     references_.insert_or_assign(frame, std::move(reference));
 }
 
-std::optional<PathTruth> Trials::by_paths(int pixels) {
-    if (references_.empty()) return {};
-    const auto& [frame, reference] = *references_.rbegin();
-    const scene::Snapshot world = film_.snapshot(frame);
-    renderer_.start_chunk(world);
-    renderer::Lit lit{reference_frame(world), {}};
-    if (lit.frame.exposure || reference.gathering.empty()) return {};
-    core::Radiance& shown = lit.radiance;
-    shown.frame = frame;
-    shown.combined = reference.light;
-    shown.capped = core::Plane<std::uint8_t>(shown.combined.width(), shown.combined.height(), 0);
-    const core::ToleranceMap none = core::ToleranceMap::reference();
-    const std::vector<renderer::AuditedPixel> audited = renderer_.audit(world, lit, none, pixels);
+void Trials::find_truth(std::size_t most) {
     PathTruth found;
     renderer::ErrorSplit split;
     const perceptual::Display display = film_.display();
-    // About what a pixel of a frame by paths takes: fewer paths at most, but its gather points are judged as well.
-    timed(found.seconds, [&] {
-        split.add(renderer_.validate(world, lit, none, audited),
-                  [&](glm::vec3 light) { return static_cast<double>(perceptual::luma_of(display, light)); });
-    });
+    const auto luma = [&](glm::vec3 light) { return static_cast<double>(perceptual::luma_of(display, light)); };
+    const core::ToleranceMap none = core::ToleranceMap::reference();
+    double pixels = 0;
+    for (auto& [frame, reference] : references_) {
+        const scene::Snapshot world = film_.snapshot(frame);
+        renderer_.start_chunk(world);
+        renderer::Lit lit{reference_frame(world), {}};
+        if (lit.frame.exposure) return;
+        core::Radiance& shown = lit.radiance;
+        shown.frame = frame;
+        shown.combined = reference.light;
+        shown.capped = core::Plane<std::uint8_t>(shown.combined.width(), shown.combined.height(), 0);
+        const std::vector<renderer::LitPixel> all = renderer::lit_pixels(lit.frame);
+        std::vector<renderer::AuditedPixel> audited;
+        for (const renderer::LitPixel& p :
+             renderer::drawn(all, std::min((all.size() + 15) / 16, most / references_.size()), frame)) {
+            const glm::ivec2 place = renderer::place_of(lit.frame, p);
+            audited.push_back(renderer::compare(place, reference.light.at(place.x, place.y), none, shown));
+        }
+        const auto validated = timed(found.seconds, [&] {
+            return renderer_.validate(world, lit, none, audited, {.relative_error = 0.01f * PathTruth::percent});
+        });
+        split.add(validated, luma);
+        reference.truth.clear();
+        for (const renderer::ValidatedPixel& p : validated) {
+            ReferenceFrame::TruePixel& pixel = reference.truth.emplace_back();
+            pixel.place = p.place;
+            for (std::size_t half = 0; half < 2; ++half)
+                pixel.beyond[half] = luma(glm::vec3(p.truth.at_points.halves[half])) - luma(p.shown);
+        }
+        found.of += all.size();
+        pixels += static_cast<double>(shown.combined.size());
+    }
     found.pixels = split.pixels();
-    found.seconds = core::divide_or(found.seconds, static_cast<double>(found.pixels), 0.0);
-    found.share = static_cast<double>(reference.gathering.size()) / static_cast<double>(shown.combined.size());
+    if (found.pixels == 0) return;
+    found.seconds /= static_cast<double>(found.pixels);
+    found.share = static_cast<double>(found.of) / pixels;
     // Chance may hide the error: its standard error bounds it.
     const renderer::MeanError square =
         split.mean_square(renderer::ErrorCause::light_points, renderer::ErrorMeasure::code_value);
     found.psnr_y = perceptual::psnr(std::max(square.value, 0.0) + square.error);
-    return found;
+    truth_ = found;
 }
 
 Quality with_light(const Quality& shown, const Quality& there, const Quality& decoded) {

@@ -1,5 +1,7 @@
 #pragma once
 // Lights and codes sample windows of a film as chunks of their own.
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <glm/glm.hpp>
@@ -24,6 +26,16 @@ struct ReferenceFrame {
     core::Plane<glm::vec3> light;  ///< radiance
     core::Picture picture;
     std::vector<glm::ivec2> gathering;  ///< pixels that have anything to gather
+    /// Pixels whose truth at their gather points is known: code values of luma beyond reference light, by either half.
+    struct TruePixel {
+        glm::ivec2 place{0};
+        std::array<double, 2> beyond{};
+    };
+    std::vector<TruePixel> truth;
+
+    /// Mean squared error of a picture against the truth, where some of that is known: against reference light
+    /// everywhere, and what the truth changes of it there. Noise of paths is not in it.
+    double mean_squared_error(const core::Plane<std::uint8_t>& luma) const;
 };
 
 /// The middle frames of each shot, where there are cuts and no more than eight shots; else as middle_windows().
@@ -93,12 +105,14 @@ struct LitWindows {
     std::map<std::int64_t, Shown> frames;
 };
 
-/// Pixels of a reference frame found by unbiased paths (docs/model/truth.md).
+/// Pixels of the reference frames found by unbiased paths (docs/model/truth.md).
 struct PathTruth {
-    std::uint64_t pixels = 0;
-    double seconds = 0;  ///< CPU for a pixel, to 1 % of its luminance
-    double share = 0;    ///< of the frame's pixels, that gather anything
-    double psnr_y = 0;   ///< dB of reference light at its gather points, at least
+    static constexpr double percent = 3;  ///< of a pixel's luminance that its standard error is to have
+
+    std::uint64_t pixels = 0, of = 0;  ///< of those that gather anything
+    double seconds = 0;                ///< CPU for a pixel
+    double share = 0;                  ///< of all pixels, that gather anything
+    double psnr_y = 0;                 ///< dB of reference light at its gather points, at least
 };
 
 /// Lights and codes a film's windows in several ways. All results but times are deterministic.
@@ -116,8 +130,10 @@ class Trials {
     /// lit. `expected` is told about the seconds that all take, where some tiles of the first can tell.
     bool light_references(const std::function<void(double)>& expected, const std::function<bool()>& one_done);
     int wanted_references() const { return references_of_window_ * static_cast<int>(windows_.size()); }
-    /// Judges some pixels of the last reference frame by paths; none where shutter or lens blur it.
-    std::optional<PathTruth> by_paths(int pixels);
+    /// Finds the truth of one pixel in sixteen of the references by paths, or of so many in all: PSNR-Y of trials is
+    /// against it from then on. None where shutter or lens blur them. Needs light_references().
+    void find_truth(std::size_t most);
+    const std::optional<PathTruth>& truth() const { return truth_; }
 
     /// Lights and codes the windows with the settings of `film`, of the same scene and size. Needs light_references().
     /// None where `frame_done` said false. Frames are kept in `keep` unless null.
@@ -158,6 +174,7 @@ class Trials {
     renderer::Renderer renderer_;
     float half_code_ = 0;  ///< luminance
     std::map<std::int64_t, ReferenceFrame> references_;
+    std::optional<PathTruth> truth_;
     double reference_seconds_ = 0;
     int references_of_window_ = 1;
     bool masks_all_ = false, worst_tenth_ = false;

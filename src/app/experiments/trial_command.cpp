@@ -120,6 +120,21 @@ bool light_references(Trials& trials, bool quiet) {
         });
 }
 
+void find_truth(Trials& trials, bool quiet) {
+    // chosen: 1,024 pixels take some 30 CPU seconds, and tell what reference light lacks to a twentieth (64 to 4,096).
+    constexpr std::size_t most = 1024;
+    told("truth", quiet, [&] { trials.find_truth(most); });
+}
+
+std::string truth_text(const std::optional<PathTruth>& truth) {
+    if (!truth) return {};
+    return fmt::format(
+        "PSNR-Y: against the truth, which is this light, mended by unbiased paths of {} of {} pixels. It is at least "
+        "{} "
+        "dB from these.",
+        truth->pixels, truth->of, psnr_text(truth->psnr_y));
+}
+
 std::optional<Trial> run_trial(Trials& trials, const RenderJob& film, const std::string& name, bool quiet,
                                LitWindows* keep) {
     Progress progress(trials.frames(), quiet || !shows_steps(), name, Counted::frames_of_step);
@@ -150,10 +165,12 @@ std::string trial_heading(const Trials& trials) {
     if (trials.references() == 0) return text + "quality against these frames as they were lit\n";
     const renderer::Statistics& found = trials.statistics();
     const bool rays = film.rendering.indirect == renderer::Indirect::rays && film.rendering.vpls > 0;
-    return text + fmt::format("{} by {} light points{} as reference, {} s of CPU each\n", trials.references(),
-                              found.direct_points + found.indirect_points,
-                              rays ? fmt::format(" and {} rays a point", renderer::most_gather_rays) : "",
-                              short_figure(trials.reference_seconds()));
+    text += fmt::format("{} by {} light points{} as reference, {} s of CPU each\n", trials.references(),
+                        found.direct_points + found.indirect_points,
+                        rays ? fmt::format(" and {} rays a point", renderer::most_gather_rays) : "",
+                        short_figure(trials.reference_seconds()));
+    constexpr int columns = 80;
+    return trials.truth() ? text + wrapped(truth_text(trials.truth()), columns) + "\n" : text;
 }
 
 void print_sentence(const std::string& text) {
@@ -165,7 +182,14 @@ nlohmann::json with_head(nlohmann::json figures, const Trials& trials, const std
     nlohmann::json windows = nlohmann::json::array();
     for (const Chunk& window : trials.windows()) windows.push_back({window.first, window.last});
     const bool quantised = film.coupling.strategy == perceptual::Strategy::quantised;
+    nlohmann::json truth;
+    if (const auto& t = trials.truth())
+        truth = {{"pixels", t->pixels},
+                 {"of_pixels", t->of},
+                 {"seconds", t->seconds},
+                 {"psnr_y", finite_or_null(t->psnr_y)}};
     figures.update({{"command", command},
+                    {"truth", truth},
                     {"version", RENDER2MPEG_VERSION},
                     {"isa", core::name_of(film.rendering.isa)},
                     {"input", film.animation->source},

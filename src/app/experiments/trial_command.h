@@ -32,6 +32,11 @@ int interrupted_before_rows(bool quiet);
 /// Lights the references with a progress line. Returns false after an interruption.
 bool light_references(Trials& trials, bool quiet);
 
+/// Finds the truth of some of their pixels, with one as well.
+void find_truth(Trials& trials, bool quiet);
+/// How PSNR-Y is held against it; empty where it is not known.
+std::string truth_text(const std::optional<PathTruth>& truth);
+
 /// Lights and codes the windows with a progress line. None after an interruption.
 std::optional<Trial> run_trial(Trials& trials, const RenderJob& film, const std::string& name, bool quiet,
                                LitWindows* keep = nullptr);

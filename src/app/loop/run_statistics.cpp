@@ -120,6 +120,7 @@ template <class Sums, class Visit>
 void each_split_sum(Sums& s, Visit&& visit) {
     visit("pixels", How::added, s.pixels);
     visit("paths", How::added, s.paths);
+    visit("blocks", How::added, s.blocks);
     visit("light", How::added, s.light);
     visit("dark_light", How::added, s.dark_light);
     for (std::size_t c = 0; c < s.causes.size(); ++c) {
@@ -133,6 +134,8 @@ void each_split_sum(Sums& s, Visit&& visit) {
         sum("dark_difference_squares", cause.dark_difference_squares);
         sum("squares", cause.squares);
         sum("square_squares", cause.square_squares);
+        sum("block_squares", cause.block_squares);
+        sum("block_square_squares", cause.block_square_squares);
     }
 }
 

@@ -50,13 +50,17 @@ json effects_json(const RenderJob& film, const RunStatistics& statistics) {
 /// Errors against the truth, by cause.
 json truth_of(const renderer::ErrorSplit& split) {
     json truth{
-        {"paths", core::divide_or(static_cast<double>(split.sums().paths), static_cast<double>(split.pixels()), 0.0)}};
+        {"paths", core::divide_or(static_cast<double>(split.sums().paths), static_cast<double>(split.pixels()), 0.0)},
+        {"blocks", split.sums().blocks}};
     const auto with_error = [](renderer::MeanError m) { return json{{"value", m.value}, {"error", m.error}}; };
     constexpr std::array measures{"", "relative_", "code_value_"};
     for (std::size_t c = 0; c < renderer::cause_count; ++c) {
         const auto cause = static_cast<renderer::ErrorCause>(c);
         json& of_cause = truth[renderer::cause_names[c]];
         of_cause = {{"bias", with_error(split.bias(cause))}, {"dark_bias", with_error(split.dark_bias(cause))}};
+        if (split.sums().blocks > 0)
+            of_cause.update({{"block_rms", split.block_rms(cause)},
+                             {"block_mean_square", with_error(split.block_mean_square(cause))}});
         for (std::size_t m = 0; m < renderer::measure_count; ++m) {
             const auto measure = static_cast<renderer::ErrorMeasure>(m);
             of_cause[measures.at(m) + std::string("rms")] = split.rms(cause, measure);

@@ -177,14 +177,17 @@ void add_audit(SummaryLines& lines, const Audit& audit) {
                          100 * audit.errors.quantile(0.5), 100 * audit.errors.quantile(0.95),
                          100 * audit.errors.quantile(0.99))});
     if (audit.split.pixels() == 0) return;
-    lines.push_back({"truth", fmt::format("{:<24}{:>8}{:>8}{:>16}{:>16}", "errors by paths of light", "luma", "rms %",
+    lines.push_back({"truth", fmt::format("{:<13}{:>6}{:>6}{:>7}{:>17}{:>17}", "errors, paths", "luma", "8x8", "rms %",
                                           "too bright %", "darker half %")});
-    constexpr std::array names{"gathering and records", "records' places", "light points", "eye samples", "in all"};
+    constexpr std::array<const char*, renderer::cause_count> names{"gathering", "light points", "eye samples",
+                                                                   "in all"};
     for (std::size_t c = 0; c < renderer::cause_count; ++c) {
         const auto cause = static_cast<renderer::ErrorCause>(c);
         const renderer::MeanError bias = audit.split.bias(cause), dark = audit.split.dark_bias(cause);
-        lines.push_back({"", fmt::format("{:<24}{:>8.2f}{:>8.2f}{:>8.2f} +- {:<4.2f}{:>8.2f} +- {:<4.2f}", names.at(c),
-                                         audit.split.rms(cause, ErrorMeasure::code_value),
+        const std::string blocks =
+            audit.split.sums().blocks > 0 ? fmt::format("{:.2f}", audit.split.block_rms(cause)) : "-";
+        lines.push_back({"", fmt::format("{:<13}{:>6.2f}{:>6}{:>7.2f}{:>9.2f} +- {:<4.2f}{:>9.2f} +- {:<4.2f}",
+                                         names.at(c), audit.split.rms(cause, ErrorMeasure::code_value), blocks,
                                          100 * audit.split.rms(cause, ErrorMeasure::relative), 100 * bias.value,
                                          100 * bias.error, 100 * dark.value, 100 * dark.error)});
     }

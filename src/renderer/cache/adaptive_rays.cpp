@@ -49,7 +49,8 @@ std::uint32_t wanted_rays(const FrameState& frame, const NewRecord& fresh, Local
                 tolerance = query->tolerance.allows(light) / errors_allowed;
     const double has = record.ray_count, most = most_growth * has;
     if (!(tolerance > 0.0f)) return static_cast<std::uint32_t>(most);
-    const double needs = has * std::pow(error.square / (tolerance * tolerance), 1.0 / variance_power);
+    const double needs =
+        has * std::pow(frame.aim.priced(error.square, error.of_block) / (tolerance * tolerance), 1.0 / variance_power);
     return static_cast<std::uint32_t>(std::min(frame.aim.worth(needs), most));
 }
 

@@ -49,7 +49,9 @@ constexpr float errors_of_detail = 2.0f;
 double allowed_square(const RegressionError& error, float tolerance, GatherAim aim) {
     if (!(error.batch_variance > 0.0)) return std::pow(tolerance / errors_of_detail, 2.0f);
     const double square = std::pow(tolerance / errors_allowed, 2.0f);
-    const double batches = std::pow(error.batch_variance * error.variance_share / square, 1.0 / variance_power);
+    // Of rays of its own a block's mean has a 64th.
+    const double alone = error.batch_variance * error.variance_share,
+                 batches = std::pow(aim.priced(alone, alone / 64) / square, 1.0 / variance_power);
     return square * aim.left(std::max(batch_rays * batches, 1.0 * first_rays));
 }
 
@@ -63,7 +65,8 @@ std::optional<PointLight> query_cache(const CacheQuery& q, const RecordGrid& gri
     if (!error.is_valid()) return std::nullopt;
     PointLight light = blend(fit, q, records, error_scale, frame);
     const float tolerance = q.tolerance.allows(core::luminance(light.scattered(q.point)));
-    if (!(tolerance > 0.0f) || !(error.square <= allowed_square(error, tolerance, aim)) || !(light.error <= tolerance))
+    if (!(tolerance > 0.0f) || !(aim.priced(error.square, error.of_block) <= allowed_square(error, tolerance, aim)) ||
+        !(light.error <= tolerance))
         return std::nullopt;
     light.error = std::hypot(light.error, errors_allowed * static_cast<float>(std::sqrt(error.square)));
     for (std::size_t i = 0; i < fit.size(); ++i)

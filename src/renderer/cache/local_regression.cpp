@@ -1,6 +1,7 @@
 #include "renderer/cache/local_regression.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/color.h"
@@ -18,19 +19,57 @@ constexpr int radii[] = {1, 2, 4, 6}, largest_radius = 6;
 /// tuned.
 constexpr double falloff_end = 1.1;
 
-/// A plane takes three records; the others tell what it misses. Through the six of two columns of a lattice it always
-/// passes, and a step between them looks like a slope: seven are more than these. chosen: the least such number.
-constexpr int least_records = 7;
+/// A bent plane takes four records; the others tell what it misses. Through the six of two columns of a lattice it
+/// always passes, and a step between them looks like a slope: seven are more than these. chosen: the least such number.
+constexpr int unknowns = 4, least_records = 7;
 
-/// Sum of the sizes of a plane's weights: 1 within the records. chosen: 1.5, so that rims of the picture are served.
-constexpr double most_stretch = 1.5;
+/// Sum of the sizes of a plane's weights: 1.5 within the records. chosen: 2.5, so that rims of the picture are served.
+constexpr double most_stretch = 2.5;
 
-/// Share of s^3 r^4 below which records lie along a line. chosen: 1e-5 of 1e-3 to 1e-6, at which thin columns still
+/// Share of s^3 below which records lie along a line. chosen: 1e-5 of 1e-3 to 1e-6, at which thin columns still
 /// carry planes: an even disc has 0.02.
 constexpr double line_share = 1e-5;
 
+/// Likewise the share of it below which they lie along a circle, and tell a bend from a height as badly. Not tuned.
+constexpr double circle_share = 1e-3;
+
 /// Records in the place of a point lie so near, in pixels. chosen: 0.1, where light is another in corners alone.
 constexpr float same_place = 0.1f;
+
+/// Variance of the mean of 8x8 pixels over that of one, as if planes of all pixels had such a radius and records lay
+/// evenly: the sum of squares of records' shares in either.
+double common_share(int radius) {
+    static const std::array<double, largest_radius + 1> shares = [] {
+        std::array<double, largest_radius + 1> all{};
+        for (int r = 0; r <= largest_radius; ++r) {
+            // Weights of a bent plane sum to 1, and those times the square of the distance to 0.
+            const double end = r > 0 ? falloff_end * (r + 0.5) * (r + 0.5) : 1.0;
+            const auto closeness2 = [&](double d2) { return d2 < end ? (1 - d2 / end) * (1 - d2 / end) : 0.0; };
+            constexpr int far = largest_radius + 1, side = 8;
+            double sum = 0, second = 0, fourth = 0, of_pixel = 0, of_block = 0;
+            for (int y = -far; y <= far; ++y)
+                for (int x = -far; x <= far; ++x) {
+                    const double d2 = x * x + y * y, k = closeness2(d2);
+                    sum += k, second += k * d2, fourth += k * d2 * d2;
+                }
+            const double bend = core::divide_or(second, fourth, 0.0), scale = 1 / (sum - bend * second);
+            const auto weight = [&](int x, int y) {
+                const double d2 = x * x + y * y;
+                return scale * closeness2(d2) * (1 - bend * d2);
+            };
+            for (int y = -far; y < side + far; ++y)
+                for (int x = -far; x < side + far; ++x) {
+                    double share = 0;
+                    for (int p = 0; p < side * side; ++p) share += weight(x - p % side, y - p / side);
+                    of_block += share * share / (side * side * side * side);
+                    of_pixel += weight(x, y) * weight(x, y);
+                }
+            all[static_cast<std::size_t>(r)] = of_block / of_pixel;
+        }
+        return all;
+    }();
+    return shares[static_cast<std::size_t>(radius)];
+}
 
 }  // namespace
 
@@ -106,40 +145,39 @@ void LocalRegression::explain_change(const GatherPoint& plain, const RecordStore
     for (Member& m : members_) m.batch_variance = receives2 * static_cast<float>(core::divide_or(spread, sum, 0.0));
 }
 
-/// Considers the plane through records within a radius.
+/// Considers the bent plane through records within a radius.
 void LocalRegression::fit_plane(int radius, RegressionError& best) {
     const float reach = static_cast<float>(radius) + 0.5f, reach2 = reach * reach;
     const auto closeness = [&](const Member& m) { return 1.0 - m.distance2 / (falloff_end * reach2); };
-    // Normal equations of a plane about the point.
-    double s = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0, batch = 0, close = 0;
+    // Normal equations of a bent plane about the point.
+    const auto basis = [&](const Member& m) {
+        return glm::dvec4(1.0, m.offset.x / reach, m.offset.y / reach, m.distance2 / reach2);
+    };
+    glm::dmat4 moments(0.0);
+    double batch = 0, close = 0;
     int count = 0;
     for (const Member& m : members_) {
         if (m.distance2 > reach2) continue;
-        const double k = closeness(m) * closeness(m), w = k * m.precision, x = m.offset.x, y = m.offset.y;
-        s += w;
-        sx += w * x;
-        sy += w * y;
-        sxx += w * x * x;
-        sxy += w * x * y;
-        syy += w * y * y;
+        const double k = closeness(m) * closeness(m);
+        const glm::dvec4 b = basis(m);
+        moments += glm::outerProduct(k * m.precision * b, b);
         batch += k * m.batch_variance;
         close += k;
         ++count;
     }
     if (count < least_records) return;
-    const glm::dmat3 moments(s, sx, sy, sx, sxx, sxy, sy, sxy, syy);
-    // Records along a line carry no plane; the determinant of those all around is some s^3 r^4 / 50.
-    if (!(glm::determinant(moments) > line_share * s * s * s * reach2 * reach2)) return;
-    const glm::dmat3 inverse = glm::inverse(moments);
+    const double s = moments[0][0], flat = glm::determinant(glm::dmat3(moments));
+    // Records along a line carry no plane; the determinant of those all around is some s^3 / 50.
+    if (!(flat > line_share * s * s * s) || !(glm::determinant(moments) > circle_share * s * flat)) return;
+    const glm::dmat4 inverse = glm::inverse(moments);
     batch /= close;
     plane_.assign(members_.size(), 0.0f);
-    glm::dvec3 plane(0);
+    glm::dvec4 plane(0);
     double variance = 0, stretch = 0;
     for (std::size_t i = 0; i < members_.size(); ++i) {
         const Member& m = members_[i];
         if (m.distance2 > reach2) continue;
-        const glm::dvec3 row =
-            inverse * glm::dvec3(1.0, m.offset.x, m.offset.y) * (closeness(m) * closeness(m) * m.precision);
+        const glm::dvec4 row = inverse * basis(m) * (closeness(m) * closeness(m) * m.precision);
         plane_[i] = static_cast<float>(row.x);
         stretch += std::abs(row.x);
         variance += row.x * row.x * batch * m.batch_share;
@@ -149,16 +187,16 @@ void LocalRegression::fit_plane(int radius, RegressionError& best) {
     double off = 0, chance = 0, sum = 0;
     for (const Member& m : members_) {
         if (m.distance2 > reach2) continue;
-        const double d = m.value - plane.x - m.offset.x * plane.y - m.offset.y * plane.z, w = closeness(m);
+        const double d = m.value - glm::dot(plane, basis(m)), w = closeness(m);
         off += w * d * d;
         chance += w * m.batch_share;
         sum += w;
     }
-    off *= count / ((count - 3.0) * sum);
+    off *= count / ((count - 1.0 * unknowns) * sum);
     chance *= batch / sum;
     const double square = variance + std::max(off - chance, 0.0);
     if (!(stretch <= most_stretch) || !std::isfinite(square) || (best.is_valid() && !(square < best.square))) return;
-    best = {square, variance, batch, core::divide_or(variance, chance, 1.0), radius};
+    best = {square, variance, common_share(radius) * variance, batch, core::divide_or(variance, chance, 1.0), radius};
     weights_.swap(plane_);
 }
 
@@ -170,7 +208,7 @@ void LocalRegression::take_own(RegressionError& best) {
         // Neighbours know better how rays vary than its own do.
         const double batch = best.is_valid() ? best.batch_variance : m.batch_variance, square = batch * m.batch_share;
         if (!std::isfinite(square) || (best.is_valid() && !(square < best.square))) continue;
-        best = {square, square, batch, 1.0, 0};
+        best = {square, square, common_share(0) * square, batch, 1.0, 0};
         weights_.assign(members_.size(), 0.0f);
         weights_[i] = 1;
     }

@@ -12,16 +12,17 @@ namespace render2mpeg::renderer {
 struct RegressionError {
     double square = 0;          ///< mean square: variance of rays, plus the square of a plane's bias
     double variance = 0;        ///< the first part
+    double of_block = 0;        ///< of it that the mean of 8x8 pixels about the point has
     double batch_variance = 0;  ///< of the mean of 8 rays there (RayLight)
     double variance_share = 1;  ///< of the variance of one record that is left
     int radius = -1;            ///< pixels; 0: one record alone; -1: there is no estimate
     bool is_valid() const { return radius >= 0; }
 };
 
-/// Light at a gather point by the records about it [Moon2014]: planes of weighted least squares through those within 1,
-/// 2, 4 and 6 pixels that lie on its surface, and a record in its place alone. The one with the least estimated mean
-/// square error is taken, its bias estimated by the distance of records from the plane beyond their rays' variance
-/// (docs/model/irradiance-cache.md). Planes lie over the picture.
+/// Light at a gather point by the records about it [Moon2014]: planes of weighted least squares, bent alike in all
+/// directions, through those within 1, 2, 4 and 6 pixels that lie on its surface, and a record in its place alone. The
+/// one with the least estimated mean square error is taken, its bias estimated by the distance of records from the
+/// plane beyond their rays' variance (docs/model/irradiance-cache.md). Planes lie over the picture.
 class LocalRegression {
   public:
     enum class Of {

@@ -125,7 +125,7 @@ std::size_t FrameHistory::bytes() const {
 }
 
 void start(FrameState& frame, const LightingContext& context, const FrameHistory& history) {
-    frame.aim.typical = context.tolerance.typical;
+    frame.aim = {context.tolerance.typical, context.tolerance.means};
     frame.grid.build(frame.records.all(), frame.camera);
     std::vector<ShadeCounts> of_tile(frame.tiles.size());
     parallel::for_each(frame.tiles.size(), [&](std::size_t t) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/color.h"
 #include "core/error.h"
@@ -62,6 +63,33 @@ std::vector<LitPixel> drawn(std::vector<LitPixel> pixels, std::size_t count, std
     }
     pixels.resize(count);
     return pixels;
+}
+
+std::vector<LitPixel> drawn_with_blocks(const std::vector<LitPixel>& pixels, std::size_t count, const Frame& seen) {
+    constexpr int side = 8;
+    constexpr std::size_t whole = side * side;
+    static_assert(tile_size % side == 0, "a block's pixels are of one tile");
+    const std::size_t across = static_cast<std::size_t>(seen.visible.width()) / side + 1;
+    std::vector<std::vector<LitPixel>> blocks(across * (static_cast<std::size_t>(seen.visible.height()) / side + 1));
+    const auto block_of = [&](const LitPixel& p) {
+        const glm::ivec2 at = place_of(seen, p) / side;
+        return static_cast<std::size_t>(at.y) * across + static_cast<std::size_t>(at.x);
+    };
+    for (const LitPixel& p : pixels) blocks[block_of(p)].push_back(p);
+    std::vector<LitPixel> firsts;
+    for (const auto& block : blocks)
+        if (block.size() == whole) firsts.push_back(block.front());
+    std::vector<LitPixel> chosen, others;
+    for (const LitPixel& first : drawn(std::move(firsts), count / (2 * whole), seen.visible.frame)) {
+        std::vector<LitPixel>& block = blocks[block_of(first)];
+        chosen.insert(chosen.end(), block.begin(), block.end());
+        block.clear();
+    }
+    for (const LitPixel& p : pixels)
+        if (!blocks[block_of(p)].empty()) others.push_back(p);
+    others = drawn(std::move(others), count - chosen.size(), seen.visible.frame);
+    chosen.insert(chosen.end(), others.begin(), others.end());
+    return chosen;
 }
 
 std::vector<LitPixel> spread(const std::vector<LitPixel>& pixels, std::size_t count, std::int64_t frame) {

@@ -31,6 +31,9 @@ std::vector<LitPixel> lit_pixels(const Frame& seen);
 /// `count` of the pixels (all, where there are fewer), chosen by dice that only the frame's number decides.
 std::vector<LitPixel> drawn(std::vector<LitPixel> pixels, std::size_t count, std::int64_t frame);
 
+/// Half of `count` as whole blocks of 8x8 pixels, as far as such are lit, the rest likewise.
+std::vector<LitPixel> drawn_with_blocks(const std::vector<LitPixel>& pixels, std::size_t count, const Frame& seen);
+
 /// As many, one out of each of `count` equal stretches of the list: spread over the picture. Other dice.
 std::vector<LitPixel> spread(const std::vector<LitPixel>& pixels, std::size_t count, std::int64_t frame);
 

@@ -40,11 +40,14 @@ struct GatherRequest {
 /// Conversion of tolerances to numbers of rays.
 struct GatherAim {
     float typical = 0;  ///< ToleranceMap::typical
+    float means = 1;    ///< ToleranceMap::means
 
     /// Rays that a point is worth, of those that it would take to meet its tolerance.
     double worth(double rays) const;
     /// Mean square error that these leave it, over the square of its tolerance's standard error.
     double left(double rays) const;
+    /// A pixel's mean square error, with what of it the mean of its block has at the price of that.
+    double priced(double square, double of_block) const { return square + (1.0 / (means * means) - 1.0) * of_block; }
 };
 
 /// Standard errors that a tolerance holds. chosen: 1.3 of 0.7 to 2.6, half of what one point in a hundred exceeds: the

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include "core/color.h"
@@ -48,6 +50,13 @@ struct Differences {
     }
 };
 
+/// Sums over pixels of a block of 8x8: differences in code values against both halves.
+struct Block {
+    static constexpr int side = 8;
+    int pixels = 0;
+    std::array<std::array<double, cause_count>, 2> sums{};
+};
+
 /// Of `count` values with these sums.
 MeanError mean_of(double sum, double squares, std::uint64_t count) {
     const auto n = static_cast<double>(count);
@@ -65,6 +74,7 @@ MeanError over_light(MeanError m, double light, std::uint64_t count) {
 void ErrorSplit::add(std::span<const ValidatedPixel> pixels, const std::function<double(glm::vec3)>& luma) {
     if (pixels.empty()) return;
     const double middle[2] = {median(pixels, 0), median(pixels, 1)};
+    std::map<std::pair<int, int>, Block> blocks;
     for (const ValidatedPixel& p : pixels) {
         // Each half says what is dark for the other: neither what the picture shows nor the noise of what is summed
         // must choose.
@@ -75,6 +85,11 @@ void ErrorSplit::add(std::span<const ValidatedPixel> pixels, const std::function
         sums_.light += p.truth.whole.luminance();
         for (std::size_t half = 0; half < 2; ++half) sums_.dark_light += dark[half] * p.truth.whole.luminance_of(half);
         const Differences d(p, luma);
+        Block& block = blocks[{p.place.y / Block::side, p.place.x / Block::side}];
+        ++block.pixels;
+        for (std::size_t half = 0; half < 2; ++half)
+            for (std::size_t c = 0; c < cause_count; ++c)
+                block.sums[half][c] += d.of_half[half][static_cast<std::size_t>(ErrorMeasure::code_value)][c];
         for (std::size_t c = 0; c < cause_count; ++c) {
             CauseSums& s = sums_.causes[c];
             const double one = d.of_half[0][0][c], other = d.of_half[1][0][c];
@@ -91,6 +106,16 @@ void ErrorSplit::add(std::span<const ValidatedPixel> pixels, const std::function
             }
         }
     }
+    constexpr int whole = Block::side * Block::side;
+    for (const auto& [place, block] : blocks) {
+        if (block.pixels < whole) continue;
+        ++sums_.blocks;
+        for (std::size_t c = 0; c < cause_count; ++c) {
+            const double square = block.sums[0][c] * block.sums[1][c] / (1.0 * whole * whole);
+            sums_.causes[c].block_squares += square;
+            sums_.causes[c].block_square_squares += square * square;
+        }
+    }
 }
 
 MeanError ErrorSplit::mean_square(ErrorCause cause, ErrorMeasure measure) const {
@@ -100,6 +125,14 @@ MeanError ErrorSplit::mean_square(ErrorCause cause, ErrorMeasure measure) const 
 
 double ErrorSplit::rms(ErrorCause cause, ErrorMeasure measure) const {
     return core::sqrt_or_zero(mean_square(cause, measure).value);
+}
+
+MeanError ErrorSplit::block_mean_square(ErrorCause cause) const {
+    return mean_of(of(cause).block_squares, of(cause).block_square_squares, sums_.blocks);
+}
+
+double ErrorSplit::block_rms(ErrorCause cause) const {
+    return core::sqrt_or_zero(block_mean_square(cause).value);
 }
 
 MeanError ErrorSplit::bias(ErrorCause cause) const {
@@ -116,6 +149,7 @@ MeanError ErrorSplit::dark_bias(ErrorCause cause) const {
 void ErrorSplit::add(const ErrorSplit& others) {
     sums_.pixels += others.sums_.pixels;
     sums_.paths += others.sums_.paths;
+    sums_.blocks += others.sums_.blocks;
     sums_.light += others.sums_.light;
     sums_.dark_light += others.sums_.dark_light;
     for (std::size_t c = 0; c < cause_count; ++c) {
@@ -125,6 +159,8 @@ void ErrorSplit::add(const ErrorSplit& others) {
         sum.difference_squares += more.difference_squares;
         sum.dark_difference += more.dark_difference;
         sum.dark_difference_squares += more.dark_difference_squares;
+        sum.block_squares += more.block_squares;
+        sum.block_square_squares += more.block_square_squares;
         for (std::size_t m = 0; m < measure_count; ++m) {
             sum.squares[m] += more.squares[m];
             sum.square_squares[m] += more.square_squares[m];

@@ -32,6 +32,7 @@ inline constexpr std::size_t measure_count = static_cast<std::size_t>(ErrorMeasu
 
 /// A pixel beside its truth: radiances.
 struct ValidatedPixel {
+    glm::ivec2 place{0};     ///< on the picture
     glm::vec3 shown{0};      ///< of the picture
     glm::vec3 at_points{0};  ///< by every light point, at its gather points
     float least = 0;         ///< luminance that errors are shares of at least
@@ -43,6 +44,7 @@ struct CauseSums {
     double difference = 0, difference_squares = 0;            ///< of luminances, signed
     double dark_difference = 0, dark_difference_squares = 0;  ///< 0 for pixels that are not dark
     std::array<double, measure_count> squares{}, square_squares{};
+    double block_squares = 0, block_square_squares = 0;  ///< of means of 8x8 pixels, code values
 };
 
 /// A mean and its standard error.
@@ -53,8 +55,8 @@ struct MeanError {
 /// The error of many pixels by cause: sums that add up over frames and runs.
 class ErrorSplit {
   public:
-    /// Adds pixels of one frame; the half of them whose truth is darker counts as dark. `luma` tells code values of
-    /// radiance.
+    /// Adds pixels of one frame; the half of them whose truth is darker counts as dark, those that fill a block of 8x8
+    /// as a block. `luma` tells code values of radiance.
     void add(std::span<const ValidatedPixel> pixels, const std::function<double(glm::vec3)>& luma);
 
     /// Adds the sums of another run.
@@ -65,13 +67,16 @@ class ErrorSplit {
     MeanError mean_square(ErrorCause cause, ErrorMeasure measure) const;
     /// Its root; 0 where chance hides it.
     double rms(ErrorCause cause, ErrorMeasure measure) const;
+    /// Likewise of the errors' means over blocks of 8x8 pixels, in code values.
+    MeanError block_mean_square(ErrorCause cause) const;
+    double block_rms(ErrorCause cause) const;
     /// Light too much (too little: < 0) over all light, of all pixels and of the darker half.
     MeanError bias(ErrorCause cause) const;
     MeanError dark_bias(ErrorCause cause) const;
 
     /// All that is to be kept between runs.
     struct Sums {
-        std::uint64_t pixels = 0, paths = 0;
+        std::uint64_t pixels = 0, paths = 0, blocks = 0;
         double light = 0, dark_light = 0;  ///< of the truth
         std::array<CauseSums, cause_count> causes{};
     };
