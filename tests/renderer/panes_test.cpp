@@ -130,5 +130,22 @@ TEST(Panes, MirrorASunOntoTheFloorByPhotons) {
     EXPECT_NEAR(lit(b) / without, 1 + 2 * r / (1 + r), 0.01);
 }
 
+TEST(SolidGlass, PassesWhatSurfacesBounceWhereCausticsHaveLightOfLamps) {
+    // A roof that a lamp lights from below; a plate below the lamp hides it from the floor.
+    const auto light = [](bool glass, bool caustics) {
+        SceneBuilder b = floor_below();
+        const int grey = b.add_material(glm::vec3(0.5f));
+        b.add_quad({-20, 3, -20}, {40, 0, 0}, {0, 0, 40}, grey);
+        b.add_point_light({0, 2.6f, 0}, 10);
+        b.add_quad({-1, 2.5f, -1}, {2, 0, 0}, {0, 0, 2}, b.add_material(glm::vec3(0)));
+        if (glass) b.add_box({-4, 1, -4}, {4, 1.9f, 4}, add_glass(b));
+        FilmStage stage(b, by_rays(), caustics);
+        return mean_of(stage);
+    };
+    const double passing = light(true, false);
+    EXPECT_GT(passing, 0.7 * light(false, false));
+    EXPECT_NEAR(light(true, true) / passing, 1.0, 0.03);
+}
+
 }  // namespace
 }  // namespace render2mpeg::test

@@ -174,7 +174,7 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, float
         return known;
     };
     float distance = 0;
-    bool mirrored = false;
+    bool mirrored = false, behind_body = false;
     for (int step = 0; step < most_surfaces; ++step) {
         if (step > 0) {
             hit = posed_scene_.tracer().nearest(ray.origin, ray.direction, ray.far);
@@ -184,7 +184,7 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, float
             passing *= std::exp(-(hit.found() ? air->optical_depth(ray.origin, ray.direction, hit.distance)
                                               : air->depth_to_sky(ray.origin, ray.direction)));
         if (!hit.found()) {
-            known += passing * escaped(ray.direction, rules, mirrored, solid_angle);
+            if (!behind_body) known += passing * escaped(ray.direction, rules, mirrored, solid_angle);
             return finished();
         }
         distance += hit.distance;
@@ -200,13 +200,14 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, float
         if (asked != nullptr && shines_[material])
             known += passing * p.emission *
                      (mirrored ? 1.0f : asked->share(asked->lights.surface_density(asked->query, hit.address)));
-        if (asked == nullptr && sky_in_panes_ > 0.0f) known += passing * sky_in_pane(p, solid_angle, rays);
+        if (asked == nullptr && sky_in_panes_ > 0.0f && !behind_body)
+            known += passing * sky_in_pane(p, solid_angle, rays);
         const glm::vec3 shown = passing * p.alpha;
         if (rules.is_lobe && p.unlit) known += shown * p.emission;
         if (p.bsdf.has_diffuse() || p.bsdf.has_glossy() || p.bsdf.has_diffuse_transmission() || p.fibre)
             chosen.offer(shown, place);
-        const bool blocks = rules.bodies_block && bends_light(posed_scene_, p);
-        passing *= blocks ? glm::vec3(0) : posed_scene_.transmittance_at(hit.address, ray.direction);
+        behind_body = behind_body || (rules.bodies_block && bends_light(posed_scene_, p));
+        passing *= posed_scene_.transmittance_at(hit.address, ray.direction);
         if (!(core::luminance(passing) > least_passing)) {
             passing = shown * p.bsdf.mirror;
             if ((asked == nullptr && !rules.is_lobe) || !(core::luminance(passing) > least_passing)) break;

@@ -56,8 +56,9 @@ struct RayRules {
         nullptr;           ///< set: emitters are seen, in mirrors too; null: surfaces shine not, mirrors are black
     bool is_lobe = false;  ///< of a narrow lobe: it is mirrored on and sees unlit surfaces
     float spread = cell_spread;  ///< size of cells over the ray's length
-    bool bodies_block = false;   ///< solid bodies of glass let nothing through: caustics have it
-    std::uint8_t depth = 0;      ///< of the place that it leaves, if that has a cell of its own
+    /// Solid bodies of glass pass what surfaces bounce: caustics have light of lamps and sky.
+    bool bodies_block = false;
+    std::uint8_t depth = 0;  ///< of the place that it leaves, if that has a cell of its own
 };
 
 /// Follows rays through the posed scene.

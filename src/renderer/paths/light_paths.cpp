@@ -55,6 +55,7 @@ struct LightPaths::Path {
     bool first = true;          ///< `at` is where the path began
     bool mirrored = false;      ///< a mirror lies between `at` and the ray
     bool in_pane = false;       ///< a pane does, and nothing but the sky is seen in it
+    bool behind_body = false;   ///< glass that bends light is between: caustics have light of lamps and sky
     glm::vec3 seen_in_lobe{0};  ///< share of a narrow lobe, on the ray from the first point; 0: it is not narrow
 
     void stand_on(Scatterer place) {
@@ -176,6 +177,7 @@ bool LightPaths::meet(Path& path, PathNumbers& numbers, glm::vec3& light) const 
 /// Radiance from where the ray leaves the scene.
 glm::vec3 LightPaths::escaped(const Path& path) const {
     glm::vec3 sum(0);
+    if (path.first && path.behind_body) return sum;
     if (sky_light_)
         sum = posed_scene_.sky()->radiance(path.ray.direction, 0.0f) *
               path.weight(lights_.sky_density(path.ray.direction));
@@ -189,7 +191,7 @@ glm::vec3 LightPaths::emitted(const Path& path, const SurfacePoint& met) const {
     if (!(mean(met.emission) > 0.0f)) return glm::vec3(0);
     // Unlit surfaces are a picture's, no lamps: only lobes that rays look along show them.
     if (met.unlit) return path.first ? met.alpha * path.seen_in_lobe * met.emission : glm::vec3(0);
-    if (path.first && path.mirrored) return glm::vec3(0);
+    if (path.first && (path.mirrored || path.behind_body)) return glm::vec3(0);
     // Alpha hides a lamp from the eye, and none of its light.
     return met.emission * path.weight(lights_.surface_density(path.at.query(), met.address));
 }
@@ -211,8 +213,8 @@ LightPaths::Event LightPaths::go_on(Path& path, const SurfacePoint& met, float c
     // All that goes straight on is one event.
     shares[Scattering::glass] = glm::vec3(0);
     const bool translucent = met.alpha < 1.0f || straight || mean(met.bsdf.transmission) > 0.0f;
-    if (translucent && !(path.first && bodies_ == Bodies::block && bends_light(posed_scene_, met)))
-        shares[Scattering::layer] = posed_scene_.transmittance_at(met.address, path.ray.direction);
+    const bool bends = translucent && path.first && bodies_ == Bodies::block && bends_light(posed_scene_, met);
+    if (translucent) shares[Scattering::layer] = posed_scene_.transmittance_at(met.address, path.ray.direction);
     // No caustic on the first surface; its narrow lobe alone looks into mirrors, but for the sky in panes.
     const bool for_sky = path.first && !(mean(path.seen_in_lobe) > 0.0f);
     if (path.in_pane) shares[Scattering::diffuse] = shares[Scattering::beyond] = glm::vec3(0);
@@ -243,6 +245,7 @@ LightPaths::Event LightPaths::go_on(Path& path, const SurfacePoint& met, float c
         default:
             path.throughput *= shares.of[found] / chances[found];
             path.ray.leave(met, path.ray.direction);
+            path.behind_body = path.behind_body || bends;
             return Event::passes;
     }
     // The surface's albedo enters where the path leaves it.
