@@ -23,8 +23,8 @@ constexpr double falloff_end = 1.1;
 /// always passes, and a step between them looks like a slope: seven are more than these. chosen: the least such number.
 constexpr int unknowns = 4, least_records = 7;
 
-/// Sum of the sizes of a plane's weights: 1.5 within the records. chosen: 2.5, so that rims of the picture are served.
-constexpr double most_stretch = 2.5;
+/// Sum of the sizes of a plane's weights: 1.5 within the records. chosen: 2, so that rims of the picture are served.
+constexpr double most_stretch = 2;
 
 /// Share of s^3 below which records lie along a line. chosen: 1e-5 of 1e-3 to 1e-6, at which thin columns still
 /// carry planes: an even disc has 0.02.
