@@ -172,6 +172,32 @@ TEST_F(NoisyWall, NoiseOfRaysIsAveragedWhereLightIsEven) {
     EXPECT_GT(e.radius, 3);
 }
 
+/// Variance of the mean of 8x8 pixels over that of one, by weights of bent planes of this radius on even records.
+double common_share(int radius) {
+    const double end = 1.1 * (radius + 0.5) * (radius + 0.5);
+    const auto closeness = [&](double d2) { return d2 < end ? (1 - d2 / end) * (1 - d2 / end) : 0.0; };
+    constexpr int far = 8;
+    double sum = 0, second = 0, fourth = 0, of_pixel = 0, of_block = 0;
+    for (int y = -far; y <= far; ++y)
+        for (int x = -far; x <= far; ++x) {
+            const double d2 = x * x + y * y, k = closeness(d2);
+            sum += k, second += k * d2, fourth += k * d2 * d2;
+        }
+    // They sum to 1, and to 0 times the square of the distance.
+    const auto weight = [&](int x, int y) {
+        const double d2 = x * x + y * y;
+        return closeness(d2) * (1 - second / fourth * d2) / (sum - second / fourth * second);
+    };
+    for (int y = -far; y < 8 + far; ++y)
+        for (int x = -far; x < 8 + far; ++x) {
+            double share = 0;
+            for (int p = 0; p < 64; ++p) share += weight(x - p % 8, y - p / 8) / 64;
+            of_block += share * share;
+            of_pixel += weight(x, y) * weight(x, y);
+        }
+    return of_block / of_pixel;
+}
+
 TEST_F(NoisyWall, WhatABlockHasInCommonIsToldAndCosts) {
     strew_noisy(0.1f, 0.0f);
     // Shares of every record in the mean of 8x8 pixels, by the weights of each.
@@ -185,6 +211,7 @@ TEST_F(NoisyWall, WhatABlockHasInCommonIsToldAndCosts) {
                     LocalRegression::Of::rays_light, map_, records_);
         const RegressionError error = fit.estimate();
         for (std::size_t k = 0; k < fit.size(); ++k) shares[fit.record(k)] += fit.weight(k) / 64.0;
+        EXPECT_NEAR(error.of_block / error.variance, common_share(error.radius), 1e-4);
         const double shown = receives(point);
         told += error.of_block / (64 * shown * shown);
         of_pixel += error.variance / (64 * shown * shown);

@@ -1,7 +1,6 @@
 #include "renderer/cache/local_regression.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "core/color.h"
@@ -13,7 +12,17 @@ namespace render2mpeg::renderer {
 namespace {
 
 /// Pixels to each side that records are taken from, in turn. chosen: up to 6 of 6 and 8; the larger errs no less.
-constexpr int radii[] = {1, 2, 4, 6}, largest_radius = 6;
+/// `common`: variance of the mean of 8x8 pixels over that of one, as if planes of all had this radius and records lay
+/// evenly (docs/model/irradiance-cache.md#blocks-have-a-price).
+struct Radius {
+    int pixels = 0;
+    double common = 0;
+};
+constexpr Radius radii[] = {{1, 0.0187}, {2, 0.0568}, {4, 0.1540}, {6, 0.2864}};
+constexpr int largest_radius = 6;
+
+/// The same of pixels that have a record each.
+constexpr double common_alone = 1.0 / 64;
 
 /// Weights fall to zero at so many times the square of the reach. chosen: 1.1, so that the farthest count a little; not
 /// tuned.
@@ -23,8 +32,8 @@ constexpr double falloff_end = 1.1;
 /// always passes, and a step between them looks like a slope: seven are more than these. chosen: the least such number.
 constexpr int unknowns = 4, least_records = 7;
 
-/// Sum of the sizes of a plane's weights: 1.5 within the records. chosen: 2.5, so that rims of the picture are served.
-constexpr double most_stretch = 2.5;
+/// Sum of the sizes of a plane's weights: 1.5 within the records. chosen: 2, so that rims of the picture are served.
+constexpr double most_stretch = 2;
 
 /// Share of s^3 below which records lie along a line. chosen: 1e-5 of 1e-3 to 1e-6, at which thin columns still
 /// carry planes: an even disc has 0.02.
@@ -35,41 +44,6 @@ constexpr double circle_share = 1e-3;
 
 /// Records in the place of a point lie so near, in pixels. chosen: 0.1, where light is another in corners alone.
 constexpr float same_place = 0.1f;
-
-/// Variance of the mean of 8x8 pixels over that of one, as if planes of all pixels had such a radius and records lay
-/// evenly: the sum of squares of records' shares in either.
-double common_share(int radius) {
-    static const std::array<double, largest_radius + 1> shares = [] {
-        std::array<double, largest_radius + 1> all{};
-        for (int r = 0; r <= largest_radius; ++r) {
-            // Weights of a bent plane sum to 1, and those times the square of the distance to 0.
-            const double end = r > 0 ? falloff_end * (r + 0.5) * (r + 0.5) : 1.0;
-            const auto closeness2 = [&](double d2) { return d2 < end ? (1 - d2 / end) * (1 - d2 / end) : 0.0; };
-            constexpr int far = largest_radius + 1, side = 8;
-            double sum = 0, second = 0, fourth = 0, of_pixel = 0, of_block = 0;
-            for (int y = -far; y <= far; ++y)
-                for (int x = -far; x <= far; ++x) {
-                    const double d2 = x * x + y * y, k = closeness2(d2);
-                    sum += k, second += k * d2, fourth += k * d2 * d2;
-                }
-            const double bend = core::divide_or(second, fourth, 0.0), scale = 1 / (sum - bend * second);
-            const auto weight = [&](int x, int y) {
-                const double d2 = x * x + y * y;
-                return scale * closeness2(d2) * (1 - bend * d2);
-            };
-            for (int y = -far; y < side + far; ++y)
-                for (int x = -far; x < side + far; ++x) {
-                    double share = 0;
-                    for (int p = 0; p < side * side; ++p) share += weight(x - p % side, y - p / side);
-                    of_block += share * share / (side * side * side * side);
-                    of_pixel += weight(x, y) * weight(x, y);
-                }
-            all[static_cast<std::size_t>(r)] = of_block / of_pixel;
-        }
-        return all;
-    }();
-    return shares[static_cast<std::size_t>(radius)];
-}
 
 }  // namespace
 
@@ -146,7 +120,7 @@ void LocalRegression::explain_change(const GatherPoint& plain, const RecordStore
 }
 
 /// Considers the bent plane through records within a radius.
-void LocalRegression::fit_plane(int radius, RegressionError& best) {
+void LocalRegression::fit_plane(int radius, double common, RegressionError& best) {
     const float reach = static_cast<float>(radius) + 0.5f, reach2 = reach * reach;
     const auto closeness = [&](const Member& m) { return 1.0 - m.distance2 / (falloff_end * reach2); };
     // Normal equations of a bent plane about the point.
@@ -196,7 +170,7 @@ void LocalRegression::fit_plane(int radius, RegressionError& best) {
     chance *= batch / sum;
     const double square = variance + std::max(off - chance, 0.0);
     if (!(stretch <= most_stretch) || !std::isfinite(square) || (best.is_valid() && !(square < best.square))) return;
-    best = {square, variance, common_share(radius) * variance, batch, core::divide_or(variance, chance, 1.0), radius};
+    best = {square, variance, common * variance, batch, core::divide_or(variance, chance, 1.0), radius};
     weights_.swap(plane_);
 }
 
@@ -208,7 +182,7 @@ void LocalRegression::take_own(RegressionError& best) {
         // Neighbours know better how rays vary than its own do.
         const double batch = best.is_valid() ? best.batch_variance : m.batch_variance, square = batch * m.batch_share;
         if (!std::isfinite(square) || (best.is_valid() && !(square < best.square))) continue;
-        best = {square, square, common_share(0) * square, batch, 1.0, 0};
+        best = {square, square, common_alone * square, batch, 1.0, 0};
         weights_.assign(members_.size(), 0.0f);
         weights_[i] = 1;
     }
@@ -216,7 +190,7 @@ void LocalRegression::take_own(RegressionError& best) {
 
 RegressionError LocalRegression::estimate() {
     RegressionError best;
-    for (const int radius : radii) fit_plane(radius, best);
+    for (const Radius& radius : radii) fit_plane(radius.pixels, radius.common, best);
     take_own(best);
     return best;
 }

@@ -64,7 +64,7 @@ class LocalRegression {
         SeenLobe lobe;
     };
     void explain_change(const GatherPoint& plain, const RecordStore& records, float receives2);
-    void fit_plane(int radius, RegressionError& best);
+    void fit_plane(int radius, double common, RegressionError& best);
     void take_own(RegressionError& best);
 
     std::vector<Member> members_;
