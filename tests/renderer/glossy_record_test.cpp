@@ -1,6 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "core/color.h"
 #include "renderer/cache/gather_requests.h"
+#include "tests/renderer/film_stage.h"
 #include "tests/renderer/record_wall.h"
 
 namespace render2mpeg::renderer {
@@ -49,6 +53,33 @@ TEST_F(Wall, LobesOfRoughnessTwoTenthsAndMoreTakeRecords) {
     p.point.bsdf.alpha = 1.0f;
     p.path = renderer::extended_path(p.path, true);
     EXPECT_FALSE(uses_cache(p));
+}
+
+/// A ball under an even sky. Its rim has few records, of few rays at first.
+core::Radiance ball_by(CacheUse cache) {
+    test::SceneBuilder b;
+    const int paint = b.add_material({0.25f, 0.02f, 0.02f});
+    b.material(paint).specular_glossiness = false;
+    b.material(paint).metallic = 0.4f;
+    b.material(paint).roughness = 0.35f;
+    b.add_sphere({0, 0, 0}, 1, paint, 32);
+    b.film().sky.color = glm::vec3(1);
+    b.add_camera({0, 0.5f, 4}, {0, 0, 0}, 0.6f);
+    Settings s = test::small_frame(64, 64);
+    s.indirect = Indirect::rays;
+    s.cache = cache;
+    test::FilmStage stage(b, s);
+    return stage.shade(0, core::ToleranceMap::uniform(64, 64, {0.0f, 0.02f}));
+}
+
+TEST(GlossyBalls, HaveNoBlackSpecksAtTheirRims) {
+    const core::Radiance kept = ball_by(CacheUse::static_light), alone = ball_by(CacheUse::off);
+    float worst = 1;
+    for (std::size_t i = 0; i < kept.combined.size(); ++i)
+        worst =
+            std::min(worst, core::luminance(kept.combined.values()[i]) / core::luminance(alone.combined.values()[i]));
+    // Without neighbours that say how rays vary: 0.17.
+    EXPECT_GT(worst, 0.4f);
 }
 
 }  // namespace

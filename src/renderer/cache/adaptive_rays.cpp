@@ -36,6 +36,10 @@ RayLight blend(const LocalRegression& fit, const RecordStore& records) {
     return light;
 }
 
+/// First rays of fewer records than these tell too little of how they vary: all may have missed what is bright. Not
+/// tuned.
+constexpr std::size_t few_records = 8;
+
 /// Rays that a new record is worth in all.
 std::uint32_t wanted_rays(const FrameState& frame, const NewRecord& fresh, LocalRegression& fit) {
     const IrradianceRecord& record = frame.records[fresh.record];
@@ -49,8 +53,9 @@ std::uint32_t wanted_rays(const FrameState& frame, const NewRecord& fresh, Local
                 tolerance = query->tolerance.allows(light) / errors_allowed;
     const double has = record.ray_count, most = most_growth * has;
     if (!(tolerance > 0.0f)) return static_cast<std::uint32_t>(most);
-    const double needs =
+    double needs =
         has * std::pow(frame.aim.priced(error.square, error.of_block) / (tolerance * tolerance), 1.0 / variance_power);
+    if (fit.size() < few_records) needs = std::max(needs, 4.0 * first_rays);
     return static_cast<std::uint32_t>(std::min(frame.aim.worth(needs), most));
 }
 

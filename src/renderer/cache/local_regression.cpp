@@ -176,11 +176,14 @@ void LocalRegression::fit_plane(int radius, double common, RegressionError& best
 
 /// Considers a record in the point's place.
 void LocalRegression::take_own(RegressionError& best) {
+    // Neighbours know better how rays vary than its own do: the few of a rim that missed what is bright look sure.
+    double all = 0;
+    for (const Member& m : members_) all += m.batch_variance;
+    const double batch = best.is_valid() ? best.batch_variance : all / static_cast<double>(members_.size());
     for (std::size_t i = 0; i < members_.size(); ++i) {
         const Member& m = members_[i];
         if (!m.is_own) continue;
-        // Neighbours know better how rays vary than its own do.
-        const double batch = best.is_valid() ? best.batch_variance : m.batch_variance, square = batch * m.batch_share;
+        const double square = batch * m.batch_share;
         if (!std::isfinite(square) || (best.is_valid() && !(square < best.square))) continue;
         best = {square, square, common_alone * square, batch, 1.0, 0};
         weights_.assign(members_.size(), 0.0f);
