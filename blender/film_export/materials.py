@@ -97,7 +97,7 @@ class Materials:
         look, _ = self.look(material)
         baked = self.baked.get((mesh_name, material.name_full))
         if baked is None and self.needs_bake(look):
-            self.lost.add_of(material, "textures that cannot be baked on a shape without a mesh of its own; grey", thing=thing)
+            self.lost.add_of(material, "textures that cannot be baked on this shape; grey", thing=thing)
             look = without_bakes(look)
         shines = look.strength != Constant(0.0) and look.emission != Constant((0.0, 0.0, 0.0))
         sides = closed and shines
