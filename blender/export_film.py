@@ -181,7 +181,7 @@ def write_nodes(glb, walk, materials, times, film, lost):
     from film_export.keys import json_number, thinned
     from film_export.shapes import add_mesh
 
-    meshes, names, change, shaped, holes = {}, set(), {}, {}, holes_in(walk.scene)
+    meshes, names, numbers, change, shaped, holes = {}, set(), {}, {}, {}, holes_in(walk.scene)
     for key, thing in walk.things.items():
         if thing.kind == "LIGHT":
             continue
@@ -199,10 +199,11 @@ def write_nodes(glb, walk, materials, times, film, lost):
         mesh, weights = meshes[thing.shape]
         if mesh is None:
             continue
-        name, number = thing.name, 1
+        name, number = thing.name, numbers.get(thing.name, 1)
         while name in names:
             number += 1
             name = f"{thing.name} {number}"
+        numbers[thing.name] = number
         names.add(name)
         node = glb.node({"name": name, "mesh": mesh})
         if weights is not None and weights.shape[1]:
@@ -226,7 +227,8 @@ def write_nodes(glb, walk, materials, times, film, lost):
 
 def place_node(glb, node, thing, times, Matrix, TO_FILM, np, thinned, lost):
     present = [k for k, m in enumerate(thing.matrices) if m is not None]
-    matrices = np.array([TO_FILM @ thing.matrices[k] for k in present])
+    rests = all(thing.matrices[k] is thing.matrices[present[0]] for k in present)
+    matrices = np.array([TO_FILM @ thing.matrices[k] for k in (present[:1] if rests else present)])
     says = glb.document["nodes"][node]
     if np.max(np.ptp(matrices, axis=0)) < 1e-6:
         says["matrix"] = [float(v) for v in matrices[0].T.ravel()]
@@ -309,6 +311,7 @@ class Strengths:
 def export(path, folder, texture_size):
     open_blend(path)
     from film_export import lamps, world
+    from film_export.bakes import Bakes
     from film_export.baking import Baker
     from film_export.cameras import Cameras
     from film_export.glb import Glb
@@ -330,11 +333,11 @@ def export(path, folder, texture_size):
 
     mix_sound(scene, film, folder, lost)
     scene.frame_set(frames[0])
-    materials = Materials(glb, folder, Baker(texture_size), lost)
+    materials = Materials(glb, folder, lost)
+    bakes = Bakes(materials, Baker(texture_size), lost)
     for thing in list(bpy.data.objects):
         if thing.type == "MESH" and (scene in thing.users_scene or not thing.users_scene):
-            materials.prepare(thing)
-    materials.baker.clear()
+            bakes.prepare(thing)
     world.write(scene, film, folder, lost)
     window = bpy.context.window_manager.windows[0]
     window.scene = scene
@@ -347,6 +350,8 @@ def export(path, folder, texture_size):
         reflections.watch(number, depsgraph)
     walk = Walk(scene, frames, watch, lost)
     walk.run()
+    bakes.run(walk, cameras)
+    window.scene = scene
     reflections.write(film, write_nodes(glb, walk, materials, times, film, lost))
     cameras.write(film)
     lights = [lamps.described(thing, times, lost) for thing in walk.things.values() if thing.kind == "LIGHT"]

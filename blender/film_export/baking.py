@@ -1,33 +1,10 @@
 """Bakes sockets of materials to images, in a scene of its own that holds nothing but the mesh."""
 import bpy
 import numpy as np
+from mathutils import Matrix
 
-from .shapes import BAKE_UV
-
-
-def unwrap(window, scene, thing):
-    """Gives the mesh of `thing` a layer of coordinates in which no two faces share a place."""
-    mesh = thing.data
-    if BAKE_UV in mesh.uv_layers:
-        mesh.uv_layers.active = mesh.uv_layers[BAKE_UV]
-        return True
-    if len(mesh.uv_layers) >= 8 or mesh.library is not None:
-        return False
-    shown = next((layer.name for layer in mesh.uv_layers if layer.active_render), None)
-    layer = mesh.uv_layers.new(name=BAKE_UV)
-    if layer is None:
-        return False
-    mesh.uv_layers.active = mesh.uv_layers[BAKE_UV]
-    if shown:
-        mesh.uv_layers[shown].active_render = True
-    with bpy.context.temp_override(window=window, scene=scene, view_layer=scene.view_layers[0], active_object=thing, object=thing,
-                                   selected_objects=[thing], selected_editable_objects=[thing]):
-        bpy.ops.object.mode_set(mode="EDIT")
-        bpy.ops.mesh.reveal()
-        bpy.ops.mesh.select_all(action="SELECT")
-        bpy.ops.uv.smart_project(island_margin=0.01)
-        bpy.ops.object.mode_set(mode="OBJECT")
-    return True
+from .nodes import incoming, output_of
+from .shapes import BAKE_UV, array_of
 
 
 class Baker:
@@ -39,35 +16,70 @@ class Baker:
         scene = self.scene = bpy.data.scenes.new("render2mpeg bake")
         scene.render.engine = "CYCLES"
         scene.cycles.samples, scene.cycles.use_adaptive_sampling, scene.cycles.use_denoising = 4, False, False
+        scene.cycles.max_bounces = 0
         scene.cycles.device, scene.cycles.shading_system = "CPU", False
         scene.render.bake.margin = 8
-        scene.render.bake.use_clear = True
+        scene.render.bake.use_clear = False
         self.blank = bpy.data.materials.new("render2mpeg blank")
         self.blank.use_nodes = True
         node = self.blank.node_tree.nodes.new("ShaderNodeTexImage")
         node.image = bpy.data.images.new("render2mpeg blank", 4, 4)
         self.blank.node_tree.nodes.active = node
 
-    def stage(self, thing):
-        """A copy of an object that stands as it does, with its mesh as it was made, and nothing else in the scene."""
+    def stage(self, mesh, matrix):
+        """An object of a mesh, and nothing else in the scene."""
         if self.scene is None:
             self.prepare()
-        for old in list(self.scene.collection.objects):
-            self.scene.collection.objects.unlink(old)
-        copy = bpy.data.objects.new("render2mpeg bake", thing.data)
-        copy.matrix_world = thing.matrix_world
+        self.unstage()
+        copy = bpy.data.objects.new("render2mpeg bake", mesh)
+        copy.matrix_world = matrix
         self.scene.collection.objects.link(copy)
-        window = bpy.context.window_manager.windows[0]
-        window.scene = self.scene
+        bpy.context.window_manager.windows[0].scene = self.scene
         self.scene.view_layers[0].objects.active = copy
         copy.select_set(True)
-        return copy if unwrap(window, self.scene, copy) else None
+        return copy
 
-    def bake(self, copy, slot, material, kind):
-        """EMIT or NORMAL of one of its materials: rows from the bottom up, linear, four channels."""
-        window = bpy.context.window_manager.windows[0]
+    def unstage(self):
+        for old in list(self.scene.collection.objects):
+            bpy.data.objects.remove(old)
+
+    def unwrap(self, mesh, like=None):
+        """Gives a mesh a layer of coordinates in which no two faces share a place: that of `like`, an equal mesh, where there
+        is one."""
+        if BAKE_UV in mesh.uv_layers:
+            return True
+        if len(mesh.uv_layers) >= 8 or mesh.library is not None:
+            return False
+        shown = next((layer.name for layer in mesh.uv_layers if layer.active_render), None)
+        if mesh.uv_layers.new(name=BAKE_UV) is None:
+            return False
+        mesh.uv_layers.active = mesh.uv_layers[BAKE_UV]
+        if shown:
+            mesh.uv_layers[shown].active_render = True
+        if like is not None:
+            mesh.uv_layers[BAKE_UV].data.foreach_set("uv", array_of(like.uv_layers[BAKE_UV].data, "uv", 2, np.float32).ravel())
+            return True
+        copy = self.stage(mesh, Matrix())
+        with self.attended(copy):
+            bpy.ops.object.mode_set(mode="EDIT")
+            bpy.ops.mesh.reveal()
+            bpy.ops.mesh.select_all(action="SELECT")
+            bpy.ops.uv.smart_project(island_margin=0.01)
+            bpy.ops.object.mode_set(mode="OBJECT")
+        return True
+
+    def attended(self, copy):
+        """What Blender's operators work on."""
+        return bpy.context.temp_override(window=bpy.context.window_manager.windows[0], scene=self.scene, view_layer=self.scene.view_layers[0],
+                                         active_object=copy, object=copy, selected_objects=[copy], selected_editable_objects=[copy])
+
+    def bake(self, copy, slot, material, kind, size):
+        """EMIT or NORMAL of one of its materials: rows from the bottom up, linear, four channels. Where no face is, it is the
+        mean of the rest."""
         tree = material.node_tree
-        image = bpy.data.images.new("render2mpeg bake", self.size, self.size, alpha=True, float_buffer=True)
+        copy.data.uv_layers.active = copy.data.uv_layers[BAKE_UV]
+        image = bpy.data.images.new("render2mpeg bake", size, size, alpha=True, float_buffer=True)
+        image.generated_color = 0, 0, 0, 0  # alpha will tell where a face is
         image.colorspace_settings.name = "Non-Color"
         node = tree.nodes.new("ShaderNodeTexImage")
         node.image = image
@@ -78,32 +90,43 @@ class Baker:
         for number, entry in enumerate(copy.material_slots):
             entry.link = "OBJECT"
             entry.material = material if number == slot else self.blank
-        with bpy.context.temp_override(window=window, scene=self.scene, view_layer=self.scene.view_layers[0], active_object=copy,
-                                       object=copy, selected_objects=[copy]):
+        with self.attended(copy):
             bpy.ops.object.bake(type=kind, normal_space="TANGENT", target="IMAGE_TEXTURES", save_mode="INTERNAL")
-        pixels = np.empty(self.size * self.size * 4, dtype=np.float32)
+        pixels = np.empty(size * size * 4, dtype=np.float32)
         image.pixels.foreach_get(pixels)
         tree.nodes.remove(node)
         bpy.data.images.remove(image)
-        return pixels.reshape(self.size, self.size, 4)
+        pixels = pixels.reshape(size, size, 4)
+        covered = pixels[..., 3] > 0
+        if covered.any():
+            pixels[~covered] = pixels[covered].mean(axis=0, dtype=float)
+        return pixels
 
-    def value(self, copy, slot, material, socket):
+    def value(self, copy, slot, material, socket, size):
         """What a socket has all over the mesh, shown as light of that colour."""
-        from .nodes import incoming, output_of
+        return self.bake_through(copy, slot, material, socket, ("ShaderNodeEmission", "Color", "EMIT"), size)
+
+    def normal(self, copy, slot, material, socket, size):
+        """A socket's normals: those of a matt surface, whose light Cycles need not follow."""
+        return self.bake_through(copy, slot, material, socket, ("ShaderNodeBsdfDiffuse", "Normal", "NORMAL"), size)
+
+    def bake_through(self, copy, slot, material, socket, means, size):
+        shader, entry, kind = means
         tree = material.node_tree
         end = output_of(tree)
         before = incoming(end.inputs["Surface"])
-        light = tree.nodes.new("ShaderNodeEmission")
-        tree.links.new(socket, light.inputs["Color"])
-        tree.links.new(light.outputs[0], end.inputs["Surface"])
+        node = tree.nodes.new(shader)
+        tree.links.new(socket, node.inputs[entry])
+        tree.links.new(node.outputs[0], end.inputs["Surface"])
         try:
-            return self.bake(copy, slot, material, "EMIT")
+            return self.bake(copy, slot, material, kind, size)
         finally:
-            tree.nodes.remove(light)
+            tree.nodes.remove(node)
             if before is not None:
                 tree.links.new(before, end.inputs["Surface"])
 
     def clear(self):
         if self.scene is not None:
+            self.unstage()
             bpy.data.scenes.remove(self.scene)
             self.scene = None

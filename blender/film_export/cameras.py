@@ -53,7 +53,7 @@ class Cameras:
                 away = there - now.matrix_world.translation
                 distance = abs(away.dot(now.matrix_world.to_3x3().col[2].normalized()))
             self.poses[camera.name_full].append({
-                "position": matrix[:3, 3], "rotate": turns(rotation_of(matrix)), "lens": lens, "clip": data.clip_start,
+                "position": matrix[:3, 3], "eye": np.array(now.matrix_world.translation, dtype=float), "rotate": turns(rotation_of(matrix)), "lens": lens, "clip": data.clip_start,
                 "f": focus.aperture_fstop if focus.use_dof else None, "focus": distance})
 
     def tell_losses(self, camera, poses):

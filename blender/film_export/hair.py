@@ -55,9 +55,11 @@ def particle_strands(thing, system):
     shown = range(parents if settings.child_type != "NONE" and children else 0, parents + children)
     places = np.array([system.co_hair(thing, particle_no=number, step=step) for number in shown for step in range(steps + 1)],
                       dtype=float).reshape(len(shown), steps + 1, 3)
+    # Blender leaves steps beyond the end of a shortened strand at zero, in the world.
+    last = np.array([np.flatnonzero(strand.any(axis=1))[-1:].sum() for strand in places], dtype=int)
     to_object = np.linalg.inv(np.array(thing.matrix_world, dtype=float))
     places = places @ to_object[:3, :3].T + to_object[:3, 3]
-    return strands_through(list(places), settings)
+    return strands_through([strand[:end + 1] for strand, end in zip(places, last)], settings)
 
 
 def strands_through(strands, settings):

@@ -36,7 +36,7 @@ OTHERS = [
     ("TEX_IMAGE", "Image Texture", KEPT, "the file, on a UV map; else baked"),
     ("NORMAL_MAP", "Normal Map", KEPT, "likewise"),
     ("BUMP", "Bump", KEPT, "baked"),
-    (None, "other textures, ramps, maths", KEPT, "baked by Cycles, 1024x1024"),
+    (None, "other textures, ramps, maths", KEPT, "baked, 64 to 1024 across: a texel per pixel of the nearest view"),
     (None, "textures of specular, IOR, subsurface, anisotropy, film", LOST,
      "the node's own value"),
     (None, "keys of other than emission's strength", LOST, "the first frame's"),

@@ -30,16 +30,18 @@ def area_of(light, scale):
 
 
 def spot_keys(light, says, lost, name):
-    """Cycles' edge is a smooth step in the cosine, the film's the square of a line: with three quarters of the width
-    both cut off the same light. Before Blender 4 Cycles dims by the cosine to the axis: its mean counts."""
+    """Cycles' edge is a smooth step in the cosine, and before Blender 4 it dims by the cosine to the axis, too. The film's
+    own edge is the square of a line: with three quarters of the width both cut off the same light."""
+    old = bpy.app.version < (4, 0, 0)
     half = min(light.spot_size / 2, math.radians(89.9))
     outer = math.cos(half)
-    inner = outer + 0.75 * light.spot_blend * (1 - outer)
+    inner = outer + (1 if old else 0.75) * light.spot_blend * (1 - outer)
+    if old:
+        says["falloff"] = "blender-3"
     says["angle"] = json_number(2 * math.degrees(half))
     says["softness"] = json_number(1 - math.acos(min(1.0, inner)) / half)
     if light.shadow_soft_size > 0.01:
         lost.add(name, f"soft size of a spot ({light.shadow_soft_size:.3g} m); its shadows are sharp")
-    return (1 + outer) / 2 if bpy.app.version < (4, 0, 0) else 1.0
 
 
 def strength_keys(thing, light, scale, says, lost):
@@ -51,7 +53,8 @@ def strength_keys(thing, light, scale, says, lost):
         return (1 + math.cos(light.angle / 2)) / 2
     if light.type == "SPOT":
         says["kind"] = "spot"
-        return spot_keys(light, says, lost, thing.name) / (4 * math.pi)
+        spot_keys(light, says, lost, thing.name)
+        return 1 / (4 * math.pi)
     if light.type == "POINT":
         radius = light.shadow_soft_size
         if radius < 1e-3:

@@ -43,8 +43,8 @@ class Told:
 class Materials:
     """glTF materials of a .blend's, each made when a shape first asks for it."""
 
-    def __init__(self, glb, folder, baker, lost):
-        self.glb, self.folder, self.baker, self.lost = glb, folder, baker, lost
+    def __init__(self, glb, folder, lost):
+        self.glb, self.folder, self.lost = glb, folder, lost
         self.looks, self.made, self.images, self.textures = {}, {}, {}, {}
         self.baked = {}     # (mesh, material) -> channel -> pixels
         self.holes = []     # names of glTF materials
@@ -88,41 +88,6 @@ class Materials:
         sources = [getattr(look, name) for name in CHANNELS]
         return any(isinstance(s, Baked) for s in sources) or (look.normal is not None and not isinstance(look.normal, tuple))
 
-    def prepare(self, thing):
-        """Bakes what the materials of an object need."""
-        copy = None
-        for slot, entry in enumerate(thing.material_slots):
-            material = entry.material
-            if material is None or (thing.data.name_full, material.name_full) in self.baked:
-                continue
-            look, made = self.look(material)
-            if not self.needs_bake(look):
-                continue
-            if copy is None:
-                copy = self.baker.stage(thing)
-            if copy is None:
-                self.lost.add_of(material, "there is no room for baked textures' coordinates", thing=thing.name)
-                break
-            self.baked[thing.data.name_full, material.name_full] = self.bake(copy, slot, look, made)
-        if copy is not None:
-            bpy.data.objects.remove(copy)
-
-    def bake(self, copy, slot, look, made):
-        out = {}
-        merged = isinstance(look.base, Baked) or isinstance(look.alpha, Baked)
-        for name in CHANNELS:
-            source = getattr(look, name)
-            # Colour and coverage share an image, and so do roughness and metalness.
-            wanted = isinstance(source, Baked) or (merged and name in {"base", "alpha"} and isinstance(source, Picture))
-            if name in {"roughness", "metallic"} and isinstance(source, Picture):
-                wanted = any(isinstance(getattr(look, n), Baked) for n in ("roughness", "metallic"))
-            if wanted:
-                from .looks import socket_of
-                out[name] = self.baker.value(copy, slot, made, socket_of(made.node_tree, source))
-        if look.normal is not None and not isinstance(look.normal, tuple):
-            out["normal"] = self.baker.bake(copy, slot, made, "NORMAL")
-        return out
-
     # While shapes are written.
 
     def index(self, material, mesh_name, thing, closed, shape):
@@ -132,7 +97,7 @@ class Materials:
         look, _ = self.look(material)
         baked = self.baked.get((mesh_name, material.name_full))
         if baked is None and self.needs_bake(look):
-            self.lost.add_of(material, "textures that cannot be baked on a shape without a mesh of its own; grey", thing=thing)
+            self.lost.add_of(material, "textures that cannot be baked on this shape; grey", thing=thing)
             look = without_bakes(look)
         shines = look.strength != Constant(0.0) and look.emission != Constant((0.0, 0.0, 0.0))
         sides = closed and shines

@@ -14,6 +14,16 @@ def incoming(socket):
     return None
 
 
+# Nodes that give the same value all over a surface if their inputs do.
+STEADY = {"RGB", "VALUE", "MATH", "MIX_RGB", "MIX", "VALTORGB", "HUE_SAT", "GAMMA", "BRIGHTCONTRAST", "INVERT", "RGBTOBW", "COMBRGB", "SEPRGB",
+          "COMBINE_COLOR", "SEPARATE_COLOR", "COMBXYZ", "SEPXYZ", "CLAMP", "MAP_RANGE", "CURVE_RGB", "CURVE_FLOAT", "VECT_MATH", "BLACKBODY"}
+
+
+def is_steady(socket):
+    """Whether nothing that feeds a socket depends on where it is asked."""
+    return socket.node.type in STEADY and all(is_steady(s) for s in map(incoming, socket.node.inputs) if s is not None)
+
+
 def output_of(tree):
     """The output node that Cycles shows."""
     node = tree.get_output_node("CYCLES")

@@ -32,6 +32,32 @@ class Shape:
         shown = [layer.name for layer in mesh.uv_layers if layer.active_render and layer.name != BAKE_UV]
         others = [name for name in self.uv if name != BAKE_UV]
         self.main_uv = (shown or others or [None])[0]
+        self.texture_space = tuple(mesh.texspace_location), tuple(mesh.texspace_size)
+
+    def unshare_corners(self):
+        """Gives each triangle corners of its own; returns which they were."""
+        old = self.corners.ravel()
+        self.vertex, self.normals = self.vertex[old], self.normals[old]
+        self.uv = {name: values[old] for name, values in self.uv.items()}
+        self.corners = np.arange(len(old), dtype=np.int32).reshape(-1, 3)
+        return old
+
+    def as_mesh(self, materials):
+        """A datablock of its triangles, once its corners are unshared."""
+        import bpy
+        mesh = bpy.data.meshes.new("render2mpeg bake")
+        mesh.from_pydata(self.vertices.tolist(), [], self.vertex.reshape(-1, 3).tolist())
+        mesh.polygons.foreach_set("material_index", self.slots.astype(np.int32))
+        mesh.polygons.foreach_set("use_smooth", np.ones(len(self.slots), dtype=bool))
+        for name, values in self.uv.items():
+            mesh.uv_layers.new(name=name).data.foreach_set("uv", values.ravel())
+        if self.main_uv in mesh.uv_layers:
+            mesh.uv_layers[self.main_uv].active_render = True
+        mesh.use_auto_texspace = False
+        mesh.texspace_location, mesh.texspace_size = self.texture_space
+        for material in materials:
+            mesh.materials.append(material)
+        return mesh
 
     def is_closed(self):
         """Whether every edge has two triangles that run along it opposite ways, and the inside has a positive volume:

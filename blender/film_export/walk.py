@@ -69,6 +69,30 @@ class ShapeOverTime:
         self.bending = Bending(shape) if bends else None
         self.missed = 0  # frames on which it was not there, or had other corners
 
+    def unshare_corners(self):
+        old = self.shape.unshare_corners()
+        if self.bending:
+            self.bending.number = self.bending.number[old]
+
+
+class Row:
+    """All objects and instances of a frame, read at once: who they are, and where."""
+
+    def __init__(self, instances):
+        count = len(instances)
+
+        def read(attribute, width, kind):
+            flat = np.empty(count * width, dtype=kind)
+            instances.foreach_get(attribute, flat)
+            return flat.reshape(count, width)
+        self.who = np.concatenate([read("random_id", 1, np.int32), read("persistent_id", 8, np.int32)] + [
+            read(name, 1, bool) for name in ("is_instance", "show_self", "show_particles")], axis=1)
+        self.matrices = read("matrix_world", 16, np.float32).reshape(-1, 4, 4).transpose(0, 2, 1).astype(float)
+        self.things = {}  # place -> Thing of an instance whose shape stays as it is
+
+    def is_like(self, other):
+        return np.array_equal(self.who, other.who)
+
 
 class Walk:
     """What there is on each frame. `watch(frame, depsgraph)` is called on each as well."""
@@ -77,6 +101,7 @@ class Walk:
         self.scene, self.frames, self.watch, self.lost = scene, frames, watch, lost
         self.things, self.shapes = {}, {}
         self.trouble = None
+        self.row = None  # Row of the frame before
 
     def run(self):
         walk = self
@@ -108,16 +133,27 @@ class Walk:
 
     def visit(self, number, depsgraph):
         bent = set()
-        for instance in depsgraph.object_instances:
+        before, self.row = self.row, Row(depsgraph.object_instances)
+        known = before.things if before is not None and before.is_like(self.row) else {}
+        rests = known and (self.row.matrices == before.matrices).all(axis=(1, 2)).tolist()
+        for place, instance in enumerate(depsgraph.object_instances):
+            seen = known.get(place)
+            if seen is not None:
+                seen.matrices.append(seen.matrices[-1] if rests[place] else self.row.matrices[place])
+                continue
             thing = instance.object
             if instance.show_self if thing.type == "CURVES" else instance.show_particles:
                 self.meet_hair(number, instance, thing, depsgraph, bent)
             if not instance.show_self:
                 continue
             if thing.type in SHAPED or thing.type == "LIGHT":
-                self.meet(number, instance, thing, depsgraph, bent)
+                seen = self.meet(number, instance, thing, depsgraph, bent)
+                if seen is not None and instance.is_instance and not instance.show_particles and thing.type in SHAPED and \
+                        not self.shapes[seen.shape].bending:
+                    self.row.things[place] = seen
             elif thing.type in {"VOLUME", "POINTCLOUD", "GPENCIL", "GREASEPENCIL"}:
                 self.lost.add(thing.original, {"VOLUME": "volume", "POINTCLOUD": "point cloud"}.get(thing.type, "grease pencil"))
+        self.row.things.update(known)
         for seen in self.things.values():
             seen.matrices += [None] * (number + 1 - len(seen.matrices))
         for key, shape in self.shapes.items():
@@ -177,7 +213,7 @@ class Walk:
         if thing.type != "LIGHT":
             shape = self.shape_of(instance, thing, number, bent)
             if shape is None:
-                return
+                return None
         seen = self.things.get(key)
         if seen is None:
             seen = self.things[key] = Thing(name, thing.type, number)
@@ -185,6 +221,7 @@ class Walk:
         seen.matrices.append(np.array(instance.matrix_world, dtype=float))
         if thing.type == "LIGHT":
             seen.values.append((tuple(thing.data.color), float(thing.data.energy), sizes_of(thing.data)))
+        return seen
 
     def shape_of(self, instance, thing, number, bent):
         """The key of its shape; None where it has no triangles."""
@@ -213,7 +250,7 @@ class Walk:
         bent.add(key)
         if known is None:
             known = self.shapes[key] = ShapeOverTime(shape, original.name, materials, bends)
-            known.mesh_name = original.data.name_full if original.data else ""
+            known.mesh_name = original.data.name_full if original.type == "MESH" else ""
             if bends:
                 known.missed = number
                 known.bending.rows += [[]] * number

@@ -69,6 +69,7 @@ TruthCase point_with_range() {
     return c;
 }
 
+template <bool smooth>
 TruthCase spot() {
     TruthCase c = floor_case();
     c.paths = 1;
@@ -79,6 +80,7 @@ TruthCase spot() {
     light.intensity = 8;
     light.inner_cone = 0.2f;
     light.outer_cone = 0.7f;
+    light.smooth_cosine = smooth;
     scene::Node node;
     node.translation = glm::dvec3(lamp_place);
     node.rotation = SceneBuilder::looking_along(along);
@@ -90,7 +92,8 @@ TruthCase spot() {
         const double far = glm::length(d), cosine = glm::dot(-d / far, along);
         const double inner = std::cos(0.2), outer = std::cos(0.7);
         const double falloff = std::clamp((cosine - outer) / (inner - outer), 0.0, 1.0);
-        return 8.0 * falloff * falloff * glm::dvec3(lamp_color) * d.y / std::pow(far, 3.0);
+        const double shape = smooth ? cosine * (3.0 - 2.0 * falloff) : 1.0;
+        return 8.0 * falloff * falloff * shape * glm::dvec3(lamp_color) * d.y / std::pow(far, 3.0);
     });
     // Where the cone ends next to nothing is left to be right of.
     c.closed_form_pixel = 0.01;
@@ -250,8 +253,9 @@ std::vector<NamedCase> lamp_cases() {
     return {{"Point", point},
             {"PointBlocked", blocked<point>},
             {"PointWithRange", point_with_range},
-            {"Spot", spot},
-            {"SpotBlocked", blocked<spot>},
+            {"Spot", spot<false>},
+            {"SpotBlocked", blocked<spot<false>>},
+            {"SpotByTheCosine", spot<true>},
             {"Directional", directional},
             {"DirectionalBlocked", blocked<directional>},
             {"SoftSun", soft_sun},

@@ -142,7 +142,7 @@ std::vector<Connection> Lamps::punctual(glm::dvec3 place) const {
             const double cosine = glm::dot(-c.to_light, glm::dvec3(light.direction));
             const double scale = 1.0 / std::max(1e-3, static_cast<double>(light.cos_inner) - light.cos_outer);
             const double falloff = std::clamp((cosine - light.cos_outer) * scale, 0.0, 1.0);
-            c.light *= falloff * falloff;
+            c.light *= falloff * falloff * (light.smooth_cosine ? cosine * (3.0 - 2.0 * falloff) : 1.0);
         }
         connections.push_back(c);
     }

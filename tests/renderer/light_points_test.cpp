@@ -50,6 +50,26 @@ TEST(LightPoints, AreExactlyOneForEachPunctualLight) {
     EXPECT_NEAR(std::cos(0.5f) * points[2].spot_scale + points[2].spot_offset, 0, 1e-3f);
 }
 
+TEST(LightPoints, OfASpotThatFallsOffSmoothlyDimByTheCosine) {
+    SceneBuilder b;
+    b.add_quad({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, b.add_material());
+    scene::Light spot;
+    spot.kind = scene::LightKind::spot;
+    spot.inner_cone = 0.4f;
+    spot.outer_cone = 1.0f;
+    spot.smooth_cosine = true;
+    spot.node = 0;
+    b.add_light(spot);
+    LitStage stage(b);
+    const LightPoint p = stage.direct_points(16, 1).at(0);
+    const double inner = std::cos(0.4), outer = std::cos(1.0);
+    for (const double angle : {0.0, 0.3, 0.5, 0.8, 0.99, 1.2}) {
+        const double c = std::cos(angle), t = std::clamp((c - outer) / (inner - outer), 0.0, 1.0);
+        EXPECT_NEAR(spot_falloff(static_cast<float>(c), p.spot_scale, p.spot_offset, p.spot_smooth),
+                    c * t * t * (3 - 2 * t), 1e-5);
+    }
+}
+
 TEST(LightPoints, OfEmissiveSurfacesCarryTheirExactPower) {
     SceneBuilder b;
     b.add_quad({0, 0, 0}, {2, 0, 0}, {0, 3, 0}, b.add_emitter({1, 2, 4}));

@@ -205,7 +205,7 @@ TEST(AnimationFileThings, RoundPanelsAreOctagonsOfTheEllipsesAreaThatShineAlongT
 TEST(AnimationFileThings, LightsShineAlongTheirSightWithTheirOwnUnits) {
     const Animation a = parsed(R"({"objects": [{"shape": "plane"}], "lights": [
         {"kind": "sun", "elevation": 30, "azimuth": 90, "intensity": 4, "color": [1, 0.5, 0]},
-        {"kind": "spot", "position": [0, 3, 0], "look_at": [0, 0, 0], "angle": 40, "softness": 0.5, "intensity": 7},
+        {"kind": "spot", "position": [0, 3, 0], "look_at": [0, 0, 0], "angle": 40, "softness": 0.5, "intensity": 7, "falloff": "blender-3"},
         {"kind": "point", "position": [1, 2, 3], "keys": [{"at": 0, "power": 1}, {"at": 1, "power": 0}], "interpolation": "step"}]})");
     const Snapshot s = thing_at(a, 0.5);
     ASSERT_EQ(s.lights.size(), 3u);
@@ -216,6 +216,8 @@ TEST(AnimationFileThings, LightsShineAlongTheirSightWithTheirOwnUnits) {
     EXPECT_LT(glm::length(s.lights[1].direction - glm::vec3(0, -1, 0)), 1e-5);
     EXPECT_NEAR(s.lights[1].cos_outer, std::cos(glm::radians(20.0f)), 1e-5);
     EXPECT_NEAR(s.lights[1].cos_inner, std::cos(glm::radians(10.0f)), 1e-5);
+    EXPECT_TRUE(s.lights[1].smooth_cosine);
+    EXPECT_THROW(parsed(R"({"lights": [{"kind": "point", "falloff": "gltf"}]})"), core::Error);
     EXPECT_EQ(s.lights[2].position, glm::vec3(1, 2, 3));
     EXPECT_GT(s.lights[2].intensity.x, 0);
     EXPECT_EQ(thing_at(a, 1.0).lights[2].intensity, glm::vec3(0));

@@ -100,11 +100,10 @@ class LampSegment {
             share = std::clamp(1.0f - reach2 * reach2, 0.0f, 1.0f);
         }
         const float spot =
-            std::clamp(glm::dot(direction, lamp_.direction) * lamp_.spot_scale + lamp_.spot_offset, 0.0f, 1.0f);
+            spot_falloff(glm::dot(direction, lamp_.direction), lamp_.spot_scale, lamp_.spot_offset, lamp_.spot_smooth);
         const float depth = air_.optical_depth(ray_.origin, ray_.direction, far) +
                             air_.optical_depth(lamp_.position, direction, length);
-        return share * spot * spot * air_.extinction(x.y) * air_.phase(-std::sin(parameter)) * std::exp(-depth) /
-               apart_;
+        return share * spot * air_.extinction(x.y) * air_.phase(-std::sin(parameter)) * std::exp(-depth) / apart_;
     }
 
     /// Ray i of the packet: from this place to the lamp.
@@ -296,6 +295,7 @@ std::vector<AirLamp> air_lamps(std::span<const LightPoint> points, const LightTr
         if (p.kind == LightPointKind::spot) {
             lamp.spot_scale = p.spot_scale;
             lamp.spot_offset = p.spot_offset;
+            lamp.spot_smooth = p.spot_smooth;
         }
         lamp.range = p.range;
         lamps.push_back(lamp);

@@ -18,6 +18,7 @@ struct AirLamp {
     glm::vec3 direction{0, 0, -1};          ///< unit, it shines along
     glm::vec3 intensity{0};                 ///< suns: irradiance across the beam
     float spot_scale = 0, spot_offset = 1;  ///< LightPoint
+    float spot_smooth = 0;                  ///< likewise
     float range = 0;                        ///< likewise
     float radius = 0;                       ///< no nearer than this counts, shadow rays end here; 0: a true point
     bool is_sun = false;

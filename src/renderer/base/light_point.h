@@ -1,5 +1,6 @@
 #pragma once
 // A light point: place, direction, intensity and kind.
+#include <algorithm>
 #include <cstdint>
 #include <glm/glm.hpp>
 
@@ -20,7 +21,8 @@ struct LightPoint {
     glm::vec3 position{0};
     glm::vec3 normal{0, 0, 1};              ///< unit
     glm::vec3 intensity{0};                 ///< radiant intensity along the normal, per channel, finite, >= 0
-    float spot_scale = 0, spot_offset = 0;  ///< spot: emit = clamp(cos * scale + offset, 0, 1)^2 [KHR_lights_punctual]
+    float spot_scale = 0, spot_offset = 0;  ///< spot: see spot_falloff
+    float spot_smooth = 0;                  ///< likewise
     float range = 0;                        ///< punctual lights' range, 0: infinite
     /// Squared radius of the disc of surface that the point stands for (directional: solid angle over pi); 0: a true
     /// point. Light nearer than a multiple of it is clamped, and sharp lobes see the disc, not the point.
@@ -29,6 +31,13 @@ struct LightPoint {
     std::uint32_t object = 0xffffffffu;  ///< on whose surface it lies; no_id: on none, or an anchor that never moves
     LightPointKind kind = LightPointKind::oriented;
 };
+
+/// Radiant intensity of a spot over that along its axis: s^2 with s = clamp(cos scale + offset, 0, 1)
+/// [KHR_lights_punctual]; where `smooth` is 1, as Cycles has it before Blender 4, cos s^2 (3 - 2 s).
+inline float spot_falloff(float cosine, float scale, float offset, float smooth) {
+    const float s = std::clamp(cosine * scale + offset, 0.0f, 1.0f);
+    return s * s * (1.0f + smooth * (cosine * (3.0f - 2.0f * s) - 1.0f));
+}
 
 inline bool is_finite(const LightPoint& p) {
     return core::is_finite(p.intensity) && core::is_finite(p.position) && core::is_finite(p.normal);

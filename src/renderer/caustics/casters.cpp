@@ -67,10 +67,8 @@ float emit_factor(const LightPoint& light, glm::vec3 direction, float distance) 
         const float reach = distance * distance / (light.range * light.range);
         factor = std::clamp(1.0f - reach * reach, 0.0f, 1.0f);
     }
-    if (light.kind == LightPointKind::spot) {
-        const float falloff = std::clamp(cosine * light.spot_scale + light.spot_offset, 0.0f, 1.0f);
-        factor *= falloff * falloff;
-    }
+    if (light.kind == LightPointKind::spot)
+        factor *= spot_falloff(cosine, light.spot_scale, light.spot_offset, light.spot_smooth);
     return factor;
 }
 

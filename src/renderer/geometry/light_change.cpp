@@ -20,7 +20,7 @@ bool same_object(const scene::Snapshot& a, const scene::Snapshot& b, std::size_t
 bool same_light(const scene::LightState& a, const scene::LightState& b) {
     return a.id == b.id && a.intensity == b.intensity && a.kind == b.kind && a.position == b.position &&
            a.direction == b.direction && a.range == b.range && a.cos_inner == b.cos_inner &&
-           a.cos_outer == b.cos_outer && a.angle == b.angle;
+           a.cos_outer == b.cos_outer && a.smooth_cosine == b.smooth_cosine && a.angle == b.angle;
 }
 
 }  // namespace

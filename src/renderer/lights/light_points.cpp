@@ -32,6 +32,7 @@ LightPoint punctual_point(const scene::LightState& light) {
         p.kind = LightPointKind::spot;
         p.spot_scale = 1.0f / std::max(light.cos_inner - light.cos_outer, 1e-3f);
         p.spot_offset = -light.cos_outer * p.spot_scale;
+        p.spot_smooth = light.smooth_cosine ? 1.0f : 0.0f;
     } else {
         p.kind = LightPointKind::omni;
     }

@@ -108,8 +108,7 @@ Photon PhotonSource::emit(glm::vec3 numbers) const {
             glm::vec3 t, b;
             core::make_frame(light.normal, t, b);
             photon.direction = sine * std::cos(phi) * t + sine * std::sin(phi) * b + cosine * light.normal;
-            const float falloff = std::clamp(cosine * light.spot_scale + light.spot_offset, 0.0f, 1.0f);
-            photon.flux *= falloff * falloff;
+            photon.flux *= spot_falloff(cosine, light.spot_scale, light.spot_offset, light.spot_smooth);
             break;
         }
         case LightPointKind::directional: {

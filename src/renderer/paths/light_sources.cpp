@@ -8,6 +8,7 @@
 #include "core/color.h"
 #include "core/numeric.h"
 #include "core/sampling.h"
+#include "renderer/base/light_point.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -37,8 +38,8 @@ float falloff(const scene::LightState& light, float distance, glm::vec3 from_lig
     if (light.range > 0.0f) share *= std::clamp(1.0f - std::pow(distance / light.range, 4.0f), 0.0f, 1.0f);
     if (light.kind == scene::LightKind::spot) {
         const float width = std::max(light.cos_inner - light.cos_outer, 1e-3f);
-        const float cone = std::clamp((glm::dot(from_light, light.direction) - light.cos_outer) / width, 0.0f, 1.0f);
-        share *= cone * cone;
+        share *= spot_falloff(glm::dot(from_light, light.direction), 1 / width, -light.cos_outer / width,
+                              light.smooth_cosine ? 1.0f : 0.0f);
     }
     return share;
 }

@@ -73,7 +73,7 @@ RENDER2MPEG_ALWAYS_INLINED float largest_g(float disc2, float scale) {
 struct LaneLight {
     float x, y, z, nx, ny, nz;
     float blur2, clamp;  ///< GeometryClamp
-    float range2, spot_scale, spot_offset;
+    float range2, spot_scale, spot_offset, spot_smooth;
     float rays;  ///< argument of `lobe::by_trees` for its disc2
 };
 
@@ -85,8 +85,9 @@ RENDER2MPEG_ALWAYS_INLINED float seen_by_rays(LightType type, float disc2, Geome
 }
 
 RENDER2MPEG_ALWAYS_INLINED LaneLight lane_light(float x, float y, float z, float nx, float ny, float nz, float disc2,
-                                                float spot_scale, float spot_offset, float scale, float rays) {
-    return {x, y, z, nx, ny, nz, disc2 / scale, largest_g(disc2, scale), disc2, spot_scale, spot_offset, rays};
+                                                const Spot& spot, float scale, float rays) {
+    return {x,     y,          z,           nx,          ny,  nz, disc2 / scale, largest_g(disc2, scale),
+            disc2, spot.scale, spot.offset, spot.smooth, rays};
 }
 
 /// Writes lane i of `out`; returns G before the clamp.
@@ -113,7 +114,9 @@ RENDER2MPEG_ALWAYS_INLINED float evaluate_lane(const GatherLanes& lanes, int i, 
             const float reach2 = distance2 / l.range2;
             const float window = inlined::min(inlined::max(1.0f - reach2 * reach2, 0.0f), 1.0f);
             const float spot = inlined::min(inlined::max(cosine * l.spot_scale + l.spot_offset, 0.0f), 1.0f);
-            emit = window * spot * spot * inverse2;
+            // As `spot_falloff`.
+            const float shape = 1.0f + l.spot_smooth * (cosine * (3.0f - 2.0f * spot) - 1.0f);
+            emit = window * spot * spot * shape * inverse2;
         }
     }
     const float front = dot(lanes.geometric, i, x, y, z);
@@ -142,8 +145,7 @@ RENDER2MPEG_ALWAYS_INLINED LaneLight lane_light(LightType type, const TreeLight&
     float nx = 0, ny = 0, nz = 0;
     unpack_normal(light.axis, nx, ny, nz);
     return lane_light(light.position.x, light.position.y, light.position.z, nx, ny, nz, light.disc2,
-                      spot != nullptr ? spot->scale : 0.0f, spot != nullptr ? spot->offset : 1.0f, clamp.scale,
-                      seen_by_rays(type, light.disc2, clamp));
+                      spot != nullptr ? *spot : Spot{}, clamp.scale, seen_by_rays(type, light.disc2, clamp));
 }
 
 template <LightType type, bool glossy, bool stretched = false>
@@ -162,9 +164,10 @@ template <LightType type, bool glossy, bool stretched = false>
 RENDER2MPEG_ALWAYS_INLINED void evaluate_each(const GatherLanes& __restrict lanes, const LightPacket& __restrict p,
                                               GeometryClamp clamp, LightLanes& __restrict out) {
     for (int i = 0; i < lane_count; ++i) {
-        const LaneLight l = lane_light(p.position.x[i], p.position.y[i], p.position.z[i], p.normal.x[i], p.normal.y[i],
-                                       p.normal.z[i], p.disc2[i], p.spot_scale[i], p.spot_offset[i], clamp.scale,
-                                       seen_by_rays(type, p.disc2[i], clamp));
+        const LaneLight l =
+            lane_light(p.position.x[i], p.position.y[i], p.position.z[i], p.normal.x[i], p.normal.y[i], p.normal.z[i],
+                       p.disc2[i], Spot{p.spot_scale[i], p.spot_offset[i], p.spot_smooth[i]}, clamp.scale,
+                       seen_by_rays(type, p.disc2[i], clamp));
         evaluate_lane<type, glossy, stretched>(lanes, i, l, out);
     }
     out.any_clamped = false;
@@ -393,6 +396,7 @@ void fill_lights(LightPacket& packet, const LightTree& tree, std::size_t first, 
         packet.disc2[i] = light.disc2;
         packet.spot_scale[i] = spot.scale;
         packet.spot_offset[i] = spot.offset;
+        packet.spot_smooth[i] = spot.smooth;
     }
 }
 

@@ -26,7 +26,7 @@ void evaluate_light(const GatherLanes& lanes, LightType type, const TreeLight& l
 /// Sixteen lights as arrays. `fill_lights` repeats the last where there are fewer, with no intensity.
 struct alignas(64) LightPacket {
     Vec3Lanes position, normal, intensity;
-    Lanes disc2, spot_scale, spot_offset;
+    Lanes disc2, spot_scale, spot_offset, spot_smooth;
 };
 /// `count` lights of a tree from `first` on.
 void fill_lights(LightPacket& packet, const LightTree& tree, std::size_t first, std::size_t count);

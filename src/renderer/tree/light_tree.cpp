@@ -36,7 +36,7 @@ LooseLight loose_light(const LightPoint& p) {
     loose.id = p.id;
     if (light_type_of(p.kind) == LightType::punctual) {
         light.disc2 = p.range > 0.0f ? p.range * p.range : std::numeric_limits<float>::infinity();
-        if (p.kind == LightPointKind::spot) loose.spot = {p.spot_scale, p.spot_offset};
+        if (p.kind == LightPointKind::spot) loose.spot = {p.spot_scale, p.spot_offset, p.spot_smooth};
     }
     return loose;
 }
@@ -53,7 +53,7 @@ std::uint64_t spread(std::uint64_t v) {
 
 auto place_of(const LooseLight& l) {
     const glm::vec3 p = l.light.position, n = l.light.normal();
-    return std::array<float, 8>{p.x, p.y, p.z, n.x, n.y, n.z, l.spot.scale, l.spot.offset};
+    return std::array<float, 9>{p.x, p.y, p.z, n.x, n.y, n.z, l.spot.scale, l.spot.offset, l.spot.smooth};
 }
 
 /// Sorts lights along a Z-order curve through their box [Morton1966], so that near lights have near indices. Coincident

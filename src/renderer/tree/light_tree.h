@@ -46,9 +46,9 @@ struct alignas(32) TreeLight {
     glm::vec3 normal() const { return axis.unpack(); }
 };
 
-/// How a spot light falls off: emit = clamp(cos scale + offset, 0, 1)^2; 0 and 1 for a light that has no cone.
+/// Arguments of `spot_falloff`, as they stand for a light that has no cone.
 struct Spot {
-    float scale = 0, offset = 1;
+    float scale = 0, offset = 1, smooth = 0;
 };
 
 /// Sets of representatives: in each, every node has one of its lights, one of its children's. Whoever gathers takes one

@@ -107,6 +107,7 @@ void read_camera(const JsonValue& value, const std::string& name, std::size_t in
 }
 
 constexpr std::array<std::string_view, 5> kinds{"point", "spot", "sun", "panel", "sphere"};
+constexpr std::array<std::string_view, 2> spot_falloffs{"gltf", "blender-3"};
 
 /// Lights shine along -z.
 Mesh flat_panel(glm::dvec2 size) {
@@ -181,6 +182,7 @@ void Lights::build_punctual(const JsonValue& value, const std::string& name, int
         light.outer_cone = static_cast<float>(glm::radians(angle / 2));
         // The two cones must not coincide.
         light.inner_cone = static_cast<float>(glm::radians(angle / 2) * std::min(1 - softness, 0.999));
+        if (const auto falloff = value.find("falloff")) light.smooth_cosine = falloff->word(spot_falloffs) == 1;
     }
     const Curve power = power_of(value, copy);
     const int index = static_cast<int>(film_.lights.size());
@@ -235,6 +237,7 @@ void Lights::build(const JsonValue& value, std::size_t number) {
     };
     only_for("angle", {1, 2});
     only_for("softness", {1});
+    only_for("falloff", {1});
     for (const std::string_view key : {"elevation", "azimuth"}) only_for(key, {2});
     only_for("range", {0, 1});
     only_for("size", {3});

@@ -21,7 +21,8 @@ inline const Keys camera = core::words_in(
 inline const Keys camera_key = core::words_in("at position look_at rotate roll fov f_stop focus");
 inline const Keys shot = core::words_in("at camera");
 inline const Keys light = core::words_in(
-    "name kind color intensity range position look_at rotate angle softness elevation azimuth size radius power "
+    "name kind color intensity range position look_at rotate angle softness falloff elevation azimuth size radius "
+    "power "
     "keys interpolation loop repeat colors stagger seen round");
 inline const Keys light_key = core::words_in("at position look_at rotate power");
 inline const Keys object = core::words_in(

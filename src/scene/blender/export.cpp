@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// chosen: pixels along a side of a baked texture; a screen shows few objects wider (256 blurs floors, 4096 takes a
+// chosen: most pixels along a side of a baked texture; a screen shows few objects wider (256 blurs floors, 4096 takes a
 // minute a material).
 constexpr int texture_size = 1024;
 /// Exports kept of one .blend: the current one, and the last, which may be being read.

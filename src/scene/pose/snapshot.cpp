@@ -53,6 +53,7 @@ LightState pose_light(const Animation& animation, std::size_t index, const Pose&
     if (light.kind == LightKind::spot) {
         state.cos_inner = std::cos(light.inner_cone);
         state.cos_outer = std::cos(light.outer_cone);
+        state.smooth_cosine = light.smooth_cosine;
     }
     return state;
 }

@@ -36,8 +36,9 @@ struct LightState {
     glm::vec3 direction{0, 0, -1};  ///< it shines along this, unit
     glm::vec3 intensity{0};         ///< see Light::intensity; colour and tracks included
     float range = 0, cos_inner = 1, cos_outer = 0;
-    float angle = 0;       ///< see Light::angle
-    std::uint32_t id = 0;  ///< index into Animation::lights
+    float angle = 0;             ///< see Light::angle
+    bool smooth_cosine = false;  ///< see Light::smooth_cosine
+    std::uint32_t id = 0;        ///< index into Animation::lights
 };
 
 struct Sweep;

@@ -1,0 +1,147 @@
+"""Which shapes need baked textures, which of them share theirs, and how large these are."""
+import hashlib
+import math
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+from .hair import Strands
+from .looks import CHANNELS, Baked, Picture, socket_of
+from .nodes import is_steady
+from .shapes import BAKE_UV, array_of
+
+SMALLEST = 64
+# Nodes whose values differ between objects of one shape.
+OF_ONE_OBJECT = {"NEW_GEOMETRY", "OBJECT_INFO", "ATTRIBUTE", "VERTEX_COLOR", "CAMERA", "PARTICLE_INFO", "TEX_POINTDENSITY"}
+
+
+def has_own_values(tree):
+    return any(n.type in OF_ONE_OBJECT or n.type == "TEX_COORD" and n.object is not None for n in tree.nodes)
+
+
+def digest_of(mesh, materials):
+    """Equal for meshes whose textures are equal: the same corners, coordinates and materials."""
+    state = hashlib.sha256()
+    for collection, attribute, width, kind in (
+            (mesh.vertices, "co", 3, np.float32), (mesh.loops, "vertex_index", 1, np.int32), (mesh.polygons, "loop_total", 1, np.int32),
+            (mesh.polygons, "material_index", 1, np.int32), (mesh.polygons, "use_smooth", 1, bool)):
+        state.update(array_of(collection, attribute, width, kind).tobytes() + b"|")
+    for layer in mesh.uv_layers:
+        state.update(f"{layer.name}|{layer.active_render}|".encode() + array_of(layer.data, "uv", 2, np.float32).tobytes())
+    state.update("|".join(m.name_full if m else "" for m in materials).encode())
+    return state.digest()
+
+
+def pixels_across(shape, places, cameras, height):
+    """The root of the pixels that all of a shape's surface has where it is nearest to a camera. `places`: (frame, matrix)."""
+    a, b, c = (shape.vertices[shape.vertex[shape.corners[:, k]]].astype(float) for k in range(3))
+    area = float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()) / 2
+    low, high = shape.vertices.min(axis=0).astype(float), shape.vertices.max(axis=0).astype(float)
+    middle, across = np.append((low + high) / 2, 1), float(np.linalg.norm(high - low)) / 2
+    largest = 0.0
+    for frame, matrix in places:
+        scale = float(np.linalg.norm(matrix[:3, :3], axis=0).max())
+        for poses in cameras:
+            lens, eye = poses[frame]["lens"], poses[frame]["eye"]
+            away = 1.0 if lens[3, 3] == 1 else max(float(np.linalg.norm((matrix @ middle)[:3] - eye)) - across * scale, 1e-6)
+            largest = max(largest, scale * lens[1, 1] * height / 2 / away)
+    return math.sqrt(area) * largest
+
+
+class Bakes:
+    def __init__(self, materials, baker, lost):
+        self.materials, self.baker, self.lost = materials, baker, lost
+        self.jobs = {}      # (mesh's name, material's name) -> (object, slot)
+        self.first = {}     # digest -> name of the first mesh that has it
+        self.shown_by = {}  # mesh's name -> name of the mesh whose textures it has
+
+    def wanted_of(self, slots):
+        """(slot, material) of those that need textures."""
+        wanted = [(n, m) for n, m in enumerate(slots) if m is not None]
+        return [(n, m) for n, m in wanted if self.materials.needs_bake(self.materials.look(m)[0])]
+
+    def prepare(self, thing):
+        """Before the walk: coordinates for the textures that an object's mesh needs."""
+        mesh, slots = thing.data, [entry.material for entry in thing.material_slots]
+        wanted = [(n, m) for n, m in self.wanted_of(slots) if (self.shown_by.get(mesh.name_full), m.name_full) not in self.jobs]
+        if not wanted:
+            return
+        name, like = self.shown_by.get(mesh.name_full), None
+        if name is None:
+            name = mesh.name_full
+            if mesh.shape_keys is None and not any(has_own_values(self.materials.look(m)[1].node_tree) for _, m in wanted):
+                name = self.first.setdefault(digest_of(mesh, slots), name)
+            like = self.jobs[name, wanted[0][1].name_full][0].data if name != mesh.name_full else None
+            self.shown_by[mesh.name_full] = name
+        if not self.baker.unwrap(mesh, like):
+            del self.shown_by[mesh.name_full]
+            self.first = {state: first for state, first in self.first.items() if first != name}
+            self.lost.add_of(wanted[0][1], "there is no room for baked textures' coordinates", thing=thing.name)
+            return
+        for slot, material in wanted:
+            self.jobs.setdefault((name, material.name_full), (thing, slot))
+
+    def run(self, walk, cameras):
+        """After it, when all places of all shapes are known."""
+        things = {}
+        for thing in walk.things.values():
+            things.setdefault(thing.shape, []).append(thing)
+        sizes = {}
+        for key, over in walk.shapes.items():
+            if over.shape is None or isinstance(over.shape, Strands) or key not in things or not self.wanted_of(over.materials):
+                continue
+            over.mesh_name = self.shown_by.get(over.mesh_name)
+            ready = BAKE_UV in over.shape.uv and all((over.mesh_name, m.name_full) in self.jobs for _, m in self.wanted_of(over.materials))
+            size = self.size_of(over.shape, things[key], walk.scene, cameras)
+            if not ready:
+                over.mesh_name = key
+                self.bake_shape(over, things[key][0], size)
+            else:
+                sizes[over.mesh_name] = max(size, sizes.get(over.mesh_name, 0))
+        for (name, _), (thing, slot) in self.jobs.items():
+            if name in sizes:
+                self.bake(name, self.baker.stage(thing.data, thing.matrix_world), slot, thing.material_slots[slot].material, sizes[name])
+        self.baker.clear()
+
+    def size_of(self, shape, things, scene, cameras):
+        """A power of two with at least a texel for each pixel, within bounds."""
+        largest = self.baker.size
+        if not cameras.shown:
+            return largest
+        height = scene.render.resolution_y * scene.render.resolution_percentage / 100
+        # Of many instances a hundred tell how near they come.
+        places = [(k, m) for t in things[::max(1, len(things) // 100)] for k, m in enumerate(t.matrices) if m is not None]
+        across = pixels_across(shape, places, list(cameras.poses.values()), height)
+        return min(max(1 << max(math.ceil(math.log2(max(across, 1.0))), 0), SMALLEST), largest)
+
+    def bake_shape(self, over, thing, size):
+        """On what a modifier, a curve, a text or a metaball came to, as it is at first."""
+        over.unshare_corners()
+        mesh = over.shape.as_mesh(over.materials)
+        matrix = next(m for m in thing.matrices if m is not None)
+        if self.baker.unwrap(mesh):
+            copy = self.baker.stage(mesh, Matrix(matrix.tolist()))
+            over.shape.uv[BAKE_UV] = array_of(mesh.uv_layers[BAKE_UV].data, "uv", 2, np.float32)
+            for slot, material in self.wanted_of(over.materials):
+                if np.any(over.shape.slots == slot):
+                    self.bake(over.mesh_name, copy, slot, material, size)
+            self.baker.unstage()
+        bpy.data.meshes.remove(mesh)
+
+    def bake(self, name, copy, slot, material, size):
+        """All that one material needs on one mesh."""
+        look, made = self.materials.look(material)
+        out = self.materials.baked[name, material.name_full] = {}
+        merged = isinstance(look.base, Baked) or isinstance(look.alpha, Baked)
+        for channel in CHANNELS:
+            source = getattr(look, channel)
+            # Colour and coverage share an image, and so do roughness and metalness.
+            wanted = isinstance(source, Baked) or (merged and channel in {"base", "alpha"} and isinstance(source, Picture))
+            if channel in {"roughness", "metallic"} and isinstance(source, Picture):
+                wanted = any(isinstance(getattr(look, n), Baked) for n in ("roughness", "metallic"))
+            if wanted:
+                socket = socket_of(made.node_tree, source)
+                out[channel] = self.baker.value(copy, slot, made, socket, SMALLEST if is_steady(socket) else size)
+        if look.normal is not None and not isinstance(look.normal, tuple):
+            out["normal"] = self.baker.normal(copy, slot, made, look.normal, size)
