@@ -179,7 +179,8 @@ void LocalRegression::take_own(RegressionError& best) {
     // Neighbours know better how rays vary than its own do: the few of a rim that missed what is bright look sure.
     double all = 0;
     for (const Member& m : members_) all += m.batch_variance;
-    const double batch = best.is_valid() ? best.batch_variance : all / static_cast<double>(members_.size());
+    const double batch =
+        best.is_valid() ? best.batch_variance : core::divide_or(all, static_cast<double>(members_.size()), 0.0);
     for (std::size_t i = 0; i < members_.size(); ++i) {
         const Member& m = members_[i];
         if (!m.is_own) continue;
