@@ -72,6 +72,7 @@ struct FrameState {
     /// None for points that no picture shows, which does not happen but by rounding.
     std::optional<CacheQuery> query_of(std::size_t tile, std::size_t point) const;
     glm::ivec2 pixel_of(std::size_t tile, const GatherPoint& p) const;
+    glm::vec2 middle_of(std::size_t tile, const GatherPoint& p) const { return glm::vec2(pixel_of(tile, p)) + 0.5f; }
     /// Whether it lies on a lattice of so many pixels.
     bool on_lattice(std::size_t tile, const GatherPoint& p, int lattice) const {
         const glm::ivec2 pixel = pixel_of(tile, p);

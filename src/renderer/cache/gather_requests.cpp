@@ -182,13 +182,14 @@ void gather_trees_again(FrameState& frame, std::span<const GatherPoint> receiver
     }
     // Of one surface and set of representatives, in blocks of 8 x 8 pixels.
     struct Placed {
-        std::uint32_t set, surface, record;
+        std::uint32_t set, record;
+        std::uint64_t surface;
         glm::ivec2 pixel;
         auto key() const { return std::tuple(set, surface, pixel.y >> 3, pixel.x >> 3, pixel.y, pixel.x, record); }
     };
     std::vector<Placed> placed;
     for (const SurfaceMark& m : frame.grid.marks())
-        placed.push_back({frame.records[m.record].set, m.surface, m.record, glm::ivec2(glm::floor(m.at))});
+        placed.push_back({frame.records[m.record].set, m.record, m.surface, glm::ivec2(glm::floor(m.at))});
     std::sort(placed.begin(), placed.end(), [](const Placed& a, const Placed& b) { return a.key() < b.key(); });
     std::vector<std::span<const Placed>> groups;
     for (std::size_t first = 0, last = 0; first < placed.size(); first = last) {
@@ -241,6 +242,7 @@ std::optional<IrradianceRecord> take(FrameState& frame, const GatheredRequests& 
     auto record = record_of(p, g.light[i], g.lobes[i], g.rays[i], frame.limits.error_scale, frame.snapshot.frame);
     if (!record) return std::nullopt;
     record->set = g.sets[i];
+    record->seen_at = frame.middle_of(ref.tile, p);
     record->tolerance = tile.tolerance[ref.index];
     if (ref.record == PointRef::none) {
         record->seed = request_of(p, {}, frame.pixel_of(ref.tile, p), frame.camera).seed;

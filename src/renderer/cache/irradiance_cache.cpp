@@ -34,7 +34,7 @@ std::uint64_t IrradianceCache::take_known(const Frame& seen, std::int64_t frame)
     const std::size_t before = records_.size();
     for (const GatherTile& tile : seen.tiles)
         for (const GatherPoint& p : tile)
-            if (uses_cache(p))
+            if (uses_cache(p) && !p.reached_by_specular())
                 if (const auto record = library_.take(p.point, near_field_, frame)) records_.insert(*record);
     return records_.size() - before;
 }

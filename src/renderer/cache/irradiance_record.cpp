@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <tuple>
 
 #include "core/numeric.h"
@@ -45,15 +46,25 @@ bool on_one_surface(const SurfaceMark& a, const SurfaceMark& b, float apart, flo
     return off <= pixel * plane_near + apart * plane_slope + bend + error;
 }
 
-RecordGrid::Place RecordGrid::place_of(const IrradianceRecord& record, const scene::Camera& camera) const {
+namespace {
+
+std::optional<glm::vec2> place_on_picture(const IrradianceRecord& record, const scene::Camera& camera) {
+    if (record.is_of_frame()) return record.seen_at;
     const auto seen = camera.project(record.position);
-    if (!seen) return {{}, nowhere};
-    const float x = std::floor(seen->position.x), y = std::floor(seen->position.y);
+    return seen ? std::optional(seen->position) : std::nullopt;
+}
+
+}  // namespace
+
+RecordGrid::Place RecordGrid::place_of(const IrradianceRecord& record, const scene::Camera& camera) const {
+    const std::optional<glm::vec2> at = place_on_picture(record, camera);
+    if (!at) return {{}, nowhere};
+    const float x = std::floor(at->x), y = std::floor(at->y);
     if (!(x >= -border && y >= -border && x < static_cast<float>(width_ + border) &&
           y < static_cast<float>(height_ + border)))
         return {{}, nowhere};
     const int across = width_ + 2 * border;
-    return {seen->position,
+    return {*at,
             static_cast<std::uint32_t>((static_cast<int>(y) + border) * across + static_cast<int>(x) + border)};
 }
 
@@ -77,7 +88,7 @@ void RecordGrid::extend(std::span<const IrradianceRecord> records, const scene::
     parallel::for_ranges(order.size(), marks_at_once, [&](std::size_t first, std::size_t last) {
         for (std::size_t k = first; k < last; ++k) {
             const IrradianceRecord& r = records[order[k]];
-            marks_[k] = {places_[order[k]].at, order[k],           surface_of(r.address, r.back_side),
+            marks_[k] = {places_[order[k]].at, order[k],           surface_of(r.address, r.back_side, r.path),
                          r.position,           r.geometric_normal, r.shading_normal};
         }
     });
@@ -120,7 +131,7 @@ std::vector<IrradianceRecord> RecordStore::thin(std::int64_t frame, const Record
     std::vector<std::uint8_t> keeps(records_.size(), 1);
     const std::span<const SurfaceMark> marks = map.marks();
     struct Crowding {
-        std::uint32_t surface;
+        std::uint64_t surface;
         std::int64_t born;
         std::uint32_t record;
     };
@@ -137,8 +148,9 @@ std::vector<IrradianceRecord> RecordStore::thin(std::int64_t frame, const Record
     });
     std::vector<IrradianceRecord> dropped;
     for (std::size_t i = 0; i < records_.size(); ++i) {
-        if (frame - records_[i].used > keeps_unused) keeps[i] = 0;
-        if (keeps[i] == 0) dropped.push_back(records_[i]);
+        const IrradianceRecord& r = records_[i];
+        if (r.is_of_frame() || frame - r.used > keeps_unused) keeps[i] = 0;
+        if (keeps[i] == 0 && !r.is_of_frame()) dropped.push_back(r);
     }
     // In the order of the picture, since pixels ask for those around them: what is neither dropped nor seen comes last.
     std::vector<std::uint32_t> order;

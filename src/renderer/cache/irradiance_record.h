@@ -44,11 +44,13 @@ struct RecordAnchor {
 struct IrradianceRecord {
     core::SurfaceAddress address;
     bool back_side = false;
+    std::uint8_t path = direct_path;  ///< GatherPoint's; of others it is of its frame alone
     bool capped = false;            ///< its cut ended before its tolerance was kept
     std::uint8_t set = 0;           ///< of representatives that lit it, 0..3
     glm::vec3 position{0};          ///< world, at the instant of the frame
     glm::vec3 geometric_normal{0};  ///< likewise
     glm::vec3 shading_normal{0};
+    glm::vec2 seen_at{0};              ///< on the picture, pixels, in mirrors or through glass
     glm::vec3 direct{0}, indirect{0};  ///< irradiance over pi, of light trees
     GlossyRecord lobe;                 ///< likewise
     /// Light of gather rays (RayLight), their number, and the variance of the mean of 8 of them: luminance squared, for
@@ -69,21 +71,22 @@ struct IrradianceRecord {
     std::int64_t born = 0, used = 0;  ///< frames
 
     glm::vec3 irradiance() const { return direct + indirect + by_rays[0]; }  ///< over pi
+    bool is_of_frame() const { return path != direct_path; }
 };
 
 /// A record as it is found from pixels.
 struct SurfaceMark {
     glm::vec2 at{0};  ///< on the picture, pixels
     std::uint32_t record = 0;
-    std::uint32_t surface = 0;  ///< `surface_of`
+    std::uint64_t surface = 0;  ///< `surface_of`
     glm::vec3 position{0};
     glm::vec3 geometric_normal{0};
     glm::vec3 shading_normal{0};
 };
 
 /// Records (and points) that may lie on one surface have this in common.
-inline std::uint32_t surface_of(const core::SurfaceAddress& address, bool back_side) {
-    return address.object * 2u + (back_side ? 1u : 0u);
+inline std::uint64_t surface_of(const core::SurfaceAddress& address, bool back_side, std::uint8_t path) {
+    return std::uint64_t{path} << 33 | std::uint64_t{address.object} << 1 | (back_side ? 1u : 0u);
 }
 
 /// Whether two places `apart` on the picture lie on one smooth surface; both in world units at their distance, where a

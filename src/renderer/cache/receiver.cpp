@@ -22,7 +22,7 @@ constexpr float least_alpha = 0.04f;
 
 bool uses_cache(const GatherPoint& p) {
     const Bsdf& bsdf = p.point.bsdf;
-    return !p.reached_by_specular() && (!bsdf.has_glossy() || (bsdf.alpha >= least_alpha && !bsdf.is_stretched()));
+    return !bsdf.has_glossy() || (bsdf.alpha >= least_alpha && !bsdf.is_stretched());
 }
 
 float receives(const GatherPoint& p) {
@@ -71,6 +71,7 @@ std::optional<IrradianceRecord> record_of(const GatherPoint& p, const PointLight
     IrradianceRecord record;
     record.address = p.point.address;
     record.back_side = p.point.back_side;
+    record.path = p.path;
     record.capped = light.capped;
     record.position = p.point.position;
     record.geometric_normal = p.point.geometric_normal;
