@@ -10,6 +10,7 @@
 #include "core/numeric.h"
 #include "parallel/loops.h"
 #include "renderer/cut/gatherer.h"
+#include "renderer/gather/frame_rays.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -93,6 +94,7 @@ RayLight light_of_rays(const IrradianceRecord& r, const GatherPoint& plain) {
 struct RayRequests {
     std::vector<GatherPoint> receivers;  ///< of all its points
     std::vector<GatherRequest> requests;
+    std::vector<std::uint32_t> of;  ///< points of these
 };
 
 /// The first rays of new records, all of other points. What a record's rays have found already is taken over.
@@ -107,6 +109,8 @@ RayRequests ray_requests_of(const FrameState& frame, GatheredRequests& g) {
             g.rays[i] = light_of_rays(frame.records[ref.record], out.receivers.back());
             continue;
         }
+        if (!uses_cache(p) && !wants_rays(p.point.bsdf, RaysOf::hemispheres)) continue;
+        out.of.push_back(static_cast<std::uint32_t>(i));
         GatherRequest& r =
             out.requests.emplace_back(request_of(out.receivers.back(), frame.tiles[ref.tile].tolerance[ref.index],
                                                  frame.pixel_of(ref.tile, p), frame.camera));
@@ -132,9 +136,8 @@ void gather_rays(FrameState& frame, std::vector<GatheredRequests>& found) {
     for (const RayRequests& area : of_area) requests.insert(requests.end(), area.requests.begin(), area.requests.end());
     const std::vector<RayLight> rays = frame.rays->gather(requests, frame.aim);
     auto of_point = rays.begin();
-    for (GatheredRequests& g : found)
-        for (std::size_t i = 0; i < g.points.size(); ++i)
-            if (g.points[i].record == PointRef::none) g.rays[i] = *of_point++;
+    for (std::size_t a = 0; a < found.size(); ++a)
+        for (const std::uint32_t i : of_area[a].of) found[a].rays[i] = *of_point++;
 }
 
 }  // namespace

@@ -19,6 +19,7 @@
 #include "renderer/gather/net_points.h"
 #include "renderer/gather/ray_guide.h"
 #include "renderer/gather/ray_sums.h"
+#include "renderer/paths/path_directions.h"
 #include "renderer/surface/lobe_albedo.h"
 
 namespace render2mpeg::renderer {
@@ -43,6 +44,9 @@ constexpr std::uint32_t coherent_rays = 128;
 /// has so much of the variance at most. chosen: 4 of 2 to 4, and 0.7.
 constexpr std::uint32_t worth_guiding = 4;
 constexpr double gain_of_guides = 0.7;
+
+/// The largest number below 1, and the least cosine of a ray to the normal.
+constexpr float below_one = 0x1.fffffep-1f, least_cosine = 1e-4f;
 
 /// Keeps guided rays apart from those of the first look.
 constexpr std::uint64_t guided_seed = 0x9a1de;
@@ -117,7 +121,16 @@ struct FinalGather::Directions {
     std::array<std::uint32_t, bundle_rays> order;  ///< neighbours lie next to each other
 };
 
-/// Cosine-distributed; wide lobes take them as well.
+/// The place of the unit square that sample_cosine_hemisphere maps to a direction.
+glm::vec2 on_square(glm::vec3 normal, glm::vec3 direction) {
+    glm::vec3 t, b;
+    core::make_frame(normal, t, b);
+    const float x = glm::dot(t, direction), y = glm::dot(b, direction),
+                turn = std::atan2(y, x) * (0.5f * std::numbers::inv_pi_v<float>);
+    return glm::clamp(glm::vec2(x * x + y * y, turn < 0.0f ? turn + 1.0f : turn), 0.0f, below_one);
+}
+
+/// Cosine-distributed, some by a wide lobe: both take all [Veach1995].
 FinalGather::Directions FinalGather::hemisphere(const GatherRequest& request, const Bundle& bundle) const {
     const SurfacePoint& p = request.point->point;
     const bool coated = p.bsdf.has_glossy(), glossy = p.bsdf.has_lobe() && !p.bsdf.has_narrow_lobe();
@@ -125,15 +138,29 @@ FinalGather::Directions FinalGather::hemisphere(const GatherRequest& request, co
     white.diffuse = glm::vec3(0);
     white.f0 = white.f90 = glm::vec3(1);
     Directions out;
+    const float of_lobe = glossy && glm::dot(p.shading_normal, p.outgoing) > 0.0f ? lobe_chance(p) : 0.0f;
     std::array<std::pair<std::uint32_t, std::uint32_t>, bundle_rays> order;
     for (std::uint32_t i = 0; i < bundle.count; ++i) {
+        order[i] = {0, i};
         const glm::vec2 even = net_point(bundle.first + i, bundle.seed);
-        const auto [u, density] = bundle.guide != nullptr ? bundle.guide->draw(even) : RayGuide::Drawn{even};
-        order[i] = {interleaved(u), i};
+        const bool by_lobe = even.x < of_lobe;
+        const glm::vec2 rest((by_lobe ? even.x : even.x - of_lobe) / (by_lobe ? of_lobe : 1.0f - of_lobe), even.y);
+        auto [u, density] = !by_lobe && bundle.guide != nullptr ? bundle.guide->draw(rest) : RayGuide::Drawn{rest};
         Directions::Ray& ray = out.rays[i];
+        ray.direction = chosen_direction(p, by_lobe, u);
+        if (of_lobe > 0.0f) {
+            const float cosine = glm::dot(p.shading_normal, ray.direction);
+            if (!(cosine > least_cosine)) continue;
+            if (by_lobe) {
+                u = on_square(p.shading_normal, ray.direction);
+                density = bundle.guide != nullptr ? bundle.guide->density_at(u) : 1.0f;
+            }
+            density = (1.0f - of_lobe) * density + direction_density(p, 1.0f, ray.direction) * of_lobe *
+                                                       std::numbers::pi_v<float> / cosine;
+        }
+        order[i].first = interleaved(u);
         ray.cell = RayGuide::cell_of(u);
         ray.density = density;
-        ray.direction = core::sample_cosine_hemisphere(p.shading_normal, u);
         ray.solid_angle =
             std::numbers::pi_v<float> / (density * static_cast<float>(std::max(bundle.first + bundle.count, 64u)));
         const float share = 1.0f / density;

@@ -10,11 +10,6 @@ namespace {
 /// Keep the rays of audits apart from those of frames, and those of lobes from those of hemispheres.
 constexpr std::uint64_t audit_seed = 0xa0d17, lobe_seed = 0x10be;
 
-bool wants_rays(const Bsdf& bsdf, RaysOf which) {
-    return which == RaysOf::lobes ? bsdf.has_narrow_lobe()
-                                  : bsdf.has_diffuse() || (bsdf.has_glossy() && !bsdf.has_narrow_lobe());
-}
-
 GatherRequest ray_request(const GatherPoint& p, const PointTolerance& allowed, glm::ivec2 pixel,
                           const scene::Camera& camera, RaysOf which) {
     GatherRequest r = request_of(p, allowed, pixel, camera);
@@ -24,6 +19,11 @@ GatherRequest ray_request(const GatherPoint& p, const PointTolerance& allowed, g
 }
 
 }  // namespace
+
+bool wants_rays(const Bsdf& bsdf, RaysOf which) {
+    return which == RaysOf::lobes ? bsdf.has_narrow_lobe()
+                                  : bsdf.has_diffuse() || (bsdf.has_glossy() && !bsdf.has_narrow_lobe());
+}
 
 void add_rays(FinalGather& gather, const scene::Camera& camera, const LightingContext& context, RaysOf which,
               FrameLight& light) {

@@ -33,6 +33,7 @@ class RayGuide {
         glm::vec2 u{0};
         float density = 1;  ///< over the square, > 0
     };
+    float density_at(glm::vec2 u) const { return density_[cell_of(u)]; }
     /// The place that an evenly distributed one is mapped to.
     Drawn draw(glm::vec2 u) const;
 
