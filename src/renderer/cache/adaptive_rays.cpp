@@ -50,7 +50,7 @@ std::uint32_t wanted_rays(const FrameState& frame, const NewRecord& fresh, Local
     if (!error.is_valid() || !(error.square > 0.0)) return record.ray_count;
     // The neighbours' light says what is allowed: rays that found too much by chance would allow themselves more.
     const float light = core::luminance(light_of(frame, fresh, blend(fit, frame.records)).scattered(query->point)),
-                tolerance = query->tolerance.allows(light) / errors_allowed;
+                tolerance = query->tolerance.allows_noise(light) / errors_allowed;
     const double has = record.ray_count, most = most_growth * has;
     if (!(tolerance > 0.0f)) return static_cast<std::uint32_t>(most);
     double needs =

@@ -30,8 +30,8 @@ std::uint32_t record_at(const FrameState& frame, std::size_t t, const GatherPoin
     const glm::ivec2 pixel = frame.pixel_of(t, p);
     for (const SurfaceMark& m : frame.grid.row(pixel.y, pixel.x, pixel.x)) {
         const IrradianceRecord& r = frame.records[m.record];
-        if (r.address == p.point.address && r.back_side == p.point.back_side && r.path == p.path && r.position == p.point.position &&
-            (r.lobe.alpha > 0.0f) == p.point.bsdf.has_glossy() &&
+        if (r.address == p.point.address && r.back_side == p.point.back_side && r.path == p.path &&
+            r.position == p.point.position && (r.lobe.alpha > 0.0f) == p.point.bsdf.has_glossy() &&
             (r.lobe.alpha == 0.0f || r.lobe.outgoing == p.point.outgoing))
             return m.record;
     }

@@ -64,9 +64,9 @@ std::optional<PointLight> query_cache(const CacheQuery& q, const RecordGrid& gri
     const RegressionError error = fit.estimate();
     if (!error.is_valid()) return std::nullopt;
     PointLight light = blend(fit, q, records, error_scale, frame);
-    const float tolerance = q.tolerance.allows(core::luminance(light.scattered(q.point)));
-    if (!(tolerance > 0.0f) || !(aim.priced(error.square, error.of_block) <= allowed_square(error, tolerance, aim)) ||
-        !(light.error <= tolerance))
+    const float found = core::luminance(light.scattered(q.point)), tolerance = q.tolerance.allows(found);
+    if (!(tolerance > 0.0f) || !(light.error <= tolerance) ||
+        !(aim.priced(error.square, error.of_block) <= allowed_square(error, q.tolerance.allows_noise(found), aim)))
         return std::nullopt;
     light.error = std::hypot(light.error, errors_allowed * static_cast<float>(std::sqrt(error.square)));
     for (std::size_t i = 0; i < fit.size(); ++i)

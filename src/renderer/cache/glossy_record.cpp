@@ -26,7 +26,9 @@ std::optional<SeenLobe> lobe_at(const CacheQuery& q, const IrradianceRecord& r) 
     const float alpha = p.bsdf.alpha;
     if (!(std::abs(r.lobe.alpha - alpha) <= alike_alpha * alpha)) return std::nullopt;
     // The eye turned about the record; and about the point it looks otherwise than about the record.
-    const glm::vec3 eye = r.is_of_frame() ? r.lobe.outgoing : q.eye ? core::normalize_or(*q.eye - r.position, p.outgoing) : p.outgoing;
+    const glm::vec3 eye = r.is_of_frame() ? r.lobe.outgoing
+                          : q.eye         ? core::normalize_or(*q.eye - r.position, p.outgoing)
+                                          : p.outgoing;
     const glm::vec3 turn = 0.5f * (r.lobe.outgoing - eye);
     const glm::vec3 bend = 0.5f * (eye - p.outgoing) - (r.shading_normal - p.shading_normal);
     if (glm::dot(turn, turn) > most_turn * most_turn * alpha * alpha ||

@@ -64,8 +64,7 @@ RecordGrid::Place RecordGrid::place_of(const IrradianceRecord& record, const sce
           y < static_cast<float>(height_ + border)))
         return {{}, nowhere};
     const int across = width_ + 2 * border;
-    return {*at,
-            static_cast<std::uint32_t>((static_cast<int>(y) + border) * across + static_cast<int>(x) + border)};
+    return {*at, static_cast<std::uint32_t>((static_cast<int>(y) + border) * across + static_cast<int>(x) + border)};
 }
 
 void RecordGrid::extend(std::span<const IrradianceRecord> records, const scene::Camera& camera) {

@@ -55,7 +55,7 @@ void gather_exact(const FrameState& frame, std::size_t t, std::vector<PointLight
 bool is_good_enough(const LitPoint& before, const PointTolerance& now, const GatherPoint& p, float error_factor) {
     const bool has_risen = error_factor > 1.0f && !before.trees.capped;
     if (now.part == before.tolerance.part && !has_risen) return true;
-    return !(error_factor * before.trees.error > now.allows(core::luminance(before.trees.scattered(p))));
+    return !(error_factor * before.trees.error > now.allows_noise(core::luminance(before.trees.scattered(p))));
 }
 
 /// Likewise light of suns with a size, which errs as far as they are sampled.

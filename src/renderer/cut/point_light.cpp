@@ -1,6 +1,7 @@
 #include "renderer/cut/point_light.h"
 
 #include <array>
+#include <cmath>
 
 #include "core/color.h"
 #include "core/numeric.h"
@@ -34,8 +35,11 @@ std::vector<PointTolerance> point_tolerances(const LightingContext& context, std
         const glm::ivec2 place = seen.place_of(tile, p.pixel);
         const core::Tolerance& t = context.tolerance.pixels.at(place.x, place.y);
         const float part = core::divide_or(core::luminance(p.weight), weight[p.pixel], 1.0f);
-        parts.push_back({{std::max(t.absolute, 0.0f) * part, std::max(t.relative, 0.0f), t.background * part},
-                         std::max(core::luminance(context.ungathered.all().at(place.x, place.y)), 0.0f) * part});
+        PointTolerance& own = parts.emplace_back();
+        own.part = {std::max(t.absolute, 0.0f) * part, std::max(t.relative, 0.0f), t.background * part};
+        own.base = std::max(core::luminance(context.ungathered.all().at(place.x, place.y)), 0.0f) * part;
+        // A share of its own light, however bright, is no part of the pixel's.
+        if (!(t.relative > 0.0f) && part > 0.0f) own.noise = 1.0f / std::sqrt(part);
     }
     return parts;
 }

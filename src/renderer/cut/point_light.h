@@ -39,7 +39,11 @@ struct PointTolerance {
     core::Tolerance part;  ///< this point's part of its pixel's
     float base = 0;        ///< luminance of the pixel that is known already, this point's part of it
 
+    /// Root of the pixel's over this part: independent errors add up by their squares, bounds as they are.
+    float noise = 1;
+
     float allows(float luminance) const { return part.allows(base + std::max(luminance, 0.0f)); }
+    float allows_noise(float luminance) const { return noise * allows(luminance); }
 };
 
 /// Parts the tolerances of a tile's pixels among their points by weight; what a pixel shows without gathering counts as

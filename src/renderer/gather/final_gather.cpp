@@ -155,8 +155,8 @@ FinalGather::Directions FinalGather::hemisphere(const GatherRequest& request, co
                 u = on_square(p.shading_normal, ray.direction);
                 density = bundle.guide != nullptr ? bundle.guide->density_at(u) : 1.0f;
             }
-            density = (1.0f - of_lobe) * density + direction_density(p, 1.0f, ray.direction) * of_lobe *
-                                                       std::numbers::pi_v<float> / cosine;
+            density = (1.0f - of_lobe) * density +
+                      direction_density(p, 1.0f, ray.direction) * of_lobe * std::numbers::pi_v<float> / cosine;
         }
         order[i].first = interleaved(u);
         ray.cell = RayGuide::cell_of(u);
@@ -351,7 +351,7 @@ void FinalGather::want_rays(std::span<const GatherRequest> requests, std::span<c
         const PointSums& s = sums[i];
         const double variance = share * (others > 0 ? (all - s.batch_variance()) / others : s.batch_variance());
         const double mean = s.batches * batch_rays / s.rays;
-        const double error = requests[i].tolerance.allows(static_cast<float>(mean)) / errors_allowed;
+        const double error = requests[i].tolerance.allows_noise(static_cast<float>(mean)) / errors_allowed;
         // Of points that may not err those that show most get most.
         const double shown = std::min(static_cast<double>(core::luminance(requests[i].point->weight)), 1.0);
         const double n = error > 0.0
@@ -387,8 +387,11 @@ GatherRequest request_of(const GatherPoint& point, const PointTolerance& toleran
     GatherRequest r;
     r.point = &point;
     r.tolerance = tolerance;
-    r.seed = core::mix(core::mix(static_cast<std::uint64_t>(pixel.y) << 32 | static_cast<std::uint32_t>(pixel.x)) ^
-                       (static_cast<std::uint64_t>(point.point.address.object) << 8 | point.path));
+    const core::SurfaceAddress& address = point.point.address;
+    r.seed =
+        core::mix(core::mix(core::mix(static_cast<std::uint64_t>(pixel.y) << 32 | static_cast<std::uint32_t>(pixel.x)) ^
+                            (static_cast<std::uint64_t>(address.object) << 8 | point.path)) +
+                  address.primitive);
     const auto on_picture = camera.project(point.point.position);
     r.extent = camera.pixel_size() * (camera.perspective() && on_picture ? on_picture->depth : 1.0f);
     return r;
