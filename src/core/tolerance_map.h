@@ -13,8 +13,10 @@ struct Tolerance {
     float relative = 0;    ///< share of the pixel's own luminance, >= 0
     float background = 0;  ///< luminance that `absolute` was found for; 0: whatever the pixel gets
 
-    float allows(float luminance) const {
-        return std::max(relative * luminance, std::max(least(), std::min(absolute, weber_fraction() * luminance)));
+    /// `more`: a factor of all but shares of its own light.
+    float allows(float luminance, float more = 1) const {
+        return std::max(relative * luminance,
+                        more * std::max(least(), std::min(absolute, weber_fraction() * luminance)));
     }
     /// The absolute part over its background: relative tolerance where the pixel's luminance is below the background.
     float weber_fraction() const { return background > absolute * 1e-30f ? absolute / background : 1e30f; }

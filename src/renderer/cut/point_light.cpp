@@ -38,8 +38,7 @@ std::vector<PointTolerance> point_tolerances(const LightingContext& context, std
         PointTolerance& own = parts.emplace_back();
         own.part = {std::max(t.absolute, 0.0f) * part, std::max(t.relative, 0.0f), t.background * part};
         own.base = std::max(core::luminance(context.ungathered.all().at(place.x, place.y)), 0.0f) * part;
-        // A share of its own light, however bright, is no part of the pixel's.
-        if (!(t.relative > 0.0f) && part > 0.0f) own.noise = 1.0f / std::sqrt(part);
+        if (part > 0.0f) own.noise = 1.0f / std::sqrt(part);
     }
     return parts;
 }

@@ -43,7 +43,7 @@ struct PointTolerance {
     float noise = 1;
 
     float allows(float luminance) const { return part.allows(base + std::max(luminance, 0.0f)); }
-    float allows_noise(float luminance) const { return noise * allows(luminance); }
+    float allows_noise(float luminance) const { return part.allows(base + std::max(luminance, 0.0f), noise); }
 };
 
 /// Parts the tolerances of a tile's pixels among their points by weight; what a pixel shows without gathering counts as
