@@ -82,6 +82,15 @@ glm::vec3 sample_cosine_hemisphere(glm::vec3 normal, glm::vec2 u) {
     return r * std::cos(phi) * t + r * std::sin(phi) * b + z * normal;
 }
 
+glm::vec2 place_of_cosine(glm::vec3 normal, glm::vec3 direction) {
+    constexpr float below_one = 0x1.fffffep-1f;
+    glm::vec3 t, b;
+    make_frame(normal, t, b);
+    const float x = glm::dot(t, direction), y = glm::dot(b, direction),
+                turn = std::atan2(y, x) * (0.5f * std::numbers::inv_pi_v<float>);
+    return glm::clamp(glm::vec2(x * x + y * y, turn < 0.0f ? turn + 1.0f : turn), 0.0f, below_one);
+}
+
 glm::vec3 sample_sphere(glm::vec2 u) {
     const float z = 1.0f - 2.0f * u.x;
     const float r = sqrt_or_zero(1.0f - z * z);

@@ -22,6 +22,9 @@ float halton(int dimension, std::uint64_t index);
 /// A direction about `normal` (unit) with density cos/pi, from two uniform numbers.
 glm::vec3 sample_cosine_hemisphere(glm::vec3 normal, glm::vec2 u);
 
+/// The two numbers in [0, 1) for which that gives a direction above the plane.
+glm::vec2 place_of_cosine(glm::vec3 normal, glm::vec3 direction);
+
 /// Uniform over the unit sphere.
 glm::vec3 sample_sphere(glm::vec2 u);
 

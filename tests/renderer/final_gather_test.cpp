@@ -62,6 +62,30 @@ glm::vec3 mean_of(const std::vector<RayLight>& light) {
     return sum;
 }
 
+TEST(FinalGather, OfAWideLobeUnderAnEvenSkyVariesLittleAtGrazingAngles) {
+    SceneBuilder b;
+    const int varnish = b.add_material(glm::vec3(0.05f));
+    b.material(varnish).ior = 1.5f;
+    b.material(varnish).roughness = 0.4f;
+    b.add_quad({-50, 0, 50}, {100, 0, 0}, {0, 0, -100}, varnish);
+    b.film().sky.color = {1, 1, 1};
+    const Stage stage(b);
+    for (const float height : {0.2f, 1.0f}) {
+        const std::vector<GatherPoint> points = points_about(stage, 0, {-25, height, 20});
+        const std::vector<RayLight> light = light_of(stage, points, 1e-5f);
+        const Bsdf& bsdf = points[0].point.bsdf;
+        ASSERT_TRUE(bsdf.has_lobe() && !bsdf.has_narrow_lobe());
+        const double shown = shown_luminance(points[0], light[0].light);
+        // By the cosine alone it is four and three times what is shown.
+        EXPECT_LT(std::sqrt(light[0].batch_variance), 0.25 * shown) << height;
+        double mean = 0;
+        for (const RayLight& l : light) mean += shown_luminance(points[0], l.light) / 16;
+        const float cosine = glm::dot(points[0].point.shading_normal, points[0].point.outgoing);
+        const double expected = core::luminance(diffuse_albedo(bsdf, cosine) + glossy_albedo(bsdf, cosine));
+        EXPECT_NEAR(mean, expected, 0.03 * expected) << height;
+    }
+}
+
 TEST(FinalGather, OfAnEvenSkyIsTheSky) {
     SceneBuilder b;
     b.add_quad({-50, 0, 50}, {100, 0, 0}, {0, 0, -100}, b.add_material(glm::vec3(albedo)));

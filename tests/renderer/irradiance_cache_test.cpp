@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "core/color.h"
 #include "parallel/loops.h"
 #include "tests/renderer/film_stage.h"
@@ -72,6 +74,31 @@ TEST(IrradianceCache, AFinerToleranceGoesOnWithTheRecordsInItsPlaces) {
     EXPECT_GT(fine.gather_rays - coarse.gather_rays, coarse.gather_rays) << "it takes more rays";
     EXPECT_LE(fine.cache.created, coarse.gather_points) << "no place has two records";
     EXPECT_GT(2 * fine.cache.created, coarse.gather_points) << "and most have one";
+}
+
+TEST(IrradianceCache, PointsSeenInAMirrorShareTheirRaysSlow) {
+    test::SceneBuilder b = walk(false);
+    const int mirror = b.add_material({1, 1, 1});
+    b.material(mirror).metallic = 1;
+    b.material(mirror).roughness = 0;
+    b.add_quad({1.0f, 0.6f, 3.0f}, {2.0f, 0, 0}, {0, 2.0f, 0}, mirror);
+    Settings s = cache_settings(false);
+    s.indirect = Indirect::rays;
+    FilmStage alone(b, s);
+    s.cache = CacheUse::on;
+    FilmStage shared(b, s);
+    const core::Radiance own = alone.cut(0.02f), light = shared.cut(0.02f), truth = alone.reference();
+    // The mirror fills the picture.
+    double off = 0, off_alone = 0;
+    for (std::size_t i = 0; i < truth.combined.values().size(); ++i) {
+        const float seen = core::luminance(truth.combined.values()[i]);
+        ASSERT_GT(seen, 0.0f);
+        off += std::pow(core::luminance(light.combined.values()[i]) / seen - 1, 2);
+        off_alone += std::pow(core::luminance(own.combined.values()[i]) / seen - 1, 2);
+    }
+    EXPECT_LT(off, 1.5 * off_alone);
+    EXPECT_LT(std::sqrt(off / (cache_size * cache_size)), 0.02);
+    EXPECT_LT(2 * shared.statistics().gather_rays, alone.statistics().gather_rays);
 }
 
 TEST(IrradianceCache, IsTheSameForAnyNumberOfThreadsSlow) {

@@ -21,7 +21,8 @@ struct CacheQuery {
 /// Where it lies, as records do.
 inline SurfaceMark mark_of(const CacheQuery& q) {
     const SurfacePoint& p = q.point.point;
-    return {q.at, 0, surface_of(p.address, p.back_side, q.point.path), p.position, p.geometric_normal, p.shading_normal};
+    return {
+        q.at, 0, surface_of(p.address, p.back_side, q.point.path), p.position, p.geometric_normal, p.shading_normal};
 }
 
 /// Light of a point by its neighbours' records (local_regression.h), if its estimated error is within the tolerance, or

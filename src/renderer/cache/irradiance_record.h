@@ -45,10 +45,10 @@ struct IrradianceRecord {
     core::SurfaceAddress address;
     bool back_side = false;
     std::uint8_t path = direct_path;  ///< GatherPoint's; of others it is of its frame alone
-    bool capped = false;            ///< its cut ended before its tolerance was kept
-    std::uint8_t set = 0;           ///< of representatives that lit it, 0..3
-    glm::vec3 position{0};          ///< world, at the instant of the frame
-    glm::vec3 geometric_normal{0};  ///< likewise
+    bool capped = false;              ///< its cut ended before its tolerance was kept
+    std::uint8_t set = 0;             ///< of representatives that lit it, 0..3
+    glm::vec3 position{0};            ///< world, at the instant of the frame
+    glm::vec3 geometric_normal{0};    ///< likewise
     glm::vec3 shading_normal{0};
     glm::vec2 seen_at{0};              ///< on the picture, pixels, in mirrors or through glass
     glm::vec3 direct{0}, indirect{0};  ///< irradiance over pi, of light trees

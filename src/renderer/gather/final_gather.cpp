@@ -45,8 +45,8 @@ constexpr std::uint32_t coherent_rays = 128;
 constexpr std::uint32_t worth_guiding = 4;
 constexpr double gain_of_guides = 0.7;
 
-/// The largest number below 1, and the least cosine of a ray to the normal.
-constexpr float below_one = 0x1.fffffep-1f, least_cosine = 1e-4f;
+/// Least cosine of a ray to the normal, where a lobe shares rays with it.
+constexpr float least_cosine = 1e-4f;
 
 /// Keeps guided rays apart from those of the first look.
 constexpr std::uint64_t guided_seed = 0x9a1de;
@@ -121,15 +121,6 @@ struct FinalGather::Directions {
     std::array<std::uint32_t, bundle_rays> order;  ///< neighbours lie next to each other
 };
 
-/// The place of the unit square that sample_cosine_hemisphere maps to a direction.
-glm::vec2 on_square(glm::vec3 normal, glm::vec3 direction) {
-    glm::vec3 t, b;
-    core::make_frame(normal, t, b);
-    const float x = glm::dot(t, direction), y = glm::dot(b, direction),
-                turn = std::atan2(y, x) * (0.5f * std::numbers::inv_pi_v<float>);
-    return glm::clamp(glm::vec2(x * x + y * y, turn < 0.0f ? turn + 1.0f : turn), 0.0f, below_one);
-}
-
 /// Cosine-distributed, some by a wide lobe: both take all [Veach1995].
 FinalGather::Directions FinalGather::hemisphere(const GatherRequest& request, const Bundle& bundle) const {
     const SurfacePoint& p = request.point->point;
@@ -152,7 +143,7 @@ FinalGather::Directions FinalGather::hemisphere(const GatherRequest& request, co
             const float cosine = glm::dot(p.shading_normal, ray.direction);
             if (!(cosine > least_cosine)) continue;
             if (by_lobe) {
-                u = on_square(p.shading_normal, ray.direction);
+                u = core::place_of_cosine(p.shading_normal, ray.direction);
                 density = bundle.guide != nullptr ? bundle.guide->density_at(u) : 1.0f;
             }
             density = (1.0f - of_lobe) * density +
