@@ -5,6 +5,8 @@
 
 #include "core/color.h"
 #include "core/sampling.h"
+#include "renderer/base/lobe.h"
+#include "renderer/gather/surface_cache.h"
 #include "renderer/geometry/strands.h"
 #include "renderer/paths/light_paths.h"
 #include "renderer/surface/hair_scattering.h"
@@ -273,6 +275,145 @@ TEST(HairLight, OfPathsInAWhiteSkyIsTheSky) {
         sum += static_cast<double>(core::luminance(paths.scattered(p, numbers)));
     }
     EXPECT_NEAR(sum / n, 1.0, 0.01);
+}
+
+/// White fibres so thin that light goes among them for many cells.
+SceneBuilder fine_tuft() {
+    SceneBuilder b;
+    const int hair = b.add_material(glm::vec3(1));
+    b.material(hair).hair = fibre(0.3f, 0.3f, glm::vec3(0));
+    scene::Mesh mesh;
+    for (std::uint64_t i = 0; i < 3000; ++i) {
+        const glm::vec3 at(core::uniform(i, 0, 0) - 0.5f, core::uniform(i, 0, 1) - 0.5f, core::uniform(i, 0, 2) - 0.5f);
+        const glm::vec3 d = core::sample_sphere({core::uniform(i, 1, 0), core::uniform(i, 1, 1)});
+        const glm::vec3 points[] = {at - 0.1f * d, at, at + 0.1f * d};
+        const float radii[] = {0.004f, 0.004f, 0.004f};
+        scene::add_strand(mesh, points, radii);
+    }
+    b.add_object(b.add_mesh(mesh), hair);
+    b.film().sky.color = glm::vec3(0.1f);
+    b.add_sun({0.3f, -0.5f, -1}, 3.0f);
+    return b;
+}
+
+TEST(HairLight, OfCellsThatLightEachOtherIsThatOfPaths) {
+    const SceneBuilder b = fine_tuft();
+    const Stage stage(b);
+    const GatherRays rays(stage.posed_scene(), stage.plan());
+    const LightPaths paths(stage.posed_scene(), stage.plan());
+    SurfaceCache cache(stage.posed_scene(), stage.plan());
+    cache.forget({});
+    // Cells are asked one by one, so that they have few places.
+    double known = 0, truth = 0, count = 0, most = 0;
+    for (std::uint64_t i = 0; i < 6000; ++i) {
+        const glm::vec3 from(core::uniform(i, 0, 0) - 0.5f, core::uniform(i, 0, 1) - 0.5f, 2);
+        const glm::vec3 direction = glm::normalize(glm::vec3(0.3f * core::uniform(i, 1, 0) - 0.15f, 0, -1));
+        const Hit hit = stage.tracer().nearest(from, direction, 10);
+        if (!hit.found()) continue;
+        std::vector<RayTerm> terms;
+        std::uint64_t traced = 0;
+        rays.follow({from, direction, 10}, hit, {}, lobe::inverse_pi, i, 0, terms, traced);
+        ASSERT_EQ(terms.size(), 1u);
+        cache.learn({{terms[0].place}});
+        const auto light = static_cast<double>(core::luminance(cache.radiance(cache.index_of(terms[0].place.key))));
+        known += light;
+        most = std::max(most, light);
+        const SurfacePoint p = stage.posed_scene().surface_at(hit.address, -direction);
+        for (std::uint64_t k = 0; k < 8; ++k) {
+            PathNumbers numbers(i, k);
+            truth += static_cast<double>(core::luminance(paths.scattered(p, numbers))) / 8;
+        }
+        count += 1;
+    }
+    ASSERT_GT(count, 1500);
+    // Cells are means over sunlit and shaded places, of which rays from outside meet the bright ones. Two cells that
+    // answered each other would be 300, the mean 16 times too bright.
+    EXPECT_NEAR(known / truth, 0.9, 0.15);
+    EXPECT_LT(most, 60 * truth / count);
+}
+
+/// A fibre that three panels shine upon.
+SceneBuilder fibre_and_panels() {
+    SceneBuilder b;
+    const int hair = b.add_material(), panel = b.add_material(glm::vec3(0)), dim = b.add_material(glm::vec3(0));
+    b.material(hair).hair = fibre(0.2f, 0.3f);
+    b.material(panel).emission = glm::vec3(5);
+    b.material(dim).emission = glm::vec3(1);
+    add_strand_object(b, 0.02f, hair);
+    b.add_quad({-0.3f, -1, 3}, {0, 0.6f, 0}, {0.6f, 0, 0}, panel);
+    b.add_quad({-3, -0.5f, -0.3f}, {0, 0, 0.6f}, {0, 0.6f, 0}, panel);
+    b.add_quad({-0.3f, 0.5f, -3}, {0.6f, 0, 0}, {0, 0.6f, 0}, dim);
+    return b;
+}
+
+TEST(HairLight, ChoosesAmongDirectionsToLightWithoutBias) {
+    const Stage stage(fibre_and_panels());
+    CellLight light(stage.posed_scene(), stage.plan());
+    light.pose({});
+    const GatherRays rays(stage.posed_scene(), stage.plan());
+    const Scatterer at(stage.posed_scene(), stage.posed_scene().surface_at({0, 1, 0.5f, 0.3f}, {0, 0, 1}));
+    ASSERT_TRUE(at.is_fibre());
+    double means[2], variances[2];
+    for (const bool many : {false, true}) {
+        const LightChoices choices = many ? light.light_choices() : LightChoices{};
+        double sum = 0, squares = 0;
+        constexpr int n = 40000;
+        for (std::uint64_t i = 0; i < n; ++i) {
+            std::uint64_t traced = 0;
+            const std::uint64_t number = core::mix(i);
+            glm::vec3 direction(0), weight(0), found = light.lamps(at, number, choices, traced);
+            const float density =
+                at.sample(core::uniform(number, 16, 0), {core::uniform(number, 16, 1), core::uniform(number, 16, 2)},
+                          direction, weight);
+            ASSERT_GT(density, 0.0f);
+            const AskedLights asked{light.sources(), at.query(), density, choices};
+            RayRules rules;
+            rules.asked = &asked;
+            std::vector<RayTerm> terms;
+            const glm::vec3 origin = at.origin_of(direction);
+            found += weight * rays.follow({origin, direction, 10}, stage.tracer().nearest(origin, direction, 10), rules,
+                                          lobe::inverse_pi, number, 0, terms, traced);
+            const auto y = static_cast<double>(core::luminance(found));
+            sum += y;
+            squares += y * y;
+        }
+        means[many] = sum / n;
+        variances[many] = squares / n - means[many] * means[many];
+    }
+    EXPECT_NEAR(means[1] / means[0], 1.0, 0.02);
+    EXPECT_NEAR(variances[1] / variances[0], 0.35, 0.15);
+}
+
+TEST(HairLight, TakesNoMoreRaysThanWhatItsSamplesShowIsWorth) {
+    // However little is tolerated: fibres in the sun differ from sample to sample. 64 rounds take 128 rays.
+    SceneBuilder b = white_tuft();
+    b.add_sun({0.3f, -0.5f, -1}, 3.0f);
+    Settings settings = test::small_frame();
+    settings.indirect = Indirect::rays;
+    settings.samples = 16;
+    FilmStage stage(b, settings);
+    stage.cut(0.001f);
+    const double samples = 16.0 * static_cast<double>(stage.statistics().hair.pixels);
+    EXPECT_NEAR(static_cast<double>(stage.statistics().hair.rays) / samples, 45, 20);
+}
+
+TEST(HairLight, HasMoreSamplesWhereStrandsWouldShow) {
+    constexpr int side = 24;
+    for (const float tolerated : {0.01f, 0.5f}) {
+        Settings settings = test::small_frame(side, side);
+        settings.indirect = Indirect::rays;
+        settings.samples = 4;
+        settings.most_samples = 64;
+        FilmStage stage(white_tuft(), settings);
+        const scene::Snapshot world = stage.at(0);
+        core::ToleranceMap tolerance = core::ToleranceMap::uniform(side, side, {tolerated, 0.001f, 1.0f});
+        const Frame frame = stage.renderer().place(world, stage.renderer().look(world), LightOrder{tolerance}).frame;
+        int hair = 0, fine = 0;
+        for (const FibreTile& tile : frame.fibres) hair += static_cast<int>(tile.size());
+        for (const std::uint16_t samples : frame.samples.values()) fine += samples == 64 ? 1 : 0;
+        EXPECT_GT(hair, 0);
+        EXPECT_EQ(fine > 100, tolerated < 0.1f) << fine;
+    }
 }
 
 }  // namespace

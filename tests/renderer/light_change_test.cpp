@@ -134,6 +134,18 @@ TEST(LightChange, RecordsGoWithWhatMoves) {
     EXPECT_LT(stage.statistics().cache.created - created, created / 4);
 }
 
+TEST(LightChange, LeavesTheLightOfSunsThatHaveASize) {
+    test::SceneBuilder b;
+    b.add_quad({-2, 0, -2}, {0, 0, 4}, {4, 0, 0}, b.add_material(glm::vec3(0.5f)));
+    b.film().lights[static_cast<std::size_t>(b.add_sun({0.3f, -1, 0.2f}, 3.0f))].angle = 0.05f;
+    b.film().sky.color = glm::vec3(0.2f);
+    b.move_object(b.add_box({1.4f, 0.1f, 1.4f}, {1.6f, 0.3f, 1.6f}, b.add_material()), {{0, 0, 0}, {0.02f, 0, 0}});
+    b.add_camera({0, 3, 0.1f}, {0, 0, 0});
+    FilmStage stage(b, by_rays(CacheUse::on));
+    const core::Radiance before = stage.cut(0.05f, 0), now = stage.cut(0.05f, 1);
+    EXPECT_LE(share_over(now, before, 0.1f), 0.02);
+}
+
 TEST(LightChange, OfNothingIsNone) {
     test::SceneBuilder b = room();
     fade_lamp(b);

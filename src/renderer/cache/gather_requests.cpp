@@ -175,14 +175,6 @@ std::vector<GatheredRequests> gather(FrameState& frame, const std::vector<std::v
 }
 
 void gather_trees_again(FrameState& frame, std::span<const GatherPoint> receivers) {
-    if (frame.light_trees.empty()) {
-        for (IrradianceRecord& r : frame.records.all()) {
-            r.direct = r.indirect = r.lobe.f0 = r.lobe.schlick = glm::vec3(0);
-            r.error = 0;
-            r.capped = false;
-        }
-        return;
-    }
     // Of one surface and set of representatives, in blocks of 8 x 8 pixels.
     struct Placed {
         std::uint32_t set, record;

@@ -9,10 +9,6 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// As largest_albedo, of fibres, among which light stays for many of them. chosen: 0.999; white hair lacks a thousandth
-/// for each.
-constexpr float largest_fibre_albedo = 0.999f;
-
 template <class Asker>
 struct Ask {
     std::uint64_t key = 0;
@@ -49,21 +45,50 @@ Lesson& ShardLessons::add(LightCells& cells, std::uint64_t key, std::uint32_t pl
     return lesson;
 }
 
-void ShardLessons::plan(std::size_t shard, std::span<const AskedPlaces> asked, std::uint32_t most, LightCells& cells) {
-    waves_.push_back(static_cast<std::uint32_t>(lessons_.size()));
-    places_.clear();
+namespace {
+
+/// Calls visit(key, known, chosen) for cells of a shard that are asked more often than they have places, which are
+/// `known`. Chosen are the places that they lack up to `most`, evenly among those that ask.
+template <class Visit>
+void choose_places(std::size_t shard, std::span<const AskedPlaces> asked, std::uint32_t most, const LightCells& cells,
+                   const Visit& visit) {
     std::vector<Ask<const Sighting*>> asks;
     for (const AskedPlaces& task : asked)
         for (const AskedKeys::Entry& e : task.keys.of_shard(shard)) asks.push_back({e.key, &task.places[e.index]});
+    std::vector<const Sighting*> chosen;
     by_key(asks, [&](std::span<const Ask<const Sighting*>> askers) {
         const std::uint64_t key = askers.front().key;
         const std::uint32_t count = std::min(static_cast<std::uint32_t>(askers.size()), most);
         const std::uint32_t known = cells.find(key).places;
         if (count <= known) return;
-        const std::uint32_t take = count - known;
-        add(cells, key, take).first = static_cast<std::uint32_t>(places_.size());
-        for (std::size_t i = 0; i < take; ++i) places_.push_back(askers[i * askers.size() / take].who);
+        chosen.resize(count - known);
+        for (std::size_t i = 0; i < chosen.size(); ++i) chosen[i] = askers[i * askers.size() / chosen.size()].who;
+        visit(key, known, std::span<const Sighting* const>(chosen));
     });
+}
+
+}  // namespace
+
+void ShardLessons::plan(std::size_t shard, std::span<const AskedPlaces> asked, std::uint32_t most, LightCells& cells) {
+    waves_.push_back(static_cast<std::uint32_t>(lessons_.size()));
+    places_.clear();
+    choose_places(shard, asked, most, cells,
+                  [&](std::uint64_t key, std::uint32_t, std::span<const Sighting* const> chosen) {
+                      const auto take = static_cast<std::uint32_t>(chosen.size());
+                      add(cells, key, take).first = static_cast<std::uint32_t>(places_.size());
+                      places_.insert(places_.end(), chosen.begin(), chosen.end());
+                  });
+}
+
+std::vector<PathStart> starts_of(std::size_t shard, std::span<const AskedPlaces> asked, std::uint32_t most,
+                                 const LightCells& cells) {
+    std::vector<PathStart> starts;
+    choose_places(shard, asked, most, cells,
+                  [&](std::uint64_t key, std::uint32_t known, std::span<const Sighting* const> chosen) {
+                      for (std::size_t i = 0; i < chosen.size(); ++i)
+                          starts.push_back({*chosen[i], core::mix(key + known + i)});
+                  });
+    return starts;
 }
 
 void ShardLessons::add_paths(std::size_t shard, std::span<const TaskPaths* const> paths, LightCells& cells) {

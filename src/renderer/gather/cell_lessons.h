@@ -33,6 +33,10 @@ struct Lesson {
     CellLink* links = nullptr;                    ///< of its task
 };
 
+/// As largest_albedo, of fibres, among which light stays for many of them. chosen: 0.999; white hair lacks a thousandth
+/// for each.
+inline constexpr float largest_fibre_albedo = 0.999f;
+
 /// Factor of the weights of a cell's links, whose sum is `row`: they come to the albedo of its places, and no cell
 /// reflects more than surfaces do. Else the equations have no solution. `sums` has albedo and drawn of all its lessons.
 glm::vec3 link_scale(const Lesson& sums, glm::vec3 row, std::uint32_t places);
@@ -84,6 +88,16 @@ struct AskedPlaces {
     }
 };
 
+/// A place where a path begins.
+struct PathStart {
+    Sighting place;
+    std::uint64_t seed = 0;  ///< tells it from others of its cell, all along the path
+};
+
+/// Places where paths are to begin in cells of one shard, chosen as those of a wave.
+std::vector<PathStart> starts_of(std::size_t shard, std::span<const AskedPlaces> asked, std::uint32_t most,
+                                 const LightCells& cells);
+
 /// Lessons of the cells of one shard, wave by wave; only one task may change them.
 class ShardLessons {
   public:
@@ -101,6 +115,7 @@ class ShardLessons {
 
     std::span<Lesson> all() { return lessons_; }
     std::span<Lesson> of_last_wave() { return std::span(lessons_).subspan(waves_.back()); }
+    std::size_t wave_count() const { return waves_.size(); }
     /// Index of a wave's first lesson.
     std::uint32_t first_of(std::size_t wave) const { return waves_[wave]; }
     /// Place of the last wave: Lesson::first is its index.

@@ -19,10 +19,16 @@ namespace render2mpeg::renderer {
 struct TaskLight {
     std::vector<CellLink> links;  ///< of its lessons
     AskedPlaces asked;            ///< by rays whose cell has to learn
+    AskedPlaces among;            ///< likewise, of cells among strands
     ShardLessons::TaskPaths paths;
     std::vector<CellLink> path_links;  ///< of lessons of paths: one each, or none
     std::uint64_t rays = 0;
 };
+
+/// Places from which on a cell among strands answers paths. White hair keeps a thousandth of its light to itself: two
+/// cells of one place that light each other would shine two hundred times too bright. Light of these places rests on
+/// no other cell, so that none amplifies what it sends by more than its places over these. chosen: 4 of 2 to 8.
+inline constexpr std::uint32_t answering_places = 4;
 
 /// Evaluates places of the posed instant.
 class CellLight {
@@ -32,15 +38,21 @@ class CellLight {
     /// Lights and things are others now.
     void pose(NearField near_field);
 
-    /// Light of lamps, shining surfaces and the image of a sky that a place scatters, by next-event estimation.
-    glm::vec3 lamps(const Scatterer& at, std::uint64_t number, std::uint64_t& rays) const;
+    /// Light of lamps, shining surfaces and the image of a sky that a place scatters, by next-event estimation: a
+    /// shadow ray for each kind, in one of so many directions. Resampled importance sampling [Talbot2005].
+    glm::vec3 lamps(const Scatterer& at, std::uint64_t number, LightChoices choices, std::uint64_t& rays) const;
+    /// Those worth choosing among where scattering peaks, as fibres' does.
+    LightChoices light_choices() const;
     /// Lights of the posed instant.
     const LightSources& sources() const { return *sources_; }
 
     /// Evaluates lessons of the last wave of a shard. Cells of fewer places than `known` are asked for. 1: rays whose
-    /// cells are not there are followed as paths instead, until they meet one that is.
+    /// cells are not there are followed as paths instead, until they meet one that is. Cells among strands are asked
+    /// for where they do not answer.
     TaskLight evaluate(const ShardLessons& shard, std::span<Lesson> lessons, std::uint32_t known,
                        const LightCells& cells) const;
+    /// Follows paths until they meet a cell that answers.
+    void follow_paths(std::vector<PathStart> starts, const LightCells& cells, TaskLight& out) const;
 
   private:
     struct Bounce;
@@ -49,7 +61,6 @@ class CellLight {
     glm::vec3 choose_side(std::uint64_t number, SurfacePoint& p) const;
     void light_place(const Sighting& place, std::uint64_t number, Lesson& lesson, Found& out) const;
     void follow_bounces(Found& out) const;
-    void follow_paths(std::vector<Sighting> places, const LightCells& cells, TaskLight& out) const;
 
     const PosedScene& posed_scene_;
     GatherRays gather_rays_;

@@ -99,6 +99,7 @@ Sighting GatherRays::sighting(const RayQuery& ray, const Hit& hit, float distanc
     s.address = hit.address;
     s.outgoing = -ray.direction;
     const bool is_fibre = !fibre_cells_.empty() && fibre_cells_[hit.address.object] > 0.0f;
+    s.fibre = is_fibre;
     if (distance < rules.near && rules.depth < most_own_cells && !is_fibre) {
         s.key = core::mix(number) | own_cell;
         s.size = rules.spread * distance;
@@ -144,8 +145,9 @@ glm::vec3 GatherRays::escaped(glm::vec3 direction, const RayRules& rules, bool m
     sky *= std::min(core::divide_or(rules.brightest, core::luminance(sky), 1.0f), 1.0f);
     const AskedLights* asked = rules.asked;
     if (asked == nullptr || mirrored) return sky;
-    sky *= asked->share(asked->lights.sky_density(direction));
-    return sky + asked->lights.suns(asked->query, direction, [&](float other) { return asked->share(other); });
+    sky *= asked->share(asked->lights.sky_density(direction), 1);
+    return sky + asked->lights.suns(asked->query, direction,
+                                    [&](float other) { return asked->share(other, asked->choices.lamps); });
 }
 
 /// Light of the sky that a pane mirrors straight to where it is seen from. Smooth light needs no photons.
@@ -199,7 +201,9 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, float
         const SurfacePoint p = posed_scene_.surface_at(hit.address, -ray.direction);
         if (asked != nullptr && shines_[material])
             known += passing * p.emission *
-                     (mirrored ? 1.0f : asked->share(asked->lights.surface_density(asked->query, hit.address)));
+                     (mirrored ? 1.0f
+                               : asked->share(asked->lights.surface_density(asked->query, hit.address),
+                                              asked->choices.surfaces));
         if (asked == nullptr && sky_in_panes_ > 0.0f && !behind_body)
             known += passing * sky_in_pane(p, solid_angle, rays);
         const glm::vec3 shown = passing * p.alpha;

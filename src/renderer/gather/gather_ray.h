@@ -21,6 +21,7 @@ struct Sighting {
     float size = 0;          ///< of the cell, world; textures are filtered over it
     float carried = 1;       ///< share of a gather ray's light that comes from here, bounces that lie between counted
     std::uint8_t depth = 0;  ///< of a cell of its own: how many such cells lie between it and the point; else 0
+    bool fibre = false;      ///< of hair
 
     bool operator<(const Sighting& other) const { return key < other.key; }
 };
@@ -34,14 +35,23 @@ struct RayTerm {
     std::uint32_t cell = LightCells::none;  ///< once its owner has looked it up
 };
 
+/// Directions to lights of a kind that a place's shadow ray has one of.
+struct LightChoices {
+    std::uint32_t lamps = 1, surfaces = 1;
+};
+
 /// Lights that a ray's owner asked for by next events as well: those that the ray meets count by the balance heuristic
 /// [Veach1995].
 struct AskedLights {
     const LightSources& lights;
     LightQuery query;   ///< from where they were asked
     float density = 0;  ///< of the ray's direction, per steradian
+    LightChoices choices{};
 
-    float share(float other) const { return core::divide_or(density, density + other, 0.0f); }
+    /// `other`: density of the choice of such a light, one of so many.
+    float share(float other, std::uint32_t choices_of_kind) const {
+        return core::divide_or(density, density + static_cast<float>(choices_of_kind) * other, 0.0f);
+    }
 };
 
 /// Size of cells over the length of the ray that meets them. chosen: 0.12 of 0.03 to 0.3; half of it takes half more

@@ -14,12 +14,11 @@
 namespace render2mpeg::renderer {
 namespace {
 
-/// Waves of cells that are asked for together, and one of paths. From where cells have one place, one in three hundred
-/// is met by two rays (Sponza): nothing is lost by following each ray alone.
-constexpr std::size_t waves = 5;
-
 /// Tasks of a wave, and places that a task is worth.
 constexpr std::size_t most_tasks = 256, least_places = 16;
+
+/// Paths of one task.
+constexpr std::size_t paths_at_once = 64;
 
 /// Tasks whose memory one task frees.
 constexpr std::size_t tasks_at_once = 32;
@@ -37,6 +36,7 @@ void for_each_shard(const Body& body) {
 /// State of one call of learn.
 struct SurfaceCache::Learning {
     std::vector<AskedPlaces> asked;  ///< of the wave to come
+    std::vector<AskedPlaces> among;  ///< of all, among strands
     std::array<ShardLessons, LightCells::shards> shards;
     std::deque<TaskLight> found;  ///< by wave and task
     std::size_t first_of_wave = 0;
@@ -81,7 +81,28 @@ void SurfaceCache::evaluate_wave(Learning& learning, std::uint32_t known) {
     for (std::size_t t = first; t < learning.found.size(); ++t) {
         rays_ += learning.found[t].rays;
         learning.asked.push_back(std::move(learning.found[t].asked));
+        if (!learning.found[t].among.places.empty()) learning.among.push_back(std::move(learning.found[t].among));
     }
+}
+
+/// Follows paths from cells among strands.
+void SurfaceCache::follow_paths(Learning& learning, std::uint32_t most) {
+    std::array<std::vector<PathStart>, LightCells::shards> starts;
+    for_each_shard([&](std::size_t s) { starts[s] = starts_of(s, learning.among, most, cells_); });
+    std::vector<std::vector<PathStart>> tasks;
+    for (const std::vector<PathStart>& of_shard : starts)
+        for (std::size_t k = 0; k < of_shard.size(); ++k) {
+            if (k % paths_at_once == 0) tasks.emplace_back();
+            tasks.back().push_back(of_shard[k]);
+        }
+    const std::size_t first = learning.first_of_wave = learning.found.size();
+    learning.found.resize(first + tasks.size());
+    parallel::for_each(tasks.size(), [&](std::size_t t) {
+        const FlushDenormals flushed;
+        light_.follow_paths(std::move(tasks[t]), cells_, learning.found[first + t]);
+    });
+    for (std::size_t t = first; t < learning.found.size(); ++t) rays_ += learning.found[t].rays;
+    add_paths(learning);
 }
 
 void SurfaceCache::add_paths(Learning& learning) {
@@ -94,7 +115,7 @@ void SurfaceCache::add_paths(Learning& learning) {
 /// Cells of a shard that learn, by their last lessons, from the last wave to the first: they are what the others ask.
 struct SurfaceCache::Rows {
     std::vector<std::uint32_t> lessons;
-    std::array<std::size_t, waves> ends{};  ///< by phase: the last wave is the first
+    std::vector<std::size_t> ends;  ///< by phase: the last wave is the first
 };
 
 /// The last lesson of a cell gets the sum of all that is known of it.
@@ -110,11 +131,11 @@ SurfaceCache::Rows SurfaceCache::rows_of(ShardLessons& shard) {
     }
     Rows rows;
     auto l = static_cast<std::uint32_t>(lessons.size());
-    for (std::size_t phase = 0; phase < waves; ++phase) {
-        for (const std::uint32_t first = shard.first_of(waves - 1 - phase); l-- > first;)
+    for (std::size_t wave = shard.wave_count(); wave-- > 0;) {
+        for (const std::uint32_t first = shard.first_of(wave); l-- > first;)
             if (cells_.at(lessons[l].cell).lesson == l) rows.lessons.push_back(l);
         ++l;
-        rows.ends[phase] = rows.lessons.size();
+        rows.ends.push_back(rows.lessons.size());
     }
     return rows;
 }
@@ -169,6 +190,7 @@ EquationBlock block_of(std::span<const Lesson> lessons, std::span<const std::uin
 
 void SurfaceCache::solve(Learning& learning) {
     constexpr std::size_t shards = LightCells::shards;
+    const std::size_t waves = learning.shards[0].wave_count();
     std::array<Rows, shards> rows;
     for_each_shard([&](std::size_t s) { rows[s] = rows_of(learning.shards[s]); });
     const auto rows_in = [&](std::size_t s, std::size_t phase) {
@@ -176,7 +198,7 @@ void SurfaceCache::solve(Learning& learning) {
         return std::span<const std::uint32_t>(rows[s].lessons).subspan(first, rows[s].ends[phase] - first);
     };
     // Number the rows, phase by phase.
-    std::array<std::uint32_t, waves * shards> first_row;
+    std::vector<std::uint32_t> first_row(waves * shards);
     std::uint32_t count = 0;
     for (std::size_t b = 0; b < first_row.size(); ++b) {
         first_row[b] = count;
@@ -194,7 +216,7 @@ void SurfaceCache::solve(Learning& learning) {
         blocks[b] = block_of(learning.shards[b % shards].all(), rows_in(b % shards, b / shards), cells_);
         blocks[b].first_row = first_row[b];
     });
-    std::array<std::size_t, waves> ends;
+    std::vector<std::size_t> ends(waves);
     for (std::size_t phase = 0; phase < waves; ++phase) ends[phase] = (phase + 1) * shards;
     const std::vector<glm::vec3> radiance = renderer::solve(blocks, ends);
     for_each_shard([&](std::size_t s) {
@@ -220,16 +242,27 @@ void SurfaceCache::learn(std::vector<std::vector<Sighting>> wanted) {
     cells_.forget_own();
     Learning learning;
     learning.asked.resize(wanted.size());
+    learning.among.resize(wanted.size());
     parallel::for_each(wanted.size(), [&](std::size_t part) {
-        learning.asked[part].places = std::move(wanted[part]);
+        std::vector<Sighting>& places = wanted[part];
+        const auto strands =
+            std::stable_partition(places.begin(), places.end(), [](const Sighting& place) { return !place.fibre; });
+        learning.among[part].places.assign(strands, places.end());
+        places.erase(strands, places.end());
+        learning.asked[part].places = std::move(places);
+        learning.among[part].sort();
         learning.asked[part].sort();
     });
-    // The last of these waves goes on as paths.
+    // The last of these waves goes on as paths: from where cells have one place, one in three hundred is met by two
+    // rays (Sponza), and nothing is lost by following each ray alone.
     for (std::uint32_t most = most_places; most > 1; most /= 2) {
         plan_wave(learning, most);
         evaluate_wave(learning, most / 2);
     }
     add_paths(learning);
+    std::erase_if(learning.among, [](const AskedPlaces& part) { return part.places.empty(); });
+    if (!learning.among.empty())
+        for (const std::uint32_t most : {answering_places, most_places}) follow_paths(learning, most);
     solve(learning);
     // Memory of many small things takes its time to go.
     parallel::for_ranges(learning.found.size(), tasks_at_once, [&](std::size_t first, std::size_t last) {

@@ -59,6 +59,7 @@ class SurfaceCache {
     void plan_wave(Learning& learning, std::uint32_t most);
     void evaluate_wave(Learning& learning, std::uint32_t known);
     void add_paths(Learning& learning);
+    void follow_paths(Learning& learning, std::uint32_t most);
     Rows rows_of(ShardLessons& shard);
     void solve(Learning& learning);
 

@@ -20,6 +20,13 @@ namespace {
 /// Rays of a sample at most. chosen: 64, with 16 samples 1,024 of a pixel; references take them all.
 constexpr std::uint32_t most_rounds = 64;
 
+/// Rounds are worth it until rays err by this share of what eye samples do, variances. chosen: 1 of 0.5 to 2, for which
+/// a head errs least for its time.
+constexpr double worth_rounds = 1.0;
+
+/// Samples of one task, and of those that are traced before what they ask is learnt. chosen: memory of some 60 MB.
+constexpr std::size_t samples_of_task = 512, samples_at_once = std::size_t{1} << 18;
+
 /// Standard errors within a tolerance, as gather rays have them (final_gather.h).
 constexpr double standard_errors = 1.3;
 
@@ -29,16 +36,22 @@ constexpr double standard_errors = 1.3;
 struct HairLight::Pixel {
     std::uint32_t tile = 0, first = 0, end = 0;  ///< of its samples
     glm::ivec2 place{0};
-    std::uint32_t rounds = 0, wanted = 1;
+    std::uint32_t rounds = 0, wanted = 0;
     glm::vec3 light{0}, specular{0};  ///< sums over rounds
-    double luminance = 0;             ///< of the first round
-    double spread = 0;                ///< variance of its sum: of rays, and of what samples show
+    std::vector<float> first_lights;  ///< luminance of each sample in the first round
+    double variance = 0;              ///< of a round by its rays alone, by the first two; 0: it had one
+    double squares = 0;               ///< sum over samples of the square of what these found for each, their mean
+
+    /// Of a round, mean of all.
+    double luminance() const { return static_cast<double>(core::luminance(light)) / rounds; }
+    /// Whether it tells its tile how rays and samples vary, by two first rounds.
+    bool tells() const { return (place.x + place.y) % 2 == 0; }
 };
 
-/// Results of one round for the pixels of a task.
+/// Results of some rounds of the pixels of a task.
 struct HairLight::Traced {
-    std::vector<RayTerm> terms;    ///< by sample of the task
-    std::vector<glm::vec3> light;  ///< of each sample
+    std::vector<RayTerm> terms;
+    std::vector<glm::vec3> light;  ///< by pixel, round and sample
     std::uint64_t rays = 0;
 };
 
@@ -57,7 +70,8 @@ void HairLight::trace(const FibreSample& sample, std::uint64_t number, Traced& o
         point = *place;
     }
     const Scatterer at(posed_scene_, point);
-    glm::vec3& light = out.light.emplace_back(cache_.light().lamps(at, number, out.rays));
+    const LightChoices choices = cache_.light().light_choices();
+    glm::vec3& light = out.light.emplace_back(cache_.light().lamps(at, number, choices, out.rays));
     const auto u = [&](std::uint64_t which) { return core::uniform(number, 16, which); };
     glm::vec3 direction, weight(0);
     const float density = at.sample(u(0), {u(1), u(2)}, direction, weight);
@@ -65,7 +79,7 @@ void HairLight::trace(const FibreSample& sample, std::uint64_t number, Traced& o
     const RayQuery ray{at.origin_of(direction), direction, std::numeric_limits<float>::infinity()};
     Hit hit;
     posed_scene_.tracer().any_nearest(std::span(&ray, 1), std::span(&hit, 1), false);
-    const AskedLights asked{cache_.light().sources(), at.query(), density};
+    const AskedLights asked{cache_.light().sources(), at.query(), density, choices};
     RayRules rules;
     rules.brightest = std::numeric_limits<float>::infinity();
     rules.asked = &asked;
@@ -76,72 +90,88 @@ void HairLight::trace(const FibreSample& sample, std::uint64_t number, Traced& o
     for (std::size_t k = first; k < out.terms.size(); ++k) out.terms[k].weight *= weight;
 }
 
-/// One more round of all pixels that want it.
-void HairLight::take_round(std::span<const FibreTile> tiles, std::vector<Pixel>& pixels, std::uint32_t round,
-                           HairCounts& counts) {
-    std::vector<Pixel*> asked;
-    for (Pixel& p : pixels)
-        if (round < p.wanted) asked.push_back(&p);
-    constexpr std::size_t together = 64;
-    std::vector<Traced> found((asked.size() + together - 1) / together);
+/// Takes the rounds that pixels want and have not had.
+void HairLight::take_rounds(std::span<const FibreTile> tiles, std::span<Pixel> pixels, HairCounts& counts) {
+    std::vector<std::span<Pixel>> tasks;
+    std::size_t first = 0, of_task = 0, at_once = 0;
+    for (std::size_t k = 1; k <= pixels.size(); ++k) {
+        const Pixel& p = pixels[k - 1];
+        of_task += std::size_t{p.wanted - p.rounds} * (p.end - p.first);
+        if (of_task < samples_of_task && k < pixels.size()) continue;
+        tasks.push_back(pixels.subspan(first, k - first));
+        first = k;
+        at_once += std::exchange(of_task, 0);
+        if (at_once < samples_at_once && k < pixels.size()) continue;
+        trace_all(tiles, tasks, counts);
+        tasks.clear();
+        at_once = 0;
+    }
+}
+
+void HairLight::trace_all(std::span<const FibreTile> tiles, std::span<const std::span<Pixel>> tasks,
+                          HairCounts& counts) {
+    std::vector<Traced> found(tasks.size());
+    std::vector<std::vector<Sighting>> wanted(tasks.size());
     const auto frame = static_cast<std::uint64_t>(posed_scene_.posed().frame);
-    parallel::for_each(found.size(), [&](std::size_t task) {
+    parallel::for_each(tasks.size(), [&](std::size_t task) {
         const FlushDenormals flushed;
-        for (std::size_t k = task * together; k < std::min((task + 1) * together, asked.size()); ++k) {
-            const Pixel& p = *asked[k];
+        for (const Pixel& p : tasks[task]) {
             const std::uint64_t seed =
                 core::mix(core::mix(0x4a12 + frame) ^ (std::uint64_t{static_cast<std::uint32_t>(p.place.y)} << 32 |
                                                        static_cast<std::uint32_t>(p.place.x)));
-            for (std::uint32_t s = p.first; s < p.end; ++s)
-                trace(tiles[p.tile][s], core::mix(seed + round * 0x10000u + (s - p.first)), found[task]);
+            for (std::uint32_t round = p.rounds; round < p.wanted; ++round)
+                for (std::uint32_t s = p.first; s < p.end; ++s)
+                    trace(tiles[p.tile][s], core::mix(seed + round * 0x10000u + (s - p.first)), found[task]);
         }
-    });
-    std::vector<std::vector<Sighting>> wanted(found.size());
-    for (std::size_t task = 0; task < found.size(); ++task) {
-        counts.rays += found[task].rays;
         for (const RayTerm& term : found[task].terms)
             if (cache_.find(term.place.key) == LightCells::none) wanted[task].push_back(term.place);
-    }
+    });
+    for (const Traced& t : found) counts.rays += t.rays;
     cache_.learn(std::move(wanted));
-    parallel::for_each(found.size(), [&](std::size_t task) {
-        Traced& t = found[task];
-        for (const RayTerm& term : t.terms)
-            t.light[term.ray] += term.weight * cache_.radiance(cache_.index_of(term.place.key));
+    parallel::for_each(tasks.size(), [&](std::size_t task) {
+        std::vector<glm::vec3>& light = found[task].light;
+        for (const RayTerm& term : found[task].terms)
+            light[term.ray] += term.weight * cache_.radiance(cache_.index_of(term.place.key));
         std::size_t next = 0;
-        for (std::size_t k = task * together; k < std::min((task + 1) * together, asked.size()); ++k)
-            add_round(tiles, std::span(t.light).subspan(next, asked[k]->end - asked[k]->first), *asked[k]),
-                next += asked[k]->end - asked[k]->first;
+        for (Pixel& p : tasks[task])
+            for (const std::size_t samples = p.end - p.first; p.rounds < p.wanted; next += samples)
+                add_round(tiles, std::span(light).subspan(next, samples), p);
     });
 }
 
 void HairLight::add_round(std::span<const FibreTile> tiles, std::span<const glm::vec3> lights, Pixel& p) {
-    double sum = 0, squares = 0;
+    const bool is_first = p.rounds == 0 && p.wanted > 1, is_second = !p.first_lights.empty();
     for (std::uint32_t s = p.first; s < p.end; ++s) {
         const FibreSample& sample = tiles[p.tile][s];
         glm::vec3 light = sample.weight * lights[s - p.first];
         if (!core::is_finite(light)) light = glm::vec3(0);
         p.light += light;
         if (sample.specular) p.specular += light;
-        const auto y = static_cast<double>(core::luminance(light));
-        sum += y;
-        squares += y * y;
+        const float luminance = core::luminance(light);
+        if (is_first) p.first_lights.push_back(luminance);
+        if (!is_second) continue;
+        const auto first = static_cast<double>(p.first_lights[s - p.first]), now = static_cast<double>(luminance);
+        p.variance += 0.5 * (now - first) * (now - first);
+        p.squares += 0.25 * (now + first) * (now + first);
     }
-    if (p.rounds++ > 0) return;
-    const double n = p.end - p.first;
-    p.luminance = sum;
-    p.spread = n > 1 ? std::max(squares - sum * sum / n, 0.0) * n / (n - 1) : squares;
+    if (is_second) p.first_lights = {};
+    ++p.rounds;
 }
 
-/// How many rounds pixels want, by the spread of their tile: a pixel's own rays would tell it that they are enough
-/// where they happened to meet no light.
+/// How many rounds pixels want, by how rays of a sample vary in their tile: a pixel's own would tell it that they are
+/// enough where they happened to meet no light. What samples show differs as well, and no ray mends that.
 void HairLight::want_rounds(std::span<Pixel> tile, const core::ToleranceMap& tolerance,
                             const core::Plane<glm::vec3>& known, HairCounts& counts) {
-    double spread = 0, squares = 0;
+    double variance = 0, squares = 0, differ = 0;
     for (const Pixel& p : tile) {
-        spread += p.spread;
-        squares += p.luminance * p.luminance;
+        if (!p.tells()) continue;
+        const double n = p.end - p.first, even = p.luminance() * p.luminance() / n;
+        variance += p.variance;
+        squares += even;
+        if (n > 1) differ += (p.squares - even) * n / (n - 1) - 0.5 * p.variance;
     }
-    const double relative = core::divide_or(spread, squares, 0.0);
+    const double relative = core::divide_or(variance, squares, 1e9);
+    const double worth = core::divide_or(worth_rounds * variance, std::max(differ, 0.0), 1e9);
     for (Pixel& p : tile) {
         if (tolerance.is_reference()) {
             p.wanted = most_rounds;
@@ -151,16 +181,17 @@ void HairLight::want_rounds(std::span<Pixel> tile, const core::ToleranceMap& tol
         for (const Pixel& other : tile) {
             const glm::ivec2 apart = glm::abs(other.place - p.place);
             if (apart.x > 1 || apart.y > 1) continue;
-            near += other.luminance;
+            near += other.luminance();
             count += 1;
         }
         near /= count;
         const auto luminance = static_cast<float>(near) + core::luminance(known.at(p.place.x, p.place.y));
         const double allowed =
             static_cast<double>(tolerance.pixels.at(p.place.x, p.place.y).allows(luminance)) / standard_errors;
-        const double rounds = core::divide_or(relative * near * near, allowed * allowed, 1e9);
+        const double rounds = core::divide_or(relative * near * near / (p.end - p.first), allowed * allowed, 1e9);
         counts.capped += rounds > most_rounds ? 1 : 0;
-        p.wanted = static_cast<std::uint32_t>(std::clamp(std::ceil(rounds), 1.0, 1.0 * most_rounds));
+        p.wanted = static_cast<std::uint32_t>(
+            std::clamp(std::ceil(std::min(rounds, worth)), 1.0 * p.rounds, 1.0 * most_rounds));
     }
 }
 
@@ -183,15 +214,14 @@ std::vector<HairLight::Pixel> HairLight::light(std::span<const FibreTile> tiles,
         }
         ends.push_back(pixels.size());
     }
-    take_round(tiles, pixels, 0, counts);
+    for (Pixel& p : pixels) p.wanted = tolerance != nullptr && p.tells() ? 2 : 1;
+    take_rounds(tiles, pixels, counts);
     if (tolerance != nullptr)
         for (std::size_t t = 0; t < tiles.size(); ++t) {
             const std::size_t first = t == 0 ? 0 : ends[t - 1];
             want_rounds(std::span(pixels).subspan(first, ends[t] - first), *tolerance, known, counts);
         }
-    std::uint32_t most = 1;
-    for (const Pixel& p : pixels) most = std::max(most, p.wanted);
-    for (std::uint32_t round = 1; round < most; ++round) take_round(tiles, pixels, round, counts);
+    take_rounds(tiles, pixels, counts);
     counts.pixels += pixels.size();
     return pixels;
 }

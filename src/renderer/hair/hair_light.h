@@ -16,8 +16,8 @@ namespace render2mpeg::renderer {
 
 /// Light of fibres and below surfaces, at places where walks end. Every sample of the eye asks lamps by next events,
 /// and sends a ray by its fibre's scattering, whose end a cache on surfaces and among strands knows (surface_cache.h);
-/// again and again, until the standard error of its pixel is below its tolerance, as far as the tile's pixels together
-/// tell it. A function of the posed instant and of what is seen, for any number of threads.
+/// again and again, until the standard error of its pixel is below its tolerance or that of the eye samples, as far as
+/// the tile's pixels together tell it. A function of the posed instant and of what is seen, for any number of threads.
 class HairLight {
   public:
     HairLight(const PosedScene& posed_scene, const Plan& plan);
@@ -29,8 +29,8 @@ class HairLight {
     struct Pixel;
     struct Traced;
     void trace(const FibreSample& sample, std::uint64_t number, Traced& out) const;
-    void take_round(std::span<const FibreTile> tiles, std::vector<Pixel>& pixels, std::uint32_t round,
-                    HairCounts& counts);
+    void take_rounds(std::span<const FibreTile> tiles, std::span<Pixel> pixels, HairCounts& counts);
+    void trace_all(std::span<const FibreTile> tiles, std::span<const std::span<Pixel>> tasks, HairCounts& counts);
     static void add_round(std::span<const FibreTile> tiles, std::span<const glm::vec3> lights, Pixel& pixel);
     static void want_rounds(std::span<Pixel> tile, const core::ToleranceMap& tolerance,
                             const core::Plane<glm::vec3>& known, HairCounts& counts);

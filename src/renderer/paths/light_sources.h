@@ -27,6 +27,7 @@ class LightSources {
     LightSources(const PosedScene& posed_scene, const Plan& plan);
 
     bool has_lamps() const { return !lamps_.empty(); }
+    std::size_t lamp_count() const { return lamps_.size(); }
     bool has_surfaces() const { return !emitters_.empty(); }
     bool has_sky() const { return !sky_.empty(); }
 

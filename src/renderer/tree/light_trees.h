@@ -42,11 +42,6 @@ struct LightTrees {
                std::any_of(lamps.begin(), lamps.end(), [](const AreaLamp& lamp) { return lamp.sharp; });
     }
 
-    /// Whether no light is clustered.
-    bool empty() const {
-        return std::all_of(trees.begin(), trees.end(), [](const LightTree& tree) { return tree.empty(); });
-    }
-
     static bool is_direct(int tree) { return tree < direct_trees; }
     Bodies bodies_before(int tree) const { return is_direct(tree) ? bodies : Bodies::pass; }
     /// Directions whose lights have a size are the sky's: suns with one are area lamps.
