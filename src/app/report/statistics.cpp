@@ -175,11 +175,9 @@ json glare_of(const RenderJob& film) {
 json fog_of(const RenderJob& film) {
     const core::Fog& fog = film.animation->fog;
     if (!fog.shows()) return {};
-    return {{"visibility", fog.visibility},
-            {"color", {fog.color.x, fog.color.y, fog.color.z}},
-            {"anisotropy", fog.anisotropy},
-            {"height", fog.height},
-            {"falloff", fog.falloff}};
+    return {{"visibility", fog.visibility}, {"color", {fog.color.x, fog.color.y, fog.color.z}},
+            {"anisotropy", fog.anisotropy}, {"height", fog.height},
+            {"falloff", fog.falloff},       {"bounces", fog.bounces}};
 }
 
 }  // namespace

@@ -170,7 +170,7 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, float
     glm::vec3 passing(1), known(0);
     ChosenTerm chosen(index, core::uniform(number, 0, 0));
     const auto finished = [&] {
-        if (bounces_) chosen.put(terms);
+        if (bounces_ && rules.bounces) chosen.put(terms);
         return known;
     };
     float distance = 0;

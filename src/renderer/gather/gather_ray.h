@@ -54,6 +54,7 @@ struct RayRules {
     float brightest = 0;  ///< luminance that the sky shows at most
     const AskedLights* asked =
         nullptr;           ///< set: emitters are seen, in mirrors too; null: surfaces shine not, mirrors are black
+    bool bounces = true;   ///< surfaces send what they bounce
     bool is_lobe = false;  ///< of a narrow lobe: it is mirrored on and sees unlit surfaces
     float spread = cell_spread;  ///< size of cells over the ray's length
     /// Solid bodies of glass pass what surfaces bounce: caustics have light of lamps and sky.
