@@ -95,7 +95,7 @@ def sun_light(studio, node):
         return None
     shines = TO_FILM[:3, :3] @ np.array((-towards).to_track_quat("-Z", "Y").to_matrix())
     from mathutils import Matrix
-    return {"name": "Sun of the sky", "kind": "sun", "angle": json_number(math.degrees(2 * half)), "intensity": json_number(peak),
+    return {"name": "Sun of the sky", "kind": "sun", "seen": True, "angle": json_number(math.degrees(2 * half)), "intensity": json_number(peak),
             "color": [json_number(c / peak) for c in light],
             "rotate": [json_number(a) for a in turns(Matrix(shines.tolist()))]}
 
