@@ -495,25 +495,5 @@ TEST(Caustics, AreNotThereWithoutLight) {
     EXPECT_EQ(counts.followed.photons, 0u);
 }
 
-/// Flux of a white sky through a ball of glass onto a square metre beside it; `wide`: how far away something else lies.
-double flux_of_sky(float wide) {
-    SceneBuilder b;
-    b.add_quad({1.1f, 0, 0.5f}, {1, 0, 0}, {0, 0, -1}, b.add_material({1, 1, 1}));
-    b.add_sphere({0, 1, 0}, 1, add_glass(b), 32);
-    if (wide > 0) b.add_quad({wide, 0, 0}, {1, 0, 0}, {0, 0, -1}, b.add_material(glm::vec3(0)));
-    b.film().sky.color = {1, 1, 1};
-    add_high_camera(b, {1.6f, 0, 0}, 0.5f);
-    Stage stage(b, 32, 32);
-    return caustics_of(stage, 1u << 16).flux(1.0 / (32 * 32));
-}
-
-TEST(Caustics, OfASkyStayBesideTheirThingHoweverWideTheSceneIs) {
-    // Its parts are a quarter radian wide here, and kernels wider in wide scenes: a third falls beside the floor.
-    const double narrow = flux_of_sky(0);
-    EXPECT_GT(narrow, 0.3);
-    EXPECT_GT(flux_of_sky(1000), 0.6 * narrow);
-    EXPECT_LT(flux_of_sky(1000), narrow);
-}
-
 }  // namespace
 }  // namespace render2mpeg::test

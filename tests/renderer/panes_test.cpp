@@ -167,5 +167,20 @@ TEST(SolidGlass, PassesWhatSurfacesBounceWhereCausticsHaveLightOfLamps) {
     EXPECT_NEAR(light(true, true) / passing, 1.0, 0.03);
 }
 
+TEST(SolidGlass, PassesTheSkyHoweverWideTheSceneIs) {
+    // A thick plate a metre above what is seen, on a floor of this half width.
+    const auto light = [](float half, bool glass) {
+        SceneBuilder b;
+        b.add_quad({-half, 0, half}, {2 * half, 0, 0}, {0, 0, -2 * half}, b.add_material(glm::vec3(0.1f)));
+        b.film().sky.color = glm::vec3(1);
+        if (glass) b.add_box({-1.5f, 1, -1.5f}, {1.5f, 1.8f, 1.5f}, add_glass(b));
+        b.add_camera({0, 0.5f, 0.01f}, {0, 0, 0}, 0.5f);
+        return lit(b);
+    };
+    const double narrow = light(2, true);
+    EXPECT_GT(narrow, 0.85 * light(2, false));
+    EXPECT_NEAR(light(200, true) / narrow, 1.0, 0.03);
+}
+
 }  // namespace
 }  // namespace render2mpeg::test

@@ -196,14 +196,17 @@ renderer::Statistics sum_of(const renderer::Statistics& earlier, const renderer:
 
 }  // namespace
 
+double waited_seconds() {
+    rusage ended{};
+    getrusage(RUSAGE_CHILDREN, &ended);
+    return static_cast<double>(ended.ru_utime.tv_sec + ended.ru_stime.tv_sec) +
+           1e-6 * static_cast<double>(ended.ru_utime.tv_usec + ended.ru_stime.tv_usec);
+}
+
 double cpu_seconds() {
     timespec t{};
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    rusage ended{};
-    getrusage(RUSAGE_CHILDREN, &ended);
-    return static_cast<double>(t.tv_sec + ended.ru_utime.tv_sec + ended.ru_stime.tv_sec) +
-           1e-9 * static_cast<double>(t.tv_nsec) +
-           1e-6 * static_cast<double>(ended.ru_utime.tv_usec + ended.ru_stime.tv_usec);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec) + waited_seconds();
 }
 
 double clock_seconds() {

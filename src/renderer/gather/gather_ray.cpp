@@ -73,6 +73,25 @@ class ChosenTerm {
     float number_, sum_ = 0;
 };
 
+/// Turns a ray of this weight straight on or mirrored, as likely as either is; false: it ends, as most do where little
+/// goes on.
+bool go_on(const PosedScene& scene, const SurfacePoint& p, float choice, glm::vec3& direction, glm::vec3& weight,
+           bool& mirrored) {
+    const glm::vec3 ahead = weight * scene.transmittance_at(p.address, direction),
+                    back = weight * p.alpha * mirrored_beside_straight(scene, p);
+    const float going = core::luminance(ahead + back);
+    const float chance = std::min(often * core::divide_or(going, core::luminance(weight), 0.0f), 1.0f);
+    if (!(going > least_passing) || !(choice < chance)) return false;
+    const float share_back = core::luminance(back) / going;
+    const bool turns = choice < chance * share_back;
+    weight = (turns ? back / share_back : ahead / (1.0f - share_back)) / chance;
+    if (turns)
+        direction = core::normalize_or(2.0f * glm::dot(p.shading_normal, p.outgoing) * p.shading_normal - p.outgoing,
+                                       p.geometric_normal);
+    mirrored = mirrored || turns;
+    return true;
+}
+
 }  // namespace
 
 GatherRays::GatherRays(const PosedScene& posed_scene, const Plan& plan)
@@ -215,21 +234,8 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, float
         if (p.bsdf.has_diffuse() || p.bsdf.has_glossy() || p.bsdf.has_diffuse_transmission() || p.fibre)
             chosen.offer(shown, place);
         behind_body = behind_body || (rules.bodies_block && bends_light(posed_scene_, p));
-        // Go on straight or mirrored, as likely as either is, and seldom where little goes on.
-        const glm::vec3 ahead = passing * posed_scene_.transmittance_at(hit.address, ray.direction),
-                        back = shown * mirrored_beside_straight(posed_scene_, p);
-        const float going = core::luminance(ahead + back), most = core::luminance(passing);
-        const float chance = std::min(often * core::divide_or(going, most, 0.0f), 1.0f);
         const float choice = core::uniform(number, 1, static_cast<std::uint64_t>(step));
-        if (!(going > least_passing) || !(choice < chance)) break;
-        const float share_back = core::luminance(back) / going;
-        const bool turns = choice < chance * share_back;
-        passing = (turns ? back / share_back : ahead / (1.0f - share_back)) / chance;
-        if (turns) {
-            ray.direction = core::normalize_or(
-                2.0f * glm::dot(p.shading_normal, p.outgoing) * p.shading_normal - p.outgoing, p.geometric_normal);
-            mirrored = true;
-        }
+        if (!go_on(posed_scene_, p, choice, ray.direction, passing, mirrored)) break;
         ray.origin = offset_origin(p, ray.direction);
     }
     return finished();
