@@ -165,8 +165,9 @@ float GatherRays::fibre_cell(std::uint32_t object) const {
 glm::vec3 GatherRays::escaped(glm::vec3 direction, const RayRules& rules, bool mirrored, float solid_angle) const {
     glm::vec3 sky(0);
     if (sky_light_) sky = posed_scene_.sky()->radiance_of_ray(direction, solid_angle);
-    sky *= std::min(core::divide_or(rules.brightest, core::luminance(sky), 1.0f), 1.0f);
     const AskedLights* asked = rules.asked;
+    const float most = asked != nullptr && mirrored ? brightest_of_rays(posed_scene_.sky()) : rules.brightest;
+    sky *= std::min(core::divide_or(most, core::luminance(sky), 1.0f), 1.0f);
     if (asked == nullptr || mirrored) return sky;
     sky *= asked->share(asked->lights.sky_density(direction));
     return sky + asked->lights.suns(asked->query, direction, [&](float other) { return asked->share(other); });
@@ -224,9 +225,9 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, float
 
         // Look at what passes or mirrors.
         const SurfacePoint p = posed_scene_.surface_at(hit.address, -ray.direction);
-        if (asked != nullptr && shines_[material])
-            known += passing * p.emission *
-                     (mirrored ? 1.0f : asked->share(asked->lights.surface_density(asked->query, hit.address)));
+        // Lamps in mirrors would be found by one ray in thousands.
+        if (asked != nullptr && shines_[material] && !mirrored)
+            known += passing * p.emission * asked->share(asked->lights.surface_density(asked->query, hit.address));
         if (asked == nullptr && sky_in_panes_ > 0.0f && !behind_body && !mirrored)
             known += passing * sky_in_pane(p, solid_angle, rays);
         const glm::vec3 shown = passing * p.alpha;
