@@ -339,6 +339,7 @@ def export(path, folder, texture_size):
         if thing.type == "MESH" and (scene in thing.users_scene or not thing.users_scene):
             bakes.prepare(thing)
     world.write(scene, film, folder, lost)
+    far = world.hides_what_is_far(scene, film)
     window = bpy.context.window_manager.windows[0]
     window.scene = scene
 
@@ -354,7 +355,8 @@ def export(path, folder, texture_size):
     window.scene = scene
     reflections.write(film, write_nodes(glb, walk, materials, times, film, lost))
     cameras.write(film)
-    lights = [lamps.described(thing, times, lost) for thing in walk.things.values() if thing.kind == "LIGHT"]
+    lights = [lamps.described(thing, times, lost) for thing in walk.things.values()
+              if thing.kind == "LIGHT" and not (far and thing.light.type == "SUN")]
     if any(lights):
         film["lights"] = film.get("lights", []) + [light for light in lights if light]
     strengths.write(film, times)

@@ -2,7 +2,8 @@
 
 Measured with Cycles of Blender 3.4, with P the power in W and A the area: a point of radius r has the radiant intensity
 P / (4 pi), as a sphere the radiance P / (4 pi^2 r^2); a spot has a point's intensity times the cosine to its axis; an
-area lamp has the radiance P / (4 A); a sun of half angle s has the irradiance E (1 + cos s) / 2. Cameras see no lamp.
+area lamp has the radiance P / (4 A); a sun of half angle s has the irradiance E (1 + cos s) / 2. Cameras see no lamp,
+mirrors and glass those that Cycles samples by rays as well.
 """
 import math
 
@@ -29,7 +30,7 @@ def area_of(light, scale):
     return max(x, 1e-4), max(y, 1e-4)
 
 
-def spot_keys(light, says, lost, name):
+def spot_keys(light, seen, says, lost, name):
     """Cycles' edge is a smooth step in the cosine, and before Blender 4 it dims by the cosine to the axis, too. The film's
     own edge is the square of a line: with three quarters of the width both cut off the same light."""
     old = bpy.app.version < (4, 0, 0)
@@ -40,27 +41,40 @@ def spot_keys(light, says, lost, name):
         says["falloff"] = "blender-3"
     says["angle"] = json_number(2 * math.degrees(half))
     says["softness"] = json_number(1 - math.acos(min(1.0, inner)) / half)
+    if light.shadow_soft_size >= 1e-3 and seen:
+        says["radius"] = json_number(light.shadow_soft_size)
     if light.shadow_soft_size > 0.01:
         lost.add(name, f"soft size of a spot ({light.shadow_soft_size:.3g} m); its shadows are sharp")
 
 
+def seen_by_mirrors(thing, lost):
+    """Whether rays of mirrors and glass meet it."""
+    eyes = {name: getattr(thing.original, "visible_" + name, True) for name in ("diffuse", "glossy", "transmission", "volume_scatter")}
+    if len(set(eyes.values())) > 1:
+        lost.add(thing.name, "ray visibility of a lamp that is not the same for all rays; it lights all")
+    # Blender before 4.3 asks Cycles' own settings.
+    return eyes["glossy"] and getattr(getattr(thing.light, "cycles", None), "use_multiple_importance_sampling", True)
+
+
 def strength_keys(thing, light, scale, says, lost):
     """Fills in kind and size; returns intensity per watt."""
+    seen = seen_by_mirrors(thing, lost)
     if light.type == "SUN":
         says["kind"] = "sun"
         if light.angle > 0:
             says["angle"] = json_number(math.degrees(min(light.angle, math.pi)))
+            says.update({"seen": "mirrors"} if seen else {})
         return (1 + math.cos(light.angle / 2)) / 2
     if light.type == "SPOT":
         says["kind"] = "spot"
-        spot_keys(light, says, lost, thing.name)
+        spot_keys(light, seen, says, lost, thing.name)
         return 1 / (4 * math.pi)
     if light.type == "POINT":
         radius = light.shadow_soft_size
         if radius < 1e-3:
             says["kind"] = "point"
             return 1 / (4 * math.pi)
-        says.update(kind="sphere", radius=json_number(radius), seen=False)
+        says.update(kind="sphere", radius=json_number(radius), seen="mirrors" if seen else False)
         return 1 / (4 * math.pi**2 * radius**2)
     x, y = area_of(light, scale)
     area = x * y
@@ -69,7 +83,7 @@ def strength_keys(thing, light, scale, says, lost):
         says["round"] = True
     if light.spread < math.radians(179):
         lost.add(thing.name, f"spread of an area lamp ({math.degrees(light.spread):.3g} degrees); it shines to all sides of its front")
-    says.update(kind="panel", size=[json_number(x), json_number(y)], seen=False)
+    says.update(kind="panel", size=[json_number(x), json_number(y)], seen="mirrors" if seen else False)
     return 1 / (4 * area)
 
 

@@ -59,7 +59,7 @@ class Thing:
         self.matrices = [None] * before
         self.shape = None  # its key in Walk.shapes
         self.values = []   # lights: (colour, energy, sizes) per frame where it is there
-        self.light = None
+        self.original = self.light = None
 
 
 class ShapeOverTime:
@@ -217,7 +217,7 @@ class Walk:
         seen = self.things.get(key)
         if seen is None:
             seen = self.things[key] = Thing(name, thing.type, number)
-            seen.shape, seen.light = shape, original.data if thing.type == "LIGHT" else None
+            seen.shape, seen.original, seen.light = shape, original, original.data if thing.type == "LIGHT" else None
         seen.matrices.append(np.array(instance.matrix_world, dtype=float))
         if thing.type == "LIGHT":
             seen.values.append((tuple(thing.data.color), float(thing.data.energy), sizes_of(thing.data)))

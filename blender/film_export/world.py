@@ -95,7 +95,7 @@ def sun_light(studio, node):
         return None
     shines = TO_FILM[:3, :3] @ np.array((-towards).to_track_quat("-Z", "Y").to_matrix())
     from mathutils import Matrix
-    return {"name": "Sun of the sky", "kind": "sun", "angle": json_number(math.degrees(2 * half)), "intensity": json_number(peak),
+    return {"name": "Sun of the sky", "kind": "sun", "seen": True, "angle": json_number(math.degrees(2 * half)), "intensity": json_number(peak),
             "color": [json_number(c / peak) for c in light],
             "rotate": [json_number(a) for a in turns(Matrix(shines.tolist()))]}
 
@@ -129,6 +129,11 @@ def fog_of(node):
             "anisotropy": json_number(anisotropy)}
 
 
+def hides_what_is_far(scene, film):
+    """Cycles' air has no end: no light of the sky or of a sun comes through."""
+    return scene.render.engine == "CYCLES" and film.get("fog", "off") != "off"
+
+
 def write(scene, film, folder, lost):
     """Fills in the film's sky, and its sun among the lights."""
     world = scene.world
@@ -146,7 +151,10 @@ def write(scene, film, folder, lost):
         if fog is None:
             lost.add(world, "volume of the world")
         else:
-            film["fog"] = fog
+            film["fog"] = fog if scene.cycles.volume_bounces > 0 or fog == "off" else {**fog, "bounces": False}
+            if hides_what_is_far(scene, film):
+                film["sky"] = 0
+                return
     source = incoming(end.inputs["Surface"]) if end is not None else None
     if source is None:
         film["sky"] = 0

@@ -18,6 +18,8 @@ struct Fog {
     float height = 0;      ///< y at which `visibility` holds, if the fog thins out
     float falloff = 0;     ///< scale height: density falls to 1 / e over this height, scene units; 0: homogeneous
 
+    bool bounces = true;  ///< light that surfaces bounce lights it as well
+
     bool shows() const { return visibility > 0; }
     bool operator==(const Fog&) const = default;
 };

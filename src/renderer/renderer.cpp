@@ -380,9 +380,18 @@ auto Renderer::Impl::audited(const scene::Snapshot& snapshot, const Lit& lit, co
 std::vector<AuditedPixel> Renderer::audit(const scene::Snapshot& snapshot, const Lit& lit,
                                           const core::ToleranceMap& tolerance, int count) {
     if (count <= 0) return {};
+    std::vector<glm::ivec2> places;
+    for (const LitPixel& p : drawn_with_blocks(lit_pixels(lit.frame), static_cast<std::size_t>(count), lit.frame))
+        places.push_back(place_of(lit.frame, p));
+    return audit(snapshot, lit, tolerance, places);
+}
+
+std::vector<AuditedPixel> Renderer::audit(const scene::Snapshot& snapshot, const Lit& lit,
+                                          const core::ToleranceMap& tolerance, std::span<const glm::ivec2> places) {
     return impl_->audited(snapshot, lit, tolerance, [&](const AuditedFrame& frame) {
-        const std::vector<LitPixel> pixels =
-            drawn_with_blocks(lit_pixels(lit.frame), static_cast<std::size_t>(count), lit.frame);
+        std::vector<LitPixel> pixels;
+        for (const glm::ivec2 place : places)
+            if (const LitPixel p = pixel_at(lit.frame, place); p.first < p.last) pixels.push_back(p);
         return compare(lit.frame, pixels, exact_pixels(frame, pixels), frame.context.tolerance, frame.radiance);
     });
 }

@@ -98,6 +98,10 @@ class Renderer {
     std::vector<AuditedPixel> audit(const scene::Snapshot& snapshot, const Lit& lit,
                                     const core::ToleranceMap& tolerance, int count);
 
+    /// The same of pixels at these places, as far as they gather anything.
+    std::vector<AuditedPixel> audit(const scene::Snapshot& snapshot, const Lit& lit,
+                                    const core::ToleranceMap& tolerance, std::span<const glm::ivec2> places);
+
     /// Holds audited pixels of the frame lit last against the truth, by paths (pixel_truth.h). Counts nowhere in the
     /// statistics. `finely`: how well the truth is found.
     std::vector<ValidatedPixel> validate(const scene::Snapshot& snapshot, const Lit& lit,

@@ -1,7 +1,7 @@
 """blender -b --factory-startup -noaudio --python-exit-code 1 -P make_surfaces.py -- FOLDER NAME...
 
 Writes FOLDER/NAME.blend: `chart`, `room_KIND_GREY` (a closed room of KIND diffuse or of a Principled specular, of that
-reflectance in hundredths), `furnished`, `outdoors`. What surfaces reflect is what they are about.
+reflectance in hundredths), `furnished`, `outdoors`, `mirrors`, `foggy`. What surfaces reflect is what they are about.
 """
 import math
 import os
@@ -156,6 +156,38 @@ def outdoors():
     add_camera((0.6, -5, 1.5), (0, 0, 1.0), lens=40)
 
 
+def mirrors():
+    """Balls of a mirror, of glass and of black paint under a clear coat, and nothing else but lamps of all kinds."""
+    start_of_all_light()
+    world_of((0, 0, 0))
+    black = shader_of("paint", "BsdfPrincipled", (0, 0, 0), specular=0.0, clearcoat=1.0, clearcoat_roughness=0.03)
+    glass = shader_of("glass", "BsdfPrincipled", (1, 1, 1), transmission=1.0, roughness=0.0)
+    for x, made in ((-1.1, add_material("mirror", (0.8, 0.8, 0.8), metallic=1.0, roughness=0.0)), (0, black), (1.1, glass)):
+        add_primitive("uv_sphere", made, smooth=True, radius=0.5, location=(x, 0, 0), segments=96, ring_count=48)
+    add_lamp("AREA", (-3, -4, 4), shape="SQUARE", size=2, energy=900)
+    add_lamp("SPOT", (2, -5, 3), energy=700, shadow_soft_size=0.5, spot_size=math.radians(50), spot_blend=0.3)
+    add_lamp("POINT", (0, 3, 3), energy=500, shadow_soft_size=0.6)
+    add_lamp("SUN", (0, -5, -1), (0, 0, 0), energy=1, angle=0.3)
+    # Mirrors alone show it: no ray of theirs may meet this one.
+    hidden = add_lamp("AREA", (4, -3, 0), shape="DISK", size=2, energy=900)
+    hidden.visible_diffuse = hidden.visible_glossy = hidden.visible_transmission = hidden.visible_volume_scatter = False
+    add_camera((0, -8, 0.6), (0, 0, 0), lens=70)
+
+
+def foggy():
+    """A street lamp over a road, in an even volume that hides sky and sun."""
+    start_of_all_light()
+    world = world_of((0.3, 0.3, 0.3))
+    nodes = world.node_tree.nodes
+    fog = nodes.new("ShaderNodeVolumeScatter")
+    fog.inputs["Density"].default_value, fog.inputs["Anisotropy"].default_value = 0.05, 0.3
+    world.node_tree.links.new(fog.outputs[0], nodes["World Output"].inputs["Volume"])
+    add_primitive("plane", add_matt("road", (0.4, 0.4, 0.4)), size=40, location=(0, 10, 0))
+    add_lamp("SPOT", (0, 4, 5), (0, 4.001, 0), energy=2000, shadow_soft_size=0, spot_size=math.radians(100), spot_blend=0.4)
+    add_lamp("SUN", (0, 0, 9), (0, 0, 0), energy=1)
+    add_camera((0, -6, 2), (0, 4, 2))
+
+
 def lost_nodes():
     """A thing for each node that is not kept as it is: kept.py has them; and bodies of coloured glass that modifiers turn."""
     start(1)
@@ -203,7 +235,7 @@ def main():
     folder, *names = sys.argv[sys.argv.index("--") + 1:]
     for name in names:
         what, *parts = [name] if name == "lost_nodes" else name.split("_")
-        {"lost_nodes": lost_nodes, "chart": chart, "furnished": furnished, "outdoors": outdoors, "room": lambda: room(parts[0], int(parts[1]) / 100)}[what]()
+        {"lost_nodes": lost_nodes, "chart": chart, "furnished": furnished, "outdoors": outdoors, "mirrors": mirrors, "foggy": foggy, "room": lambda: room(parts[0], int(parts[1]) / 100)}[what]()
         bpy.ops.wm.save_as_mainfile(filepath=os.path.join(os.path.abspath(folder), name + ".blend"), check_existing=False)
 
 

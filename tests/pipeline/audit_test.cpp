@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -138,6 +139,62 @@ TEST(Audit, OfWholeBlocksTellsTheErrorOfTheirMeans) {
     written.audit.errors.add(1);
     restore(read, json_of(written));
     EXPECT_EQ(read.audit.split.block_rms(total), split.block_rms(total));
+}
+
+TEST(Audit, TellsHowErrorsOfPointsChangeFromFrameToFrame) {
+    const auto luma = [](glm::vec3 light) { return 20.0 * static_cast<double>(light.y); };
+    // Errors of 2 and 5 code values against a truth whose halves are 0.5 off it, up and down; light points have none.
+    const auto errors = [&](float shown) {
+        renderer::ValidatedPixel p;
+        p.shown = glm::vec3(shown);
+        p.at_points = glm::vec3(1);
+        p.truth.at_points.halves = p.truth.whole.halves = {glm::dvec3(1.025), glm::dvec3(0.975)};
+        return renderer::code_errors(p, luma);
+    };
+    RunStatistics written, read;
+    renderer::ErrorSplit& split = written.audit.split;
+    split.add_change(errors(1.1f), errors(1.25f));
+    split.add_change(errors(1.1f), errors(1.1f));
+    const auto total = renderer::ErrorCause::total;
+    EXPECT_NEAR(split.flicker(total), std::sqrt(9.0 / 2), 1e-5);
+    EXPECT_NEAR(split.flicker(renderer::ErrorCause::gathering), std::sqrt(9.0 / 2), 1e-5);
+    EXPECT_EQ(split.flicker(renderer::ErrorCause::light_points), 0.0);
+    written.audit.errors.add(1);
+    restore(read, json_of(written));
+    read.audit.split.add(split);
+    EXPECT_EQ(read.audit.split.sums().followed, 4u);
+    EXPECT_NEAR(read.audit.split.flicker(total), std::sqrt(9.0 / 2), 1e-5);
+}
+
+/// A room whose camera moves by these metres a frame, seven pixels to each; three frames.
+nlohmann::json truth_of_pan(double step) {
+    const support::Folder folder;
+    std::ofstream(folder / "pan.json") << R"({ "frames": 3, "frame_rate": 25, "size": [48, 32], "exposure": 0,
+        "camera": { "keys": [{ "at": 0, "position": [0, 1, 4], "look_at": [0, 1, 0] },
+                             { "at": 0.08, "position": [)"
+                                       << 2 * step << R"(, 1, 4], "look_at": [)" << 2 * step <<
+        R"(, 1, 0] }], "interpolation": "linear" },
+        "objects": [{ "shape": "quad", "size": [20, 20], "position": [0, 1, 0] },
+                    { "shape": "box", "size": [1, 0.5, 0.5], "position": [0, 0.5, 0.5] }],
+        "lights": [{ "kind": "panel", "size": 1, "position": [1, 3, 3], "look_at": [0, 1, 0], "intensity": 20 }] })";
+    const std::string stats = (folder / "s.json").string();
+    const support::Outcome outcome =
+        support::run(support::program() + " render -y --hold " + (folder / "pan.json").string() +
+                     " --tolerance fixed=4% --audit 128 -o " + (folder / "a.mpg").string() + " --stats " + stats);
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_NE(outcome.output.find("flicker"), std::string::npos) << outcome.output;
+    return nlohmann::json::parse(support::contents(stats)).at("audit").at("truth");
+}
+
+TEST(Audit, FollowsPointsAlongMotionSlow) {
+    // A quarter of the pixels of two frames; some leave the picture, or lie between two places.
+    for (const double step : {0.0, 0.1}) {
+        const nlohmann::json truth = truth_of_pan(step);
+        EXPECT_LE(truth.at("followed"), 64);
+        EXPECT_GE(truth.at("followed"), step > 0 ? 40 : 60);
+        const double flicker = truth.at("total").at("flicker_rms");
+        EXPECT_LE(flicker, 1.5 * truth.at("total").at("code_value_rms").get<double>() + 0.5);
+    }
 }
 
 TEST(Audit, OfNoPixelsIsOfNoError) {

@@ -76,6 +76,22 @@ TEST(BlendFileSlow, ThatIsBrokenIsRefusedInALine) {
     }
 }
 
+TEST(BlendFileSlow, CountsItsExportAsLoading) {
+    NEEDS_BLENDER();
+    const Folder folder;
+    make(folder, "instances");
+    const auto seconds = [&] {
+        const Outcome said =
+            run(program() + " render -y --hold --quiet --frames 0:0 --size 16x16 --stats " + path(folder, "s.json") +
+                " -o " + path(folder, "a.%04d.png") + " " + path(folder, "instances.blend"));
+        EXPECT_EQ(said.status, 0) << said.output;
+        return nlohmann::json::parse(contents(folder / "s.json")).at("seconds");
+    };
+    const nlohmann::json first = seconds(), again = seconds();
+    EXPECT_GT(first.at("load").get<double>(), again.at("load").get<double>() + 0.3);
+    EXPECT_LE(first.at("load").get<double>(), first.at("cpu").get<double>());
+}
+
 TEST(BlendFileSlow, ExecutesNothingThatItHolds) {
     NEEDS_BLENDER();
     const Folder folder;

@@ -44,8 +44,9 @@ TruthCase white_room_in_a_mirror() {
     c.scene.add_quad({1.2f, 0.3f, 0.3f}, {1.6f, 0, 0}, {0, 1.8f, 0}, mirror);
     c.scene.film().cameras.clear();
     c.scene.add_camera({2, 1.5f, 3.2f}, {2, 1.2f, 0.3f}, 0.35f);
-    // Light that it throws into the room again is a caustic, but where it was scattered before.
-    c.allowed = {0.02, 0.04};
+    // Light that it throws into the room again is a caustic, but where it was scattered before: that is 4 % here, which
+    // light points lack, since no shadow ray goes by a mirror.
+    c.allowed = {0.045, 0.07};
     return c;
 }
 

@@ -112,6 +112,9 @@ class PathTracer::Path {
         return scatterings_ - 1 >= settings_.least_bounces && scatterings_ - 1 <= settings_.bounces;
     }
 
+    /// Whether the first surface that scatters is not to see lamps and the sky by mirrors and bodies.
+    bool lacks_caustics() const { return scatterings_ == 1 && !settings_.caustics; }
+
     void meet_sky() {
         if (!counts()) return;
         light_ += throughput_ * t_.lamps_.sky(direction_);
@@ -141,11 +144,10 @@ class PathTracer::Path {
         if (!(all > 0)) return false;
         const double u = random_.one() * all;
         if (u < mirrored) {
-            if (scatterings_ == 1 && !settings_.caustics) return false;
             throughput_ *= f.mirror * (all / mirrored);
             direction_ = glm::normalize(2 * cosine * s.normal - s.outgoing);
             origin_ = s.origin(direction_);
-            connected_ = false;
+            connected_ = lacks_caustics();
             return glm::dot(direction_, s.front) > 0;
         }
         if (u < mirrored + passed) {
@@ -175,7 +177,6 @@ class PathTracer::Path {
 
     /// At a boundary of glass, chooses by Fresnel's equations whether light was mirrored or bent.
     bool bend(const Surface& s) {
-        if (scatterings_ == 1 && !settings_.caustics) return false;
         std::vector<Inside> beyond = inside_;
         if (s.from_behind)
             std::erase_if(beyond, [&](const Inside& i) { return i.object == s.object; });
@@ -186,7 +187,7 @@ class PathTracer::Path {
         const double c2 = std::sqrt(std::max(0.0, 1 - sine2));
         const double rs = (n1 * c1 - n2 * c2) / (n1 * c1 + n2 * c2), rp = (n2 * c1 - n1 * c2) / (n2 * c1 + n1 * c2);
         const double reflected = sine2 >= 1 ? 1.0 : 0.5 * (rs * rs + rp * rp);
-        connected_ = false;
+        connected_ = lacks_caustics();
         if (random_.one() < reflected) {
             direction_ = glm::normalize(2 * c1 * s.normal - s.outgoing);
             origin_ = s.origin(direction_);

@@ -249,5 +249,30 @@ TEST(Airlight, OfASpotIsThatOfItsCone) {
     EXPECT_NEAR(empty.scattered(air_of(fog), lamp, glm::vec3(0), {0, 0, -1}, 9), wanted, 0.02 * wanted);
 }
 
+/// Light of fog before a black wall, over a floor of this grey that a lamp lights.
+float fog_over_floor(float grey, bool bounces, Indirect indirect) {
+    SceneBuilder b;
+    b.add_quad({-8, -2, -4}, {16, 0, 0}, {0, 16, 0}, b.add_material(glm::vec3(0)));
+    b.add_quad({-8, -2, 8}, {16, 0, 0}, {0, 0, -12}, b.add_material(glm::vec3(grey)));
+    b.add_point_light({0, -1, -2}, 20);
+    b.add_camera({0, 1, 4}, {0, 1.5f, 0}, 0.3f);
+    b.film().sky.color = glm::vec3(0.01f);
+    b.film().fog.visibility = 20;
+    b.film().fog.bounces = bounces;
+    Settings settings = test::small_frame();
+    settings.indirect = indirect;
+    test::FilmStage stage(b, settings);
+    return stage.cut(0.01f).combined.at(12, 12).x;
+}
+
+TEST(Airlight, OfBouncedLightIsThereUnlessTheFogIsLitDirectlyAlone) {
+    for (const Indirect indirect : {Indirect::rays, Indirect::lightcuts}) {
+        const float direct = fog_over_floor(0, false, indirect);
+        EXPECT_GT(direct, 0.01f);
+        EXPECT_NEAR(fog_over_floor(0.9f, false, indirect), direct, 1e-4f * direct);
+        EXPECT_GT(fog_over_floor(0.9f, true, indirect), 1.1f * direct);
+    }
+}
+
 }  // namespace
 }  // namespace render2mpeg::renderer

@@ -12,13 +12,16 @@
 namespace render2mpeg::test {
 namespace {
 
-/// A floor of albedo 0.5, seen from above through nothing that is added later.
-SceneBuilder floor_below() {
+/// A floor, seen from above through nothing that is added later.
+SceneBuilder floor_below(float albedo = 0.5f) {
     SceneBuilder b;
-    b.add_quad({-60, 0, 60}, {120, 0, 0}, {0, 0, -120}, b.add_material(glm::vec3(0.5f)));
+    b.add_quad({-60, 0, 60}, {120, 0, 0}, {0, 0, -120}, b.add_material(glm::vec3(albedo)));
     b.add_camera({0.3f, 0.5f, 0.01f}, {0.3f, 0, 0}, 0.5f);
     return b;
 }
+
+/// Of a floor so dark that what glass mirrors of it is nothing.
+constexpr float dark = 0.01f;
 
 /// As films are lit by default.
 renderer::Settings by_rays() {
@@ -53,7 +56,7 @@ void add_lid(SceneBuilder& b, float green_left = 1) {
 
 TEST(Panes, PassALampsLightAsBothFacesAndAllReflectionsBetweenThemLetIt) {
     const auto scene = [](bool pane) {
-        SceneBuilder b = floor_below();
+        SceneBuilder b = floor_below(dark);
         b.add_quad({-0.5f, 20, -0.5f}, {1, 0, 0}, {0, 0, 1}, b.add_emitter(glm::vec3(300)));
         if (pane) add_lid(b);
         return b;
@@ -64,7 +67,7 @@ TEST(Panes, PassALampsLightAsBothFacesAndAllReflectionsBetweenThemLetIt) {
 
 TEST(Panes, TakeWhatTheirGlassAbsorbs) {
     const auto green = [](float left) {
-        SceneBuilder b = floor_below();
+        SceneBuilder b = floor_below(dark);
         b.add_sun({0, -1, 0}, 1);
         add_lid(b, left);
         FilmStage stage(b, by_rays(), true);
@@ -75,7 +78,7 @@ TEST(Panes, TakeWhatTheirGlassAbsorbs) {
 }
 
 TEST(Panes, PassTheSkyToGatherRays) {
-    SceneBuilder b = floor_below();
+    SceneBuilder b = floor_below(dark);
     b.film().sky.color = glm::vec3(1);
     add_lid(b);
     double passes = 0;
@@ -86,7 +89,7 @@ TEST(Panes, PassTheSkyToGatherRays) {
         passes += (1 - r) / (1 + r) / n;
     }
     // At the horizon the pane ends.
-    EXPECT_NEAR(lit(b), 0.5 * passes, 0.005 * passes);
+    EXPECT_NEAR(lit(b), dark * passes, 0.01 * dark * passes);
 }
 
 /// A pane that stands beside what the camera sees, under an even sky; `moves`: it comes there in a second.
@@ -101,6 +104,23 @@ SceneBuilder beside_a_window(bool thin, bool moves) {
     const int pane = b.add_object(b.add_mesh(mesh), glass, at);
     if (moves) b.move_object(pane, {at, {0, 0, 0}});
     return b;
+}
+
+TEST(Panes, MirrorTheFloorBackToIt) {
+    // E = E0 / (1 - albedo R), with R what both faces mirror of even light.
+    double lets = 0, mirrors = 0;
+    constexpr int n = 1000;
+    for (int i = 0; i < n; ++i) {
+        const double cosine = std::sqrt((i + 0.5) / n);
+        const double r = static_cast<double>(renderer::dielectric_reflectance(static_cast<float>(cosine), 1.5f));
+        lets += (1 - r) / (1 + r) / n;
+        mirrors += 2 * r / (1 + r) / n;
+    }
+    SceneBuilder b = floor_below(0.8f);
+    b.film().sky.color = glm::vec3(1);
+    add_lid(b);
+    const double expected = 0.8 * lets / (1 - 0.8 * mirrors);
+    EXPECT_NEAR(lit(b), expected, 0.01 * expected);
 }
 
 TEST(Panes, InAFurnaceAreNotSeen) {
@@ -145,6 +165,21 @@ TEST(SolidGlass, PassesWhatSurfacesBounceWhereCausticsHaveLightOfLamps) {
     const double passing = light(true, false);
     EXPECT_GT(passing, 0.7 * light(false, false));
     EXPECT_NEAR(light(true, true) / passing, 1.0, 0.03);
+}
+
+TEST(SolidGlass, PassesTheSkyHoweverWideTheSceneIs) {
+    // A thick plate a metre above what is seen, on a floor of this half width.
+    const auto light = [](float half, bool glass) {
+        SceneBuilder b;
+        b.add_quad({-half, 0, half}, {2 * half, 0, 0}, {0, 0, -2 * half}, b.add_material(glm::vec3(0.1f)));
+        b.film().sky.color = glm::vec3(1);
+        if (glass) b.add_box({-1.5f, 1, -1.5f}, {1.5f, 1.8f, 1.5f}, add_glass(b));
+        b.add_camera({0, 0.5f, 0.01f}, {0, 0, 0}, 0.5f);
+        return lit(b);
+    };
+    const double narrow = light(2, true);
+    EXPECT_GT(narrow, 0.85 * light(2, false));
+    EXPECT_NEAR(light(200, true) / narrow, 1.0, 0.03);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "renderer/view/see.h"
@@ -158,6 +159,90 @@ TEST(Mirrors, ShowASphereWhereItsMirrorImageWouldStand) {
         }
     }
     EXPECT_GT(reflected, 100);
+}
+
+/// A mirror below the camera, which looks at it from above; what stands above it is behind the camera.
+SceneBuilder above_a_mirror(float reflectance) {
+    SceneBuilder builder;
+    builder.add_quad({-9, 0, 9}, {18, 0, 0}, {0, 0, -18}, add_mirror(builder, glm::vec3(reflectance)));
+    builder.add_camera({0, 2, 0}, {0, 0, 0}, 0.5f);
+    return builder;
+}
+
+TEST(Mirrors, AloneShowALampThatAlphaHidesWhereItIsMirrored) {
+    for (const bool mirrored : {false, true}) {
+        SceneBuilder builder = above_a_mirror(0.5f);
+        const int lamp = builder.add_emitter({8, 6, 4});
+        builder.material(lamp).base_color.a = 0;
+        builder.material(lamp).alpha_mode = scene::AlphaMode::blend;
+        builder.material(lamp).mirrored = mirrored;
+        builder.add_quad({-9, 1, -9}, {18, 0, 0}, {0, 0, 18}, lamp);  // faces down, before the camera
+        Stage stage(builder, 16, 16);
+        EXPECT_LT(glm::distance(stage.see(4).emitted.at(8, 8), mirrored ? glm::vec3(4, 3, 2) : glm::vec3(0)), 0.01f);
+    }
+}
+
+/// Mean light over the picture.
+float mean_emitted(const Frame& seen) {
+    double sum = 0;
+    for (const glm::vec3& light : seen.emitted.values()) sum += static_cast<double>(light.x);
+    return static_cast<float>(sum) / static_cast<float>(seen.emitted.values().size());
+}
+
+TEST(Mirrors, ShowTheDiscsOfSpotsAndSunsWithTheirLight) {
+    constexpr float pi = 3.14159265f;
+    for (const scene::LightKind kind : {scene::LightKind::spot, scene::LightKind::directional}) {
+        SceneBuilder builder = above_a_mirror(0.5f);
+        // Straight above the mirror, 4 m from the camera's image; it shines down.
+        scene::Light& lamp = builder.film().lights[static_cast<std::size_t>(builder.add_sun({0, -1, 0}, 3))];
+        builder.film().nodes[static_cast<std::size_t>(lamp.node)].translation = {0, 2, 0};
+        lamp.kind = kind;
+        lamp.angle = 0.05f;
+        lamp.inner_cone = 0.5f;
+        lamp.disc = kind == scene::LightKind::spot ? 0.2f : std::sin(lamp.angle);
+        Stage stage(builder, 64, 64);
+        const float tangent = kind == scene::LightKind::spot ? 0.2f / 4 : std::tan(lamp.angle);
+        const float share = pi * tangent * tangent / std::pow(2 * std::tan(0.25f), 2.0f);
+        const float disc = stage.film().lights.front().disc;
+        const float radiance = 0.5f * 3 / (pi * disc * disc);
+        const Frame seen = stage.see(4, 6, 64);
+        EXPECT_NEAR(mean_emitted(seen), share * radiance, 0.015f * share * radiance);
+        // Its rim is looked at closely, and the pixels beside that, whose few samples may have missed it.
+        const auto closely = std::count(seen.samples.values().begin(), seen.samples.values().end(), 64);
+        EXPECT_GT(closely, 60);
+        EXPECT_LT(closely, 250);
+    }
+}
+
+TEST(Suns, AreSeenByTheEyeOnlyWhereTheyAreSaidToBe) {
+    for (const bool seen : {false, true}) {
+        SceneBuilder builder;
+        scene::Light sun;
+        sun.kind = scene::LightKind::directional;
+        sun.intensity = 2;
+        sun.angle = 0.3f;
+        sun.disc = std::sin(sun.angle);
+        sun.seen = seen;
+        builder.add_light(sun);  // shines along -z
+        builder.add_camera({0, 0, 0}, {0, 0, 1}, 0.1f);
+        Stage stage(builder, 16, 16);
+        const float radiance = 2 / (3.14159265f * sun.disc * sun.disc);
+        EXPECT_NEAR(stage.see(1).emitted.at(8, 8).x, seen ? radiance : 0.0f, 1e-3f * radiance);
+    }
+}
+
+TEST(Coats, ThatMirrorOneInAHundredShowTheSky) {
+    SceneBuilder builder;
+    const int paint = builder.add_material({0, 0, 0});
+    builder.material(paint).model = scene::SurfaceModel::principled_3;
+    builder.material(paint).specular_level = 0;
+    builder.material(paint).coat = 0.25f;
+    builder.material(paint).coat_roughness = 0.03f;
+    builder.add_quad({-9, 0, 9}, {18, 0, 0}, {0, 0, -18}, paint);
+    builder.film().sky.color = {1, 1, 1};
+    builder.add_camera({0, 2, 0}, {0, 0, 0}, 0.1f);
+    Stage stage(builder, 16, 16);
+    EXPECT_NEAR(stage.see(1).emitted.at(8, 8).x, 0.25f * 0.04f, 1e-4f);
 }
 
 TEST(Mirrors, FacingEachOtherEndAtTheDepthOfTheSettings) {

@@ -178,6 +178,7 @@ TEST_F(AnimationFile, AllowsCommentsAndSaysFormatRangeAndExposure) {
     EXPECT_EQ(film(R"({"fog": 40})").fog, (core::Fog{40, glm::vec3(1), 0, 0, 0}));
     EXPECT_EQ(film(R"({"fog": {"visibility": 8, "color": 0, "anisotropy": 0.5, "height": -1, "falloff": 3}})").fog,
               (core::Fog{8, glm::vec3(0), 0.5f, -1, 3}));
+    EXPECT_FALSE(film(R"({"fog": {"visibility": 8, "bounces": false}})").fog.bounces);
     expect_complaint(R"({"fog": {"visibility": 8, "color": [1, 1, 2]}})", {"color", "1"});
     expect_complaint(R"({"fog": {"visibility": 8, "height": 2}})", {"height", "falloff"});
     EXPECT_EQ(film(R"({"glare": "static"})").glare, (core::Glare{core::GlareKind::still, 0.1f, 0.5f, 0}));

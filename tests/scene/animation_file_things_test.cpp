@@ -182,7 +182,26 @@ TEST(AnimationFileThings, LampsThatAreNotSeenStayInTheFilmAndShine) {
     EXPECT_EQ(hidden.base_color.a, 0);
     EXPECT_EQ(hidden.emission, glm::vec3(5));
     EXPECT_EQ(film.materials[static_cast<std::size_t>(film.objects[1].material)].alpha_mode, AlphaMode::opaque);
+    EXPECT_FALSE(hidden.mirrored);
     EXPECT_THROW(parsed(R"({"lights": [{"kind": "point", "seen": false}]})"), core::Error);
+}
+
+TEST(AnimationFileThings, LampsMayBeSeenInMirrorsAlone) {
+    const Animation film = parsed(R"({"lights": [{"kind": "panel", "seen": "mirrors"}, {"kind": "spot", "radius": 0.3},
+        {"kind": "sun", "angle": 20, "seen": "mirrors"}, {"kind": "sun", "angle": 20, "seen": true}, {"kind": "spot"},
+        {"kind": "sun", "angle": 20}]})");
+    const Material& panel = film.materials[static_cast<std::size_t>(film.objects[0].material)];
+    EXPECT_TRUE(panel.mirrored);
+    EXPECT_EQ(panel.base_color.a, 0);
+    const float sun = std::sin(glm::radians(10.0f));
+    const std::pair<float, bool> said[] = {{0.3f, false}, {sun, false}, {sun, true}, {0.0f, false}, {0.0f, false}};
+    for (std::size_t i = 0; i < 5; ++i) {
+        EXPECT_FLOAT_EQ(film.lights[i].disc, said[i].first) << i;
+        EXPECT_EQ(film.lights[i].seen, said[i].second) << i;
+    }
+    EXPECT_THROW(parsed(R"({"lights": [{"kind": "panel", "seen": "mirror"}]})"), core::Error);
+    EXPECT_THROW(parsed(R"({"lights": [{"kind": "sun", "seen": "mirrors"}]})"), core::Error);
+    EXPECT_THROW(parsed(R"({"lights": [{"kind": "point", "radius": 1}]})"), core::Error);
 }
 
 TEST(AnimationFileThings, RoundPanelsAreOctagonsOfTheEllipsesAreaThatShineAlongTheirSight) {

@@ -84,7 +84,8 @@ void Comparing::run() {
     log(trial_heading(trials_));
     LitWindows fixed;
     if (!run_trial(trials_, with_tolerance(film(), {}), "fixed 2 %", is_quiet(), &fixed)) return;
-    log("\nCPU seconds and size per frame; decoded against that light.\n" +
+    log("\nCPU seconds and size per frame; decoded against that light" +
+        std::string(trials_.truth() ? ", PSNR-Y the truth" : "") + ".\n" +
         heads_text(compare_columns, "                    q", compare_name_width));
     for (const int quantiser : quantisers_)
         if (!try_quantiser(quantiser, fixed)) return;

@@ -213,7 +213,7 @@ std::string cost_page(const RenderJob& film, const Sweep& sweep, const std::vect
                    "per gather point; cut: clusters of lights per point. 50 and 95 %: percentiles of the error of a "
                    "pixel's luminance against reference light, in %. Over: % of the pixels that err by more than "
                    "their tolerance; twice: by more than twice of it. PSNR-Y and SSIM: decoded pictures against "
-                   "reference light that is not coded. Size per frame.</p>\n");
+                   "what is not coded, PSNR-Y the truth, SSIM reference light. Size per frame.</p>\n");
 }
 
 }  // namespace render2mpeg::app

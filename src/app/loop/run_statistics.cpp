@@ -121,6 +121,7 @@ void each_split_sum(Sums& s, Visit&& visit) {
     visit("pixels", How::added, s.pixels);
     visit("paths", How::added, s.paths);
     visit("blocks", How::added, s.blocks);
+    visit("followed", How::added, s.followed);
     visit("light", How::added, s.light);
     visit("dark_light", How::added, s.dark_light);
     for (std::size_t c = 0; c < s.causes.size(); ++c) {
@@ -136,6 +137,8 @@ void each_split_sum(Sums& s, Visit&& visit) {
         sum("square_squares", cause.square_squares);
         sum("block_squares", cause.block_squares);
         sum("block_square_squares", cause.block_square_squares);
+        sum("flicker_squares", cause.flicker_squares);
+        sum("flicker_square_squares", cause.flicker_square_squares);
     }
 }
 
@@ -193,14 +196,17 @@ renderer::Statistics sum_of(const renderer::Statistics& earlier, const renderer:
 
 }  // namespace
 
+double waited_seconds() {
+    rusage ended{};
+    getrusage(RUSAGE_CHILDREN, &ended);
+    return static_cast<double>(ended.ru_utime.tv_sec + ended.ru_stime.tv_sec) +
+           1e-6 * static_cast<double>(ended.ru_utime.tv_usec + ended.ru_stime.tv_usec);
+}
+
 double cpu_seconds() {
     timespec t{};
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    rusage ended{};
-    getrusage(RUSAGE_CHILDREN, &ended);
-    return static_cast<double>(t.tv_sec + ended.ru_utime.tv_sec + ended.ru_stime.tv_sec) +
-           1e-9 * static_cast<double>(t.tv_nsec) +
-           1e-6 * static_cast<double>(ended.ru_utime.tv_usec + ended.ru_stime.tv_usec);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec) + waited_seconds();
 }
 
 double clock_seconds() {

@@ -24,7 +24,9 @@ inline constexpr std::array stage_names{"load",     "exposure", "first_pass", "s
 inline constexpr std::array stage_words{"reading",  "measuring the exposure", "first pass", "looking", "a rough look",
                                         "weighing", "gathering light",        "developing", "coding"};
 
-/// CPU seconds of this process and of those that it waited for, summed over threads.
+/// CPU seconds of processes that this one waited for.
+double waited_seconds();
+/// The same and this process, summed over threads.
 double cpu_seconds();
 /// Monotonic clock, seconds.
 double clock_seconds();
@@ -117,18 +119,23 @@ struct Rendered {
 class StageTimer {
   public:
     explicit StageTimer(double& sum) : sum_(sum) {}
-    StageTimer(RunStatistics& statistics, Stage stage) : sum_(statistics.seconds[static_cast<std::size_t>(stage)]) {
+    /// Other processes read files.
+    StageTimer(RunStatistics& statistics, Stage stage)
+        : sum_(statistics.seconds[static_cast<std::size_t>(stage)]), waits_(stage == Stage::load) {
         tell_activity(stage_words[static_cast<std::size_t>(stage)]);
     }
     StageTimer(RunStatistics& statistics, renderer::Pass pass)
         : StageTimer(statistics.pass_seconds[static_cast<std::size_t>(pass)]) {}
-    ~StageTimer() { sum_ += parallel::lane_seconds() - start_; }
+    ~StageTimer() { sum_ += now() - start_; }
     StageTimer(const StageTimer&) = delete;
     StageTimer& operator=(const StageTimer&) = delete;
 
   private:
+    double now() const { return parallel::lane_seconds() + (waits_ ? waited_seconds() : 0.0); }
+
     double& sum_;
-    double start_ = parallel::lane_seconds();
+    bool waits_ = false;
+    double start_ = now();
 };
 
 /// Sets the CPU time of the entry that its scope adds.

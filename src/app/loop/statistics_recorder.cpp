@@ -1,6 +1,7 @@
 #include "app/loop/statistics_recorder.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/error.h"
 #include "core/numeric.h"
@@ -69,9 +70,71 @@ void Auditor::lit(const LitFrame& frame) {
             audit.errors.add(core::divide_or(p.error, std::max(p.luminance, absolute), 0.0f));
             audit.over += p.over() ? 1 : 0;
         }
-        audit.split.add(renderer_.validate(frame.world, frame.lit, frame.tolerance, pixels),
-                        [&](glm::vec3 light) { return static_cast<double>(perceptual::luma_of(display_, light)); });
+        const std::vector<renderer::ValidatedPixel> validated =
+            renderer_.validate(frame.world, frame.lit, frame.tolerance, pixels);
+        audit.split.add(validated, [&](glm::vec3 light) { return luma(light); });
+        if (frame.world.frame == next_ && !frame.world.cut_before) follow(frame);
+        keep(frame, validated);
     });
+}
+
+std::vector<std::optional<glm::ivec2>> Auditor::places_of_points(const LitFrame& frame) const {
+    // chosen: depths of one point agree to a hundredth, as surfaces that hide each other seldom do.
+    constexpr float same_depth = 0.01f;
+    const core::MotionField& motion = frame.motion.exact_to(frame.world.frame - 1);
+    const core::Visible& visible = frame.lit.frame.visible;
+    core::Plane<int> point_at(visible.width(), visible.height(), -1);
+    for (std::size_t i = 0; i < before_.size(); ++i)
+        point_at.at(before_[i].place.x, before_[i].place.y) = static_cast<int>(i);
+    std::vector<std::optional<glm::ivec2>> places(before_.size());
+    std::vector<float> apart(before_.size(), 1.0f);
+    for (int y = 0; y < visible.height(); ++y)
+        for (int x = 0; x < visible.width(); ++x) {
+            if (motion.kind.at(x, y) == core::PixelClass::none) continue;
+            const glm::vec2 from = glm::vec2(x, y) + motion.vector.at(x, y);
+            const glm::ivec2 nearest(glm::round(from));
+            if (nearest.x < 0 || nearest.y < 0 || nearest.x >= visible.width() || nearest.y >= visible.height())
+                continue;
+            const int i = point_at.at(nearest.x, nearest.y);
+            if (i < 0 || before_[static_cast<std::size_t>(i)].object != visible.address.at(x, y).object) continue;
+            const auto k = static_cast<std::size_t>(i);
+            if (!motion.depth_in_reference.empty() &&
+                !(std::abs(motion.depth_in_reference.at(x, y) - before_[k].depth) <= same_depth * before_[k].depth))
+                continue;
+            const float distance = glm::distance(from, glm::vec2(nearest));
+            if (!(distance < apart[k])) continue;
+            apart[k] = distance;
+            places[k] = glm::ivec2(x, y);
+        }
+    return places;
+}
+
+void Auditor::follow(const LitFrame& frame) {
+    const std::vector<std::optional<glm::ivec2>> found = places_of_points(frame);
+    std::vector<glm::ivec2> places;
+    for (const auto& place : found)
+        if (place) places.push_back(*place);
+    const std::vector<renderer::AuditedPixel> pixels = renderer_.audit(frame.world, frame.lit, frame.tolerance, places);
+    // Pixels that gather nothing are left out.
+    std::size_t k = 0;
+    for (const renderer::ValidatedPixel& now : renderer_.validate(frame.world, frame.lit, frame.tolerance, pixels)) {
+        while (!found[k] || *found[k] != now.place) ++k;
+        const auto code_value = [&](glm::vec3 light) { return luma(light); };
+        statistics_.audit.split.add_change(before_[k].errors, renderer::code_errors(now, code_value));
+    }
+}
+
+void Auditor::keep(const LitFrame& frame, std::span<const renderer::ValidatedPixel> pixels) {
+    // chosen: a quarter, so that an audit takes a quarter more.
+    constexpr std::size_t step = 4;
+    const core::Visible& visible = frame.lit.frame.visible;
+    before_.clear();
+    next_ = frame.world.frame + 1;
+    for (std::size_t i = 0; i < pixels.size(); i += step) {
+        const glm::ivec2 at = pixels[i].place;
+        before_.push_back({at, visible.address.at(at.x, at.y).object, visible.depth.at(at.x, at.y),
+                           renderer::code_errors(pixels[i], [&](glm::vec3 light) { return luma(light); })});
+    }
 }
 
 void StatisticsRecorder::coded(const encoder::CodedPicture& coded) {

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "app/loop/observer.h"
 #include "app/loop/run_statistics.h"
@@ -60,6 +62,24 @@ class Auditor : public LoopObserver {
     void lit(const LitFrame& frame) override;
 
   private:
+    /// A pixel whose point is looked for in the next frame.
+    struct Point {
+        glm::ivec2 place{0};
+        std::uint32_t object = 0;
+        float depth = 0;
+        renderer::CodeErrors errors{};
+    };
+
+    double luma(glm::vec3 light) const { return static_cast<double>(perceptual::luma_of(display_, light)); }
+    /// Adds what errors changed by where this frame shows the points of the frame before.
+    void follow(const LitFrame& frame);
+    /// Places in this frame that show those points: at most one of each.
+    std::vector<std::optional<glm::ivec2>> places_of_points(const LitFrame& frame) const;
+    /// Keeps some of the pixels for the next frame.
+    void keep(const LitFrame& frame, std::span<const renderer::ValidatedPixel> pixels);
+
+    std::vector<Point> before_;
+    std::int64_t next_ = -1;  ///< frame that follows the one of `before_`
     renderer::Renderer& renderer_;
     const perceptual::Display& display_;
     int pixels_;

@@ -51,7 +51,8 @@ json effects_json(const RenderJob& film, const RunStatistics& statistics) {
 json truth_of(const renderer::ErrorSplit& split) {
     json truth{
         {"paths", core::divide_or(static_cast<double>(split.sums().paths), static_cast<double>(split.pixels()), 0.0)},
-        {"blocks", split.sums().blocks}};
+        {"blocks", split.sums().blocks},
+        {"followed", split.sums().followed}};
     const auto with_error = [](renderer::MeanError m) { return json{{"value", m.value}, {"error", m.error}}; };
     constexpr std::array measures{"", "relative_", "code_value_"};
     for (std::size_t c = 0; c < renderer::cause_count; ++c) {
@@ -61,6 +62,9 @@ json truth_of(const renderer::ErrorSplit& split) {
         if (split.sums().blocks > 0)
             of_cause.update({{"block_rms", split.block_rms(cause)},
                              {"block_mean_square", with_error(split.block_mean_square(cause))}});
+        if (split.sums().followed > 0)
+            of_cause.update({{"flicker_rms", split.flicker(cause)},
+                             {"flicker_mean_square", with_error(split.flicker_mean_square(cause))}});
         for (std::size_t m = 0; m < renderer::measure_count; ++m) {
             const auto measure = static_cast<renderer::ErrorMeasure>(m);
             of_cause[measures.at(m) + std::string("rms")] = split.rms(cause, measure);
@@ -175,11 +179,9 @@ json glare_of(const RenderJob& film) {
 json fog_of(const RenderJob& film) {
     const core::Fog& fog = film.animation->fog;
     if (!fog.shows()) return {};
-    return {{"visibility", fog.visibility},
-            {"color", {fog.color.x, fog.color.y, fog.color.z}},
-            {"anisotropy", fog.anisotropy},
-            {"height", fog.height},
-            {"falloff", fog.falloff}};
+    return {{"visibility", fog.visibility}, {"color", {fog.color.x, fog.color.y, fog.color.z}},
+            {"anisotropy", fog.anisotropy}, {"height", fog.height},
+            {"falloff", fog.falloff},       {"bounces", fog.bounces}};
 }
 
 }  // namespace

@@ -191,6 +191,11 @@ void add_audit(SummaryLines& lines, const Audit& audit) {
                                          100 * audit.split.rms(cause, ErrorMeasure::relative), 100 * bias.value,
                                          100 * bias.error, 100 * dark.value, 100 * dark.error)});
     }
+    if (audit.split.sums().followed == 0) return;
+    lines.push_back({"flicker", fmt::format("errors change by {:.2f} luma between frames along motion, {:.2f} of it by",
+                                            audit.split.flicker(renderer::ErrorCause::total),
+                                            audit.split.flicker(renderer::ErrorCause::gathering))});
+    lines.push_back({"", fmt::format("gathering (rms of {} points that both show)", audit.split.sums().followed)});
 }
 
 /// "film.mpg: 60 frames, 640x360 at 25 Hz, 2.40 s, 1.2 MB, 4000 kb/s"

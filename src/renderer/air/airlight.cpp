@@ -292,7 +292,9 @@ std::uint64_t add_airlight(const AirInstant& instant, AmbientAir& ambient, const
     const std::vector<LightPoint> points =
         instant.gather != nullptr ? beyond_rays(instant.points, brightest_of_rays(posed_scene.sky())) : instant.points;
     const std::vector<AirLamp> lamps = air_lamps(points, instant.light_trees);
-    ambient.start(instant.lit_frame, instant.light_trees, points, instant.gather,
+    const bool bounces = posed_scene.air()->is_lit_by_bounces();
+    FinalGather* gather = bounces || posed_scene.sky() != nullptr ? instant.gather : nullptr;
+    ambient.start(instant.lit_frame, instant.light_trees, points, gather, bounces,
                   glm::length(film.bounds_max - film.bounds_min));
     std::optional<AmbientColumns> columns;
     if (ambient.shines()) columns.emplace(posed_scene, seen, ambient);

@@ -91,8 +91,9 @@ struct AmbientAir::Corner {
 };
 
 void AmbientAir::start(std::int64_t lit_frame, const LightTrees& light_trees, std::span<const LightPoint> points,
-                       FinalGather* gather, float extent) {
+                       FinalGather* gather, bool bounces, float extent) {
     gather_ = gather;
+    bounces_ = bounces;
     least_distance_ = std::max(extent, 1e-6f) * finest_cell / cell_of_distance;
     if (lit_frame == lit_frame_) return;
     lit_frame_ = lit_frame;
@@ -102,6 +103,9 @@ void AmbientAir::start(std::int64_t lit_frame, const LightTrees& light_trees, st
     light_trees_.exact.clear();
     light_trees_.trees[static_cast<std::size_t>(LightType::punctual)] = {};
     light_trees_.trees[static_cast<std::size_t>(LightType::punctual)].type = LightType::punctual;
+    if (!bounces)
+        for (int tree = LightTrees::direct_trees; tree < LightTrees::tree_count; ++tree)
+            light_trees_.trees[static_cast<std::size_t>(tree)] = {};
     // Suns that are clustered among points of the sky count by themselves.
     std::vector<LightPoint> sky;
     bool suns = false;
@@ -174,6 +178,7 @@ std::uint64_t AmbientAir::gather(std::span<const Corner> corners, std::size_t fi
             r.point = &side;
             r.tolerance = {{1.0f, 0.0f}, 0.0f};
             r.rays = rays_of_side;
+            r.bounces = bounces_;
             r.seed = core::mix(core::mix(corners[i].key) + requests.size() % normals.size());
             r.pool = static_cast<std::uint32_t>(i);
             requests.push_back(r);

@@ -18,9 +18,9 @@ namespace render2mpeg::renderer {
 class AmbientAir {
   public:
     /// Forgets what is known of another instant's light. `lit_frame` stands for it; `points`: its direct light points.
-    /// `gather`: sees what `light_trees` and `points` lack; null: they have all.
+    /// `gather`: sees what `light_trees` and `points` lack; null: they have all. `bounces`: bounced light counts.
     void start(std::int64_t lit_frame, const LightTrees& light_trees, std::span<const LightPoint> points,
-               FinalGather* gather, float extent);
+               FinalGather* gather, bool bounces, float extent);
 
     /// Whether there is any such light.
     bool shines() const { return shines_; }
@@ -42,7 +42,7 @@ class AmbientAir {
     void for_each_corner(glm::vec3 place, float distance, Visit visit) const;
 
     std::int64_t lit_frame_ = -1;
-    bool shines_ = false;
+    bool shines_ = false, bounces_ = true;
     float least_distance_ = 1;
     LightTrees light_trees_;
     FinalGather* gather_ = nullptr;

@@ -28,6 +28,7 @@ class Air {
     float phase(float cosine) const;
     /// Share of what is dimmed that is scattered.
     glm::vec3 albedo() const { return fog_.color; }
+    bool is_lit_by_bounces() const { return fog_.bounces; }
 
   private:
     float density(float y) const;

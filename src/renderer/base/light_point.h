@@ -5,6 +5,7 @@
 #include <glm/glm.hpp>
 
 #include "core/numeric.h"
+#include "scene/pose/snapshot.h"
 
 namespace render2mpeg::renderer {
 
@@ -37,6 +38,14 @@ struct LightPoint {
 inline float spot_falloff(float cosine, float scale, float offset, float smooth) {
     const float s = std::clamp(cosine * scale + offset, 0.0f, 1.0f);
     return s * s * (1.0f + smooth * (cosine * (3.0f - 2.0f * s) - 1.0f));
+}
+
+/// The same of a lamp, 1 of one that is no spot, towards `from_light` (unit).
+inline float spot_share(const scene::LightState& lamp, glm::vec3 from_light) {
+    if (lamp.kind != scene::LightKind::spot) return 1.0f;
+    const float scale = 1.0f / std::max(lamp.cos_inner - lamp.cos_outer, 1e-3f);
+    return spot_falloff(glm::dot(from_light, lamp.direction), scale, -lamp.cos_outer * scale,
+                        lamp.smooth_cosine ? 1.0f : 0.0f);
 }
 
 inline bool is_finite(const LightPoint& p) {

@@ -211,6 +211,7 @@ void FinalGather::trace(const GatherRequest& request, const Bundle& bundle, Trac
     const Directions directions = request.lobe ? lobe(request, bundle) : hemisphere(request, bundle);
     RayRules rules;
     rules.near = request.extent;
+    rules.bounces = request.bounces;
     rules.is_lobe = request.lobe;
     if (request.lobe) rules.spread = std::min(rules.spread, 0.5f * p.bsdf.alpha);
     rules.bodies_block = bodies_block_;

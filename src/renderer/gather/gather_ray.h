@@ -60,12 +60,12 @@ inline constexpr float cell_spread = 0.12f;
 
 /// How a ray is looked along.
 struct RayRules {
-    float near = 0;       ///< hits nearer than this get a cell of their own, world
-    float brightest = 0;  ///< luminance that the sky shows at most
-    const AskedLights* asked =
-        nullptr;           ///< set: emitters are seen, in mirrors too; null: surfaces shine not, mirrors are black
-    bool is_lobe = false;  ///< of a narrow lobe: it is mirrored on and sees unlit surfaces
-    float spread = cell_spread;  ///< size of cells over the ray's length
+    float near = 0;                      ///< hits nearer than this get a cell of their own, world
+    float brightest = 0;                 ///< luminance that the sky shows at most
+    const AskedLights* asked = nullptr;  ///< set: emitters are seen, but in mirrors; null: surfaces shine not
+    bool bounces = true;                 ///< surfaces send what they bounce
+    bool is_lobe = false;                ///< of a narrow lobe: it is mirrored on and sees unlit surfaces
+    float spread = cell_spread;          ///< size of cells over the ray's length
     /// Solid bodies of glass pass what surfaces bounce: caustics have light of lamps and sky.
     bool bodies_block = false;
     std::uint8_t depth = 0;  ///< of the place that it leaves, if that has a cell of its own

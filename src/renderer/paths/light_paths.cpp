@@ -54,13 +54,15 @@ struct LightPaths::Path {
     float density = 0;          ///< of the ray's direction
     bool first = true;          ///< `at` is where the path began
     bool mirrored = false;      ///< a mirror lies between `at` and the ray
-    bool in_pane = false;       ///< a pane does, and nothing but the sky is seen in it
+    bool in_pane = false;       ///< a pane does, in which rays see the sky
     bool behind_body = false;   ///< glass that bends light is between: caustics have light of lamps and sky
     glm::vec3 seen_in_lobe{0};  ///< share of a narrow lobe, on the ray from the first point; 0: it is not narrow
+    glm::vec3 sky_share{1};     ///< of the sky's light that counts; caustics have the rest
 
     void stand_on(Scatterer place) {
         at = std::move(place);
-        mirrored = false;
+        mirrored = in_pane = false;
+        sky_share = glm::vec3(1);
     }
     /// Of light that was met by a direction that `other` chooses as well. [Veach1995, balance heuristic]
     float weight(float other) const { return mirrored ? 1.0f : density / (density + other); }
@@ -180,7 +182,7 @@ glm::vec3 LightPaths::escaped(const Path& path) const {
     if (path.first && path.behind_body) return sum;
     if (sky_light_)
         sum = posed_scene_.sky()->radiance(path.ray.direction, 0.0f) *
-              path.weight(lights_.sky_density(path.ray.direction));
+              path.weight(lights_.sky_density(path.ray.direction)) * path.sky_share;
     if (path.in_pane) sum *= std::min(core::divide_or(sky_in_panes_, core::luminance(sum), 1.0f), 1.0f);
     if (path.first && path.mirrored) return sum;
     return sum + lights_.suns(path.at.query(), path.ray.direction, [&](float other) { return path.weight(other); });
@@ -203,7 +205,7 @@ LightPaths::Event LightPaths::go_on(Path& path, const SurfacePoint& met, float c
     shares[Scattering::diffuse] = there.albedo();
     shares[Scattering::beyond] = met.bsdf.diffuse_transmission;
     const bool straight = posed_scene_.passes_straight(met.address.object);
-    shares[Scattering::mirror] = straight ? mirrored_by_pane(posed_scene_, met) : met.bsdf.mirror;
+    shares[Scattering::mirror] = mirrored_beside_straight(posed_scene_, met);
     if (!straight) shares[Scattering::glass] = met.bsdf.transmission;
     // No surface is brighter than the brightest.
     const float largest = there.is_fibre() ? largest_hair_albedo : largest_albedo;
@@ -215,13 +217,6 @@ LightPaths::Event LightPaths::go_on(Path& path, const SurfacePoint& met, float c
     const bool translucent = met.alpha < 1.0f || straight || mean(met.bsdf.transmission) > 0.0f;
     const bool bends = translucent && path.first && bodies_ == Bodies::block && bends_light(posed_scene_, met);
     if (translucent) shares[Scattering::layer] = posed_scene_.transmittance_at(met.address, path.ray.direction);
-    // No caustic on the first surface; its narrow lobe alone looks into mirrors, but for the sky in panes.
-    const bool for_sky = path.first && !(mean(path.seen_in_lobe) > 0.0f);
-    if (path.in_pane) shares[Scattering::diffuse] = shares[Scattering::beyond] = glm::vec3(0);
-    if (for_sky)
-        shares[Scattering::mirror] *= straight && sky_in_panes_ > 0.0f ? 1.0f : 0.0f;
-    else if (path.first)
-        shares[Scattering::mirror] *= path.seen_in_lobe;
 
     std::array<float, scatterings> chances = shares.chances(path.throughput);
     const float sum = std::accumulate(chances.begin(), chances.end(), 0.0f);
@@ -233,9 +228,12 @@ LightPaths::Event LightPaths::go_on(Path& path, const SurfacePoint& met, float c
         case Scattering::mirror:
             path.throughput *= shares.of[found] / chances[found];
             path.ray.reflect(met, met.shading_normal);
+            // The first surface has lamps and the sky in mirrors by caustics, in its narrow lobe by this path; in panes
+            // the sky.
+            path.in_pane =
+                path.first && !path.mirrored && straight && sky_in_panes_ > 0.0f && !(mean(path.seen_in_lobe) > 0.0f);
+            if (path.first && !path.in_pane) path.sky_share = path.seen_in_lobe;
             path.mirrored = true;
-            path.in_pane = for_sky;
-            if (path.first && !for_sky) path.seen_in_lobe = glm::vec3(1);
             return Event::passes;
         case Scattering::beyond:
             there = Scatterer(posed_scene_, posed_scene_.other_side(met));

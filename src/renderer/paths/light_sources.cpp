@@ -36,12 +36,7 @@ double share_of(const std::vector<double>& sums, std::size_t i) {
 float falloff(const scene::LightState& light, float distance, glm::vec3 from_light) {
     float share = core::divide_or(1.0f, distance * distance, 0.0f);
     if (light.range > 0.0f) share *= std::clamp(1.0f - std::pow(distance / light.range, 4.0f), 0.0f, 1.0f);
-    if (light.kind == scene::LightKind::spot) {
-        const float width = std::max(light.cos_inner - light.cos_outer, 1e-3f);
-        share *= spot_falloff(glm::dot(from_light, light.direction), 1 / width, -light.cos_outer / width,
-                              light.smooth_cosine ? 1.0f : 0.0f);
-    }
-    return share;
+    return share * spot_share(light, from_light);
 }
 
 glm::vec3 sky_direction(float cos_polar, float azimuth) {

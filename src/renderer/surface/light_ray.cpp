@@ -84,6 +84,10 @@ bool bends_light(const PosedScene& scene, const SurfacePoint& point) {
 
 glm::vec3 mirrored_by_pane(const PosedScene& scene, const SurfacePoint& point) {
     if (point.unlit || !scene.passes_straight(point.address.object)) return glm::vec3{0.0f};
+    return mirrored_beside_straight(scene, point);
+}
+
+glm::vec3 mirrored_beside_straight(const PosedScene& scene, const SurfacePoint& point) {
     const glm::vec3 face = point.bsdf.mirror;
     if (!point.bounds_body) return face;
     if (point.back_side) return glm::vec3{0.0f};

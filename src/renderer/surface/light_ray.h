@@ -49,6 +49,9 @@ bool bends_light(const PosedScene& scene, const SurfacePoint& point);
 /// nothing.
 glm::vec3 mirrored_by_pane(const PosedScene& scene, const SurfacePoint& point);
 
+/// The same of any surface, to a ray that goes straight through solid bodies as well: no face mirrors it within.
+glm::vec3 mirrored_beside_straight(const PosedScene& scene, const SurfacePoint& point);
+
 /// The facet of a body's boundary that a ray meets: the shading normal, or, of rough glass, one chosen by the density
 /// of visible facets.
 glm::vec3 facet_of(const SurfacePoint& point, glm::vec2 u);

@@ -45,8 +45,17 @@ struct Differences {
             // Of the same half: its noise is in both, and independent of the other's.
             const double whole = std::max(p.truth.whole.luminance_of(half), static_cast<double>(p.least));
             for (std::size_t c = 0; c < cause_count; ++c) relative[c] = core::divide_or(luminance[c], whole, 0.0);
-            code_value = differences(p, half, luma);
+            code_value = code_errors(p, luma)[half];
         }
+    }
+};
+
+/// Square of a value of which two independent estimates are known: the mean of their product.
+struct Square {
+    double value;
+    void add_to(double& sum, double& squares) const {
+        sum += value;
+        squares += value * value;
     }
 };
 
@@ -70,6 +79,10 @@ MeanError over_light(MeanError m, double light, std::uint64_t count) {
 }
 
 }  // namespace
+
+CodeErrors code_errors(const ValidatedPixel& pixel, const std::function<double(glm::vec3)>& luma) {
+    return {differences(pixel, 0, luma), differences(pixel, 1, luma)};
+}
 
 void ErrorSplit::add(std::span<const ValidatedPixel> pixels, const std::function<double(glm::vec3)>& luma) {
     if (pixels.empty()) return;
@@ -99,10 +112,7 @@ void ErrorSplit::add(std::span<const ValidatedPixel> pixels, const std::function
             s.dark_difference += dark_difference;
             s.dark_difference_squares += dark_difference * dark_difference;
             for (std::size_t m = 0; m < measure_count; ++m) {
-                // Independent halves: the mean of their product is the square of the mean.
-                const double square = d.of_half[0][m][c] * d.of_half[1][m][c];
-                s.squares[m] += square;
-                s.square_squares[m] += square * square;
+                Square{d.of_half[0][m][c] * d.of_half[1][m][c]}.add_to(s.squares[m], s.square_squares[m]);
             }
         }
     }
@@ -111,10 +121,19 @@ void ErrorSplit::add(std::span<const ValidatedPixel> pixels, const std::function
         if (block.pixels < whole) continue;
         ++sums_.blocks;
         for (std::size_t c = 0; c < cause_count; ++c) {
-            const double square = block.sums[0][c] * block.sums[1][c] / (1.0 * whole * whole);
-            sums_.causes[c].block_squares += square;
-            sums_.causes[c].block_square_squares += square * square;
+            CauseSums& s = sums_.causes[c];
+            Square{block.sums[0][c] * block.sums[1][c] / (1.0 * whole * whole)}.add_to(s.block_squares,
+                                                                                       s.block_square_squares);
         }
+    }
+}
+
+void ErrorSplit::add_change(const CodeErrors& before, const CodeErrors& now) {
+    ++sums_.followed;
+    for (std::size_t c = 0; c < cause_count; ++c) {
+        CauseSums& s = sums_.causes[c];
+        Square{(now[0][c] - before[0][c]) * (now[1][c] - before[1][c])}.add_to(s.flicker_squares,
+                                                                               s.flicker_square_squares);
     }
 }
 
@@ -135,6 +154,14 @@ double ErrorSplit::block_rms(ErrorCause cause) const {
     return core::sqrt_or_zero(block_mean_square(cause).value);
 }
 
+MeanError ErrorSplit::flicker_mean_square(ErrorCause cause) const {
+    return mean_of(of(cause).flicker_squares, of(cause).flicker_square_squares, sums_.followed);
+}
+
+double ErrorSplit::flicker(ErrorCause cause) const {
+    return core::sqrt_or_zero(flicker_mean_square(cause).value);
+}
+
 MeanError ErrorSplit::bias(ErrorCause cause) const {
     const CauseSums& s = of(cause);
     return over_light(mean_of(s.difference, s.difference_squares, sums_.pixels), sums_.light, sums_.pixels);
@@ -150,6 +177,7 @@ void ErrorSplit::add(const ErrorSplit& others) {
     sums_.pixels += others.sums_.pixels;
     sums_.paths += others.sums_.paths;
     sums_.blocks += others.sums_.blocks;
+    sums_.followed += others.sums_.followed;
     sums_.light += others.sums_.light;
     sums_.dark_light += others.sums_.dark_light;
     for (std::size_t c = 0; c < cause_count; ++c) {
@@ -161,6 +189,8 @@ void ErrorSplit::add(const ErrorSplit& others) {
         sum.dark_difference_squares += more.dark_difference_squares;
         sum.block_squares += more.block_squares;
         sum.block_square_squares += more.block_square_squares;
+        sum.flicker_squares += more.flicker_squares;
+        sum.flicker_square_squares += more.flicker_square_squares;
         for (std::size_t m = 0; m < measure_count; ++m) {
             sum.squares[m] += more.squares[m];
             sum.square_squares[m] += more.square_squares[m];

@@ -44,8 +44,15 @@ struct CauseSums {
     double difference = 0, difference_squares = 0;            ///< of luminances, signed
     double dark_difference = 0, dark_difference_squares = 0;  ///< 0 for pixels that are not dark
     std::array<double, measure_count> squares{}, square_squares{};
-    double block_squares = 0, block_square_squares = 0;  ///< of means of 8x8 pixels, code values
+    double block_squares = 0, block_square_squares = 0;      ///< of means of 8x8 pixels, code values
+    double flicker_squares = 0, flicker_square_squares = 0;  ///< of changes from frame to frame, code values
 };
+
+/// Errors of a pixel in code values: by half of its truth, by cause.
+using CodeErrors = std::array<std::array<double, cause_count>, 2>;
+
+/// `luma` tells code values of radiance.
+CodeErrors code_errors(const ValidatedPixel& pixel, const std::function<double(glm::vec3)>& luma);
 
 /// A mean and its standard error.
 struct MeanError {
@@ -59,6 +66,9 @@ class ErrorSplit {
     /// as a block. `luma` tells code values of radiance.
     void add(std::span<const ValidatedPixel> pixels, const std::function<double(glm::vec3)>& luma);
 
+    /// Adds a point that two frames in a row show, with its errors in both.
+    void add_change(const CodeErrors& before, const CodeErrors& now);
+
     /// Adds the sums of another run.
     void add(const ErrorSplit& others);
 
@@ -70,13 +80,16 @@ class ErrorSplit {
     /// Likewise of the errors' means over blocks of 8x8 pixels, in code values.
     MeanError block_mean_square(ErrorCause cause) const;
     double block_rms(ErrorCause cause) const;
+    /// Likewise of the errors' changes from frame to frame at points that both show.
+    MeanError flicker_mean_square(ErrorCause cause) const;
+    double flicker(ErrorCause cause) const;
     /// Light too much (too little: < 0) over all light, of all pixels and of the darker half.
     MeanError bias(ErrorCause cause) const;
     MeanError dark_bias(ErrorCause cause) const;
 
     /// All that is to be kept between runs.
     struct Sums {
-        std::uint64_t pixels = 0, paths = 0, blocks = 0;
+        std::uint64_t pixels = 0, paths = 0, blocks = 0, followed = 0;
         double light = 0, dark_light = 0;  ///< of the truth
         std::array<CauseSums, cause_count> causes{};
     };

@@ -7,12 +7,14 @@
 #include "core/color.h"
 #include "core/numeric.h"
 #include "core/sampling.h"
+#include "renderer/base/light_point.h"
+#include "renderer/base/lobe.h"
 #include "renderer/view/edited_mirror.h"
 
 namespace render2mpeg::renderer {
 namespace {
 
-/// A mirror ray that would bring less than this share of its sample is not shot; its light is lost.
+/// A mirror ray that would bring less than this share of its sample gathers nothing.
 /// chosen: a smooth dielectric's 4 % is traced once, its reflection in another one not; tried 0.001 (twice the gather
 /// points between two polished surfaces, no visible difference) to 0.05 (polished floors lose their reflection).
 constexpr float least_mirror_share = 0.02f;
@@ -29,10 +31,11 @@ constexpr int most_lesser_paths = 64;
 /// Boundaries of bodies on one path beyond its mirrors. chosen: 8, as two wine glasses with wine take.
 constexpr int more_boundaries = 8;
 
-/// A path through solid glass below its bound is followed for emission alone, lamps and sky, as far as it brings this
-/// share: lamps are so much brighter than other things that a ball's inner reflections of them are seen. It costs rays,
-/// but no gather points. chosen: 0.005, which takes a twentieth more rays; a ball before a lamp lacks 0.4 % of its
-/// light, without such paths 1.9 %; 0.0005 takes a third more rays for as much (tests/reference).
+/// A path of a mirror or through solid glass below its bound is followed for emission alone, lamps and sky, as far as
+/// it brings this share: lamps are so much brighter than other things that a ball's inner reflections of them are seen,
+/// and those in a clear coat, which mirrors 1 %. It costs rays, but no gather points. chosen: 0.005, which takes a
+/// twentieth more rays; a ball before a lamp lacks 0.4 % of its light, without such paths 1.9 %; 0.0005 takes a third
+/// more rays for as much (tests/reference).
 constexpr float least_shining_share = 0.005f;
 
 /// Holes of cut-out surfaces cost a ray each but hide nothing; so many in a row end a ray of the eye.
@@ -94,6 +97,7 @@ struct EyePaths::PathState {
     float clear = 1;   ///< transmittance of air for it
     bool specular() const { return path != direct_path; }
     bool straight() const { return mirrors == 0 && !bent; }
+    bool turned() const { return mirrors + boundaries > 0; }  ///< off a mirror or through a body's boundary
 };
 
 EyePaths::EyePaths(const PosedScene& posed_scene, const SeeSettings& settings, const Plan& plan)
@@ -101,6 +105,8 @@ EyePaths::EyePaths(const PosedScene& posed_scene, const SeeSettings& settings, c
       sky_(plan.runs(Pass::sky_background) && posed_scene.sky() != nullptr),
       mirrors_(plan.runs(Pass::mirrors)),
       bodies_(posed_scene.has_bodies()),
+      discs_(std::any_of(posed_scene.animation().lights.begin(), posed_scene.animation().lights.end(),
+                         [](const scene::Light& light) { return light.disc > 0.0f; })),
       edits_(plan.runs(Pass::edited_reflections)),
       mattes_(settings.mattes),
       transparent_(settings.transparent),
@@ -130,8 +136,32 @@ void EyePaths::see_sky(const PathState& path, EyeSample& sample) const {
     const glm::vec3 light = path.weight * sky_clock_.time([&] {
         return posed_scene_.sky()->radiance(path.ray.direction, glm::length(glm::cross(spread.dx, spread.dy)));
     });
+    emit(path, light, sample);
+}
+
+void EyePaths::emit(const PathState& path, glm::vec3 light, EyeSample& sample) {
     sample.emitted += light;
     if (path.specular()) sample.emitted_specular += light;
+}
+
+/// Shows lamps without a surface on a segment of this length: discs that face where it begins, and let pass all light.
+void EyePaths::see_discs(const PathState& path, float length, EyeSample& sample) const {
+    for (const scene::LightState& lamp : posed_scene_.posed().lights) {
+        if (!(lamp.disc > 0.0f) || !(path.turned() || (lamp.seen && !transparent_))) continue;
+        const bool far = lamp.kind == scene::LightKind::directional;
+        if (far && !std::isinf(length)) continue;
+        const glm::vec3 way = far ? -lamp.direction : lamp.position - path.ray.origin;
+        const float along = glm::dot(way, path.ray.direction), distance = glm::length(way);
+        const float apart = glm::length(glm::cross(way, path.ray.direction));
+        // As wide where the ray passes the disc's plane.
+        if (!(along > 0.0f) || !(apart * distance <= lamp.disc * along) || !(distance < length)) continue;
+        const float share = far ? 1.0f : spot_share(lamp, -path.ray.direction);
+        const float clear = air_ == nullptr || !path.ray.media.empty() ? 1.0f
+                            : far ? std::exp(-air_->depth_to_sky(path.ray.origin, path.ray.direction))
+                                  : air_->transmittance(path.ray.origin, path.ray.direction, distance);
+        const float radiance = share * lobe::inverse_pi / (lamp.disc * lamp.disc);
+        emit(path, path.weight * lamp.intensity * (clear * radiance), sample);
+    }
 }
 
 /// Whether a surface cuts a hole into the picture.
@@ -167,6 +197,7 @@ void EyePaths::follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& cou
     for (int step = 0; step < most_steps; ++step) {
         ++(path.straight() ? counts.primary_rays : counts.specular_rays);
         if (step > 0) hit = path.ray.meet(posed_scene_, path.far);
+        if (discs_) see_discs(path, hit.found() ? hit.distance : std::numeric_limits<float>::infinity(), sample);
         if (!hit.found()) {
             if (air_ != nullptr) pass_air(path, path.far, sample);
             see_sky(path, sample);
@@ -183,6 +214,8 @@ void EyePaths::follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& cou
         SurfacePoint& point = fragment.point;
         point = path.ray.surface_at(posed_scene_, hit, footprint);
         if (edits_) aim_reflection(posed_scene_, path.ray.time, point);
+        if (point.alpha == 0.0f && path.turned() && posed_scene_.animation().materials[point.material].mirrored)
+            emit(path, path.weight * point.emission, sample);
         const glm::vec3 passing = point.alpha > 0.0f ? show(path, fragment, footprint, sample, counts) : path.weight;
         if (point.bounds_body && point.alpha == 1.0f) {
             if (!bend(path, fragment, footprint, passing, sample)) return;
@@ -252,8 +285,7 @@ glm::vec3 EyePaths::show(PathState& path, Fragment& fragment, const SurfaceFootp
     // Mattes count glass as opaque.
     const bool is_glass = core::luminance(through) > 0.0f;
     cover(path, point, core::luminance(is_glass ? path.weight : fragment.weight), sample);
-    sample.emitted += fragment.weight * point.emission;
-    if (path.specular()) sample.emitted_specular += fragment.weight * point.emission;
+    emit(path, fragment.weight * point.emission, sample);
     if (path.is_image && alpha == 1.0f && !point.bounds_body && !shows_reflection(point))
         sample.main.imaged = point.address;
     path.is_image = false;
@@ -340,7 +372,6 @@ void EyePaths::mirror(const PathState& path, const Fragment& fragment, const Sur
     const bool lesser = !(point.bounds_body && share > core::luminance(fragment.weight * point.bsdf.transmission));
     next.dim = path.dim || share < (lesser ? least_mirror_share : least_passing_share);
     if (!mirrors_ || !(share >= (next.dim ? least_shining_share : 0.0f))) return;
-    if (next.dim && !point.bounds_body) return;
     next.boundaries = path.boundaries;
     if (point.bounds_body ? !may_go_on(next, lesser, sample) : path.mirrors >= specular_depth_) return;
     next.mirrors = path.mirrors + (point.bounds_body ? 0 : 1);

@@ -72,6 +72,8 @@ class EyePaths {
     struct PathState;
     void follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& counts) const;
     void see_sky(const PathState& path, EyeSample& sample) const;
+    void see_discs(const PathState& path, float length, EyeSample& sample) const;
+    static void emit(const PathState& path, glm::vec3 light, EyeSample& sample);
     void cover(const PathState& path, const SurfacePoint& point, float share, EyeSample& sample) const;
     bool is_hole(const PathState& path, const SurfacePoint& point) const;
     glm::vec3 show(PathState& path, Fragment& fragment, const SurfaceFootprint& footprint, EyeSample& sample,
@@ -89,7 +91,7 @@ class EyePaths {
               EyeSample& sample) const;
 
     const PosedScene& posed_scene_;
-    bool sky_, mirrors_, bodies_, edits_, mattes_, transparent_;
+    bool sky_, mirrors_, bodies_, discs_, edits_, mattes_, transparent_;
     int specular_depth_;
     const Air* air_;
     mutable SampledClock sky_clock_;

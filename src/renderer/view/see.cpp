@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/color.h"
 #include "core/error.h"
@@ -38,6 +39,22 @@ bool jumps(const core::Visible& visible, int x, int y, glm::ivec2 step, float an
     return std::abs(bend) > same_depth * angle;
 }
 
+/// Light in mirrors and glass that differs by more than this factor is an edge. chosen: 2, as rims of lamps have; what
+/// mirrors show of the sky seldom does.
+constexpr float same_light = 2.0f;
+
+/// Whether mirrors show a lamp's rim in one of nine pixels. No sample may have met the part in this one.
+bool shows_rim(const core::Plane<glm::vec3>& mirrored, int x, int y) {
+    float darkest = std::numeric_limits<float>::infinity(), brightest = 0.0f;
+    for (int y1 = std::max(y - 1, 0); y1 <= std::min(y + 1, mirrored.height() - 1); ++y1)
+        for (int x1 = std::max(x - 1, 0); x1 <= std::min(x + 1, mirrored.width() - 1); ++x1) {
+            const float light = core::luminance(mirrored.at(x1, y1));
+            darkest = std::min(darkest, light);
+            brightest = std::max(brightest, light);
+        }
+    return brightest > same_light * darkest;
+}
+
 /// Whether an edge passes by a pixel, as the middles of the pixels about it tell.
 bool is_at_edge(const Frame& seen, int x, int y, float angle) {
     const core::Visible& visible = seen.visible;
@@ -52,6 +69,7 @@ bool is_at_edge(const Frame& seen, int x, int y, float angle) {
                core::luminance(seen.emitted.at(x + dx, y + dy)) > 0.0f;
     };
     if (shines(-1, -1) || shines(1, -1) || shines(-1, 1) || shines(1, 1)) return true;
+    if (!seen.emitted_specular.empty() && shows_rim(seen.emitted_specular, x, y)) return true;
     const core::PixelClass kind = visible.kind.at(x, y);
     if (kind != core::PixelClass::surface && kind != core::PixelClass::reflected) return false;
     return jumps(visible, x, y, {1, 0}, angle) || jumps(visible, x, y, {0, 1}, angle);

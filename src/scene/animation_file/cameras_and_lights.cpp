@@ -109,6 +109,17 @@ void read_camera(const JsonValue& value, const std::string& name, std::size_t in
 constexpr std::array<std::string_view, 5> kinds{"point", "spot", "sun", "panel", "sphere"};
 constexpr std::array<std::string_view, 2> spot_falloffs{"gltf", "blender-3"};
 
+/// What shows a lamp itself.
+enum class Seen { by_nothing, by_mirrors, by_all };
+
+Seen seen_of(const JsonValue& light, Seen otherwise) {
+    constexpr std::array<std::string_view, 1> words{"mirrors"};
+    const auto seen = light.find("seen");
+    if (!seen) return otherwise;
+    if (seen->is_text()) return seen->word(words), Seen::by_mirrors;
+    return seen->boolean() ? Seen::by_all : Seen::by_nothing;
+}
+
 /// Lights shine along -z.
 Mesh flat_panel(glm::dvec2 size) {
     Mesh mesh = quad_mesh(size, TextureLayout::fit);
@@ -176,12 +187,17 @@ void Lights::build_punctual(const JsonValue& value, const std::string& name, int
     value.set("range", light.range, 0, 1e7);
     if (light.kind == LightKind::directional && value.has("angle"))
         light.angle = static_cast<float>(glm::radians(value.need("angle").number(0, 180) / 2));
+    if (const Seen seen = seen_of(value, Seen::by_nothing); seen != Seen::by_nothing) {
+        light.disc = std::sin(light.angle);
+        light.seen = seen == Seen::by_all;
+    }
     if (light.kind == LightKind::spot) {
         const double angle = value.number_or("angle", 0.1, 180, 60);
         const double softness = value.number_or("softness", 0, 1, 0.3);
         light.outer_cone = static_cast<float>(glm::radians(angle / 2));
         // The two cones must not coincide.
         light.inner_cone = static_cast<float>(glm::radians(angle / 2) * std::min(1 - softness, 0.999));
+        if (value.has("radius")) light.disc = static_cast<float>(size_or(value, "radius", 0));
         if (const auto falloff = value.find("falloff")) light.smooth_cosine = falloff->word(spot_falloffs) == 1;
     }
     const Curve power = power_of(value, copy);
@@ -213,10 +229,11 @@ void Lights::build_lamp(const JsonValue& value, const std::string& name, int nod
     if (material_at_.find(place) == material_at_.end()) {
         Material material = matt(name, glm::vec3(0));
         material.emission = color * static_cast<float>(value.number_or("intensity", 0, 1e6, 10));
-        if (const auto v = value.find("seen"); v && !v->boolean()) {
+        if (const Seen seen = seen_of(value, Seen::by_all); seen != Seen::by_all) {
             // Alpha hides what is seen of a surface, not what it shines.
             material.base_color.a = 0;
             material.alpha_mode = AlphaMode::blend;
+            material.mirrored = seen == Seen::by_mirrors;
         }
         const int index = static_cast<int>(film_.materials.size());
         film_.materials.push_back(material);
@@ -242,8 +259,10 @@ void Lights::build(const JsonValue& value, std::size_t number) {
     only_for("range", {0, 1});
     only_for("size", {3});
     only_for("round", {3});
-    only_for("radius", {4});
-    only_for("seen", {3, 4});
+    only_for("radius", {1, 4});
+    only_for("seen", {2, 3, 4});
+    if (kind == 2 && value.has("seen") && !value.has("angle"))
+        value.need("seen").fail("shows a sun of an `angle` alone");
 
     const std::string name =
         value.has("name") ? value.need("name").text() : std::string(kinds[kind]) + " " + std::to_string(number + 1);

@@ -93,6 +93,7 @@ core::Fog fog_of(const JsonValue& value) {
     fog.visibility = visibility(*far);
     if (const auto color = value.find("color")) fog.color = color->color(1);
     value.set("anisotropy", fog.anisotropy, -core::most_anisotropy, core::most_anisotropy);
+    if (const auto bounces = value.find("bounces")) fog.bounces = bounces->boolean();
     constexpr double most_height = 1e7;  // as of positions
     value.set("falloff", fog.falloff, 1e-3, most_height);
     if (const auto height = value.find("height")) {

@@ -18,7 +18,9 @@ struct Light {
     float inner_cone = 0;          ///< spot: half angle of full light, radians
     float angle = 0;               ///< directional: half the angle that its disc spans, radians, 0..pi/2; 0: a point
     float outer_cone = 0.785398f;  ///< spot: half angle where the light ends, radians, > inner_cone
-    bool smooth_cosine = false;    ///< spot: dims by the cosine to the axis, between the cones by a smooth step in it
+    float disc = 0;     ///< radius of the disc that mirrors and bodies of glass show, of suns at distance 1; 0: none
+    bool seen = false;  ///< the eye sees that disc as well
+    bool smooth_cosine = false;  ///< spot: dims by the cosine to the axis, between the cones by a smooth step in it
 };
 
 /// Background and sky light. Image (latitude-longitude, +y up, -z in the middle) times colour.

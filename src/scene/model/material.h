@@ -52,8 +52,9 @@ struct Material {
                                ///< in glTF
     float alpha_cutoff = 0.5f;
     bool double_sided = false;
-    bool holdout = false;  ///< the camera sees a hole in its place, light a surface
-    bool unlit = false;    ///< shows base_color as radiance, casts shadows, neither receives nor reflects light
+    bool holdout = false;   ///< the camera sees a hole in its place, light a surface
+    bool mirrored = false;  ///< mirrors and bodies of glass show the emission that alpha hides
+    bool unlit = false;     ///< shows base_color as radiance, casts shadows, neither receives nor reflects light
 
     float transmission = 0;           ///< KHR_materials_transmission, 0..1
     TextureUse transmission_texture;  ///< r

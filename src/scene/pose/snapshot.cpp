@@ -50,6 +50,8 @@ LightState pose_light(const Animation& animation, std::size_t index, const Pose&
     state.range = light.range;
     // Below a fiftieth of the real sun's, a disc is a point, and its radiance stays finite.
     state.angle = light.kind == LightKind::directional && light.angle >= 1e-4f ? light.angle : 0.0f;
+    state.disc = light.disc;
+    state.seen = light.seen;
     if (light.kind == LightKind::spot) {
         state.cos_inner = std::cos(light.inner_cone);
         state.cos_outer = std::cos(light.outer_cone);

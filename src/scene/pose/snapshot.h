@@ -38,6 +38,8 @@ struct LightState {
     float range = 0, cos_inner = 1, cos_outer = 0;
     float angle = 0;             ///< see Light::angle
     bool smooth_cosine = false;  ///< see Light::smooth_cosine
+    float disc = 0;              ///< see Light::disc
+    bool seen = false;           ///< see Light::seen
     std::uint32_t id = 0;        ///< index into Animation::lights
 };
 

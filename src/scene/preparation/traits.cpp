@@ -152,4 +152,17 @@ Traits traits_of(const Animation& animation) {
     return traits;
 }
 
+float mirrored_share(const Material& m) {
+    const auto largest = [](glm::vec3 v) { return std::max({v.x, v.y, v.z}); };
+    if (m.specular_glossiness) {
+        const bool smooth = 1.0f - m.glossiness < mirror_roughness || m.specular_glossiness_texture.present();
+        return smooth ? largest(m.specular) : 0.0f;
+    }
+    const float r = (m.ior - 1.0f) / (m.ior + 1.0f);
+    const bool smooth = m.roughness < mirror_roughness || m.metallic_roughness_texture.present();
+    const float share =
+        smooth ? std::max(m.metallic * largest(glm::vec3(m.base_color)), r * r * m.specular_weight) : 0.0f;
+    return m.coat_roughness < mirror_roughness ? std::max(share, 0.04f * m.coat) : share;
+}
+
 }  // namespace render2mpeg::scene

@@ -52,6 +52,9 @@ bool mirrors(const Animation& animation, const Object& object);
 /// chosen: GGX alpha 0.01; tried 0.05..0.2, see docs/model/materials.md.
 inline constexpr float mirror_roughness = 0.1f;
 
+/// Share of light that a surface mirrors, about, seen from above; 0: it mirrors none.
+float mirrored_share(const Material& material);
+
 /// Below this perceptual roughness a lobe counts as narrow: light points stand too far apart in it, and rays look along
 /// it (final_gather.h). chosen: 0.35, where half the lobe spans some 14 degrees; not tuned.
 inline constexpr float narrow_roughness = 0.35f;
