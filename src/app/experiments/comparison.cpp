@@ -253,9 +253,8 @@ std::string compare_page(const RenderJob& film, const Comparison& found) {
                    html_of("What was tried", compare_columns, rows) + difference_rows(found) +
                    "<p class=\"soft\">Light: CPU seconds of all threads per frame; coding: with exact motion, or with "
                    "ffmpeg's search for it on one thread. PSNR-Y, SSIM and PSNR-HVS-M (HVS-M): all decoded pictures "
-                   "against themselves as lit, with what light adds on those that were also lit as the reference, "
-                   "beside "
-                   "the truth for PSNR-Y, beside the reference for the others. "
+                   "against themselves as lit, with what light adds on those that were also lit as the reference: "
+                   "against the truth for PSNR-Y, against the reference for the others. "
                    "At equal quality: mean differences over the qualities that both reach (Bjontegaard).</p>\n" +
                    commands(found));
 }

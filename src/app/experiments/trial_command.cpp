@@ -130,8 +130,7 @@ std::string truth_text(const std::optional<PathTruth>& truth) {
     if (!truth) return {};
     return fmt::format(
         "PSNR-Y: against the truth, which is this light, mended by unbiased paths of {} of {} pixels. It is at least "
-        "{} "
-        "dB from these. SSIM, HVS-M and errors of light: against this light itself.",
+        "{} dB from these. SSIM, HVS-M and errors of light: against this light itself.",
         truth->pixels, truth->of, psnr_text(truth->psnr_y));
 }
 

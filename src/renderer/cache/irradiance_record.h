@@ -44,13 +44,13 @@ struct RecordAnchor {
 struct IrradianceRecord {
     core::SurfaceAddress address;
     bool back_side = false;
-    std::uint8_t path = direct_path;  ///< GatherPoint's; of others it is of its frame alone
+    std::uint8_t path = direct_path;  ///< GatherPoint's
     bool capped = false;              ///< its cut ended before its tolerance was kept
     std::uint8_t set = 0;             ///< of representatives that lit it, 0..3
     glm::vec3 position{0};            ///< world, at the instant of the frame
     glm::vec3 geometric_normal{0};    ///< likewise
     glm::vec3 shading_normal{0};
-    glm::vec2 seen_at{0};              ///< on the picture, pixels, in mirrors or through glass
+    glm::vec2 seen_at{0};              ///< place on the picture where it was gathered, pixels
     glm::vec3 direct{0}, indirect{0};  ///< irradiance over pi, of light trees
     GlossyRecord lobe;                 ///< likewise
     /// Light of gather rays (RayLight), their number, and the variance of the mean of 8 of them: luminance squared, for
@@ -71,6 +71,7 @@ struct IrradianceRecord {
     std::int64_t born = 0, used = 0;  ///< frames
 
     glm::vec3 irradiance() const { return direct + indirect + by_rays[0]; }  ///< over pi
+    /// Whether it was seen in mirrors or through glass, and lasts for its frame alone.
     bool is_of_frame() const { return path != direct_path; }
 };
 
