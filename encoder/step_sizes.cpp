@@ -22,8 +22,8 @@ StepSizes mpeg2_steps(Tune tune, int quantiser) {
     return steps;
 }
 
-/// At equal PSNR-Y steps of these codecs are 1.6, 1.6 and 3 times those of MPEG-2, but what coding hides is 1.2, 1 and
-/// 1.2 times as much. fit: docs/measurements.md#codecs
+/// Share of step-sized errors that coding hides, over MPEG-2's. At equal PSNR-Y steps of these codecs are 1.6, 1.6 and
+/// 3 times MPEG-2's; per step less is hidden. fit: docs/measurements.md#codecs
 float hidden_share(Codec codec) {
     if (codec == Codec::h264) return 0.72f;
     return codec == Codec::hevc ? 0.6f : 0.4f;

@@ -21,8 +21,7 @@ struct Radiance {
     Plane<glm::vec3> specular;             ///< radiance seen in mirrors and through glass
     Plane<float> direct_cut;               ///< clusters used, mean over the pixel's gather points
     Plane<float> indirect_cut;
-    Plane<float> error;           ///< luminance by which gathering may be off, as its stopping rule reckons; of paths
-                                  ///< the standard error
+    Plane<float> error;           ///< standard error of luminance, of what is gathered
     Plane<glm::vec3> half;        ///< radiance by half of the paths; the other half is as far on the other side of
                                   ///< `combined`; only of light by paths alone
     Plane<float> record_density;  ///< records that lie in the pixel, seen or hidden; these three only where light is

@@ -94,7 +94,7 @@ TEST_F(Wall, CoarselyGatheredRecordsServeNoFinePixel) {
     strew(2, [](glm::vec2) { return 1.0f; });
     RecordStore coarse;
     for (IrradianceRecord r : records_.all()) {
-        r.error = 0.2f;
+        r.error = {0.2f / core::errors_of_one_in_hundred};
         coarse.insert(r);
     }
     records_ = coarse;

@@ -70,13 +70,13 @@ TEST_F(Wall, RecordsKeepTheirErrorsWithoutErrorScale) {
     const GatherPoint p = point_at(12, 12);
     PointLight light;
     light.direct = glm::vec3(1);
-    light.error = 0.03f;
+    light.error = {0.03f};
     const auto plain = record_of(p, light, {}, {}, 1.0f, 0);
-    light.error *= 2.5f;
+    light.error = 2.5f * light.error;
     const auto cautious = record_of(p, light, {}, {}, 2.5f, 0);
     ASSERT_TRUE(plain && cautious);
-    EXPECT_GT(plain->error, 0.03f);
-    EXPECT_NEAR(cautious->error, plain->error, 1e-6f);
+    EXPECT_GT(plain->error.value, 0.03f);
+    EXPECT_NEAR(cautious->error.value, plain->error.value, 1e-6f);
 }
 
 TEST_F(Wall, EveryRequestIsGatheredOnceInGroupsOfOneSet) {

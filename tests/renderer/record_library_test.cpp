@@ -14,7 +14,7 @@ IrradianceRecord record(float u, std::uint32_t rays) {
     r.direct = {0.5f, 0.25f, 0.125f};
     r.by_rays = {glm::vec3{3e4f, 1, 0.001f}, glm::vec3(0), glm::vec3(0)};
     r.batch_variance = 0.3f;
-    r.error = 0.01f;
+    r.error = {0.01f};
     r.seed = 0x123456789abcdefull;
     r.ray_count = r.next_ray = rays;
     r.set = 3;

@@ -106,9 +106,10 @@ TEST(StoppingRule, SaysByHowMuchEveryPixelMayErrSlow) {
     for (std::size_t i = 0; i < truth.combined.size(); ++i) {
         const float light = core::luminance(truth.combined.values()[i]);
         const float off = std::abs(core::luminance(cut.combined.values()[i]) - light);
-        within += off <= cut.error.values()[i] + 1e-5f * light ? 1 : 0;
+        const float exceeded_by_one_in_hundred = core::errors_of_one_in_hundred * cut.error.values()[i];
+        within += off <= exceeded_by_one_in_hundred + 1e-5f * light ? 1 : 0;
         ++pixels;
-        EXPECT_LE(cut.error.values()[i], 0.095f * light);
+        EXPECT_LE(exceeded_by_one_in_hundred, 0.095f * light);
         EXPECT_EQ(cut.capped.values()[i], 0);
         EXPECT_EQ(truth.error.values()[i], 0.0f);
     }
@@ -122,7 +123,8 @@ TEST(StoppingRule, SaysByHowMuchEveryPixelMayErrSlow) {
     for (std::size_t i = 0; i < rough.combined.size(); ++i) {
         if (rough.capped.values()[i] == 0) continue;
         ++stopped;
-        EXPECT_GT(rough.error.values()[i], 0.005f * core::luminance(rough.combined.values()[i]));
+        EXPECT_GT(core::errors_of_one_in_hundred * rough.error.values()[i],
+                  0.005f * core::luminance(rough.combined.values()[i]));
     }
     EXPECT_GT(stopped, rough.combined.size() * 9 / 10);
 }

@@ -35,7 +35,7 @@ const std::vector<SubjectScale>& subjects() {
     static const std::vector<SubjectScale> all{
         {"tolerance", tolerance, "TOLERANCE / LUMINANCE", true, true, {0.01f, 0.02f, 0.05f, 0.1f, 0.2f, 0.5f, 1}},
         {"cut", cut, "CUT: CLUSTERS PER PIXEL", true, false, {5, 10, 30, 100, 300, 1000, 4000}},
-        {"error", error, "ERROR REACHED / LUMINANCE", true, true, {0.001f, 0.01f, 0.02f, 0.05f, 0.1f, 0.3f, 1}},
+        {"error", error, "STANDARD ERROR / LUMINANCE", true, true, {0.001f, 0.01f, 0.02f, 0.05f, 0.1f, 0.3f, 1}},
         {"quantiser", quantiser, "QUANTISER SCALE CODE", true, false, {1, 2, 3, 4, 6, 8, 12, 16, 24, 31}},
         {"records", records, "RECORDS IN THE PIXEL", false, false, {0, 1, 2, 4, 6, 8}, &core::Radiance::record_density},
         {"age", age, "AGE OF LIGHT: FRAMES", false, false, {0, 10, 20, 30, 40, 50, 60}, &core::Radiance::record_age},

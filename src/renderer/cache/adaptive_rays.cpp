@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/color.h"
+#include "core/standard_error.h"
 #include "parallel/loops.h"
 #include "renderer/cache/changed_light.h"
 #include "renderer/cache/local_regression.h"
@@ -50,7 +51,7 @@ std::uint32_t wanted_rays(const FrameState& frame, const NewRecord& fresh, Local
     if (!error.is_valid() || !(error.square > 0.0)) return record.ray_count;
     // The neighbours' light says what is allowed: rays that found too much by chance would allow themselves more.
     const float light = core::luminance(light_of(frame, fresh, blend(fit, frame.records)).scattered(query->point)),
-                tolerance = query->tolerance.allows_noise(light) / errors_allowed;
+                tolerance = query->tolerance.allows_noise(light) / core::errors_of_noise;
     const double has = record.ray_count, most = most_growth * has;
     if (!(tolerance > 0.0f)) return static_cast<std::uint32_t>(most);
     double needs =
@@ -135,8 +136,7 @@ void reconstruct(FrameState& frame) {
                 turned += fit.weight(k) * fit.lobe(k).turned;
                 frame.records.mark_used(fit.record(k), frame.snapshot.frame);
             }
-            light.error =
-                errors_allowed * static_cast<float>(std::sqrt(error.square)) + turn_error * glm::length(turned);
+            light.error = {static_cast<float>(std::sqrt(error.square)) + turn_error * glm::length(turned)};
             frame.tiles[fresh.point.tile].light[fresh.point.index] = light_of(frame, fresh, light);
         }
     });

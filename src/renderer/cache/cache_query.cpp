@@ -5,6 +5,7 @@
 
 #include "core/color.h"
 #include "core/numeric.h"
+#include "core/standard_error.h"
 #include "renderer/cache/local_regression.h"
 #include "renderer/gather/ray_sums.h"
 
@@ -29,14 +30,14 @@ PointLight blend(const LocalRegression& fit, const CacheQuery& q, const RecordSt
         clamped += w * r.clamped;
         age += std::abs(w) * static_cast<float>(frame - r.born);
         sum += std::abs(w);
-        square += w * w * r.error * r.error;
+        square += w * w * r.error.value * r.error.value;
     }
     light.direct = glm::max(light.direct, glm::vec3(0));
     light.indirect = glm::max(light.indirect, glm::vec3(0));
     light.glossy = glm::max(light.glossy, glm::vec3(0));
     light.clamped = std::max(clamped, 0.0f) * core::luminance(light.scattered(q.point));
     light.age = core::divide_or(age, sum, 0.0f);
-    light.error = q.receives * error_scale * std::sqrt(square) + turn_error * glm::length(turned);
+    light.error = {q.receives * error_scale * std::sqrt(square) + turn_error * glm::length(turned)};
     light.served = true;
     return light;
 }
@@ -48,7 +49,7 @@ constexpr float errors_of_detail = 2.0f;
 /// Mean square error that is allowed to a point whose rays vary by so much, of which a share is left by its neighbours.
 double allowed_square(const RegressionError& error, float tolerance, GatherAim aim) {
     if (!(error.batch_variance > 0.0)) return std::pow(tolerance / errors_of_detail, 2.0f);
-    const double square = std::pow(tolerance / errors_allowed, 2.0f);
+    const double square = std::pow(tolerance / core::errors_of_noise, 2.0f);
     // Of rays of its own a block's mean has a 64th.
     const double alone = error.batch_variance * error.variance_share,
                  batches = std::pow(aim.priced(alone, alone / 64) / square, 1.0 / variance_power);
@@ -65,10 +66,10 @@ std::optional<PointLight> query_cache(const CacheQuery& q, const RecordGrid& gri
     if (!error.is_valid()) return std::nullopt;
     PointLight light = blend(fit, q, records, error_scale, frame);
     const float found = core::luminance(light.scattered(q.point)), tolerance = q.tolerance.allows(found);
-    if (!(tolerance > 0.0f) || !(light.error <= tolerance) ||
+    if (!(tolerance > 0.0f) || !(core::errors_of_one_in_hundred * light.error.value <= tolerance) ||
         !(aim.priced(error.square, error.of_block) <= allowed_square(error, q.tolerance.allows_noise(found), aim)))
         return std::nullopt;
-    light.error = std::hypot(light.error, errors_allowed * static_cast<float>(std::sqrt(error.square)));
+    light.error += {static_cast<float>(std::sqrt(error.square))};
     for (std::size_t i = 0; i < fit.size(); ++i)
         if (fit.weight(i) != 0.0f) records.mark_used(fit.record(i), frame);
     return light;

@@ -217,7 +217,7 @@ void gather_trees_again(FrameState& frame, std::span<const GatherPoint> receiver
                 r.indirect = light.indirect;
                 if (r.lobe.alpha > 0.0f) r.lobe.f0 = gathered.f0.at(lane), r.lobe.schlick = gathered.schlick.at(lane);
                 r.capped = light.capped;
-                r.error = core::divide_or(light.error, receives(*pointers[i]) * frame.limits.error_scale, 0.0f);
+                r.error = {core::divide_or(light.error.value, receives(*pointers[i]) * frame.limits.error_scale, 0.0f)};
             }
         }
     });

@@ -6,10 +6,10 @@
 
 namespace render2mpeg::renderer {
 
-/// Change of a lobe's light as its half vectors turn by its width, beyond that known by `seen_from`. Counts by the
-/// weighted sum of the records' turns, which is zero where a plane lies through them and the eye stands still. chosen:
-/// 0.6 of 0, 0.3, 0.6 and 1 (docs/measurements.md#irradiance-cache).
-inline constexpr float turn_error = 0.6f;
+/// Standard error of a lobe's light as its half vectors turn by its width, beyond the change known by `seen_from`.
+/// Counts by the weighted sum of the records' turns, which is zero where a plane lies through them and the eye stands
+/// still. chosen: 0.23 of 0, 0.12, 0.23 and 0.38 (docs/measurements.md#irradiance-cache).
+inline constexpr float turn_error = 0.23f;
 
 /// A record's lobe towards the eye of a point that asks, by the point's material.
 struct SeenLobe {

@@ -65,8 +65,8 @@ struct IrradianceRecord {
     bool looks_now = true;                         ///< `look` is of the last instant
     std::shared_ptr<const RecordAnchor> anchor{};  ///< null: the last instant is that of all its rays and its look
     PointTolerance tolerance;                      ///< that its trees' light is within
-    /// Luminance by which trees may be off for a white receiver, as the cut's rule reckons with an error scale of 1.
-    float error = 0;
+    /// Of light of trees for a white receiver, luminance, with an error scale of 1.
+    core::StandardError error{};
     float clamped = 0;                ///< loss to the clamp of near lights, as a share of arriving light
     std::int64_t born = 0, used = 0;  ///< frames
 

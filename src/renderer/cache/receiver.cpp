@@ -79,7 +79,7 @@ std::optional<IrradianceRecord> record_of(const GatherPoint& p, const PointLight
     record.direct = light.direct;
     record.indirect = light.indirect;
     record.lobe = lobe;
-    record.error = core::divide_or(light.error, receives(p) * error_scale, 0.0f);
+    record.error = {core::divide_or(light.error.value, receives(p) * error_scale, 0.0f)};
     record.clamped = core::divide_or(light.clamped, core::luminance(light.scattered(p)), 0.0f);
     record.born = record.used = frame;
     const GatherPoint plain = plain_receiver(p);

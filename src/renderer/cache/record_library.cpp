@@ -25,7 +25,7 @@ StoredRecord stored(const IrradianceRecord& r, std::uint32_t near_field) {
                    [](glm::vec3 part) { return PackedLight(glm::max(part, glm::vec3(0))); });
     s.alpha = r.lobe.alpha;
     s.batch_variance = r.batch_variance;
-    s.error = r.error;
+    s.error = r.error.value;
     s.clamped = r.clamped;
     s.seed = r.seed;
     s.ray_count = r.ray_count;
@@ -48,7 +48,7 @@ IrradianceRecord record_from(const StoredRecord& s, std::int64_t frame) {
                                              r.by_rays.data(), &r.by_rays[1], &r.by_rays[2]};
     for (std::size_t k = 0; k < light.size(); ++k) s.light[k].unpack(light[k]->x, light[k]->y, light[k]->z);
     r.batch_variance = s.batch_variance;
-    r.error = s.error;
+    r.error = {s.error};
     r.clamped = s.clamped;
     r.seed = s.seed;
     r.ray_count = r.known_rays = s.ray_count;

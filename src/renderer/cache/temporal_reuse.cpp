@@ -5,6 +5,7 @@
 #include <span>
 
 #include "core/color.h"
+#include "core/standard_error.h"
 #include "parallel/loops.h"
 #include "renderer/cut/gather_groups.h"
 #include "renderer/cut/gatherer.h"
@@ -51,17 +52,20 @@ void gather_exact(const FrameState& frame, std::size_t t, std::vector<PointLight
 
 /// Whether light of the last frame is still within a point's tolerance. Only another tolerance, or an error scale that
 /// has risen since (`error_factor` > 1), asks that: else a still film would gather the same light again and again.
-/// Capped light is asked by tolerances alone, since gathering it again changes nothing.
-bool is_good_enough(const LitPoint& before, const PointTolerance& now, const GatherPoint& p, float error_factor) {
+/// Capped light is asked by tolerances alone, since gathering it again changes nothing. A tolerance holds `held`
+/// standard errors.
+bool is_good_enough(const LitPoint& before, const PointTolerance& now, const GatherPoint& p, float error_factor,
+                    float held) {
     const bool has_risen = error_factor > 1.0f && !before.trees.capped;
     if (now.part == before.tolerance.part && !has_risen) return true;
-    return !(error_factor * before.trees.error > now.allows_noise(core::luminance(before.trees.scattered(p))));
+    return !(error_factor * held * before.trees.error.value >
+             now.allows_noise(core::luminance(before.trees.scattered(p))));
 }
 
 /// Likewise light of suns with a size, which errs as far as they are sampled.
 bool are_suns_good_enough(const LitPoint& before, const PointTolerance& now, const GatherPoint& p) {
-    return now.part == before.tolerance.part ||
-           !(before.exact.error > now.allows(core::luminance(before.exact.scattered(p))));
+    return now.part == before.tolerance.part || !(core::errors_of_one_in_hundred * before.exact.error.value >
+                                                  now.allows(core::luminance(before.exact.scattered(p))));
 }
 
 /// Reuses the light of a tile's points that are the very same as in the last frame. Whether all exact light is known by
@@ -72,6 +76,7 @@ bool reuse(FrameState& frame, std::size_t t, const FrameHistory& history) {
     TileState& tile = frame.tiles[t];
     const std::vector<AreaLamp>& lamps = frame.light_trees.lamps;
     const bool has_suns = std::any_of(lamps.begin(), lamps.end(), [](const AreaLamp& lamp) { return lamp.sharp; });
+    const float held = frame.rays != nullptr ? core::errors_of_noise : core::errors_of_one_in_hundred;
     bool all = true;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const GatherPoint& p = points[i];
@@ -84,10 +89,10 @@ bool reuse(FrameState& frame, std::size_t t, const FrameHistory& history) {
         all = all && (!has_suns || are_suns_good_enough(before, now, p));
         tile.exact[i] = before.exact;
         now.base += known_luminance(before.exact, p);
-        if (!is_good_enough(before, now, p, frame.reused_error)) continue;
+        if (!is_good_enough(before, now, p, frame.reused_error, held)) continue;
         PointLight& light = tile.light[i];
         light = before.trees;
-        light.error *= frame.reused_error;
+        light.error = frame.reused_error * light.error;
         light.direct_cut = light.indirect_cut = 0;
         light.served = true;
         light.age += static_cast<float>(frame.snapshot.frame - history.frame);
@@ -113,7 +118,7 @@ void add_up(FrameState& frame, std::size_t t, std::size_t i) {
     light.indirect_cut += known.indirect_cut;
     light.clamped += known.clamped;
     // Two gatherings err each for itself.
-    if (known.error > 0.0f) light.error = std::hypot(light.error, known.error);
+    light.error += known.error;
 }
 
 }  // namespace

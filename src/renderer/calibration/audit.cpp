@@ -9,14 +9,12 @@
 #include "core/numeric.h"
 #include "core/sampling.h"
 #include "parallel/loops.h"
+#include "renderer/base/purpose.h"
 #include "renderer/cut/point_light.h"
 #include "renderer/cut/reference_gather.h"
 
 namespace render2mpeg::renderer {
 namespace {
-
-/// Keep the dice of each kind of choice apart from all others.
-constexpr std::uint64_t drawing_seed = 0xa0d17, spreading_seed = 0x5b3ead;
 
 /// By how much sums over all lights differ in another order, as a share. chosen: 1e-5; 1e-6 is usual.
 constexpr float rounding = 1e-5f;
@@ -57,8 +55,8 @@ std::vector<LitPixel> drawn(std::vector<LitPixel> pixels, std::size_t count, std
     // The first of a shuffle.
     for (std::size_t i = 0; i < count; ++i) {
         const auto left = static_cast<float>(pixels.size() - i);
-        const auto step =
-            static_cast<std::size_t>(core::uniform(drawing_seed, static_cast<std::uint64_t>(frame), i) * left);
+        const auto step = static_cast<std::size_t>(
+            core::uniform(seed_of(Purpose::audited_pixels), static_cast<std::uint64_t>(frame), i) * left);
         std::swap(pixels[i], pixels[std::min(i + step, pixels.size() - 1)]);
     }
     pixels.resize(count);
@@ -97,7 +95,7 @@ std::vector<LitPixel> spread(const std::vector<LitPixel>& pixels, std::size_t co
     std::vector<LitPixel> chosen;
     for (std::size_t i = 0; i < count; ++i) {
         const std::size_t first = i * pixels.size() / count, last = (i + 1) * pixels.size() / count;
-        const float dice = core::uniform(spreading_seed, static_cast<std::uint64_t>(frame), i);
+        const float dice = core::uniform(seed_of(Purpose::spread_audits), static_cast<std::uint64_t>(frame), i);
         const auto step = static_cast<std::size_t>(dice * static_cast<float>(last - first));
         chosen.push_back(pixels[std::min(first + step, last - 1)]);
     }

@@ -69,7 +69,7 @@ class PixelSum {
         const auto points = static_cast<float>(std::max(count_, 1));
         radiance.direct_cut.at(x, y) = direct_cut_ / points;
         radiance.indirect_cut.at(x, y) = indirect_cut_ / points;
-        radiance.error.at(x, y) = error_;
+        radiance.error.at(x, y) = error_.value;
         if (radiance.record_age.empty()) return;
         radiance.record_age.at(x, y) = age_ / points;
         radiance.record_reuse.at(x, y) = reused_ / points;
@@ -80,7 +80,8 @@ class PixelSum {
   private:
     glm::vec3 weight_{0}, albedo_{0}, direct_{0}, indirect_{0}, plain_direct_{0}, plain_indirect_{0}, glossy_{0},
         specular_{0};
-    float direct_cut_ = 0, indirect_cut_ = 0, error_ = 0, age_ = 0, reused_ = 0;
+    float direct_cut_ = 0, indirect_cut_ = 0, age_ = 0, reused_ = 0;
+    core::StandardError error_{};
     int count_ = 0;
 };
 

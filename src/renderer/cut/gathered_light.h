@@ -12,7 +12,7 @@ struct GatheredLight {
     RgbLanes indirect;     ///< irradiance
     RgbLanes f0, schlick;  ///< of the GGX lobe, per unit of its two parts; unset where the group has none
     Lanes clamped;         ///< luminance that the clamp of near lights removed
-    Lanes error;           ///< luminance by which the cut may err, as its stopping rule estimates; 0 without a cut
+    Lanes error;           ///< standard errors, luminance, as the stopping rule estimates; 0 without a cut
     int direct_clusters = 0, indirect_clusters = 0;
     std::uint32_t capped = 0;  ///< lanes whose tolerance was not reached within the largest cut
     std::uint64_t shadow_rays = 0;

@@ -4,17 +4,13 @@
 #include <cmath>
 
 #include "core/color.h"
+#include "core/standard_error.h"
 #include "renderer/base/flush_denormals.h"
 #include "renderer/cut/bias_compensation.h"
 #include "renderer/cut/finished_cut.h"
 
 namespace render2mpeg::renderer {
-namespace {
-
-/// Standard errors that one point in a hundred exceeds: the unit of a cut's error.
-constexpr float one_in_hundred = 2.6f;
-
-}  // namespace
+namespace {}  // namespace
 
 void Gatherer::gather(const GatherLanes& lanes, const GroupTolerance& tolerance, const CutLimits& limits,
                       GatheredLight& out) {
@@ -39,7 +35,7 @@ void Gatherer::gather(const GatherLanes& lanes, const GroupTolerance& tolerance,
     while (cut_.can_refine() && !cut_.is_fine_enough()) cut_.refine();
     cut_.estimate_errors(out);
     for (int i = 0; i < lane_count; ++i)
-        out.error[i] = std::sqrt(out.error[i] * out.error[i] + one_in_hundred * one_in_hundred * lamp_variance[i]);
+        out.error[i] = std::hypot(out.error[i] / core::errors_of_one_in_hundred, std::sqrt(lamp_variance[i]));
 
     // Sum the light of the clusters, with the visibility of their representatives.
     sum_clusters(light_trees_, lanes, cut_.clusters(), sums, out);
@@ -87,7 +83,7 @@ void Gatherer::gather_exact(const GatherLanes& lanes, Shadow shadow, const Group
     if (shadow == Shadow::sharp) add_exact(lanes, sums, luminance, out);
     const LampAccuracy accuracy{.tolerance = tolerance, .one_point = tolerance == nullptr};
     add_lamps(lanes, shadow, accuracy, sums, luminance, variance, out);
-    for (int i = 0; i < lane_count; ++i) out.error[i] = one_in_hundred * std::sqrt(variance[i]);
+    for (int i = 0; i < lane_count; ++i) out.error[i] = std::sqrt(variance[i]);
     sums.store(out);
     out.shadow_rays = shadows_.rays();
 }

@@ -4,6 +4,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "core/standard_error.h"
 #include "core/tolerance_map.h"
 #include "renderer/cut/lighting_context.h"
 
@@ -14,8 +15,8 @@ struct PointLight {
     glm::vec3 direct{0}, indirect{0};        ///< irradiance over pi
     glm::vec3 glossy{0};                     ///< radiance
     float direct_cut = 0, indirect_cut = 0;  ///< clusters that were gathered for it; 0: for other points
-    float error = 0;                         ///< luminance of the pixel
-    float clamped = 0;                       ///< likewise, what the clamp of near lights took
+    core::StandardError error{};             ///< in the pixel
+    float clamped = 0;                       ///< luminance of the pixel that the clamp of near lights took
     float age = 0;        ///< frames since it was gathered; 0: in this one. A mean, where it comes from many records
     bool served = false;  ///< by records, or by an earlier frame: it may err otherwise than a cut of today
     bool capped = false;  ///< the largest cut came before the tolerance was kept

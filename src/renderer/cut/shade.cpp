@@ -89,7 +89,8 @@ void TileShader::gather_groups(std::size_t tile_index) {
 void TileShader::add_layers(const GatherTile& tile, std::size_t first, std::size_t last, int x, int y) {
     // Weight irradiance by what it lights, so that albedo x irradiance is the pixel's diffuse light exactly.
     glm::vec3 share(0), albedo(0), direct(0), indirect(0), plain_direct(0), plain_indirect(0), glossy(0), specular(0);
-    float direct_cut = 0, indirect_cut = 0, error = 0, age = 0, reused = 0;
+    float direct_cut = 0, indirect_cut = 0, age = 0, reused = 0;
+    core::StandardError error{};
     for (std::size_t i = first; i < last; ++i) {
         const GatherPoint& p = tile[i];
         const PointLight& l = light_[i];
@@ -126,7 +127,7 @@ void TileShader::add_layers(const GatherTile& tile, std::size_t first, std::size
     const auto count = static_cast<float>(std::max<std::size_t>(last - first, 1));
     radiance_.direct_cut.at(x, y) = direct_cut / count;
     radiance_.indirect_cut.at(x, y) = indirect_cut / count;
-    radiance_.error.at(x, y) = error;
+    radiance_.error.at(x, y) = error.value;
     if (known_ != nullptr) {
         radiance_.record_age.at(x, y) = age / count;
         radiance_.record_reuse.at(x, y) = reused / count;

@@ -12,9 +12,11 @@
 #include "core/color.h"
 #include "core/numeric.h"
 #include "core/sampling.h"
+#include "core/standard_error.h"
 #include "parallel/loops.h"
 #include "renderer/base/flush_denormals.h"
 #include "renderer/base/lobe.h"
+#include "renderer/base/purpose.h"
 #include "renderer/base/stopwatch.h"
 #include "renderer/gather/net_points.h"
 #include "renderer/gather/ray_guide.h"
@@ -47,9 +49,6 @@ constexpr double gain_of_guides = 0.7;
 
 /// Least cosine of a ray to the normal, where a lobe shares rays with it.
 constexpr float least_cosine = 1e-4f;
-
-/// Keeps guided rays apart from those of the first look.
-constexpr std::uint64_t guided_seed = 0x9a1de;
 
 /// Rays after which one more buys its price where N rays meet the tolerance: N0 of docs/model/gathering.md, times the
 /// typical tolerance. chosen: 10, of 4 to 20 on cornell, colonnade and character, for most squared error a ray.
@@ -343,7 +342,7 @@ void FinalGather::want_rays(std::span<const GatherRequest> requests, std::span<c
         const PointSums& s = sums[i];
         const double variance = share * (others > 0 ? (all - s.batch_variance()) / others : s.batch_variance());
         const double mean = s.batches * batch_rays / s.rays;
-        const double error = requests[i].tolerance.allows_noise(static_cast<float>(mean)) / errors_allowed;
+        const double error = requests[i].tolerance.allows_noise(static_cast<float>(mean)) / core::errors_of_noise;
         // Of points that may not err those that show most get most.
         const double shown = std::min(static_cast<double>(core::luminance(requests[i].point->weight)), 1.0);
         const double n = error > 0.0
@@ -394,7 +393,7 @@ void add(const RayLight& rays, const GatherPoint& point, PointLight& light) {
     light.indirect += rays.light[0];
     light.glossy += bsdf.f0 * rays.light[1] + bsdf.f90 * rays.light[2];
     light.indirect_cut += static_cast<float>(rays.rays);
-    light.error = std::hypot(light.error, rays.error);
+    light.error += rays.error;
 }
 
 namespace {
@@ -454,7 +453,7 @@ void FinalGather::trace_wanted(std::span<const GatherRequest> requests, std::spa
     // Guides stay as they are until all of these rays are traced.
     for (std::uint32_t i = 0; i < requests.size(); ++i) {
         const Pool& pool = pools[sums[i].pool];
-        const std::uint64_t seed = pool.is_guided ? core::mix(requests[i].seed + guided_seed) : requests[i].seed;
+        const std::uint64_t seed = pool.is_guided ? seed_of(Purpose::guided_rays, requests[i].seed) : requests[i].seed;
         for (std::uint32_t first = sums[i].rays; first < wanted[i]; first += bundle_rays)
             bundles.push_back({i, requests[i].from + first, std::min(bundle_rays, wanted[i] - first),
                                pool.is_guided ? pool.guide.get() : nullptr, seed});
@@ -483,8 +482,10 @@ std::vector<RayLight> FinalGather::gather(std::span<const GatherRequest> request
     for_each_pool(pools, [&](std::size_t k) {
         for (std::size_t i = pools[k].first; i < pools[k].last; ++i) {
             const PointSums& s = sums[i];
-            light[i] = {s.mean(), errors_allowed * static_cast<float>(std::sqrt(s.variance())),
-                        static_cast<float>(s.batch_variance()), s.rays,
+            light[i] = {s.mean(),
+                        {static_cast<float>(std::sqrt(s.variance()))},
+                        static_cast<float>(s.batch_variance()),
+                        s.rays,
                         static_cast<float>(s.first_batches[0] - s.first_batches[1])};
         }
     });

@@ -51,16 +51,12 @@ struct GatherAim {
     double priced(double square, double of_block) const { return square + (1.0 / (means * means) - 1.0) * of_block; }
 };
 
-/// Standard errors that a tolerance holds. chosen: 1.3 of 0.7 to 2.6, half of what one point in a hundred exceeds: the
-/// error of rays is white, which coding hides twice to four times as well as what is smooth.
-inline constexpr float errors_allowed = 1.3f;
-
 /// Light found by rays for one point.
 struct RayLight {
     /// Irradiance over pi, under a lobe what passes it; the lobe's radiance is f0 x the second + f90 x the third.
     std::array<glm::vec3, 3> light{};
-    float error = 0;           ///< luminance of the pixel that one point in a hundred exceeds
-    float batch_variance = 0;  ///< of means of 8 rays, luminance of the pixel squared
+    core::StandardError error{};  ///< in the pixel
+    float batch_variance = 0;     ///< of means of 8 rays, luminance of the pixel squared
     std::uint32_t rays = 0;
     /// Luminance of the pixel by the first 8 less that by the next 8: how they vary by chance, with sign.
     float difference = 0;

@@ -2,19 +2,17 @@
 
 #include "core/color.h"
 #include "core/sampling.h"
+#include "renderer/base/purpose.h"
 #include "renderer/cut/gather_groups.h"
 
 namespace render2mpeg::renderer {
 namespace {
 
-/// Keep the rays of audits apart from those of frames, and those of lobes from those of hemispheres.
-constexpr std::uint64_t audit_seed = 0xa0d17, lobe_seed = 0x10be;
-
 GatherRequest ray_request(const GatherPoint& p, const PointTolerance& allowed, glm::ivec2 pixel,
                           const scene::Camera& camera, RaysOf which) {
     GatherRequest r = request_of(p, allowed, pixel, camera);
     r.lobe = which == RaysOf::lobes;
-    if (r.lobe) r.seed = core::mix(lobe_seed + r.seed);
+    if (r.lobe) r.seed = seed_of(Purpose::lobe_rays, r.seed);
     return r;
 }
 
@@ -63,7 +61,7 @@ std::vector<glm::vec3> exact_rays(FinalGather& gather, const scene::Camera& came
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (!wants_rays(points[i].point.bsdf, which)) continue;
         requests.push_back(ray_request(points[i], {}, {0, 0}, camera, which));
-        requests.back().seed = core::mix(audit_seed + 2 * i + (which == RaysOf::lobes ? 1 : 0));
+        requests.back().seed = seed_of(Purpose::audited_rays, 2 * i + (which == RaysOf::lobes ? 1 : 0));
         requests.back().pool = static_cast<std::uint32_t>(i);
         asked.push_back(i);
     }

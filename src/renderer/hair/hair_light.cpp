@@ -9,9 +9,11 @@
 #include "core/color.h"
 #include "core/numeric.h"
 #include "core/sampling.h"
+#include "core/standard_error.h"
 #include "parallel/loops.h"
 #include "renderer/base/flush_denormals.h"
 #include "renderer/base/lobe.h"
+#include "renderer/base/purpose.h"
 #include "renderer/subsurface/random_walk.h"
 
 namespace render2mpeg::renderer {
@@ -26,9 +28,6 @@ constexpr double worth_rounds = 1.0;
 
 /// Samples of one task, and of those that are traced before what they ask is learnt. chosen: memory of some 60 MB.
 constexpr std::size_t samples_of_task = 512, samples_at_once = std::size_t{1} << 18;
-
-/// Standard errors within a tolerance, as gather rays have them (final_gather.h).
-constexpr double standard_errors = 1.3;
 
 }  // namespace
 
@@ -116,9 +115,9 @@ void HairLight::trace_all(std::span<const FibreTile> tiles, std::span<const std:
     parallel::for_each(tasks.size(), [&](std::size_t task) {
         const FlushDenormals flushed;
         for (const Pixel& p : tasks[task]) {
-            const std::uint64_t seed =
-                core::mix(core::mix(0x4a12 + frame) ^ (std::uint64_t{static_cast<std::uint32_t>(p.place.y)} << 32 |
-                                                       static_cast<std::uint32_t>(p.place.x)));
+            const std::uint64_t seed = core::mix(
+                seed_of(Purpose::strands, frame) ^
+                (std::uint64_t{static_cast<std::uint32_t>(p.place.y)} << 32 | static_cast<std::uint32_t>(p.place.x)));
             for (std::uint32_t round = p.rounds; round < p.wanted; ++round)
                 for (std::uint32_t s = p.first; s < p.end; ++s)
                     trace(tiles[p.tile][s], core::mix(seed + round * 0x10000u + (s - p.first)), found[task]);
@@ -187,7 +186,7 @@ void HairLight::want_rounds(std::span<Pixel> tile, const core::ToleranceMap& tol
         near /= count;
         const auto luminance = static_cast<float>(near) + core::luminance(known.at(p.place.x, p.place.y));
         const double allowed =
-            static_cast<double>(tolerance.pixels.at(p.place.x, p.place.y).allows(luminance)) / standard_errors;
+            static_cast<double>(tolerance.pixels.at(p.place.x, p.place.y).allows(luminance)) / core::errors_of_noise;
         const double rounds = core::divide_or(relative * near * near / (p.end - p.first), allowed * allowed, 1e9);
         counts.capped += rounds > most_rounds ? 1 : 0;
         p.wanted = static_cast<std::uint32_t>(
