@@ -385,7 +385,7 @@ TEST(HairLight, ChoosesAmongDirectionsToLightWithoutBias) {
 }
 
 TEST(HairLight, TakesNoMoreRaysThanWhatItsSamplesShowIsWorth) {
-    // However little is tolerated: fibres in the sun differ from sample to sample. 64 rounds take 128 rays.
+    // However little is tolerated: fibres in the sun differ from sample to sample. Half of the 128 rays of 64 rounds.
     SceneBuilder b = white_tuft();
     b.add_sun({0.3f, -0.5f, -1}, 3.0f);
     Settings settings = test::small_frame();
@@ -394,7 +394,7 @@ TEST(HairLight, TakesNoMoreRaysThanWhatItsSamplesShowIsWorth) {
     FilmStage stage(b, settings);
     stage.cut(0.001f);
     const double samples = 16.0 * static_cast<double>(stage.statistics().hair.pixels);
-    EXPECT_NEAR(static_cast<double>(stage.statistics().hair.rays) / samples, 45, 20);
+    EXPECT_LT(static_cast<double>(stage.statistics().hair.rays) / samples, 64);
 }
 
 TEST(HairLight, HasMoreSamplesWhereStrandsWouldShow) {
