@@ -21,7 +21,7 @@ constexpr const char* thirds = R"({
     { "name": "hole", "shape": "quad", "size": [2, 2], "position": [0, 0, 0], "material": "hole" }]
 })";
 
-const std::string quick = " --samples 4 --indirect lightcuts --vpls 16 --quiet ";
+const std::string quick = " --samples 4 --quiet ";
 
 class Alpha : public testing::Test {
   protected:

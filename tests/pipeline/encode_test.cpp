@@ -34,7 +34,7 @@ nlohmann::json statistics(const Folder& folder, const std::string& arguments) {
 TEST(Encode, FramesAndLayersOfARenderGiveNearlyTheFilmOfTheRenderItselfSlow) {
     const Folder folder;
     const std::string render = program() + " render -y --hold " + support::plain_film() +
-                               " --size 96x80 --samples 1 --indirect lightcuts --vpls 16 --exposure 0.5 --tolerance "
+                               " --size 96x80 --samples 1 --exposure 0.5 --tolerance "
                                "fixed=10% --quiet --frames 4:9 -o ";
     ASSERT_EQ(run(render + inside(folder, "direct.m2v") + " --aov " + inside(folder, "aov") + " --stats " +
                   inside(folder, "direct.json"))

@@ -26,8 +26,8 @@ nlohmann::json statistics_in(const Folder& folder) {
 
 std::string fog_film(const Folder& folder, const std::string& film, const std::string& options,
                      const std::string& name) {
-    const auto result = run(program() + " render " + film + " -y --quiet --samples 1 --indirect lightcuts --vpls 16 " +
-                            options + " -o " + (folder / name).string() + " --stats " + (folder / "s.json").string());
+    const auto result = run(program() + " render " + film + " -y --quiet --samples 1 " + options + " -o " +
+                            (folder / name).string() + " --stats " + (folder / "s.json").string());
     EXPECT_EQ(result.status, 0) << result.output;
     if (result.status == 0) {
         EXPECT_EQ(statistics_in(folder).at("counts").at("non_finite"), 0) << options;

@@ -18,8 +18,8 @@ std::string lamp_in(const Folder& folder, const std::string& glare) {
 }
 
 std::string made(const Folder& folder, const std::string& film, const std::string& options, const std::string& name) {
-    const auto result = run(program() + " render " + film + " -y --quiet --samples 1 --indirect lightcuts --vpls 16 " +
-                            options + " -o " + (folder / name).string() + " --stats " + (folder / "s.json").string());
+    const auto result = run(program() + " render " + film + " -y --quiet --samples 1 " + options + " -o " +
+                            (folder / name).string() + " --stats " + (folder / "s.json").string());
     EXPECT_EQ(result.status, 0) << result.output;
     return contents(folder / name);
 }

@@ -6,8 +6,7 @@
 namespace render2mpeg::test {
 namespace {
 
-const std::string seven_frames =
-    " --size 64x48 --samples 1 --indirect lightcuts --vpls 16 --exposure 0 --quiet --frames 0:6 --gop 4";
+const std::string seven_frames = " --size 64x48 --samples 1 --exposure 0 --quiet --frames 0:6 --gop 4";
 
 TEST(Heatmap, OfEverySubjectIsAFilmAsLongAsTheRenderSlow) {
     const Folder folder;
@@ -72,7 +71,7 @@ TEST(Heatmap, HasSquarePixelsWhateverTheFilmHas) {
     const Folder folder;
     const std::string heat = (folder / "h.mpg").string();
     const auto outcome = run(support::program() + " render " + plain_film() + " -o " + (folder / "film.mpg").string() +
-                             " --size 72x64 --display-aspect 16:9 --samples 1 --indirect lightcuts --vpls 16 "
+                             " --size 72x64 --display-aspect 16:9 --samples 1 "
                              "--exposure 0 --quiet --frames 0:0 --heatmap cut " +
                              heat);
     ASSERT_EQ(outcome.status, 0) << outcome.output;

@@ -37,8 +37,7 @@ class WithoutModules : public testing::Test {
     Folder folder_;
 };
 
-const std::string small =
-    " --size 64x64 --frames 0:0 --tolerance fixed=20% --samples 1 --indirect lightcuts --vpls 16 ";
+const std::string small = " --size 64x64 --frames 0:0 --tolerance fixed=20% --samples 1 ";
 
 TEST_F(WithoutModules, EveryOutputIsRefusedBeforeAnyFrameIsLit) {
     struct Case {

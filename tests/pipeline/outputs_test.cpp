@@ -9,7 +9,7 @@
 namespace render2mpeg::test {
 namespace {
 
-const std::string tiny = " --size 32x32 --samples 1 --indirect lightcuts --vpls 16 --exposure 0 --frames 0:1 ";
+const std::string tiny = " --size 32x32 --samples 1 --exposure 0 --frames 0:1 ";
 /// Never done before it is interrupted.
 const std::string endless =
     " --size 32x32 --samples 1 --vpls 0 --tolerance fixed=90% --hold --frames 0:9999 --exposure 0 --quiet ";

@@ -10,8 +10,7 @@
 namespace render2mpeg::test {
 namespace {
 
-const std::string tiny_view =
-    " --size 64x48 --samples 1 --indirect lightcuts --vpls 16 --exposure 0 --tolerance fixed=10% --quiet --frames 0:1 ";
+const std::string tiny_view = " --size 64x48 --samples 1 --exposure 0 --tolerance fixed=10% --quiet --frames 0:1 ";
 
 /// Mean size of what differs of two pictures' RGB code values.
 double mean_difference(const std::string& one, const std::string& two) {
