@@ -33,11 +33,34 @@ float contrast_at(const core::Plane<core::Tolerance>& pixels, int x, int y) {
 /// skin has 2.
 constexpr float strands_differ = 0.6f;
 
+using PixelCounts = std::array<int, tile_size * tile_size>;
+
+/// Surfaces that each pixel of a tile shows side by side: those that lie behind the same mirrors and panes as its
+/// first.
+PixelCounts surfaces_of(const GatherTile& tile) {
+    PixelCounts count{};
+    std::array<std::uint8_t, tile_size * tile_size> path{};
+    for (const GatherPoint& p : tile) {
+        if (count[p.pixel] == 0) path[p.pixel] = p.path;
+        count[p.pixel] += p.path == path[p.pixel] ? 1 : 0;
+    }
+    return count;
+}
+
+/// Error of a pixel that shows so many surfaces, over that of one with a straight edge as much as its neighbours differ
+/// by: m surfaces have about m - 1 edges, which cross sqrt(n) strata each of n, and means of m differ from pixel to
+/// pixel by sqrt(m / 2) less than they do.
+float edges_of(int surfaces, int samples) {
+    const auto m = static_cast<float>(std::max(surfaces, 2));
+    return std::sqrt(std::min(m - 1.0f, std::sqrt(static_cast<float>(samples))) * m / 2.0f);
+}
+
 /// The pixels of a tile in which an edge or strands could show by more than their tolerance, lit by so many samples.
 bool mark_contrasts(const Frame& seen, std::size_t t, const core::ToleranceMap& tolerance, int samples,
                     PixelMarks& marks) {
     const TileArea area = area_of(seen, t);
     const float error = edge_error(samples), of_strands = strands_differ / std::sqrt(static_cast<float>(samples));
+    const PixelCounts surfaces = surfaces_of(seen.tiles[t]);
     std::array<bool, tile_size * tile_size> strands{};
     if (!seen.fibres.empty())
         for (const FibreSample& f : seen.fibres[t]) strands[f.pixel] = strands[f.pixel] || !f.below;
@@ -45,9 +68,10 @@ bool mark_contrasts(const Frame& seen, std::size_t t, const core::ToleranceMap& 
     for (int y = area.first.y; y < area.end.y; ++y)
         for (int x = area.first.x; x < area.end.x; ++x) {
             const core::Tolerance& here = tolerance.pixels.at(x, y);
-            const bool is_hair = strands[static_cast<std::size_t>((y % tile_size) * tile_size + x % tile_size)];
-            const float off =
-                std::max(error * contrast_at(tolerance.pixels, x, y), is_hair ? of_strands * here.background : 0.0f);
+            const auto k = static_cast<std::size_t>((y % tile_size) * tile_size + x % tile_size);
+            const bool is_hair = strands[k];
+            const float off = std::max(error * edges_of(surfaces[k], samples) * contrast_at(tolerance.pixels, x, y),
+                                       is_hair ? of_strands * here.background : 0.0f);
             const bool shows = here.background > 0.0f && off > here.allows(here.background);
             marks[static_cast<std::size_t>(y % tile_size)][static_cast<std::size_t>(x % tile_size)] = shows;
             any = any || shows;
