@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <vector>
 
+#include "scene/model/png.h"
 #include "tests/renderer/film_stage.h"
 
 /// Skies on bodies that shadow nothing of themselves, where the answer is known.
@@ -49,6 +52,27 @@ TEST(SkyFurnace, OfAFlatSidedConvexBodyIsReflectanceTimesSkyAndNearerWithMoreLig
     // chosen: measured 2e-4 and 3e-6.
     EXPECT_LT(coarse, 1e-3);
     EXPECT_LT(fine, 3e-5);
+}
+
+TEST(SkyFurnace, OfAFloorIsWithoutTheSkyThatLiesBelowTheHorizon) {
+    // A sky that shines for an eighth of a half turn on either side of the horizon lights a floor by sin^2 of that.
+    constexpr int width = 64, height = 32;
+    std::vector<glm::u8vec4> texels(std::size_t{width} * height, {0, 0, 0, 255});
+    std::fill(texels.begin() + 12 * width, texels.begin() + 20 * width, glm::u8vec4(255));
+    SceneBuilder b;
+    b.add_quad({-1, 0, -1}, {0, 0, 2}, {2, 0, 0}, b.add_material({0.6f, 0.6f, 0.6f}));
+    b.film().images.push_back({"sky", {}, scene::encode_png(width, height, texels)});
+    b.film().sky.image = 0;
+    b.film().sky.color = glm::vec3(1);
+    b.add_camera({0, 3, 0.1f}, {0, 0, 0}, 0.4f);
+    Settings settings = test::small_frame(16, 16);
+    settings.indirect = Indirect::rays;
+    FilmStage stage(b, settings);
+    const core::Radiance lit = stage.cut(0.02f);
+    double mean = 0;
+    for (const glm::vec3& r : lit.combined.values()) mean += static_cast<double>(r.x) / (16 * 16);
+    const double height_of_band = std::sin(std::numbers::pi / 8);
+    EXPECT_NEAR(mean / (0.6 * height_of_band * height_of_band), 1.0, 0.02);
 }
 
 }  // namespace

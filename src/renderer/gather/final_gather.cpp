@@ -151,8 +151,7 @@ FinalGather::Directions FinalGather::hemisphere(const GatherRequest& request, co
         order[i].first = interleaved(u);
         ray.cell = RayGuide::cell_of(u);
         ray.density = density;
-        ray.solid_angle =
-            std::numbers::pi_v<float> / (density * static_cast<float>(std::max(bundle.first + bundle.count, 64u)));
+        ray.solid_angle = sky_of_ray;
         const float share = 1.0f / density;
         ray.weight[0] = share;
         if (!coated) continue;
