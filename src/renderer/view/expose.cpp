@@ -463,6 +463,9 @@ Frame expose(const PosedScene& posed_scene, const SeeSettings& settings, const P
             exposure->contributions[t].push_back({exposure->first_point[tile] + point, part.weight, part.diffuse});
         }
     });
+    exposure->given.resize(exposure->first_point.back());
+    for (const std::vector<Contribution>& of_tile : exposure->contributions)
+        for (const Contribution& c : of_tile) exposure->given[c.point] += core::luminance(c.weight);
     seen.exposure = std::move(exposure);
     return seen;
 }
