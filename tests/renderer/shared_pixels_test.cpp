@@ -63,8 +63,9 @@ double error(const Picture& a, const Picture& b) {
 /// Three hundredths of what pixels show.
 float tolerance() {
     static const float found = [] {
+        const Picture picture = look(1, 0.1f, false);
         float sum = 0;
-        for (const glm::vec3& light : look(1, 0.1f, false).light.combined.values()) sum += core::luminance(light);
+        for (const glm::vec3& light : picture.light.combined.values()) sum += core::luminance(light);
         return 0.03f * sum / (size * size);
     }();
     return found;
