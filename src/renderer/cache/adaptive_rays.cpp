@@ -37,9 +37,10 @@ RayLight blend(const LocalRegression& fit, const RecordStore& records) {
     return light;
 }
 
-/// First rays of fewer records than these tell too little of how they vary: all may have missed what is bright. Not
-/// tuned.
+/// First rays of fewer records than these tell too little of how they vary: all may have missed what is bright. Then a
+/// point that fills its pixel needs so many rays at least. Not tuned.
 constexpr std::size_t few_records = 8;
+constexpr double least_of_few = 4.0 * first_rays;
 
 /// Rays that a new record is worth in all.
 std::uint32_t wanted_rays(const FrameState& frame, const NewRecord& fresh, LocalRegression& fit) {
@@ -56,7 +57,10 @@ std::uint32_t wanted_rays(const FrameState& frame, const NewRecord& fresh, Local
     if (!(tolerance > 0.0f)) return static_cast<std::uint32_t>(most);
     double needs =
         has * std::pow(frame.aim.priced(error.square, error.of_block) / (tolerance * tolerance), 1.0 / variance_power);
-    if (fit.size() < few_records) needs = std::max(needs, 4.0 * first_rays);
+    if (fit.size() < few_records) {
+        const double share = 1.0 / std::max(static_cast<double>(query->tolerance.noise), 1.0);
+        needs = std::max(needs, least_of_few * std::pow(share * share, 1.0 / variance_power));
+    }
     return static_cast<std::uint32_t>(std::min(frame.aim.worth(needs), most));
 }
 

@@ -40,7 +40,9 @@ struct PointTolerance {
     core::Tolerance part;  ///< this point's part of its pixel's
     float base = 0;        ///< luminance of the pixel that is known already, this point's part of it
 
-    /// Root of the pixel's over this part: independent errors add up by their squares, bounds as they are.
+    /// Factor of it for errors that are independent of other points'. Of bounds the root of the pixel's over this part,
+    /// since they add up by their squares. A price is the pixel's: a ray of any point is worth what it takes from that
+    /// one's squared error, so that the factor is the pixel's over this part.
     float noise = 1;
 
     float allows(float luminance) const { return part.allows(base + std::max(luminance, 0.0f)); }
@@ -48,7 +50,7 @@ struct PointTolerance {
 };
 
 /// Parts the tolerances of a tile's pixels among their points by weight; what a pixel shows without gathering counts as
-/// light. In the order of the tile.
+/// light. A point that the shutter or the lens spreads counts by all that it gives to pixels. In the order of the tile.
 std::vector<PointTolerance> point_tolerances(const LightingContext& context, std::size_t tile);
 
 }  // namespace render2mpeg::renderer

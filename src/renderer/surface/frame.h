@@ -67,6 +67,7 @@ struct Exposure {
         coverage;  ///< share of a pixel's samples that show the object that its middle shows; 1 elsewhere
     core::Plane<glm::vec3> emitted, emitted_specular;  ///< as Frame's, of exposed pixels
     std::vector<std::uint32_t> first_point;            ///< by tile: points of all tiles before it; one more: of all
+    std::vector<float> given;                          ///< by point: luminance of its weights in all exposed pixels
     std::vector<SeenAir> air{};                        ///< as Frame's, of exposed pixels
     std::vector<std::vector<SeenMatte>> mattes{};      ///< likewise
     std::vector<FibreTile> fibres{};                   ///< likewise

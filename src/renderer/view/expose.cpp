@@ -405,6 +405,14 @@ std::vector<TileExposure> sample_tiles(Exposing& all, ExposureCounts& counts) {
     return found;
 }
 
+/// Exposure::given.
+std::vector<float> given_by_points(const Exposure& exposure) {
+    std::vector<float> given(exposure.first_point.back());
+    for (const std::vector<Contribution>& of_tile : exposure.contributions)
+        for (const Contribution& c : of_tile) given[c.point] += core::luminance(c.weight);
+    return given;
+}
+
 }  // namespace
 
 Frame expose(const PosedScene& posed_scene, const SeeSettings& settings, const Plan& plan,
@@ -463,6 +471,7 @@ Frame expose(const PosedScene& posed_scene, const SeeSettings& settings, const P
             exposure->contributions[t].push_back({exposure->first_point[tile] + point, part.weight, part.diffuse});
         }
     });
+    exposure->given = given_by_points(*exposure);
     seen.exposure = std::move(exposure);
     return seen;
 }
