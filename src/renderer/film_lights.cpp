@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "core/color.h"
 #include "renderer/base/lobe.h"
 
 namespace render2mpeg::renderer {
@@ -95,6 +96,12 @@ bool FilmLights::shine(const scene::Snapshot& snapshot, const LightChange& chang
     sky_of_rays_ = {brightest_of_rays(posed_scene_.sky()),
                     light_points_.sky_part() * lobe::inverse_pi / lobe::lobe_rays_disc2,
                     light_points_.sky_importance()};
+    if (plan_.runs(Pass::lobe_rays)) {
+        sky_of_rays_.shining.assign(posed_scene_.animation().objects.size(), 0.0f);
+        for (const LightPoint& p : lamps_.without(shining_))
+            if (p.kind == LightPointKind::oriented)
+                sky_of_rays_.shining[p.object] = core::luminance(p.intensity) * lobe::inverse_pi;
+    }
     if (by_rays()) {
         sky_of_rays_.near_field = near_field;
         indirect_.still =

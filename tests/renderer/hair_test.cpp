@@ -37,7 +37,8 @@ glm::vec3 even_direction(int i, int n) {
     return glm::vec3(glm::dvec3(s * std::cos(turn), s * std::sin(turn), z));
 }
 
-const glm::vec3 along = glm::normalize(glm::vec3(0.3f, 1, 0.2f)), seen_from = glm::normalize(glm::vec3(1, 0.4f, 0.5f));
+const glm::vec3 along = glm::normalize(glm::vec3(0.3f, 1, 0.2f)),
+                hair_seen_from = glm::normalize(glm::vec3(1, 0.4f, 0.5f));
 
 /// Slow and plain: angles by trigonometry, Bessel's function from the library, [Chiang2016]'s own arrangement.
 glm::dvec3 reference(const scene::Hair& hair, double h, glm::dvec3 tangent, glm::dvec3 out, glm::dvec3 in) {
@@ -82,12 +83,12 @@ TEST(HairScattering, AgreesWithASlowReferenceInDoublePrecision) {
         for (const float h : {-0.9f, -0.2f, 0.5f}) {
             scene::Hair hair = fibre(roughness, 0.4f);
             hair.tilt = 0.1f;
-            const HairScattering fast(hair, {glm::vec3(0), along, 0.01f, -h}, seen_from);
+            const HairScattering fast(hair, {glm::vec3(0), along, 0.01f, -h}, hair_seen_from);
             double most = 0, off = 0;
             for (int i = 0; i < 500; ++i) {
                 const glm::vec3 in = even_direction(i, 500);
-                const glm::dvec3 slow =
-                    reference(hair, static_cast<double>(h), glm::dvec3(along), glm::dvec3(seen_from), glm::dvec3(in));
+                const glm::dvec3 slow = reference(hair, static_cast<double>(h), glm::dvec3(along),
+                                                  glm::dvec3(hair_seen_from), glm::dvec3(in));
                 most = std::max(most, slow.x);
                 off = std::max(off, std::abs(slow.x - static_cast<double>(fast.scattered(in).share.x)));
             }
@@ -101,8 +102,8 @@ TEST(HairScattering, KeepsAllLightThatAFibreDoesNotAbsorb) {
     for (const float roughness : {0.1f, 0.3f, 0.9f})
         for (const float across : {-0.95f, 0.0f, 0.7f}) {
             const scene::Hair white = fibre(roughness, roughness, glm::vec3(0)), brown = fibre(roughness, roughness);
-            const HairScattering w(white, {glm::vec3(0), along, 0.01f, across}, seen_from),
-                b(brown, {glm::vec3(0), along, 0.01f, across}, seen_from);
+            const HairScattering w(white, {glm::vec3(0), along, 0.01f, across}, hair_seen_from),
+                b(brown, {glm::vec3(0), along, 0.01f, across}, hair_seen_from);
             double kept = 0, tinted = 0, density = 0;
             for (int i = 0; i < n; ++i) {
                 const glm::vec3 in = even_direction(i, n);
@@ -121,7 +122,7 @@ TEST(HairScattering, KeepsAllLightThatAFibreDoesNotAbsorb) {
 
 TEST(HairScattering, DrawsDirectionsByItsDensity) {
     constexpr int n = 40000;
-    const HairScattering hair(fibre(0.25f, 0.3f), {glm::vec3(0), along, 0.01f, 0.4f}, seen_from);
+    const HairScattering hair(fibre(0.25f, 0.3f), {glm::vec3(0), along, 0.01f, 0.4f}, hair_seen_from);
     // Means of any function agree: of what it scatters, and of the direction itself by density alone.
     glm::dvec3 light(0), drawn(0), meant(0);
     for (int i = 0; i < n; ++i) {

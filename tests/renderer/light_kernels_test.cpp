@@ -91,7 +91,9 @@ TEST(NodeBound, IsNeverBelowTheSumOfItsLights) {
     int counted[3] = {};
     for (std::uint64_t seed = 0; seed < 700; ++seed) {
         for (const LightType type : types) {
-            for (const GeometryClamp clamp : {GeometryClamp{0.02f, seed % 4 == 0}, GeometryClamp::none()}) {
+            using ByRays = GeometryClamp::ByRays;
+            const ByRays by_rays[] = {ByRays::by_size, ByRays::none, ByRays::all, ByRays::none};
+            for (const GeometryClamp clamp : {GeometryClamp{0.02f, by_rays[seed % 4]}, GeometryClamp::none()}) {
                 const LightTree tree = build_light_tree(type, lights_at_random(type, 12, seed), seed);
                 GatherLanes lanes;
                 fill_from(points_at_random(seed + 5000, seed % 2 == 0), lanes);

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -177,6 +178,51 @@ TEST(LobeRays, OfAFloorShowTheLightOfAWall) {
     // chosen: measured 0.007 and 0.05; a thousand anchors are few.
     EXPECT_LT(std::abs(mean / compared), 0.02);
     EXPECT_LT(std::sqrt(squares / compared), 0.08);
+}
+
+/// Whether a ray from outside meets the box.
+bool meets_box(glm::vec3 origin, glm::vec3 direction, glm::vec3 low, glm::vec3 high) {
+    const glm::vec3 a = (low - origin) / direction, b = (high - origin) / direction;
+    const glm::vec3 in = glm::min(a, b), out = glm::max(a, b);
+    const float enters = std::max({in.x, in.y, in.z}), leaves = std::min({out.x, out.y, out.z});
+    return enters > 0.0f && enters < leaves;
+}
+
+TEST(LobeRays, OfAFloorShowAShiningBoxHoweverFewLightPointsItHas) {
+    const glm::vec3 low(-0.3f, 0.2f, -0.3f), high(0.3f, 0.8f, 0.3f);
+    SceneBuilder b;
+    b.add_quad({-4, 0, 4}, {8, 0, 0}, {0, 0, -8}, add_metal(b, 0.2f));
+    b.add_box(low, high, b.add_emitter({1, 1, 1}));
+    b.add_camera({0, 1.6f, 4}, {0, 0, 1.2f}, 0.25f);
+    for (const int points : {1, 1000, 8000}) {
+        Settings settings = without_bounces(24, 24);
+        settings.direct_points = points;
+        settings.samples = 1;
+        FilmStage stage(b, settings);
+        const Frame seen = stage.renderer().look(stage.at(0));
+        const core::Radiance frame = stage.reference();
+        double sum = 0, expected = 0, error = 0;
+        for (std::size_t t = 0; t < seen.tiles.size(); ++t)
+            for (const GatherPoint& p : seen.tiles[t]) {
+                if (!p.point.bsdf.has_narrow_lobe()) continue;
+                double shown = 0, all = 0;
+                for (std::uint64_t i = 0; i < 1024; ++i) {
+                    const LobeSample s = sample_glossy(p.point.bsdf, p.point.shading_normal, p.point.outgoing,
+                                                       {core::halton(0, i), core::halton(1, i)});
+                    all += s.weight.y;
+                    shown += meets_box(p.point.position, s.direction, low, high) ? s.weight.y : 0.0f;
+                }
+                const glm::ivec2 at = seen.place_of(t, p.pixel);
+                const double found = frame.combined.at(at.x, at.y).y;
+                sum += found;
+                expected += shown / all;
+                error += std::abs(found - shown / all);
+            }
+        RecordProperty("error_" + std::to_string(points), std::to_string(error / expected));
+        EXPECT_GT(expected, 10.0);
+        EXPECT_NEAR(sum / expected, 1.0, 0.005) << points;
+        EXPECT_LT(error / expected, 0.02) << points;
+    }
 }
 
 TEST(LobeRays, LeaveSoftSunsToLamps) {

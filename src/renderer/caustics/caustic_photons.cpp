@@ -76,6 +76,8 @@ Landing land(const PosedScene& scene, const PhotonPath& ray, const SurfacePoint&
     for (std::size_t k = 0; k < 2; ++k) {
         landing.cell[k] = ray.place[k];
         landing.lamp[k] = ray.place[k + 2];
+        landing.cell_turn[k] = ray.turn[k];
+        landing.lamp_turn[k] = ray.turn[k + 2];
     }
     landing.length = length;
     landing.spread = ray.blur;
@@ -176,6 +178,7 @@ void follow_photons(const PosedScene& posed_scene, const Casters& casters, std::
         for (std::size_t k = before; k < landings.size(); ++k) {
             landings[k].photon = i;
             for (glm::vec3& edge : landings[k].cell) edge *= share;
+            for (glm::vec3& turn : landings[k].cell_turn) turn *= share;
         }
     }
 }

@@ -18,12 +18,13 @@ struct Landing {
     /// How the place differs for the photon's neighbours on the caster, and on its lamp: differences of places for the
     /// kernel's semi-axes (some cells of photons), and for a disc of the lamp's size.
     glm::vec3 cell[2]{}, lamp[2]{};
-    float length = 0;                 ///< of the last way
-    float spread = 0;                 ///< radius by which rough glass blurs it
-    float time = scene::middle_time;  ///< of the shutter
-    std::uint64_t photon = 0;         ///< its index
-    std::uint32_t object = 0;         ///< where it lands
-    std::uint32_t caster = 0;         ///< object that threw it there
+    glm::vec3 cell_turn[2]{}, lamp_turn[2]{};  ///< how the direction differs there
+    float length = 0;                          ///< of the last way
+    float spread = 0;                          ///< radius by which rough glass blurs it
+    float time = scene::middle_time;           ///< of the shutter
+    std::uint64_t photon = 0;                  ///< its index
+    std::uint32_t object = 0;                  ///< where it lands
+    std::uint32_t caster = 0;                  ///< object that threw it there
 };
 
 struct LandingCounts {

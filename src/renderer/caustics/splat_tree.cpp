@@ -64,6 +64,15 @@ SplatQuery query_of(const Landing& landing, const Footprint& f) {
     return q;
 }
 
+/// Mean direction of the light that the footprint brings to a place: a lobe sees a spot of light where it is, however
+/// far photons stand apart.
+glm::vec3 direction_at(const Landing& landing, const Footprint& f, glm::vec3 place) {
+    const glm::vec3 e = place - landing.position;
+    const glm::vec3 turned =
+        landing.direction + glm::dot(e, f.across[0]) * f.turn[0] + glm::dot(e, f.across[1]) * f.turn[1];
+    return core::normalize_or(turned, landing.direction);
+}
+
 /// Whether a box may hold points that the landing lights: within `radius`, and within the rectangle about the ellipse.
 bool touches(glm::vec3 low, glm::vec3 high, const SplatQuery& query, float radius) {
     const glm::vec3 away = glm::max(glm::max(low - query.position, query.position - high), glm::vec3{0.0f});
@@ -96,17 +105,23 @@ Footprint footprint_of(const Landing& landing, float pixel, float limit) {
     Footprint f;
     core::make_frame(landing.direction, f.across[0], f.across[1]);
     glm::mat2 k(pixel * pixel + landing.spread * landing.spread);
-    const auto add = [&](glm::vec3 edge, float scale) {
-        const glm::vec2 v = scale * glm::vec2(glm::dot(edge, f.across[0]), glm::dot(edge, f.across[1]));
-        k += glm::outerProduct(v, v);
+    glm::vec3 turns[2]{};  // sums of changes of direction by places, as `k` has of places by places
+    const auto add = [&](glm::vec3 edge, glm::vec3 turn, float scale) {
+        const glm::vec2 v(glm::dot(edge, f.across[0]), glm::dot(edge, f.across[1]));
+        k += scale * glm::outerProduct(v, v);
+        for (int i = 0; i < 2; ++i) turns[i] += scale * v[i] * turn;
     };
-    for (const glm::vec3& edge : landing.cell) add(edge, 1.0f);
-    for (const glm::vec3& edge : landing.lamp) add(edge, std::sqrt(of_disc));
+    for (std::size_t i = 0; i < 2; ++i) {
+        add(landing.cell[i], landing.cell_turn[i], 1.0f);
+        add(landing.lamp[i], landing.lamp_turn[i], of_disc);
+    }
     const float middle = 0.5f * (k[0][0] + k[1][1]), half = 0.5f * (k[0][0] - k[1][1]);
     const float offset = std::sqrt(half * half + k[0][1] * k[0][1]);
     const float largest = middle + offset;
     float determinant = k[0][0] * k[1][1] - k[0][1] * k[0][1];
     if (!std::isfinite(largest) || !(largest > 0.0f)) return f;
+    for (int i = 0; i < 2; ++i)
+        f.turn[i] = core::divide_or(1.0f, determinant, 0.0f) * (k[1 - i][1 - i] * turns[i] - k[0][1] * turns[1 - i]);
     if (largest > limit * limit) {
         // Too wide along one axis: shrink the whole, so that its light stays near.
         const float scale = limit * limit / largest;
@@ -247,8 +262,9 @@ class SplatTree::Part {
             ++counts_.pairs;
             const SurfacePoint& p = tree_.points_[leaf.first + i].point->point;
             if (p.bsdf.has_glossy())
-                light[leaf.first + i].glossy += landing.flux * weights.weight[i] *
-                                                evaluate(p.bsdf, p.shading_normal, p.outgoing, -landing.direction);
+                light[leaf.first + i].glossy +=
+                    landing.flux * weights.weight[i] *
+                    evaluate(p.bsdf, p.shading_normal, p.outgoing, -direction_at(landing, footprint, p.position));
         }
         renderer::add(weights, landing.flux, sums_[leaf.leaf - first_leaf_]);
     }

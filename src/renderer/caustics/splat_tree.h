@@ -17,6 +17,7 @@ namespace render2mpeg::renderer {
 /// eq. 4.6]
 struct Footprint {
     glm::vec3 across[2]{};  ///< unit vectors across the way
+    glm::vec3 turn[2]{};    ///< change of the light's direction by unit of way along these
     glm::mat2 inverse{1};   ///< of the squared semi-axes' matrix
     float peak = 0;         ///< 2 / (pi r1 r2)
     float widest = 0;       ///< r1; 0: nothing lands

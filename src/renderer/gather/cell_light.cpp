@@ -37,28 +37,46 @@ float uniform(std::uint64_t number, Number use, std::uint64_t which) {
     return core::uniform(number, use, which);
 }
 
+/// One of some candidates, in proportion to their luminance. Resampled importance sampling [Talbot2005].
+class Resampled {
+  public:
+    /// Whether this one takes the place of the one before. `number()`: in [0, 1).
+    template <class Number>
+    bool takes(float luminance, const Number& number) {
+        if (!(luminance > 0.0f)) return false;
+        all_ += luminance;
+        if (luminance < all_ && !(number() * all_ < luminance)) return false;
+        own_ = luminance;
+        return true;
+    }
+    bool any() const { return all_ > 0.0f; }
+    /// Weight of the one of so many.
+    float weight(float count) const { return all_ / (count * own_); }
+
+  private:
+    float all_ = 0, own_ = 0;  ///< luminance
+};
+
 struct Drawn {
     glm::vec3 direction{0}, weight{0};
     float density = 0;  ///< of one candidate
 };
 
 /// One of some directions, in proportion to what the surface throws from there: those below a rough surface are never
-/// chosen, and lobes get no more rays than light. Resampled importance sampling [Talbot2005].
+/// chosen, and lobes get no more rays than light.
 Drawn draw(const Scatterer& at, std::uint64_t number) {
     const std::uint64_t count = at.is_fibre() || !at.point().bsdf.has_lobe() ? 1 : candidates;
     Drawn chosen;
-    float sum = 0;
+    Resampled of;
     for (std::uint64_t k = 0; k < count; ++k) {
         Drawn c;
         c.density =
             at.sample(uniform(number, part, 2 * k),
                       {uniform(number, bounce, 2 * k), uniform(number, bounce, 2 * k + 1)}, c.direction, c.weight);
-        const float luminance = core::luminance(c.weight);
-        if (!(c.density > 0.0f) || !(luminance > 0.0f) || !at.query().may_see(c.direction)) continue;
-        sum += luminance;
-        if (uniform(number, part, 2 * k + 1) * sum < luminance) chosen = c;
+        if (!(c.density > 0.0f) || !at.query().may_see(c.direction)) continue;
+        if (of.takes(core::luminance(c.weight), [&] { return uniform(number, part, 2 * k + 1); })) chosen = c;
     }
-    if (sum > 0.0f) chosen.weight *= sum / (static_cast<float>(count) * core::luminance(chosen.weight));
+    if (of.any()) chosen.weight *= of.weight(static_cast<float>(count));
     return chosen;
 }
 
@@ -107,7 +125,7 @@ glm::vec3 CellLight::lamps(const Scatterer& at, std::uint64_t number, LightChoic
         const auto n = static_cast<float>(count);
         LightSample chosen;
         glm::vec3 light(0);
-        float all = 0, own = 0;
+        Resampled of;
         for (std::uint32_t k = 0; k < count; ++k) {
             const auto u = [&](std::uint64_t which) { return uniform(number, use, 4 * k + which); };
             const LightSample s = to_source((static_cast<float>(k) + u(0)) / n, glm::vec2(u(1), u(2)));
@@ -116,16 +134,12 @@ glm::vec3 CellLight::lamps(const Scatterer& at, std::uint64_t number, LightChoic
             glm::vec3 candidate = to.share * s.light;
             if (!(core::luminance(candidate) > 0.0f)) continue;
             if (s.density > 0.0f) candidate *= n * s.density / (n * s.density + to.density);
-            const float luminance = core::luminance(candidate);
-            if (!(luminance > 0.0f)) continue;
-            all += luminance;
-            if (luminance < all && !(u(3) * all < luminance)) continue;
+            if (!of.takes(core::luminance(candidate), [&] { return u(3); })) continue;
             chosen = s;
             light = candidate;
-            own = luminance;
         }
-        if (!(all > 0.0f)) return;
-        light *= all / (n * own);
+        if (!of.any()) return;
+        light *= of.weight(n);
         if (const Air* air = posed_scene_.air(); air != nullptr) {
             const glm::vec3 direction = core::normalize_or(chosen.ray, chosen.direction);
             light *= std::isinf(chosen.far)

@@ -39,7 +39,7 @@ class CellLight {
     void pose(NearField near_field);
 
     /// Light of lamps, shining surfaces and the image of a sky that a place scatters, by next-event estimation: a
-    /// shadow ray for each kind, in one of so many directions. Resampled importance sampling [Talbot2005].
+    /// shadow ray for each kind, in one of so many directions.
     glm::vec3 lamps(const Scatterer& at, std::uint64_t number, LightChoices choices, std::uint64_t& rays) const;
     /// Those worth choosing among where scattering peaks, as fibres' does.
     LightChoices light_choices() const;

@@ -211,7 +211,10 @@ void FinalGather::trace(const GatherRequest& request, const Bundle& bundle, Trac
     rules.near = request.extent;
     rules.bounces = request.bounces;
     rules.is_lobe = request.lobe;
-    if (request.lobe) rules.spread = std::min(rules.spread, 0.5f * p.bsdf.alpha);
+    if (request.lobe) {
+        rules.spread = std::min(rules.spread, 0.5f * p.bsdf.alpha);
+        rules.shining = sky_.shining;
+    }
     rules.bodies_block = bodies_block_;
 
     std::array<RayQuery, bundle_rays> queries;

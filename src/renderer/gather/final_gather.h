@@ -69,12 +69,13 @@ GatherRequest request_of(const GatherPoint& point, const PointTolerance& toleran
 /// Adds what rays found to a point's light.
 void add(const RayLight& rays, const GatherPoint& point, PointLight& light);
 
-/// Light of the sky and of places near lamps as rays see it; the light trees have the rest.
+/// Light of the sky, of shining surfaces and of places near lamps as rays see it; the light trees have the rest.
 struct SkyOfRays {
     float brightest = 0;                ///< luminance over hemispheres, at most
     float lobe_brightest = 0;           ///< along lobes: luminance times `importance`, at most
     image::SkyImportance importance{};  ///< LightPoints::sky_importance
     NearField near_field{};             ///< of whose light rays over hemispheres miss a part
+    std::vector<float> shining{};       ///< RayRules::shining
 };
 
 /// Counts of final gathering, summed since construction.

@@ -7,6 +7,7 @@
 
 #include "core/color.h"
 #include "core/sampling.h"
+#include "renderer/base/lobe.h"
 #include "renderer/geometry/strands.h"
 #include "renderer/surface/light_ray.h"
 #include "scene/model/curves.h"
@@ -72,6 +73,12 @@ class ChosenTerm {
     RayTerm term_;
     float number_, sum_ = 0;
 };
+
+/// Share of a shining surface that rays of lobes see. `intensity`: RayRules::shining.
+float by_lobe_rays(glm::vec3 emission, float distance, float intensity) {
+    const float disc2 = core::divide_or(intensity, core::luminance(emission) * distance * distance, 0.0f);
+    return 1.0f - lobe::by_trees(disc2, 1.0f / lobe::lobe_rays_disc2);
+}
 
 /// Turns a ray of this weight straight on or mirrored, as likely as either is; false: it ends, as most do where little
 /// goes on.
@@ -220,7 +227,8 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, float
         distance += hit.distance;
         const auto material = static_cast<std::size_t>(posed_scene_.animation().objects[hit.address.object].material);
         const Sighting place = sighting(ray, hit, distance, rules, number + static_cast<std::uint64_t>(step));
-        if (plain_[material] && !mirrored && (asked == nullptr || !shines_[material])) {
+        const bool shines = shines_[material] && (asked != nullptr || !rules.shining.empty());
+        if (plain_[material] && !mirrored && !shines) {
             chosen.offer(passing, place);
             return finished();
         }
@@ -231,6 +239,8 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, float
         if (asked != nullptr && shines_[material] && !mirrored)
             known += passing * p.emission *
                      asked->share(asked->lights.surface_density(asked->query, hit.address), asked->choices.surfaces);
+        if (shines && asked == nullptr && !mirrored && !behind_body)
+            known += passing * p.emission * by_lobe_rays(p.emission, distance, rules.shining[hit.address.object]);
         if (asked == nullptr && sky_in_panes_ > 0.0f && !behind_body && !mirrored)
             known += passing * sky_in_pane(p, solid_angle, rays);
         const glm::vec3 shown = passing * p.alpha;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <numbers>
+#include <span>
 #include <vector>
 
 #include "core/numeric.h"
@@ -71,6 +72,9 @@ struct RayRules {
     bool bounces = true;                 ///< surfaces send what they bounce
     bool is_lobe = false;                ///< of a narrow lobe: it is mirrored on and sees unlit surfaces
     float spread = cell_spread;          ///< size of cells over the ray's length
+    /// By object: luminous intensity of each of its light points, over pi. So large a disc, of luminance as met, is
+    /// seen by rays of lobes in part (`lobe::by_trees`). 0, or empty: they see none of it.
+    std::span<const float> shining{};
     /// Solid bodies of glass pass what surfaces bounce: caustics have light of lamps and sky.
     bool bodies_block = false;
     std::uint8_t depth = 0;  ///< of the place that it leaves, if that has a cell of its own

@@ -77,11 +77,11 @@ struct LaneLight {
     float rays;  ///< argument of `lobe::by_trees` for its disc2
 };
 
-/// Argument of `lobe::by_trees` for a light's disc2: its own of the sky; of lights on surfaces, if rays see them, all
-/// of it.
-RENDER2MPEG_ALWAYS_INLINED float seen_by_rays(LightType type, float disc2, GeometryClamp clamp) {
-    if (!clamp.by_rays) return 0.0f;
-    return type == LightType::directional ? disc2 : 1.0f;
+/// Argument of `lobe::by_trees` for a light's disc2, for directional lights and for others at the distance 1.
+RENDER2MPEG_ALWAYS_INLINED float seen_by_rays(float disc2, GeometryClamp clamp) {
+    constexpr float all = 1e30f;
+    if (clamp.by_rays == GeometryClamp::ByRays::none) return 0.0f;
+    return clamp.by_rays == GeometryClamp::ByRays::by_size ? disc2 : all;
 }
 
 RENDER2MPEG_ALWAYS_INLINED LaneLight lane_light(float x, float y, float z, float nx, float ny, float nz, float disc2,
@@ -133,7 +133,8 @@ RENDER2MPEG_ALWAYS_INLINED float evaluate_lane(const GatherLanes& lanes, int i, 
     if constexpr (stretched)
         stretched_value(lanes, i, x, y, z, type == LightType::punctual ? 0.0f : l.blur2 * inverse2, g, out);
     if constexpr (glossy && type != LightType::punctual) {
-        const float share = lobe::by_trees(l.rays, lanes.rays_see[i]);
+        const float seen = inlined::min(l.rays * inverse2, 1.0f);
+        const float share = lobe::by_trees(seen, lanes.rays_see[i]);
         out.f0[i] *= share;
         out.schlick[i] *= share;
     }
@@ -145,7 +146,7 @@ RENDER2MPEG_ALWAYS_INLINED LaneLight lane_light(LightType type, const TreeLight&
     float nx = 0, ny = 0, nz = 0;
     unpack_normal(light.axis, nx, ny, nz);
     return lane_light(light.position.x, light.position.y, light.position.z, nx, ny, nz, light.disc2,
-                      spot != nullptr ? *spot : Spot{}, clamp.scale, seen_by_rays(type, light.disc2, clamp));
+                      spot != nullptr ? *spot : Spot{}, clamp.scale, seen_by_rays(light.disc2, clamp));
 }
 
 template <LightType type, bool glossy, bool stretched = false>
@@ -164,10 +165,9 @@ template <LightType type, bool glossy, bool stretched = false>
 RENDER2MPEG_ALWAYS_INLINED void evaluate_each(const GatherLanes& __restrict lanes, const LightPacket& __restrict p,
                                               GeometryClamp clamp, LightLanes& __restrict out) {
     for (int i = 0; i < lane_count; ++i) {
-        const LaneLight l =
-            lane_light(p.position.x[i], p.position.y[i], p.position.z[i], p.normal.x[i], p.normal.y[i], p.normal.z[i],
-                       p.disc2[i], Spot{p.spot_scale[i], p.spot_offset[i], p.spot_smooth[i]}, clamp.scale,
-                       seen_by_rays(type, p.disc2[i], clamp));
+        const LaneLight l = lane_light(
+            p.position.x[i], p.position.y[i], p.position.z[i], p.normal.x[i], p.normal.y[i], p.normal.z[i], p.disc2[i],
+            Spot{p.spot_scale[i], p.spot_offset[i], p.spot_smooth[i]}, clamp.scale, seen_by_rays(p.disc2[i], clamp));
         evaluate_lane<type, glossy, stretched>(lanes, i, l, out);
     }
     out.any_clamped = false;
@@ -244,7 +244,9 @@ RENDER2MPEG_ALWAYS_INLINED LaneNode lane_node(LightType type, const LightNode& n
     n.blue *= outward;
     n.cone = node.cone.cosine();
     n.range2 = node.disc2.largest();
-    n.rays = inward * seen_by_rays(type, node.disc2.least(), clamp);
+    // Nodes on surfaces may be far: trees have all then.
+    const bool may_be_far = type != LightType::directional && clamp.by_rays == GeometryClamp::ByRays::by_size;
+    n.rays = may_be_far ? 0.0f : inlined::min(inward * seen_by_rays(node.disc2.least(), clamp), 1.0f);
     const float scale = clamp.scale;
     n.least_blur2 = node.disc2.least() / scale;
     n.largest_blur2 = node.disc2.largest() / scale;

@@ -14,9 +14,11 @@ namespace render2mpeg::renderer {
 /// points.
 struct GeometryClamp {
     float scale = 0.02f;
-    bool by_rays = false;  ///< lobes that have rays see these lights by them (Bsdf::has_narrow_lobe)
+    /// What of these lights lobes see by rays that have them (Bsdf::has_narrow_lobe): the more the larger a light's
+    /// disc is seen (`lobe::by_trees`), or all.
+    enum class ByRays { none, by_size, all } by_rays = ByRays::none;
     /// No clamp at all: beyond any G that occurs, yet finite, so that 0 times it is 0.
-    static GeometryClamp none() { return {1e30f, false}; }
+    static GeometryClamp none() { return {1e30f, ByRays::none}; }
 };
 
 /// Unoccluded contribution of unit intensity of `light` to the lanes. `spot`: of punctual lights, LightTree::spot.

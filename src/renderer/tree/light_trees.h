@@ -31,7 +31,7 @@ struct LightTrees {
     std::vector<ExactLight> exact;
     std::vector<AreaLamp> lamps;   ///< not in the trees either
     GeometryClamp point_clamp;     ///< of any light point
-    bool lobe_rays = false;        ///< the sky and indirect light are seen by the rays of lobes that have them
+    bool lobe_rays = false;        ///< the sky, shining surfaces and indirect light are seen by the rays of lobes
     const Air* air = nullptr;      ///< dims light on its way; null: nothing does. With it `translucent` is set
     bool translucent = false;      ///< shadow rays may meet surfaces that let light through
     Bodies bodies = Bodies::pass;  ///< to shadow rays of direct light
@@ -44,11 +44,11 @@ struct LightTrees {
 
     static bool is_direct(int tree) { return tree < direct_trees; }
     Bodies bodies_before(int tree) const { return is_direct(tree) ? bodies : Bodies::pass; }
-    /// Directions whose lights have a size are the sky's: suns with one are area lamps.
+    /// Lights of a size are the sky's and of shining surfaces: suns with one are area lamps.
     GeometryClamp clamp(int tree) const {
         GeometryClamp clamp = point_clamp;
-        const bool is_sky = trees[static_cast<std::size_t>(tree)].type == LightType::directional;
-        clamp.by_rays = lobe_rays && (is_sky || !is_direct(tree));
+        using ByRays = GeometryClamp::ByRays;
+        if (lobe_rays) clamp.by_rays = is_direct(tree) ? ByRays::by_size : ByRays::all;
         return clamp;
     }
 };
