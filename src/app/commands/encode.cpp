@@ -28,7 +28,6 @@
 #include "app/options/mistakes.h"
 #include "app/options/option_text.h"
 #include "app/options/output_kind.h"
-#include "app/options/rate_options.h"
 #include "app/options/usage_error.h"
 #include "app/report/statistics.h"
 #include "app/report/summary.h"

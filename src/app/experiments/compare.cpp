@@ -19,7 +19,7 @@ namespace {
 /// Runs the command; rows are printed as they come.
 class Comparing {
   public:
-    Comparing(const CompareOptions& options, const RenderJob& film, const Sample& sample, const std::string& ffmpeg);
+    Comparing(const TrialOptions& options, const RenderJob& film, const Sample& sample, const std::string& ffmpeg);
 
     void run();
     /// Sets the command of the recommended way.
@@ -40,17 +40,17 @@ class Comparing {
     /// Returns whether nobody interrupted.
     bool try_quantiser(int quantiser, const LitWindows& fixed);
 
-    const CompareOptions& options_;
+    const TrialOptions& options_;
     std::vector<int> quantisers_;
     Trials trials_;
     Comparison found_;
 };
 
-Comparing::Comparing(const CompareOptions& options, const RenderJob& film, const Sample& sample,
+Comparing::Comparing(const TrialOptions& options, const RenderJob& film, const Sample& sample,
                      const std::string& ffmpeg)
     : options_(options),
       quantisers_(in_scale_of(film.coding.codec, quantisers_from(options.quantisers))),
-      trials_(film, middle_windows(film, sample.windows, sample.frames), options.references) {
+      trials_(film, middle_windows(film, sample.windows, sample.frames), options.references.value_or(4)) {
     trials_.mask_all();
     found_.ffmpeg = ffmpeg;
     check_memory(trials_.bytes_held(true));
@@ -131,7 +131,7 @@ void Comparing::write(const std::vector<std::string>& words) const {
 
 }  // namespace
 
-int compare(const CompareOptions& options, const std::vector<std::string>& words) {
+int compare(const TrialOptions& options, const std::vector<std::string>& words) {
     const parallel::ThreadLimit threads(options.render.threads);
     const InterruptGuard guard(options.render.quiet);
     if (quantisers_from(options.quantisers).size() < 2)
@@ -140,7 +140,7 @@ int compare(const CompareOptions& options, const std::vector<std::string>& words
     const RenderJob film = prepare_trials(options.render, options);
     std::optional<Comparing> comparing;
     if (!InterruptGuard::requested()) {
-        comparing.emplace(options, film, sample_from(options.sample), ffmpeg);
+        comparing.emplace(options, film, sample_from(options.sample.value_or("1x15")), ffmpeg);
         comparing->run();
     }
     if (!comparing || comparing->found().ways[coupled_way].rows.empty())

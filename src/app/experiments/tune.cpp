@@ -14,7 +14,6 @@
 #include "app/options/option_text.h"
 #include "app/options/options.h"
 #include "app/options/output_kind.h"
-#include "app/options/rate_options.h"
 #include "app/options/usage_error.h"
 #include "app/system/interrupt.h"
 #include "app/system/terminal.h"
@@ -29,7 +28,7 @@ namespace {
 
 using Kind = Target::Kind;
 
-Target target_of(const TuneOptions& o) {
+Target target_of(const TrialOptions& o) {
     std::vector<Target> asked;
     const bool worst = o.of == "worst-tenth";
     if (o.psnr) asked.push_back({Kind::psnr, *o.psnr, worst});
@@ -45,7 +44,7 @@ Target target_of(const TuneOptions& o) {
 }
 
 /// Refuses contradictions to the target.
-void check_options(const TuneOptions& o, const Target& target) {
+void check_options(const TrialOptions& o, const Target& target) {
     const CodingOptions& coding = o.render.coding;
     if (target.kind != Kind::time && (coding.quality || coding.quantiser || coding.crf))
         throw UsageError(std::string(coding.quality     ? "--quality"
@@ -83,7 +82,7 @@ double highest_rate(const RenderJob& film) {
 
 class TuneCommand {
   public:
-    TuneCommand(const TuneOptions& options, const std::vector<std::string>& words)
+    TuneCommand(const TrialOptions& options, const std::vector<std::string>& words)
         : options_(options), words_(words), began_(clock_seconds()) {
         tuning_.target = target_of(options);
         check_options(options, tuning_.target);
@@ -107,7 +106,7 @@ class TuneCommand {
     Sample sample_of(const RenderJob& film) const;
     void look_at_film(const Rendered& rendered);
 
-    const TuneOptions& options_;
+    const TrialOptions& options_;
     const std::vector<std::string>& words_;
     double began_;
     Tuning tuning_;
@@ -232,7 +231,7 @@ void TuneCommand::write_reports() const {
 
 }  // namespace
 
-int tune(const TuneOptions& options, const std::vector<std::string>& words, const RenderFilm& render_film) {
+int tune(const TrialOptions& options, const std::vector<std::string>& words, const RenderFilm& render_film) {
     TuneCommand command(options, words);
     const Tuning& tuning = command.tuning();
     const bool quiet = options.render.quiet;

@@ -169,7 +169,9 @@ std::vector<Rung> ladder_of(const RenderJob& film) {
         Rung rung{factor > 1 ? with_tolerance(film, loosened(film.tolerance, factor)) : film, {}, ""};
         renderer::Settings& r = rung.film.rendering;
         r.samples = std::max(1, samples / fewer_samples);
-        r.vpls = vpls == 0 ? 0 : std::max(std::min(vpls, 64), vpls / fewer_points);
+        // Rays bring their light without points.
+        if (r.indirect == renderer::Indirect::lightcuts && vpls > 0)
+            r.vpls = std::max(std::min(vpls, 64), vpls / fewer_points);
         if (r.samples != samples) r.edge_samples = r.most_samples = 0;
         if (factor > 1) rung.options.emplace_back("--tolerance", text_of(rung.film.tolerance));
         if (r.samples != samples) rung.options.emplace_back("--samples", std::to_string(r.samples));

@@ -121,7 +121,7 @@ void remove_parts(const FarmPlan& plan, const std::filesystem::path& film) {
 
 }  // namespace
 
-int join(const JoinOptions& wish) {
+int join(const PartOptions& wish) {
     const WallClock clock;
     const parallel::ThreadLimit threads(wish.threads);
     const FarmPlan plan = read_plan(wish.plan);

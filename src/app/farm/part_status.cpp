@@ -163,7 +163,7 @@ void PartReporter::write() {
     }
 }
 
-int farm_status(const FarmStatusOptions& options) {
+int farm_status(const PartOptions& options) {
     const FarmPlan plan = read_plan(options.plan);
     if (options.left) {
         std::vector<int> left;

@@ -15,7 +15,7 @@
 #include "app/files/publish.h"
 #include "app/files/work_folder.h"
 #include "app/loop/resume.h"
-#include "app/options/command_options.h"
+#include "app/options/option_text.h"
 #include "app/options/usage_error.h"
 #include "app/production/production.h"
 #include "app/system/image_reader.h"

@@ -11,7 +11,6 @@
 #include "app/loop/scene_settings.h"
 #include "app/options/mistakes.h"
 #include "app/options/option_text.h"
-#include "app/options/rate_options.h"
 #include "app/options/usage_error.h"
 #include "app/system/image_reader.h"
 #include "app/system/probes.h"

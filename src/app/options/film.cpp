@@ -6,8 +6,9 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <utility>
 
-#include "app/options/rate_options.h"
+#include "app/options/option_text.h"
 #include "app/options/usage_error.h"
 #include "core/error.h"
 #include "core/text.h"
@@ -93,6 +94,40 @@ void refuse_as_usage(const Check& check) {
     }
 }
 
+void refuse_conflicts(const CodingOptions& o) {
+    const std::pair<const char*, bool> given[] = {{"--crf", o.crf.has_value()},
+                                                  {"--quantiser", o.quantiser.has_value()},
+                                                  {"--quality", o.quality.has_value()},
+                                                  {"--bitrate", o.bitrate.has_value()}};
+    const char* first = nullptr;
+    for (const auto& [name, is_given] : given) {
+        if (is_given && first != nullptr)
+            throw UsageError(fmt::format("{} and {}: each decides the quantisers; give one", first, name));
+        if (is_given) first = name;
+    }
+    if (o.constant_rate && !o.bitrate) throw UsageError("--cbr: which rate? Give --bitrate too, e.g. --bitrate 6M");
+    if (o.passes && !o.bitrate)
+        throw UsageError(
+            "--passes: without --bitrate there is nothing to find out first; give --bitrate too, or leave --passes "
+            "out");
+}
+
+encoder::RateControl rate_control(const CodingOptions& options) {
+    refuse_conflicts(options);
+    encoder::RateControl rate;
+    if (options.quality) {
+        rate.mode = encoder::RateMode::constant_quality;
+        rate.quality = *options.quality;
+    }
+    if (options.bitrate) {
+        rate.mode = options.constant_rate ? encoder::RateMode::constant : encoder::RateMode::variable;
+        rate.bit_rate = bits_from(*options.bitrate, "bitrate");
+    }
+    if (options.maxrate) rate.max_rate = bits_from(*options.maxrate, "maxrate");
+    if (options.vbv) rate.buffer_bits = bits_from(*options.vbv, "vbv");
+    return rate;
+}
+
 int quantiser_of(const CodingOptions& options, encoder::Codec codec) {
     const encoder::CodecFacts facts = encoder::facts_of(codec);
     if (options.crf) {
@@ -107,6 +142,10 @@ int quantiser_of(const CodingOptions& options, encoder::Codec codec) {
 }
 
 }  // namespace
+
+bool two_passes(const CodingOptions& options) {
+    return options.bitrate.has_value() && options.passes.value_or(2) == 2;
+}
 
 void check_settings(const encoder::Settings& coding) {
     if (coding.codec != encoder::Codec::mpeg2) av::open_libraries();

@@ -66,6 +66,8 @@ encoder::Codec codec_of(const CodingOptions& options, const std::filesystem::pat
 /// Throws UsageError where a film cannot be coded with these settings, or not here (encoder/av/coders.h).
 void check_settings(const encoder::Settings& coding);
 
+bool two_passes(const CodingOptions& options);
+
 /// The ending that films of a codec usually have.
 inline const char* usual_ending(encoder::Codec codec) {
     return codec == encoder::Codec::mpeg2 ? ".mpg" : ".mp4";

@@ -1,9 +1,9 @@
 #include "app/options/help_format.h"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <sstream>
 
-#include "app/options/coding_options.h"
 #include "app/system/terminal.h"
 
 namespace render2mpeg::app {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -11,7 +10,7 @@
 #include <map>
 #include <system_error>
 
-#include "app/options/help_format.h"
+#include "app/options/option_table.h"
 #include "app/options/usage_error.h"
 #include "core/text.h"
 
@@ -95,15 +94,20 @@ std::string missing_text(const CLI::App& app, const std::string& name) {
            (option == nullptr || option->get_type_name().empty() ? "" : "; give one of " + option->get_type_name());
 }
 
-using Names = std::vector<std::string>;
+/// A case in which options are idle, and its reason.
+struct IdleCase {
+    Idle idle;
+    bool is_here;
+    std::string reason;
+};
 
-void note(Names& lines, const std::map<std::string, std::string>& said, const Names& names, const std::string& reason) {
-    Names found;
-    for (const std::string& name : names)
-        if (said.contains(name)) found.push_back(name);
-    if (!found.empty())
-        lines.push_back(
-            fmt::format("{} {} nothing here: {}", fmt::join(found, ", "), found.size() == 1 ? "does" : "do", reason));
+std::vector<std::string> notes(const std::map<std::string, std::string>& said, const std::vector<IdleCase>& cases) {
+    std::vector<std::string> lines;
+    for (const IdleCase& one : cases)
+        if (const auto found = said_and(one.idle, said); one.is_here && !found.empty())
+            lines.push_back(fmt::format("{} {} nothing here: {}", fmt::join(found, ", "),
+                                        found.size() == 1 ? "does" : "do", one.reason));
+    return lines;
 }
 
 constexpr std::array films{".mpg", ".mpeg", ".vob", ".ts",   ".m2v", ".mkv", ".mp4", ".mov",
@@ -213,32 +217,24 @@ std::string mistake_text(const CLI::App& command, const CLI::Error& error) {
 }
 
 std::vector<std::string> unused_options(const RenderOptions& options, OutputKind kind,
-                                        const ToleranceRequest& tolerance) {
-    Names lines;
-    const std::string output = options.output.filename().string();
-    if (kind != OutputKind::film)
-        note(lines, options.said,
-             {"--codec", "--quantiser", "--crf", "--quality", "--bitrate", "--cbr", "--maxrate", "--vbv", "--passes",
-              "--gop", "--b-pictures", "--tune", "--encoder", "--keyframes", "--audio", "--audio-offset"},
-             output + " is not coded");
-    // With a tolerance, the exposure tells which pixels are too dark to matter.
-    if (kind == OutputKind::exr && (tolerance.reference || tolerance.relative == 0))
-        note(lines, options.said, {"--exposure"},
-             output + " holds the scene's own light, and no light is too dark for this tolerance");
-    if (kind == OutputKind::exr)
-        note(lines, options.said, {"--view", "--glare"}, output + " holds the scene's own light");
-    if (tolerance.truth)
-        note(lines, options.said, {"--vpls", "--clamp", "--cache", "--samples", "--edge-samples"},
-             "paths over the whole pixel bring its light");
-    if (!tolerance.coupled)
-        note(lines, options.said, {"--masking"}, "the tolerance is not coupled to the film's coding");
-    return lines;
+                                        const ToleranceRequest& tolerance, bool preview) {
+    const std::string output = options.output.filename().string(), own = output + " holds the scene's own light";
+    const bool exr = kind == OutputKind::exr;
+    return notes(
+        options.said,
+        {{Idle::uncoded, kind != OutputKind::film, output + " is not coded"},
+         // With a tolerance, the exposure tells which pixels are too dark to matter.
+         {Idle::unexposed, exr && (tolerance.reference || tolerance.relative == 0),
+          own + ", and no light is too dark for this tolerance"},
+         {Idle::undeveloped, exr, own},
+         {Idle::traced, tolerance.truth.has_value(), "paths over the whole pixel bring its light"},
+         {Idle::without_points, options.vpls > 0 && !preview && (options.indirect == "rays" || tolerance.truth),
+          std::string(tolerance.truth ? "paths" : "rays") + " bring bounced light"},
+         {Idle::uncoupled, !tolerance.coupled, "the tolerance is not coupled to the film's coding"}});
 }
 
 std::vector<std::string> unused_options(const EncodeOptions& options) {
-    Names lines;
-    if (!options.motion) note(lines, options.said, {"--motion-convention"}, "there is no --motion");
-    return lines;
+    return notes(options.said, {{Idle::without_vectors, !options.motion, "there is no --motion"}});
 }
 
 std::string unused_keyframes(const Keyframes& keyframes, const FrameRange& frames) {

@@ -1,10 +1,12 @@
 #pragma once
 // Options of all commands.
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -55,15 +57,27 @@ struct CodingOptions {
     double audio_offset = 0;                                  ///< seconds of frame 0's film at which it begins
 };
 
-/// Options of `render`; `plan` uses those that decide the plan.
-struct RenderOptions {
-    std::filesystem::path input;
+/// Options of `render` and `encode`.
+struct FilmOptions {
+    std::filesystem::path input;  ///< a scene; of `encode` a Y4M file, numbered images, or "-": Y4M from standard input
     std::filesystem::path output;
-    std::optional<std::string> as;    ///< format on standard output: "ts", "m2v" or "y4m"; `output` is "-.ts" then
-    std::optional<std::string> size;  ///< "WxH"
+    std::optional<std::string> as;  ///< format on standard output: "ts", "m2v" or "y4m"; `output` is "-.ts" then
     std::optional<std::string> rate;
     std::optional<std::string> frames;  ///< "A:B", inclusive
+    std::optional<std::string> view;    ///< a name of core::view_names; wins over the animation file's
     CodingOptions coding;
+    int threads = 0;  ///< 0: all
+    std::optional<std::filesystem::path> stats;
+    bool quiet = false;
+    bool overwrite = false;  ///< replace films and make folders without a question
+    /// Options of the command line by their long names: the words behind each.
+    std::map<std::string, std::string> said;
+
+    bool is_given(const std::string& name) const { return said.contains(name); }
+};
+
+struct RenderOptions : FilmOptions {
+    std::optional<std::string> size;  ///< "WxH"
     int samples = 4;
     std::optional<int> edge_samples;  ///< none: as many as `samples` where that was given, else 16 or 64
     std::string indirect = "rays";    ///< or "lightcuts"
@@ -79,7 +93,6 @@ struct RenderOptions {
     std::optional<int> exposure_samples;     ///< none: by quantiser
     std::optional<std::string> fog;          ///< as fog_from() reads it; wins over the animation file's
     std::optional<std::string> glare;        ///< as glare_from() reads it; wins over the animation file's
-    std::optional<std::string> view;         ///< a name of core::view_names; wins over the animation file's
     std::optional<std::string> transparent;  ///< "on" or "off"; likewise
     std::string clamp = "bounded";           ///< "bounded" or "none"
     std::string cache = "auto";              ///< "on", "off" or "auto"
@@ -89,9 +102,7 @@ struct RenderOptions {
     std::optional<std::string> camera;
     std::optional<std::string> animation;
     std::optional<std::string> variant;
-    int threads = 0;  ///< 0: all
     std::optional<std::string> isa;
-    std::optional<std::filesystem::path> stats;
     std::optional<std::filesystem::path> report;                ///< HTML
     std::optional<std::filesystem::path> layers;                ///< --aov
     std::optional<std::filesystem::path> last_frame;            ///< --last-frame
@@ -100,36 +111,18 @@ struct RenderOptions {
     std::optional<std::string> effort;                          ///< "draft", or a name of `efforts`
     std::string player;                                         ///< of `watch`; empty: whichever is at hand
     bool dry_run = false;
-    bool quiet = false;
     bool resume = false;
-    bool hold = false;       ///< frames outside the film are wanted
-    bool overwrite = false;  ///< replace films and make folders without a question
+    bool hold = false;  ///< frames outside the film are wanted
     bool verbose = false;
     std::string within = "10s";         ///< for sample frames that tell what the film takes; "0": none
     std::optional<std::string> memory;  ///< as memory_from() reads it; none: all that there is
     std::optional<int> chunks_at_once;  ///< none: by cores and memory
-    std::map<std::string, std::string>
-        said;  ///< options of the command line by their long names: the words behind each
-
-    bool is_given(const std::string& name) const { return said.contains(name); }
 };
 
-struct EncodeOptions {
-    std::filesystem::path input;  ///< a Y4M file, numbered images, or "-": Y4M from standard input
-    std::filesystem::path output;
-    std::optional<std::string> as;                ///< as in RenderOptions
+struct EncodeOptions : FilmOptions {
     std::optional<std::filesystem::path> motion;  ///< numbered OpenEXR files, or a motion stream: "fd:N" or a pipe
     std::string motion_convention = "blender";    ///< "blender" or "nuke"
-    std::optional<std::string> rate;
-    std::optional<std::string> frames;  ///< "A:B", inclusive
-    std::optional<float> exposure;      ///< EV, for scene-linear frames
-    std::optional<std::string> view;    ///< as in RenderOptions
-    CodingOptions coding;
-    int threads = 0;  ///< 0: all
-    std::optional<std::filesystem::path> stats;
-    bool quiet = false;
-    bool overwrite = false;                   ///< as in RenderOptions
-    std::map<std::string, std::string> said;  ///< likewise
+    std::optional<float> exposure;                ///< EV, for scene-linear frames
 };
 
 struct InfoOptions {
@@ -143,35 +136,30 @@ struct Sample {
     int windows = 2, frames = 3;  ///< >= 1
 };
 
+/// Options of `cost`, `tune` and `compare`.
 struct TrialOptions {
-    RenderOptions render;  ///< decides light and coding
+    RenderOptions render;  ///< decides light and coding; `output` may be empty
     std::optional<std::filesystem::path> json;
     std::optional<std::filesystem::path> report;  ///< HTML
-};
+    std::optional<std::string> sample;            ///< none: by the command
+    std::optional<int> references;                ///< of every window; none: by the command
 
-struct CostOptions : TrialOptions {
-    std::optional<std::string> sample;  ///< none: limited by the available time
-    std::string within = "1m";          ///< as time_in_seconds reads it
+    std::string within = "1m";  ///< of `cost`, as time_in_seconds reads it
     std::string tolerances = "16,8,4,2,1";
-};
+    std::string quantisers = "2,4,8,16";  ///< of `compare`
 
-struct CompareOptions : TrialOptions {
-    std::string sample = "1x15";
-    int references = 4;  ///< of every window
-    std::string quantisers = "2,4,8,16";
-};
-
-/// Options of `tune`: exactly one of the targets.
-struct TuneOptions : TrialOptions {      ///< `output` may be empty in a dry run
+    /// Targets of `tune`, exactly one of them.
     std::optional<double> psnr;          ///< dB
     std::optional<double> ssim;          ///< 0..1
     std::optional<std::string> bitrate;  ///< as bits_from reads it
     std::optional<std::string> size;     ///< as size_in_bytes reads it
     std::optional<std::string> time;     ///< as time_in_seconds reads it
-    std::optional<std::string> sample;   ///< none: by the target
     std::string of = "film";             ///< "film" or "worst-tenth": whose quality is meant
-    std::optional<int> references;       ///< of every window; none: by the target
 };
+
+/// Schedulers of `farm --to`.
+inline constexpr std::array<std::string_view, 7> scheduler_names{"slurm",  "parallel",  "sge",     "kubernetes",
+                                                                 "openjd", "snakemake", "flamenco"};
 
 struct FarmOptions {
     RenderOptions render;                         ///< as they were read; parts read them again from the plan
@@ -182,25 +170,16 @@ struct FarmOptions {
     bool pack = false;  ///< with copies of all inputs
 };
 
+/// Options of `part`, `join` and `farm-status`.
 struct PartOptions {
-    std::filesystem::path plan;         ///< a farm's folder, or its plan.json
-    std::optional<int> number;          ///< of the part, from 1; not with the next
-    std::optional<std::string> frames;  ///< "A-B": all parts that begin with one of these frames
-    int threads = 0;                    ///< 0: all
-    std::optional<std::string> memory;  ///< as in RenderOptions
+    std::filesystem::path plan;                   ///< a farm's folder, or its plan.json
+    std::optional<int> number;                    ///< of the part, from 1; not with the next
+    std::optional<std::string> frames;            ///< "A-B": all parts that begin with one of these frames
+    std::optional<std::filesystem::path> folder;  ///< where the join puts everything; none: as `farm` was told
+    bool left = false;                            ///< tell only the numbers of parts that are not whole
+    int threads = 0;                              ///< 0: all
+    std::optional<std::string> memory;            ///< as in RenderOptions
     bool quiet = false;
-};
-
-struct JoinOptions {
-    std::filesystem::path plan;                   ///< as in PartOptions
-    std::optional<std::filesystem::path> folder;  ///< where everything is put; none: as `farm` was told
-    int threads = 0;
-    bool quiet = false;
-};
-
-struct FarmStatusOptions {
-    std::filesystem::path plan;  ///< as in PartOptions
-    bool left = false;           ///< only the numbers of parts that are not whole, with commas
 };
 
 enum class Command { render, encode, plan, info, cost, tune, compare, watch, farm, part, join, farm_status, none };
@@ -208,18 +187,12 @@ enum class Command { render, encode, plan, info, cost, tune, compare, watch, far
 /// A parsed command line. `exit_code` is set after --help and --version.
 struct CommandLine {
     Command command = Command::none;
-    RenderOptions render;
+    RenderOptions render;  ///< also of `plan` and `watch`
     EncodeOptions encode;
-    RenderOptions plan;
     InfoOptions info;
-    CostOptions cost;
-    TuneOptions tune;
-    CompareOptions compare;
+    TrialOptions trial;
     FarmOptions farm;
     PartOptions part;
-    JoinOptions join;
-    FarmStatusOptions farm_status;
-    RenderOptions watch;
     std::string progress = "line";  ///< "line", "minute", "json", "openjd" or "none"
     std::optional<int> exit_code;
     std::string text;                ///< as given, for the statistics
@@ -228,6 +201,22 @@ struct CommandLine {
 
 /// Throws UsageError: one line with the wrong name and the right form.
 CommandLine parse(int argc, char** argv);
+
+/// When an option changes no byte of a film.
+enum class Idle {
+    never,
+    always,           ///< speaks of the run alone
+    uncoded,          ///< where nothing is coded
+    unexposed,        ///< in the scene's own light, where none of it is too dark to matter
+    undeveloped,      ///< in the scene's own light
+    traced,           ///< where paths over the whole pixel bring its light
+    without_points,   ///< where rays or paths bring bounced light
+    uncoupled,        ///< where the tolerance is not coupled to coding
+    without_vectors,  ///< where no motion is given
+};
+
+/// Those of `said` that are idle in such a case, in the table's order.
+std::vector<std::string> said_and(Idle idle, const std::map<std::string, std::string>& said);
 
 /// A word quoted for a shell.
 std::string quoted(const std::string& word);
@@ -245,6 +234,9 @@ struct FrameRange {
 std::vector<std::string> changed_command(const std::vector<std::string>& words, const std::string& command,
                                          const std::vector<std::string>& without, const std::vector<std::string>& flags,
                                          const std::vector<std::pair<std::string, std::string>>& with);
+
+/// Words of the `render` that a `farm` stands for.
+std::vector<std::string> render_words(const std::vector<std::string>& farm);
 
 std::string line_of(const std::vector<std::string>& words);
 

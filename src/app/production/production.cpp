@@ -70,7 +70,8 @@ RenderJob prepare_within_memory(const RenderOptions& options) {
 void print_notes(const RenderJob& film, const RenderOptions& options) {
     if (options.quiet) return;
     std::vector<std::string> notes = film.animation->notes;
-    for (const std::string& line : unused_options(options, film.kind, film.tolerance)) notes.push_back(line);
+    for (const std::string& line : unused_options(options, film.kind, film.tolerance, film.preview))
+        notes.push_back(line);
     notes.push_back(film.kind == OutputKind::film ? unused_keyframes(film.keyframes, film.frames) : "");
     if (const std::string why = why_no_light_file(film); options.light_cache && !why.empty())
         notes.push_back("--light-cache has no effect: " + why);
