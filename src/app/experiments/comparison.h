@@ -68,9 +68,9 @@ std::string difference_table(const Comparison& found);
 /// "-12.3 %", or "-" where it is not known.
 std::string change_text(double per_cent);
 
-/// All results (docs/json.md), and the same as a page with plots.
+/// All results (docs/json.md), and what a page shows besides.
 nlohmann::json compare_json(const RenderJob& film, const Comparison& found);
-std::string compare_page(const RenderJob& film, const Comparison& found);
+nlohmann::json compare_page(const RenderJob& film, const Comparison& found);
 
 /// Columns of `compare`, in 80 characters.
 extern const TrialColumns compare_columns;

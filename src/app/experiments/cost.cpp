@@ -177,9 +177,9 @@ void Cost::write(const std::vector<std::string>& words) {
     }
     write_results(options_, trials_, with_head(cost_json(sweep_, costs, film.frame_count()), trials_, line_of(words)),
                   [&] {
-                      return TrialPage{"what accuracy costs",
+                      return TrialPage{"cost", "what accuracy costs",
                                        (sweep_.complete ? "" : "Interrupted: this is a part of it. ") + answer,
-                                       cost_page(film, sweep_, costs)};
+                                       cost_page(film, sweep_)};
                   });
 }
 

@@ -10,9 +10,6 @@
 
 #include "app/experiments/film_costs.h"
 #include "app/loop/forecast.h"
-#include "app/report/answer.h"
-#include "app/report/figures.h"
-#include "app/report/frame_view.h"
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"
 #include "core/numeric.h"
@@ -79,38 +76,6 @@ EffectCost difference_of(const Lit& whole, const Lit& less) {
     return cost;
 }
 
-/// Handler of a row's button: shows its picture and the whole frame in the large figure.
-constexpr const char* show_effect =
-    "const large = document.querySelector('#effects .pair'), chosen = this.querySelector('img'), both = "
-    "large.querySelectorAll('.upon img'); both[0].src = chosen.src; both[1].src = "
-    "document.getElementById(this.dataset.whole).src; large.querySelector('.grip span').textContent = chosen.alt; "
-    "large.scrollIntoView({ block: 'nearest' })";
-
-AnswerRow row_of(const EffectCost& cost, double longest, perceptual::ColorMatrix matrix) {
-    return {cost.name,
-            std::max(0.0, core::divide_or(cost.share, longest, 0.0)),
-            share_text(cost.share),
-            words_for(cost.difference),
-            grade_of(cost.difference),
-            cost.difference ? fmt::format("{:.0f} dB", *cost.difference) : "the same",
-            "",
-            false,
-            cost.option.empty() ? "" : cost.option + " leaves it out",
-            fmt::format("<button class=\"thumb\" data-whole=\"whole-{}\" onclick=\"{}\">{}</button>", cost.whole.number,
-                        show_effect, image_of("without " + cost.name, cost.without, matrix))};
-}
-
-/// Whole pictures of the rows, each once.
-std::string whole_images(const EffectCosts& effects, perceptual::ColorMatrix matrix) {
-    std::map<std::int64_t, const core::Picture*> wholes;
-    for (const EffectCost& cost : effects.rows) wholes.emplace(cost.whole.number, &cost.whole);
-    std::string text;
-    for (const auto& [number, picture] : wholes)
-        text += fmt::format("<div hidden>{}</div>\n",
-                            image_of("all effects", *picture, matrix, fmt::format("whole-{}", number)));
-    return text;
-}
-
 }  // namespace
 
 std::vector<LeftOut> left_out_of(const RenderJob& film) {
@@ -171,30 +136,6 @@ std::string effect_row(const EffectCost& cost) {
     const std::string name = cost.name + (cost.option.empty() ? "" : " (" + cost.option + ")");
     return fmt::format("{:<32} {:>10}  {}{}\n", name, share_text(cost.share), words_for(cost.difference),
                        cost.difference ? fmt::format(" ({:.0f} dB)", *cost.difference) : "");
-}
-
-std::string effects_section(const EffectCosts& effects, perceptual::ColorMatrix matrix) {
-    if (effects.rows.empty()) return {};
-    double longest = 0;
-    const EffectCost* first = &effects.rows.front();
-    for (const EffectCost& cost : effects.rows) longest = std::max(longest, cost.share);
-    // Begin with the dearest one, unless hardly anything is left without it. chosen: 10 dB.
-    const auto rank = [](const EffectCost& cost) { return cost.difference.value_or(99) < 10 ? -1 : cost.share; };
-    for (const EffectCost& cost : effects.rows)
-        if (rank(cost) > rank(*first)) first = &cost;
-    std::vector<AnswerRow> rows;
-    for (const EffectCost& cost : effects.rows) rows.push_back(row_of(cost, longest, matrix));
-    const std::string table = answer_table(
-        {"effect", "share of time", "difference without it", "without it"}, rows,
-        fmt::format("From {} frame{} of {}x{}, lit again without each effect. Shares need not add up: effects share "
-                    "work. dB: PSNR-HVS-M of the lit pictures with and without it. Choose a picture to see it beside "
-                    "the whole.",
-                    effects.frames, effects.frames == 1 ? "" : "s", effects.size.width, effects.size.height));
-    const std::string figure =
-        slider_figure(fmt::format("Frame {}", first->whole.number), {"without " + first->name, first->without},
-                      {"all effects", first->whole}, matrix);
-    return "<h2>What each effect takes, and what it gives</h2>\n<div id=\"effects\">" +
-           answer_screen(table, figure, "") + whole_images(effects, matrix) + "</div>\n";
 }
 
 }  // namespace render2mpeg::app

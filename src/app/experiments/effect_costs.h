@@ -7,7 +7,6 @@
 
 #include "app/loop/render_job.h"
 #include "core/picture.h"
-#include "perceptual/display.h"
 
 namespace render2mpeg::app {
 
@@ -48,8 +47,5 @@ std::string share_text(double share);
 
 std::string effects_heading();
 std::string effect_row(const EffectCost& cost);
-
-/// Table with small pictures, and a large one for comparison. Empty without rows.
-std::string effects_section(const EffectCosts& effects, perceptual::ColorMatrix matrix);
 
 }  // namespace render2mpeg::app

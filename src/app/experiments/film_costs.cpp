@@ -73,38 +73,6 @@ json effects_json(const EffectCosts& effects) {
     return {{"width", effects.size.width}, {"height", effects.size.height}, {"frames", effects.frames}, {"rows", rows}};
 }
 
-std::vector<AnswerRow> answer_rows(const std::vector<FilmCost>& costs) {
-    const std::optional<std::size_t> taken = recommended(costs);
-    std::vector<AnswerRow> rows;
-    double longest = 0;
-    for (const FilmCost& c : costs)
-        if (c.value != by_truth) longest = std::max(longest, c.cpu);
-    for (std::size_t i = 0; i < costs.size(); ++i) {
-        const FilmCost& c = costs[i];
-        rows.push_back({c.name(), std::min(1.0, core::divide_or(c.cpu, longest, 1.0)), time_text(c.clock, c.cpu),
-                        c.difference(), grade_of(c.added), "", size_text(c.bytes), taken == i});
-    }
-    return rows;
-}
-
-std::string first_screen(const RenderJob& film, const Sweep& sweep, const std::vector<FilmCost>& costs) {
-    const TrialRow& loosest = sweep.rows.front();
-    const std::string note = fmt::format(
-        "Times are of this machine's {} threads, as busy as it was. From {} sample frame{} of {}x{}, quantiser {}. "
-        "Words: what light adds to the error that one sees (PSNR-HVS-M of 50, 46, 42 dB). dB: PSNR-Y after coding, "
-        "below the most exact tolerance. {}",
-        parallel::thread_count(), loosest.trial.frames, loosest.trial.frames == 1 ? "" : "s", film.format.width,
-        film.format.height, film.coding.quantiser, truth_text(sweep.truth));
-    std::string figure;
-    if (const auto& own = loosest.trial.sample_frame)
-        figure = difference_figure(
-            fmt::format("Frame {}, before coding: the loosest light beside the most exact", own->frame),
-            {loosest.name, own->lit}, {"exact", own->reference}, perceptual::matrix_for(film.format.height));
-    return answer_screen(
-        answer_table({"accuracy of light", "time, whole film", "difference", "film"}, answer_rows(costs), note), figure,
-        sweep.render);
-}
-
 }  // namespace
 
 const TrialColumns cost_columns{&columns::light, &columns::rays,  &columns::cut,    &columns::median, &columns::p95,
@@ -126,11 +94,6 @@ std::string words_for(const std::optional<double>& added) {
     if (!added || *added >= invisible) return "none you can see";
     if (*added >= hardly) return "hardly any";
     return *added >= slight ? "slight in flat areas" : "visible";
-}
-
-Grade grade_of(const std::optional<double>& added) {
-    if (!added || *added >= hardly) return Grade::good;
-    return *added >= slight ? Grade::fair : Grade::poor;
 }
 
 std::vector<FilmCost> film_costs(const Sweep& sweep, std::int64_t frame_count) {
@@ -198,22 +161,26 @@ json cost_json(const Sweep& sweep, const std::vector<FilmCost>& costs, std::int6
             {"complete", sweep.complete}};
 }
 
-std::string cost_page(const RenderJob& film, const Sweep& sweep, const std::vector<FilmCost>& costs) {
-    const std::string quality =
-                          plot_of("Quality of the decoded film over time", columns::light, columns::psnr_y, sweep.rows),
-                      error = plot_of("Error of a pixel's light over time: 95 of 100 err by no more than",
-                                      columns::light, columns::p95, sweep.rows);
-    return first_screen(film, sweep, costs) +
-           effects_section(sweep.effects, perceptual::matrix_for(film.format.height)) +
-           folded(
-               "All curves and figures",
-               quality + error + sample_frame_figures(sweep.rows.front().name, sweep.rows.front().trial, film) +
-                   html_of("What was tried", cost_columns, sweep.rows) +
-                   "<p class=\"soft\">Light: CPU seconds of all threads per frame. Rays: shadow rays and gather rays "
-                   "per gather point; cut: clusters of lights per point. 50 and 95 %: percentiles of the error of a "
-                   "pixel's luminance against reference light, in %. Over: % of the pixels that err by more than "
-                   "their tolerance; twice: by more than twice of it. PSNR-Y and SSIM: decoded pictures against "
-                   "what is not coded, PSNR-Y the truth, SSIM reference light. Size per frame.</p>\n");
+json cost_page(const RenderJob& film, const Sweep& sweep) {
+    const perceptual::ColorMatrix matrix = perceptual::matrix_for(film.format.height);
+    const TrialRow& loosest = sweep.rows.front();
+    json pictures = json::array(), without = json::array(), wholes = json::object();
+    if (const auto& own = loosest.trial.sample_frame)
+        pictures.push_back(
+            pair_of(fmt::format("Frame {}, before coding: the loosest light beside the most exact", own->frame),
+                    {loosest.name, own->lit}, {"exact", own->reference}, matrix, true));
+    for (const EffectCost& cost : sweep.effects.rows) {
+        without.push_back({{"source", source_of("without " + cost.name, cost.without, matrix)},
+                           {"width", shown_width(cost.without.width())},
+                           {"frame", cost.whole.number}});
+        wholes.emplace(std::to_string(cost.whole.number), source_of("all effects", cost.whole, matrix));
+    }
+    return {{"threads", parallel::thread_count()},
+            {"truth", truth_text(sweep.truth)},
+            {"pictures", pictures},
+            {"without", without},
+            {"wholes", wholes},
+            {"sample", sample_frame_figures(loosest.name, loosest.trial, film)}};
 }
 
 }  // namespace render2mpeg::app

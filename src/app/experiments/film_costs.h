@@ -8,9 +8,14 @@
 #include "app/experiments/effect_costs.h"
 #include "app/experiments/trial_table.h"
 #include "app/loop/forecast.h"
-#include "app/report/answer.h"
 
 namespace render2mpeg::app {
+
+struct TrialRow {
+    std::string group;  ///< rows of one kind
+    std::string name;   ///< within it
+    Trial trial;
+};
 
 /// Results of `cost`.
 struct Sweep {
@@ -44,7 +49,6 @@ struct FilmCost {
 /// Visibility of light's error by its PSNR-HVS-M: visible below some 42 dB [Ponomarenko2007]. chosen: two steps of 4 dB
 /// above that, 2.5 times the error each, since light errs in blotches.
 std::string words_for(const std::optional<double>& added);
-Grade grade_of(const std::optional<double>& added);
 
 /// All rows, from the cheapest. Times and sizes are in proportion to the forecast's, where there is one.
 std::vector<FilmCost> film_costs(const Sweep& sweep, std::int64_t frames);
@@ -56,9 +60,9 @@ std::string answer_of(const std::vector<FilmCost>& costs, std::int64_t frames);
 
 std::string film_cost_table(const std::vector<FilmCost>& costs);
 
-/// All results (docs/json.md), and the same as a page with plots.
+/// All results (docs/json.md), and what a page shows besides.
 nlohmann::json cost_json(const Sweep& sweep, const std::vector<FilmCost>& costs, std::int64_t frames);
-std::string cost_page(const RenderJob& film, const Sweep& sweep, const std::vector<FilmCost>& costs);
+nlohmann::json cost_page(const RenderJob& film, const Sweep& sweep);
 
 /// Columns of `cost`, in 80 characters.
 extern const TrialColumns cost_columns;

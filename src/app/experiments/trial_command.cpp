@@ -218,29 +218,28 @@ void write_results(const TrialOptions& options, const Trials& trials, const nloh
         errors.attempt([&] {
             const std::filesystem::path source = trials.film().animation->source;
             const std::string name = (source.has_filename() ? source : source.parent_path()).filename().string();
-            const TrialPage made = page();
-            write_whole(*options.report,
-                        report_page(name + ": " + made.title, made.lead,
-                                    made.body + "<h2>To find it out again</h2>\n<pre>" +
-                                        escaped(figures.at("command").get<std::string>()) +
-                                        "</pre>\n<p class=\"soft\">Every figure is in the JSON file beside this page "
-                                        "(docs/json.md).</p>\n"));
+            TrialPage made = page();
+            made.more.update(
+                {{"kind", made.kind}, {"title", name + ": " + made.title}, {"lead", made.lead}, {"figures", figures}});
+            write_page(*options.report, made.more);
             write_json(report_json_of(*options.report), figures);
         });
     errors.rethrow();
 }
 
-std::string sample_frame_figures(const std::string& name, const Trial& trial, const RenderJob& film) {
-    if (!trial.sample_frame) return {};
+nlohmann::json sample_frame_figures(const std::string& name, const Trial& trial, const RenderJob& film) {
+    nlohmann::json all = nlohmann::json::array();
+    if (!trial.sample_frame) return all;
     const SampleFrame& own = *trial.sample_frame;
     // Both figures share one scale.
     perceptual::HeatScale error = scale_of(HeatSubject::tolerance);
     error.title = "TRUE ERROR / LUMINANCE";
-    return slider_figure(fmt::format("Frame {}: {} decoded, beside reference light, not coded", own.frame, name),
-                         {name, own.decoded}, {"reference light", own.reference},
-                         perceptual::matrix_for(film.format.height)) +
-           heat_figure("What each pixel's light may be off by", own.tolerance, scale_of(HeatSubject::tolerance)) +
-           heat_figure("What it is off by", own.error, error);
+    all.push_back(pair_of(fmt::format("Frame {}: {} decoded, beside reference light, not coded", own.frame, name),
+                          {name, own.decoded}, {"reference light", own.reference},
+                          perceptual::matrix_for(film.format.height), false));
+    all.push_back(heat_of("What each pixel's light may be off by", own.tolerance, scale_of(HeatSubject::tolerance)));
+    all.push_back(heat_of("What it is off by", own.error, error));
+    return all;
 }
 
 }  // namespace render2mpeg::app

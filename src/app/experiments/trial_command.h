@@ -2,7 +2,7 @@
 // Steps that `cost`, `tune` and `compare` share.
 #include <filesystem>
 #include <functional>
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -58,14 +58,14 @@ void print_sentence(const std::string& text);
 
 /// Results as files: `figures` and what all commands know, and a page about them. `title` follows the film's name.
 struct TrialPage {
-    std::string title, lead;
-    std::string body;  ///< HTML
+    std::string kind, title, lead;
+    nlohmann::json more;  ///< what it shows beside the figures
 };
 nlohmann::json with_head(nlohmann::json figures, const Trials& trials, const std::string& command);
 void write_results(const TrialOptions& options, const Trials& trials, const nlohmann::json& figures,
                    const std::function<TrialPage()>& page);
 
 /// A trial's last reference frame: decoded beside the reference, tolerances and errors. Empty without references.
-std::string sample_frame_figures(const std::string& name, const Trial& trial, const RenderJob& film);
+nlohmann::json sample_frame_figures(const std::string& name, const Trial& trial, const RenderJob& film);
 
 }  // namespace render2mpeg::app

@@ -2,12 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "app/files/file_io.h"
-#include "app/report/answer.h"
-#include "app/report/curve_plot.h"
 #include "app/report/figures.h"
 
 namespace render2mpeg::app {
@@ -30,7 +27,7 @@ const TrialColumn light{"light_seconds", "light, s", 8, short_figure, [](const T
     median{"error_p50", "50 %", 5, percent_of, [](const Trial&t) { return t.errors.quantile(0.5); }},
     p95{"error_p95", "95 %", 5, percent_of, [](const Trial&t) { return t.errors.quantile(0.95); }},
     over{"over_tolerance", "over", 5, percent_of, [](const Trial&t) { return t.share_over(); }},
-    twice{"over_twice", "twice", 0, percent_of, [](const Trial&t) { return t.share_over_twice(); }},
+    twice{"over_twice", "", 0, nullptr, [](const Trial&t) { return t.share_over_twice(); }},
     psnr_y{"psnr_y", "PSNR-Y", 6, psnr_text, [](const Trial&t) { return t.film_quality().psnr_y; }},
     ssim_y{"ssim_y", "SSIM", 6, four_digits, [](const Trial&t) { return t.film_quality().ssim_y; }},
     psnr_hvs_m{"psnr_hvs_m", "HVS-M", 6, psnr_text, [](const Trial&t) { return t.film_quality().psnr_hvs_m; }},
@@ -76,35 +73,6 @@ nlohmann::json figures_json(const Trial& trial) {
     nlohmann::json figures{{"quantiser", trial.quantiser}};
     for (const TrialColumn* c : columns::all) figures[c->key] = finite_or_null(c->value(trial));
     return figures;
-}
-
-std::string html_of(const std::string& title, const TrialColumns& columns, const std::vector<TrialRow>& rows) {
-    std::vector<std::string> heads{"", ""};
-    for (const TrialColumn* c : columns) heads.emplace_back(c->head);
-    std::vector<TableRow> cells;
-    for (const TrialRow& row : rows) {
-        cells.push_back({{row.group, row.name + (row.taken ? ", taken" : "")}, row.taken});
-        for (const TrialColumn* c : columns) cells.back().cells.push_back(c->text(c->value(row.trial)));
-    }
-    return html_table(title, "tt" + std::string(columns.size(), 'n'), heads, cells);
-}
-
-std::string plot_of(const std::string& title, const TrialColumn& x, const TrialColumn& y,
-                    const std::vector<TrialRow>& rows) {
-    constexpr const char* colors[] = {"i", "one", "two", "c3", "c4", "c5"};
-    const bool decibels = y.text == psnr_text;
-    CurvePlot plot{title, {x.head, true}, {y.head + std::string(decibels ? ", dB" : ""), !decibels}, {}};
-    for (const TrialRow& row : rows) {
-        auto curve =
-            std::find_if(plot.curves.begin(), plot.curves.end(), [&](const Curve& c) { return c.name == row.group; });
-        if (curve == plot.curves.end())
-            curve = plot.curves.insert(curve, Curve{row.group, colors[plot.curves.size() % std::size(colors)], {}});
-        curve->points.push_back({x.value(row.trial), y.value(row.trial), row.name, row.taken});
-    }
-    for (Curve& curve : plot.curves)
-        std::stable_sort(curve.points.begin(), curve.points.end(),
-                         [](const CurvePoint& a, const CurvePoint& b) { return a.x < b.x; });
-    return figure_of(plot);
 }
 
 }  // namespace render2mpeg::app

@@ -1,5 +1,5 @@
 #pragma once
-// Figures of trials as text, JSON, tables and plots of a page.
+// Figures of trials as text and JSON.
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
@@ -11,7 +11,7 @@ namespace render2mpeg::app {
 struct TrialColumn {
     const char* key;   ///< in JSON
     const char* head;  ///< in tables; empty: in JSON alone
-    int width;         ///< in text; 0: on pages alone
+    int width;         ///< in text
     std::string (*text)(double);
     double (*value)(const Trial&);
 };
@@ -21,23 +21,11 @@ namespace columns {
 extern const TrialColumn light, code, rays, cut, median, p95, over, twice, psnr_y, ssim_y, psnr_hvs_m, bytes, kilobits;
 }  // namespace columns
 
-struct TrialRow {
-    std::string group;  ///< rows of one curve
-    std::string name;   ///< within it
-    Trial trial;
-    bool taken = false;
-};
-
 /// Lines of text, each with its end; the name is left-aligned in `width` columns.
 std::string heads_text(const TrialColumns& columns, const std::string& name, int width);
 std::string row_text(const TrialColumns& columns, const std::string& name, int width, const Trial& trial);
 
 /// All figures of a trial by their keys, whatever a table shows; null for non-finite values.
 nlohmann::json figures_json(const Trial& trial);
-
-std::string html_of(const std::string& title, const TrialColumns& columns, const std::vector<TrialRow>& rows);
-/// A curve for each group over a logarithmic axis; decibels are even.
-std::string plot_of(const std::string& title, const TrialColumn& x, const TrialColumn& y,
-                    const std::vector<TrialRow>& rows);
 
 }  // namespace render2mpeg::app

@@ -224,7 +224,7 @@ void TuneCommand::look_at_film(const Rendered& rendered) {
 
 void TuneCommand::write_reports() const {
     write_results(options_, *trials_, with_head(tune_json(tuning_), *trials_, line_of(words_)), [&] {
-        return TrialPage{"tuned to " + target_text(tuning_.target), sentence_of(tuning_),
+        return TrialPage{"tune", "tuned to " + target_text(tuning_.target), sentence_of(tuning_),
                          tune_page(trials_->film(), tuning_)};
     });
 }

@@ -8,11 +8,9 @@
 
 #include "app/experiments/trial_command.h"
 #include "app/files/file_io.h"
-#include "app/report/answer.h"
 #include "app/report/figures.h"
 #include "app/report/frame_view.h"
 #include "app/system/progress.h"
-#include "core/numeric.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -26,11 +24,6 @@ const TrialColumns by_quality{&columns::light, &columns::code, &columns::kilobit
 /// "quality 63.4", or another setting's name.
 std::string name_of(const Target& target, const Probe& probe) {
     return target.kind == Kind::time ? probe.setting : "quality " + probe.setting;
-}
-
-/// Whether a probe's setting is to be taken: none where the target is out of reach, or the film missed it.
-bool is_taken(const Tuning& tuning, std::size_t probe) {
-    return tuning.chosen == probe && tuning.found != Found::beyond && film_is_near(tuning);
 }
 
 /// Why a setting that is taken misses the target; empty where it meets it.
@@ -61,47 +54,6 @@ json film_json(const Tuning& tuning) {
             {"as_lit", quality_json({film.psnr_y, film.ssim_y, 0})},
             {"referenced", quality_json(film.reference)},
             {"near", film_is_near(tuning)}};
-}
-
-std::vector<TrialRow> rows_of(const Tuning& tuning) {
-    std::vector<TrialRow> rows;
-    for (std::size_t i = 0; i < tuning.probes.size(); ++i) {
-        const Probe& p = tuning.probes[i];
-        rows.push_back(
-            {p.lit ? "lit for it" : "light of another probe", name_of(tuning.target, p), p.trial, is_taken(tuning, i)});
-    }
-    return rows;
-}
-
-std::string first_screen(const RenderJob& film, const Tuning& tuning) {
-    const auto frames = static_cast<double>(film.frame_count());
-    // Mean pace of all that was lit, since the machine's load changes.
-    double clock = 0, cpu = 0, longest = 0;
-    for (const Probe& p : tuning.probes)
-        if (p.lit) clock += p.trial.clock, cpu += p.trial.cpu, longest = std::max(longest, p.trial.cpu);
-    const double pace = core::divide_or(clock, cpu, 0.0);
-    std::vector<AnswerRow> rows;
-    for (std::size_t i = 0; i < tuning.probes.size(); ++i) {
-        const Probe& p = tuning.probes[i];
-        if (!p.lit && tuning.chosen != i) continue;
-        const Quality quality = p.trial.film_quality();
-        const bool taken = is_taken(tuning, i);
-        rows.push_back({name_of(tuning.target, p), core::divide_or(p.trial.cpu, longest, 0.0),
-                        clock_text(pace * p.trial.cpu * frames), psnr_text(quality.psnr_y) + " dB",
-                        taken ? Grade::good : Grade::none, fmt::format("SSIM {:.4f}", quality.ssim_y),
-                        size_text(p.trial.film_bytes * frames), taken});
-    }
-    std::stable_sort(rows.begin(), rows.end(),
-                     [](const AnswerRow& a, const AnswerRow& b) { return a.share < b.share; });
-    std::string figure;
-    if (tuning.chosen)
-        if (const auto& own = tuning.probes[*tuning.chosen].trial.sample_frame)
-            figure = difference_figure(fmt::format("Frame {}: decoded, beside exact light", own->frame),
-                                       {"decoded", own->decoded}, {"exact, not coded", own->reference},
-                                       perceptual::matrix_for(film.format.height));
-    return answer_screen(answer_table({"setting", "time, whole film", "PSNR-Y", "film"}, rows,
-                                      "Times are of this machine, as busy as it was; all figures from the sample."),
-                         figure, tuning.command.value_or(""));
 }
 
 }  // namespace
@@ -225,21 +177,16 @@ json tune_json(const Tuning& tuning) {
             {"summary", sentence_of(tuning)}};
 }
 
-std::string tune_page(const RenderJob& film, const Tuning& tuning) {
-    const bool time = tuning.target.kind == Kind::time;
-    const std::vector<TrialRow> rows = rows_of(tuning);
-    std::string body,
-        all = plot_of("Quality of what was tried", time ? columns::light : columns::kilobits, columns::psnr_y, rows);
-    if (const std::string text = film_sentence(tuning); !text.empty()) body += "<p>" + escaped(text) + "</p>\n";
-    if (tuning.chosen) {
-        const Probe& taken = tuning.probes[*tuning.chosen];
-        all += sample_frame_figures(name_of(tuning.target, taken), taken.trial, film);
-    }
-    return body + first_screen(film, tuning) +
-           folded("All curves and figures",
-                  all + html_of("What was tried", time ? by_time : by_quality, rows) +
-                      "<p class=\"soft\">CPU seconds per frame. PSNR-Y and SSIM: decoded, against the frames as lit, "
-                      "with what light adds on those lit as the reference.</p>\n");
+json tune_page(const RenderJob& film, const Tuning& tuning) {
+    json page{{"film", film_sentence(tuning)}, {"frame_count", film.frame_count()}, {"pictures", json::array()}};
+    if (!tuning.chosen) return page;
+    const Probe& taken = tuning.probes[*tuning.chosen];
+    page["sample"] = sample_frame_figures(name_of(tuning.target, taken), taken.trial, film);
+    if (const auto& own = taken.trial.sample_frame)
+        page["pictures"].push_back(pair_of(fmt::format("Frame {}: decoded, beside exact light", own->frame),
+                                           {"decoded", own->decoded}, {"exact, not coded", own->reference},
+                                           perceptual::matrix_for(film.format.height), true));
+    return page;
 }
 
 }  // namespace render2mpeg::app

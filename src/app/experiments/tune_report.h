@@ -23,8 +23,8 @@ bool film_is_near(const Tuning& tuning);
 /// The --quality that comes nearer where a film missed a quality; else none.
 std::optional<double> nearer_quality(const Tuning& tuning);
 
-/// All results (docs/json.md), and the same as a page with plots.
+/// All results (docs/json.md), and what a page shows besides.
 nlohmann::json tune_json(const Tuning& tuning);
-std::string tune_page(const RenderJob& film, const Tuning& tuning);
+nlohmann::json tune_page(const RenderJob& film, const Tuning& tuning);
 
 }  // namespace render2mpeg::app

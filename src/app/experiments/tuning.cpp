@@ -9,7 +9,6 @@
 
 #include "app/experiments/quality_search.h"
 #include "app/experiments/trial_command.h"
-#include "app/report/answer.h"
 #include "app/report/figures.h"
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"
@@ -190,7 +189,7 @@ std::vector<Rung> ladder_of(const RenderJob& film) {
     return rungs;
 }
 
-/// Takes the cheapest of those that look alike (answer.h) and are done in time; else the fastest.
+/// Takes the cheapest of those that look alike (cheapest_alike) and are done in time; else the fastest.
 std::size_t rung_to_take(const Tuning& tuning) {
     const auto psnr = [&](const Probe& probe) { return probe.trial.film_quality().psnr_y; };
     const auto in_time = [&](const Probe& probe) { return probe.value <= tuning.target.value; };

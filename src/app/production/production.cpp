@@ -167,7 +167,8 @@ std::unique_ptr<WorkFolder> open_outputs(const RenderJob& film, const RenderOpti
 
 void take_up(SampleFrameObserver& sample_frame, const std::vector<ChunkFile>& chunks) {
     for (const ChunkFile& chunk : chunks)
-        if (sample_frame.is_in(chunk.chunk())) sample_frame.take_up(chunk.facts().value(sample_frame_name, ""));
+        if (sample_frame.is_in(chunk.chunk()))
+            sample_frame.take_up(chunk.facts().value(sample_frame_name, nlohmann::json()));
 }
 
 bool render_chunks(const OpenRender& open) {

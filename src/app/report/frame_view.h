@@ -1,5 +1,6 @@
 #pragma once
-// Shows the middle of a frame in a page, with a slider.
+// The middle of a frame, for a page.
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "core/picture.h"
@@ -25,20 +26,19 @@ struct ShownPicture {
     core::Picture picture;
 };
 
-/// A picture as an HTML element, by that `id` if any. `name` is plain text.
-std::string image_of(const std::string& name, const core::Picture& picture, perceptual::ColorMatrix matrix,
-                     const std::string& id = "");
+/// How wide a picture is shown where the page has room: thumbnails enlarged by a whole number, which keeps their pixels
+/// square.
+int shown_width(int width);
 
-/// Two pictures of one size upon each other, with a slider that shows more of the one or of the other: by mouse, finger
-/// or arrow keys; on paper half of each. Pictures are PNG files within the page. `title` is plain text.
-std::string slider_figure(const std::string& title, const ShownPicture& left, const ShownPicture& right,
-                          perceptual::ColorMatrix matrix);
+/// A picture as a PNG file within the page.
+std::string source_of(const std::string& name, const core::Picture& picture, perceptual::ColorMatrix matrix);
 
-/// The same with a switch to the difference of the two, amplified by difference_gain, on grey.
-std::string difference_figure(const std::string& title, const ShownPicture& left, const ShownPicture& right,
-                              perceptual::ColorMatrix matrix);
+/// Two pictures of one size that a page shows upon each other, with a slider; `with_difference`: and a switch to the
+/// difference of the two, amplified, on grey.
+nlohmann::json pair_of(const std::string& title, const ShownPicture& left, const ShownPicture& right,
+                       perceptual::ColorMatrix matrix, bool with_difference);
 
-/// Values in false colours with their legend. `title` is plain text.
-std::string heat_figure(const std::string& title, const core::Plane<float>& values, const perceptual::HeatScale& scale);
+/// Values in false colours with their legend.
+nlohmann::json heat_of(const std::string& title, const core::Plane<float>& values, const perceptual::HeatScale& scale);
 
 }  // namespace render2mpeg::app

@@ -45,17 +45,17 @@ void SampleFrameObserver::coded(const encoder::CodedPicture& coded) {
                     coded.quantiser, size_text(static_cast<double>(coded.bytes.size())));
 }
 
-std::string SampleFrameObserver::figures() const {
+nlohmann::json SampleFrameObserver::figures() const {
     if (!lit_) return earlier_;
-    std::string text;
+    nlohmann::json all = nlohmann::json::array();
     if (decoded_)
-        text += difference_figure(fmt::format("Frame {}: {}", frame_, coding_), {"decoded", *decoded_},
-                                  {"as it was lit", *lit_}, matrix_);
+        all.push_back(pair_of(fmt::format("Frame {}: {}", frame_, coding_), {"decoded", *decoded_},
+                              {"as it was lit", *lit_}, matrix_, true));
     if (!tolerance_.empty())
-        text += heat_figure("What each pixel's light may be off by", tolerance_, scale_of(HeatSubject::tolerance));
+        all.push_back(heat_of("What each pixel's light may be off by", tolerance_, scale_of(HeatSubject::tolerance)));
     if (!error_.empty())
-        text += heat_figure("What it may be off by as gathered", error_, scale_of(HeatSubject::tolerance));
-    return text;
+        all.push_back(heat_of("What it may be off by as gathered", error_, scale_of(HeatSubject::tolerance)));
+    return all;
 }
 
 }  // namespace render2mpeg::app

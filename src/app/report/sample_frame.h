@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
@@ -19,14 +20,14 @@ class SampleFrameObserver : public LoopObserver {
     /// Whether the frame that is kept is among these.
     bool is_in(const Chunk& chunk) const { return frame_ >= chunk.first && frame_ <= chunk.last; }
     /// Restores the output of figures() from the run that made the frame.
-    void take_up(const std::string& figures) { earlier_ = figures; }
+    void take_up(const nlohmann::json& figures) { earlier_ = figures; }
 
     void lit(const LitFrame& frame) override;
     void coded(const encoder::CodedPicture& coded) override;
 
-    /// For a page: a slider where the frame was coded, and false colours where its tolerances differ. Empty where the
+    /// For a page: a pair where the frame was coded, and false colours where its tolerances differ. Null where the
     /// frame was not made.
-    std::string figures() const;
+    nlohmann::json figures() const;
 
   private:
     std::int64_t frame_;
@@ -34,7 +35,7 @@ class SampleFrameObserver : public LoopObserver {
     perceptual::ColorMatrix matrix_;
     std::optional<core::Picture> lit_, decoded_;
     core::Plane<float> tolerance_, error_;  ///< over luminance; empty: not known
-    std::string earlier_;                   ///< of an earlier run
+    nlohmann::json earlier_;                ///< of an earlier run
     std::string coding_;                    ///< "a B picture, quantiser 6, 1.2 kB"
 };
 
