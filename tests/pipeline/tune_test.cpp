@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "app/experiments/quality_search.h"
 #include "app/experiments/trial.h"
 #include "app/experiments/tuning.h"
 #include "app/options/option_text.h"

@@ -8,10 +8,16 @@
 #include <utility>
 #include <vector>
 
-#include "app/experiments/ffmpeg_program.h"
-#include "app/experiments/trial_table.h"
+#include "app/experiments/trial_command.h"
 
 namespace render2mpeg::app {
+
+/// A way to code with ffmpeg.
+struct FfmpegWay {
+    std::string name;
+    std::string options;  ///< `{q}`: the quantiser; `{L}`: its Lagrange factor, 118 q; `{g}`: pictures of a GOP
+    std::string encoder = "mpeg2video";
+};
 
 /// One way from a scene to a film, by quantiser.
 struct Way {

@@ -9,7 +9,6 @@
 #include <optional>
 #include <vector>
 
-#include "app/experiments/effect_costs.h"
 #include "app/experiments/film_costs.h"
 #include "app/experiments/trial_command.h"
 #include "app/files/file_io.h"

@@ -12,6 +12,7 @@
 
 #include "app/options/option_table.h"
 #include "app/options/usage_error.h"
+#include "core/scene_formats.h"
 #include "core/text.h"
 
 namespace render2mpeg::app {
@@ -114,7 +115,6 @@ constexpr std::array films{".mpg", ".mpeg", ".vob", ".ts",   ".m2v", ".mkv", ".m
                            ".avi", ".webm", ".wmv", ".m2ts", ".gif", ".y4m", ".ogv", ".flv"};
 constexpr std::array pictures{".png",  ".exr", ".jpg", ".jpeg", ".tif", ".tiff",
                               ".webp", ".bmp", ".tga", ".hdr",  ".psd"};
-constexpr std::array scenes{".blend", ".glb", ".gltf", ".fbx", ".obj", ".dae", ".usd", ".usdz", ".3ds", ".ply", ".stl"};
 constexpr std::array sounds{".wav", ".mp3", ".flac", ".ogg", ".aac", ".m4a"};
 constexpr const char* kinds = "scenes are .blend, .glb, .gltf, .fbx, .obj and others, or animation files (.json)";
 
@@ -123,12 +123,20 @@ bool is_one_of(const Endings& endings, const std::filesystem::path& file) {
     return std::find(endings.begin(), endings.end(), core::ending_of(file)) != endings.end();
 }
 
+/// Whether it is a scene by its ending; not an animation file.
+bool is_scene(const std::filesystem::path& file) {
+    const std::string ending = core::ending_of(file);
+    if (ending == ".usd" || ending == ".usdz") return true;
+    return std::any_of(core::scene_formats.begin(), core::scene_formats.end(),
+                       [&](const auto& format) { return ending == format.ending && ending != ".json"; });
+}
+
 std::string of_folder(const std::filesystem::path& folder) {
     std::error_code error;
     if (std::filesystem::exists(folder / "film.json", error)) return {};
     std::vector<std::string> found;
     for (const auto& entry : std::filesystem::directory_iterator(folder, error))
-        if (is_one_of(scenes, entry.path())) found.push_back(entry.path().filename().string());
+        if (is_scene(entry.path())) found.push_back(entry.path().filename().string());
     std::sort(found.begin(), found.end());
     if (found.empty()) return std::string("this folder holds neither a film.json nor a scene; ") + kinds;
     return "this folder holds no film.json; give one of its scenes, such as " + (folder / found.front()).string();
@@ -287,7 +295,7 @@ std::string not_a_film(const std::filesystem::path& file) {
     std::error_code error;
     if (!std::filesystem::exists(file, error)) return "there is no such file";
     if (std::filesystem::is_directory(file, error)) return "it is a folder; give the film in it";
-    if (is_one_of(scenes, file) || core::ending_of(file) == ".json")
+    if (is_scene(file) || core::ending_of(file) == ".json")
         return "it is a scene, not a film; `plan` tells about scenes";
     if (is_one_of(pictures, file)) return "it is a picture, not a film";
     if (core::ending_of(file) == ".y4m") return "its pictures are not coded; `encode` makes a film of them";
@@ -299,8 +307,7 @@ std::string instead_of(const std::filesystem::path& output) {
     if (ending.empty()) return "its name needs an ending, such as " + output.filename().string() + ".mpg";
     if (ending == ".gif") return ".gif is not written; render a film, then `ffmpeg -i film.mpg film.gif`";
     if (is_one_of(pictures, output)) return ending + " is not written; of pictures only .png and .exr are";
-    if (is_one_of(scenes, output))
-        return "it would be a scene; which film is to be made of it? For example -o film.mpg";
+    if (is_scene(output)) return "it would be a scene; which film is to be made of it? For example -o film.mpg";
     if (is_one_of(sounds, output)) return "it would be sound; --audio adds sound to a film";
     if (is_one_of(films, output)) return ending + " is not written; take .mp4 or .mkv, or .mpg";
     return {};

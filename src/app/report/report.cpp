@@ -9,7 +9,7 @@
 
 #include "app/files/file_io.h"
 #include "app/report/figures.h"
-#include "app/report/plan_table.h"
+#include "app/report/statistics.h"
 #include "app/report/summary.h"
 #include "app/system/progress.h"
 #include "core/error.h"
@@ -33,7 +33,7 @@ std::string kilobits(const json& s) {
 
 /// Name of the codec's quantiser scale.
 std::string scale_of(const json& s) {
-    for (const encoder::CodecFacts& facts : encoder::all_codecs())
+    for (const encoder::CodecFacts& facts : encoder::all_codecs)
         if (s.at("codec") == facts.word) return std::string(facts.scale);
     return "quantiser";
 }

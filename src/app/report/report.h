@@ -1,7 +1,6 @@
 #pragma once
 // The page of `--report` and its JSON file.
 #include <filesystem>
-#include <string>
 
 #include "app/report/statistics.h"
 
