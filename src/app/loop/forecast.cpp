@@ -67,9 +67,6 @@ std::string size_text(std::uint64_t bytes) {
 /// chosen: 6 (3 to 9).
 constexpr int window_frames = 6;
 
-/// Windows of each size. chosen: 3; two miss what happens in the middle.
-constexpr int places = 3;
-
 /// Longest side of the smallest pictures; each size after it has four times the pixels. chosen: 48 (32 to 96).
 constexpr double least_side = 48;
 
@@ -154,7 +151,7 @@ double power_between(double smaller, double larger, double times) {
     return std::clamp(std::log(larger / smaller) / std::log(times), 0.15, 1.0);
 }
 
-/// Windows of the largest pictures that there was time for, and how their time grows with their pixels.
+/// A window of the largest pictures that there was time for, and how their time grows with their pixels.
 struct Sampled {
     FrameSample largest;
     double power = time_power;
@@ -167,15 +164,12 @@ std::optional<Sampled> sample_sizes(const RenderJob& film, double limit, bool qu
     for (;; scale = std::min(1.0, 2 * scale)) {
         const double began = clock_seconds();
         const RenderJob job = resized(film, scale);
-        std::vector<Chunk> chunks = middle_windows(job, places, window_frames);
-        // The middle comes first, since there may be no time for others.
-        std::swap(chunks.front(), chunks[chunks.size() / 2]);
-        Progress progress(static_cast<std::int64_t>(chunks.size()) * chunks.front().frames(), quiet, "sample",
-                          Counted::parts_of_step);
+        const std::vector<Chunk> window = middle_windows(job, 1, window_frames);
+        Progress progress(window.front().frames(), quiet, "sample", Counted::parts_of_step);
         LoopObserver nobody;
         // The first sample is needed, and may take three times as long.
         const std::optional<FrameSample> sample =
-            sample_frames(job, chunks, found ? limit : limit + 2 * (limit - began), nobody, progress);
+            sample_frames(job, window, found ? limit : limit + 2 * (limit - began), nobody, progress);
         if (!sample) return InterruptGuard::requested() ? std::nullopt : found;
         const double times = found ? pixels_of(sample->size) / pixels_of(found->largest.size) : 1;
         const double power =
