@@ -1,25 +1,12 @@
 #include "encoder/codec.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "encoder/encoder.h"
 
 namespace render2mpeg::encoder {
 namespace {
-
-/// A codec's quantisers beside MPEG-2's q: at_1 + by_doubling * log2(q).
-struct Likeness {
-    double at_1, by_doubling;
-};
-
-/// fit: docs/measurements.md#codecs
-constexpr std::array<Likeness, 4> likenesses{{{0, 0}, {14.9, 5.7}, {15.6, 5.4}, {9.4, 11.6}}};
-
-Likeness likeness_of(Codec codec) {
-    return likenesses[static_cast<std::size_t>(codec)];
-}
 
 /// Of AV1's qindex at 8 bits: linear at first, then exponential. [AV1, 7.12.2] to 6 %
 double av1_step(double qindex) {
@@ -29,17 +16,6 @@ double av1_step(double qindex) {
 }
 
 }  // namespace
-
-std::vector<CodecFacts> all_codecs() {
-    return {{Codec::mpeg2, "mpeg2", "MPEG-2", "quantiser", 1, 31, 3},
-            {Codec::h264, "h264", "H.264", "QP", 1, 51, 3},
-            {Codec::hevc, "hevc", "HEVC", "QP", 1, 51, 3},
-            {Codec::av1, "av1", "AV1", "QP", 1, 63, 0}};
-}
-
-CodecFacts facts_of(Codec codec) {
-    return all_codecs()[static_cast<std::size_t>(codec)];
-}
 
 double step_of(Codec codec, double quantiser) {
     switch (codec) {
@@ -57,16 +33,15 @@ double step_of(Codec codec, double quantiser) {
 
 double quantiser_like(Codec codec, double mpeg2_quantiser) {
     if (codec == Codec::mpeg2) return mpeg2_quantiser;
-    const CodecFacts facts = facts_of(codec);
-    const Likeness like = likeness_of(codec);
-    return std::clamp(like.at_1 + like.by_doubling * std::log2(mpeg2_quantiser), static_cast<double>(facts.finest),
+    const CodecFacts& facts = facts_of(codec);
+    return std::clamp(facts.at_1 + facts.by_doubling * std::log2(mpeg2_quantiser), static_cast<double>(facts.finest),
                       static_cast<double>(facts.coarsest));
 }
 
 double mpeg2_quantiser_like(Codec codec, double quantiser) {
     if (codec == Codec::mpeg2) return quantiser;
-    const Likeness like = likeness_of(codec);
-    return std::clamp(std::exp2((quantiser - like.at_1) / like.by_doubling), 1.0, 31.0);
+    const CodecFacts& facts = facts_of(codec);
+    return std::clamp(std::exp2((quantiser - facts.at_1) / facts.by_doubling), 1.0, 31.0);
 }
 
 std::vector<std::uint8_t> end_of_stream(Codec codec) {

@@ -22,13 +22,6 @@ StepSizes mpeg2_steps(Tune tune, int quantiser) {
     return steps;
 }
 
-/// Share of step-sized errors that coding hides, over MPEG-2's. At equal PSNR-Y steps of these codecs are 1.6, 1.6 and
-/// 3 times MPEG-2's; per step less is hidden. fit: docs/measurements.md#codecs
-float hidden_share(Codec codec) {
-    if (codec == Codec::h264) return 0.72f;
-    return codec == Codec::hevc ? 0.6f : 0.4f;
-}
-
 StepSizes flat_steps(Codec codec, int quantiser) {
     StepSizes steps;
     steps.intra.fill(flat);
@@ -37,7 +30,7 @@ StepSizes flat_steps(Codec codec, int quantiser) {
     // x264's rounding offsets, as other coders of this family have them: a third and a sixth of a step.
     steps.intra_dead_zone = 2.0f / 3;
     steps.inter_dead_zone = 5.0f / 6;
-    steps.hidden = hidden_share(codec);
+    steps.hidden = facts_of(codec).hidden;
     return steps;
 }
 

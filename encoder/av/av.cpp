@@ -45,7 +45,7 @@ SequenceFacts sequence_of(const encoder::Settings& settings, std::span<const std
     facts.aspect_ratio_code = settings.aspect_ratio_code;
     facts.rate = settings.rate;
     facts.progressive = true;
-    // B pictures that others refer to stand in the middle of two or more (encoder/library_offsets.h).
+    // B pictures that others refer to stand in the middle of two or more (encoder/codec.h).
     facts.decoding_delay = std::min(settings.b_pictures, 2);
     facts.color_primaries = 1;
     facts.transfer_characteristics = settings.transfer_characteristics;

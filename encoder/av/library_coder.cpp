@@ -11,7 +11,6 @@
 #include "encoder/av/coders.h"
 #include "encoder/codec.h"
 #include "encoder/encoder.h"
-#include "encoder/library_offsets.h"
 #include "encoder/mpeg2/kernels/frame.h"
 #include "encoder/mpeg2/macroblock/macroblock_tree.h"
 #include "encoder/mpeg2/macroblock/overrides.h"
@@ -32,7 +31,7 @@ double quantisers_for_doubling(encoder::Codec codec) {
 /// The quantiser of a picture less that of a P picture that nothing refers to.
 /// chosen: docs/measurements.md#codecs
 double offset_of(encoder::Codec codec, const PicturePlan& plan) {
-    const encoder::LibraryOffsets offsets = encoder::library_offsets(codec);
+    const encoder::LibraryOffsets offsets = encoder::facts_of(codec).offsets;
     if (plan.type == PictureType::bidirectional) {
         const std::int64_t earlier = plan.references.front(), later = plan.references.back();
         const bool middle = encoder::is_middle(plan.number - earlier - 1, later - earlier - 1);

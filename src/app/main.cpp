@@ -67,25 +67,25 @@ int main(int argc, char** argv) {
             case Command::encode:
                 return encode(line.encode, line.text);
             case Command::plan:
-                return plan(line.plan);
+                return plan(line.render);
             case Command::info:
                 return info(line.info);
             case Command::cost:
-                return cost(line.cost, line.words);
+                return cost(line.trial, line.words);
             case Command::tune:
-                return tune(line.tune, line.words, render);
+                return tune(line.trial, line.words, render);
             case Command::compare:
-                return compare(line.compare, line.words);
+                return compare(line.trial, line.words);
             case Command::farm:
                 return farm(line.farm, line.words);
             case Command::part:
                 return make_parts(line.part);
             case Command::join:
-                return join(line.join);
+                return join(line.part);
             case Command::farm_status:
-                return farm_status(line.farm_status);
+                return farm_status(line.part);
             case Command::watch:
-                return watch(line.watch, line.text);
+                return watch(line.render, line.text);
             case Command::none:
                 break;
         }

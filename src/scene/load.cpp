@@ -4,7 +4,7 @@
 #include <system_error>
 
 #include "core/error.h"
-#include "core/text.h"
+#include "core/scene_formats.h"
 #include "scene/animation_file/load.h"
 #include "scene/assimp/load.h"
 #include "scene/blender/export.h"
@@ -43,14 +43,14 @@ Animation load_as_is(const std::filesystem::path& file, const LoadOptions& optio
     const std::filesystem::file_status status = std::filesystem::status(file, failure);
     if (!std::filesystem::exists(status)) throw core::Error("reading", file.string(), "there is no such file");
     if (std::filesystem::is_directory(status)) return load_animation_file(file, options, load_as_is);
-    const std::string ending = core::ending_of(file);
-    if (ending == ".gltf" || ending == ".glb")
+    const core::SceneReader reader = core::scene_reader_of(file);
+    if (reader == core::SceneReader::gltf)
         return load_gltf(file, options, [&](std::uintmax_t bytes) {
             // Decoders of compressed meshes are outside code.
             if (Probe::is_possible()) read_in_probe({"gltf", file.string()}, file.string(), limits_for(bytes));
         });
-    if (ending == ".json") return load_animation_file(file, options, load_as_is);
-    if (ending == ".blend") return load_blend(file, options);
+    if (reader == core::SceneReader::animation_file) return load_animation_file(file, options, load_as_is);
+    if (reader == core::SceneReader::blender) return load_blend(file, options);
     if (options.variant) throw core::Error("reading", file.string(), no_such("variant", *options.variant, {}));
     // Assimp's parsers are outside code.
     if (Probe::is_possible()) {

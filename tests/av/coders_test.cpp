@@ -291,7 +291,7 @@ TEST(AccessUnits, OfAv1MustHaveSizes) {
 }
 
 TEST(Codecs, HaveInverseScales) {
-    for (const encoder::CodecFacts& facts : encoder::all_codecs()) {
+    for (const encoder::CodecFacts& facts : encoder::all_codecs) {
         EXPECT_EQ(encoder::facts_of(facts.codec).word, facts.word);
         for (const double q : {2.0, 4.0, 8.0}) {
             const double own = encoder::quantiser_like(facts.codec, q);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "app/farm/farm_plan.h"
-#include "app/options/command_options.h"
+#include "app/options/option_text.h"
 #include "core/error.h"
 #include "farm/farm_film.h"
 

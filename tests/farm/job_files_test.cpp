@@ -4,7 +4,7 @@
 #include <set>
 #include <string>
 
-#include "app/options/command_options.h"
+#include "app/options/option_text.h"
 #include "farm/farm_film.h"
 
 /// Job files are what schedulers take.

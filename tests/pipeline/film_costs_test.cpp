@@ -7,7 +7,7 @@
 #include "app/experiments/comparison.h"
 #include "app/experiments/film_costs.h"
 #include "app/options/option_text.h"
-#include "app/report/answer.h"
+#include "app/report/figures.h"
 #include "pipeline/fixture.h"
 
 /// What a film costs before it is made, and what is told of it; and what is asked before one is replaced.
@@ -133,15 +133,6 @@ TEST(Options, AreTakenAsPeopleWriteThem) {
         EXPECT_THROW(app::time_in_seconds(wrong), std::exception) << wrong;
     EXPECT_DOUBLE_EQ(app::within_from("0"), 0);
     EXPECT_EQ(run(program() + " help render").output, run(program() + " render --help").output);
-}
-
-TEST(Answer, FoldsAndMarks) {
-    const std::string table = app::answer_table(
-        {"a", "b", "c", "d"}, {{"<x>", 0.5, "1:00", "none", app::Grade::good, "", "1 kB", true}}, "n");
-    EXPECT_NE(table.find("&lt;x&gt;"), std::string::npos);
-    EXPECT_NE(table.find("take this"), std::string::npos);
-    EXPECT_NE(table.find("width:50.0%"), std::string::npos);
-    EXPECT_EQ(app::folded("t", ""), "");
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "app/experiments/effect_costs.h"
+#include "app/experiments/film_costs.h"
 #include "app/experiments/trial.h"
 #include "support/program.h"
 

@@ -187,14 +187,31 @@ TEST(LightCache, ChangesNothingAboutResumingNorPartsSlow) {
     EXPECT_GT(contents(films.place("l.light")).size(), light.size());
 }
 
+TEST(LightCache, AndFilmsAreTheSameForAnyNumberOfLightPointsSinceRaysBringTheLight) {
+    const Walk films;
+    const std::string few = "--frames 0:0 --hold -q 16 ";
+    ASSERT_EQ(films.render("usual", few + films.with()).status, 0);
+    const std::string light = contents(films.place("l.light"));
+    std::filesystem::remove(films.place("l.light"));
+    const auto fewer = films.render("fewer", few + "--vpls 100 " + films.with());
+    ASSERT_EQ(fewer.status, 0) << fewer.output;
+    EXPECT_NE(fewer.output.find("--vpls does nothing here: rays bring bounced light"), std::string::npos)
+        << fewer.output;
+    EXPECT_EQ(films.film("fewer"), films.film("usual"));
+    EXPECT_EQ(contents(films.place("l.light")), light);
+    EXPECT_EQ(films.render("points", few + "--indirect lightcuts --vpls 100").output.find("--vpls"), std::string::npos);
+    EXPECT_EQ(films.render("none", few + "--vpls 0").output.find("--vpls"), std::string::npos);
+    EXPECT_NE(films.film("none"), films.film("usual"));
+}
+
 TEST(LightCache, IsRefusedByNameOrToldToHaveNoEffect) {
     const Walk films;
     const std::string few = "--frames 0:0 --hold -q 16 ";
     ASSERT_EQ(films.render("a", few + films.with()).status, 0);
-    const auto vpls = films.render("b", few + "--vpls 100 " + films.with());
-    EXPECT_EQ(vpls.status, 1);
-    EXPECT_NE(vpls.output.find("l.light: it has other light: --vpls was 4096 and is 100"), std::string::npos)
-        << vpls.output;
+    const auto other = films.render("b", few + "--caustics off " + films.with());
+    EXPECT_EQ(other.status, 1);
+    EXPECT_NE(other.output.find("l.light: it has other light: --caustics was on and is off"), std::string::npos)
+        << other.output;
     EXPECT_FALSE(std::filesystem::exists(films.place("b.mpg")));
     std::ofstream(films.place("no.light")) << "some text";
     const auto none = films.render("c", few + "--light-cache " + films.place("no.light"));

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "app/system/pace.h"
+#include "app/system/progress.h"
 
 /// The time to go, held against records of films.
 namespace render2mpeg {

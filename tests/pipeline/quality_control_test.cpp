@@ -1,4 +1,4 @@
-#include "app/loop/quality_control.h"
+#include "app/loop/picture_coder.h"
 
 #include <gtest/gtest.h>
 

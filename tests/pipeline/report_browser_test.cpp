@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -32,10 +34,31 @@ addEventListener('load', () => {
   const images = [...document.images].map((i) => i.complete && i.naturalWidth > 0);
   const outside = [...document.querySelectorAll('body *')].filter(
     (e) => !e.closest('.wide') && e.getBoundingClientRect().right > innerWidth + 0.5).map((e) => e.tagName);
-  parent.postMessage({width: innerWidth, across: document.documentElement.scrollWidth, sliders, images, outside,
+  const broken = /\[object|undefined|NaN|Infinity/.exec(document.querySelector('main').textContent);
+  parent.postMessage({width: innerWidth, broken: broken && broken[0], across: document.documentElement.scrollWidth, sliders, images, outside,
                       charts: document.querySelectorAll('svg').length}, '*');
 });
 </script>)";
+
+/// What a page says in the attribute `data-found` of its body.
+std::string found_on(const Folder& folder, const std::string& html, std::string& console) {
+    const auto outcome =
+        run(browser() +
+            " --headless --no-sandbox --disable-gpu --hide-scrollbars --window-size=1800,900"
+            " --enable-logging=stderr --virtual-time-budget=3000 --user-data-dir=" +
+            path(folder, "profile") + " --dump-dom file://" + path(folder, html) + " 2> " + path(folder, "console"));
+    for (const std::string& log = contents(folder / "console"); const char* word : {":CONSOLE", "Uncaught"})
+        if (log.find(word) != std::string::npos) console += log;
+    std::string found = outcome.output;
+    const std::size_t begin = found.find("data-found=\"");
+    if (begin == std::string::npos) {
+        ADD_FAILURE() << "the browser said nothing: " << outcome.output.substr(0, 2000);
+        return "[]";
+    }
+    found = found.substr(begin + 12, found.find('"', begin + 12) - begin - 12);
+    for (std::size_t at = 0; (at = found.find("&quot;", at)) != std::string::npos;) found.replace(at, 6, "\"");
+    return found;
+}
 
 /// What a page says of itself at both widths; pages are shown in frames, since a window is never as narrow as a phone.
 std::vector<json> looked_at(const Folder& folder, const std::string& html, std::string& console) {
@@ -49,22 +72,7 @@ std::vector<json> looked_at(const Folder& folder, const std::string& html, std::
         << "<iframe src=\"probed.html\" width=\"" << phone << "\" height=\"800\" style=\"border:0\"></iframe>\n"
         << "<iframe src=\"probed.html\" width=\"" << desktop << "\" height=\"800\" style=\"border:0\"></iframe>\n"
         << "</body></html>\n";
-    const auto outcome = run(browser() +
-                             " --headless --no-sandbox --disable-gpu --hide-scrollbars --window-size=1800,900"
-                             " --enable-logging=stderr --virtual-time-budget=3000 --user-data-dir=" +
-                             path(folder, "profile") + " --dump-dom file://" + path(folder, "around.html") + " 2> " +
-                             path(folder, "console"));
-    for (const std::string& log = contents(folder / "console"); const char* word : {":CONSOLE", "Uncaught"})
-        if (log.find(word) != std::string::npos) console += log;
-    std::string found = outcome.output;
-    const std::size_t begin = found.find("data-found=\"");
-    if (begin == std::string::npos) {
-        ADD_FAILURE() << "the browser said nothing: " << outcome.output.substr(0, 2000);
-        return {};
-    }
-    found = found.substr(begin + 12, found.find('"', begin + 12) - begin - 12);
-    for (std::size_t at = 0; (at = found.find("&quot;", at)) != std::string::npos;) found.replace(at, 6, "\"");
-    return json::parse(found).get<std::vector<json>>();
+    return json::parse(found_on(folder, "around.html", console)).get<std::vector<json>>();
 }
 
 /// Expects a page to fit both widths and its sliders to work.
@@ -79,6 +87,7 @@ void expect_sound(const Folder& folder, const std::string& html, std::size_t sli
         EXPECT_LE(look.at("across"), look.at("width")) << html << ": nothing scrolls sideways as a whole";
         EXPECT_EQ(look.at("outside"), json::array()) << html << " at " << look.at("width");
         EXPECT_GT(look.at("charts"), 0) << html;
+        EXPECT_EQ(look.at("broken"), nullptr) << html;
         EXPECT_EQ(look.at("sliders").size(), sliders) << html;
         for (const json& slider : look.at("sliders")) {
             EXPECT_EQ(slider.at("before"), "inset(0px 0px 0px 50%)");
@@ -99,6 +108,85 @@ class ReportInABrowserSlow : public testing::Test {
     }
     const Folder folder_;
 };
+
+/// Asks the scripts of a page without figures.
+json answer_of(const Folder& folder, const std::string& script) {
+    std::string page = contents(support::source_folder() / "src/app/report/page.html");
+    const json figures{{"rows", json::array()},
+                       {"differences", json::array()},
+                       {"windows", json::array()},
+                       {"ways", {{{"name", "a"}, {"how", "b"}}}},
+                       {"ffmpeg", "c"},
+                       {"command", "d"}};
+    const json data{{"kind", "compare"}, {"title", "t"}, {"lead", "l"}, {"costs", json::array()}, {"figures", figures}};
+    page.replace(page.find("REPORT_DATA"), 11, data.dump());
+    page.insert(page.find("</body>"), "<script>document.body.setAttribute('data-found', JSON.stringify((() => {" +
+                                          script + "})()));</script>");
+    std::ofstream(folder / "asked.html") << page;
+    std::string console;
+    const json answer = json::parse(found_on(folder, "asked.html", console));
+    EXPECT_EQ(console, "");
+    return answer;
+}
+
+TEST_F(ReportInABrowserSlow, RoundsValuesOnAxesThatAscendWithinThemNeitherFewNorMany) {
+    const json found = answer_of(folder_, R"(
+        const all = [];
+        for (const logarithmic of [false, true])
+            for (const low of [1e-7, 0.013, 0.7, 1, 40.96, 9.7e5])
+                for (const extent of [1.02, 1.3, 3, 70, 1e4, 1e15])
+                    all.push({low, high: low * extent,
+                                                  values: roundValues(low, low * extent, logarithmic, 6)});
+        return {all, log: roundValues(0.9, 110, true, 6), even: roundValues(-1.5, 1.5, false, 5)};)");
+    ASSERT_EQ(found.at("all").size(), 72u);
+    for (const json& axis : found.at("all")) {
+        const auto values = axis.at("values").get<std::vector<double>>();
+        ASSERT_GE(values.size(), 2u) << axis;
+        EXPECT_LE(values.size(), 14u) << axis;
+        EXPECT_GE(values.front(), axis.at("low").get<double>() * (1 - 1e-9));
+        EXPECT_LE(values.back(), axis.at("high").get<double>() * (1 + 1e-9));
+        EXPECT_TRUE(std::is_sorted(values.begin(), values.end(), std::less_equal<>())) << axis;
+    }
+    EXPECT_EQ(found.at("log"), json({1, 3, 10, 30, 100}));
+    EXPECT_EQ(found.at("even"), json({-1.5, -1, -0.5, 0, 0.5, 1, 1.5}));
+}
+
+TEST_F(ReportInABrowserSlow, PlotsEveryPointThatTheAxesHaveOnWideAndNarrowPaper) {
+    const json found = answer_of(folder_, R"(
+        const points = [{x: 1, y: 2, label: 'a<b', marked: true}, {x: 10, y: null, label: 'lost'},
+                        {x: 0, y: 5, label: 'zero'}, {x: 100, y: 3}];
+        const plot = (points, logarithmic) => plotFigure('A & B', {name: 'x', logarithmic}, {name: 'y', logarithmic},
+            [{name: 'one', color: 'one', joined: true, points}]);
+        const count = (figure, what) => figure.querySelectorAll(what).length, logs = plot(points, true);
+        const pair = [{x: 3, y: 40, label: 'p'}, {x: 3, y: 40, label: 'q'}];
+        return {drawings: count(logs, 'svg'), marks: count(logs, 'title'), rings: count(logs, '.ring'),
+                text: logs.textContent, even: count(plot(points, false), 'title'), none: plot([], false),
+                lost: plot([{x: 0, y: 0}], true), equal: count(plot(pair, false), 'title'),
+                html: plot(pair, false).outerHTML + plot(pair, true).outerHTML};)");
+    EXPECT_EQ(found.at("drawings"), 2);
+    EXPECT_EQ(found.at("marks"), 2 * 2);
+    EXPECT_EQ(found.at("rings"), 2);
+    const auto text = found.at("text").get<std::string>(), html = found.at("html").get<std::string>();
+    EXPECT_NE(text.find("a&lt;b"), std::string::npos) << text;
+    EXPECT_EQ(text.find("lost"), std::string::npos);
+    EXPECT_EQ(found.at("even"), 2 * 3) << "even axes have 0";
+    EXPECT_TRUE(found.at("none").is_null());
+    EXPECT_TRUE(found.at("lost").is_null());
+    EXPECT_EQ(found.at("equal"), 2 * 2);
+    EXPECT_EQ(html.find("NaN"), std::string::npos);
+}
+
+TEST_F(ReportInABrowserSlow, ShowsNamesAsTextAndMarksTheChoice) {
+    const json found = answer_of(folder_, R"(
+        const table = el('div', {}, answerTable(['a', 'b', 'c', 'd'], [{name: '<x>', share: 0.5, bar: '1:00',
+            word: 'none', grade: 'good', last: '1 kB', taken: true}], 'n'));
+        return {text: table.textContent.replace('<', '(').replace('>', ')'), tags: table.querySelector('x'),
+                badge: table.querySelector('.taken .badge').textContent, bar: table.querySelector('.len').style.width};)");
+    EXPECT_EQ(found.at("text"), "abcd(x) take this1:00none1 kBn");
+    EXPECT_TRUE(found.at("tags").is_null());
+    EXPECT_EQ(found.at("badge"), "take this");
+    EXPECT_EQ(found.at("bar"), "50%");
+}
 
 const std::string for_browser = " --indirect lightcuts --vpls 16 --samples 1 --exposure 0 --quiet";
 

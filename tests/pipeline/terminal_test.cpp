@@ -5,7 +5,7 @@
 #include <sstream>
 #include <string>
 
-#include "app/options/help_format.h"
+#include "app/options/options.h"
 #include "app/system/progress.h"
 #include "support/program.h"
 

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "app/experiments/quality_search.h"
 #include "app/experiments/trial.h"
 #include "app/experiments/tuning.h"
 #include "app/options/option_text.h"
@@ -196,7 +195,7 @@ TEST(Tune, FindsAQualityAndPrintsTheRenderThatHasItSlow) {
     EXPECT_GE(rows, found.at("rows").size());
     const std::string page = contents(folder / "t.html");
     EXPECT_NE(page.find(app::line_of({"--quality", chosen.at("setting").get<std::string>()})), std::string::npos);
-    EXPECT_NE(page.find(found.at("summary").get<std::string>()), std::string::npos);
+    EXPECT_EQ(test::page_data(page).at("figures"), found);
     const std::string document = contents(support::source_folder() / "docs/json.md");
     for (const auto& [key, value] : found.items()) EXPECT_NE(document.find("`" + key + "`"), std::string::npos) << key;
     for (const auto& [key, value] : chosen.items()) EXPECT_NE(document.find("`" + key + "`"), std::string::npos) << key;
@@ -213,6 +212,17 @@ TEST(Tune, SaysWhatIsOutOfReach) {
     const json late = tuned(" --sample 1x1 --max-time 0.001s --dry-run", 1);
     EXPECT_EQ(late.at("found"), "beyond");
     EXPECT_EQ(late.at("rows").size(), 2u) << "as asked for, and the least";
+}
+
+TEST(Tune, LoosensNoOptionThatIsIdle) {
+    for (const bool points : {false, true}) {
+        const auto outcome =
+            run(program() + " tune " + plain_film() + " --size 32x32 --exposure 0 --indirect " +
+                (points ? "lightcuts" : "rays") + " --vpls 256 --sample 1x1 --max-time 0.001s --dry-run");
+        EXPECT_EQ(outcome.status, 1) << outcome.output;
+        EXPECT_EQ(outcome.output.find("samples 1, vpls 64") != std::string::npos, points) << outcome.output;
+        EXPECT_NE(outcome.output.find("samples 1"), std::string::npos) << outcome.output;
+    }
 }
 
 TEST(Tune, MakesAFilmOfItsRateAndLooksAtItSlow) {

@@ -15,20 +15,13 @@
 #include "encoder/av/module/ffmpeg.h"
 #include "encoder/av/module/picture_copy.h"
 #include "encoder/av/module/picture_facts.h"
-#include "encoder/library_offsets.h"
+#include "encoder/codec.h"
 
 namespace render2mpeg::av {
 namespace {
 
 const char* library_of(encoder::Codec codec) {
-    switch (codec) {
-        case encoder::Codec::h264:
-            return "libx264";
-        case encoder::Codec::hevc:
-            return "libx265";
-        default:
-            return "libsvtav1";
-    }
+    return encoder::facts_of(codec).library.data();
 }
 
 const AVCodec& encoder_for(encoder::Codec codec) {
@@ -59,7 +52,7 @@ std::string x264_settings(const encoder::Settings& settings) {
 /// One quantiser for each type of picture, told by ratios of steps; nothing is looked at ahead but where B pictures
 /// wait.
 std::string x265_settings(const encoder::Settings& settings) {
-    const encoder::LibraryOffsets offsets = encoder::library_offsets(settings.codec);
+    const encoder::LibraryOffsets offsets = encoder::facts_of(settings.codec).offsets;
     const auto ratio = [](double quantisers) { return std::to_string(std::exp2(quantisers / 6)); };
     return "qp=" + std::to_string(settings.quantiser) + ":ipratio=" + ratio(-offsets.intra) +
            ":pbratio=" + ratio(offsets.bidirectional) + ":scenecut=0:keyint=-1:b-adapt=0:b-pyramid=1:open-gop=0:" +

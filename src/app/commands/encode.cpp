@@ -7,7 +7,6 @@
 #include <chrono>
 #include <cmath>
 #include <deque>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <utility>
@@ -28,7 +27,6 @@
 #include "app/options/mistakes.h"
 #include "app/options/option_text.h"
 #include "app/options/output_kind.h"
-#include "app/options/rate_options.h"
 #include "app/options/usage_error.h"
 #include "app/report/statistics.h"
 #include "app/report/summary.h"

@@ -11,8 +11,8 @@
 #include "app/options/output_kind.h"
 #include "app/options/usage_error.h"
 #include "app/production/production.h"
+#include "app/report/frame_view.h"
 #include "app/report/report.h"
-#include "app/report/sample_frame.h"
 #include "app/report/statistics.h"
 #include "app/report/summary.h"
 #include "app/system/error_collector.h"
@@ -20,7 +20,6 @@
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"
 #include "app/system/terminal.h"
-#include "core/error.h"
 #include "encoder/av/y4m.h"
 #include "parallel/loops.h"
 

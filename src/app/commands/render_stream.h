@@ -1,6 +1,5 @@
 #pragma once
 // Renders into a pipe instead of a file.
-#include <functional>
 #include <string>
 
 #include "app/files/output_stream.h"

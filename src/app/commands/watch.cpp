@@ -2,14 +2,22 @@
 
 #include <fmt/format.h>
 
+#include <sys/stat.h>
+#include <algorithm>
 #include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
 #include <optional>
+#include <system_error>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "app/commands/render_stream.h"
 #include "app/files/output_stream.h"
 #include "app/files/publish.h"
-#include "app/files/watched_files.h"
 #include "app/loop/pipeline.h"
 #include "app/loop/resume.h"
 #include "app/options/film.h"
@@ -24,6 +32,93 @@
 
 namespace render2mpeg::app {
 namespace {
+
+/// Tells when files have changed, by size and time, and when changes have settled. Replaced and missing files have
+/// changed.
+class WatchedFiles {
+  public:
+    /// Empty names are skipped; of folders their direct files count.
+    explicit WatchedFiles(std::vector<std::filesystem::path> files);
+
+    /// Looks at most five times a second.
+    bool have_changed();
+    void note_change() { changed_ = true; }
+    /// Waits for a change and `settled` time without one; missing files are waited for. False where `goes_on`, asked
+    /// ten times a second, says no.
+    bool wait(std::chrono::milliseconds settled, const std::function<bool()>& goes_on);
+
+  private:
+    struct State {
+        std::int64_t seconds = 0, nanoseconds = 0;
+        std::uint64_t size = 0, inode = 0;
+        bool there = false;
+        bool operator==(const State&) const = default;
+    };
+    using States = std::map<std::filesystem::path, State>;
+    States look() const;
+
+    std::vector<std::filesystem::path> files_;
+    States before_;
+    std::chrono::steady_clock::time_point looked_;
+    bool changed_ = false;
+};
+
+using Clock = std::chrono::steady_clock;
+
+WatchedFiles::WatchedFiles(std::vector<std::filesystem::path> files)
+    : files_(std::move(files)), before_(look()), looked_(Clock::now()) {}
+
+WatchedFiles::States WatchedFiles::look() const {
+    States states;
+    const auto add = [&](const std::filesystem::path& file) {
+        struct stat found {};
+        State state;
+        if (stat(file.c_str(), &found) == 0)
+            state = {found.st_mtim.tv_sec, found.st_mtim.tv_nsec, static_cast<std::uint64_t>(found.st_size),
+                     found.st_ino, true};
+        states[file] = state;
+    };
+    for (const std::filesystem::path& file : files_) {
+        if (file.empty()) continue;
+        std::error_code error;
+        if (!std::filesystem::is_directory(file, error)) {
+            add(file);
+            continue;
+        }
+        for (const auto& entry : std::filesystem::directory_iterator(file, error))
+            if (entry.is_regular_file(error)) add(entry.path());
+    }
+    return states;
+}
+
+bool WatchedFiles::have_changed() {
+    // chosen: 200 ms; a look at a thousand files takes one or two.
+    if (changed_ || Clock::now() - looked_ < std::chrono::milliseconds(200)) return changed_;
+    looked_ = Clock::now();
+    changed_ = look() != before_;
+    return changed_;
+}
+
+bool WatchedFiles::wait(std::chrono::milliseconds settled, const std::function<bool()>& goes_on) {
+    constexpr std::chrono::milliseconds beat{100};
+    while (!have_changed()) {
+        if (!goes_on()) return false;
+        std::this_thread::sleep_for(beat);
+    }
+    States last = look();
+    for (Clock::time_point since = Clock::now(); Clock::now() - since < settled;) {
+        if (!goes_on()) return false;
+        std::this_thread::sleep_for(beat);
+        States now = look();
+        const bool missing = std::any_of(now.begin(), now.end(), [&](const auto& entry) {
+            const auto found = before_.find(entry.first);
+            return !entry.second.there && found != before_.end() && found->second.there;
+        });
+        if (now != last || missing) since = Clock::now();
+        last = std::move(now);
+    }
+    return true;
+}
 
 using Clock = std::chrono::steady_clock;
 

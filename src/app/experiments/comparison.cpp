@@ -9,7 +9,6 @@
 #include "app/experiments/bd_rate.h"
 #include "app/experiments/trial_command.h"
 #include "app/files/file_io.h"
-#include "app/report/answer.h"
 #include "app/report/figures.h"
 #include "app/report/frame_view.h"
 #include "core/numeric.h"
@@ -55,68 +54,6 @@ json differences_json(const Comparison& found) {
                        {"time", finite_or_null(d.seconds)}});
     }
     return all;
-}
-
-std::vector<TrialRow> rows_of(const Comparison& found) {
-    std::vector<TrialRow> rows;
-    for (const Way& way : found.ways)
-        for (const Trial& trial : way.rows) rows.push_back({way.name, fmt::format("q {}", trial.quantiser), trial});
-    return rows;
-}
-
-std::string difference_rows(const Comparison& found) {
-    if (!found.complete) return {};
-    std::vector<TableRow> rows;
-    for (const auto& [way, from] : held_against) {
-        const Difference d = difference_of(found.ways[way], found.ways[from]);
-        rows.push_back({{found.ways[way].name, found.ways[from].name, change_text(d.psnr_y), change_text(d.ssim_y),
-                         change_text(d.psnr_hvs_m), change_text(d.seconds)}});
-    }
-    return html_table("At equal quality", "ttnnnn",
-                      {"Way", "against", "Bits, PSNR-Y", "Bits, SSIM", "Bits, HVS-M", "Time, PSNR-Y"}, rows);
-}
-
-std::vector<AnswerRow> winners(const Comparison& found, const std::vector<WayCost>& costs) {
-    const std::optional<std::size_t> taken = recommended(costs);
-    std::vector<AnswerRow> rows;
-    for (std::size_t i = 0; i < costs.size(); ++i) {
-        const WayCost& cost = costs[i];
-        const std::string change =
-            cost.way == coupled_way ? "the measure" : change_text(100 * (cost.bits - 1)) + " bits";
-        const double beyond = cost.bits / costs.front().bits;
-        const Grade grade = beyond < 1.01 ? Grade::good : beyond < 1.1 ? Grade::fair : Grade::poor;
-        rows.push_back({found.ways[cost.way].name, cost.bits / costs.back().bits,
-                        fmt::format("{:.0f} %", 100 * cost.bits), change, grade, "at equal PSNR-Y",
-                        time_text(cost.clock, cost.cpu), taken == i});
-    }
-    return rows;
-}
-
-std::string first_screen(const RenderJob& film, const Comparison& found) {
-    if (!found.complete || found.ways[coupled_way].rows.empty()) return {};
-    const auto& rows = found.ways[coupled_way].rows;
-    const std::size_t row = row_of(found, film.coding.quantiser);
-    const std::vector<WayCost> costs = way_costs(found, film.frame_count(), row);
-    std::string figure;
-    const Way& other = found.ways[usual_way];
-    if (row < other.rows.size() && rows[row].sample_frame && other.rows[row].sample_frame)
-        figure = difference_figure(
-            fmt::format("Quantiser {}: decoded", rows[row].quantiser), {"coupled", rows[row].sample_frame->decoded},
-            {other.name, other.rows[row].sample_frame->decoded}, perceptual::matrix_for(film.format.height));
-    const std::string note = fmt::format(
-        "Bits at equal PSNR-Y, over those of coupled light: means over quantisers {} to {}. Times are of this machine, "
-        "as busy as it was, at quantiser {}. From {} sample frames.",
-        rows.front().quantiser, rows.back().quantiser, rows[row].quantiser, rows.front().frames);
-    return answer_screen(
-        answer_table({"way", "bits, coupled = 100 %", "difference", "time, whole film"}, winners(found, costs), note),
-        figure, found.render);
-}
-
-std::string commands(const Comparison& found) {
-    std::vector<TableRow> rows;
-    for (const Way& way : found.ways) rows.push_back({{way.name, way.how}});
-    rows.push_back({{"version", found.ffmpeg}});
-    return html_table("The ways", "tt", {}, rows);
 }
 
 }  // namespace
@@ -242,21 +179,28 @@ json compare_json(const RenderJob& film, const Comparison& found) {
             {"complete", found.complete}};
 }
 
-std::string compare_page(const RenderJob& film, const Comparison& found) {
-    const std::vector<TrialRow> rows = rows_of(found);
-    const Trial& coarsest = found.ways[coupled_way].rows.back();
-    return first_screen(film, found) +
-           folded(
-               "All curves and figures",
-               plot_of("Quality over size per frame", columns::bytes, columns::psnr_y, rows) +
-                   sample_frame_figures(fmt::format("coupled, quantiser {}", coarsest.quantiser), coarsest, film) +
-                   html_of("What was tried", compare_columns, rows) + difference_rows(found) +
-                   "<p class=\"soft\">Light: CPU seconds of all threads per frame; coding: with exact motion, or with "
-                   "ffmpeg's search for it on one thread. PSNR-Y, SSIM and PSNR-HVS-M (HVS-M): all decoded pictures "
-                   "against themselves as lit, with what light adds on those that were also lit as the reference: "
-                   "against the truth for PSNR-Y, against the reference for the others. "
-                   "At equal quality: mean differences over the qualities that both reach (Bjontegaard).</p>\n" +
-                   commands(found));
+json compare_page(const RenderJob& film, const Comparison& found) {
+    const auto& rows = found.ways[coupled_way].rows;
+    json page{{"costs", json::array()}, {"pictures", json::array()}};
+    page["sample"] =
+        sample_frame_figures(fmt::format("coupled, quantiser {}", rows.back().quantiser), rows.back(), film);
+    if (!found.complete) return page;
+    const std::size_t row = row_of(found, film.coding.quantiser);
+    page["quantiser"] = rows[row].quantiser;
+    const std::vector<WayCost> costs = way_costs(found, film.frame_count(), row);
+    const std::optional<std::size_t> taken = recommended(costs);
+    for (std::size_t i = 0; i < costs.size(); ++i)
+        page["costs"].push_back({{"way", found.ways[costs[i].way].name},
+                                 {"bits", costs[i].bits},
+                                 {"clock", costs[i].clock},
+                                 {"cpu", costs[i].cpu},
+                                 {"recommended", taken == i}});
+    const Way& other = found.ways[usual_way];
+    if (row < other.rows.size() && rows[row].sample_frame && other.rows[row].sample_frame)
+        page["pictures"].push_back(pair_of(
+            fmt::format("Quantiser {}: decoded", rows[row].quantiser), {"coupled", rows[row].sample_frame->decoded},
+            {other.name, other.rows[row].sample_frame->decoded}, perceptual::matrix_for(film.format.height), true));
+    return page;
 }
 
 }  // namespace render2mpeg::app

@@ -8,10 +8,16 @@
 #include <utility>
 #include <vector>
 
-#include "app/experiments/ffmpeg_program.h"
-#include "app/experiments/trial_table.h"
+#include "app/experiments/trial_command.h"
 
 namespace render2mpeg::app {
+
+/// A way to code with ffmpeg.
+struct FfmpegWay {
+    std::string name;
+    std::string options;  ///< `{q}`: the quantiser; `{L}`: its Lagrange factor, 118 q; `{g}`: pictures of a GOP
+    std::string encoder = "mpeg2video";
+};
 
 /// One way from a scene to a film, by quantiser.
 struct Way {
@@ -68,9 +74,9 @@ std::string difference_table(const Comparison& found);
 /// "-12.3 %", or "-" where it is not known.
 std::string change_text(double per_cent);
 
-/// All results (docs/json.md), and the same as a page with plots.
+/// All results (docs/json.md), and what a page shows besides.
 nlohmann::json compare_json(const RenderJob& film, const Comparison& found);
-std::string compare_page(const RenderJob& film, const Comparison& found);
+nlohmann::json compare_page(const RenderJob& film, const Comparison& found);
 
 /// Columns of `compare`, in 80 characters.
 extern const TrialColumns compare_columns;

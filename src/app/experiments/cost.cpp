@@ -9,7 +9,6 @@
 #include <optional>
 #include <vector>
 
-#include "app/experiments/effect_costs.h"
 #include "app/experiments/film_costs.h"
 #include "app/experiments/trial_command.h"
 #include "app/files/file_io.h"
@@ -31,7 +30,7 @@ struct Setting {
 };
 
 /// From cheap to dear within each group.
-std::vector<Setting> settings_of(const CostOptions& options, const RenderJob& film) {
+std::vector<Setting> settings_of(const TrialOptions& options, const RenderJob& film) {
     std::vector<Setting> all;
     for (const float share : percents_from(options.tolerances))
         all.push_back(
@@ -53,7 +52,7 @@ struct CostSample {
 };
 
 /// The largest sample that there is time for; of smaller pictures where one frame takes too long.
-void fit_sample(const CostOptions& options, const RenderJob& film, double first, double frame, double time,
+void fit_sample(const TrialOptions& options, const RenderJob& film, double first, double frame, double time,
                 CostSample& chosen) {
     // chosen: frames of the film's own settings that take as long: a fixed tolerance as cornell's 16 to 2 % beside its
     // coupled light at quantiser 4; efforts; and references with their truth.
@@ -72,7 +71,7 @@ void fit_sample(const CostOptions& options, const RenderJob& film, double first,
 }
 
 /// Forecast of the film, and a sample that --within has time for. None after an interruption.
-std::optional<CostSample> first_answer(const CostOptions& options, RenderJob& film) {
+std::optional<CostSample> first_answer(const TrialOptions& options, RenderJob& film) {
     if (options.sample) {
         const Sample sample = sample_from(*options.sample);
         return CostSample{sample, 1, std::min(sample.frames, 3), {}};
@@ -94,7 +93,7 @@ std::optional<CostSample> first_answer(const CostOptions& options, RenderJob& fi
 /// Runs the command; rows are printed as they come.
 class Cost {
   public:
-    Cost(const CostOptions& options, const RenderJob& film, const CostSample& sample)
+    Cost(const TrialOptions& options, const RenderJob& film, const CostSample& sample)
         : options_(options),
           asked_(film),
           sample_(sample),
@@ -118,7 +117,7 @@ class Cost {
     /// The film without each of its effects.
     bool try_effects(double limit);
 
-    const CostOptions& options_;
+    const TrialOptions& options_;
     const RenderJob& asked_;
     const CostSample& sample_;
     Trials trials_;
@@ -177,15 +176,15 @@ void Cost::write(const std::vector<std::string>& words) {
     }
     write_results(options_, trials_, with_head(cost_json(sweep_, costs, film.frame_count()), trials_, line_of(words)),
                   [&] {
-                      return TrialPage{"what accuracy costs",
+                      return TrialPage{"cost", "what accuracy costs",
                                        (sweep_.complete ? "" : "Interrupted: this is a part of it. ") + answer,
-                                       cost_page(film, sweep_, costs)};
+                                       cost_page(film, sweep_)};
                   });
 }
 
 }  // namespace
 
-int cost(const CostOptions& options, const std::vector<std::string>& words) {
+int cost(const TrialOptions& options, const std::vector<std::string>& words) {
     const parallel::ThreadLimit threads(options.render.threads);
     const InterruptGuard guard(options.render.quiet);
     const double began = clock_seconds();

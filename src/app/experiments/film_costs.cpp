@@ -4,18 +4,144 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "app/experiments/trial_command.h"
 #include "app/files/file_io.h"
+#include "app/loop/forecast.h"
 #include "app/report/figures.h"
 #include "app/report/frame_view.h"
+#include "app/system/interrupt.h"
 #include "app/system/progress.h"
 #include "core/numeric.h"
 #include "parallel/loops.h"
 #include "perceptual/metrics.h"
 
 namespace render2mpeg::app {
+namespace {
+
+/// The longest side of the pictures. chosen: 320, in which every effect is seen, and ten pictures make no large page.
+constexpr double longest_side = 320;
+
+/// Times that are less than this share apart are not told apart. chosen: what CPU times of a few frames scatter by.
+constexpr double least_share = 0.03;
+
+/// Keeps the pictures of windows' last frames as they are lit.
+class Pictures : public LoopObserver {
+  public:
+    explicit Pictures(const std::vector<Chunk>& windows) : windows_(windows) {}
+    void lit(const LitFrame& frame) override {
+        for (const Chunk& window : windows_)
+            if (frame.world.frame == window.last) all.insert_or_assign(frame.world.frame, frame.picture);
+    }
+
+    std::map<std::int64_t, core::Picture> all;
+
+  private:
+    const std::vector<Chunk>& windows_;
+};
+
+struct Lit {
+    double cpu = 0;  ///< for the whole film
+    std::map<std::int64_t, core::Picture> pictures;
+};
+
+std::optional<Lit> light(const RenderJob& film, const std::vector<Chunk>& windows, const std::string& name,
+                         bool quiet) {
+    const auto side = static_cast<double>(std::max(film.format.width, film.format.height));
+    const RenderJob small = resized(film, std::min(1.0, longest_side / side));
+    const auto frames = static_cast<std::int64_t>(windows.size()) * windows.front().frames();
+    Progress progress(frames, quiet || !shows_steps(), name, Counted::frames_of_step);
+    Pictures pictures(windows);
+    const auto sample = sample_frames(small, windows, std::numeric_limits<double>::infinity(), pictures, progress);
+    if (!sample) return {};
+    return Lit{film_by(film, *sample).seconds, std::move(pictures.all)};
+}
+
+EffectCost difference_of(const Lit& whole, const Lit& less) {
+    EffectCost cost;
+    double masked = 0, most = -1;
+    perceptual::FilmQuality quality;
+    for (auto& [frame, picture] : less.pictures) {
+        const core::Picture& right = whole.pictures.at(frame);
+        const double error = perceptual::masked_error(picture.y, right.y);
+        quality.add(picture, right);
+        masked += error / static_cast<double>(less.pictures.size());
+        if (error <= most) continue;
+        most = error;
+        cost.without = picture;
+        cost.whole = right;
+    }
+    if (masked > 0) cost.difference = perceptual::psnr(masked);
+    cost.psnr_y = quality.psnr_y();
+    cost.share = 1 - core::divide_or(less.cpu, whole.cpu, 1.0);
+    return cost;
+}
+
+}  // namespace
+
+std::vector<LeftOut> left_out_of(const RenderJob& film) {
+    std::vector<LeftOut> all;
+    for (const renderer::PlanRow& row : film.plan.rows())
+        if (row.runs && *row.effect != '\0') all.push_back({row.effect, "", without(film, row.pass)});
+    const auto add = [&](const char* name, const std::string& option, auto&& leave_out) {
+        all.push_back({name, option, film});
+        leave_out(all.back().film);
+    };
+    renderer::Settings r = film.rendering;
+    if (film.cache.keeps())
+        add("kept light", "--cache off", [](RenderJob& f) { f.rendering.cache = renderer::CacheUse::off; });
+    if (film.tolerance.coupled) add("coupling", "--tolerance fixed=2%", [](RenderJob& f) { f.tolerance = {}; });
+    if (r.edge_samples > r.samples)
+        add("finer edges", fmt::format("--edge-samples {}", r.samples),
+            [](RenderJob& f) { f.rendering.edge_samples = f.rendering.most_samples = 0; });
+    return all;
+}
+
+EffectCosts effect_costs(const RenderJob& film, int frames, double limit, bool quiet,
+                         const std::function<void(const EffectCost&, bool)>& row_done) {
+    EffectCosts costs;
+    std::vector<LeftOut> effects = left_out_of(film);
+    costs.left = static_cast<int>(effects.size());
+    const std::vector<Chunk> windows = middle_windows(film, 1, frames);
+    if (clock_seconds() > limit) return costs;
+    const std::optional<Lit> whole = light(film, windows, "all effects", quiet);
+    if (!whole) return costs;
+    const core::Picture& picture = whole->pictures.begin()->second;
+    costs.size = {picture.width(), picture.height()};
+    costs.frames = static_cast<int>(windows.front().frames());
+    for (const LeftOut& effect : effects) {
+        if (clock_seconds() > limit) break;
+        const std::optional<Lit> less = light(effect.film, windows, "without " + effect.name, quiet);
+        if (!less) break;
+        EffectCost cost = difference_of(*whole, *less);
+        cost.name = effect.name;
+        cost.option = effect.option;
+        row_done(cost, costs.rows.empty());
+        costs.rows.push_back(std::move(cost));
+        --costs.left;
+    }
+    return costs;
+}
+
+std::string share_text(double share) {
+    if (std::abs(share) < least_share) return fmt::format("under {:.0f} %", 100 * least_share);
+    return fmt::format("{}{:.0f} %", share < 0 ? "saves " : "", 100 * std::abs(share));
+}
+
+std::string effects_heading() {
+    return fmt::format("\nWhat each effect takes, and what one sees where it is left out\n{:<32} {:>10}  {}\n",
+                       "effect", "time", "without it");
+}
+
+std::string effect_row(const EffectCost& cost) {
+    const std::string name = cost.name + (cost.option.empty() ? "" : " (" + cost.option + ")");
+    return fmt::format("{:<32} {:>10}  {}{}\n", name, share_text(cost.share), words_for(cost.difference),
+                       cost.difference ? fmt::format(" ({:.0f} dB)", *cost.difference) : "");
+}
 namespace {
 
 /// [Ponomarenko2007]: below some 42 dB differences are seen. chosen: 4 and 8 dB more for errors that are not even.
@@ -73,38 +199,6 @@ json effects_json(const EffectCosts& effects) {
     return {{"width", effects.size.width}, {"height", effects.size.height}, {"frames", effects.frames}, {"rows", rows}};
 }
 
-std::vector<AnswerRow> answer_rows(const std::vector<FilmCost>& costs) {
-    const std::optional<std::size_t> taken = recommended(costs);
-    std::vector<AnswerRow> rows;
-    double longest = 0;
-    for (const FilmCost& c : costs)
-        if (c.value != by_truth) longest = std::max(longest, c.cpu);
-    for (std::size_t i = 0; i < costs.size(); ++i) {
-        const FilmCost& c = costs[i];
-        rows.push_back({c.name(), std::min(1.0, core::divide_or(c.cpu, longest, 1.0)), time_text(c.clock, c.cpu),
-                        c.difference(), grade_of(c.added), "", size_text(c.bytes), taken == i});
-    }
-    return rows;
-}
-
-std::string first_screen(const RenderJob& film, const Sweep& sweep, const std::vector<FilmCost>& costs) {
-    const TrialRow& loosest = sweep.rows.front();
-    const std::string note = fmt::format(
-        "Times are of this machine's {} threads, as busy as it was. From {} sample frame{} of {}x{}, quantiser {}. "
-        "Words: what light adds to the error that one sees (PSNR-HVS-M of 50, 46, 42 dB). dB: PSNR-Y after coding, "
-        "below the most exact tolerance. {}",
-        parallel::thread_count(), loosest.trial.frames, loosest.trial.frames == 1 ? "" : "s", film.format.width,
-        film.format.height, film.coding.quantiser, truth_text(sweep.truth));
-    std::string figure;
-    if (const auto& own = loosest.trial.sample_frame)
-        figure = difference_figure(
-            fmt::format("Frame {}, before coding: the loosest light beside the most exact", own->frame),
-            {loosest.name, own->lit}, {"exact", own->reference}, perceptual::matrix_for(film.format.height));
-    return answer_screen(
-        answer_table({"accuracy of light", "time, whole film", "difference", "film"}, answer_rows(costs), note), figure,
-        sweep.render);
-}
-
 }  // namespace
 
 const TrialColumns cost_columns{&columns::light, &columns::rays,  &columns::cut,    &columns::median, &columns::p95,
@@ -126,11 +220,6 @@ std::string words_for(const std::optional<double>& added) {
     if (!added || *added >= invisible) return "none you can see";
     if (*added >= hardly) return "hardly any";
     return *added >= slight ? "slight in flat areas" : "visible";
-}
-
-Grade grade_of(const std::optional<double>& added) {
-    if (!added || *added >= hardly) return Grade::good;
-    return *added >= slight ? Grade::fair : Grade::poor;
 }
 
 std::vector<FilmCost> film_costs(const Sweep& sweep, std::int64_t frame_count) {
@@ -198,22 +287,26 @@ json cost_json(const Sweep& sweep, const std::vector<FilmCost>& costs, std::int6
             {"complete", sweep.complete}};
 }
 
-std::string cost_page(const RenderJob& film, const Sweep& sweep, const std::vector<FilmCost>& costs) {
-    const std::string quality =
-                          plot_of("Quality of the decoded film over time", columns::light, columns::psnr_y, sweep.rows),
-                      error = plot_of("Error of a pixel's light over time: 95 of 100 err by no more than",
-                                      columns::light, columns::p95, sweep.rows);
-    return first_screen(film, sweep, costs) +
-           effects_section(sweep.effects, perceptual::matrix_for(film.format.height)) +
-           folded(
-               "All curves and figures",
-               quality + error + sample_frame_figures(sweep.rows.front().name, sweep.rows.front().trial, film) +
-                   html_of("What was tried", cost_columns, sweep.rows) +
-                   "<p class=\"soft\">Light: CPU seconds of all threads per frame. Rays: shadow rays and gather rays "
-                   "per gather point; cut: clusters of lights per point. 50 and 95 %: percentiles of the error of a "
-                   "pixel's luminance against reference light, in %. Over: % of the pixels that err by more than "
-                   "their tolerance; twice: by more than twice of it. PSNR-Y and SSIM: decoded pictures against "
-                   "what is not coded, PSNR-Y the truth, SSIM reference light. Size per frame.</p>\n");
+json cost_page(const RenderJob& film, const Sweep& sweep) {
+    const perceptual::ColorMatrix matrix = perceptual::matrix_for(film.format.height);
+    const TrialRow& loosest = sweep.rows.front();
+    json pictures = json::array(), without = json::array(), wholes = json::object();
+    if (const auto& own = loosest.trial.sample_frame)
+        pictures.push_back(
+            pair_of(fmt::format("Frame {}, before coding: the loosest light beside the most exact", own->frame),
+                    {loosest.name, own->lit}, {"exact", own->reference}, matrix, true));
+    for (const EffectCost& cost : sweep.effects.rows) {
+        without.push_back({{"source", source_of("without " + cost.name, cost.without, matrix)},
+                           {"width", shown_width(cost.without.width())},
+                           {"frame", cost.whole.number}});
+        wholes.emplace(std::to_string(cost.whole.number), source_of("all effects", cost.whole, matrix));
+    }
+    return {{"threads", parallel::thread_count()},
+            {"truth", truth_text(sweep.truth)},
+            {"pictures", pictures},
+            {"without", without},
+            {"wholes", wholes},
+            {"sample", sample_frame_figures(loosest.name, loosest.trial, film)}};
 }
 
 }  // namespace render2mpeg::app

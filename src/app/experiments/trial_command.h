@@ -2,6 +2,7 @@
 // Steps that `cost`, `tune` and `compare` share.
 #include <filesystem>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
@@ -13,6 +14,26 @@
 #include "app/system/progress.h"
 
 namespace render2mpeg::app {
+
+struct TrialColumn {
+    const char* key;   ///< in JSON
+    const char* head;  ///< in tables; empty: in JSON alone
+    int width;         ///< in text
+    std::string (*text)(double);
+    double (*value)(const Trial&);
+};
+using TrialColumns = std::vector<const TrialColumn*>;
+
+namespace columns {
+extern const TrialColumn light, code, rays, cut, median, p95, over, twice, psnr_y, ssim_y, psnr_hvs_m, bytes, kilobits;
+}  // namespace columns
+
+/// Lines of text, each with its end; the name is left-aligned in `width` columns.
+std::string heads_text(const TrialColumns& columns, const std::string& name, int width);
+std::string row_text(const TrialColumns& columns, const std::string& name, int width, const Trial& trial);
+
+/// All figures of a trial by their keys, whatever a table shows; null for non-finite values.
+nlohmann::json figures_json(const Trial& trial);
 
 /// The `render` command of the tried film with these options; without -o, the film is named after the scene.
 std::string render_command(const std::vector<std::string>& words, const std::filesystem::path& input,
@@ -58,14 +79,14 @@ void print_sentence(const std::string& text);
 
 /// Results as files: `figures` and what all commands know, and a page about them. `title` follows the film's name.
 struct TrialPage {
-    std::string title, lead;
-    std::string body;  ///< HTML
+    std::string kind, title, lead;
+    nlohmann::json more;  ///< what it shows beside the figures
 };
 nlohmann::json with_head(nlohmann::json figures, const Trials& trials, const std::string& command);
 void write_results(const TrialOptions& options, const Trials& trials, const nlohmann::json& figures,
                    const std::function<TrialPage()>& page);
 
 /// A trial's last reference frame: decoded beside the reference, tolerances and errors. Empty without references.
-std::string sample_frame_figures(const std::string& name, const Trial& trial, const RenderJob& film);
+nlohmann::json sample_frame_figures(const std::string& name, const Trial& trial, const RenderJob& film);
 
 }  // namespace render2mpeg::app

@@ -12,12 +12,12 @@ namespace render2mpeg::app {
 int make_parts(const PartOptions& options);
 
 /// Returns the exit status. Throws core::Error, naming the parts that are not whole.
-int join(const JoinOptions& options);
+int join(const PartOptions& options);
 
 /// `render2mpeg farm`. `words` are its command line. Returns the exit status. Throws core::Error.
 int farm(const FarmOptions& options, const std::vector<std::string>& words);
 
 /// Returns the exit status. Throws core::Error.
-int farm_status(const FarmStatusOptions& options);
+int farm_status(const PartOptions& options);
 
 }  // namespace render2mpeg::app

@@ -18,8 +18,8 @@
 #include "app/options/options.h"
 #include "app/options/output_kind.h"
 #include "app/production/production.h"
+#include "app/report/frame_view.h"
 #include "app/report/heatmap_film.h"
-#include "app/report/sample_frame.h"
 #include "app/system/interrupt.h"
 #include "app/system/terminal.h"
 #include "core/error.h"
@@ -121,7 +121,7 @@ void remove_parts(const FarmPlan& plan, const std::filesystem::path& film) {
 
 }  // namespace
 
-int join(const JoinOptions& wish) {
+int join(const PartOptions& wish) {
     const WallClock clock;
     const parallel::ThreadLimit threads(wish.threads);
     const FarmPlan plan = read_plan(wish.plan);

@@ -3,29 +3,279 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cctype>
+#include <filesystem>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <system_error>
+#include <vector>
 
 #include "app/farm/farm_plan.h"
-#include "app/farm/job_files.h"
-#include "app/farm/pack.h"
 #include "app/files/file_io.h"
 #include "app/files/publish.h"
 #include "app/files/work_folder.h"
 #include "app/loop/resume.h"
-#include "app/options/command_options.h"
 #include "app/options/usage_error.h"
 #include "app/production/production.h"
 #include "app/system/image_reader.h"
 #include "app/system/interrupt.h"
+#include "app/system/program.h"
 #include "core/error.h"
+#include "core/module.h"
 #include "core/text.h"
 #include "parallel/loops.h"
 
 namespace render2mpeg::app {
 namespace {
+
+/// The program of each scheduler's that a submission calls.
+std::string needed_by(const std::string& scheduler) {
+    if (scheduler == "slurm") return "sbatch";
+    if (scheduler == "sge") return "qsub";
+    if (scheduler == "kubernetes") return "kubectl";
+    if (scheduler == "flamenco") return "curl";
+    return scheduler;  // parallel, openjd, snakemake
+}
+
+/// Removes the notes of earlier jobs: outputs noted as done may have been deleted since, and parts find their remaining
+/// work themselves.
+void forget_notes(const std::filesystem::path& log) {
+    std::error_code ignored;
+    for (const auto& entry : std::filesystem::directory_iterator(log, ignored))
+        if (entry.path().extension() == ".done" || entry.path().extension() == ".joblog")
+            std::filesystem::remove(entry.path(), ignored);
+}
+
+/// A job's name from the film's: letters and digits, other characters only where `others` has them.
+std::string job_name(std::string_view film, std::string_view others, char instead) {
+    std::string name = "r2m-";
+    for (const char c : film)
+        name +=
+            std::isalnum(static_cast<unsigned char>(c)) != 0 || others.find(c) != std::string_view::npos ? c : instead;
+    return name;
+}
+
+/// As JSON has it, and Python.
+std::string in_json(const std::string& text) {
+    return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+/// Values of the names between @.
+std::map<std::string, std::string> values_of(const FarmPlan& plan) {
+    std::error_code error;
+    const std::filesystem::path own = std::filesystem::read_symlink("/proc/self/exe", error);
+    // Else as PATH has it.
+    const bool shared = !error && !plan.packed;
+    const std::string program = shared ? own.string() : "render2mpeg", folder = plan.folder.string();
+    std::string object = job_name(plan.output_name.substr(0, 40), "", '-') + "-x";  // [RFC 1123]
+    for (char& c : object) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    std::int64_t most = 0;
+    for (const FilmPart& part : plan.parts) most = std::max(most, part.frames.last + 1 - part.frames.first);
+    return {{"name", job_name(plan.output_name, ".-", '_')},
+            {"object", object},
+            {"parts", std::to_string(plan.parts.size())},
+            {"most", std::to_string(most)},
+            {"frames", fmt::format("{}-{}", plan.parts.front().frames.first, plan.parts.back().frames.last)},
+            {"log", (plan.folder / "log").string()},
+            {"places", fmt::format("program=${{RENDER2MPEG:-{}}}\nplan={}\n", shared ? quoted(program) : program,
+                                   plan.packed ? "$(cd \"$(dirname \"$0\")\" && pwd)" : quoted(folder))},
+            {"program", in_json(program)},
+            {"plan", in_json(folder)},
+            {"parent", in_json(plan.folder.parent_path().string())},
+            {"film", in_json(plan.output_name)},
+            {"short_film", in_json(plan.output_name.substr(0, 100))},
+            {"part_command", in_json("exec render2mpeg part " + quoted(folder) + " $((JOB_COMPLETION_INDEX + 1))")}};
+}
+
+/// The text with the values of the names between @; an @ before anything else stays.
+std::string filled(std::string_view text, const std::map<std::string, std::string>& values) {
+    std::string result;
+    while (!text.empty()) {
+        const std::size_t at = text.find('@'), end = text.find('@', at == text.npos ? at : at + 1);
+        const auto value =
+            end == text.npos ? values.end() : values.find(std::string(text.substr(at + 1, end - at - 1)));
+        const bool known = value != values.end();
+        result += text.substr(0, known ? at : std::min(at, text.size() - 1) + 1);
+        if (known) result += value->second;
+        text.remove_prefix(known ? end + 1 : std::min(at, text.size() - 1) + 1);
+    }
+    return result;
+}
+
+/// Text of each file by its name. Throws core::Error where a scheduler has none.
+std::map<std::filesystem::path, std::string> job_templates(const std::string& scheduler) {
+    const std::filesystem::path folder = core::installed_file("farm/" + scheduler);
+    std::map<std::filesystem::path, std::string> templates;
+    std::error_code error;
+    for (const auto& job : std::filesystem::directory_iterator(folder, error))
+        if (job.is_regular_file(error) && !job.path().string().ends_with('~'))
+            templates[job.path().filename()] = file_text(job.path());
+    if (!templates.contains("submit.sh"))
+        throw core::Error("reading", folder.string(), "there is no submit.sh for " + scheduler);
+    return templates;
+}
+
+/// Writes the files for the plan's scheduler. Returns the script that submits all that is not made yet. Throws
+/// core::Error.
+std::filesystem::path write_job_files(const FarmPlan& plan) {
+    std::error_code error;
+    std::filesystem::create_directories(plan.folder / "log", error);
+    forget_notes(plan.folder / "log");
+    const std::map<std::string, std::string> values = values_of(plan);
+    for (const auto& [name, text] : job_templates(plan.scheduler)) {
+        const std::filesystem::path file = plan.folder / name;
+        write_whole(file, filled(text, values));
+        if (text.starts_with("#!"))
+            std::filesystem::permissions(file, std::filesystem::perms::owner_exec | std::filesystem::perms::group_exec,
+                                         std::filesystem::perm_options::add, error);
+    }
+    return plan.folder / "submit.sh";
+}
+
+/// Runs the script. Returns its exit status. Throws core::Error where the scheduler is not at hand.
+int submit(const FarmPlan& plan, const std::filesystem::path& script) {
+    const std::string needed = needed_by(plan.scheduler);
+    if (!is_installed(needed))
+        throw core::Error("submitting", plan.folder.string(),
+                          fmt::format("there is no {} here; run {} where there is", needed, script.string()));
+    if (run_program({script.string()}, Output::passed_on).status != 0)
+        throw core::Error("submitting", plan.folder.string(), script.string() + " failed");
+    return 0;
+}
+
+bool is_file(const std::filesystem::path& file) {
+    std::error_code error;
+    return !file.empty() && std::filesystem::is_regular_file(file, error);
+}
+
+/// The folder that both are in.
+std::filesystem::path common_folder(const std::filesystem::path& a, const std::filesystem::path& b) {
+    std::filesystem::path common;
+    for (auto one = a.begin(), other = b.begin(); one != a.end() && other != b.end() && *one == *other; ++one, ++other)
+        common /= *one;
+    return common;
+}
+
+void copy_input(const std::filesystem::path& from, const std::filesystem::path& to) {
+    std::error_code error;
+    std::filesystem::create_directories(to.parent_path(), error);
+    if (!error) std::filesystem::copy_file(from, to, std::filesystem::copy_options::overwrite_existing, error);
+    if (error) throw core::Error("packing", from.string(), error.message());
+}
+
+/// Maps an option's value to its value in a pack: the name of a copy, or a full name.
+class PackedNames {
+  public:
+    explicit PackedNames(std::filesystem::path inputs) : inputs_(std::move(inputs)) {}
+
+    std::string of(const std::string& option, const std::string& value) {
+        constexpr std::array<std::string_view, 5> outputs{"-o", "--output", "--stats", "--report", "--aov"};
+        constexpr std::array<std::string_view, 3> inputs{"--sky", "--audio", "--keyframes"};
+        if (std::find(outputs.begin(), outputs.end(), option) != outputs.end()) return full_name(value);
+        if (std::find(inputs.begin(), inputs.end(), option) == inputs.end() || !is_file(value)) return value;
+        const std::filesystem::path name =
+            std::filesystem::path("more") /
+            fmt::format("{}_{}", ++copied_, std::filesystem::path(value).filename().string());
+        copy_input(value, inputs_ / name);
+        return name.string();
+    }
+    static std::string full_name(const std::string& file) {
+        std::error_code error;
+        return std::filesystem::absolute(file, error).lexically_normal().string();
+    }
+
+  private:
+    std::filesystem::path inputs_;
+    int copied_ = 0;
+};
+
+/// Copies a scene with all its files, their places beside each other kept. Returns the scene's new name.
+std::filesystem::path copy_scene(const RenderJob& film, const RenderOptions& options,
+                                 const std::filesystem::path& inputs) {
+    std::vector<std::filesystem::path> files;
+    for (const std::filesystem::path& file : film.animation->files) files.push_back(file);
+    for (const scene::ImageSource& image : film.animation->images) files.push_back(image.path);
+    if (is_file(options.input)) files.push_back(options.input);
+    std::erase_if(files, [&](const std::filesystem::path& file) {
+        return !is_file(file) || (options.sky && canonical_of(file) == canonical_of(*options.sky));
+    });
+    const std::filesystem::path input = canonical_of(options.input);
+    std::filesystem::path folder = is_file(input) ? input.parent_path() : input;
+    for (const std::filesystem::path& file : files) folder = common_folder(folder, canonical_of(file).parent_path());
+    for (const std::filesystem::path& file : files)
+        copy_input(file, inputs / "scene" / canonical_of(file).lexically_relative(folder));
+    return std::filesystem::path("scene") / input.lexically_relative(folder);
+}
+
+/// Copies all inputs of a film into the plan's folder, and changes `words` and `start` so that they name the copies,
+/// and outputs by their full names. Throws core::Error.
+void pack_inputs(FarmPlan& plan, const RenderJob& film, const RenderOptions& options) {
+    if (options.light_cache)
+        throw core::Error("packing", options.light_cache->string(),
+                          "a light file cannot be packed; leave --light-cache out");
+    const std::filesystem::path inputs = plan.folder / "inputs";
+    std::error_code error;
+    std::filesystem::remove_all(inputs, error);
+    PackedNames names(inputs);
+    std::vector<std::string> words(plan.words.begin(), plan.words.begin() + 2);
+    bool named = false;
+    for (std::size_t i = 2; i < plan.words.size(); ++i) {
+        const std::string& word = plan.words[i];
+        const std::string& before = plan.words[i - 1];
+        const std::size_t equals = word.find('=');
+        if (word.starts_with("--") && equals != std::string::npos)
+            words.push_back(word.substr(0, equals + 1) + names.of(word.substr(0, equals), word.substr(equals + 1)));
+        else if (i >= 2 && plan.words[i - 2] == "--heatmap")
+            words.push_back(PackedNames::full_name(word));
+        else if (!named && word == options.input.string() && !before.starts_with("-"))
+            named = true, words.push_back(copy_scene(film, options, inputs).string());
+        else
+            words.push_back(names.of(before, word));
+    }
+    if (!named) {
+        // The scene's name stands behind a flag.
+        const auto place = std::find(words.begin() + 2, words.end(), options.input.string());
+        if (place == words.end()) throw core::Error("packing", options.input.string(), "it is not in the command line");
+        *place = copy_scene(film, options, inputs).string();
+    }
+    plan.words = words;
+    plan.start = inputs;
+}
+
+/// Writes plan, job files and inputs into one file beside the folder, e.g. film.mpg.farm.tar. Throws core::Error.
+void write_pack(const FarmPlan& plan) {
+    const std::filesystem::path archive = std::filesystem::path(plan.folder) += ".tar",
+                                beside = std::filesystem::path(archive) += ".unfinished";
+    // The same files give the same bytes.
+    std::vector<std::string> words{"tar",       "--create",  "--force-local",   "--sort=name",       "--mtime=@0",
+                                   "--owner=0", "--group=0", "--numeric-owner", "--mode=u=rwX,go=rX"};
+    words.push_back("--file=" + beside.string());
+    words.push_back("--directory=" + plan.folder.parent_path().string());
+    words.emplace_back("--");
+    std::error_code error;
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(plan.folder, error)) {
+        const std::string name = entry.path().filename().string();
+        if (!name.starts_with("part_") && name != "log") names.push_back((plan.folder.filename() / name).string());
+    }
+    std::sort(names.begin(), names.end());
+    words.insert(words.end(), names.begin(), names.end());
+    const Finished packed = run_program(words, Output::caught);
+    if (packed.status == 0) {
+        bring_to_disk(beside);
+        std::filesystem::rename(beside, archive, error);
+    }
+    if (packed.status == 0 && !error) return;
+    std::filesystem::remove(beside, error);
+    throw core::Error("packing", plan.folder.string(),
+                      packed.status == 127 ? "there is no program tar"
+                                           : "it cannot be written: " + packed.text.substr(0, packed.text.find('\n')));
+}
 
 using nlohmann::json;
 

@@ -67,9 +67,6 @@ std::string size_text(std::uint64_t bytes) {
 /// chosen: 6 (3 to 9).
 constexpr int window_frames = 6;
 
-/// Windows of the smallest pictures. chosen: 3; two miss what happens in the middle.
-constexpr int places = 3;
-
 /// Longest side of the smallest pictures; each size after it has four times the pixels. chosen: 48 (32 to 96).
 constexpr double least_side = 48;
 
@@ -154,95 +151,33 @@ double power_between(double smaller, double larger, double times) {
     return std::clamp(std::log(larger / smaller) / std::log(times), 0.15, 1.0);
 }
 
-/// Larger and larger pictures, as long as there is time.
-class Sampling {
-  public:
-    Sampling(const RenderJob& film, double limit, bool quiet) : film_(film), limit_(limit), quiet_(quiet) {}
-
-    bool run();
-    const FrameSample& largest() const { return *largest_; }
-    FrameSample grown() const;
-
-  private:
-    std::optional<FrameSample> sample(double scale, int windows);
-    void compare_places(FrameSample& smallest);
-    FrameSample at_all_places(FrameSample sample) const;
-
-    const RenderJob& film_;
-    double limit_;
-    bool quiet_;
-    std::optional<FrameSample> smaller_, largest_;
-    FrameCost first_ratio_{1, 1}, later_ratio_{1, 1};  ///< of several places over the first one that is lit
+/// A window of the largest pictures that there was time for, and how their time grows with their pixels.
+struct Sampled {
+    FrameSample largest;
+    double power = time_power;
 };
 
-std::optional<FrameSample> Sampling::sample(double scale, int windows) {
-    const RenderJob job = resized(film_, scale);
-    std::vector<Chunk> chunks = middle_windows(job, windows, window_frames);
-    // The middle comes first, since there may be no time for others.
-    std::swap(chunks.front(), chunks[chunks.size() / 2]);
-    Progress progress(static_cast<std::int64_t>(chunks.size()) * chunks.front().frames(), quiet_, "sample",
-                      Counted::parts_of_step);
-    LoopObserver nobody;
-    // The first sample is needed, and may take three times as long.
-    const double limit = largest_ ? limit_ : limit_ + 2 * (limit_ - clock_seconds());
-    return sample_frames(job, chunks, limit, nobody, progress);
-}
-
-/// Keeps how several places of the smallest pictures differ from the middle, which larger ones are of: films often
-/// move fastest there.
-void Sampling::compare_places(FrameSample& smallest) {
-    const auto [first, later] = smallest.by_window.front();
-    const auto over = [](double all, double one) { return std::clamp(core::divide_or(all, one, 1.0), 0.4, 2.5); };
-    first_ratio_ = {1, over(smallest.first.bytes, first.bytes)};
-    later_ratio_ = {over(smallest.later.seconds, later.seconds), over(smallest.later.bytes, later.bytes)};
-    smallest.first = first;
-    smallest.later = later;
-}
-
-bool Sampling::run() {
-    const double longest = std::max(film_.format.width, film_.format.height);
-    double scale = std::min(1.0, least_side / longest), times = 1;
-    while (true) {
+/// Larger and larger pictures, as long as there is time. None without a first one.
+std::optional<Sampled> sample_sizes(const RenderJob& film, double limit, bool quiet) {
+    std::optional<Sampled> found;
+    double scale = std::min(1.0, least_side / std::max(film.format.width, film.format.height));
+    for (;; scale = std::min(1.0, 2 * scale)) {
         const double began = clock_seconds();
-        std::optional<FrameSample> found = sample(scale, largest_ ? 1 : places);
-        if (!found) return largest_.has_value();
-        const double took = (clock_seconds() - began) / found->windows, left = limit_ - clock_seconds();
-        if (!largest_) compare_places(*found);
-        smaller_ = std::exchange(largest_, std::move(found));
-        if (scale >= 1) break;
-        const double next = std::min(1.0, 2 * scale);
-        times = (next / scale) * (next / scale);
-        if (took * std::pow(times, time_power) > left) return true;
-        scale = next;
+        const RenderJob job = resized(film, scale);
+        const std::vector<Chunk> window = middle_windows(job, 1, window_frames);
+        Progress progress(window.front().frames(), quiet, "sample", Counted::parts_of_step);
+        LoopObserver nobody;
+        // The first sample is needed, and may take three times as long.
+        const std::optional<FrameSample> sample =
+            sample_frames(job, window, found ? limit : limit + 2 * (limit - began), nobody, progress);
+        if (!sample) return InterruptGuard::requested() ? std::nullopt : found;
+        const double times = found ? pixels_of(sample->size) / pixels_of(found->largest.size) : 1;
+        const double power =
+            found ? power_between(found->largest.later.seconds, sample->later.seconds, times) : time_power;
+        found = {*sample, power};
+        const double next = std::min(1.0, 2 * scale) / scale, now = clock_seconds();
+        if (scale >= 1 || (now - began) * std::pow(next * next, time_power) > limit - now) return found;
     }
-    // At full size, further windows tell how frames differ.
-    const double window = std::max(largest_->clock, 1e-3);
-    const auto windows = static_cast<int>(std::clamp((limit_ - clock_seconds()) / window, 0.0, 8.0));
-    if (windows < 2) return true;
-    if (std::optional<FrameSample> more = sample(1, windows)) {
-        largest_ = std::move(more);
-        first_ratio_ = later_ratio_ = {1, 1};
-    }
-    return !InterruptGuard::requested();
-}
-
-FrameSample Sampling::grown() const {
-    const double times = core::divide_or(pixels_of(size_of(film_)), pixels_of(largest_->size), 1.0);
-    if (!smaller_) return at_all_places(largest_->grown(times, time_power));
-    const double between = pixels_of(largest_->size) / pixels_of(smaller_->size);
-    const auto power = [&](double FrameCost::*part, const FrameCost& a, const FrameCost& b) {
-        return power_between(a.*part, b.*part, between);
-    };
-    FrameSample all = largest_->grown(times, power(&FrameCost::seconds, smaller_->later, largest_->later));
-    all.first = largest_->grown(times, power(&FrameCost::seconds, smaller_->first, largest_->first)).first;
-    return at_all_places(all);
-}
-
-FrameSample Sampling::at_all_places(FrameSample sample) const {
-    sample.first.bytes *= first_ratio_.bytes;
-    sample.later.seconds *= later_ratio_.seconds;
-    sample.later.bytes *= later_ratio_.bytes;
-    return sample;
 }
 
 double file_bytes(const RenderJob& film, const std::filesystem::path& output, double pictures) {
@@ -349,10 +284,8 @@ std::optional<FrameSample> light_windows(RenderJob film, renderer::Renderer& ren
         if (statistics.frames.size() == before) break;
         fresh.push_back(window.first);
         ++found.windows;
-        const FrameCost own{first, static_cast<double>(statistics.frames[before].bytes)};
-        seconds.add(own.seconds);
-        bytes.add(own.bytes);
-        found.by_window.emplace_back(own, later_of(std::span(statistics.frames).subspan(before), fresh));
+        seconds.add(first);
+        bytes.add(static_cast<double>(statistics.frames[before].bytes));
         if (stops()) break;
     }
     if (found.windows == 0) return {};
@@ -440,11 +373,12 @@ std::optional<Forecast> forecast(RenderJob& film, const std::filesystem::path& o
     const double began = clock_seconds(), cpu_before = cpu_seconds();
     if (!settle(film)) return {};
     const double once = cpu_seconds() - cpu_before;
-    Sampling sampling(film, began + within, quiet);
-    if (!sampling.run()) return {};
+    const std::optional<Sampled> sampled = sample_sizes(film, began + within, quiet);
+    if (!sampled) return {};
     Forecast forecast;
-    forecast.sample = sampling.largest();
-    const FrameSample grown = sampling.grown();
+    forecast.sample = sampled->largest;
+    const FrameSample grown =
+        sampled->largest.grown(pixels_of(size_of(film)) / pixels_of(sampled->largest.size), sampled->power);
     const FrameCost whole = film_by(film, grown);
     forecast.first = grown.first;
     forecast.later = grown.later;

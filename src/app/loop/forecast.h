@@ -5,7 +5,6 @@
 #include <functional>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "app/loop/observer.h"
@@ -47,7 +46,6 @@ struct FrameCost {
 /// Sample of lit and coded frames: the first of each window, with a chunk's start, and later ones.
 struct FrameSample {
     FrameCost first, later;
-    std::vector<std::pair<FrameCost, FrameCost>> by_window;  ///< the same of each
     int frames = 0, windows = 0;
     Size size;
     double cpu = 0, clock = 0;  ///< seconds of all of it

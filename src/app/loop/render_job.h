@@ -8,7 +8,6 @@
 
 #include "app/files/light_file.h"
 #include "app/loop/coupling.h"
-#include "app/options/effort.h"
 #include "app/options/film.h"
 #include "app/options/options.h"
 #include "app/options/output_kind.h"

@@ -4,11 +4,8 @@
 #include <sys/xattr.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <nlohmann/json.hpp>
-#include <span>
-#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -24,15 +21,9 @@ namespace {
 
 using nlohmann::json;
 
-/// Options that change no byte of the film; heatmaps have work folders of their own.
-constexpr std::array<std::string_view, 16> idle{
-    "--output",  "--threads", "--quiet",    "--stats",  "--report",  "--chunks-at-once", "--hold",   "--overwrite",
-    "--verbose", "--within",  "--progress", "--resume", "--dry-run", "--heatmap",        "--memory", "--isa"};
-
 json options_of(const RenderOptions& options) {
-    json words = json::object();
-    for (const auto& [name, value] : options.said)
-        if (std::find(idle.begin(), idle.end(), name) == idle.end()) words[name] = value;
+    json words = options.said;
+    for (const std::string& name : said_and(Idle::always, options.said)) words.erase(name);
     // Layers already written lie in this folder alone.
     if (options.layers) words["--aov"] = canonical_of(*options.layers).string();
     return words;
@@ -202,7 +193,6 @@ json light_identity_of(const RenderJob& film, const RenderOptions& options) {
             {"--light", options.light},
             {"--caustics", options.caustics},
             {"--clamp", options.clamp},
-            {"--vpls", s.vpls},
             {"light points", s.direct_points},
             {"depth of mirrors", s.specular_depth},
             {"largest cut", s.max_cut},

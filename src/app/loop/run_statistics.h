@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "app/system/error_histogram.h"

@@ -6,8 +6,10 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <utility>
 
-#include "app/options/rate_options.h"
+#include "app/options/option_text.h"
+#include "app/options/output_kind.h"
 #include "app/options/usage_error.h"
 #include "core/error.h"
 #include "core/text.h"
@@ -16,8 +18,74 @@
 #include "encoder/capabilities.h"
 #include "encoder/codec.h"
 #include "perceptual/display.h"
+#include "perceptual/tolerance.h"
 
 namespace render2mpeg::app {
+namespace {
+
+[[noreturn]] void refuse_preview(const std::string& option, const std::string& why) {
+    throw UsageError(option + ": with --preview " + why);
+}
+
+}  // namespace
+
+const Effort& effort_from(const std::string& name) {
+    const auto found =
+        std::find_if(efforts.begin(), efforts.end(), [&](const Effort& effort) { return name == effort.name; });
+    if (found == efforts.end()) throw UsageError("--effort " + name + ": expected draft, low, default or high");
+    return *found;
+}
+
+RenderOptions with_effort(const RenderOptions& options) {
+    if (!options.effort || *options.effort == "default") return options;
+    RenderOptions changed = options;
+    if (*options.effort == "draft") {
+        changed.preview = true;
+        return changed;
+    }
+    const Effort& effort = effort_from(*options.effort);
+    const bool coded = options.output.empty() || kind_of(options.output) == OutputKind::film;
+    if (!options.tolerance)
+        changed.tolerance = coded
+                                ? fmt::format("coupled={:g}", effort.fraction * perceptual::default_tolerance_fraction)
+                                : fmt::format("fixed={:g}%", 100 * effort.fixed);
+    if (options.is_given("--samples") || options.edge_samples) return changed;
+    changed.samples = effort.samples;
+    changed.edge_samples = effort.edge_samples;
+    return changed;
+}
+
+RenderOptions preview_options(const RenderOptions& options) {
+    RenderOptions draft = options;
+    if (options.tolerance) {
+        const ToleranceRequest tolerance = tolerance_from(*options.tolerance);
+        if (tolerance.coupled || tolerance.reference)
+            refuse_preview("--tolerance " + *options.tolerance,
+                           "light is rough; choose fixed=P%, or leave --preview out");
+    }
+    if (options.audit > 0) refuse_preview("--audit", "no tolerance is kept that could be audited");
+    if (options.layers) refuse_preview("--aov", "there are no layers");
+    if (options.cache == "on") refuse_preview("--cache on", "light is carried by pixels, not kept on surfaces");
+    for (const auto& [subject, file] : options.heatmaps)
+        if (subject != "quantiser") refuse_preview("--heatmap " + subject, "only `quantiser` is known");
+
+    // fit: docs/measurements.md#drafts, by PSNR for CPU time.
+    if (!options.tolerance) draft.tolerance = "fixed=30%";
+    if (!options.is_given("--samples")) draft.samples = 1;
+    if (!options.is_given("--edge-samples")) draft.edge_samples = options.is_given("--samples") ? options.samples : 4;
+    if (!options.is_given("--vpls")) draft.vpls = 2048;
+    draft.indirect = "lightcuts";
+    draft.cache = "off";
+
+    // A draft only must be there soon.
+    if (!options.is_given("--encoder")) draft.coding.encoder = "fast";
+    if (!options.coding.b_pictures) draft.coding.b_pictures = 0;
+    const bool has_rate =
+        options.coding.quantiser || options.coding.crf || options.coding.quality || options.coding.bitrate;
+    if (!has_rate) draft.coding.quantiser = 6;
+    if (options.coding.bitrate && !options.coding.passes) draft.coding.passes = 1;
+    return draft;
+}
 namespace {
 
 // chosen: as for --frames, 2^31 frames are 2.7 years at 25 Hz.
@@ -93,6 +161,40 @@ void refuse_as_usage(const Check& check) {
     }
 }
 
+void refuse_conflicts(const CodingOptions& o) {
+    const std::pair<const char*, bool> given[] = {{"--crf", o.crf.has_value()},
+                                                  {"--quantiser", o.quantiser.has_value()},
+                                                  {"--quality", o.quality.has_value()},
+                                                  {"--bitrate", o.bitrate.has_value()}};
+    const char* first = nullptr;
+    for (const auto& [name, is_given] : given) {
+        if (is_given && first != nullptr)
+            throw UsageError(fmt::format("{} and {}: each decides the quantisers; give one", first, name));
+        if (is_given) first = name;
+    }
+    if (o.constant_rate && !o.bitrate) throw UsageError("--cbr: which rate? Give --bitrate too, e.g. --bitrate 6M");
+    if (o.passes && !o.bitrate)
+        throw UsageError(
+            "--passes: without --bitrate there is nothing to find out first; give --bitrate too, or leave --passes "
+            "out");
+}
+
+encoder::RateControl rate_control(const CodingOptions& options) {
+    refuse_conflicts(options);
+    encoder::RateControl rate;
+    if (options.quality) {
+        rate.mode = encoder::RateMode::constant_quality;
+        rate.quality = *options.quality;
+    }
+    if (options.bitrate) {
+        rate.mode = options.constant_rate ? encoder::RateMode::constant : encoder::RateMode::variable;
+        rate.bit_rate = bits_from(*options.bitrate, "bitrate");
+    }
+    if (options.maxrate) rate.max_rate = bits_from(*options.maxrate, "maxrate");
+    if (options.vbv) rate.buffer_bits = bits_from(*options.vbv, "vbv");
+    return rate;
+}
+
 int quantiser_of(const CodingOptions& options, encoder::Codec codec) {
     const encoder::CodecFacts facts = encoder::facts_of(codec);
     if (options.crf) {
@@ -107,6 +209,10 @@ int quantiser_of(const CodingOptions& options, encoder::Codec codec) {
 }
 
 }  // namespace
+
+bool two_passes(const CodingOptions& options) {
+    return options.bitrate.has_value() && options.passes.value_or(2) == 2;
+}
 
 void check_settings(const encoder::Settings& coding) {
     if (coding.codec != encoder::Codec::mpeg2) av::open_libraries();
@@ -166,7 +272,7 @@ encoder::Codec codec_of(const CodingOptions& options, const std::filesystem::pat
     encoder::Codec codec = encoder::Codec::mpeg2;
     if (options.codec) {
         const std::string word = *options.codec == "h265" ? "hevc" : *options.codec;
-        for (const encoder::CodecFacts& facts : encoder::all_codecs())
+        for (const encoder::CodecFacts& facts : encoder::all_codecs)
             if (word == facts.word) codec = facts.codec;
     } else if (!options.preset && (ending == ".mp4" || ending == ".mov" || ending == ".mkv")) {
         codec = encoder::Codec::h264;

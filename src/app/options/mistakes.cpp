@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -11,8 +10,9 @@
 #include <map>
 #include <system_error>
 
-#include "app/options/help_format.h"
+#include "app/options/option_table.h"
 #include "app/options/usage_error.h"
+#include "core/scene_formats.h"
 #include "core/text.h"
 
 namespace render2mpeg::app {
@@ -95,22 +95,26 @@ std::string missing_text(const CLI::App& app, const std::string& name) {
            (option == nullptr || option->get_type_name().empty() ? "" : "; give one of " + option->get_type_name());
 }
 
-using Names = std::vector<std::string>;
+/// A case in which options are idle, and its reason.
+struct IdleCase {
+    Idle idle;
+    bool is_here;
+    std::string reason;
+};
 
-void note(Names& lines, const std::map<std::string, std::string>& said, const Names& names, const std::string& reason) {
-    Names found;
-    for (const std::string& name : names)
-        if (said.contains(name)) found.push_back(name);
-    if (!found.empty())
-        lines.push_back(
-            fmt::format("{} {} nothing here: {}", fmt::join(found, ", "), found.size() == 1 ? "does" : "do", reason));
+std::vector<std::string> notes(const std::map<std::string, std::string>& said, const std::vector<IdleCase>& cases) {
+    std::vector<std::string> lines;
+    for (const IdleCase& one : cases)
+        if (const auto found = said_and(one.idle, said); one.is_here && !found.empty())
+            lines.push_back(fmt::format("{} {} nothing here: {}", fmt::join(found, ", "),
+                                        found.size() == 1 ? "does" : "do", one.reason));
+    return lines;
 }
 
 constexpr std::array films{".mpg", ".mpeg", ".vob", ".ts",   ".m2v", ".mkv", ".mp4", ".mov",
                            ".avi", ".webm", ".wmv", ".m2ts", ".gif", ".y4m", ".ogv", ".flv"};
 constexpr std::array pictures{".png",  ".exr", ".jpg", ".jpeg", ".tif", ".tiff",
                               ".webp", ".bmp", ".tga", ".hdr",  ".psd"};
-constexpr std::array scenes{".blend", ".glb", ".gltf", ".fbx", ".obj", ".dae", ".usd", ".usdz", ".3ds", ".ply", ".stl"};
 constexpr std::array sounds{".wav", ".mp3", ".flac", ".ogg", ".aac", ".m4a"};
 constexpr const char* kinds = "scenes are .blend, .glb, .gltf, .fbx, .obj and others, or animation files (.json)";
 
@@ -119,12 +123,20 @@ bool is_one_of(const Endings& endings, const std::filesystem::path& file) {
     return std::find(endings.begin(), endings.end(), core::ending_of(file)) != endings.end();
 }
 
+/// Whether it is a scene by its ending; not an animation file.
+bool is_scene(const std::filesystem::path& file) {
+    const std::string ending = core::ending_of(file);
+    if (ending == ".usd" || ending == ".usdz") return true;
+    return std::any_of(core::scene_formats.begin(), core::scene_formats.end(),
+                       [&](const auto& format) { return ending == format.ending && ending != ".json"; });
+}
+
 std::string of_folder(const std::filesystem::path& folder) {
     std::error_code error;
     if (std::filesystem::exists(folder / "film.json", error)) return {};
     std::vector<std::string> found;
     for (const auto& entry : std::filesystem::directory_iterator(folder, error))
-        if (is_one_of(scenes, entry.path())) found.push_back(entry.path().filename().string());
+        if (is_scene(entry.path())) found.push_back(entry.path().filename().string());
     std::sort(found.begin(), found.end());
     if (found.empty()) return std::string("this folder holds neither a film.json nor a scene; ") + kinds;
     return "this folder holds no film.json; give one of its scenes, such as " + (folder / found.front()).string();
@@ -213,32 +225,24 @@ std::string mistake_text(const CLI::App& command, const CLI::Error& error) {
 }
 
 std::vector<std::string> unused_options(const RenderOptions& options, OutputKind kind,
-                                        const ToleranceRequest& tolerance) {
-    Names lines;
-    const std::string output = options.output.filename().string();
-    if (kind != OutputKind::film)
-        note(lines, options.said,
-             {"--codec", "--quantiser", "--crf", "--quality", "--bitrate", "--cbr", "--maxrate", "--vbv", "--passes",
-              "--gop", "--b-pictures", "--tune", "--encoder", "--keyframes", "--audio", "--audio-offset"},
-             output + " is not coded");
-    // With a tolerance, the exposure tells which pixels are too dark to matter.
-    if (kind == OutputKind::exr && (tolerance.reference || tolerance.relative == 0))
-        note(lines, options.said, {"--exposure"},
-             output + " holds the scene's own light, and no light is too dark for this tolerance");
-    if (kind == OutputKind::exr)
-        note(lines, options.said, {"--view", "--glare"}, output + " holds the scene's own light");
-    if (tolerance.truth)
-        note(lines, options.said, {"--vpls", "--clamp", "--cache", "--samples", "--edge-samples"},
-             "paths over the whole pixel bring its light");
-    if (!tolerance.coupled)
-        note(lines, options.said, {"--masking"}, "the tolerance is not coupled to the film's coding");
-    return lines;
+                                        const ToleranceRequest& tolerance, bool preview) {
+    const std::string output = options.output.filename().string(), own = output + " holds the scene's own light";
+    const bool exr = kind == OutputKind::exr;
+    return notes(
+        options.said,
+        {{Idle::uncoded, kind != OutputKind::film, output + " is not coded"},
+         // With a tolerance, the exposure tells which pixels are too dark to matter.
+         {Idle::unexposed, exr && (tolerance.reference || tolerance.relative == 0),
+          own + ", and no light is too dark for this tolerance"},
+         {Idle::undeveloped, exr, own},
+         {Idle::traced, tolerance.truth.has_value(), "paths over the whole pixel bring its light"},
+         {Idle::without_points, options.vpls > 0 && !preview && (options.indirect == "rays" || tolerance.truth),
+          std::string(tolerance.truth ? "paths" : "rays") + " bring bounced light"},
+         {Idle::uncoupled, !tolerance.coupled, "the tolerance is not coupled to the film's coding"}});
 }
 
 std::vector<std::string> unused_options(const EncodeOptions& options) {
-    Names lines;
-    if (!options.motion) note(lines, options.said, {"--motion-convention"}, "there is no --motion");
-    return lines;
+    return notes(options.said, {{Idle::without_vectors, !options.motion, "there is no --motion"}});
 }
 
 std::string unused_keyframes(const Keyframes& keyframes, const FrameRange& frames) {
@@ -291,7 +295,7 @@ std::string not_a_film(const std::filesystem::path& file) {
     std::error_code error;
     if (!std::filesystem::exists(file, error)) return "there is no such file";
     if (std::filesystem::is_directory(file, error)) return "it is a folder; give the film in it";
-    if (is_one_of(scenes, file) || core::ending_of(file) == ".json")
+    if (is_scene(file) || core::ending_of(file) == ".json")
         return "it is a scene, not a film; `plan` tells about scenes";
     if (is_one_of(pictures, file)) return "it is a picture, not a film";
     if (core::ending_of(file) == ".y4m") return "its pictures are not coded; `encode` makes a film of them";
@@ -303,8 +307,7 @@ std::string instead_of(const std::filesystem::path& output) {
     if (ending.empty()) return "its name needs an ending, such as " + output.filename().string() + ".mpg";
     if (ending == ".gif") return ".gif is not written; render a film, then `ffmpeg -i film.mpg film.gif`";
     if (is_one_of(pictures, output)) return ending + " is not written; of pictures only .png and .exr are";
-    if (is_one_of(scenes, output))
-        return "it would be a scene; which film is to be made of it? For example -o film.mpg";
+    if (is_scene(output)) return "it would be a scene; which film is to be made of it? For example -o film.mpg";
     if (is_one_of(sounds, output)) return "it would be sound; --audio adds sound to a film";
     if (is_one_of(films, output)) return ending + " is not written; take .mp4 or .mkv, or .mpg";
     return {};

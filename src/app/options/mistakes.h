@@ -27,7 +27,7 @@ std::string mistake_text(const CLI::App& command, const CLI::Error& error);
 
 /// A line for every reason why given options change nothing.
 std::vector<std::string> unused_options(const RenderOptions& options, OutputKind kind,
-                                        const ToleranceRequest& tolerance);
+                                        const ToleranceRequest& tolerance, bool preview);
 std::vector<std::string> unused_options(const EncodeOptions& options);
 
 /// Note about keyframes outside the film; may be empty.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <cmath>
 #include <cstdlib>
 #include <functional>
 #include <utility>
@@ -97,6 +98,12 @@ FrameRange frames_from(const std::string& text) {
     return {*first, *last};
 }
 
+FrameRange contiguous_from(const std::string& text) {
+    const std::size_t dash = text.find('-');
+    if (dash == std::string::npos) throw UsageError(text + ": expected two frames with a dash between, as in 60-119");
+    return frames_from(std::string(text).replace(dash, 1, ":"));
+}
+
 ToleranceRequest tolerance_from(const std::string& text) {
     const std::size_t equals = text.find('=');
     const std::string kind = text.substr(0, equals), value = equals == std::string::npos ? "" : text.substr(equals + 1);
@@ -187,6 +194,20 @@ std::vector<int> quantisers_from(const std::string& text) {
         quantisers.push_back(static_cast<int>(*value));
     }
     return in_order(std::move(quantisers), std::less<>());
+}
+
+std::int64_t bits_from(const std::string& text, const std::string& what) {
+    char* end = nullptr;
+    double value = std::strtod(text.c_str(), &end);
+    const bool number = end != text.c_str() && std::isdigit(static_cast<unsigned char>(text[0])) != 0;
+    if (number && (*end == 'k' || *end == 'K'))
+        value *= 1e3, ++end;
+    else if (number && *end == 'M')
+        value *= 1e6, ++end;
+    // chosen: no level has more than 80 Mb/s; the limit keeps the number whole.
+    if (!number || *end != '\0' || !(value >= 1) || value > 1e12)
+        throw UsageError(what + " " + text + ": expected bits as a number, or with k or M, e.g. 6000k or 1.5M");
+    return std::llround(value);
 }
 
 double size_in_bytes(const std::string& text) {

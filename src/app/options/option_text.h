@@ -12,6 +12,8 @@ namespace render2mpeg::app {
 Size size_from(const std::string& text);
 /// "A:B"
 FrameRange frames_from(const std::string& text);
+/// "A-B" as in OpenJD's chunks.
+FrameRange contiguous_from(const std::string& text);
 ToleranceRequest tolerance_from(const std::string& text);
 /// "180" or "180:0.25": degrees and frames.
 ShutterRequest shutter_from(const std::string& text);
@@ -29,6 +31,8 @@ std::vector<float> percents_from(const std::string& text);
 /// "2,4,8", ascending, each once; "none": none.
 std::vector<int> quantisers_from(const std::string& text);
 
+/// Bits, or bits per second: 6000000, 6000k, 6M, 1.5M. Errors name `what`.
+std::int64_t bits_from(const std::string& text, const std::string& what);
 /// "700M", "4.7G", "25000k", "1234567".
 double size_in_bytes(const std::string& text);
 /// Seconds: "45s", "90m", "2h", "1h30m", "1:30" (minutes and seconds), "2:00:00", "5400".

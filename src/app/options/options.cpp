@@ -1,173 +1,181 @@
 #include "app/options/options.h"
 
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
-#include <iterator>
+#include <map>
+#include <memory>
+#include <sstream>
+#include <string>
 
-#include "app/options/coding_options.h"
-#include "app/options/command_options.h"
-#include "app/options/help_format.h"
 #include "app/options/mistakes.h"
+#include "app/options/option_table.h"
 #include "app/options/output_kind.h"
-#include "app/options/scene_options.h"
 #include "app/options/usage_error.h"
-#include "app/system/memory_limit.h"
-#include "app/system/progress.h"
-#include "core/rational.h"
+#include "app/system/terminal.h"
 #include "core/text.h"
-#include "core/view.h"
 
 namespace render2mpeg::app {
 namespace {
 
-constexpr const char* run_group = "Run";  ///< a group of options
+/// Columns for names and values of options, before their descriptions.
+constexpr int name_columns = 30;
 
-void add_product_options(CLI::App& command, RenderOptions& options) {
-    add_option(command, run_group, "--stats", options.stats, "Write statistics as JSON (docs/json.md)", "FILE.json");
-    add_option(command, run_group, "--report", options.report,
-               "Write a page about the render, with plots, for any browser, and its figures as JSON beside it "
-               "(docs/first-film.md)",
-               "FILE.html");
-    add_option(command, run_group, "--audit", options.audit,
-               "Gather so many pixels of every frame again, by reference light, and find their true light by paths: "
-               "say how well tolerances were kept, and how far the picture is off by which cause",
-               "N", range(0, 1 << 20), shown);
-    add_option(command, run_group, "--last-frame", options.last_frame,
-               "Show the frame lit last in this picture, in place of the one before, once a second", "FILE.png");
-    add_option(command, run_group, "--aov", options.layers,
-               "Write one multilayer OpenEXR per frame into this folder (docs/pictures.md)", "DIR");
-    command
-        .add_option(
-            "--heatmap", options.heatmaps,
-            "Write a film in false colours beside: what each pixel's light may be off by (`tolerance`), clusters "
-            "(`cut`), what it may be off by as gathered (`error`), each macroblock's `quantiser`, or, where "
-            "`--cache` keeps light, how many `records` lie in each pixel, the `age` of its light in frames, and its "
-            "`reuse`, the share of its "
-            "points that it was not gathered for; may be given several times")
-        ->allow_extra_args(false)  // at a time: else it would take INPUT behind it for a third word
-        ->type_name("tolerance|cut|error|quantiser|records|age|reuse OUT.mpg")
-        ->group(run_group);
+class HelpFormat : public CLI::Formatter {
+  public:
+    HelpFormat() {
+        column_width(name_columns);
+        label("SUBCOMMAND", "COMMAND");
+    }
+
+    std::string make_option_opts(const CLI::Option* option) const override {
+        std::string text;
+        // Flags take no value, and positionals name theirs.
+        if (option->get_type_size() != 0 && !option->get_type_name().empty() && !option->get_positional())
+            text += " " + option->get_type_name();
+        if (!option->get_default_str().empty()) text += " [=" + option->get_default_str() + "]";
+        if (option->get_required() && !option->get_positional()) text += " (required)";
+        return text;
+    }
+
+    std::string make_option_desc(const CLI::Option* option) const override {
+        return described(option->get_description());
+    }
+
+    std::string make_subcommand(const CLI::App* command) const override {
+        std::stringstream out;
+        CLI::detail::format_help(out, command->get_name(), described(command->get_description()), column_width_);
+        return out.str();
+    }
+
+    std::string make_footer(const CLI::App* app) const override {
+        return app->get_footer().empty() ? "" : "\n" + wrapped(app->get_footer(), columns()) + "\n";
+    }
+
+  private:
+    /// chosen: longer lines than 110 columns are hard to follow; below 60 descriptions would have no room.
+    static int columns() { return std::clamp(columns_of_output(), 60, 110); }
+
+    /// Descriptions are wrapped to the terminal.
+    static std::string described(std::string text) {
+        std::replace(text.begin(), text.end(), '\n', ' ');
+        return wrapped(text, columns() - name_columns);
+    }
+};
+
+/// Help as wide as the terminal, defaults as `[=4]`.
+std::shared_ptr<CLI::FormatterBase> help_format() {
+    return std::make_shared<HelpFormat>();
 }
 
-void add_whole_run_options(CLI::App& command, RenderOptions& options) {
-    add_flag(command, run_group, "--resume", options.resume,
-             "Go on where a run of the same film was interrupted or killed, after its last whole chunk: the same "
-             "bytes as of one run. Begins the film where nothing was left of it (docs/first-film.md)");
-    add_flag(command, run_group, "--dry-run", options.dry_run,
-             "Read and check everything, say what would be done and what it would take, write nothing");
-    add_within_option(command, options.within, run_group);
-}
+/// A command: its own help, and its options in the order of it (option_table.h).
+struct CommandRow {
+    Command command;
+    const char *name, *text, *footer;
+    std::string options;
+};
 
-void add_memory_options(CLI::App& command, RenderOptions& options) {
-    add_option(command, run_group, "--memory", options.memory,
-               "Most memory to take, e.g. 8G: refuse what would need more before it is begun, and never swap "
-               "(default: no limit)",
-               "SIZE", memory_from);
-    add_option(command, run_group, "--chunks-at-once", options.chunks_at_once,
-               "Chunks of some 60 frames that are made beside each other, each by a thread or more, where one frame "
-               "cannot keep all cores busy (default: one for 16 threads, as memory allows; docs/machines.md). The "
-               "film's bytes do not depend on it",
-               range(1, 1024));
-}
+const std::string scene_options = "INPUT --camera --animation --variant --sky --light --indirect --vpls --caustics ";
+const std::string picture_options =
+    "--size --fps --frames --hold --display-aspect --pixel-aspect --exposure --shutter --f-stop --focus --fog --glare "
+    "--view --transparent ";
+const std::string light_options = "--samples --edge-samples --exposure-samples ";
+const std::string accuracy_options = "--tolerance --masking --clamp --cache ";
+/// Of all commands that code; options of rates stand apart, since some commands set them.
+const std::string coding_options = "--for --quantiser --codec --crf ";
+const std::string rate_options = "--quality --bitrate --cbr --maxrate --vbv --passes ";
+const std::string group_options = "--gop --b-pictures --tune --encoder --keyframes ";
+const std::string sound_options = "--audio --audio-offset ";
+const std::string film_options =
+    picture_options + light_options + accuracy_options + coding_options + rate_options + group_options;
+const std::string product_options =
+    "--threads --isa --stats --report --audit --last-frame --aov --heatmap --memory "
+    "--chunks-at-once --light-cache ";
+const std::string trial_options = "--threads --isa --json@trial --report@trial --overwrite --quiet ";
 
-/// `whole`: of a command that renders by itself.
-void add_run_options(CLI::App& command, RenderOptions& options, bool whole) {
-    add_threads_option(command, options.threads);
-    add_isa_option(command, options.isa);
-    add_product_options(command, options);
-    add_memory_options(command, options);
-    add_option(command, run_group, "--light-cache", options.light_cache,
-               "Begin with the light that earlier runs of the same frames found, and add the light of this one: with "
-               "another quantiser, bit rate or codec light takes a third of the time. For light that never changes; "
-               "made where it is missing (docs/choosing.md)",
-               "FILE");
-    if (whole) add_whole_run_options(command, options);
-    add_consent_option(command, options.overwrite);
-    CLI::Option* quiet = add_flag(command, run_group, "--quiet", options.quiet, "Print nothing but errors");
-    add_flag(command, run_group, "-v,--verbose", options.verbose,
-             "Also say what runs and why, and what each chunk came to")
-        ->excludes(quiet);
-}
+const std::vector<CommandRow> commands{
+    {Command::render, "render", "Render a film",
+     "The ending of OUT chooses what is written: .mpg and .vob (MPEG-2 program streams), .ts, .m2v, .mkv, .mp4, "
+     ".mov; .y4m; or numbered images, e.g. frames.%04d.exr or frames.%04d.png.\n"
+     "Example: render2mpeg render animations/cornell -o cornell.mpg --quantiser 6",
+     scene_options + "--output@render --as --preview --effort " + film_options + sound_options + product_options +
+         "--resume --dry-run --within --overwrite --quiet --verbose --progress"},
+    {Command::encode, "encode", "Encode frames and motion of any renderer",
+     "Motion: OpenEXR files with the number of their frame, as `render --aov` writes them (docs/coding.md).\n"
+     "Example: render2mpeg encode shot.%04d.exr -o shot.mpg --motion shot.%04d.exr --exposure 0.5",
+     "FRAMES --output@encode --as@encode --fps@encode --frames@encode --display-aspect --pixel-aspect "
+     "--exposure@encode --view@encode --motion --motion-convention " +
+         coding_options + rate_options + group_options + sound_options +
+         "--threads --stats --overwrite --quiet --progress"},
+    {Command::plan, "plan", "Show what a film will take, which passes its scene calls for, and why",
+     "Example: render2mpeg plan scene.glb --within 1m",
+     scene_options + "--output@plan --effort " + film_options +
+         "--audit@plan --aov@plan --within --quiet@plan --threads --memory --chunks-at-once --isa --progress"},
+    {Command::info, "info", "Show how the pictures of a film are coded",
+     "Whose encoder made the file does not matter. Exit status 1 where pictures are damaged "
+     "(docs/first-film.md).\n"
+     "Example: render2mpeg info film.mpg --summary",
+     "FILE --json@info --summary"},
+    {Command::cost, "cost", "Show what accuracy costs in time, and what it buys",
+     "Lights a sample of the film with one tolerance after the other, coupled to its coding and by each --effort; "
+     "tells what the whole film takes with each, and by unbiased paths, and what one sees of it "
+     "(docs/choosing.md). The reference is dear: it comes first, with an estimate.\n"
+     "Example: render2mpeg cost scene.glb --size 320x180 --report cost.html",
+     scene_options + "--sample@cost --within@cost --tolerances " + picture_options + light_options +
+         "--masking --clamp --cache " + coding_options + group_options + trial_options + "--progress"},
+    {Command::tune, "tune", "Find the setting that reaches a quality, rate, size or time",
+     "Tries a sample of the film, each try a row of a table, then renders the film and tells what became of it "
+     "(docs/choosing.md). Exit status 1 where the target is out of reach, or the film missed it.\n"
+     "Example: render2mpeg tune scene.glb --target-psnr 40 --dry-run",
+     scene_options +
+         "--output@tune --target-psnr --target-ssim --of --target-bitrate --max-size --max-time --sample@tune "
+         "--references@tune " +
+         picture_options + light_options + accuracy_options + coding_options + "--quality --maxrate --vbv " +
+         group_options + sound_options + trial_options + "--dry-run@tune --progress"},
+    {Command::compare, "compare", "Compare with rendering first and encoding with ffmpeg then",
+     "Lights a sample of the film coupled to its coding and by a fixed 2 %, codes the latter by this program, by "
+     "ffmpeg as people use it and by its strongest command, and holds all against reference light "
+     "(docs/choosing.md). Needs the program ffmpeg. The references are dear: they come first, with an "
+     "estimate.\n"
+     "Example: render2mpeg compare scene.glb --size 640x360 --report compare.html",
+     scene_options + "--sample@compare --references@compare --quantisers " + picture_options + light_options +
+         "--masking --clamp --cache --codec --crf --gop --b-pictures --tune --encoder " + trial_options + "--progress"},
+    {Command::watch, "watch", "Show a draft, and a new one whenever the scene's files change",
+     "The draft is that of `render --preview` (docs/pictures.md), shown over and over in ffplay or mpv until the "
+     "player is closed. A scene that cannot be read is told in one line; what was shown last stays.\n"
+     "Example: render2mpeg watch scene.glb",
+     scene_options + "--output@watch --player " + film_options + "--threads --quiet --progress"},
+    {Command::farm, "farm", "Spread a film over many machines",
+     "Settles what is settled once for a film, and writes a plan and job files into OUT.farm. `part` makes a part, "
+     "`join` the film: the same bytes as of `render`. Given again, it keeps what is made already "
+     "(docs/machines.md).\n"
+     "Example: render2mpeg farm scene.glb -o film.mpg --to slurm --parts 8 --submit",
+     scene_options + "--output@farm --to --parts --frames-per-part --pack --submit --effort " + film_options +
+         sound_options + product_options + "--overwrite --quiet --verbose --progress"},
+    {Command::part, "part", "Make one part of a film that `farm` has planned",
+     "Goes on where a try before was ended, and waits while another one makes the same part. Exit status: 0 the "
+     "part is whole; 1 it failed, and another try may do better; 3 this machine, this version or the inputs are "
+     "not those of the plan: another try here fails alike.\n"
+     "Example: render2mpeg part film.mpg.farm 3",
+     "PLAN I --frames@part --threads --memory@part --quiet --progress"},
+    {Command::join, "join", "Put the parts of a film together",
+     "Proves that all parts are whole and of one film, puts them together, decodes the film to see that it holds "
+     "what was made, and writes all that one run would have written beside it.\n"
+     "Example: render2mpeg join film.mpg.farm",
+     "PLAN --into --threads --quiet"},
+    {Command::farm_status, "farm-status", "Show how far the parts of a film are",
+     "Example: render2mpeg farm-status film.mpg.farm", "PLAN --left"}};
 
-CLI::App* add_render_command(CLI::App& app, RenderOptions& options) {
-    CLI::App* command = app.add_subcommand("render", "Render a film");
-    command->footer(
-        "The ending of OUT chooses what is written: .mpg and .vob (MPEG-2 program streams), .ts, .m2v, .mkv, .mp4, "
-        ".mov; "
-        ".y4m; or numbered images, e.g. frames.%04d.exr or frames.%04d.png.\n"
-        "Example: render2mpeg render animations/cornell -o cornell.mpg --quantiser 6");
-    add_scene_options(*command, options);
-    command
-        ->add_option("-o,--output", options.output, "File to write; the ending chooses its kind; `-`: standard output")
-        ->type_name("OUT")
-        ->required();
-    add_as_option(*command, options.as, {"ts", "m2v", "y4m"});
-    add_flag(*command, "Picture and time", "--preview", options.preview,
-             "A draft of every frame, in minutes: half the size unless --size is given, rough light, coded fast; "
-             "timing, framing, light and cuts are the film's (docs/pictures.md)");
-    add_effort_option(*command, options);
-    add_film_options(*command, options);
-    add_sound_options(*command, options.coding);
-    add_run_options(*command, options, true);
-    return command;
-}
-
-CLI::App* add_watch_command(CLI::App& app, RenderOptions& options) {
-    CLI::App* command = app.add_subcommand("watch", "Show a draft, and a new one whenever the scene's files change");
-    command->footer(
-        "The draft is that of `render --preview` (docs/pictures.md), shown over and over in ffplay or mpv until the "
-        "player is closed. A scene that cannot be read is told in one line; what was shown last stays.\n"
-        "Example: render2mpeg watch scene.glb");
-    add_scene_options(*command, options);
-    command->add_option("-o,--output", options.output, "Write each draft to this file instead of showing it")
-        ->type_name("OUT");
-    add_option(*command, run_group, "--player", options.player,
-               "Player to start: ffplay, mpv, or a program that reads bare MPEG-2", "PROGRAM");
-    add_film_options(*command, options);
-    add_threads_option(*command, options.threads);
-    add_flag(*command, run_group, "--quiet", options.quiet, "Print nothing but errors");
-    options.preview = true;
-    options.overwrite = true;
-    return command;
-}
-
-CLI::App* add_plan_command(CLI::App& app, RenderOptions& options) {
-    CLI::App* command =
-        app.add_subcommand("plan", "Show what a film will take, which passes its scene calls for, and why");
-    command->footer("Example: render2mpeg plan scene.glb --within 1m");
-    add_scene_options(*command, options);
-    command->add_option("-o,--output", options.output, "Only its ending counts (default: a film)")->type_name("OUT");
-    add_effort_option(*command, options);
-    add_film_options(*command, options);
-    add_option(*command, run_group, "--audit", options.audit, "Pixels of every frame that would be gathered again", "N",
-               range(0, 1 << 20));
-    add_option(*command, run_group, "--aov", options.layers, "Folder of multilayer OpenEXR files", "DIR");
-    add_within_option(*command, options.within, run_group);
-    add_flag(*command, run_group, "--quiet", options.quiet, "Show no progress");
-    add_threads_option(*command, options.threads);
-    add_memory_options(*command, options);
-    add_isa_option(*command, options.isa);
-    return command;
-}
-
-CLI::App* add_farm_command(CLI::App& app, FarmOptions& options) {
-    CLI::App* command = app.add_subcommand("farm", "Spread a film over many machines");
-    command->footer(
-        "Settles what is settled once for a film, and writes a plan and job files into OUT.farm. `part` makes a part, "
-        "`join` the film: the same bytes as of `render`. Given again, it keeps what is made already "
-        "(docs/machines.md).\n"
-        "Example: render2mpeg farm scene.glb -o film.mpg --to slurm --parts 8 --submit");
-    add_scene_options(*command, options.render);
-    command->add_option("-o,--output", options.render.output, "File to write; the ending chooses its kind")
-        ->type_name("OUT")
-        ->required();
-    add_spreading_options(*command, options);
-    add_effort_option(*command, options.render);
-    add_film_options(*command, options.render);
-    add_sound_options(*command, options.render.coding);
-    add_run_options(*command, options.render, false);
-    return command;
+/// Adds all commands with their options, which set the members of `line`.
+void add_commands(CLI::App& app, CommandLine& line) {
+    std::map<std::string, OptionRow> rows;
+    for (OptionRow& row : option_rows(line)) rows.emplace(row.id, std::move(row));
+    for (const CommandRow& command : commands) {
+        CLI::App* const added = app.add_subcommand(command.name, command.text)->footer(command.footer);
+        std::istringstream names(command.options);
+        for (std::string name; names >> name;) rows.at(name).add_to(*added);
+    }
 }
 
 /// `help COMMAND` is `COMMAND --help`, `version` --version.
@@ -206,7 +214,41 @@ std::map<std::string, std::string> said_of(const CLI::App& command) {
     return said;
 }
 
+/// Gives the members that commands share to the one that was given.
+void hand_on(CommandLine& line) {
+    RenderOptions& render = line.render;
+    if (line.command == Command::watch) render.preview = render.overwrite = true;
+    static_cast<FilmOptions&>(line.encode) = line.farm.render = line.trial.render = render;
+    line.part.threads = render.threads;
+    line.part.memory = render.memory;
+    line.part.quiet = render.quiet;
+    if (line.command == Command::render) settle_stream(render.output, render.as);
+    if (line.command == Command::encode) settle_stream(line.encode.output, line.encode.as);
+}
+
 }  // namespace
+
+std::string wrapped(const std::string& text, int columns) {
+    std::istringstream lines(text);
+    std::string result, line, word;
+    while (std::getline(lines, line)) {
+        std::istringstream words(line);
+        std::size_t used = 0;
+        if (!result.empty()) result += "\n";
+        while (words >> word) {
+            if (used > 0 && used + 1 + word.size() > static_cast<std::size_t>(columns)) {
+                result += "\n";
+                used = 0;
+            } else if (used > 0) {
+                result += " ";
+                ++used;
+            }
+            result += word;
+            used += word.size();
+        }
+    }
+    return result;
+}
 
 std::string quoted(const std::string& word) {
     constexpr const char* plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_@%+=:,./-";
@@ -240,42 +282,18 @@ CommandLine parse(int argc, char** argv) {
         "interrupted (143 by SIGTERM, 129 where the terminal was closed), with what there is of the film beside its "
         "name. `render2mpeg help COMMAND` shows a command's options.");
     app.formatter(help_format());
-
-    struct Known {
-        CLI::App* app;
-        Command command;
-        std::map<std::string, std::string>* said;  ///< its words are kept there; null: nowhere
-        bool shows_progress = true;
-    };
-    const Known all[] = {{add_render_command(app, line.render), Command::render, &line.render.said},
-                         {add_encode_command(app, line.encode), Command::encode, &line.encode.said},
-                         {add_plan_command(app, line.plan), Command::plan, &line.plan.said},
-                         {add_info_command(app, line.info), Command::info, nullptr, false},
-                         {add_cost_command(app, line.cost), Command::cost, &line.cost.render.said},
-                         {add_tune_command(app, line.tune), Command::tune, &line.tune.render.said},
-                         {add_compare_command(app, line.compare), Command::compare, &line.compare.render.said},
-                         {add_watch_command(app, line.watch), Command::watch, &line.watch.said},
-                         {add_farm_command(app, line.farm), Command::farm, nullptr},
-                         {add_part_command(app, line.part), Command::part, nullptr},
-                         {add_join_command(app, line.join), Command::join, nullptr, false},
-                         {add_farm_status_command(app, line.farm_status), Command::farm_status, nullptr, false}};
-    for (const Known& known : all)
-        if (known.shows_progress)
-            add_option(*known.app, run_group, "--progress", line.progress,
-                       "How far it is: `line`, for people; `minute`, a line a minute, for logs; `json`, a line for "
-                       "programs at every step; `openjd`, as OpenJD reads it; or `none`",
-                       one_of({"line", "minute", "json", "openjd", "none"}), shown);
+    add_commands(app, line);
     line.exit_code = read(app, without_help_command(line.words));
     if (line.exit_code) return line;
-    for (const Known& known : all) {
-        if (!known.app->parsed()) continue;
-        line.command = known.command;
-        if (known.said != nullptr) *known.said = said_of(*known.app);
+    for (const CommandRow& command : commands) {
+        const CLI::App* const given = app.get_subcommand(command.name);
+        if (!given->parsed()) continue;
+        line.command = command.command;
+        line.render.said = said_of(*given);
         // Parts run without a terminal.
-        if (known.command == Command::part && known.app->get_option("--progress")->empty()) line.progress = "minute";
+        if (command.command == Command::part && given->get_option("--progress")->empty()) line.progress = "minute";
     }
-    if (line.command == Command::render) settle_stream(line.render.output, line.render.as);
-    if (line.command == Command::encode) settle_stream(line.encode.output, line.encode.as);
+    hand_on(line);
     return line;
 }
 
@@ -307,6 +325,13 @@ std::string line_of(const std::vector<std::string>& words) {
     std::string line;
     for (const std::string& word : words) line += (line.empty() ? "" : " ") + quoted(word);
     return line;
+}
+
+std::vector<std::string> render_words(const std::vector<std::string>& farm) {
+    const std::vector<std::string> flags{"--submit", "--pack", "--quiet", "-v", "--verbose"};
+    std::vector<std::string> without{"--to", "--parts", "--frames-per-part", "-j", "--threads", "--progress"};
+    without.insert(without.end(), flags.begin(), flags.end());
+    return changed_command(farm, "render", without, flags, {});
 }
 
 }  // namespace render2mpeg::app

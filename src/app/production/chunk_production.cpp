@@ -1,4 +1,4 @@
-#include "app/production/chunk_production.h"
+#include "app/production/production.h"
 
 #include <fmt/format.h>
 

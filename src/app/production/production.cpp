@@ -3,20 +3,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <system_error>
 #include <thread>
+#include <utility>
 
 #include "app/files/file_io.h"
-#include "app/loop/chunks_at_once.h"
 #include "app/loop/forecast.h"
 #include "app/loop/resume.h"
 #include "app/loop/sink.h"
 #include "app/options/mistakes.h"
 #include "app/options/output_kind.h"
-#include "app/production/chunk_production.h"
 #include "app/report/report.h"
 #include "app/report/summary.h"
 #include "app/system/error_collector.h"
@@ -25,12 +25,62 @@
 #include "app/system/memory_limit.h"
 #include "app/system/terminal.h"
 #include "core/error.h"
+#include "core/scene_formats.h"
 #include "core/text.h"
 #include "encoder/av/av.h"
 #include "image/image.h"
 #include "parallel/loops.h"
 
 namespace render2mpeg::app {
+namespace {
+
+/// Threads for each chunk. chosen: 4 of 4 and 16: a frame of 320x180 is lit 3.3 to 3.8 times as fast by 4 threads, by
+/// 16 7.5 to 12 times (docs/measurements.md#many-cores), and a further chunk takes little memory.
+constexpr int threads_of_chunk = 4;
+
+/// Why chunks follow each other, or nothing.
+std::string why_in_order(const RenderJob& film, const RenderOptions& options) {
+    if (film.chunks().size() < 2) return "the film has no other";
+    if (options.as) return "standard output takes pictures in order";
+    if (!options.heatmaps.empty()) return "--heatmap is made in order";
+    if (light_file_of(film, options)) return "--light-cache grows from chunk to chunk";
+    return {};
+}
+
+/// The first chunk needs all; others share what never moves.
+int allowed_by_memory(const RenderJob& film, std::uint64_t limit) {
+    const MemoryNeed need = memory_need(film);
+    if (need.total() >= limit) return 1;
+    return 1 + static_cast<int>(std::min<std::uint64_t>((limit - need.total()) / need.of_chunk(), 1023));
+}
+
+}  // namespace
+
+ChunksAtOnce chunks_at_once(const RenderJob& film, const RenderOptions& options) {
+    if (std::string why = why_in_order(film, options); !why.empty()) return {1, std::move(why)};
+    const int threads = parallel::thread_count();
+    ChunksAtOnce chosen;
+    if (options.chunks_at_once)
+        chosen = {*options.chunks_at_once, fmt::format("--chunks-at-once {}", *options.chunks_at_once)};
+    else
+        chosen = {std::max(1, (threads + threads_of_chunk / 2) / threads_of_chunk),
+                  fmt::format("{} thread{}, {} to a chunk", threads, threads == 1 ? "" : "s", threads_of_chunk)};
+    if (const std::size_t chunks = film.chunks().size(); static_cast<std::size_t>(chosen.count) > chunks) {
+        chosen.count = static_cast<int>(chunks);
+        chosen.reason += fmt::format("; the film has {}", chunks);
+    }
+    if (chosen.count > 1 && (options.memory || !options.chunks_at_once)) {
+        const int allowed =
+            allowed_by_memory(film, options.memory ? memory_from(*options.memory) : machine_memory() / 2);
+        chosen.count = std::min(chosen.count, allowed);
+        chosen.reason += fmt::format("; memory allows {}", allowed);
+    }
+    return chosen;
+}
+
+std::string text_of(const ChunksAtOnce& chosen) {
+    return fmt::format("{} chunk{} at once: {}", chosen.count, chosen.count == 1 ? "" : "s", chosen.reason);
+}
 namespace {
 
 std::span<const ChunkFile> leading_of(const OpenRender& open) {
@@ -70,7 +120,8 @@ RenderJob prepare_within_memory(const RenderOptions& options) {
 void print_notes(const RenderJob& film, const RenderOptions& options) {
     if (options.quiet) return;
     std::vector<std::string> notes = film.animation->notes;
-    for (const std::string& line : unused_options(options, film.kind, film.tolerance)) notes.push_back(line);
+    for (const std::string& line : unused_options(options, film.kind, film.tolerance, film.preview))
+        notes.push_back(line);
     notes.push_back(film.kind == OutputKind::film ? unused_keyframes(film.keyframes, film.frames) : "");
     if (const std::string why = why_no_light_file(film); options.light_cache && !why.empty())
         notes.push_back("--light-cache has no effect: " + why);
@@ -100,7 +151,7 @@ void check_before_reading(const RenderOptions& options) {
     if (options.last_frame && core::ending_of(*options.last_frame) != ".png")
         throw core::Error("--last-frame " + options.last_frame->string() + ": it is a .png");
     // Where reading is quick, it is first seen whether an output is an input, too.
-    const bool is_slow = core::ending_of(options.input) == ".blend";
+    const bool is_slow = core::scene_reader_of(options.input) == core::SceneReader::blender;
     if (is_slow && !options.dry_run && !options.resume) require_consent(wishes, options.overwrite);
 }
 
@@ -166,7 +217,8 @@ std::unique_ptr<WorkFolder> open_outputs(const RenderJob& film, const RenderOpti
 
 void take_up(SampleFrameObserver& sample_frame, const std::vector<ChunkFile>& chunks) {
     for (const ChunkFile& chunk : chunks)
-        if (sample_frame.is_in(chunk.chunk())) sample_frame.take_up(chunk.facts().value(sample_frame_name, ""));
+        if (sample_frame.is_in(chunk.chunk()))
+            sample_frame.take_up(chunk.facts().value(sample_frame_name, nlohmann::json()));
 }
 
 bool render_chunks(const OpenRender& open) {

@@ -14,11 +14,24 @@
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
 #include "app/options/options.h"
+#include "app/report/frame_view.h"
 #include "app/report/heatmap_film.h"
-#include "app/report/sample_frame.h"
 #include "app/report/statistics.h"
 
 namespace render2mpeg::app {
+
+struct ChunksAtOnce {
+    int count = 1;
+    std::string reason;
+};
+
+/// One for every 16 threads, or as many as --chunks-at-once asks for; no more than --memory allows, else half of the
+/// machine's memory where none are asked for; one where outputs go on from chunk to chunk. The film's bytes do not
+/// depend on it. Images' headers are read where memory may be the limit.
+ChunksAtOnce chunks_at_once(const RenderJob& film, const RenderOptions& options);
+
+/// "4 chunks at once: 16 threads, 4 to a chunk; memory allows 9".
+std::string text_of(const ChunksAtOnce& chosen);
 
 /// As prepare(), within the memory that the options allow. Not done where an interrupt was requested meanwhile.
 RenderJob prepare_within_memory(const RenderOptions& options);
@@ -84,6 +97,12 @@ void take_up(SampleFrameObserver& sample_frame, const std::vector<ChunkFile>& ch
 /// is not whole is there incompletely. Returns whether all that the job makes is whole. The message of a failure ends
 /// with the work that is preserved.
 bool render_chunks(const OpenRender& open);
+
+/// Makes the chunks that have no file yet, up to `at_once` beside each other, and adds their files and statistics to
+/// the render's, in the order of the film. Of those that an interruption stopped only the one that follows the whole
+/// ones is among them, incomplete. A failure stops all; throws the first one in the order of the film. Returns whether
+/// all are whole.
+bool make_chunks(const OpenRender& open, std::size_t at_once);
 
 /// Publishes complete outputs; leaves incomplete ones beside the target. Stores the outcome in `facts`. `again`: the
 /// command to continue after an interruption. Returns whether all requested outputs are written. A failure does not

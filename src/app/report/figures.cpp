@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "app/system/progress.h"
+
 namespace render2mpeg::app {
 
 std::string psnr_text(double psnr) {
@@ -38,28 +40,15 @@ std::string pictures_text(std::int64_t count) {
     return fmt::format("{} picture{}", count, count == 1 ? "" : "s");
 }
 
-std::string escaped(const std::string& text) {
-    std::string result;
-    for (const char c : text) {
-        switch (c) {
-            case '&':
-                result += "&amp;";
-                break;
-            case '<':
-                result += "&lt;";
-                break;
-            case '>':
-                result += "&gt;";
-                break;
-            case '"':
-                result += "&quot;";
-                break;
-            default:
-                // Control characters have no place in HTML; names of files may hold them.
-                result += static_cast<unsigned char>(c) < 0x20 && c != '\n' ? ' ' : c;
-        }
-    }
-    return result;
+std::optional<std::size_t> cheapest_alike(std::span<const Offer> offers) {
+    std::optional<std::size_t> taken;
+    for (std::size_t i = 0; i < offers.size(); ++i)
+        if (offers[i].is_like_best && (!taken || offers[i].cost < offers[*taken].cost)) taken = i;
+    return taken;
+}
+
+std::string time_text(double clock, double cpu) {
+    return fmt::format("{} ({:.{}f} s of CPU)", clock_text(clock), cpu, cpu < 10 ? 1 : 0);
 }
 
 }  // namespace render2mpeg::app

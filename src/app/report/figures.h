@@ -1,6 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <string>
 
 /// Figures as people read them.
@@ -19,7 +22,16 @@ std::string short_figure(double value);
 /// "1 picture", "2 pictures".
 std::string pictures_text(std::int64_t count);
 
-/// Text that may stand in HTML.
-std::string escaped(const std::string& text);
+/// "0:16 (28 s of CPU)": by the clock, and of all threads.
+std::string time_text(double clock, double cpu);
+
+/// One of several ways to the same film, as the rule of all pages sees it.
+struct Offer {
+    double cost = 0;            ///< of any unit, the same for all
+    bool is_like_best = false;  ///< indistinguishable from the best
+};
+
+/// The recommended one: the cheapest indistinguishable from the best. None where there is none.
+std::optional<std::size_t> cheapest_alike(std::span<const Offer> offers);
 
 }  // namespace render2mpeg::app

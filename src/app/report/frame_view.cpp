@@ -1,16 +1,22 @@
 #include "app/report/frame_view.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "app/report/figures.h"
+#include "app/report/heatmap_film.h"
+#include "core/color.h"
 #include "core/error.h"
+#include "core/numeric.h"
+#include "encoder/codec.h"
 #include "image/image.h"
 
 namespace render2mpeg::app {
 namespace {
+
+using nlohmann::json;
 
 /// chosen: what a desktop's page has room for, some 150 to 250 kB as PNG (320x240..640x480).
 constexpr int most_width = 480, most_height = 360;
@@ -36,13 +42,6 @@ std::string base64(const std::vector<unsigned char>& bytes) {
     return text;
 }
 
-/// How wide a picture is shown where the page has room: thumbnails enlarged by a whole number, which keeps their pixels
-/// square. chosen: 320, a phone's width and the narrowest in which a heatmap's legend and a slider can be read.
-int shown_width(int width) {
-    constexpr int least = 320;
-    return width * std::max(1, (least + width - 1) / width);
-}
-
 /// chosen: differences that one hardly sees in a picture are seen as large as this (4..16).
 constexpr int difference_gain = 8;
 
@@ -57,21 +56,6 @@ core::Picture difference_of(const core::Picture& a, const core::Picture& b) {
     fill(difference.cb, a.cb, b.cb, 128);
     fill(difference.cr, a.cr, b.cr, 128);
     return difference;
-}
-
-/// Two pictures upon each other; `third` may lie upon both, as `switch_html` says.
-std::string pair_figure(const std::string& title, const ShownPicture& left, const ShownPicture& right,
-                        perceptual::ColorMatrix matrix, const std::string& third, const std::string& switch_html) {
-    EXPECTS(left.picture.width() == right.picture.width() && left.picture.height() == right.picture.height());
-    return fmt::format(
-        "<figure class=\"pair\"><figcaption><h3>{}</h3></figcaption>\n<div class=\"upon\" "
-        "style=\"max-width:{}px\">{}{}{}"
-        "</div>\n<div class=\"grip\" style=\"max-width:{}px\"><span>{}</span><span>{}</span>"
-        "<input type=\"range\" min=\"0\" max=\"100\" value=\"50\" aria-label=\"how much of {} is shown\" "
-        "oninput=\"this.closest('figure').style.setProperty('--at', this.value + '%')\"/>{}</div></figure>\n",
-        escaped(title), shown_width(left.picture.width()), image_of(left.name, left.picture, matrix),
-        image_of(right.name, right.picture, matrix), third, shown_width(left.picture.width()), escaped(left.name),
-        escaped(right.name), escaped(left.name), switch_html);
 }
 
 }  // namespace
@@ -95,36 +79,82 @@ core::Plane<float> part_of(const core::Plane<float>& plane, const ViewBox& box) 
     return cut_out(plane, box.left, box.top, box.width, box.height);
 }
 
-std::string image_of(const std::string& name, const core::Picture& picture, perceptual::ColorMatrix matrix,
-                     const std::string& id) {
+int shown_width(int width) {
+    // chosen: 320, a phone's width and the narrowest in which a heatmap's legend and a slider can be read.
+    constexpr int least = 320;
+    return width * std::max(1, (least + width - 1) / width);
+}
+
+std::string source_of(const std::string& name, const core::Picture& picture, perceptual::ColorMatrix matrix) {
     const std::vector<std::uint8_t> rgb = perceptual::shown_rgb(picture, matrix);
-    return fmt::format(R"(<img{} alt="{}" width="{}" height="{}" src="data:image/png;base64,{}"/>)",
-                       id.empty() ? "" : " id=\"" + id + "\"", escaped(name), picture.width(), picture.height(),
-                       base64(image::png_bytes(picture.width(), picture.height(), rgb, name)));
+    return "data:image/png;base64," + base64(image::png_bytes(picture.width(), picture.height(), rgb, name));
 }
 
-std::string slider_figure(const std::string& title, const ShownPicture& left, const ShownPicture& right,
-                          perceptual::ColorMatrix matrix) {
-    return pair_figure(title, left, right, matrix, "", "");
+json pair_of(const std::string& title, const ShownPicture& left, const ShownPicture& right,
+             perceptual::ColorMatrix matrix, bool with_difference) {
+    EXPECTS(left.picture.width() == right.picture.width() && left.picture.height() == right.picture.height());
+    json pair{{"title", title},
+              {"width", shown_width(left.picture.width())},
+              {"names", {left.name, right.name}},
+              {"sources", {source_of(left.name, left.picture, matrix), source_of(right.name, right.picture, matrix)}}};
+    if (!with_difference) return pair;
+    pair["names"].push_back("difference");
+    pair["sources"].push_back(source_of("difference", difference_of(left.picture, right.picture), matrix));
+    pair["gain"] = difference_gain;
+    return pair;
 }
 
-std::string difference_figure(const std::string& title, const ShownPicture& left, const ShownPicture& right,
-                              perceptual::ColorMatrix matrix) {
-    return pair_figure(title, left, right, matrix,
-                       image_of("difference", difference_of(left.picture, right.picture), matrix),
-                       fmt::format("<label><input type=\"checkbox\" onchange=\"this.closest('figure').classList."
-                                   "toggle('differs', this.checked)\"/> difference, {} times</label>",
-                                   difference_gain));
-}
-
-std::string heat_figure(const std::string& title, const core::Plane<float>& values,
-                        const perceptual::HeatScale& scale) {
+json heat_of(const std::string& title, const core::Plane<float>& values, const perceptual::HeatScale& scale) {
     // Full-range colours need no film's matrix.
     const perceptual::ColorMatrix matrix = perceptual::ColorMatrix::bt709;
     const core::Picture picture = perceptual::heatmap(values, scale, matrix);
-    return fmt::format(
-        "<figure class=\"heat\"><figcaption><h3>{}</h3></figcaption><div style=\"max-width:{}px\">{}</div></figure>\n",
-        escaped(title), shown_width(picture.width()), image_of(title, picture, matrix));
+    return {{"title", title}, {"width", shown_width(picture.width())}, {"source", source_of(title, picture, matrix)}};
+}
+
+SampleFrameObserver::SampleFrameObserver(const RenderJob& film)
+    : frame_(film.frames.first + (film.frame_count() - 1) / 2),
+      codec_(film.coding.codec),
+      matrix_(perceptual::matrix_for(film.format.height)) {}
+
+void SampleFrameObserver::lit(const LitFrame& frame) {
+    if (frame.world.frame != frame_) return;
+    const ViewBox box = view_of(frame.picture.width(), frame.picture.height());
+    lit_ = part_of(frame.picture, box);
+    const core::Plane<glm::vec3>& light = frame.lit.radiance.combined;
+    const auto over_luminance = [&](auto&& value) {
+        core::Plane<float> plane(light.width(), light.height());
+        for (std::size_t i = 0; i < plane.size(); ++i)
+            plane.values()[i] = core::divide_or(value(i), core::luminance(light.values()[i]), 1.0f);
+        return part_of(plane, box);
+    };
+    if (!frame.tolerance.is_reference())
+        tolerance_ = over_luminance([&](std::size_t i) {
+            const core::Tolerance& t = frame.tolerance.pixels.values()[i];
+            return t.allows(core::luminance(light.values()[i]));
+        });
+    if (!frame.lit.radiance.error.empty())
+        error_ = over_luminance([&](std::size_t i) { return frame.lit.radiance.error.values()[i]; });
+}
+
+void SampleFrameObserver::coded(const encoder::CodedPicture& coded) {
+    if (coded.plan.number != frame_) return;
+    decoded_ = part_of(coded.reconstruction, view_of(coded.reconstruction.width(), coded.reconstruction.height()));
+    coding_ =
+        fmt::format("{} picture, {} {}, {}", "-IPB"[static_cast<int>(coded.plan.type)], encoder::facts_of(codec_).scale,
+                    coded.quantiser, size_text(static_cast<double>(coded.bytes.size())));
+}
+
+nlohmann::json SampleFrameObserver::figures() const {
+    if (!lit_) return earlier_;
+    nlohmann::json all = nlohmann::json::array();
+    if (decoded_)
+        all.push_back(pair_of(fmt::format("Frame {}: {}", frame_, coding_), {"decoded", *decoded_},
+                              {"as it was lit", *lit_}, matrix_, true));
+    if (!tolerance_.empty())
+        all.push_back(heat_of("What each pixel's light may be off by", tolerance_, scale_of(HeatSubject::tolerance)));
+    if (!error_.empty())
+        all.push_back(heat_of("What it may be off by as gathered", error_, scale_of(HeatSubject::tolerance)));
+    return all;
 }
 
 }  // namespace render2mpeg::app

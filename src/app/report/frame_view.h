@@ -1,7 +1,13 @@
 #pragma once
-// Shows the middle of a frame in a page, with a slider.
+// The middle of a frame, for a page.
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 
+#include "app/loop/observer.h"
+#include "app/options/film.h"
 #include "core/picture.h"
 #include "core/plane.h"
 #include "perceptual/display.h"
@@ -25,20 +31,47 @@ struct ShownPicture {
     core::Picture picture;
 };
 
-/// A picture as an HTML element, by that `id` if any. `name` is plain text.
-std::string image_of(const std::string& name, const core::Picture& picture, perceptual::ColorMatrix matrix,
-                     const std::string& id = "");
+/// How wide a picture is shown where the page has room: thumbnails enlarged by a whole number, which keeps their pixels
+/// square.
+int shown_width(int width);
 
-/// Two pictures of one size upon each other, with a slider that shows more of the one or of the other: by mouse, finger
-/// or arrow keys; on paper half of each. Pictures are PNG files within the page. `title` is plain text.
-std::string slider_figure(const std::string& title, const ShownPicture& left, const ShownPicture& right,
-                          perceptual::ColorMatrix matrix);
+/// A picture as a PNG file within the page.
+std::string source_of(const std::string& name, const core::Picture& picture, perceptual::ColorMatrix matrix);
 
-/// The same with a switch to the difference of the two, amplified by difference_gain, on grey.
-std::string difference_figure(const std::string& title, const ShownPicture& left, const ShownPicture& right,
-                              perceptual::ColorMatrix matrix);
+/// Two pictures of one size that a page shows upon each other, with a slider; `with_difference`: and a switch to the
+/// difference of the two, amplified, on grey.
+nlohmann::json pair_of(const std::string& title, const ShownPicture& left, const ShownPicture& right,
+                       perceptual::ColorMatrix matrix, bool with_difference);
 
-/// Values in false colours with their legend. `title` is plain text.
-std::string heat_figure(const std::string& title, const core::Plane<float>& values, const perceptual::HeatScale& scale);
+/// Values in false colours with their legend.
+nlohmann::json heat_of(const std::string& title, const core::Plane<float>& values, const perceptual::HeatScale& scale);
+
+/// Keeps the middle of one frame of a render for its report: as lit, as decoded, and the tolerance of its light.
+class SampleFrameObserver : public LoopObserver {
+  public:
+    /// The frame in the middle of the film.
+    explicit SampleFrameObserver(const RenderJob& film);
+
+    /// Whether the frame that is kept is among these.
+    bool is_in(const Chunk& chunk) const { return frame_ >= chunk.first && frame_ <= chunk.last; }
+    /// Restores the output of figures() from the run that made the frame.
+    void take_up(const nlohmann::json& figures) { earlier_ = figures; }
+
+    void lit(const LitFrame& frame) override;
+    void coded(const encoder::CodedPicture& coded) override;
+
+    /// For a page: a pair where the frame was coded, and false colours where its tolerances differ. Null where the
+    /// frame was not made.
+    nlohmann::json figures() const;
+
+  private:
+    std::int64_t frame_;
+    encoder::Codec codec_;
+    perceptual::ColorMatrix matrix_;
+    std::optional<core::Picture> lit_, decoded_;
+    core::Plane<float> tolerance_, error_;  ///< over luminance; empty: not known
+    nlohmann::json earlier_;                ///< of an earlier run
+    std::string coding_;                    ///< "a B picture, quantiser 6, 1.2 kB"
+};
 
 }  // namespace render2mpeg::app

@@ -1,7 +1,6 @@
 #pragma once
 // The page of `--report` and its JSON file.
 #include <filesystem>
-#include <string>
 
 #include "app/report/statistics.h"
 
@@ -14,12 +13,12 @@ std::filesystem::path report_json_of(const std::filesystem::path& html);
 /// no earlier report.
 void check_report(const std::filesystem::path& html);
 
-/// A page of a report: its title, what is told first, and the rest as HTML.
-std::string report_page(const std::string& title, const std::string& lead, const std::string& body);
+/// Writes a page that needs nothing else (page.html): its `kind`, `title`, `lead`, `figures` as in the JSON file, and
+/// what that kind shows besides.
+void write_page(const std::filesystem::path& html, const nlohmann::json& page);
 
-/// Writes a render's report as one HTML page that needs nothing else, and report_json_of() it (docs/first-film.md).
-/// `views`: figures of frames, as HTML.
+/// Writes a render's page, and report_json_of() it (docs/first-film.md). `pictures`: of sample frames (frame_view.h).
 void write_report(const std::filesystem::path& html, const RenderJob& film, const RunStatistics& statistics,
-                  const RunFacts& facts, const std::string& views);
+                  const RunFacts& facts, const nlohmann::json& pictures);
 
 }  // namespace render2mpeg::app

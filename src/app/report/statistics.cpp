@@ -1,18 +1,102 @@
 #include "app/report/statistics.h"
 
+#include <fmt/format.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
 
 #include "app/files/file_io.h"
-#include "app/report/effects.h"
 #include "core/numeric.h"
 #include "encoder/codec.h"
 #include "encoder/encoder.h"
 
 namespace render2mpeg::app {
+namespace {
+
+using renderer::Pass;
+
+struct Named {
+    Pass pass;
+    const char* name;
+};
+
+/// "lamps, shining shapes and the sky", as far as these passes run.
+std::string list_of(const renderer::Plan& plan, std::initializer_list<Named> passes) {
+    std::vector<std::string> names;
+    for (const Named& named : passes)
+        if (plan.runs(named.pass)) names.emplace_back(named.name);
+    std::string text;
+    for (std::size_t i = 0; i < names.size(); ++i)
+        text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
+    return text;
+}
+
+}  // namespace
+
+std::vector<Effect> effects_of(const RenderJob& film, const RunStatistics& statistics) {
+    const renderer::Plan& plan = film.plan;
+    const renderer::Statistics& r = statistics.rendering;
+    const auto pass = [&](Pass p) { return statistics.pass_seconds[static_cast<std::size_t>(p)]; };
+    std::vector<Effect> effects;
+    const double exposing = pass(Pass::shutter) + pass(Pass::lens);
+    // A clock that samples may tell more than the whole it is part of.
+    const double see = pass(Pass::see), sky = std::min(r.sky_seconds, see);
+    effects.push_back({"seeing", see - sky, r.primary_rays, {}, ""});
+    if (plan.runs(Pass::sky_background))
+        effects.push_back({"the sky seen", sky, {}, {}, "about; what it lights is in direct light"});
+    const std::string blur = list_of(plan, {{Pass::shutter, "open shutter"}, {Pass::lens, "lens"}});
+    if (!blur.empty())
+        effects.push_back({blur, exposing, r.exposure_rays, {}, "what they show of all that is blurred"});
+    const std::string specular =
+        list_of(plan, {{Pass::lobe_rays, "narrow lobes"}, {Pass::mirrors, "mirrors"}, {Pass::glass, "glass"}});
+    if (!specular.empty())
+        effects.push_back(
+            {specular, {}, r.specular_rays, {}, "time in seeing, and in the light of what is seen there"});
+    if (plan.runs(Pass::caustics))
+        effects.push_back(
+            {"caustics", pass(Pass::caustics), r.caustic_rays, {}, "light that mirrors and glass throw, by photons"});
+    if (const std::string own = list_of(plan, {{Pass::hair, "hair"}, {Pass::subsurface, "subsurface"}}); !own.empty())
+        effects.push_back(
+            {own, pass(Pass::hair) + pass(Pass::subsurface), r.hair.rays, {}, "their light, by rays of their own"});
+    // Layers are met by shadow rays to all lights alike.
+    const bool photons = plan.runs(Pass::photons);
+    const double direct = pass(Pass::punctual_lights) + pass(Pass::emissive_lights) + pass(Pass::direct_tree);
+    const bool bounces = plan.runs(Pass::indirect_tree);
+    const double bounced = bounces ? pass(Pass::indirect_tree) : 0.0;
+    const double layers = std::min(r.layer_seconds, direct + bounced);
+    const double rest = core::divide_or(direct + bounced - layers, direct + bounced, 1.0);
+    if (const std::string sources = list_of(plan, {{Pass::punctual_lights, "lamps"},
+                                                   {Pass::emissive_lights, "shining surfaces"},
+                                                   {Pass::sky_light, "the sky"}});
+        !sources.empty())
+        effects.push_back({"direct light", rest * direct, {}, r.direct_clusters, sources});
+    if (photons)
+        effects.push_back({"photons", pass(Pass::photons), r.photon_rays, {}, "that carry light to where it bounces"});
+    if (bounces && film.rendering.indirect == renderer::Indirect::rays)
+        effects.push_back({"bounced light", rest * bounced, r.gather_rays, {}, ""});
+    else if (bounces)
+        effects.push_back({"bounced light", rest * bounced, {}, r.indirect_clusters, ""});
+    if (plan.runs(Pass::alpha) || plan.runs(Pass::glass))
+        effects.push_back({"transparent shadows", layers, {}, {}, "about: what layers let through of light"});
+    if (film.tolerance.coupled && film.kind == OutputKind::film)
+        effects.push_back({"what the eye misses",
+                           statistics.stage_seconds(Stage::tolerate),
+                           {},
+                           {},
+                           "tolerances from the pictures before"});
+    if (plan.runs(Pass::air)) effects.push_back({"fog", pass(Pass::air), r.air_rays, {}, "light that air scatters"});
+    if (plan.runs(Pass::glare)) effects.push_back({"glare", pass(Pass::glare), {}, {}, ""});
+    if (plan.runs(Pass::motion)) effects.push_back({"motion", pass(Pass::motion), {}, {}, ""});
+    if (film.kind == OutputKind::film)
+        effects.push_back({"coding", statistics.stage_seconds(Stage::encode), {}, {}, ""});
+    return effects;
+}
 namespace {
 
 using nlohmann::json;
@@ -228,6 +312,104 @@ void write_encode_statistics(const std::filesystem::path& file, const Film& film
     written["quantisers"] = quantisers_of(statistics);
     written["rate"] = rate_of(film, statistics);
     write_json(file, written);
+}
+
+namespace {
+
+using nlohmann::json;
+
+struct Row {
+    std::string name;
+    bool runs;
+    std::string reason;
+    std::optional<renderer::Pass> pass;  ///< none: the film's own
+};
+
+/// CPU seconds of a row; 0 where it has none of its own. The rough look of a preview is part of the rows that light it.
+double seconds_of(const RunStatistics& statistics, const Row& row) {
+    if (row.pass) return statistics.pass_seconds[static_cast<std::size_t>(*row.pass)];
+    if (row.name == "first pass") return statistics.stage_seconds(Stage::first_pass);
+    if (row.name == "load") return statistics.stage_seconds(Stage::load);
+    if (row.name == "exposure") return statistics.stage_seconds(Stage::exposure);
+    if (row.name == "tolerate") return statistics.stage_seconds(Stage::tolerate);
+    return row.name == "audit" ? statistics.audit.seconds : 0;
+}
+
+Row first_pass_row(const RenderJob& film) {
+    if (film.kind != OutputKind::film) return {"first pass", false, "nobody reads it: nothing is coded", {}};
+    if (film.two_passes) return {"first pass", true, "a bit rate is to be shared out among the pictures", {}};
+    const bool asked = film.coding.rate_control.bit_rate > 0;
+    return {"first pass", false, asked ? "not wanted: --passes 1" : "no cause: no bit rate is asked for", {}};
+}
+
+/// Whether light is kept on surfaces.
+Row records_row(const RenderJob& film) {
+    return {"records", film.cache.keeps(), film.cache.reason, {}};
+}
+
+/// The passes in the order of their work: the film's own, and the renderer's.
+std::vector<Row> rows_of(const RenderJob& film) {
+    const bool coupled = film.tolerance.coupled && film.kind == OutputKind::film;
+    const bool measured = film.measures_exposure;
+    std::vector<Row> rows{{"load", true, "scene, textures", {}},
+                          {"exposure",
+                           measured,
+                           measured ? "none is given: a few small frames tell it"
+                                    : fmt::format("no cause: {:g} EV are given", film.exposure.value_or(0)),
+                           {}},
+                          first_pass_row(film)};
+    for (const renderer::PlanRow& row : film.plan.rows()) {
+        if (row.pass == renderer::Pass::shade) {
+            rows.push_back(records_row(film));
+            rows.push_back({"preview",
+                            coupled,
+                            coupled ? "first frames of chunks and shots follow no picture that tells tolerances"
+                                    : "no cause: the tolerance is not coupled to coding",
+                            {}});
+            rows.push_back({"tolerate",
+                            coupled,
+                            coupled ? "what coding and the eye hide is what light may be off by"
+                                    : "no cause: the tolerance is not coupled to coding",
+                            {}});
+        }
+        const bool views = row.pass == renderer::Pass::develop && film.view.name != core::ViewName::neutral;
+        rows.push_back(
+            {row.name, row.runs, row.reason + (views ? "; view " + core::text_of(film.view) : ""), row.pass});
+        if (row.pass == renderer::Pass::shade)
+            rows.push_back(
+                {"audit", film.audit > 0, film.audit > 0 ? "--audit asks for it" : "nobody reads it: no --audit", {}});
+    }
+    return rows;
+}
+
+}  // namespace
+
+json plan_of(const RenderJob& film, const RunStatistics& statistics) {
+    json plan = json::array();
+    for (const Row& row : rows_of(film)) {
+        const double seconds = seconds_of(statistics, row);
+        plan.push_back({{"pass", row.name},
+                        {"runs", row.runs},
+                        {"reason", row.reason},
+                        {"seconds", seconds > 0 ? json(seconds) : json(nullptr)}});
+    }
+    return plan;
+}
+
+std::string plan_table(const RenderJob& film, const FrameSample* sample) {
+    std::string text;
+    for (const Row& row : rows_of(film)) {
+        text += fmt::format("{:<3} {:<21}", row.runs ? "yes" : "no", row.name);
+        const double seconds = sample != nullptr ? seconds_of(sample->statistics, row) : 0;
+        if (seconds > 0)
+            text += fmt::format(" {:>9.2f} s {:>5.1f} %", seconds, 100 * core::divide_or(seconds, sample->cpu, 0.0));
+        else if (sample != nullptr)
+            text += std::string(20, ' ');
+        text += fmt::format("  {}\n", row.reason);
+    }
+    if (sample != nullptr)
+        text += fmt::format("    {:<21} {:>9.2f} s {:>5.1f} %\n", "these sample frames", sample->cpu, 100.0);
+    return text;
 }
 
 }  // namespace render2mpeg::app

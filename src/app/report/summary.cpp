@@ -6,8 +6,8 @@
 #include <array>
 #include <vector>
 
-#include "app/report/effects.h"
 #include "app/report/figures.h"
+#include "app/report/statistics.h"
 #include "app/system/progress.h"
 #include "core/numeric.h"
 #include "core/text.h"

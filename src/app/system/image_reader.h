@@ -2,6 +2,7 @@
 // A scene's images, decoded by probes that hand their pixels over.
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -68,5 +69,10 @@ class ImageReader {
 
 /// Reads the images of standard input for an ImageReader; '.' for each. "headers": these alone.
 std::string read_probed_images(const std::vector<std::string>& words, const scene::BeginLimits& begin_limits);
+
+/// Decodes sound in a probe. Throws core::Error.
+void probe_sound(const std::filesystem::path& file);
+
+scene::ProbeLimits film_limits(const std::filesystem::path& film);
 
 }  // namespace render2mpeg::app
