@@ -119,8 +119,9 @@ void LampGatherer::gather(LampLight& out) {
 
 float LampGatherer::allowed(int lane, float light) const {
     const GroupTolerance& t = *accuracy_.tolerance;
+    const float more = t.root[lane] > 0.0f ? 1.0f / t.root[lane] : 1.0f;
     return core::Tolerance{t.absolute[lane], t.relative[lane], t.background[lane]}.allows(
-        t.base[lane] + (*accuracy_.luminance)[lane] + light);
+        t.base[lane] + (*accuracy_.luminance)[lane] + light, more);
 }
 
 /// Luminance without occlusion, and which lobes are worth rays: those whose light matters.

@@ -54,8 +54,9 @@ std::vector<PointTolerance> point_tolerances(const LightingContext& context, std
         own.part = {std::max(t.absolute, 0.0f) * part, std::max(t.relative, 0.0f), t.background * part};
         own.base = std::max(core::luminance(context.ungathered.all().at(place.x, place.y)), 0.0f) * part;
         if (!(part > 0.0f)) continue;
-        own.noise = are_prices ? core::divide_or(weight[p.pixel], given_by(seen, tile, i), 1.0f / part)
-                               : 1.0f / std::sqrt(part);
+        const float given = given_by(seen, tile, i), share = core::divide_or(given, weight[p.pixel], part);
+        own.root = std::sqrt(std::clamp(share, part, std::max(part, 1.0f)));
+        own.noise = are_prices ? core::divide_or(weight[p.pixel], given, 1.0f / part) : 1.0f / std::sqrt(part);
     }
     return parts;
 }

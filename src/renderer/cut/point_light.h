@@ -44,6 +44,7 @@ struct PointTolerance {
     /// since they add up by their squares. A price is the pixel's: a ray of any point is worth what it takes from that
     /// one's squared error, so that the factor is the pixel's over this part.
     float noise = 1;
+    float root = 1;  ///< of the share of the pixel
 
     float allows(float luminance) const { return part.allows(base + std::max(luminance, 0.0f)); }
     float allows_noise(float luminance) const { return part.allows(base + std::max(luminance, 0.0f), noise); }
