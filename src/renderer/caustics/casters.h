@@ -52,7 +52,7 @@ class Casters {
     struct Lamp {
         std::vector<LightPoint> points;
         bool sky = false, sky_of_panes = false;  ///< what panes have of the sky is another lamp
-        std::vector<double> running;             ///< luminance of the points, summed up
+        std::vector<double> running{};           ///< luminance of the points, summed up
     };
     struct Beam {
         std::uint32_t lamp = 0, thing = 0;

@@ -141,8 +141,7 @@ RENDER2MPEG_ALWAYS_INLINED float evaluate_lane(const GatherLanes& lanes, int i, 
     return unclamped;
 }
 
-RENDER2MPEG_ALWAYS_INLINED LaneLight lane_light(LightType type, const TreeLight& light, const Spot* spot,
-                                                GeometryClamp clamp) {
+RENDER2MPEG_ALWAYS_INLINED LaneLight lane_light(const TreeLight& light, const Spot* spot, GeometryClamp clamp) {
     float nx = 0, ny = 0, nz = 0;
     unpack_normal(light.axis, nx, ny, nz);
     return lane_light(light.position.x, light.position.y, light.position.z, nx, ny, nz, light.disc2,
@@ -152,7 +151,7 @@ RENDER2MPEG_ALWAYS_INLINED LaneLight lane_light(LightType type, const TreeLight&
 template <LightType type, bool glossy, bool stretched = false>
 RENDER2MPEG_ALWAYS_INLINED void evaluate_lanes(const GatherLanes& __restrict lanes, const TreeLight& light,
                                                const Spot* spot, GeometryClamp clamp, LightLanes& __restrict out) {
-    const LaneLight l = lane_light(type, light, spot, clamp);
+    const LaneLight l = lane_light(light, spot, clamp);
     Lanes unclamped;
     for (int i = 0; i < lane_count; ++i) unclamped[i] = evaluate_lane<type, glossy, stretched>(lanes, i, l, out);
     int clamped = 0;
@@ -177,7 +176,7 @@ template <LightType type>
 RENDER2MPEG_ALWAYS_INLINED void add_lanes(const GatherLanes& __restrict lanes, const Representative& representative,
                                           GeometryClamp clamp, RgbLanes& __restrict out) {
     const float red = representative.intensity.x, green = representative.intensity.y, blue = representative.intensity.z;
-    const LaneLight l = lane_light(type, *representative.light, representative.spot, clamp);
+    const LaneLight l = lane_light(*representative.light, representative.spot, clamp);
     LightLanes unit;
     for (int i = 0; i < lane_count; ++i) {
         evaluate_lane<type, false>(lanes, i, l, unit);
