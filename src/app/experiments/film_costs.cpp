@@ -142,6 +142,7 @@ std::string effect_row(const EffectCost& cost) {
     return fmt::format("{:<32} {:>10}  {}{}\n", name, share_text(cost.share), words_for(cost.difference),
                        cost.difference ? fmt::format(" ({:.0f} dB)", *cost.difference) : "");
 }
+
 namespace {
 
 /// [Ponomarenko2007]: below some 42 dB differences are seen. chosen: 4 and 8 dB more for errors that are not even.

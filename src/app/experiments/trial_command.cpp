@@ -89,6 +89,7 @@ nlohmann::json figures_json(const Trial& trial) {
     for (const TrialColumn* c : columns::all) figures[c->key] = finite_or_null(c->value(trial));
     return figures;
 }
+
 namespace {
 
 void check_trial_outputs(const RenderJob& film, const TrialOptions& options) {

@@ -59,6 +59,7 @@ std::optional<QualitySearch::Known> QualitySearch::finest_below() const {
         if (k->figure <= target_) return *k;
     return std::nullopt;
 }
+
 namespace {
 
 /// PSNR of equal pictures: beyond any 8-bit error.

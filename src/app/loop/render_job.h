@@ -63,7 +63,7 @@ struct RenderJob {
     std::optional<float> exposure;   ///< EV; none: to be measured
     bool measures_exposure = false;  ///< no exposure is given
     core::View view;
-    bool preview = false;     ///< a draft (app/options/effort.h)
+    bool preview = false;     ///< a draft (app/options/film.h)
     bool rough = false;       ///< a first pass: its light is too rough to tell whether it changes
     bool two_passes = false;  ///< the first one finds `allocations`
     std::vector<encoder::BitAllocation> allocations;  ///< one per frame, or none
@@ -96,10 +96,10 @@ struct RenderJob {
 /// The film without a row of its plan (renderer::PlanRow::effect).
 RenderJob without(const RenderJob& film, renderer::Pass effect);
 
-/// The film as by --preview (app/options/effort.h), in the same size.
+/// The film as by --preview (app/options/film.h), in the same size.
 RenderJob draft_of(const RenderJob& film);
 
-/// The film as by --effort (app/options/effort.h), with no more eye samples than it has, since references have the
+/// The film as by --effort (app/options/film.h), with no more eye samples than it has, since references have the
 /// film's own.
 RenderJob at_effort(const RenderJob& film, const Effort& effort);
 

@@ -86,6 +86,7 @@ RenderOptions preview_options(const RenderOptions& options) {
     if (options.coding.bitrate && !options.coding.passes) draft.coding.passes = 1;
     return draft;
 }
+
 namespace {
 
 // chosen: as for --frames, 2^31 frames are 2.7 years at 25 Hz.

@@ -85,7 +85,8 @@ Rows scene_rows(CommandLine& line) {
          "How bounced light and the sky are gathered: by `rays` that ask a cache on surfaces, or by `lightcuts` "
          "through light points",
          one_of({"rays", "lightcuts"}), Shown()},
-        {"--vpls", light, o.vpls, "Light points that carry indirect light; 0: direct light only", Shown(),
+        {"--vpls", light, o.vpls,
+         "Light points that carry indirect light by `--indirect lightcuts`; 0: direct light only", Shown(),
          range(0, 1 << 22), Idle::without_points},
         {"--caustics", light, o.caustics,
          "Whether mirrors and solid glass throw light onto other things; `off`: they do not, and light passes solid "
@@ -288,7 +289,7 @@ Rows product_rows(CommandLine& line) {
         {"--aov@plan", run, o.layers, "Folder of multilayer OpenEXR files", "DIR"},
         {"--heatmap", run, o.heatmaps,
          "Write a film in false colours beside: what each pixel's light may be off by (`tolerance`), clusters (`cut`), "
-         "what it may be off by as gathered (`error`), each macroblock's `quantiser`, or, where `--cache` keeps light, "
+         "the standard error of its light (`error`), each macroblock's `quantiser`, or, where `--cache` keeps light, "
          "how many `records` lie in each pixel, the `age` of its light in frames, and its `reuse`, the share of its "
          "points that it was not gathered for; may be given several times",
          TwoWords(), "tolerance|cut|error|quantiser|records|age|reuse OUT.mpg", Idle::always},

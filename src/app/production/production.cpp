@@ -81,6 +81,7 @@ ChunksAtOnce chunks_at_once(const RenderJob& film, const RenderOptions& options)
 std::string text_of(const ChunksAtOnce& chosen) {
     return fmt::format("{} chunk{} at once: {}", chosen.count, chosen.count == 1 ? "" : "s", chosen.reason);
 }
+
 namespace {
 
 std::span<const ChunkFile> leading_of(const OpenRender& open) {

@@ -93,7 +93,7 @@ inline constexpr const char* sample_frame_name = "sample_frame";
 /// Restores the report's sample frame from the records of finished chunks of an earlier run.
 void take_up(SampleFrameObserver& sample_frame, const std::vector<ChunkFile>& chunks);
 
-/// Renders the chunks that have no file yet, several at once (chunks_at_once.h); after an interruption the first that
+/// Renders the chunks that have no file yet, several at once; after an interruption the first that
 /// is not whole is there incompletely. Returns whether all that the job makes is whole. The message of a failure ends
 /// with the work that is preserved.
 bool render_chunks(const OpenRender& open);

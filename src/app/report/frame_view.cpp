@@ -153,7 +153,7 @@ nlohmann::json SampleFrameObserver::figures() const {
     if (!tolerance_.empty())
         all.push_back(heat_of("What each pixel's light may be off by", tolerance_, scale_of(HeatSubject::tolerance)));
     if (!error_.empty())
-        all.push_back(heat_of("What it may be off by as gathered", error_, scale_of(HeatSubject::tolerance)));
+        all.push_back(heat_of("Standard error of its light", error_, scale_of(HeatSubject::tolerance)));
     return all;
 }
 

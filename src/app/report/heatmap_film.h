@@ -21,7 +21,7 @@ namespace render2mpeg::app {
 enum class HeatSubject {
     tolerance,  ///< a pixel's tolerance over its luminance
     cut,        ///< clusters gathered
-    error,      ///< error bound of the gathered light over the pixel's luminance, from the stopping rule
+    error,      ///< standard error of the gathered light over the pixel's luminance
     quantiser,  ///< of macroblocks
     records,    ///< that lie in a pixel
     age,        ///< frames since a pixel's light was gathered

@@ -97,6 +97,7 @@ std::vector<Effect> effects_of(const RenderJob& film, const RunStatistics& stati
         effects.push_back({"coding", statistics.stage_seconds(Stage::encode), {}, {}, ""});
     return effects;
 }
+
 namespace {
 
 using nlohmann::json;

@@ -64,6 +64,7 @@ std::optional<double> Pace::left(std::int64_t total, double spent) const {
 double Pace::per_second() const {
     return core::divide_or(1.0, later(), 0.0);
 }
+
 namespace {
 
 ProgressStyle style = ProgressStyle::line;  ///< set once, before any work

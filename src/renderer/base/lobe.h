@@ -13,12 +13,12 @@ inline constexpr float inverse_pi = std::numbers::inv_pi_v<float>;
 /// Below it a squared length or a denominator counts as 0.
 inline constexpr float tiny = 1e-30f;
 
-/// Least LightPoint::disc2 of a part of the sky for lobe rays alone to see it; a point of light is seen by trees alone,
-/// and values in between are divided (`by_trees`). chosen: 2.5e-4, a part of 1.8 degrees across; a sky of one colour
-/// has narrower ones from 16,384 points on, suns always.
+/// Least LightPoint::disc2 of a part of the sky or of a shining surface for lobe rays alone to see it; a point of light
+/// is seen by trees alone, and values in between are divided (`by_trees`). chosen: 2.5e-4, a part of 1.8 degrees
+/// across; a sky of one colour has narrower ones from 16,384 points on, suns always.
 inline constexpr float lobe_rays_disc2 = 2.5e-4f;
 
-/// Share of a directional light that light trees send along a lobe that has rays; they see the rest. `rays_see`: 1 /
+/// Share of such a light that light trees send along a lobe that has rays; they see the rest. `rays_see`: 1 /
 /// `lobe_rays_disc2`, or 0 where there are no rays.
 RENDER2MPEG_ALWAYS_INLINED float by_trees(float disc2, float rays_see) {
     return inlined::max(1.0f - disc2 * rays_see, 0.0f);

@@ -65,7 +65,7 @@ std::optional<PointLight> query_cache(const CacheQuery& q, const RecordGrid& gri
     const RegressionError error = fit.estimate();
     if (!error.is_valid()) return std::nullopt;
     PointLight light = blend(fit, q, records, error_scale, frame);
-    const float found = core::luminance(light.scattered(q.point)), tolerance = q.tolerance.allows(found);
+    const float found = core::luminance(light.scattered(q.point)), tolerance = q.tolerance.allows_samples(found);
     if (!(tolerance > 0.0f) || !(core::errors_of_one_in_hundred * light.error.value <= tolerance) ||
         !(aim.priced(error.square, error.of_block) <= allowed_square(error, q.tolerance.allows_noise(found), aim)))
         return std::nullopt;

@@ -65,7 +65,7 @@ bool is_good_enough(const LitPoint& before, const PointTolerance& now, const Gat
 /// Likewise light of suns with a size, which errs as far as they are sampled.
 bool are_suns_good_enough(const LitPoint& before, const PointTolerance& now, const GatherPoint& p) {
     return now.part == before.tolerance.part || !(core::errors_of_one_in_hundred * before.exact.error.value >
-                                                  now.allows(core::luminance(before.exact.scattered(p))));
+                                                  now.allows_samples(core::luminance(before.exact.scattered(p))));
 }
 
 /// Reuses the light of a tile's points that are the very same as in the last frame. Whether all exact light is known by
@@ -137,7 +137,7 @@ void start(FrameState& frame, const LightingContext& context, const FrameHistory
         const GatherTile& points = frame.seen.tiles[t];
         TileState& tile = frame.tiles[t];
         tile = empty_tile(points);
-        tile.tolerance = point_tolerances(context, t);
+        tile.tolerance = point_tolerances(context, t, frame.rays != nullptr);
         const bool knows = reuse(frame, t, history);
         if (!knows && frame.light_trees.has_exact()) gather_exact(frame, t, tile.exact, of_tile[t]);
         for (std::size_t i = 0; i < points.size(); ++i)

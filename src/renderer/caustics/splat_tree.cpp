@@ -121,7 +121,8 @@ Footprint footprint_of(const Landing& landing, float pixel, float limit) {
     float determinant = k[0][0] * k[1][1] - k[0][1] * k[0][1];
     if (!std::isfinite(largest) || !(largest > 0.0f)) return f;
     for (int i = 0; i < 2; ++i)
-        f.turn[i] = core::divide_or(1.0f, determinant, 0.0f) * (k[1 - i][1 - i] * turns[i] - k[0][1] * turns[1 - i]);
+        f.turn[i] = 1.0f / std::max(determinant, 1e-6f * largest * largest) *
+                    (k[1 - i][1 - i] * turns[i] - k[0][1] * turns[1 - i]);
     if (largest > limit * limit) {
         // Too wide along one axis: shrink the whole, so that its light stays near.
         const float scale = limit * limit / largest;

@@ -10,7 +10,6 @@
 #include "renderer/cut/finished_cut.h"
 
 namespace render2mpeg::renderer {
-namespace {}  // namespace
 
 void Gatherer::gather(const GatherLanes& lanes, const GroupTolerance& tolerance, const CutLimits& limits,
                       GatheredLight& out) {

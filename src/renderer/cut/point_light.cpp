@@ -37,12 +37,12 @@ float given_by(const Frame& seen, std::size_t tile, std::size_t index) {
 
 }  // namespace
 
-std::vector<PointTolerance> point_tolerances(const LightingContext& context, std::size_t tile) {
+std::vector<PointTolerance> point_tolerances(const LightingContext& context, std::size_t tile, bool priced) {
     const Frame& seen = context.seen;
     const GatherTile& points = seen.tiles[tile];
     std::array<float, tile_size * tile_size> weight{};
     for (const GatherPoint& p : points) weight[p.pixel] += core::luminance(p.weight);
-    const bool are_prices = context.tolerance.typical > 0.0f;
+    const bool are_prices = priced && context.tolerance.typical > 0.0f;
     std::vector<PointTolerance> parts;
     parts.reserve(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {

@@ -44,14 +44,17 @@ struct PointTolerance {
     /// since they add up by their squares. A price is the pixel's: a ray of any point is worth what it takes from that
     /// one's squared error, so that the factor is the pixel's over this part.
     float noise = 1;
-    float root = 1;  ///< of the share of the pixel
+    float root = 1;  ///< root of this point's share of its pixel
 
     float allows(float luminance) const { return part.allows(base + std::max(luminance, 0.0f)); }
     float allows_noise(float luminance) const { return part.allows(base + std::max(luminance, 0.0f), noise); }
+    /// Likewise of light that is sampled whatever it costs.
+    float allows_samples(float luminance) const { return part.allows(base + std::max(luminance, 0.0f), 1.0f / root); }
 };
 
 /// Parts the tolerances of a tile's pixels among their points by weight; what a pixel shows without gathering counts as
-/// light. A point that the shutter or the lens spreads counts by all that it gives to pixels. In the order of the tile.
-std::vector<PointTolerance> point_tolerances(const LightingContext& context, std::size_t tile);
+/// light. A point that the shutter or the lens spreads counts by all that it gives to pixels. `priced`: noise is of
+/// rays, as many as they are worth. In the order of the tile.
+std::vector<PointTolerance> point_tolerances(const LightingContext& context, std::size_t tile, bool priced);
 
 }  // namespace render2mpeg::renderer

@@ -81,7 +81,7 @@ void TileShader::gather_groups(std::size_t tile_index) {
     const GatherTile& tile = seen_.tiles[tile_index];
     light_.assign(tile.size(), {});
     std::vector<PointTolerance> tolerances;
-    if (!tolerance_.is_reference()) tolerances = point_tolerances(context_, tile_index);
+    if (!tolerance_.is_reference()) tolerances = point_tolerances(context_, tile_index, false);
     for (const GatherGroup& group : group_points(tile, context_.eye, representative_sets))
         gather(tile, group, tolerances);
 }

@@ -15,7 +15,7 @@ namespace render2mpeg::renderer {
 /// Tolerances of a group's lanes, in luminance of their pixels.
 struct alignas(64) GroupTolerance {
     Lanes absolute, relative, background, base;
-    Lanes root;  ///< of the part of its pixel that a point has; 0: it fills it
+    Lanes root;  ///< PointTolerance::root; 0 as 1
     void set(int lane, const PointTolerance& t) {
         absolute[lane] = t.part.absolute;
         relative[lane] = t.part.relative;

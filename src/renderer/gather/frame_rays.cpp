@@ -33,7 +33,7 @@ void add_rays(FinalGather& gather, const scene::Camera& camera, const LightingCo
     for (std::size_t t = 0; t < seen.tiles.size(); ++t) {
         const GatherTile& tile = seen.tiles[t];
         const std::vector<PointTolerance> tolerances =
-            tolerance.is_reference() ? std::vector<PointTolerance>(tile.size()) : point_tolerances(context, t);
+            tolerance.is_reference() ? std::vector<PointTolerance>(tile.size()) : point_tolerances(context, t, true);
         const int across = seen.tiles_across(), index = static_cast<int>(t);
         const glm::ivec2 corner = tile_size * glm::ivec2(index % across, index / across);
         for (const GatherGroup& group : group_points(tile, camera.position(), 1)) {

@@ -60,8 +60,8 @@ struct AskedLights {
 /// time in Sponza, and errs by 0.5 % in the mean instead of 0.8.
 inline constexpr float cell_spread = 0.12f;
 
-/// Solid angle of the sky that a ray over a hemisphere sees. chosen: a 1024th of it, of 1/64 to 1/1024: under a bright
-/// horizon 1/64 makes a floor 2 % too bright, since what lies below it comes to be seen, too.
+/// Solid angle of the sky that a ray over a hemisphere sees. chosen: pi / 1024 of pi / 64 to pi / 1024:
+/// wider ones show a floor the sky below its horizon, by pi / 64 2 % too much of a bright one.
 inline constexpr float sky_of_ray = std::numbers::pi_v<float> / 1024;
 
 /// How a ray is looked along.

@@ -59,7 +59,7 @@ struct alignas(64) GatherLanes {
     Lanes along2, across2;          ///< its squared widths there; alike in lanes whose lobe is round
     Lanes view_along, view_across;  ///< cosines of these axes to the eye
     Lanes retro, loss, flat, rough;  ///< DiffuseShape
-    Lanes rays_see;                  ///< scale of the sky lobe's share that rays see; 0: no rays. See `by_trees`
+    Lanes rays_see;                  ///< scale of the lobe's share that rays see; 0: no rays. See `by_trees`
     Lanes coat;                      ///< the diffuse part gets 1 - coat s of light
     Lanes lobed;                     ///< 1: the lane has a lobe, else 0
 };

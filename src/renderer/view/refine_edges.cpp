@@ -47,9 +47,9 @@ PixelCounts surfaces_of(const GatherTile& tile) {
     return count;
 }
 
-/// Error of a pixel that shows so many surfaces, over that of one with a straight edge as much as its neighbours differ
-/// by: m surfaces have about m - 1 edges, which cross sqrt(n) strata each of n, and means of m differ from pixel to
-/// pixel by sqrt(m / 2) less than they do.
+/// Error of a pixel of m surfaces and n samples, over that of a straight edge with its neighbours' contrast:
+/// sqrt(min(m - 1, sqrt(n)) m / 2). Each of m - 1 edges crosses sqrt(n) of the n strata, and means of m surfaces differ
+/// by sqrt(m / 2) less than those of two. docs/measurements.md#edges
 float edges_of(int surfaces, int samples) {
     const auto m = static_cast<float>(std::max(surfaces, 2));
     return std::sqrt(std::min(m - 1.0f, std::sqrt(static_cast<float>(samples))) * m / 2.0f);
