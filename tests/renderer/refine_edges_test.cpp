@@ -121,6 +121,51 @@ TEST(LookCloser, MakesShadowEdgesAsFineAsTheyMayBe) {
     EXPECT_EQ(pixels_with(look(256, 0.1f).lit.frame, 4), size * size);
 }
 
+/// Leaves of four by four in a pixel, dark and light, tilted at random.
+SceneBuilder foliage() {
+    constexpr int across = 4 * size;
+    SceneBuilder b;
+    const int dark = b.add_material(glm::vec3(0.1f)), light = b.add_material(glm::vec3(0.9f));
+    for (int i = 0; i < across * across; ++i) {
+        const auto dice = [&](std::uint64_t k) { return core::uniform(5, static_cast<std::uint64_t>(i), k); };
+        const float leaf = 1.0f / across;
+        const glm::vec3 corner(leaf * static_cast<float>(i % across) - 0.5f, 0.02f * dice(0),
+                               leaf * static_cast<float>(i / across) - 0.5f);
+        b.add_quad(corner, {0, 0.6f * leaf * (dice(1) - 0.5f), leaf}, {leaf, 0.6f * leaf * (dice(2) - 0.5f), 0},
+                   dice(3) < 0.5f ? dark : light);
+    }
+    b.add_sun({0, -1, 0}, 2);
+    b.add_camera({0, 1.1f, 0.001f}, {0, 0, 0}, 0.82f);
+    return b;
+}
+
+/// Foliage lit with so many samples, and with more where `expected` says that they are wanted.
+core::Plane<glm::vec3> leaves(int samples, int most_samples, const core::Plane<glm::vec3>* expected, float tolerated) {
+    Settings settings = test::small_frame(size, size);
+    settings.samples = settings.edge_samples = samples;
+    settings.vpls = 0;
+    settings.most_samples = most_samples;
+    FilmStage stage(foliage(), settings);
+    core::ToleranceMap tolerance = core::ToleranceMap::uniform(size, size, {tolerated, 0.001f});
+    for (std::size_t i = 0; expected != nullptr && i < expected->size(); ++i)
+        tolerance.pixels.values()[i].background = core::luminance(expected->values()[i]) + tolerated;
+    const scene::Snapshot world = stage.at(0);
+    return stage.renderer().light(world, stage.renderer().look(world), {tolerance}).radiance.combined;
+}
+
+TEST(LookCloser, SeesLeavesOfWhichPixelsShowManyAsWellAsTheyMayErr) {
+    constexpr float tolerated = 0.02f;
+    const core::Plane<glm::vec3> truth = leaves(256, 0, nullptr, tolerated);
+    const auto error = [&](const core::Plane<glm::vec3>& picture) {
+        double squares = 0;
+        for (std::size_t i = 0; i < truth.size(); ++i)
+            squares += std::pow(core::luminance(picture.values()[i] - truth.values()[i]), 2);
+        return std::sqrt(squares / static_cast<double>(truth.size()));
+    };
+    EXPECT_GT(error(leaves(16, 0, &truth, tolerated)), 2.0 * tolerated);
+    EXPECT_LT(error(leaves(16, 64, &truth, tolerated)), 1.3 * tolerated);
+}
+
 TEST(LookCloser, DoesNotDependOnThreads) {
     ClosePicture pictures[2];
     for (const int threads : {1, 4}) {
