@@ -313,7 +313,7 @@ TEST(HairLight, OfCellsThatLightEachOtherIsThatOfPaths) {
         if (!hit.found()) continue;
         std::vector<RayTerm> terms;
         std::uint64_t traced = 0;
-        rays.follow({from, direction, 10}, hit, {}, lobe::inverse_pi, i, 0, terms, traced);
+        rays.follow({from, direction, 10}, hit, {}, i, 0, terms, traced);
         ASSERT_EQ(terms.size(), 1u);
         cache.learn({{terms[0].place}});
         const auto light = static_cast<double>(core::luminance(cache.radiance(cache.index_of(terms[0].place.key))));
@@ -373,7 +373,7 @@ TEST(HairLight, ChoosesAmongDirectionsToLightWithoutBias) {
             std::vector<RayTerm> terms;
             const glm::vec3 origin = at.origin_of(direction);
             found += weight * rays.follow({origin, direction, 10}, stage.tracer().nearest(origin, direction, 10), rules,
-                                          lobe::inverse_pi, number, 0, terms, traced);
+                                          number, 0, terms, traced);
             const auto y = static_cast<double>(core::luminance(found));
             sum += y;
             squares += y * y;

@@ -233,8 +233,8 @@ void CellLight::follow_bounces(Found& out) const {
         rules.depth = b.depth;
         Lesson& lesson = *b.lesson;
         const auto first = static_cast<std::uint32_t>(out.terms.size());
-        const glm::vec3 known = b.weight * gather_rays_.follow(b.ray, hits[i], rules, sky_of_ray, core::mix(b.number),
-                                                               0, out.terms, out.rays);
+        const glm::vec3 known =
+            b.weight * gather_rays_.follow(b.ray, hits[i], rules, core::mix(b.number), 0, out.terms, out.rays);
         if (core::is_finite(known)) {
             lesson.known += known;
             lesson.near += b.share * known;

@@ -112,7 +112,7 @@ struct FinalGather::Directions {
     struct Ray {
         glm::vec3 direction{0};
         std::array<float, 3> weight{};  ///< of irradiance, f0, f90; all 0: it is not traced
-        float solid_angle = 0;
+        float solid_angle = RayRules{}.solid_angle;
         std::uint32_t cell = 0;  ///< of RayGuide
         float density = 1;       ///< that it was drawn by, over an even one
     };
@@ -151,7 +151,6 @@ FinalGather::Directions FinalGather::hemisphere(const GatherRequest& request, co
         order[i].first = interleaved(u);
         ray.cell = RayGuide::cell_of(u);
         ray.density = density;
-        ray.solid_angle = sky_of_ray;
         const float share = 1.0f / density;
         ray.weight[0] = share;
         if (!coated) continue;
@@ -240,13 +239,14 @@ void FinalGather::trace(const GatherRequest& request, const Bundle& bundle, Trac
     out.traced += asked;
     for (std::uint32_t k = 0; k < asked; ++k) {
         const Directions::Ray& ray = directions.rays[index[k]];
+        rules.solid_angle = ray.solid_angle;
         rules.brightest = !request.lobe ? sky_.brightest
                           : !sky_.importance
                               ? sky_.lobe_brightest
                               : core::divide_or(sky_.lobe_brightest, sky_.importance(ray.direction), 0.0f);
-        out.rays[index[k]].light = gather_rays_.follow(queries[k], hits[k], rules, ray.solid_angle,
-                                                       core::mix(bundle.seed + 8u * (bundle.first + index[k])),
-                                                       index[k], out.terms, out.traced);
+        out.rays[index[k]].light =
+            gather_rays_.follow(queries[k], hits[k], rules, core::mix(bundle.seed + 8u * (bundle.first + index[k])),
+                                index[k], out.terms, out.traced);
     }
 }
 

@@ -170,9 +170,9 @@ float GatherRays::fibre_cell(std::uint32_t object) const {
 }
 
 /// Radiance of the sky, and of suns that were asked.
-glm::vec3 GatherRays::escaped(glm::vec3 direction, const RayRules& rules, bool mirrored, float solid_angle) const {
+glm::vec3 GatherRays::escaped(glm::vec3 direction, const RayRules& rules, bool mirrored) const {
     glm::vec3 sky(0);
-    if (sky_light_) sky = posed_scene_.sky()->radiance_of_ray(direction, solid_angle);
+    if (sky_light_) sky = posed_scene_.sky()->radiance_of_ray(direction, rules.solid_angle);
     const AskedLights* asked = rules.asked;
     const float most = asked != nullptr && mirrored ? brightest_of_rays(posed_scene_.sky()) : rules.brightest;
     sky *= std::min(core::divide_or(most, core::luminance(sky), 1.0f), 1.0f);
@@ -197,8 +197,8 @@ glm::vec3 GatherRays::sky_in_pane(const SurfacePoint& pane, float solid_angle, s
                                         Bodies::block);
 }
 
-glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, float solid_angle, std::uint64_t number,
-                             std::uint32_t index, std::vector<RayTerm>& terms, std::uint64_t& rays) const {
+glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, std::uint64_t number, std::uint32_t index,
+                             std::vector<RayTerm>& terms, std::uint64_t& rays) const {
     const Air* air = posed_scene_.air();
     const AskedLights* asked = rules.asked;
     glm::vec3 passing(1), known(0);
@@ -220,8 +220,7 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, float
             passing *= std::exp(-(hit.found() ? air->optical_depth(ray.origin, ray.direction, hit.distance)
                                               : air->depth_to_sky(ray.origin, ray.direction)));
         if (!hit.found()) {
-            if (!behind_body && (!mirrored || sees_lights))
-                known += passing * escaped(ray.direction, rules, mirrored, solid_angle);
+            if (!behind_body && (!mirrored || sees_lights)) known += passing * escaped(ray.direction, rules, mirrored);
             return finished();
         }
         distance += hit.distance;
@@ -242,7 +241,7 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, float
         if (shines && asked == nullptr && !mirrored && !behind_body)
             known += passing * p.emission * by_lobe_rays(p.emission, distance, rules.shining[hit.address.object]);
         if (asked == nullptr && sky_in_panes_ > 0.0f && !behind_body && !mirrored)
-            known += passing * sky_in_pane(p, solid_angle, rays);
+            known += passing * sky_in_pane(p, rules.solid_angle, rays);
         const glm::vec3 shown = passing * p.alpha;
         if (rules.is_lobe && p.unlit) known += shown * p.emission;
         if (p.bsdf.has_diffuse() || p.bsdf.has_glossy() || p.bsdf.has_diffuse_transmission() || p.fibre)

@@ -60,10 +60,6 @@ struct AskedLights {
 /// time in Sponza, and errs by 0.5 % in the mean instead of 0.8.
 inline constexpr float cell_spread = 0.12f;
 
-/// Solid angle of the sky that a ray over a hemisphere sees. chosen: pi / 1024 of pi / 64 to pi / 1024:
-/// wider ones show a floor the sky below its horizon, by pi / 64 2 % too much of a bright one.
-inline constexpr float sky_of_ray = std::numbers::pi_v<float> / 1024;
-
 /// How a ray is looked along.
 struct RayRules {
     float near = 0;                      ///< hits nearer than this get a cell of their own, world
@@ -72,6 +68,9 @@ struct RayRules {
     bool bounces = true;                 ///< surfaces send what they bounce
     bool is_lobe = false;                ///< of a narrow lobe: it is mirrored on and sees unlit surfaces
     float spread = cell_spread;          ///< size of cells over the ray's length
+    /// Of the sky that it sees. chosen: pi / 1024 of pi / 64 to pi / 1024: wider ones show a floor the sky below its
+    /// horizon, by pi / 64 2 % too much of a bright one.
+    float solid_angle = std::numbers::pi_v<float> / 1024;
     /// By object: luminous intensity of each of its light points, over pi. So large a disc, of luminance as met, is
     /// seen by rays of lobes in part (`lobe::by_trees`). 0, or empty: they see none of it.
     std::span<const float> shining{};
@@ -88,13 +87,13 @@ class GatherRays {
     /// Radiance along the ray as far as it is known: of the sky, of lamps that were asked. Appends to `terms` a surface
     /// whose light is to be asked, if it meets any. `hit`: what the ray meets first. `number` makes keys of own cells.
     /// `rays` counts those that it takes more.
-    glm::vec3 follow(RayQuery ray, Hit hit, const RayRules& rules, float solid_angle, std::uint64_t number,
-                     std::uint32_t index, std::vector<RayTerm>& terms, std::uint64_t& rays) const;
+    glm::vec3 follow(RayQuery ray, Hit hit, const RayRules& rules, std::uint64_t number, std::uint32_t index,
+                     std::vector<RayTerm>& terms, std::uint64_t& rays) const;
 
     const PosedScene& posed_scene() const { return posed_scene_; }
 
   private:
-    glm::vec3 escaped(glm::vec3 direction, const RayRules& rules, bool mirrored, float solid_angle) const;
+    glm::vec3 escaped(glm::vec3 direction, const RayRules& rules, bool mirrored) const;
     glm::vec3 sky_in_pane(const SurfacePoint& pane, float solid_angle, std::uint64_t& rays) const;
     float fibre_cell(std::uint32_t object) const;
     Sighting sighting(const RayQuery& ray, const Hit& hit, float distance, const RayRules& rules,

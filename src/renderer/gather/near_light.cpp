@@ -163,7 +163,7 @@ EyeLook look_about(const PosedScene& posed_scene, const Plan& plan, const scene:
             const RayQuery ray{eye.origin, eye.direction, std::numeric_limits<float>::infinity()};
             const Hit hit = posed_scene.tracer().nearest(ray.origin, ray.direction, ray.far);
             if (hit.found()) looked[task].places.push_back(ray.origin + hit.distance * ray.direction);
-            rays.follow(ray, hit, {}, sky_of_ray, i, static_cast<std::uint32_t>(i), looked[task].terms, traced);
+            rays.follow(ray, hit, {}, i, static_cast<std::uint32_t>(i), looked[task].terms, traced);
         }
     });
     std::vector<glm::vec3> places;

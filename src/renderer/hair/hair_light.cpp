@@ -83,7 +83,7 @@ void HairLight::trace(const FibreSample& sample, std::uint64_t number, Traced& o
     rules.brightest = std::numeric_limits<float>::infinity();
     rules.asked = &asked;
     const std::size_t first = out.terms.size();
-    light += weight * gather_rays_.follow(ray, hit, rules, sky_of_ray, core::mix(number), index, out.terms, out.rays);
+    light += weight * gather_rays_.follow(ray, hit, rules, core::mix(number), index, out.terms, out.rays);
     ++out.rays;
     for (std::size_t k = first; k < out.terms.size(); ++k) out.terms[k].weight *= weight;
 }
