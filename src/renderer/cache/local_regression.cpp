@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "core/color.h"
 #include "core/numeric.h"
+#include "renderer/base/isa_clones.h"
 #include "renderer/cache/receiver.h"
 #include "renderer/gather/ray_sums.h"
 
@@ -21,12 +23,15 @@ struct Radius {
 constexpr Radius radii[] = {{1, 0.0187}, {2, 0.0568}, {4, 0.1540}, {6, 0.2864}};
 constexpr int largest_radius = 6;
 
+/// Square of the distance of lanes without a member, pixels: beyond all radii.
+constexpr float far_away = 1e6f;
+
 /// The same of pixels that have a record each.
 constexpr double common_alone = 1.0 / 64;
 
 /// Weights fall to zero at so many times the square of the reach. chosen: 1.1, so that the farthest count a little; not
 /// tuned.
-constexpr double falloff_end = 1.1;
+constexpr float falloff_end = 1.1f;
 
 /// A bent plane takes four records; the others tell what it misses. Through the six of two columns of a lattice it
 /// always passes, and a step between them looks like a slope: seven are more than these. chosen: the least such number.
@@ -50,6 +55,7 @@ constexpr float same_place = 0.1f;
 void LocalRegression::collect(const CacheQuery& q, Of of, const RecordGrid& grid, const RecordStore& records,
                               std::uint32_t own) {
     members_.clear();
+    lanes_.clear();
     if (!grid.reaches(q.at, largest_radius)) return;
     constexpr float reach = static_cast<float>(largest_radius) + 0.5f;
     const int x = static_cast<int>(std::floor(q.at.x)), y = static_cast<int>(std::floor(q.at.y)),
@@ -73,14 +79,22 @@ void LocalRegression::collect(const CacheQuery& q, Of of, const RecordGrid& grid
             if (of == Of::change && !r.looks_now) continue;
             const auto lobe = lobe_at(q, r);
             if (!lobe) continue;
-            const auto rays = static_cast<float>(r.ray_count);
-            members_.push_back(
-                {m.record, offset, distance2,
-                 of == Of::all_light ? core::luminance(reflects * r.irradiance() + q.point.weight * lobe->radiance)
-                                     : static_cast<float>(shown_luminance(plain, r.by_rays)),
-                 rays > 0 ? std::sqrt(rays) : 1.0f, rays > 0 ? std::pow(batch_rays / rays, variance_power) : 0.0f,
-                 receives2 * r.batch_variance, own == none ? distance2 < same_place * same_place : m.record == own,
-                 *lobe});
+            const std::size_t i = members_.size(), k = i % lane_count;
+            if (k == 0) lanes_.emplace_back().distance2.fill(far_away);
+            MemberLanes& lanes = lanes_.back();
+            lanes.x[k] = offset.x;
+            lanes.y[k] = offset.y;
+            lanes.distance2[k] = distance2;
+            lanes.value[k] = of == Of::all_light
+                                 ? core::luminance(reflects * r.irradiance() + q.point.weight * lobe->radiance)
+                                 : static_cast<float>(shown_luminance(plain, r.by_rays));
+            lanes.precision[k] = r.ray_count > 0 ? std::sqrt(static_cast<float>(r.ray_count)) : 1.0f;
+            lanes.batch_share[k] = r.ray_count > 0 ? batch_share(r.ray_count) : 0.0f;
+            lanes.batch_variance[k] = receives2 * r.batch_variance;
+            Member& member = members_.emplace_back();
+            member.record = m.record;
+            member.is_own = own == none ? distance2 < same_place * same_place : m.record == own;
+            member.lobe = *lobe;
         }
     }
     if (of == Of::change) explain_change(plain, records, receives2);
@@ -89,15 +103,16 @@ void LocalRegression::collect(const CacheQuery& q, Of of, const RecordGrid& grid
 /// Makes the members' values those of a change: what looks find beyond a factor of the anchors' looks, by least
 /// squares over all members.
 void LocalRegression::explain_change(const GatherPoint& plain, const RecordStore& records, float receives2) {
-    const auto closeness = [](const Member& m) {
-        const double c = 1.0 - m.distance2 / (falloff_end * (largest_radius + 0.5) * (largest_radius + 0.5));
+    const auto closeness = [&](std::size_t i) {
+        const double c = 1.0 - lanes_of(i).distance2[i % lane_count] /
+                                   (1.0 * falloff_end * (largest_radius + 0.5) * (largest_radius + 0.5));
         return c * c;
     };
     double both = 0, before = 0, variance = 0, sum = 0, spread = 0;
-    for (const Member& m : members_) {
-        const IrradianceRecord& r = records[m.record];
+    for (std::size_t i = 0; i < members_.size(); ++i) {
+        const IrradianceRecord& r = records[members_[i].record];
         const double now = shown_luminance(plain, r.look.light), then = shown_luminance(plain, r.anchor->look.light),
-                     w = closeness(m);
+                     w = closeness(i);
         both += w * now * then;
         before += w * then * then;
         variance += w * 0.5 * r.look.difference * r.look.difference;
@@ -106,70 +121,138 @@ void LocalRegression::explain_change(const GatherPoint& plain, const RecordStore
     // Of few looks it would explain their noise.
     factor_ = members_.size() < std::size_t{least_records} ? 1.0 : core::divide_or(both, before, 1.0);
     batch_variance_now_ = receives2 * static_cast<float>(core::divide_or(variance, sum, 0.0));
-    for (Member& m : members_) {
-        const IrradianceRecord& r = records[m.record];
-        m.value = static_cast<float>(shown_luminance(plain, r.look.light) -
-                                     factor_ * shown_luminance(plain, r.anchor->look.light));
+    for (std::size_t i = 0; i < members_.size(); ++i) {
+        const IrradianceRecord& r = records[members_[i].record];
+        MemberLanes& lanes = lanes_of(i);
+        const std::size_t k = i % lane_count;
+        lanes.value[k] = static_cast<float>(shown_luminance(plain, r.look.light) -
+                                            factor_ * shown_luminance(plain, r.anchor->look.light));
         const double difference = r.look.difference - factor_ * r.anchor->look.difference;
-        spread += closeness(m) * 0.5 * difference * difference;
-        m.precision = 1;
-        m.batch_share = std::pow(1.0f * batch_rays / first_rays, variance_power);
+        spread += closeness(i) * 0.5 * difference * difference;
+        lanes.precision[k] = 1;
+        lanes.batch_share[k] = batch_share(first_rays);
     }
     // One difference alone tells little of a variance.
-    for (Member& m : members_) m.batch_variance = receives2 * static_cast<float>(core::divide_or(spread, sum, 0.0));
+    const float batch = receives2 * static_cast<float>(core::divide_or(spread, sum, 0.0));
+    for (std::size_t i = 0; i < members_.size(); ++i) lanes_of(i).batch_variance[i % lane_count] = batch;
 }
+
+/// A bent plane about a point, through members within a reach.
+struct LocalRegression::Plane {
+    float reach = 0;
+    std::array<float, 4> row{};    ///< of the inverse of the normal equations: gives weights
+    std::array<float, 4> value{};  ///< of 1, x, y, x^2 + y^2, over the reach
+
+    /// Sums that the normal equations are made of: moments of 1, x, y, x^2 + y^2, then of these times the value.
+    enum Moment { m1, mx, my, mz, mxx, mxy, mxz, myy, myz, mzz, v1, vx, vy, vz, batch, close, number, moments };
+    /// Sums over members once it is found.
+    enum Fit { stretch, variance, off, chance, closeness, fits };
+    template <int count>
+    using Sums = std::array<Lanes, count>;
+
+    void sum(std::span<const MemberLanes> members, Sums<moments>& sums) const;
+    /// Weights of members as well.
+    void fit(std::span<const MemberLanes> members, float* weights, Sums<fits>& sums) const;
+};
+
+RENDER2MPEG_CLONES
+void LocalRegression::Plane::sum(std::span<const MemberLanes> members, Sums<moments>& sums) const {
+    const float per_reach = 1.0f / reach, per_square = per_reach * per_reach, reach2 = reach * reach;
+    Sums<moments> s{};
+    for (const MemberLanes& m : members) {
+        for (std::size_t i = 0; i < lane_count; ++i) {
+            const float z = m.distance2[i] * per_square, x = m.x[i] * per_reach, y = m.y[i] * per_reach,
+                        c = 1.0f - z * (1.0f / falloff_end), near = m.distance2[i] <= reach2 ? c * c : 0.0f,
+                        w = near * m.precision[i], wx = w * x, wy = w * y, wz = w * z, v = m.value[i];
+            s[m1][i] += w;
+            s[mx][i] += wx;
+            s[my][i] += wy;
+            s[mz][i] += wz;
+            s[mxx][i] += wx * x;
+            s[mxy][i] += wx * y;
+            s[mxz][i] += wx * z;
+            s[myy][i] += wy * y;
+            s[myz][i] += wy * z;
+            s[mzz][i] += wz * z;
+            s[v1][i] += w * v;
+            s[vx][i] += wx * v;
+            s[vy][i] += wy * v;
+            s[vz][i] += wz * v;
+            s[batch][i] += near * m.batch_variance[i];
+            s[close][i] += near;
+            s[number][i] += m.distance2[i] <= reach2 ? 1.0f : 0.0f;
+        }
+    }
+    sums = s;
+}
+
+RENDER2MPEG_CLONES
+void LocalRegression::Plane::fit(std::span<const MemberLanes> members, float* weights, Sums<fits>& sums) const {
+    const float per_reach = 1.0f / reach, per_square = per_reach * per_reach, reach2 = reach * reach;
+    Sums<fits> s{};
+    for (const MemberLanes& m : members) {
+        for (std::size_t i = 0; i < lane_count; ++i) {
+            const float z = m.distance2[i] * per_square, x = m.x[i] * per_reach, y = m.y[i] * per_reach,
+                        c = m.distance2[i] <= reach2 ? 1.0f - z * (1.0f / falloff_end) : 0.0f,
+                        w = c * c * m.precision[i] * (row[0] + row[1] * x + row[2] * y + row[3] * z),
+                        d = m.value[i] - (value[0] + value[1] * x + value[2] * y + value[3] * z);
+            weights[i] = w;
+            s[stretch][i] += inlined::abs(w);
+            s[variance][i] += w * w * m.batch_share[i];
+            s[off][i] += c * d * d;
+            s[chance][i] += c * m.batch_share[i];
+            s[closeness][i] += c;
+        }
+        weights += lane_count;
+    }
+    sums = s;
+}
+
+namespace {
+
+/// Sum of each number's lanes.
+template <std::size_t count, std::size_t width>
+std::array<double, count> totals(const std::array<std::array<float, width>, count>& sums) {
+    std::array<double, count> out{};
+    for (std::size_t k = 0; k < count; ++k)
+        for (const float lane : sums[k]) out[k] += static_cast<double>(lane);
+    return out;
+}
+
+std::array<float, 4> narrowed(const glm::dvec4& v) {
+    return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z), static_cast<float>(v.w)};
+}
+
+}  // namespace
 
 /// Considers the bent plane through records within a radius.
 void LocalRegression::fit_plane(int radius, double common, RegressionError& best) {
-    const float reach = static_cast<float>(radius) + 0.5f, reach2 = reach * reach;
-    const auto closeness = [&](const Member& m) { return 1.0 - m.distance2 / (falloff_end * reach2); };
-    // Normal equations of a bent plane about the point.
-    const auto basis = [&](const Member& m) {
-        return glm::dvec4(1.0, m.offset.x / reach, m.offset.y / reach, m.distance2 / reach2);
-    };
-    glm::dmat4 moments(0.0);
-    double batch = 0, close = 0;
-    int count = 0;
-    for (const Member& m : members_) {
-        if (m.distance2 > reach2) continue;
-        const double k = closeness(m) * closeness(m);
-        const glm::dvec4 b = basis(m);
-        moments += glm::outerProduct(k * m.precision * b, b);
-        batch += k * m.batch_variance;
-        close += k;
-        ++count;
-    }
-    if (count < least_records) return;
-    const double s = moments[0][0], flat = glm::determinant(glm::dmat3(moments));
+    using P = Plane;
+    P plane{static_cast<float>(radius) + 0.5f};
+    P::Sums<P::moments> lanes;
+    plane.sum(lanes_, lanes);
+    const std::array<double, P::moments> m = totals(lanes);
+    const double count = m[P::number];
+    if (count < 1.0 * least_records) return;
+    const glm::dmat4 equations(m[P::m1], m[P::mx], m[P::my], m[P::mz], m[P::mx], m[P::mxx], m[P::mxy], m[P::mxz],
+                               m[P::my], m[P::mxy], m[P::myy], m[P::myz], m[P::mz], m[P::mxz], m[P::myz], m[P::mzz]);
+    const double s = m[P::m1], flat = glm::determinant(glm::dmat3(equations));
     // Records along a line carry no plane; the determinant of those all around is some s^3 / 50.
-    if (!(flat > line_share * s * s * s) || !(glm::determinant(moments) > circle_share * s * flat)) return;
-    const glm::dmat4 inverse = glm::inverse(moments);
-    batch /= close;
-    plane_.assign(members_.size(), 0.0f);
-    glm::dvec4 plane(0);
-    double variance = 0, stretch = 0;
-    for (std::size_t i = 0; i < members_.size(); ++i) {
-        const Member& m = members_[i];
-        if (m.distance2 > reach2) continue;
-        const glm::dvec4 row = inverse * basis(m) * (closeness(m) * closeness(m) * m.precision);
-        plane_[i] = static_cast<float>(row.x);
-        stretch += std::abs(row.x);
-        variance += row.x * row.x * batch * m.batch_share;
-        plane += row * static_cast<double>(m.value);
-    }
-    // What records are off it by, beyond their variance.
-    double off = 0, chance = 0, sum = 0;
-    for (const Member& m : members_) {
-        if (m.distance2 > reach2) continue;
-        const double d = m.value - glm::dot(plane, basis(m)), w = closeness(m);
-        off += w * d * d;
-        chance += w * m.batch_share;
-        sum += w;
-    }
-    off *= count / ((count - 1.0 * unknowns) * sum);
-    chance *= batch / sum;
-    const double square = variance + std::max(off - chance, 0.0);
-    if (!(stretch <= most_stretch) || !std::isfinite(square) || (best.is_valid() && !(square < best.square))) return;
+    if (!(flat > line_share * s * s * s) || !(glm::determinant(equations) > circle_share * s * flat)) return;
+    const glm::dmat4 inverse = glm::inverse(equations);
+    const double batch = m[P::batch] / m[P::close];
+    plane.row = narrowed(inverse[0]);
+    plane.value = narrowed(inverse * glm::dvec4(m[P::v1], m[P::vx], m[P::vy], m[P::vz]));
+    plane_.resize(lanes_.size() * lane_count);
+    P::Sums<P::fits> fit_lanes;
+    plane.fit(lanes_, plane_.data(), fit_lanes);
+    const std::array<double, P::fits> f = totals(fit_lanes);
+    const double variance = batch * f[P::variance], chance = batch * f[P::chance] / f[P::closeness],
+                 // What records are off it by, beyond their variance.
+        off = f[P::off] * count / ((count - 1.0 * unknowns) * f[P::closeness]),
+                 square = variance + std::max(off - chance, 0.0);
+    if (!(f[P::stretch] <= most_stretch) || !std::isfinite(square) || (best.is_valid() && !(square < best.square)))
+        return;
     best = {square, variance, common * variance, batch, core::divide_or(variance, chance, 1.0), radius};
     weights_.swap(plane_);
 }
@@ -178,13 +261,13 @@ void LocalRegression::fit_plane(int radius, double common, RegressionError& best
 void LocalRegression::take_own(RegressionError& best) {
     // Neighbours know better how rays vary than its own do: the few of a rim that missed what is bright look sure.
     double all = 0;
-    for (const Member& m : members_) all += m.batch_variance;
+    for (const MemberLanes& lanes : lanes_)
+        for (const float of_member : lanes.batch_variance) all += static_cast<double>(of_member);
     const double batch =
         best.is_valid() ? best.batch_variance : core::divide_or(all, static_cast<double>(members_.size()), 0.0);
     for (std::size_t i = 0; i < members_.size(); ++i) {
-        const Member& m = members_[i];
-        if (!m.is_own) continue;
-        const double square = batch * m.batch_share;
+        if (!members_[i].is_own) continue;
+        const double square = batch * lanes_of(i).batch_share[i % lane_count];
         if (!std::isfinite(square) || (best.is_valid() && !(square < best.square))) continue;
         best = {square, square, common_alone * square, batch, 1.0, 0};
         weights_.assign(members_.size(), 0.0f);

@@ -1,5 +1,7 @@
 #pragma once
 // Weighted local regression among records, of the order and radius that promise the least error.
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>
@@ -54,20 +56,28 @@ class LocalRegression {
   private:
     struct Member {
         std::uint32_t record = 0;
-        glm::vec2 offset{0};       ///< from the point, pixels
-        float distance2 = 0;       ///< square of its length
-        float value = 0;           ///< luminance of the pixel
-        float precision = 1;       ///< by which it is weighted
-        float batch_share = 0;     ///< variance of its rays' mean over that of a batch
-        float batch_variance = 0;  ///< luminance of the pixel, squared
-        bool is_own = false;       ///< the point's, or one in its place
+        bool is_own = false;  ///< the point's, or one in its place
         SeenLobe lobe;
     };
+    static constexpr std::size_t lane_count = 8;
+    using Lanes = std::array<float, lane_count>;
+    /// Members side by side, for vector code; those beyond the last are far away.
+    struct alignas(32) MemberLanes {
+        Lanes x{}, y{};          ///< from the point, pixels
+        Lanes distance2{};       ///< square of its length
+        Lanes value{};           ///< luminance of the pixel
+        Lanes precision{};       ///< by which it is weighted
+        Lanes batch_share{};     ///< variance of its rays' mean over that of a batch
+        Lanes batch_variance{};  ///< luminance of the pixel, squared
+    };
+    struct Plane;
     void explain_change(const GatherPoint& plain, const RecordStore& records, float receives2);
+    MemberLanes& lanes_of(std::size_t i) { return lanes_[i / lane_count]; }
     void fit_plane(int radius, double common, RegressionError& best);
     void take_own(RegressionError& best);
 
     std::vector<Member> members_;
+    std::vector<MemberLanes> lanes_;
     std::vector<float> weights_, plane_;
     double factor_ = 1;
     float batch_variance_now_ = 0;

@@ -91,11 +91,6 @@ void for_each_pool(const Pools& pools, const Body& body) {
     });
 }
 
-double shown_luminance(const GatherPoint& point, const std::array<glm::vec3, 3>& light) {
-    const Bsdf& bsdf = point.point.bsdf;
-    return core::luminance(point.weight * (bsdf.diffuse * light[0] + bsdf.f0 * light[1] + bsdf.f90 * light[2]));
-}
-
 FinalGather::FinalGather(const PosedScene& posed_scene, const Plan& plan)
     : posed_scene_(posed_scene),
       gather_rays_(posed_scene, plan),

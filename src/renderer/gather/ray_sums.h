@@ -20,6 +20,9 @@ inline constexpr std::uint32_t batch_rays = 8;
 /// and a box; independent rays have 1, a smooth integrand more than 2.
 inline constexpr float variance_power = 1.2f;
 
+/// Variance of the mean of so many rays, at least one, over that of a batch.
+float batch_share(std::uint32_t rays);
+
 /// Luminance that the pixel shows of light found by rays: irradiance over pi and the lobe's two parts.
 double shown_luminance(const GatherPoint& point, const std::array<glm::vec3, 3>& light);
 
