@@ -99,9 +99,7 @@ struct Renderer::Impl {
 
     std::uint64_t gathered_rays() const { return final_gather.counts().rays + final_gather.counts().cell_rays; }
 
-    ShadeSettings shade_settings() const {
-        return {{settings.min_cut, settings.max_cut, 1.0f}, plan.runs(Pass::layers)};
-    }
+    CutLimits cut_limits() const { return {settings.min_cut, settings.max_cut, 1.0f}; }
 
     LightingContext context_of(const scene::Snapshot& snapshot, const Frame& frame, const UngatheredLight& ungathered,
                                const core::ToleranceMap& tolerance) {
@@ -118,13 +116,15 @@ struct Renderer::Impl {
     Frame refined(Frame frame, const core::ToleranceMap& tolerance);
     Frame exposed(Frame frame, const ExposureSamples& samples);
     void add_effects(const scene::Snapshot& snapshot, const core::ToleranceMap* tolerance, PlacedFrame& placed);
-    core::Radiance gather_film(const scene::Snapshot& snapshot, const LightingContext& context, ShadeCounts& counts,
-                               FrameLight& light);
-    core::Radiance gather_all(const scene::Snapshot& snapshot, const LightingContext& context, ShadeSettings settings,
-                              ShadeCounts& counts, FrameLight& light);
+    FrameLight gather_film(const scene::Snapshot& snapshot, const LightingContext& context, CutLimits& limits,
+                           ShadeCounts& counts);
+    FrameLight gather_all(const scene::Snapshot& snapshot, const LightingContext& context, const CutLimits& limits,
+                          ShadeCounts& counts);
     core::Radiance gather_sparse(const scene::Snapshot& snapshot, const LightingContext& context, ShadeCounts& counts);
-    core::Radiance gather_draft(const scene::Snapshot& snapshot, const LightingContext& context,
-                                const core::MotionField* to_before, ShadeCounts& counts);
+    FrameLight gather_draft(const scene::Snapshot& snapshot, const LightingContext& context,
+                            const core::MotionField* to_before, ShadeCounts& counts);
+    void learn(const scene::Snapshot& snapshot, const LightingContext& context, float error_scale,
+               const FrameLight& light, const core::Radiance& radiance, std::uint64_t rays);
     core::Radiance trace(const UngatheredLight& ungathered, const TruthSettings& finely);
     template <class Use>
     auto audited(const scene::Snapshot& snapshot, const Lit& lit, const core::ToleranceMap& wanted, Use use);
@@ -194,66 +194,58 @@ void Renderer::Impl::add_effects(const scene::Snapshot& snapshot, const core::To
 }
 
 /// Light of all points of a frame, by light trees and rays; no cache.
-core::Radiance Renderer::Impl::gather_all(const scene::Snapshot& snapshot, const LightingContext& context,
-                                          ShadeSettings s, ShadeCounts& counts, FrameLight& light) {
-    core::Radiance radiance = shade(context, s, counts, nullptr, &light);
-    if (rays_of.empty()) return radiance;
-    if (!caches) final_gather.forget(lights.sky_of_rays());
+FrameLight Renderer::Impl::gather_all(const scene::Snapshot& snapshot, const LightingContext& context,
+                                      const CutLimits& limits, ShadeCounts& counts) {
+    FrameLight light = gather_light(context, limits, counts);
+    if (!rays_of.empty() && !caches) final_gather.forget(lights.sky_of_rays());
     for (const RaysOf which : rays_of) add_rays(final_gather, snapshot.camera, context, which, light);
-    ShadeCounts again;
-    return shade(context, s, again, &light);
+    return light;
 }
 
-core::Radiance Renderer::Impl::gather_film(const scene::Snapshot& snapshot, const LightingContext& context,
-                                           ShadeCounts& counts, FrameLight& light) {
-    ShadeSettings s = shade_settings();
+/// Light of a film's frame, for which `limits` get the error scale.
+FrameLight Renderer::Impl::gather_film(const scene::Snapshot& snapshot, const LightingContext& context,
+                                       CutLimits& limits, ShadeCounts& counts) {
     const bool is_reference = context.tolerance.is_reference();
     // Learn how far cuts err,
-    const bool learns = settings.calibrate && !is_reference;
-    if (learns) {
+    if (settings.calibrate && !is_reference) {
         const Stopwatch timer(statistics.calibration_seconds);
-        statistics.calibrated_pixels += calibration.before(snapshot, lights.lit_frame(), context, s);
+        statistics.calibrated_pixels += calibration.before(snapshot, lights.lit_frame(), context, limits);
+        limits.error_scale = calibration.value();
+        add_error_scale(limits.error_scale, statistics);
     }
-    s.limits.error_scale = learns ? calibration.value() : 1.0f;
-    // ask the cache, which gathers its misses, or gather all,
-    std::optional<FrameLight> cached;
-    core::Radiance radiance;
-    if (caches && !is_reference) {
-        cached = cache.light(context, snapshot, s.limits, lights.by_rays() ? &final_gather : nullptr, counts,
-                             statistics.cache);
-        if (plan.runs(Pass::lobe_rays)) add_rays(final_gather, snapshot.camera, context, RaysOf::lobes, *cached);
-        radiance = shade(context, s, counts, &*cached, &light);
-        if (s.layers) radiance.record_density = cache.density(snapshot.camera, settings.format);
-    } else {
-        radiance = gather_all(snapshot, context, s, counts, light);
-    }
-    // and learn from the frame, if it has light of trees alone.
-    if (learns) add_error_scale(s.limits.error_scale, statistics);
-    if (learns && !lights.by_rays()) {
-        const Stopwatch timer(statistics.calibration_seconds);
-        statistics.calibrated_pixels += calibration.after(snapshot, lights.lit_frame(), context, s, radiance,
-                                                          counts.shadow_rays, cached ? &*cached : nullptr);
-    }
-    return radiance;
+    // ask the cache, which gathers its misses, or gather all.
+    if (!caches || is_reference) return gather_all(snapshot, context, limits, counts);
+    FrameLight light =
+        cache.light(context, snapshot, limits, lights.by_rays() ? &final_gather : nullptr, counts, statistics.cache);
+    if (plan.runs(Pass::lobe_rays)) add_rays(final_gather, snapshot.camera, context, RaysOf::lobes, light);
+    return light;
+}
+
+/// The error scale learns from a frame, if it has light of trees alone.
+void Renderer::Impl::learn(const scene::Snapshot& snapshot, const LightingContext& context, float error_scale,
+                           const FrameLight& light, const core::Radiance& radiance, std::uint64_t rays) {
+    if (!settings.calibrate || context.tolerance.is_reference() || lights.by_rays()) return;
+    const Stopwatch timer(statistics.calibration_seconds);
+    statistics.calibrated_pixels +=
+        calibration.after(snapshot, lights.lit_frame(), context, error_scale, light, radiance, rays);
 }
 
 core::Radiance Renderer::Impl::gather_sparse(const scene::Snapshot& snapshot, const LightingContext& context,
                                              ShadeCounts& counts) {
     const Frame thin = every_fourth_pixel(context.seen);
-    FrameLight light;
-    core::Radiance radiance = gather_all(snapshot, context_of(snapshot, thin, context.ungathered, context.tolerance),
-                                         shade_settings(), counts, light);
+    const LightingContext few = context_of(snapshot, thin, context.ungathered, context.tolerance);
+    core::Radiance radiance =
+        shade(few, gather_all(snapshot, few, cut_limits(), counts), plan.runs(Pass::layers), counts);
     interpolate_light(context.seen, context.ungathered, radiance);
     return radiance;
 }
 
-core::Radiance Renderer::Impl::gather_draft(const scene::Snapshot& snapshot, const LightingContext& context,
-                                            const core::MotionField* to_before, ShadeCounts& counts) {
+FrameLight Renderer::Impl::gather_draft(const scene::Snapshot& snapshot, const LightingContext& context,
+                                        const core::MotionField* to_before, ShadeCounts& counts) {
     if (snapshot.cut_before) draft_light.forget();
-    const ShadeSettings s = shade_settings();
-    FrameLight light = draft_light.light({context, lights.trees(), to_before}, s.limits, counts);
+    FrameLight light = draft_light.light({context, lights.trees(), to_before}, cut_limits(), counts);
     if (plan.runs(Pass::lobe_rays)) add_rays(final_gather, snapshot.camera, context, RaysOf::lobes, light);
-    return shade(context, s, counts, &light);
+    return light;
 }
 
 core::Radiance Renderer::Impl::trace(const UngatheredLight& ungathered, const TruthSettings& finely) {
@@ -267,8 +259,14 @@ core::Radiance Renderer::Impl::trace(const UngatheredLight& ungathered, const Tr
     return std::move(truth.radiance);
 }
 
-Renderer::Renderer(const scene::Animation& animation, const Settings& settings, const Plan& plan, TextureStore* store)
-    : impl_(std::make_unique<Impl>(animation, settings, plan, store)) {}
+Renderer::Renderer(const scene::Animation& animation, const Settings& settings, const Plan& plan, TextureStore* store,
+                   std::optional<KnownLight> known)
+    : impl_(std::make_unique<Impl>(animation, settings, plan, store)) {
+    if (!known) return;
+    std::vector<StoredRecord> records(known->size() / sizeof(StoredRecord));
+    if (!records.empty()) std::memcpy(records.data(), known->data(), records.size() * sizeof(StoredRecord));
+    impl_->cache.library().know(std::move(records));
+}
 Renderer::Renderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
@@ -280,12 +278,6 @@ std::unique_ptr<Renderer> Renderer::beside(const scene::Snapshot& instant) {
 
 void Renderer::start_chunk(const scene::Snapshot& first) {
     impl_->start_chunk(first);
-}
-
-void Renderer::know_light(std::span<const std::byte> light) {
-    std::vector<StoredRecord> records(light.size() / sizeof(StoredRecord));
-    if (!records.empty()) std::memcpy(records.data(), light.data(), records.size() * sizeof(StoredRecord));
-    impl_->cache.library().know(std::move(records));
 }
 
 std::vector<std::byte> Renderer::found_light() {
@@ -330,30 +322,38 @@ Lit Renderer::gather(const scene::Snapshot& snapshot, PlacedFrame placed, const 
     Lit lit{std::move(placed), {}};
     const core::ToleranceMap tolerance = tolerance_of_points(lit.frame, order.tolerance);
     const LightingContext context = i.context_of(snapshot, lit.frame, lit.ungathered, tolerance);
+    const bool layers = i.plan.runs(Pass::layers);
+    CutLimits limits = i.cut_limits();
     ShadeCounts counts;
     FrameLight light;
     switch (order.manner) {
         case Manner::film:
-            lit.radiance = i.gather_film(snapshot, context, counts, light);
+            light = i.gather_film(snapshot, context, limits, counts);
             break;
         case Manner::rough:
-            lit.radiance = i.gather_all(snapshot, context, i.shade_settings(), counts, light);
+            light = i.gather_all(snapshot, context, limits, counts);
+            break;
+        case Manner::draft:
+            light = i.gather_draft(snapshot, context, order.to_before, counts);
             break;
         case Manner::sparse:
             lit.radiance = i.gather_sparse(snapshot, context, counts);
-            break;
-        case Manner::draft:
-            lit.radiance = i.gather_draft(snapshot, context, order.to_before, counts);
             break;
         case Manner::truth:
             lit.radiance = i.trace(lit.ungathered, order.truth);
             break;
     }
+    const bool has_points = order.manner != Manner::sparse && order.manner != Manner::truth;
+    if (has_points) lit.radiance = shade(context, light, layers, counts);
+    if (order.manner == Manner::film) {
+        if (layers && i.caches) lit.radiance.record_density = i.cache.density(snapshot.camera, i.settings.format);
+        i.learn(snapshot, context, limits.error_scale, light, lit.radiance, counts.shadow_rays);
+    }
     if (order.manner == Manner::film || order.manner == Manner::draft) i.count(counts, lit.frame.visible);
-    if (lit.frame.exposure && !light.empty()) {
+    if (lit.frame.exposure && has_points) {
         lit.middle = lit.radiance;
         ShadeCounts blurred;
-        spread_light(lit.frame, lit.ungathered, light, i.shade_settings().layers, lit.radiance, blurred);
+        spread_light(lit.frame, lit.ungathered, light, layers, lit.radiance, blurred);
         if (!order.is_rough()) i.count(blurred, lit.frame.visible);
     }
     i.share_time(parallel::lane_seconds() - start, counts);
@@ -361,7 +361,7 @@ Lit Renderer::gather(const scene::Snapshot& snapshot, PlacedFrame placed, const 
     return lit;
 }
 
-/// Calls `use` with the frame lit last and its lights. Nothing counts, and no frame learns from it.
+/// Calls `use` with a lit frame and its lights. Nothing counts, and no frame learns from it.
 template <class Use>
 auto Renderer::Impl::audited(const scene::Snapshot& snapshot, const Lit& lit, const core::ToleranceMap& wanted,
                              Use use) {

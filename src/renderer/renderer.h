@@ -59,10 +59,13 @@ struct Lit : PlacedFrame {
 /// chunk's first frame.
 class Renderer {
   public:
+    /// Light that `found_light` returned in earlier runs of the same film under the same light, which never changes.
+    using KnownLight = std::span<const std::byte>;
+
     /// Takes textures from `store` (none: one of its own) and builds static data. Throws core::Error for images that
-    /// cannot be read.
+    /// cannot be read. `known`: none if `found_light` is not to be asked.
     Renderer(const scene::Animation& animation, const Settings& settings, const Plan& plan,
-             TextureStore* store = nullptr);
+             TextureStore* store = nullptr, std::optional<KnownLight> known = {});
     ~Renderer();
     Renderer(Renderer&&) noexcept;
 
@@ -74,10 +77,7 @@ class Renderer {
     /// Forgets everything that was carried over from earlier frames.
     void start_chunk(const scene::Snapshot& first);
 
-    /// Takes light that `found_light` returned in earlier runs of the same film under the same light, which never
-    /// changes; before the first chunk. From now on light is kept for `found_light`.
-    void know_light(std::span<const std::byte> light);
-    /// Light that the chunk found beyond that, at its end.
+    /// Light that the chunk found beyond what was known, at its end.
     std::vector<std::byte> found_light();
 
     /// Primary visibility with antialiasing; no light. May run ahead by some frames of a chunk that was started.
@@ -93,7 +93,7 @@ class Renderer {
     /// Gathers light for all gather points of a frame until every pixel's error bound is below its tolerance.
     Lit gather(const scene::Snapshot& snapshot, PlacedFrame placed, const LightOrder& order);
 
-    /// Gathers `count` pixels of the frame lit last again, from every light point, where they were lit: how well its
+    /// Gathers `count` pixels of a lit frame again, from every light point, where they were lit: how well its
     /// tolerances were kept (audit.h). Counts nowhere in the statistics.
     std::vector<AuditedPixel> audit(const scene::Snapshot& snapshot, const Lit& lit,
                                     const core::ToleranceMap& tolerance, int count);
@@ -102,7 +102,7 @@ class Renderer {
     std::vector<AuditedPixel> audit(const scene::Snapshot& snapshot, const Lit& lit,
                                     const core::ToleranceMap& tolerance, std::span<const glm::ivec2> places);
 
-    /// Holds audited pixels of the frame lit last against the truth, by paths (pixel_truth.h). Counts nowhere in the
+    /// Holds audited pixels of a lit frame against the truth, by paths (pixel_truth.h). Counts nowhere in the
     /// statistics. `finely`: how well the truth is found.
     std::vector<ValidatedPixel> validate(const scene::Snapshot& snapshot, const Lit& lit,
                                          const core::ToleranceMap& tolerance, std::span<const AuditedPixel> audited,

@@ -220,8 +220,8 @@ TEST_F(NoisyWall, WhatABlockHasInCommonIsToldAndCosts) {
     EXPECT_GT(variance, 4 * of_pixel / 64) << "neighbours share noise";
     EXPECT_NEAR(told / variance, 1.0, 0.35);
     // Where coding hides half as much of it, a pixel's error counts by three times of that more.
-    EXPECT_DOUBLE_EQ((GatherAim{0.1f, 0.5f}.priced(1.0, 0.25)), 1.75);
-    EXPECT_DOUBLE_EQ((GatherAim{0.1f}.priced(1.0, 0.25)), 1.0);
+    EXPECT_DOUBLE_EQ((Allocation{0.1f, 0.5f}.priced(1.0, 0.25)), 1.75);
+    EXPECT_DOUBLE_EQ((Allocation{0.1f}.priced(1.0, 0.25)), 1.0);
 }
 
 TEST_F(NoisyWall, StepsOfLightAreNoNoise) {

@@ -75,8 +75,10 @@ core::Plane<float> MovingLightFilm::shade(const scene::Snapshot& world, const re
     renderer::ShadeCounts counts;
     const renderer::Frame seen = see(world);
     const renderer::UngatheredLight ungathered(seen);
-    const core::Radiance radiance = renderer::shade(
-        {light_trees, posed_scene_.tracer(), seen, ungathered, world.camera.position(), tolerance}, {}, counts);
+    const renderer::LightingContext context{light_trees, posed_scene_.tracer(),   seen,
+                                            ungathered,  world.camera.position(), tolerance};
+    const core::Radiance radiance =
+        renderer::shade(context, renderer::gather_light(context, {}, counts), false, counts);
     cost.shadow_rays += counts.shadow_rays;
     cost.seconds += static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
     core::Plane<float> luminances(format_.width, format_.height);

@@ -217,10 +217,10 @@ RenderJob without(const RenderJob& film, renderer::Pass effect) {
     return less;
 }
 
-renderer::Renderer renderer_of(const RenderJob& film) {
+renderer::Renderer renderer_of(const RenderJob& film, std::optional<renderer::Renderer::KnownLight> known) {
     std::optional<parallel::ThreadLimit> one_thread;
     if (film.images_in_turn) one_thread.emplace(1);
-    renderer::Renderer renderer(*film.animation, film.rendering, film.plan, film.textures.get());
+    renderer::Renderer renderer(*film.animation, film.rendering, film.plan, film.textures.get(), known);
     film.images->forget();
     return renderer;
 }

@@ -103,7 +103,7 @@ RenderJob draft_of(const RenderJob& film);
 /// film's own.
 RenderJob at_effort(const RenderJob& film, const Effort& effort);
 
-renderer::Renderer renderer_of(const RenderJob& film);
+renderer::Renderer renderer_of(const RenderJob& film, std::optional<renderer::Renderer::KnownLight> known = {});
 
 /// Refuses missing files and other kinds, with the nearest name beside it. Throws core::Error.
 void check_scene(const std::filesystem::path& input);

@@ -135,9 +135,11 @@ bool ChunkProduction::run() {
     if (done_ > 0) progress_->advance_to(done_, frames);
 
     // Those beside the first share with it what never moves.
-    renderer::Renderer first = renderer_of(film_);
     light_ = light_file_of(film_, options_);
-    if (light_) first.know_light(light_->known(film_.known_light));
+    std::vector<std::byte> known;
+    if (light_) known = light_->known(film_.known_light);
+    renderer::Renderer first =
+        renderer_of(film_, light_ ? std::optional<renderer::Renderer::KnownLight>(known) : std::nullopt);
     std::vector<std::unique_ptr<renderer::Renderer>> others;
     if (at_once_ > 1) {
         const scene::Snapshot instant = film_.snapshot(missing_.front().first);

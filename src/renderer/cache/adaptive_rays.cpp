@@ -56,12 +56,12 @@ std::uint32_t wanted_rays(const FrameState& frame, const NewRecord& fresh, Local
     const double has = record.ray_count, most = most_growth * has;
     if (!(tolerance > 0.0f)) return static_cast<std::uint32_t>(most);
     double needs =
-        has * std::pow(frame.aim.priced(error.square, error.of_block) / (tolerance * tolerance), 1.0 / variance_power);
+        samples_for(tolerance * tolerance, has, frame.allocation.priced(error.square, error.of_block), variance_power);
     if (fit.size() < few_records) {
         const double share = 1.0 / std::max(static_cast<double>(query->tolerance.noise), 1.0);
         needs = std::max(needs, least_of_few * std::pow(share * share, 1.0 / variance_power));
     }
-    return static_cast<std::uint32_t>(std::min(frame.aim.worth(needs), most));
+    return static_cast<std::uint32_t>(std::min(frame.allocation.worth(needs), most));
 }
 
 /// Traces the first rays of records again that took other rays since: anchors need both of one instant.
@@ -83,7 +83,7 @@ void look_now(FrameState& frame, std::span<const NewRecord> fresh) {
 
 void refine_rays(FrameState& frame, std::size_t first) {
     const std::span<const NewRecord> fresh = std::span(frame.fresh).subspan(first);
-    frame.grid.extend(frame.records.all(), frame.camera);
+    frame.grid.extend(frame.records.all(), frame.camera());
     for (int round = 0; round < rounds; ++round) {
         // Rays more, a multiple of the first ones.
         std::vector<std::uint32_t> more(fresh.size());
@@ -105,14 +105,14 @@ void refine_rays(FrameState& frame, std::size_t first) {
                 const NewRecord& f = fresh[which[k]];
                 const IrradianceRecord& record = frame.records[f.record];
                 receivers[k] = plain_receiver(frame.point(f.point));
-                requests[k] = request_of(receivers[k], {}, {0, 0}, frame.camera);
+                requests[k] = request_of(receivers[k], {}, {0, 0}, frame.camera());
                 requests[k].seed = record.seed;
                 requests[k].rays = more[which[k]];
                 requests[k].from = record.next_ray;
                 requests[k].pool = f.pool;
             }
         });
-        const std::vector<RayLight> found = frame.rays->gather(requests, frame.aim);
+        const std::vector<RayLight> found = frame.rays->gather(requests, frame.allocation);
         parallel::for_ranges(which.size(), records_at_once, [&](std::size_t begin, std::size_t end) {
             for (std::size_t k = begin; k < end; ++k)
                 take_rays(found[k], receivers[k], frame.records.change(fresh[which[k]].record));
@@ -122,7 +122,7 @@ void refine_rays(FrameState& frame, std::size_t first) {
 }
 
 void reconstruct(FrameState& frame) {
-    frame.grid.extend(frame.records.all(), frame.camera);
+    frame.grid.extend(frame.records.all(), frame.camera());
     parallel::for_ranges(frame.fresh.size(), records_at_once, [&](std::size_t begin, std::size_t end) {
         LocalRegression fit;
         for (std::size_t i = begin; i < end; ++i) {

@@ -18,8 +18,8 @@ bool look_up(FrameState& frame, std::size_t t, std::size_t i) {
     if (tile.state[i] != PointState::open) return false;
     const auto query = frame.query_of(t, i);
     if (!query) return false;
-    const auto found =
-        query_cache(*query, frame.grid, frame.records, frame.aim, frame.limits.error_scale, frame.snapshot.frame);
+    const auto found = query_cache(*query, frame.grid, frame.records, frame.allocation, frame.limits.error_scale,
+                                   frame.snapshot.frame);
     tile.state[i] = found ? PointState::done : PointState::failed;
     if (found) tile.light[i] = *found;
     return found.has_value();
@@ -43,7 +43,7 @@ std::vector<PointRef> look_up_tile(FrameState& frame, std::size_t t, int lattice
     TileState& tile = frame.tiles[t];
     std::vector<PointRef> requests;
     for (std::size_t i = 0; i < tile.state.size(); ++i) {
-        const GatherPoint& p = frame.seen.tiles[t][i];
+        const GatherPoint& p = frame.seen().tiles[t][i];
         if (tile.state[i] >= PointState::done || !frame.on_lattice(t, p, lattice)) continue;
         PointRef request{static_cast<std::uint32_t>(t), static_cast<std::uint32_t>(i)};
         if (uses_cache(p)) {
@@ -81,7 +81,7 @@ void reopen_near(FrameState& frame, const std::vector<GatheredRequests>& of_area
 
 void light_lattice(FrameState& frame, int lattice) {
     // Ask the cache,
-    frame.grid.extend(frame.records.all(), frame.camera);
+    frame.grid.extend(frame.records.all(), frame.camera());
     std::vector<std::vector<PointRef>> requests(frame.tiles.size());
     parallel::for_each(frame.tiles.size(), [&](std::size_t t) { requests[t] = look_up_tile(frame, t, lattice); });
     // else gather, and keep what was found as records.

@@ -47,19 +47,19 @@ PointLight blend(const LocalRegression& fit, const CacheQuery& q, const RecordSt
 constexpr float errors_of_detail = 2.0f;
 
 /// Mean square error that is allowed to a point whose rays vary by so much, of which a share is left by its neighbours.
-double allowed_square(const RegressionError& error, float tolerance, GatherAim aim) {
+double allowed_square(const RegressionError& error, float tolerance, Allocation allocation) {
     if (!(error.batch_variance > 0.0)) return std::pow(tolerance / errors_of_detail, 2.0f);
     const double square = std::pow(tolerance / core::errors_of_noise, 2.0f);
     // Of rays of its own a block's mean has a 64th.
     const double alone = error.batch_variance * error.variance_share,
-                 batches = std::pow(aim.priced(alone, alone / 64) / square, 1.0 / variance_power);
-    return square * aim.left(std::max(batch_rays * batches, 1.0 * first_rays));
+                 rays = samples_for(square, batch_rays, allocation.priced(alone, alone / 64), variance_power);
+    return square * allocation.left(std::max(rays, 1.0 * first_rays));
 }
 
 }  // namespace
 
-std::optional<PointLight> query_cache(const CacheQuery& q, const RecordGrid& grid, RecordStore& records, GatherAim aim,
-                                      float error_scale, std::int64_t frame) {
+std::optional<PointLight> query_cache(const CacheQuery& q, const RecordGrid& grid, RecordStore& records,
+                                      Allocation allocation, float error_scale, std::int64_t frame) {
     static thread_local LocalRegression fit;
     fit.collect(q, LocalRegression::Of::all_light, grid, records);
     const RegressionError error = fit.estimate();
@@ -67,7 +67,8 @@ std::optional<PointLight> query_cache(const CacheQuery& q, const RecordGrid& gri
     PointLight light = blend(fit, q, records, error_scale, frame);
     const float found = core::luminance(light.scattered(q.point)), tolerance = q.tolerance.allows_samples(found);
     if (!(tolerance > 0.0f) || !(core::errors_of_one_in_hundred * light.error.value <= tolerance) ||
-        !(aim.priced(error.square, error.of_block) <= allowed_square(error, q.tolerance.allows_noise(found), aim)))
+        !(allocation.priced(error.square, error.of_block) <=
+          allowed_square(error, q.tolerance.allows_noise(found), allocation)))
         return std::nullopt;
     light.error += {static_cast<float>(std::sqrt(error.square))};
     for (std::size_t i = 0; i < fit.size(); ++i)

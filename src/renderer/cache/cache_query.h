@@ -28,6 +28,6 @@ inline SurfaceMark mark_of(const CacheQuery& q) {
 /// Light of a point by its neighbours' records (local_regression.h), if its estimated error is within the tolerance, or
 /// less than what rays of its own would be worth. Marks the records as used. `error_scale`: of cuts (CutLimits).
 std::optional<PointLight> query_cache(const CacheQuery& query, const RecordGrid& grid, RecordStore& records,
-                                      GatherAim aim, float error_scale, std::int64_t frame);
+                                      Allocation allocation, float error_scale, std::int64_t frame);
 
 }  // namespace render2mpeg::renderer

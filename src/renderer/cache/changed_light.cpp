@@ -57,7 +57,7 @@ bool pose(const PosedScene& scene, const scene::Camera& camera, IrradianceRecord
 
 /// Drops all records but the one of the most rays of each surface in each pixel of the picture and its border.
 void thin(FrameState& frame, std::vector<GatherPoint>& receivers, std::span<const std::uint8_t> holds) {
-    frame.grid.build(frame.records.all(), frame.camera);
+    frame.grid.build(frame.records.all(), frame.camera());
     std::vector<std::uint8_t> keeps(frame.records.size(), 0);
     const std::span<const SurfaceMark> marks = frame.grid.marks();
     for_each_pixel(marks, [&](std::span<const SurfaceMark> all) {
@@ -80,7 +80,7 @@ void thin(FrameState& frame, std::vector<GatherPoint>& receivers, std::span<cons
     receivers.resize(kept);
     std::size_t i = 0;
     frame.records.drop([&](const IrradianceRecord&) { return keeps[i++] == 0; });
-    frame.grid.build(frame.records.all(), frame.camera);
+    frame.grid.build(frame.records.all(), frame.camera());
 }
 
 /// A record's light now, by its own before and its neighbours' looks.
@@ -96,8 +96,8 @@ Followed followed(const FrameState& frame, const SurfaceMark& mark, const Gather
     const IrradianceRecord& r = frame.records[mark.record];
     const float shown = receives(receiver), shown2 = shown * shown;
     Followed now{r.look.light, 0.5f * r.look.difference * r.look.difference, first_rays};
-    const auto eye = frame.camera.perspective() ? std::optional(frame.camera.position()) : std::nullopt;
-    fit.collect({receiver, {}, mark.at, extent_at(frame.camera, r.position), shown, eye}, LocalRegression::Of::change,
+    const auto eye = frame.camera().perspective() ? std::optional(frame.camera().position()) : std::nullopt;
+    fit.collect({receiver, {}, mark.at, extent_at(frame.camera(), r.position), shown, eye}, LocalRegression::Of::change,
                 frame.grid, frame.records, mark.record);
     const RegressionError error = fit.estimate();
     if (!error.is_valid()) return now;
@@ -131,11 +131,11 @@ void look_again(FrameState& frame, std::span<const std::uint32_t> which,
                 std::span<const GatherPoint* const> receivers) {
     std::vector<GatherRequest> requests(which.size());
     for_each_of(which.size(), [&](std::size_t k) {
-        requests[k] = request_of(*receivers[k], {}, {0, 0}, frame.camera);
+        requests[k] = request_of(*receivers[k], {}, {0, 0}, frame.camera());
         requests[k].seed = frame.records[which[k]].seed;
         requests[k].rays = first_rays;
     });
-    const std::vector<RayLight> found = frame.rays->gather(requests, frame.aim);
+    const std::vector<RayLight> found = frame.rays->gather(requests, frame.allocation);
     for_each_of(which.size(), [&](std::size_t k) {
         IrradianceRecord& r = frame.records.change(which[k]);
         r.look = look_of(found[k], *receivers[k]);
@@ -151,7 +151,7 @@ void follow_light(FrameState& frame) {
         return frame.records.change(static_cast<std::uint32_t>(i));
     };
     for_each_of(receivers.size(),
-                [&](std::size_t i) { holds[i] = pose(scene, frame.camera, record(i), receivers[i]) ? 1 : 0; });
+                [&](std::size_t i) { holds[i] = pose(scene, frame.camera(), record(i), receivers[i]) ? 1 : 0; });
     thin(frame, receivers, holds);
     for_each_of(frame.records.size(), [&](std::size_t i) {
         IrradianceRecord& r = record(i);
@@ -191,7 +191,7 @@ void follow_light(FrameState& frame) {
     frame.records.drop([](const IrradianceRecord& r) {
         return !core::is_finite(r.irradiance() + r.lobe.f0 + r.lobe.schlick + r.by_rays[1] + r.by_rays[2]);
     });
-    frame.grid.build(frame.records.all(), frame.camera);
+    frame.grid.build(frame.records.all(), frame.camera());
 }
 
 }  // namespace render2mpeg::renderer

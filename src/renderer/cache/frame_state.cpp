@@ -10,49 +10,53 @@ float TileState::allowed(const GatherPoint& p, std::size_t i) const {
     return tolerance[i].allows(core::luminance(light[i].scattered(p)));
 }
 
-FrameState::FrameState(const LightingContext& context, const scene::Snapshot& instant, const CutLimits& cut_limits,
-                       float error_of_reused, RecordStore& store, FinalGather* final_gather)
-    : light_trees(context.light_trees),
-      rays(final_gather),
-      tracer(context.tracer),
-      seen(context.seen),
-      snapshot(instant),
-      camera(instant.camera),
-      limits(cut_limits),
-      reused_error(error_of_reused),
-      records(store),
-      grid(seen.visible.width(), seen.visible.height()),
-      tiles(seen.tiles.size()) {
+namespace {
+
+CutLimits without_exact(CutLimits limits) {
     limits.exact = false;
+    return limits;
 }
 
+}  // namespace
+
+FrameState::FrameState(const LightingContext& lit_by, const scene::Snapshot& instant, const CutLimits& cut_limits,
+                       FinalGather* final_gather, RecordStore& store)
+    : context(lit_by),
+      snapshot(instant),
+      limits(without_exact(cut_limits)),
+      rays(final_gather),
+      allocation{context.tolerance.typical, context.tolerance.means},
+      records(store),
+      grid(seen().visible.width(), seen().visible.height()),
+      tiles(seen().tiles.size()) {}
+
 std::optional<CacheQuery> FrameState::query_of(std::size_t t, std::size_t i) const {
-    const GatherPoint& p = seen.tiles[t][i];
+    const GatherPoint& p = seen().tiles[t][i];
     if (p.reached_by_specular()) {
         // The way by mirrors and glass is about as long as the straight one.
-        const float away = camera.perspective() ? glm::distance(camera.position(), p.point.position) : 1.0f;
-        return CacheQuery{p, tiles[t].tolerance[i], middle_of(t, p), camera.pixel_size() * away, receives(p)};
+        const float away = camera().perspective() ? glm::distance(camera().position(), p.point.position) : 1.0f;
+        return CacheQuery{p, tiles[t].tolerance[i], middle_of(t, p), camera().pixel_size() * away, receives(p)};
     }
-    const auto on_picture = camera.project(p.point.position);
+    const auto on_picture = camera().project(p.point.position);
     if (!on_picture) return std::nullopt;
-    const float extent = camera.pixel_size() * (camera.perspective() ? on_picture->depth : 1.0f);
-    const auto eye = camera.perspective() ? std::optional(camera.position()) : std::nullopt;
+    const float extent = camera().pixel_size() * (camera().perspective() ? on_picture->depth : 1.0f);
+    const auto eye = camera().perspective() ? std::optional(camera().position()) : std::nullopt;
     return CacheQuery{p, tiles[t].tolerance[i], on_picture->position, extent, receives(p), eye};
 }
 
 glm::ivec2 FrameState::pixel_of(std::size_t tile, const GatherPoint& p) const {
-    const int t = static_cast<int>(tile), across = seen.tiles_across();
+    const int t = static_cast<int>(tile), across = seen().tiles_across();
     return {t % across * tile_size + p.pixel % tile_size, t / across * tile_size + p.pixel / tile_size};
 }
 
 std::size_t FrameState::area_of(std::size_t tile) const {
-    const auto across = static_cast<std::size_t>(seen.tiles_across());
+    const auto across = static_cast<std::size_t>(seen().tiles_across());
     return tile / across / area_tiles * static_cast<std::size_t>(areas_across()) + tile % across / area_tiles;
 }
 
 std::size_t FrameState::area_count() const {
-    const int across = seen.tiles_across();
-    const int down = (static_cast<int>(seen.tiles.size()) + across - 1) / std::max(across, 1);
+    const int across = seen().tiles_across();
+    const int down = (static_cast<int>(seen().tiles.size()) + across - 1) / std::max(across, 1);
     return static_cast<std::size_t>(areas_across() * ((down + area_tiles - 1) / area_tiles));
 }
 

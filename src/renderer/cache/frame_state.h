@@ -47,28 +47,28 @@ struct NewRecord {
     PointLight trees;  ///< light of light trees
 };
 
-/// All that a frame's stages read and write. A stage is a free function; the order of stages is IrradianceCache::light.
+/// A frame while it is lit: what it is lit by, and how far it is. A stage is a free function; the order of stages is
+/// IrradianceCache::light.
 struct FrameState {
     FrameState(const LightingContext& context, const scene::Snapshot& snapshot, const CutLimits& limits,
-               float reused_error, RecordStore& records, FinalGather* rays);
+               FinalGather* rays, RecordStore& records);
 
-    const LightTrees& light_trees;
-    FinalGather* rays;  ///< gathers the sky and indirect light; null: light trees hold them
-    GatherAim aim;      ///< of them
-    const RayTracer& tracer;
-    const Frame& seen;
+    const LightingContext context;
     const scene::Snapshot& snapshot;
-    const scene::Camera& camera;
-    CutLimits limits;
-    float reused_error;  ///< factor of the errors of the last frame, which was lit with another error scale
+    const CutLimits limits;
+    FinalGather* const rays;      ///< gathers the sky and indirect light; null: light trees hold them
+    const Allocation allocation;  ///< of them
+
     RecordStore& records;
-    RecordGrid grid;
-    std::vector<TileState> tiles;
+    RecordGrid grid;               ///< of them
+    std::vector<TileState> tiles;  ///< light so far
     std::vector<NewRecord> fresh;
     ShadeCounts shade_counts;
     CacheCounts counts;
 
-    const GatherPoint& point(const PointRef& r) const { return seen.tiles[r.tile][r.index]; }
+    const Frame& seen() const { return context.seen; }
+    const scene::Camera& camera() const { return snapshot.camera; }
+    const GatherPoint& point(const PointRef& r) const { return seen().tiles[r.tile][r.index]; }
     /// None for points that no picture shows, which does not happen but by rounding.
     std::optional<CacheQuery> query_of(std::size_t tile, std::size_t point) const;
     glm::ivec2 pixel_of(std::size_t tile, const GatherPoint& p) const;
@@ -80,7 +80,7 @@ struct FrameState {
     }
 
     /// Groups of area_tiles x area_tiles tiles.
-    int areas_across() const { return (seen.tiles_across() + area_tiles - 1) / area_tiles; }
+    int areas_across() const { return (seen().tiles_across() + area_tiles - 1) / area_tiles; }
     std::size_t area_of(std::size_t tile) const;
     std::size_t area_count() const;
 };

@@ -63,7 +63,7 @@ constexpr std::size_t groups_at_once = 4;
 std::vector<GatheredRequests> gather_areas(const FrameState& frame, const std::vector<std::vector<PointRef>>& of_area) {
     std::vector<std::vector<RequestGroup>> groups(of_area.size());
     parallel::for_each(of_area.size(), [&](std::size_t a) {
-        groups[a] = group_requests(frame.seen, of_area[a], frame.camera.position());
+        groups[a] = group_requests(frame.seen(), of_area[a], frame.camera().position());
     });
     struct Part {
         std::size_t area = 0, first = 0, last = 0;
@@ -75,7 +75,7 @@ std::vector<GatheredRequests> gather_areas(const FrameState& frame, const std::v
             parts.push_back({a, first, std::min(first + groups_at_once, groups[a].size()), {}});
     parallel::for_each(parts.size(), [&](std::size_t i) {
         Part& part = parts[i];
-        Gatherer gatherer(frame.light_trees, frame.tracer);
+        Gatherer gatherer(frame.context.light_trees, frame.context.tracer);
         for (std::size_t g = part.first; g < part.last; ++g)
             gather_requests_of(frame, groups[part.area][g], static_cast<std::uint32_t>(g), gatherer, part.found);
     });
@@ -113,7 +113,7 @@ RayRequests ray_requests_of(const FrameState& frame, GatheredRequests& g) {
         out.of.push_back(static_cast<std::uint32_t>(i));
         GatherRequest& r =
             out.requests.emplace_back(request_of(out.receivers.back(), frame.tiles[ref.tile].tolerance[ref.index],
-                                                 frame.pixel_of(ref.tile, p), frame.camera));
+                                                 frame.pixel_of(ref.tile, p), frame.camera()));
         r.pool = g.pools[i];
         if (!uses_cache(p)) continue;
         // The record's own place alone, to which looks come back.
@@ -134,7 +134,7 @@ void gather_rays(FrameState& frame, std::vector<GatheredRequests>& found) {
     parallel::for_each(found.size(), [&](std::size_t a) { of_area[a] = ray_requests_of(frame, found[a]); });
     std::vector<GatherRequest> requests;
     for (const RayRequests& area : of_area) requests.insert(requests.end(), area.requests.begin(), area.requests.end());
-    const std::vector<RayLight> rays = frame.rays->gather(requests, frame.aim);
+    const std::vector<RayLight> rays = frame.rays->gather(requests, frame.allocation);
     auto of_point = rays.begin();
     for (std::size_t a = 0; a < found.size(); ++a)
         for (const std::uint32_t i : of_area[a].of) found[a].rays[i] = *of_point++;
@@ -194,7 +194,7 @@ void gather_trees_again(FrameState& frame, std::span<const GatherPoint> receiver
         groups.push_back(std::span(placed).subspan(first, last - first));
     }
     parallel::for_ranges(groups.size(), groups_at_once, [&](std::size_t first, std::size_t end) {
-        Gatherer gatherer(frame.light_trees, frame.tracer);
+        Gatherer gatherer(frame.context.light_trees, frame.context.tracer);
         for (std::size_t g = first; g < end; ++g) {
             const std::span<const Placed> group = groups[g];
             const GatherPoint* pointers[lane_count];
@@ -240,7 +240,7 @@ std::optional<IrradianceRecord> take(FrameState& frame, const GatheredRequests& 
     record->seen_at = frame.middle_of(ref.tile, p);
     record->tolerance = tile.tolerance[ref.index];
     if (ref.record == PointRef::none) {
-        record->seed = request_of(p, {}, frame.pixel_of(ref.tile, p), frame.camera).seed;
+        record->seed = request_of(p, {}, frame.pixel_of(ref.tile, p), frame.camera()).seed;
         return record;
     }
     // Its rays stay what they are.

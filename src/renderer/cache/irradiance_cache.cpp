@@ -57,7 +57,7 @@ FrameLight IrradianceCache::light(const LightingContext& context, const scene::S
     const float reused_error =
         core::divide_or(limits.error_scale, std::exchange(last_error_scale_, limits.error_scale), 1.0f);
 
-    FrameState frame(context, snapshot, limits, reused_error, records_, rays);
+    FrameState frame(context, snapshot, limits, rays, records_);
     if (std::exchange(is_other_light_, false)) {
         if (rays != nullptr && !snapshot.cut_before)
             follow_light(frame);
@@ -67,7 +67,7 @@ FrameLight IrradianceCache::light(const LightingContext& context, const scene::S
     if (rays != nullptr) near_field_ = rays->near_field().key();
     if (!library_.is_empty()) counts.known += take_known(context.seen, snapshot.frame);
     // Reuse the last frame's light,
-    start(frame, context, history_);
+    start(frame, history_, reused_error);
     // ask the cache for the rest, or gather it,
     light_points(frame);
     // and remember.

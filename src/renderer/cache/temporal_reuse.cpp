@@ -30,12 +30,12 @@ TileState empty_tile(const GatherTile& points) {
 
 /// Gathers the lights that are not clustered for all points of a tile.
 void gather_exact(const FrameState& frame, std::size_t t, std::vector<PointLight>& exact, ShadeCounts& counts) {
-    const GatherTile& points = frame.seen.tiles[t];
-    Gatherer gatherer(frame.light_trees, frame.tracer);
+    const GatherTile& points = frame.seen().tiles[t];
+    Gatherer gatherer(frame.context.light_trees, frame.context.tracer);
     GatherLanes lanes;
     GroupTolerance tolerance;
     GatheredLight gathered;
-    for (const GatherGroup& group : group_points(points, frame.camera.position(), 1)) {
+    for (const GatherGroup& group : group_points(points, frame.camera().position(), 1)) {
         const GatherPoint* pointers[lane_count];
         for (std::size_t i = 0; i < group.points.size(); ++i) pointers[i] = &points[group.points[i]];
         fill(lanes, std::span<const GatherPoint* const>(pointers, group.points.size()));
@@ -70,11 +70,11 @@ bool are_suns_good_enough(const LitPoint& before, const PointTolerance& now, con
 
 /// Reuses the light of a tile's points that are the very same as in the last frame. Whether all exact light is known by
 /// that.
-bool reuse(FrameState& frame, std::size_t t, const FrameHistory& history) {
-    const GatherTile& points = frame.seen.tiles[t];
+bool reuse(FrameState& frame, std::size_t t, const FrameHistory& history, float reused_error) {
+    const GatherTile& points = frame.seen().tiles[t];
     if (history.tiles.size() != frame.tiles.size() || history.tiles[t].size() != points.size()) return false;
     TileState& tile = frame.tiles[t];
-    const std::vector<AreaLamp>& lamps = frame.light_trees.lamps;
+    const std::vector<AreaLamp>& lamps = frame.context.light_trees.lamps;
     const bool has_suns = std::any_of(lamps.begin(), lamps.end(), [](const AreaLamp& lamp) { return lamp.sharp; });
     const float held = frame.rays != nullptr ? core::errors_of_noise : core::errors_of_one_in_hundred;
     bool all = true;
@@ -89,10 +89,10 @@ bool reuse(FrameState& frame, std::size_t t, const FrameHistory& history) {
         all = all && (!has_suns || are_suns_good_enough(before, now, p));
         tile.exact[i] = before.exact;
         now.base += known_luminance(before.exact, p);
-        if (!is_good_enough(before, now, p, frame.reused_error, held)) continue;
+        if (!is_good_enough(before, now, p, reused_error, held)) continue;
         PointLight& light = tile.light[i];
         light = before.trees;
-        light.error = frame.reused_error * light.error;
+        light.error = reused_error * light.error;
         light.direct_cut = light.indirect_cut = 0;
         light.served = true;
         light.age += static_cast<float>(frame.snapshot.frame - history.frame);
@@ -129,17 +129,16 @@ std::size_t FrameHistory::bytes() const {
     return sum;
 }
 
-void start(FrameState& frame, const LightingContext& context, const FrameHistory& history) {
-    frame.aim = {context.tolerance.typical, context.tolerance.means};
-    frame.grid.build(frame.records.all(), frame.camera);
+void start(FrameState& frame, const FrameHistory& history, float reused_error) {
+    frame.grid.build(frame.records.all(), frame.camera());
     std::vector<ShadeCounts> of_tile(frame.tiles.size());
     parallel::for_each(frame.tiles.size(), [&](std::size_t t) {
-        const GatherTile& points = frame.seen.tiles[t];
+        const GatherTile& points = frame.seen().tiles[t];
         TileState& tile = frame.tiles[t];
         tile = empty_tile(points);
-        tile.tolerance = point_tolerances(context, t, frame.rays != nullptr);
-        const bool knows = reuse(frame, t, history);
-        if (!knows && frame.light_trees.has_exact()) gather_exact(frame, t, tile.exact, of_tile[t]);
+        tile.tolerance = point_tolerances(frame.context, t, frame.rays != nullptr);
+        const bool knows = reuse(frame, t, history, reused_error);
+        if (!knows && frame.context.light_trees.has_exact()) gather_exact(frame, t, tile.exact, of_tile[t]);
         for (std::size_t i = 0; i < points.size(); ++i)
             tile.tolerance[i].base += known_luminance(tile.exact[i], points[i]);
     });
@@ -154,7 +153,7 @@ FrameLight finish(FrameState& frame, FrameHistory& history) {
         TileState& tile = frame.tiles[t];
         history.tiles[t].clear();
         for (std::size_t i = 0; i < tile.light.size(); ++i) {
-            const GatherPoint& p = frame.seen.tiles[t][i];
+            const GatherPoint& p = frame.seen().tiles[t][i];
             history.tiles[t].push_back(
                 {p.point.address, p.point.outgoing, p.weight, tile.tolerance[i], tile.exact[i], tile.light[i]});
             add_up(frame, t, i);

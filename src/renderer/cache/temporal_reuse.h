@@ -24,8 +24,9 @@ struct FrameHistory {
 };
 
 /// Begins a frame: shares out its tolerances among points, reuses the light of points that are the very same as in the
-/// last frame, and gathers the lights that are not clustered where they are not known by that.
-void start(FrameState& frame, const LightingContext& context, const FrameHistory& history);
+/// last frame, and gathers the lights that are not clustered where they are not known by that. `reused_error`: factor
+/// of the errors of the last frame, which was lit with another error scale.
+void start(FrameState& frame, const FrameHistory& history, float reused_error);
 
 /// Ends it: adds the parts of each point's light, and becomes the history of the next frame.
 FrameLight finish(FrameState& frame, FrameHistory& history);

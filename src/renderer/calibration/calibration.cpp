@@ -60,8 +60,8 @@ std::size_t affordable(const LightTrees& light_trees, std::uint64_t rays) {
 }
 
 /// Whether a pixel's light is no single cut's: records had a part in it.
-bool is_served(const LitPixel& p, const FrameLight& known) {
-    const auto& tile = known[p.tile];
+bool is_served(const LitPixel& p, const FrameLight& light) {
+    const auto& tile = light[p.tile];
     return std::any_of(tile.begin() + p.first, tile.begin() + p.last, [](const PointLight& l) { return l.served; });
 }
 
@@ -83,7 +83,7 @@ float typical_share(const Frame& seen, const core::ToleranceMap& tolerance) {
     return count > 0 ? static_cast<float>(std::exp(logs / count)) : 0.0f;
 }
 
-std::size_t calibrate(ErrorCalibration& calibration, const LightingContext& context, ShadeSettings settings) {
+std::size_t calibrate(ErrorCalibration& calibration, const LightingContext& context, CutLimits limits) {
     const Frame& seen = context.seen;
     // Too few pixels of an earlier frame are no beginning.
     if (!calibration.knows()) calibration.forget();
@@ -92,54 +92,52 @@ std::size_t calibrate(ErrorCalibration& calibration, const LightingContext& cont
     const std::size_t wanted = std::min(largest_sample, lit.size() / lane_count / blocks_per_sample);
     if (wanted < ErrorCalibration::least_pixels) return 0;
     const std::vector<LitPixel> all = spread(lit, rounds * wanted, seen.visible.frame);
-    settings.layers = false;
     for (std::size_t round = 0; round < rounds; ++round) {
         // Every round has its own pixels, since those that were lit twice err alike.
         std::vector<LitPixel> sample;
         for (std::size_t i = round; i < all.size(); i += rounds) sample.push_back(all[i]);
         const std::vector<glm::vec3> truth = gather_exactly(context, sample);
-        settings.limits.error_scale = calibration.value();
+        limits.error_scale = calibration.value();
         ShadeCounts uncounted;
         const Frame blocks = blocks_of(seen, sample);
         const LightingContext of_blocks{context.light_trees, context.tracer, blocks,
                                         context.ungathered,  context.eye,    context.tolerance};
-        const core::Radiance radiance = shade(of_blocks, settings, uncounted);
-        calibration.learn(compare(seen, sample, truth, context.tolerance, radiance), settings.limits.error_scale);
+        const core::Radiance radiance = shade(of_blocks, gather_light(of_blocks, limits, uncounted), false, uncounted);
+        calibration.learn(compare(seen, sample, truth, context.tolerance, radiance), limits.error_scale);
         calibration.settle();
     }
     return all.size();
 }
 
-std::size_t recalibrate(ErrorCalibration& calibration, const LightingContext& context, const ShadeSettings& settings,
-                        const core::Radiance& radiance, std::uint64_t rays, const FrameLight* known) {
+std::size_t recalibrate(ErrorCalibration& calibration, const LightingContext& context, float error_scale,
+                        const FrameLight& light, const core::Radiance& radiance, std::uint64_t rays) {
     if (!calibration.knows()) return 0;
     const Frame& seen = context.seen;
     std::vector<LitPixel> lit = lit_pixels(seen);
-    if (known != nullptr) std::erase_if(lit, [&](const LitPixel& p) { return is_served(p, *known); });
+    std::erase_if(lit, [&](const LitPixel& p) { return is_served(p, light); });
     const std::vector<LitPixel> pixels = spread(lit, affordable(context.light_trees, rays), seen.visible.frame);
-    calibration.learn(compare(seen, pixels, gather_exactly(context, pixels), context.tolerance, radiance),
-                      settings.limits.error_scale);
+    calibration.learn(compare(seen, pixels, gather_exactly(context, pixels), context.tolerance, radiance), error_scale);
     return pixels.size();
 }
 
 std::size_t FilmCalibration::before(const scene::Snapshot& snapshot, std::int64_t lit_frame,
-                                    const LightingContext& context, const ShadeSettings& settings) {
+                                    const LightingContext& context, const CutLimits& limits) {
     if (snapshot.cut_before) calibration_.forget();
     const float share = typical_share(context.seen, context.tolerance);
     if (calibration_.knows() && share <= coarser * share_) return 0;
-    const std::size_t pixels = calibrate(calibration_, context, settings);
+    const std::size_t pixels = calibrate(calibration_, context, limits);
     if (pixels > 0) share_ = share;
     last_ = key_of(snapshot, lit_frame, context.tolerance);
     return pixels;
 }
 
 std::size_t FilmCalibration::after(const scene::Snapshot& snapshot, std::int64_t lit_frame,
-                                   const LightingContext& context, const ShadeSettings& settings,
-                                   const core::Radiance& radiance, std::uint64_t rays, const FrameLight* known) {
+                                   const LightingContext& context, float error_scale, const FrameLight& light,
+                                   const core::Radiance& radiance, std::uint64_t rays) {
     FrameKey key = key_of(snapshot, lit_frame, context.tolerance);
     const bool repeats = last_ == key;
     last_ = std::move(key);
-    return repeats ? 0 : recalibrate(calibration_, context, settings, radiance, rays, known);
+    return repeats ? 0 : recalibrate(calibration_, context, error_scale, light, radiance, rays);
 }
 
 }  // namespace render2mpeg::renderer

@@ -25,13 +25,13 @@ float typical_share(const Frame& seen, const core::ToleranceMap& tolerance);
 /// once more with the error scale that this asks for. Where something is known already (a frame with other tolerances):
 /// only the second round, whose pixels are added. Small frames, whose sample would cost too much of them, leave it as
 /// it is. Returns how many pixels were gathered again.
-std::size_t calibrate(ErrorCalibration& calibration, const LightingContext& context, ShadeSettings settings);
+std::size_t calibrate(ErrorCalibration& calibration, const LightingContext& context, CutLimits limits);
 
-/// Goes on with some pixels of a frame that was lit with `settings` and traced `rays` for it: as many as cost about a
-/// fiftieth of it; none where nothing was learnt to begin with, so that no film changes its error scale in its midst.
-/// Of a frame lit by records (`known`), those that none of them served. Returns how many.
-std::size_t recalibrate(ErrorCalibration& calibration, const LightingContext& context, const ShadeSettings& settings,
-                        const core::Radiance& radiance, std::uint64_t rays, const FrameLight* known = nullptr);
+/// Goes on with some pixels of a frame that was lit with this error scale and traced `rays` for it: as many as cost
+/// about a fiftieth of it; none where nothing was learnt to begin with, so that no film changes its error scale in its
+/// midst. Pixels that records served tell nothing. Returns how many.
+std::size_t recalibrate(ErrorCalibration& calibration, const LightingContext& context, float error_scale,
+                        const FrameLight& light, const core::Radiance& radiance, std::uint64_t rays);
 
 /// All that decides which pixels a frame shows, how they are lit and how well. `lit_frame` stands for its light.
 struct FrameKey {
@@ -53,12 +53,11 @@ class FilmCalibration {
     /// Before a frame after a cut, or whose tolerance is much larger than any so far. Returns how many pixels were
     /// gathered again.
     std::size_t before(const scene::Snapshot& snapshot, std::int64_t lit_frame, const LightingContext& context,
-                       const ShadeSettings& settings);
+                       const CutLimits& limits);
     /// Goes on with a frame that was lit: `recalibrate`. One that repeats the frame before teaches nothing, so that
     /// still films stay as they are to the last bit.
     std::size_t after(const scene::Snapshot& snapshot, std::int64_t lit_frame, const LightingContext& context,
-                      const ShadeSettings& settings, const core::Radiance& radiance, std::uint64_t rays,
-                      const FrameLight* known);
+                      float error_scale, const FrameLight& light, const core::Radiance& radiance, std::uint64_t rays);
 
   private:
     ErrorCalibration calibration_;

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "core/numeric.h"
-#include "renderer/base/strata_error.h"
+#include "renderer/base/allocation.h"
 #include "renderer/cut/lamp_irradiance.h"
 #include "renderer/cut/lamp_lobe.h"
 #include "renderer/cut/lamp_samples.h"

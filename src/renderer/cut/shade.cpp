@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "core/color.h"
@@ -13,26 +15,70 @@
 namespace render2mpeg::renderer {
 namespace {
 
-class TileShader {
+/// Gathers the light of one tile's points.
+class TileGatherer {
   public:
-    TileShader(const LightingContext& context, const ShadeSettings& settings, const FrameLight* known,
-               core::Radiance& radiance)
-        : context_(context),
-          seen_(context.seen),
-          ungathered_(context.ungathered),
-          tolerance_(context.tolerance),
-          settings_(settings),
-          known_(known),
-          radiance_(radiance),
-          gatherer_(context.light_trees, context.tracer) {}
+    TileGatherer(const LightingContext& context, const CutLimits& limits)
+        : context_(context), limits_(limits), gatherer_(context.light_trees, context.tracer) {}
 
-    ShadeCounts shade(std::size_t tile_index);
-    /// Of the tile shaded last: light of its points.
-    std::vector<PointLight> take_light() { return std::move(light_); }
+    std::vector<PointLight> gather(std::size_t tile_index);
+    const ShadeCounts& counts() const { return counts_; }
 
   private:
-    void gather_groups(std::size_t tile_index);
     void gather(const GatherTile& tile, const GatherGroup& group, const std::vector<PointTolerance>& tolerances);
+
+    const LightingContext& context_;
+    const CutLimits& limits_;
+    Gatherer gatherer_;
+    GatherLanes lanes_;
+    GatheredLight gathered_;
+    std::vector<PointLight> light_;
+    ShadeCounts counts_;
+};
+
+void TileGatherer::gather(const GatherTile& tile, const GatherGroup& group,
+                          const std::vector<PointTolerance>& tolerances) {
+    const GatherPoint* points[lane_count] = {};
+    for (std::size_t i = 0; i < group.points.size(); ++i) points[i] = &tile[group.points[i]];
+    fill(lanes_, std::span<const GatherPoint* const>(points, group.points.size()));
+    lanes_.set = group.set;
+    if (context_.tolerance.is_reference()) {
+        gatherer_.gather_all(lanes_, gathered_);
+    } else {
+        GroupTolerance tolerance;
+        for (std::size_t i = 0; i < lane_count; ++i)
+            tolerance.set(static_cast<int>(i), tolerances[group.points[std::min(i, group.points.size() - 1)]]);
+        gatherer_.gather(lanes_, tolerance, limits_, gathered_);
+    }
+    counts_.add(gathered_, group.points.size());
+    for (std::size_t i = 0; i < group.points.size(); ++i)
+        light_[group.points[i]] = point_light(gathered_, static_cast<int>(i), *points[i]);
+}
+
+std::vector<PointLight> TileGatherer::gather(std::size_t tile_index) {
+    const GatherTile& tile = context_.seen.tiles[tile_index];
+    light_.assign(tile.size(), {});
+    std::vector<PointTolerance> tolerances;
+    if (!context_.tolerance.is_reference()) tolerances = point_tolerances(context_, tile_index, false);
+    for (const GatherGroup& group : group_points(tile, context_.eye, representative_sets))
+        gather(tile, group, tolerances);
+    return std::move(light_);
+}
+
+/// Adds up the light of one tile's points in their pixels.
+class TileShader {
+  public:
+    TileShader(const LightingContext& context, const FrameLight& light, bool layers, core::Radiance& radiance)
+        : seen_(context.seen),
+          ungathered_(context.ungathered),
+          tolerance_(context.tolerance),
+          light_of_frame_(light),
+          layers_(layers),
+          radiance_(radiance) {}
+
+    ShadeCounts shade(std::size_t tile_index);
+
+  private:
     void add_to_pixels(const GatherTile& tile);
     void add_layers(const GatherTile& tile, std::size_t first, std::size_t last, int x, int y);
     void check(int x, int y);
@@ -41,50 +87,16 @@ class TileShader {
     int x_of(const GatherPoint& p) const { return tile_x_ + p.pixel % tile_size; }
     int y_of(const GatherPoint& p) const { return tile_y_ + p.pixel / tile_size; }
 
-    const LightingContext& context_;
     const Frame& seen_;
     const UngatheredLight& ungathered_;
     const core::ToleranceMap& tolerance_;
-    const ShadeSettings& settings_;
-    const FrameLight* known_;
+    const FrameLight& light_of_frame_;
+    const bool layers_;
     core::Radiance& radiance_;
-    Gatherer gatherer_;
-    GatherLanes lanes_;
-    GatheredLight gathered_;
-    std::vector<PointLight> light_;
+    std::span<const PointLight> light_;  ///< of the tile
     ShadeCounts counts_;
     int tile_x_ = 0, tile_y_ = 0;
 };
-
-void TileShader::gather(const GatherTile& tile, const GatherGroup& group,
-                        const std::vector<PointTolerance>& tolerances) {
-    const GatherPoint* points[lane_count] = {};
-    for (std::size_t i = 0; i < group.points.size(); ++i) points[i] = &tile[group.points[i]];
-    fill(lanes_, std::span<const GatherPoint* const>(points, group.points.size()));
-    lanes_.set = group.set;
-    if (tolerance_.is_reference()) {
-        gatherer_.gather_all(lanes_, gathered_);
-    } else {
-        GroupTolerance tolerance;
-        for (int i = 0; i < lane_count; ++i)
-            tolerance.set(
-                i,
-                tolerances[group.points[std::min<std::size_t>(static_cast<std::size_t>(i), group.points.size() - 1)]]);
-        gatherer_.gather(lanes_, tolerance, settings_.limits, gathered_);
-    }
-    counts_.add(gathered_, group.points.size());
-    for (std::size_t i = 0; i < group.points.size(); ++i)
-        light_[group.points[i]] = point_light(gathered_, static_cast<int>(i), *points[i]);
-}
-
-void TileShader::gather_groups(std::size_t tile_index) {
-    const GatherTile& tile = seen_.tiles[tile_index];
-    light_.assign(tile.size(), {});
-    std::vector<PointTolerance> tolerances;
-    if (!tolerance_.is_reference()) tolerances = point_tolerances(context_, tile_index, false);
-    for (const GatherGroup& group : group_points(tile, context_.eye, representative_sets))
-        gather(tile, group, tolerances);
-}
 
 void TileShader::add_layers(const GatherTile& tile, std::size_t first, std::size_t last, int x, int y) {
     // Weight irradiance by what it lights, so that albedo x irradiance is the pixel's diffuse light exactly.
@@ -128,10 +140,8 @@ void TileShader::add_layers(const GatherTile& tile, std::size_t first, std::size
     radiance_.direct_cut.at(x, y) = direct_cut / count;
     radiance_.indirect_cut.at(x, y) = indirect_cut / count;
     radiance_.error.at(x, y) = error.value;
-    if (known_ != nullptr) {
-        radiance_.record_age.at(x, y) = age / count;
-        radiance_.record_reuse.at(x, y) = reused / count;
-    }
+    radiance_.record_age.at(x, y) = age / count;
+    radiance_.record_reuse.at(x, y) = reused / count;
     radiance_.specular.at(x, y) += specular;
 }
 
@@ -156,7 +166,7 @@ void TileShader::add_to_pixels(const GatherTile& tile) {
         const float luminance = core::luminance(sum);
         if (std::isfinite(luminance)) counts_.gathered += luminance;
         counts_.bands.add(allowed_share(x, y), last - first, static_cast<std::uint64_t>(clusters));
-        if (settings_.layers) add_layers(tile, first, last, x, y);
+        if (layers_) add_layers(tile, first, last, x, y);
         first = last;
     }
 }
@@ -173,7 +183,7 @@ void TileShader::check(int x, int y) {
     core::Plane<glm::vec3>* layers[] = {
         &radiance_.emission, &radiance_.direct_irradiance, &radiance_.indirect_irradiance, &radiance_.albedo,
         &radiance_.glossy,   &radiance_.specular};
-    if (settings_.layers)
+    if (layers_)
         for (const auto* layer : layers) finite = finite && core::is_finite(layer->at(x, y));
     if (finite) {
         radiance_.combined.at(x, y) = glm::max(radiance_.combined.at(x, y), glm::vec3(0));
@@ -181,7 +191,7 @@ void TileShader::check(int x, int y) {
     }
     if (counts_.non_finite++ == 0) counts_.first_non_finite = static_cast<std::int64_t>(y) * seen_.visible.width() + x;
     radiance_.combined.at(x, y) = glm::vec3(0);
-    if (settings_.layers)
+    if (layers_)
         for (auto* layer : layers) layer->at(x, y) = glm::vec3(0);
 }
 
@@ -197,7 +207,7 @@ ShadeCounts TileShader::shade(std::size_t tile_index) {
         for (int x = tile_x_; x < x_end; ++x) {
             const glm::vec3 all = ungathered_.all().at(x, y);
             radiance_.combined.at(x, y) = all;
-            if (!settings_.layers) continue;
+            if (!layers_) continue;
             const glm::vec3 specular = value_or_zero(ungathered_.specular(), x, y);
             const glm::vec3 caustics = ungathered_.caustics().straight_at(x, y);
             const glm::vec3 hair = ungathered_.hair().straight_at(x, y);
@@ -206,10 +216,7 @@ ShadeCounts TileShader::shade(std::size_t tile_index) {
             radiance_.specular.at(x, y) = specular;
         }
     }
-    if (known_ != nullptr)
-        light_ = (*known_)[tile_index];
-    else
-        gather_groups(tile_index);
+    light_ = light_of_frame_[tile_index];
     add_to_pixels(tile);
     for (int y = tile_y_; y < y_end; ++y)
         for (int x = tile_x_; x < x_end; ++x) check(x, y);
@@ -241,33 +248,39 @@ void ShadeCounts::add(const ShadeCounts& more) {
     bands.add(more.bands);
 }
 
-core::Radiance shade(const LightingContext& context, const ShadeSettings& settings, ShadeCounts& counts,
-                     const FrameLight* known, FrameLight* light) {
+FrameLight gather_light(const LightingContext& context, const CutLimits& limits, ShadeCounts& counts) {
+    FrameLight light(context.seen.tiles.size());
+    std::vector<ShadeCounts> of_tile(light.size());
+    parallel::for_each(light.size(), [&](std::size_t i) {
+        TileGatherer gatherer(context, limits);
+        light[i] = gatherer.gather(i);
+        of_tile[i] = gatherer.counts();
+    });
+    for (const ShadeCounts& c : of_tile) counts.add(c);
+    return light;
+}
+
+core::Radiance shade(const LightingContext& context, const FrameLight& light, bool layers, ShadeCounts& counts) {
     const Frame& seen = context.seen;
     const core::ToleranceMap& tolerance = context.tolerance;
-    EXPECTS(known == nullptr || known->size() == seen.tiles.size());
+    EXPECTS(light.size() == seen.tiles.size());
     const int width = seen.visible.width(), height = seen.visible.height();
     EXPECTS(tolerance.is_reference() || (tolerance.pixels.width() == width && tolerance.pixels.height() == height));
     core::Radiance radiance;
     radiance.frame = seen.visible.frame;
     radiance.combined = core::Plane<glm::vec3>(width, height, glm::vec3(0));
     radiance.capped = core::Plane<std::uint8_t>(width, height, 0);
-    if (settings.layers) {
+    if (layers) {
         for (auto* layer : {&radiance.emission, &radiance.direct_irradiance, &radiance.indirect_irradiance,
                             &radiance.albedo, &radiance.glossy, &radiance.specular})
             *layer = core::Plane<glm::vec3>(width, height, glm::vec3(0));
-        radiance.direct_cut = core::Plane<float>(width, height, 0.0f);
-        radiance.indirect_cut = core::Plane<float>(width, height, 0.0f);
-        radiance.error = core::Plane<float>(width, height, 0.0f);
-        if (known != nullptr) radiance.record_age = radiance.record_reuse = core::Plane<float>(width, height, 0.0f);
+        for (auto* layer : {&radiance.direct_cut, &radiance.indirect_cut, &radiance.error, &radiance.record_age,
+                            &radiance.record_reuse})
+            *layer = core::Plane<float>(width, height, 0.0f);
     }
     std::vector<ShadeCounts> of_tile(seen.tiles.size());
-    if (light != nullptr) light->resize(seen.tiles.size());
-    parallel::for_each(seen.tiles.size(), [&](std::size_t i) {
-        TileShader shader(context, settings, known, radiance);
-        of_tile[i] = shader.shade(i);
-        if (light != nullptr) (*light)[i] = shader.take_light();
-    });
+    parallel::for_each(seen.tiles.size(),
+                       [&](std::size_t i) { of_tile[i] = TileShader(context, light, layers, radiance).shade(i); });
     for (const ShadeCounts& c : of_tile) counts.add(c);
     return radiance;
 }

@@ -14,11 +14,6 @@
 
 namespace render2mpeg::renderer {
 
-struct ShadeSettings {
-    CutLimits limits;
-    bool layers = false;  ///< fill all planes of Radiance, not only `combined`
-};
-
 /// Counts of one frame's gathering.
 struct ShadeCounts {
     std::uint64_t gather_points = 0, capped_points = 0, groups = 0;
@@ -34,10 +29,12 @@ struct ShadeCounts {
     void add(const ShadeCounts& more);
 };
 
-/// Gathers the light of every gather point of a frame, multiplies it by its textures and adds it up in pixels
-/// (docs/model/lightcut.md). Where all of it is `known` already, nothing is gathered. `light` gets that of all points.
-/// The same bytes for any number of threads.
-core::Radiance shade(const LightingContext& context, const ShadeSettings& settings, ShadeCounts& counts,
-                     const FrameLight* known = nullptr, FrameLight* light = nullptr);
+/// Light that light trees send to every gather point of a frame (docs/model/lightcut.md). The same bytes for any number
+/// of threads.
+FrameLight gather_light(const LightingContext& context, const CutLimits& limits, ShadeCounts& counts);
+
+/// Multiplies the light of all points by their textures and adds it up in pixels. `layers`: fills all planes of
+/// Radiance, not only `combined`. The same bytes for any number of threads.
+core::Radiance shade(const LightingContext& context, const FrameLight& light, bool layers, ShadeCounts& counts);
 
 }  // namespace render2mpeg::renderer

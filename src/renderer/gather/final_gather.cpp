@@ -50,10 +50,6 @@ constexpr double gain_of_guides = 0.7;
 /// Least cosine of a ray to the normal, where a lobe shares rays with it.
 constexpr float least_cosine = 1e-4f;
 
-/// Rays after which one more buys its price where N rays meet the tolerance: N0 of docs/model/gathering.md, times the
-/// typical tolerance. chosen: 10, of 4 to 20 on cornell, colonnade and character, for most squared error a ray.
-constexpr float worth_rays = 10.0f;
-
 }  // namespace
 
 /// Some rays of one request.
@@ -317,19 +313,10 @@ void FinalGather::add_bundle(const GatherRequest& request, Traced& traced, Point
     traced = {};
 }
 
-double GatherAim::worth(double rays) const {
-    constexpr double gain = variance_power / (1.0 + variance_power);
-    return typical > 0.0f ? std::pow(rays, gain) * std::pow(worth_rays / typical, 1.0 - gain) : rays;
-}
-
-double GatherAim::left(double rays) const {
-    return std::pow(core::divide_or(rays, worth(rays), 1.0), variance_power);
-}
-
 /// How many rays each request of a pool needs in all. `pilot`: from the first look, which does not know what guided
 /// rays find.
 void FinalGather::want_rays(std::span<const GatherRequest> requests, std::span<const PointSums> sums, const Pool& pool,
-                            bool pilot, GatherAim aim, std::vector<std::uint32_t>& wanted) const {
+                            bool pilot, Allocation allocation, std::vector<std::uint32_t>& wanted) const {
     double all = 0;
     for (std::size_t i = pool.first; i < pool.last; ++i) all += sums[i].batch_variance();
     const double share = pilot && pool.is_guided ? pool.guide->variance_share() : 1.0;
@@ -343,7 +330,7 @@ void FinalGather::want_rays(std::span<const GatherRequest> requests, std::span<c
         // Of points that may not err those that show most get most.
         const double shown = std::min(static_cast<double>(core::luminance(requests[i].point->weight)), 1.0);
         const double n = error > 0.0
-                             ? aim.worth(batch_rays * std::pow(variance / (error * error), 1.0 / variance_power))
+                             ? allocation.worth(samples_for(error * error, batch_rays, variance, variance_power))
                              : most_gather_rays * shown;
         const auto rays = static_cast<std::uint32_t>(std::clamp(n, 1.0 * first_rays, 1.0 * most_gather_rays));
         wanted[i] = (rays + batch_rays - 1) / batch_rays * batch_rays;
@@ -351,9 +338,9 @@ void FinalGather::want_rays(std::span<const GatherRequest> requests, std::span<c
 }
 
 /// Draws the rest of a pool's rays by what its first look found, where that pays; the first look counts no more then.
-void FinalGather::guide(std::span<const GatherRequest> requests, GatherAim aim, Pool& pool,
+void FinalGather::guide(std::span<const GatherRequest> requests, Allocation allocation, Pool& pool,
                         std::vector<PointSums>& sums, std::vector<std::uint32_t>& wanted) const {
-    want_rays(requests, sums, pool, true, aim, wanted);
+    want_rays(requests, sums, pool, true, allocation, wanted);
     if (pool.guide == nullptr) return;
     double rays = 0, seen = 0;
     for (std::size_t i = pool.first; i < pool.last; ++i) rays += wanted[i], seen += sums[i].rays;
@@ -361,7 +348,7 @@ void FinalGather::guide(std::span<const GatherRequest> requests, GatherAim aim, 
     pool.guide->learn();
     if (pool.guide->variance_share() > gain_of_guides) return;
     pool.is_guided = true;
-    want_rays(requests, sums, pool, true, aim, wanted);
+    want_rays(requests, sums, pool, true, allocation, wanted);
     for (std::size_t i = pool.first; i < pool.last; ++i) {
         sums[i].forget();
         // Half of them tell more.
@@ -460,7 +447,7 @@ void FinalGather::trace_wanted(std::span<const GatherRequest> requests, std::spa
     flush();
 }
 
-std::vector<RayLight> FinalGather::gather(std::span<const GatherRequest> requests, GatherAim aim) {
+std::vector<RayLight> FinalGather::gather(std::span<const GatherRequest> requests, Allocation allocation) {
     const Stopwatch timer(counts_.seconds);
     std::vector<PointSums> sums;
     std::vector<Pool> pools = pools_of(requests, sums);
@@ -468,11 +455,11 @@ std::vector<RayLight> FinalGather::gather(std::span<const GatherRequest> request
     std::vector<std::uint32_t> wanted(requests.size());
     std::transform(requests.begin(), requests.end(), wanted.begin(), look_of);
     trace_wanted(requests, wanted, sums, pools);
-    for_each_pool(pools, [&](std::size_t k) { guide(requests, aim, pools[k], sums, wanted); });
+    for_each_pool(pools, [&](std::size_t k) { guide(requests, allocation, pools[k], sums, wanted); });
     trace_wanted(requests, wanted, sums, pools);
     for_each_pool(pools, [&](std::size_t k) {
         if (pools[k].is_guided) pools[k].guide->learn();
-        want_rays(requests, sums, pools[k], false, aim, wanted);
+        want_rays(requests, sums, pools[k], false, allocation, wanted);
     });
     trace_wanted(requests, wanted, sums, pools);
     std::vector<RayLight> light(requests.size());

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "renderer/base/allocation.h"
 #include "renderer/base/plan.h"
 #include "renderer/cut/point_light.h"
 #include "renderer/gather/gather_ray.h"
@@ -36,19 +37,6 @@ struct GatherRequest {
     std::uint32_t rays = 0;    ///< so many, a multiple of 8; 0: by the tolerance
     bool bounces = true;       ///< false: the sky alone
     std::uint32_t from = 0;    ///< number of the first: it has so many already
-};
-
-/// Conversion of tolerances to numbers of rays.
-struct GatherAim {
-    float typical = 0;  ///< ToleranceMap::typical
-    float means = 1;    ///< ToleranceMap::means
-
-    /// Rays that a point is worth, of those that it would take to meet its tolerance.
-    double worth(double rays) const;
-    /// Mean square error that these leave it, over the square of its tolerance's standard error.
-    double left(double rays) const;
-    /// A pixel's mean square error, with what of it the mean of its block has at the price of that.
-    double priced(double square, double of_block) const { return square + (1.0 / (means * means) - 1.0) * of_block; }
 };
 
 /// Light found by rays for one point.
@@ -102,7 +90,7 @@ class FinalGather {
     void forget(const SkyOfRays& sky);
 
     /// Light of all requests, in their order.
-    std::vector<RayLight> gather(std::span<const GatherRequest> requests, GatherAim aim);
+    std::vector<RayLight> gather(std::span<const GatherRequest> requests, Allocation allocation);
 
     const FinalGatherCounts& counts() const { return counts_; }
     std::size_t bytes() const { return cache_.bytes(); }
@@ -124,8 +112,8 @@ class FinalGather {
     void trace_wanted(std::span<const GatherRequest> requests, std::span<const std::uint32_t> wanted,
                       std::vector<PointSums>& sums, std::vector<Pool>& pools);
     void want_rays(std::span<const GatherRequest> requests, std::span<const PointSums> sums, const Pool& pool,
-                   bool pilot, GatherAim aim, std::vector<std::uint32_t>& wanted) const;
-    void guide(std::span<const GatherRequest> requests, GatherAim aim, Pool& pool, std::vector<PointSums>& sums,
+                   bool pilot, Allocation allocation, std::vector<std::uint32_t>& wanted) const;
+    void guide(std::span<const GatherRequest> requests, Allocation allocation, Pool& pool, std::vector<PointSums>& sums,
                std::vector<std::uint32_t>& wanted) const;
 
     const PosedScene& posed_scene_;

@@ -5,7 +5,7 @@
 
 #include "core/color.h"
 #include "core/numeric.h"
-#include "renderer/base/strata_error.h"
+#include "renderer/base/allocation.h"
 
 namespace render2mpeg::renderer {
 namespace {

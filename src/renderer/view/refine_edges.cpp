@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "parallel/loops.h"
-#include "renderer/base/strata_error.h"
+#include "renderer/base/allocation.h"
 #include "renderer/view/tile_look.h"
 
 namespace render2mpeg::renderer {
