@@ -1,4 +1,4 @@
-# Read by ctest, with `program`, `name`, `longest` and `environment` set: the tests of one program, as they are now.
+# Read by ctest, with `program`, `name`, `longest`, `without` and `environment` set: the tests of one program, as they are now.
 # Each suite is one test, in one process: most of what small tests take is the start of a process and of the libraries it opens, and
 # what a suite makes once serves all its tests. Tests whose name, or whose suite's, ends in Slow are one each, and labelled `slow`.
 if(NOT EXISTS "${program}")
@@ -29,7 +29,7 @@ foreach(line IN LISTS listed)
   elseif(NOT suite STREQUAL added)
     set(added "${suite}")
     string(REGEX REPLACE "[.]$" "" shown "${name}.${suite}")
-    add_test("${shown}" "${program}" "--gtest_filter=${suite}*-*Slow:*Slow/*")
+    add_test("${shown}" "${program}" "--gtest_filter=${suite}*-*Slow:*Slow/*:${without}")
     set_tests_properties("${shown}" PROPERTIES LABELS fast TIMEOUT ${longest} ENVIRONMENT "${environment}")
   endif()
 endforeach()
