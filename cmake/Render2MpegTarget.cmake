@@ -93,18 +93,22 @@ function(render2mpeg_write_unity variable number folder)
   set(${variable} ${file} PARENT_SCOPE)
 endfunction()
 
-# render2mpeg_library(NAME [PUBLIC libs...] [PRIVATE libs...] [EXCEPT files...] [HEADERS headers...] [HOT patterns...] [COLD rooms...]
-# [IS_COLD] [UNITY count]): every *.cpp of the current folder and of its rooms (folders one below; not module/, which is opened on demand) as a static
-# library render2mpeg_NAME with our options.
-# HEADERS: what many of its sources read beside the common headers. UNITY: how many sources are compiled as one, if more than usual.
+# render2mpeg_library(NAME [PUBLIC libs...] [PRIVATE libs...] [EXCEPT files...] [ROOMS rooms...] [HEADERS headers...] [HEADERS_OF name]
+# [HOT patterns...] [COLD rooms...] [IS_COLD] [UNITY count]): every *.cpp of the current folder and of its rooms (folders one below; not module/,
+# which is opened on demand) as a static library render2mpeg_NAME with our options.
+# ROOMS: only of these rooms. HEADERS: what many of its sources read beside the common headers. HEADERS_OF: the same as that library's. UNITY: how many sources are compiled as one, if more than usual.
 # HOT: files, or patterns of them, with innermost loops: optimised in full in every build, and each compiled alone. With any, the library
 # minds no floating-point exceptions, for which nobody asks: a conditional may be computed on both sides, so that loops become vector
 # code; no bit of any result changes.
 # COLD: rooms in which no frame spends its time: optimised little in a release, which takes a third of their compiling away; IS_COLD: all of it.
 function(render2mpeg_library name)
-  cmake_parse_arguments(ARG "IS_COLD" "UNITY" "PUBLIC;PRIVATE;EXCEPT;HEADERS;HOT;COLD" ${ARGN})
+  cmake_parse_arguments(ARG "IS_COLD" "UNITY;HEADERS_OF" "PUBLIC;PRIVATE;EXCEPT;ROOMS;HEADERS;HOT;COLD" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp ${CMAKE_CURRENT_SOURCE_DIR}/*/*.cpp)
   list(FILTER sources EXCLUDE REGEX "/module/[^/]*$")
+  if(ARG_ROOMS)
+    list(JOIN ARG_ROOMS "|" rooms)
+    list(FILTER sources INCLUDE REGEX "/(${rooms})/[^/]*$")
+  endif()
   foreach(file IN LISTS ARG_EXCEPT)
     list(REMOVE_ITEM sources ${CMAKE_CURRENT_SOURCE_DIR}/${file})
   endforeach()
@@ -143,7 +147,9 @@ function(render2mpeg_library name)
     target_compile_options(render2mpeg_${name} PRIVATE -fno-trapping-math)
   endif()
   if(RENDER2MPEG_PRECOMPILE STREQUAL "all")
-    if(ARG_HEADERS OR ARG_HOT OR name STREQUAL "core")
+    if(ARG_HEADERS_OF)
+      target_precompile_headers(render2mpeg_${name} REUSE_FROM render2mpeg_${ARG_HEADERS_OF})
+    elseif(ARG_HEADERS OR ARG_HOT OR name STREQUAL "core")
       target_precompile_headers(render2mpeg_${name} PRIVATE ${RENDER2MPEG_COMMON_HEADERS} ${ARG_HEADERS})
     else()
       target_precompile_headers(render2mpeg_${name} REUSE_FROM render2mpeg_core)

@@ -6,11 +6,17 @@ set -euo pipefail
 program=$1 folder=$2
 export LC_ALL=C
 mkdir -p "$folder"
-commands=$("$program" --help | awk '/^Subcommands:/ {on = 1; next} /^$/ {on = 0} on && /^  [a-z]/ {print $1}')
+declare -A helps
+helps[program]=$("$program" --help)
+commands=$(printf '%s\n' "${helps[program]}" | awk '/^Subcommands:/ {on = 1; next} /^$/ {on = 0} on && /^  [a-z]/ {print $1}')
+
+for command in $commands; do helps[$command]=$("$program" "$command" --help); done
+version=$("$program" --version | awk '{print $2; exit}')
+help_of() { printf '%s\n' "${helps[${1:-program}]}"; } # of a command, or of the program
 
 # One line for each option: short, long, values, what it says; split by tabs.
 options_of() {
-    "$program" "$1" --help | awk '
+    help_of "$1" | awk '
         function flush() { if (long != "") print short "\t" long "\t" values "\t" text; long = "" }
         /^  (-[a-zA-Z],)?--[a-z]/ {
             flush()
@@ -30,27 +36,32 @@ options_of() {
         END { flush() }'
 }
 
-# Words that an option takes: of fixed=P% only what comes before the capital is certain; ranges and places are none.
-words_of() { tr '|' '\n' <<<"$1" | sed -n -e '/[.][.]/d' -e 's/^\([a-z0-9][a-z0-9.=-]*\).*/\1/p' | tr '\n' ' ' | sed 's/ $//'; }
-says() { "$program" --help | awk -v c="$1" '/^Subcommands:/ {on = 1; next} /^$/ {on = 0}
+# Sets `words`, those that an option takes: of fixed=P% only what comes before the capital is certain; ranges and places are none.
+words_of() {
+    local word all
+    words=''
+    IFS='|' read -ra all <<<"$1"
+    for word in "${all[@]}"; do
+        if [[ $word != *..* && $word =~ ^[a-z0-9][a-z0-9.=-]* ]]; then words+="${words:+ }${BASH_REMATCH[0]}"; fi
+    done
+}
+says() { help_of '' | awk -v c="$1" '/^Subcommands:/ {on = 1; next} /^$/ {on = 0}
     on && /^  [a-z]/ {mine = $1 == c; if (mine) {$1 = ""; sub(/^ /, ""); text = $0}; next}
     on && mine {sub(/^ +/, ""); text = text " " $0} END {print text}'; }
 
 # The manual.
 roff() { sed -e 's/\\/\\e/g' -e 's/-/\\-/g' -e "s/^\([.']\)/\\\\\&\1/"; }
-page() { # NAME HELP-ARGUMENTS...
-    local name=$1 version
-    shift
-    version=$("$program" --version | awk '{print $2; exit}')
+page() { # NAME COMMAND
+    local name=$1 command=$2
     printf '.TH %s 1 "" "render2mpeg %s" "User Commands"\n.SH NAME\n' "${name^^}" "$version"
-    printf '%s \\- %s\n.SH SYNOPSIS\n' "$(roff <<<"$name")" "$("$program" "$@" --help | head -n 1 | sed 's/[.]$//' | roff)"
-    "$program" "$@" --help | sed -n 's/^Usage: //p' | roff
+    printf '%s \\- %s\n.SH SYNOPSIS\n' "$(roff <<<"$name")" "$(help_of "$command" | sed -n 1p | sed 's/[.]$//' | roff)"
+    help_of "$command" | sed -n 's/^Usage: //p' | roff
     printf '.SH DESCRIPTION\n.nf\n'
-    "$program" "$@" --help | tail -n +3 | roff
+    help_of "$command" | tail -n +3 | roff
     printf '.fi\n.SH SEE ALSO\n'
     for other in '' $commands; do printf '%s\n' "\\fBrender2mpeg${other:+\\-$other}\\fP(1)"; done | paste -sd, | sed 's/,/, /g'
 }
-page render2mpeg >"$folder/render2mpeg.1"
+page render2mpeg '' >"$folder/render2mpeg.1"
 for command in $commands; do page "render2mpeg-$command" "$command" >"$folder/render2mpeg-$command.1"; done
 
 # bash
@@ -67,7 +78,7 @@ for command in $commands; do page "render2mpeg-$command" "$command" >"$folder/re
     for command in $commands; do
         options_of "$command" | while IFS= read -r line; do
             IFS=$'\x1f' read -r short long values _ <<<"${line//$'\t'/$'\x1f'}"
-            words=$(words_of "$values")
+            words_of "$values"
             [ -z "$words" ] || echo "        '$command $long'${short:+ | '$command $short'}) words='$words' ;;"
         done
     done
@@ -107,7 +118,7 @@ for command in $commands; do page "render2mpeg-$command" "$command" >"$folder/re
         options_of "$command" | while IFS= read -r line; do
             IFS=$'\x1f' read -r short long values text <<<"${line//$'\t'/$'\x1f'}"
             text=$(sed -e 's/[]:\\[]/\\&/g' -e "s/'/'\\\\''/g" <<<"$text")
-            words=$(words_of "$values")
+            words_of "$values"
             action=''
             [ -z "$values" ] || action=":$(sed 's/[]:\\[]/\\&/g' <<<"${values%% *}"):_files"
             [ -z "$words" ] || action=":value:($words)"
@@ -129,7 +140,7 @@ for command in $commands; do page "render2mpeg-$command" "$command" >"$folder/re
         echo "complete -c render2mpeg -n __fish_use_subcommand -f -a $command -d '$(says "$command" | sed "s/[\\\\']/\\\\&/g")'"
         options_of "$command" | while IFS= read -r line; do
             IFS=$'\x1f' read -r short long values text <<<"${line//$'\t'/$'\x1f'}"
-            words=$(words_of "$values")
+            words_of "$values"
             echo "complete -c render2mpeg -n '__fish_seen_subcommand_from $command' -l ${long#--}${short:+ -s ${short#-}}$(
                 [ -z "$words" ] || printf " -x -a '%s'" "$words"
                 [ -n "$words" ] || [ -z "$values" ] || printf ' -r'

@@ -26,7 +26,7 @@ Finished run_program(std::vector<std::string> words) {
     close(ends[1]);
     Finished finished;
     char buffer[4096];
-    for (ssize_t n = 0; (n = read(ends[0], buffer, sizeof buffer)) > 0;)
+    for (ssize_t n = 0; (n = ::read(ends[0], buffer, sizeof buffer)) > 0;)
         finished.text.append(buffer, static_cast<std::size_t>(n));
     close(ends[0]);
     int status = 0;

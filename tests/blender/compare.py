@@ -1,7 +1,7 @@
 """blender -b --factory-startup -noaudio --python-exit-code 1 -P compare.py -- FOLDER FRAME... [--picture OUT.png] [--shown] [--alpha]
     [--patches COLUMNSxROWS]
 
-Holds FOLDER/oursNNNN.exr against cyclesNNNN.exr. A row per frame: mean luminance of ours over Cycles', PSNR (sRGB pictures
+Also behind cycles.py in one Blender, whose words it leaves alone. Holds FOLDER/oursNNNN.exr against cyclesNNNN.exr. A row per frame: mean luminance of ours over Cycles', PSNR (sRGB pictures
 of 8 bits, exposed so that Cycles' median is 0.25), and by how many pixels ours is shifted to the right and up: what turns ours
 into Cycles' by least squares over the gradients [Lucas1981]. With --shown oursNNNN.png against cyclesNNNN.png, as they are: the row
 begins with the mean code values' ratio. With --patches a row for each part of the picture, row by row: mean of ours over Cycles'
@@ -43,7 +43,8 @@ def main():
     out = words[words.index("--picture") + 1] if "--picture" in words else None
     ending = "png" if "--shown" in words else "exr"
     patches = words[words.index("--patches") + 1] if "--patches" in words else None
-    folder, *frames = (word for word in words if word not in {"--picture", out, "--shown", "--alpha", "--patches", patches})
+    folder, *frames = (word for i, word in enumerate(words)
+                       if not word.startswith("--") and words[i - 1] not in {"--picture", "--patches", "--samples"})
     rows = []
     for frame in frames:
         ours, truth = (load(os.path.join(folder, f"{who}{int(frame):04d}.{ending}")) for who in ("ours", "cycles"))

@@ -1,17 +1,23 @@
-"""blender -b --factory-startup --disable-autoexec -noaudio --python-exit-code 1 FILE.blend -P cycles.py -- FOLDER SAMPLES FRAME... [--shown]
+"""blender -b --factory-startup --disable-autoexec -noaudio --python-exit-code 1 FILE.blend -P cycles.py [-P compare.py] -- FOLDER FRAME... --samples N
+    [--half] [--shown] [compare.py's]
 
 Renders frames of a .blend, counted from 0 as films count them, with its own settings to FOLDER/cyclesNNNN.exr: linear light.
-With --shown to FOLDER/cyclesNNNN.png, as its view shows them.
+With --half at half the size. With --shown to FOLDER/cyclesNNNN.png, as its view shows them.
 """
 import os
 import sys
 
 import bpy
 
-folder, samples, *frames = (word for word in sys.argv[sys.argv.index("--") + 1:] if word != "--shown")
-ending = "png" if "--shown" in sys.argv else "exr"
+words = sys.argv[sys.argv.index("--") + 1:]
+samples = words[words.index("--samples") + 1]
+folder, *rest = words
+frames = [word for i, word in enumerate(rest, 1) if word.isdigit() and words[i - 1] != "--samples"]
+ending = "png" if "--shown" in words else "exr"
 scene = bpy.context.scene
 scene.cycles.samples = int(samples)
+if "--half" in words:
+    scene.render.resolution_percentage //= 2
 scene.render.threads_mode, scene.render.threads = "FIXED", 1
 settings = scene.render.image_settings
 settings.file_format, settings.color_depth = ("PNG", "16") if ending == "png" else ("OPEN_EXR", "32")

@@ -18,6 +18,7 @@ COLUMNS, ROWS = 6, 4
 def start_of_all_light(bounces=24):
     """All light that surfaces send to each other, whatever they are."""
     scene = start(1)
+    scene.render.resolution_percentage = 50
     cycles = scene.cycles
     cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transmission_bounces = bounces
     cycles.caustics_reflective, cycles.blur_glossy = True, 0
@@ -83,7 +84,7 @@ def chart_materials():
 def chart():
     """A board and a ball of each material, lit by a panel, a sun and a grey sky."""
     scene = start_of_all_light()
-    scene.render.resolution_x, scene.render.resolution_y = 32 * COLUMNS, 32 * ROWS
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 32 * COLUMNS, 32 * ROWS, 100
     world_of((0.4, 0.4, 0.4))
     add_lamp("AREA", (-8, -9, 10), (0, 0, 0), shape="SQUARE", size=4, energy=3000)
     add_lamp("SUN", (0, -5, 3), (-2, 0, 0), energy=0.6, angle=0.1)

@@ -70,12 +70,15 @@ HardCase refused_lens(const char* name, const char* breaks, float f_stop, float 
 std::vector<HardCase> exposure_cases() {
     constexpr float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
     return {
-        {"an open shutter over what stands still", "noise of the strata where nothing is blurred",
-         "the film of a closed shutter, bit for bit", [] { return with_open_shutter(small_room(), 360); },
-         [](const Lit& film) {
-             const HardCase plain;
-             EXPECT_TRUE(same_values(film.frames[2].combined, lit(plain, small_room(), film.way).frames[2].combined));
-         }},
+        of_side({"an open shutter over what stands still", "noise of the strata where nothing is blurred",
+                 "the film of a closed shutter, bit for bit", [] { return with_open_shutter(small_room(), 360); },
+                 [](const Lit& film) {
+                     HardCase plain;
+                     plain.size = {16, 16};
+                     EXPECT_TRUE(
+                         same_values(film.frames[2].combined, lit(plain, small_room(), film.way).frames[2].combined));
+                 }},
+                16),
         {"an open shutter in a film of one frame",
          "there is no frame before or behind",
          "a frame that is blurred",
@@ -85,7 +88,7 @@ std::vector<HardCase> exposure_cases() {
          {},
          INFINITY,
          "",
-         {32, 32},
+         {16, 16},
          1},
         {"a block that passes the eye while the shutter is open", "what is behind the eye has no place in the picture",
          "finite, and the floor on both sides",

@@ -143,8 +143,10 @@ TEST_F(BlendExportSlow, LightsTheGroundBelowAWideSpotAsCyclesDoes) {
                   " --frames 0:0 --exposure 0 --quiet")
                   .status,
               0);
-    ASSERT_EQ(blender_exports(blend + " -P " + export_script("cycles.py") + " -- " + at + " 16 0").status, 0);
-    const Outcome compared = blender_exports("-P " + export_script("compare.py") + " -- " + at + " 0 --patches 6x4");
+    const Outcome compared =
+        blender_exports(blend + " -P " + export_script("cycles.py") + " -P " + export_script("compare.py") + " -- " +
+                        at + " 0 --samples 16 --patches 6x4");
+    ASSERT_EQ(compared.status, 0) << compared.output;
     std::istringstream lines(compared.output);
     int patches = 0;
     for (std::string line; std::getline(lines, line);) {

@@ -44,10 +44,10 @@ std::vector<std::vector<double>> beside_cycles(const Folder& folder, const std::
     const Outcome ours = run(program() + " render -y --hold " + blend + " -o " + path(folder, "ours%04d.exr") +
                              " --frames 0:0 --exposure 0 --quiet --samples 16 --edge-samples 64 " + how);
     EXPECT_EQ(ours.status, 0) << ours.output;
-    const Outcome cycles =
-        blender_with(blend + " -P " + surface_script("cycles.py") + " -- " + at + " " + samples + " 0");
-    EXPECT_EQ(cycles.status, 0) << cycles.output;
-    const Outcome compared = blender_with("-P " + surface_script("compare.py") + " -- " + at + " 0 --patches 6x4");
+    const Outcome compared =
+        blender_with(blend + " -P " + surface_script("cycles.py") + " -P " + surface_script("compare.py") + " -- " +
+                     at + " 0 --samples " + samples + " --patches 6x4");
+    EXPECT_EQ(compared.status, 0) << compared.output;
     std::istringstream lines(compared.output);
     std::vector<std::vector<double>> rows;
     for (std::string line; std::getline(lines, line);) {
@@ -63,7 +63,7 @@ std::vector<std::vector<double>> beside_cycles(const Folder& folder, const std::
 TEST(BlendSurfacesSlow, OnAChartReflectAsInCycles) {
     if (lacks_blender()) GTEST_SKIP() << "Blender is not installed";
     const Folder folder;
-    const auto patches = beside_cycles(folder, "chart", "PATCH", "400", "--tolerance fixed=2%");
+    const auto patches = beside_cycles(folder, "chart", "PATCH", "128", "--tolerance fixed=2%");
     ASSERT_EQ(patches.size(), 24u);
     int within_one = 0;
     for (std::size_t k = 0; k < patches.size(); ++k) {

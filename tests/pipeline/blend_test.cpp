@@ -43,6 +43,12 @@ std::size_t lines_in(const std::string& text) {
     return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
 }
 
+/// Rendered by Cycles, and held against ours in the same Blender.
+Outcome held_against_cycles(const std::string& blend, const Folder& folder, const std::string& words) {
+    return blender(blend + " -P " + script("cycles.py") + " -P " + script("compare.py") + " -- " +
+                   folder.path().string() + " " + words);
+}
+
 /// The only export of a .blend.
 fs::path export_of(const fs::path& blend) {
     for (const fs::directory_entry& entry : fs::directory_iterator(blend.string() + ".export")) return entry.path();
@@ -196,9 +202,8 @@ TEST(BlendFileSlow, HidesItsWorldAndCutsHolesAsBlenderDoes) {
                              " --frames 0:0 --exposure 0 --tolerance fixed=8% --edge-samples 64 --vpls 1024 --quiet");
     ASSERT_EQ(ours.status, 0) << ours.output;
     EXPECT_EQ(ours.output.find("roughness"), std::string::npos) << ours.output;
-    const Outcome cycles = blender(blend + " -P " + script("cycles.py") + " -- " + folder.path().string() + " 64 0");
-    ASSERT_EQ(cycles.status, 0) << cycles.output;
-    const Outcome compared = blender("-P " + script("compare.py") + " -- " + folder.path().string() + " 0 --alpha");
+    const Outcome compared = held_against_cycles(blend, folder, "0 --samples 64 --alpha");
+    ASSERT_EQ(compared.status, 0) << compared.output;
     const std::size_t at = compared.output.find("ALPHA ");
     ASSERT_NE(at, std::string::npos) << compared.output;
     std::istringstream figures(compared.output.substr(at + 6));
@@ -288,7 +293,7 @@ TEST(BlenderAimSlow, HasACarShowASign) {
     place >> x >> y;
     const auto shows_the_sign = [&](const char* name) {
         const Outcome drawn =
-            run(program() + " render -y --preview --frames 0:0 --size 640x288 --quiet " + path(folder, name) + " -o " +
+            run(program() + " render -y --preview --frames 0:0 --size 320x144 --quiet " + path(folder, name) + " -o " +
                 path(folder, "f%04d.png") + " && ffmpeg -v error -y -i " + path(folder, "f0000.png") +
                 " -f rawvideo -pix_fmt rgb24 " + path(folder, "f.rgb"));
         EXPECT_EQ(drawn.status, 0) << drawn.output;
@@ -344,19 +349,17 @@ TEST(BlendViewsSlow, AreShownAsBlenderShowsThem) {
     EXPECT_EQ(film["exposure"], 0.5);
 
     const Outcome ours = run(program() + " render " + blend + " -o " + path(folder, "ours%04d.png") +
-                             " --frames 0:0 --tolerance fixed=2% --vpls 8192 --samples 16 --edge-samples 64 --quiet");
+                             " --frames 0:0 --size 80x45 --tolerance fixed=2% --samples 16 --edge-samples 64 --quiet");
     ASSERT_EQ(ours.status, 0) << ours.output;
-    const Outcome cycles =
-        blender(blend + " -P " + script("cycles.py") + " -- " + folder.path().string() + " 128 0 --shown");
-    ASSERT_EQ(cycles.status, 0) << cycles.output;
-    const Outcome compared = blender("-P " + script("compare.py") + " -- " + folder.path().string() + " 0 --shown");
+    const Outcome compared = held_against_cycles(blend, folder, "0 --samples 128 --shown --half");
+    ASSERT_EQ(compared.status, 0) << compared.output;
     const std::vector<Row> rows = rows_in(compared.output);
     ASSERT_EQ(rows.size(), 1u) << compared.output;
     EXPECT_NEAR(rows[0].mean, 1, 0.02) << "of code values";
     EXPECT_GE(rows[0].psnr, 30) << "of Blender's own picture";
     // Another view than the one that is asked for would be far off.
     EXPECT_EQ(run(program() + " render " + blend + " -o " + path(folder, "ours%04d.png") + " --view standard -y" +
-                  " --frames 0:0 --tolerance fixed=5% --vpls 1024 --quiet")
+                  " --frames 0:0 --size 80x45 --tolerance fixed=5% --quiet")
                   .status,
               0);
     const std::vector<Row> other =
@@ -377,19 +380,16 @@ TEST_P(BlendBesideCyclesSlow, IsFramedAndLitAlike) {
     for (std::string frame; frames >> frame;) {
         const Outcome ours = run(
             program() + " render -y --hold " + blend + " -o " + path(folder, "ours%04d.exr") + " --frames " + frame +
-            ":" + frame + " --exposure 0 --tolerance fixed=2% --vpls 8192 --samples 16" + " --edge-samples 64 --quiet");
+            ":" + frame + " --size 80x45 --exposure 0 --tolerance fixed=2% --samples 16 --edge-samples 64 --quiet");
         ASSERT_EQ(ours.status, 0) << ours.output;
     }
-    const Outcome cycles =
-        blender(blend + " -P " + script("cycles.py") + " -- " + folder.path().string() + " 128 " + film.frames);
-    ASSERT_EQ(cycles.status, 0) << cycles.output;
-    const Outcome compared =
-        blender("-P " + script("compare.py") + " -- " + folder.path().string() + " " + film.frames);
+    const Outcome compared = held_against_cycles(blend, folder, std::string(film.frames) + " --samples 128 --half");
+    ASSERT_EQ(compared.status, 0) << compared.output;
     const std::vector<Row> rows = rows_in(compared.output);
     for (const Row& row : rows) {
         EXPECT_NEAR(row.mean, 1, film.mean) << compared.output;
         EXPECT_GE(row.psnr, film.psnr) << compared.output;
-        EXPECT_LT(std::hypot(row.right, row.up), 0.5) << compared.output;
+        EXPECT_LT(std::hypot(row.right, row.up), 0.25) << compared.output;
     }
     EXPECT_GE(rows.size(), 1u) << compared.output;
 }

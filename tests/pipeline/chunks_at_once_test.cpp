@@ -15,8 +15,8 @@
 namespace render2mpeg::test {
 namespace {
 
-/// Four chunks of 41 frames in which a lamp and a box change, the last of 20.
-constexpr const char* scene_text = R"({ "frames": 143, "camera": { "position": [0, 1.5, 4], "look_at": [0, 0.5, 0] },
+/// Four chunks of 41 frames in which a lamp and a box change, the last of 4.
+constexpr const char* scene_text = R"({ "frames": 127, "camera": { "position": [0, 1.5, 4], "look_at": [0, 0.5, 0] },
   "lights": [{ "kind": "point", "position": [1, 2, 1], "intensity": 9 },
              { "kind": "point", "position": [-2, 2, 1], "intensity": 3, "keys": [{ "at": 0, "power": 1 }, { "at": 6, "power": 6 }] }],
   "objects": [{ "name": "floor", "shape": "plane", "size": [6, 6] },
@@ -28,7 +28,7 @@ class ChunksAtOnce : public testing::Test {
     ChunksAtOnce() { std::ofstream(folder_ / "scene.json") << scene_text; }
 
     std::string start(const std::string& more) const {
-        return program() + " render -y " + path(folder_, "scene.json") + " --size 32x32 --samples 1 --gop 41 " + more +
+        return program() + " render -y " + path(folder_, "scene.json") + " --size 16x16 --samples 1 --gop 41 " + more +
                " ";
     }
     std::string file(const std::string& name) const { return path(folder_, name); }
@@ -68,15 +68,14 @@ json lasting(const std::string& text) {
 TEST_F(ChunksAtOnce, ChangeNoByteOfAFilmForAnyNumberOfThreads) {
     make(start(direct_ + "--quiet --threads 1 --chunks-at-once 1 -o " + file("one.mpg")));
     const std::string film = bytes("one.mpg");
-    for (const auto& [chunks, threads] :
-         {std::pair{1, 33}, {2, 1}, {2, 2}, {2, 3}, {2, 16}, {3, 1}, {3, 2}, {3, 3}, {3, 16}, {3, 33}, {9, 2}}) {
+    for (const auto& [chunks, threads] : {std::pair{1, 33}, {2, 1}, {2, 3}, {3, 2}, {3, 16}, {9, 2}}) {
         make(start(direct_ + "--quiet --threads " + std::to_string(threads) + " --chunks-at-once " +
                    std::to_string(chunks) + " -o " + file("film.mpg")));
         EXPECT_TRUE(bytes("film.mpg") == film) << chunks << " at once by " << threads << " threads";
     }
 }
 
-TEST_F(ChunksAtOnce, ChangeNeitherFilmNorStatisticsOfLightThatIsKept) {
+TEST_F(ChunksAtOnce, ChangeNeitherFilmNorStatisticsOfLightThatIsKeptSlow) {
     const std::string begin = start(light_ + "--quiet --threads 3 --audit 1 ");
     for (const char* chunks : {"1", "3"})
         make(begin + "--chunks-at-once " + chunks + " -o " + file(std::string(chunks) + ".mpg") + " --stats " +
@@ -101,7 +100,7 @@ TEST_F(ChunksAtOnce, ChangeNoFrameThatIsNotCoded) {
         EXPECT_TRUE(contents(entry.path()) == bytes("3/" + name)) << name;
         ++files;
     }
-    EXPECT_EQ(files, 4 * 143 + 1u) << "two kinds of images, layers and motion";
+    EXPECT_EQ(files, 4 * 127 + 1u) << "two kinds of images, layers and motion";
 }
 
 TEST_F(ChunksAtOnce, ResumingKeepsThoseBehindAGap) {
@@ -115,7 +114,7 @@ TEST_F(ChunksAtOnce, ResumingKeepsThoseBehindAGap) {
     std::filesystem::create_hard_link(folder_ / "film.mpg.partial/chunk_00001.m2v", folder_ / "kept.m2v");
     const auto resumed = run(begin + " --resume");
     EXPECT_EQ(resumed.status, 0) << resumed.output;
-    EXPECT_NE(resumed.output.find("film.mpg with frame 0: 61 of 143 are there"), std::string::npos) << resumed.output;
+    EXPECT_NE(resumed.output.find("film.mpg with frame 0: 45 of 127 are there"), std::string::npos) << resumed.output;
     EXPECT_EQ(std::filesystem::last_write_time(folder_ / "kept.m2v"), kept) << "it was not made again";
 
     make(start(light_ + "--quiet --threads 2 --stats " + file("whole.json") + " -o " + file("whole.mpg")));

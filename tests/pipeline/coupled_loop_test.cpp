@@ -111,7 +111,7 @@ std::pair<double, double> apart(const Record& a, const Record& b, std::int64_t f
 
 TEST(CoupledLoop, CoarserQuantisersTakeFewerRaysWhileTheDecodedFilmStaysAsNearToTheTruthSlow) {
     // As films are made by default: rays, records, tolerances of the frame before, warped.
-    RenderOptions options = options_of(support::panel_film(), "0:5", "64x48");
+    RenderOptions options = options_of(support::panel_film(), "0:5", "48x32");
     const Record converged = made(options, "fixed=1%");
     options.audit = 12;
     double rays_before = 1e18, over = 0;
@@ -232,7 +232,7 @@ TEST(CoupledLoop, FramesThatAreLitAlikeAreLitOnceSlow) {
 }
 
 TEST(CoupledLoop, MaskingByTheDecodedPictureLightsTheFilmInAWayOfItsOwn) {
-    RenderOptions options = options_of(support::plain_film(), "0:8");
+    RenderOptions options = options_of(support::plain_film(), "0:8", "32x24");
     options.coding.gop = 9;
     const Record warped = made(options, "coupled=0.5");
     options.masking = "quantised";
@@ -245,7 +245,7 @@ TEST(CoupledLoop, MaskingByTheDecodedPictureLightsTheFilmInAWayOfItsOwn) {
 }
 
 TEST(CoupledLoop, APictureThatOthersArePredictedFromMayErrByLess) {
-    RenderOptions options = options_of(support::plain_film(), "0:4");
+    RenderOptions options = options_of(support::plain_film(), "0:4", "32x24");
     options.tolerance = "coupled=0.5";
     RenderJob film = prepare(options);
     const Record followed = made(film);

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "support/program.h"
 
@@ -32,15 +33,18 @@ inline void write_frames(const std::string& file, int width, int height, const s
     std::ofstream stream(file, std::ios::binary);
     stream << "YUV4MPEG2 W" << width << " H" << height << " F" << rate << " Ip" << (shape.empty() ? "" : " A") << shape
            << " C420mpeg2\n";
+    std::vector<double> across(static_cast<std::size_t>(width)), down;
+    for (int y = 0; y < height; ++y) down.push_back(std::sin(0.11 * y));
     for (int n = 0; n < frames; ++n) {
         stream << "FRAME\n";
+        for (int x = 0; x < width; ++x) across[static_cast<std::size_t>(x)] = 60 * std::sin(0.13 * (x + 3 * n));
         std::string plane(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), '\0');
         for (int y = 0; y < height; ++y)
             for (int x = 0; x < width; ++x) {
                 const unsigned mixed = (static_cast<unsigned>(x * 7919 + y * 104729 + n * 31) * 2654435761u) >> 28;
-                plane[static_cast<std::size_t>(y * width + x)] =
-                    static_cast<char>(110 + std::lround(60 * std::sin(0.13 * (x + 3 * n)) * std::sin(0.11 * y)) +
-                                      static_cast<long>(mixed));
+                plane[static_cast<std::size_t>(y * width + x)] = static_cast<char>(
+                    110 + std::lround(across[static_cast<std::size_t>(x)] * down[static_cast<std::size_t>(y)]) +
+                    static_cast<long>(mixed));
             }
         stream << plane << std::string(static_cast<std::size_t>((width + 1) / 2 * ((height + 1) / 2) * 2), '\x80');
     }

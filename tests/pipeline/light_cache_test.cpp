@@ -91,7 +91,7 @@ TEST(LightFile, RefusesOtherLightByName) {
 }
 
 /// A walk through a room with a window, two chunks of 41 frames.
-constexpr const char* walk = R"({ "frames": 82, "size": [64, 48],
+constexpr const char* walk = R"({ "frames": 82, "size": [48, 36],
   "camera": { "fov": 60, "keys": [{ "at": 0, "position": [-0.8, 1.4, 1.5], "look_at": [0, 0.7, -1] }, { "at": 0.3, "position": [-0.7, 1.4, 1.4], "look_at": [0, 0.7, -1] }] },
   "sky": { "zenith": [2, 3, 5], "horizon": [4, 4, 4] },
   "objects": [{ "name": "floor", "shape": "plane", "size": [4, 4] },
@@ -189,7 +189,7 @@ TEST(LightCache, ChangesNothingAboutResumingNorPartsSlow) {
 
 TEST(LightCache, AndFilmsAreTheSameForAnyNumberOfLightPointsSinceRaysBringTheLight) {
     const Walk films;
-    const std::string few = "--frames 0:0 --hold -q 16 ";
+    const std::string few = "--frames 0:0 --hold --size 24x18 -q 16 ";
     ASSERT_EQ(films.render("usual", few + films.with()).status, 0);
     const std::string light = contents(films.place("l.light"));
     std::filesystem::remove(films.place("l.light"));
@@ -206,7 +206,7 @@ TEST(LightCache, AndFilmsAreTheSameForAnyNumberOfLightPointsSinceRaysBringTheLig
 
 TEST(LightCache, IsRefusedByNameOrToldToHaveNoEffect) {
     const Walk films;
-    const std::string few = "--frames 0:0 --hold -q 16 ";
+    const std::string few = "--frames 0:0 --hold --size 24x18 -q 16 ";
     ASSERT_EQ(films.render("a", few + films.with()).status, 0);
     const auto other = films.render("b", few + "--caustics off " + films.with());
     EXPECT_EQ(other.status, 1);

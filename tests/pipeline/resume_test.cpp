@@ -22,10 +22,10 @@ constexpr const char* scene_text = R"({ "frames": 164, "camera": { "position": [
              { "kind": "point", "position": [-2, 2, 1], "intensity": 3, "keys": [{ "at": 0, "power": 1 }, { "at": 6, "power": 6 }] }],
   "objects": [{ "name": "floor", "shape": "plane", "size": [6, 6] },
               { "name": "box", "shape": "box", "keys": [{ "at": 0, "position": [-1, 0, 0] }, { "at": 6, "position": [1, 0, 0], "rotate": 200 }] }] })";
-const std::string direct = " --size 32x32 --samples 1 --gop 41 --threads 1 --quiet ",
+const std::string direct = " --size 16x16 --samples 1 --gop 41 --threads 1 --quiet ",
                   light = direct + "--indirect lightcuts --vpls 16 ",
                   // Four chunks of 21 of them.
-    fewer = " --size 32x32 --samples 1 --gop 21 --threads 1 --quiet --indirect lightcuts --vpls 16 --frames 0:83 ";
+    fewer = " --size 16x16 --samples 1 --gop 21 --threads 1 --quiet --indirect lightcuts --vpls 16 --frames 0:83 ";
 
 std::string scene_in(const Folder& folder) {
     std::ofstream(folder / "scene.json") << scene_text;
@@ -193,8 +193,7 @@ TEST(Resume, IsTheWayOnAfterCtrlC) {
 TEST(Resume, BeginsAFilmOfWhichNothingIsLeft) {
     const Folder folder;
     const auto outcome = run(program() + " render -y --hold " + plain_film() +
-                             " --size 32x32 --samples 1 --indirect lightcuts --vpls 16 --frames 0:1 --resume -o " +
-                             path(folder, "f.mpg"));
+                             " --size 16x16 --samples 1 --frames 0:1 --resume -o " + path(folder, "f.mpg"));
     EXPECT_EQ(outcome.status, 0);
     EXPECT_NE(outcome.output.find("--resume: no chunk was left of "), std::string::npos) << outcome.output;
     EXPECT_EQ(folder.entries(), 1u);
@@ -254,7 +253,7 @@ TEST(ResumeSlow, EveryKindOfOutputComesOutAsIfNothingHadHappened) {
     for (const std::string& command : whole) ASSERT_EQ(run(command).status, 0) << command;
     for (std::size_t i = 0; i < cut.size(); ++i)
         for (const char* signal : {"TERM", "KILL"})
-            render_killed(cut[i], signal, 11 + i, signal[0] == 'T' ? 3 : 6, 0.8);
+            render_killed(cut[i], signal, 11 + i, signal[0] == 'T' ? 3 : 6, 0.4);
     std::size_t files = 0;
     for (const auto& entry : std::filesystem::directory_iterator(folder / "whole")) {
         const std::filesystem::path name = entry.path().filename();
@@ -270,10 +269,10 @@ TEST(ResumeSlow, ScenesThatMoveAndDeformComeOutAsIfNothingHadHappened) {
     for (const char* name : {"character", "flash_cut"}) {
         const Folder folder;
         const std::string start = program() + " render -y --hold " + film(name) +
-                                  " --size 32x32 --samples 1 --indirect lightcuts --vpls 64 --gop 21 --hold --frames "
+                                  " --size 16x16 --samples 1 --indirect lightcuts --vpls 64 --gop 21 --hold --frames "
                                   "0:62 --threads 2 --quiet -o ";
         ASSERT_EQ(run(start + path(folder, "whole.mpg")).status, 0);
-        render_killed(start + path(folder, "film.mpg"), "KILL", 3, 5, 2);
+        render_killed(start + path(folder, "film.mpg"), "KILL", 3, 5, 1);
         EXPECT_TRUE(contents(folder / "film.mpg") == contents(folder / "whole.mpg")) << name;
     }
 }

@@ -1,4 +1,7 @@
-render2mpeg_test(pipeline STARTS_PROGRAMS OPENS_MODULES LIBS render2mpeg_app render2mpeg_test_stages nlohmann_json::nlohmann_json)
+render2mpeg_test(pipeline STARTS_PROGRAMS OPENS_MODULES LIBS render2mpeg_app render2mpeg_test_stages nlohmann_json::nlohmann_json
+  WITHOUT Codecs.AreChosenByTheEndingOrByName CoupledLoop.MaskingByTheDecodedPictureLightsTheFilmInAWayOfItsOwn
+          FogInFilms.CostsNothingWhereThereIsNoneAndComesFromFileOrCommandLine ImageReader.HandsOverThePixelsThatAreReadHere
+          Tune.LoosensNoOptionThatIsIdle)
 if(TARGET test_pipeline)
   add_dependencies(test_pipeline render2mpeg shell_pages)
 endif()

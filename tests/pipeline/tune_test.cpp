@@ -217,7 +217,7 @@ TEST(Tune, SaysWhatIsOutOfReach) {
 TEST(Tune, LoosensNoOptionThatIsIdle) {
     for (const bool points : {false, true}) {
         const auto outcome =
-            run(program() + " tune " + plain_film() + " --size 32x32 --exposure 0 --indirect " +
+            run(program() + " tune " + plain_film() + " --size 16x16 --exposure 0 --indirect " +
                 (points ? "lightcuts" : "rays") + " --vpls 256 --sample 1x1 --max-time 0.001s --dry-run");
         EXPECT_EQ(outcome.status, 1) << outcome.output;
         EXPECT_EQ(outcome.output.find("samples 1, vpls 64") != std::string::npos, points) << outcome.output;

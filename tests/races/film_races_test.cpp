@@ -12,18 +12,18 @@
 namespace render2mpeg::test {
 namespace {
 
-constexpr const char* scene_text = R"({ "frames": 50, "camera": { "position": [0, 1.5, 4], "look_at": [0, 0.5, 0] },
+constexpr const char* scene_text = R"({ "frames": 46, "camera": { "position": [0, 1.5, 4], "look_at": [0, 0.5, 0] },
   "lights": [{ "kind": "point", "position": [1, 2, 1], "intensity": 9 },
              { "kind": "point", "position": [-2, 2, 1], "intensity": 3, "keys": [{ "at": 0, "power": 1 }, { "at": 2, "power": 6 }] }],
   "objects": [{ "name": "floor", "shape": "plane", "size": [6, 6] },
               { "name": "box", "shape": "box", "keys": [{ "at": 0, "position": [-1, 0, 0] }, { "at": 2, "position": [1, 0, 0], "rotate": 200 }] }] })";
 
-/// Renders 50 frames in chunks of 41, two at once.
+/// Renders 46 frames in chunks of 41, two at once.
 support::Outcome rendered(const support::Folder& folder, const std::string& more) {
     std::ofstream(folder / "scene.json") << scene_text;
     const std::string to = folder.path().string() + "/";
-    return support::run("cd " + to + " && " + support::program() +
-                        " render -y --quiet scene.json --size 24x24 --samples 1 --gop 41 --threads 3 "
+    return support::run("cd " + to + " && " + (support::binary_folder() / "race_render").string() +
+                        " render -y --quiet scene.json --size 16x16 --samples 1 --gop 41 --threads 3 "
                         "--chunks-at-once 2 " +
                         more);
 }

@@ -5,7 +5,15 @@ if(RENDER2MPEG_SANITIZE MATCHES "thread")
   render2mpeg_test(races
     SOURCES ${CMAKE_CURRENT_SOURCE_DIR}/parallel/loops_test.cpp ${CMAKE_CURRENT_SOURCE_DIR}/parallel/lanes_test.cpp
             ${CMAKE_CURRENT_SOURCE_DIR}/renderer/final_gather_test.cpp ${CMAKE_CURRENT_SOURCE_DIR}/renderer/irradiance_cache_test.cpp
-    LIBS render2mpeg_renderer render2mpeg_test_stages)
+    LIBS render2mpeg_renderer render2mpeg_test_stages
+    WITHOUT IrradianceCache.AFinerToleranceGoesOnWithTheRecordsInItsPlaces IrradianceCache.LightsPolishedMetalForAFractionOfTheRays
+            NearLight.IsOfTheViewBehindACut)
   unset(RENDER2MPEG_UNITY)
-  add_dependencies(test_races render2mpeg)
+  # Of the program only what makes films.
+  find_package(fmt REQUIRED)
+  add_executable(race_render ${CMAKE_CURRENT_SOURCE_DIR}/races/render.cpp ${PROJECT_SOURCE_DIR}/src/app/commands/render.cpp
+                             ${PROJECT_SOURCE_DIR}/src/app/commands/render_stream.cpp)
+  target_link_libraries(race_render PRIVATE render2mpeg_options render2mpeg_film fmt::fmt nlohmann_json::nlohmann_json)
+  add_dependencies(race_render render2mpeg_exr_module)
+  add_dependencies(test_races race_render)
 endif()

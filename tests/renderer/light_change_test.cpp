@@ -50,7 +50,7 @@ void expect_light_follows(void (*change)(test::SceneBuilder&)) {
     FilmStage stage(b, by_rays(CacheUse::on)), anew(b, by_rays(CacheUse::on)), truth(b, by_rays(CacheUse::off));
     std::uint64_t kept_rays = 0, new_rays = 0;
     for (int second = 0; second < 4; ++second) {
-        const core::Radiance exact = truth.cut(0.005f, second);
+        const core::Radiance exact = truth.cut(0.01f, second);
         anew.renderer().start_chunk(anew.at(second));
         const std::uint64_t kept_before = stage.statistics().gather_rays, new_before = anew.statistics().gather_rays;
         const core::Radiance kept = stage.cut(0.05f, second), fresh = anew.cut(0.05f, second);

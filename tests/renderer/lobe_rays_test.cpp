@@ -194,7 +194,7 @@ TEST(LobeRays, OfAFloorShowAShiningBoxHoweverFewLightPointsItHas) {
     b.add_quad({-4, 0, 4}, {8, 0, 0}, {0, 0, -8}, add_metal(b, 0.2f));
     b.add_box(low, high, b.add_emitter({1, 1, 1}));
     b.add_camera({0, 1.6f, 4}, {0, 0, 1.2f}, 0.25f);
-    for (const int points : {1, 1000, 8000}) {
+    for (const int points : {1, 8000}) {
         Settings settings = without_bounces(24, 24);
         settings.direct_points = points;
         settings.samples = 1;
@@ -252,7 +252,7 @@ TEST(LobeRays, AreTheSameForAnyNumberOfThreads) {
     std::optional<core::Radiance> one;
     for (const int threads : {1, 8}) {
         const parallel::ThreadLimit limit(threads);
-        FilmStage stage(floor_by_a_wall(), without_bounces(48, 48));
+        FilmStage stage(floor_by_a_wall(), without_bounces(24, 24));
         core::Radiance frame = stage.cut(0.02f);
         EXPECT_GT(stage.statistics().gather_rays, 10000u);
         if (!one) {

@@ -31,17 +31,17 @@ renderer::Settings by_rays() {
     return s;
 }
 
-double mean_of(FilmStage& stage, int second = 0) {
-    const auto tolerance = core::ToleranceMap::uniform(24, 24, {0.0f, 0.005f});
+double mean_of(FilmStage& stage, int second = 0, float relative = 0.005f) {
+    const auto tolerance = core::ToleranceMap::uniform(24, 24, {0.0f, relative});
     double sum = 0;
     const core::Radiance r = stage.shade(second, tolerance);
     for (const glm::vec3& v : r.combined.values()) sum += static_cast<double>(core::luminance(v));
     return sum / static_cast<double>(r.combined.size());
 }
 
-double lit(const SceneBuilder& b, int second = 0) {
+double lit(const SceneBuilder& b, int second = 0, float relative = 0.005f) {
     FilmStage stage(b, by_rays(), true);
-    return mean_of(stage, second);
+    return mean_of(stage, second, relative);
 }
 
 /// Glass with two parallel faces, 4 mm apart, that lies above the camera.
@@ -135,7 +135,7 @@ TEST(Panes, CostNoPhotonsBelowASkyAndBallsDo) {
         SceneBuilder b = beside_a_window(false, false);
         if (ball) b.add_sphere({0.3f, 0.1f, 0}, 0.1f, add_glass(b), 12);
         FilmStage stage(b, by_rays(), true);
-        mean_of(stage);
+        mean_of(stage, 0, 0.1f);
         EXPECT_EQ(stage.statistics().caustic_photons > 0, ball);
     }
 }
@@ -160,7 +160,7 @@ TEST(SolidGlass, PassesWhatSurfacesBounceWhereCausticsHaveLightOfLamps) {
         b.add_quad({-1, 2.5f, -1}, {2, 0, 0}, {0, 0, 2}, b.add_material(glm::vec3(0)));
         if (glass) b.add_box({-4, 1, -4}, {4, 1.9f, 4}, add_glass(b));
         FilmStage stage(b, by_rays(), caustics);
-        return mean_of(stage);
+        return mean_of(stage, 0, 0.02f);
     };
     const double passing = light(true, false);
     EXPECT_GT(passing, 0.7 * light(false, false));
@@ -175,7 +175,7 @@ TEST(SolidGlass, PassesTheSkyHoweverWideTheSceneIs) {
         b.film().sky.color = glm::vec3(1);
         if (glass) b.add_box({-1.5f, 1, -1.5f}, {1.5f, 1.8f, 1.5f}, add_glass(b));
         b.add_camera({0, 0.5f, 0.01f}, {0, 0, 0}, 0.5f);
-        return lit(b);
+        return lit(b, 0, 0.02f);
     };
     const double narrow = light(2, true);
     EXPECT_GT(narrow, 0.85 * light(2, false));

@@ -71,6 +71,11 @@ float tolerance() {
     return found;
 }
 
+const Picture& exact_of_many() {
+    static const Picture exact = look(16, 0.1f * tolerance(), false);
+    return exact;
+}
+
 TEST(PointsOfAPixel, TakeAboutAsManyRaysTogetherAsOneThatFillsIt) {
     const Picture one = look(1, tolerance(), true), many = look(16, tolerance(), true);
     EXPECT_EQ(one.points, 1);
@@ -78,14 +83,14 @@ TEST(PointsOfAPixel, TakeAboutAsManyRaysTogetherAsOneThatFillsIt) {
     // Each by itself would take four times as many; their first looks alone are 64 rays.
     EXPECT_LT(many.rays, 2.0 * one.rays) << one.rays;
     EXPECT_GT(many.rays, 0.7 * one.rays) << one.rays;
-    const double off = error(one, look(1, 0.1f * tolerance(), false)),
-                 off_together = error(many, look(16, 0.1f * tolerance(), false));
+    const double off = error(one, look(1, 0.1f * tolerance(), false)), off_together = error(many, exact_of_many());
     EXPECT_LT(off_together, 1.3 * off) << off;
     EXPECT_GT(off_together, 0.4 * off) << off;
 }
 
 TEST(PointsOfAPixel, KeepBoundsTogether) {
-    const Picture many = look(16, tolerance(), false), exact = look(16, 0.1f * tolerance(), false);
+    const Picture many = look(16, tolerance(), false);
+    const Picture& exact = exact_of_many();
     // Rays err by a standard error of 1 / 1.3 of it, and cuts besides.
     EXPECT_LT(error(many, exact), tolerance());
     EXPECT_GT(error(many, exact), tolerance() / 10);

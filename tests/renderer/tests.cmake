@@ -1,1 +1,7 @@
-render2mpeg_test(renderer LIBS render2mpeg_renderer render2mpeg_path_tracer render2mpeg_test_stages)
+render2mpeg_test(renderer LIBS render2mpeg_renderer render2mpeg_path_tracer render2mpeg_test_stages
+  WITHOUT HairLight.OfCellsThatLightEachOtherIsThatOfPaths IrradianceCache.LightsPolishedMetalForAFractionOfTheRays
+          LightPaths.HoldNoCausticOfAMirrorOnTheFirstSurface LobeRays.AreAsManyAsTheToleranceAsksFor
+          LobeRays.OfAFloorShowAShiningBoxHoweverFewLightPointsItHas LobeRays.OfAFloorShowTheLightOfAWall
+          NearLight.IsOfTheViewBehindACut Panes.CostNoPhotonsBelowASkyAndBallsDo Panes.PassTheSkyToGatherRays
+          PointsOfAPixel.KeepBoundsTogether SolidGlass.PassesTheSkyHoweverWideTheSceneIs
+          SolidGlass.PassesWhatSurfacesBounceWhereCausticsHaveLightOfLamps)

@@ -14,7 +14,7 @@ namespace {
 
 using core::PixelClass;
 
-constexpr int size = 64;
+constexpr int size = 32;
 constexpr PictureFormat motion_format{size, size, 1};
 constexpr core::Rational second{1, 1}, zero{0, 1};
 
@@ -302,8 +302,8 @@ TEST(Motion, InRowsEqualsMotionAtOnce) {
     film.tracks.push_back(turn(0, 0.4, {1, 0, 0}));
     const Shown shown(std::move(film));
     core::MotionField rows = motion_field_for(shown.visible, shown.first, shown.last);
-    motion_of_rows(shown.visible, shown.first, shown.last, 30, size, rows);
-    motion_of_rows(shown.visible, shown.first, shown.last, 0, 30, rows);
+    motion_of_rows(shown.visible, shown.first, shown.last, 13, size, rows);
+    motion_of_rows(shown.visible, shown.first, shown.last, 0, 13, rows);
     EXPECT_EQ(rows.vector, shown.motion.vector);
     EXPECT_EQ(rows.kind, shown.motion.kind);
     EXPECT_EQ(rows.depth_in_reference, shown.motion.depth_in_reference);
