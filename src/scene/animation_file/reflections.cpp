@@ -1,6 +1,5 @@
 #include "scene/animation_file/reflections.h"
 
-
 #include "core/box.h"
 #include "core/text.h"
 #include "scene/animation_file/keys.h"
