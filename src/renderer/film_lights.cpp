@@ -99,8 +99,7 @@ bool FilmLights::shine(const scene::Snapshot& snapshot, const LightChange& chang
     if (plan_.runs(Pass::lobe_rays)) {
         sky_of_rays_.shining.assign(posed_scene_.animation().objects.size(), 0.0f);
         for (const LightPoint& p : lamps_.without(shining_))
-            if (p.kind == LightPointKind::oriented)
-                sky_of_rays_.shining[p.object] = core::luminance(p.intensity) * lobe::inverse_pi;
+            if (p.is_of_surface()) sky_of_rays_.shining[p.object] = core::luminance(p.intensity) * lobe::inverse_pi;
     }
     if (by_rays()) {
         sky_of_rays_.near_field = near_field;

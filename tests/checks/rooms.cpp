@@ -40,7 +40,7 @@ const std::vector<Building>& buildings() {
           {"geometry", {"base"}, {"core", "scene", "image"}},
           {"surface", {"geometry", "base"}, {"core", "scene", "image", "parallel"}},
           {"lights", {"surface", "geometry", "base"}, {"core", "scene", "image", "parallel"}},
-          {"paths", {"subsurface", "surface", "geometry", "base"}, {"core", "scene", "image"}},
+          {"paths", {"lights", "subsurface", "surface", "geometry", "base"}, {"core", "scene", "image"}},
           {"caustics", {"lights", "surface", "geometry", "base"}, {"core", "scene", "parallel"}},
           {"tree", {"surface", "base"}, {"core", "parallel"}},
           {"subsurface", {"surface", "geometry", "base"}, {"core", "scene"}},

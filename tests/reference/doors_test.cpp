@@ -4,6 +4,7 @@
 #include "core/color.h"
 #include "tests/reference/path_tracer.h"
 #include "tests/renderer/door_stage.h"
+#include "tests/renderer/lighting.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -21,7 +22,7 @@ SurfacePoint surface(const PosedScene& posed_scene, glm::vec3 place) {
 
 /// Indirect light that the anchors make it scatter.
 double by_anchors(const PosedScene& posed_scene, const Anchors::Lit& lit, const SurfacePoint& point) {
-    LightTrees light_trees = build_light_trees({}, lit.still, 1);
+    LightTrees light_trees = test::build_light_trees({}, lit.still, 1);
     light_trees.trees[LightTrees::dynamic_tree] = build_light_tree(LightType::oriented, lit.moving, 1);
     light_trees.point_clamp = {0.25f};
     GatherPoint gathering;

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "renderer/air/air_lamp.h"
+#include "renderer/lights/area_lamps.h"
 #include "tests/renderer/film_stage.h"
 
 /// Fog by closed forms and by sums over steps.
@@ -127,7 +128,7 @@ class Empty {
         tracer_.pose(world_);
     }
     /// Of a lamp, by 16 cells.
-    float scattered(const Air& air, const AirLamp& lamp, glm::vec3 from, glm::vec3 direction, float far) const {
+    float scattered(const Air& air, const LightPoint& lamp, glm::vec3 from, glm::vec3 direction, float far) const {
         glm::vec3 sum(0);
         const float ends[1] = {far};
         add_scattered({air, tracer_, Bodies::pass}, lamp, {from, direction, ends, 0}, 16, &sum);
@@ -163,7 +164,8 @@ TEST(Airlight, OfAPointLampIsTheSumOverSteps) {
             for (const glm::vec3 place : {glm::vec3(0.02f, 0, -3), glm::vec3(2, 1, -5), glm::vec3(1, 0, 4)}) {
                 core::Fog fog = layered(visibility, 0, 0);
                 fog.anisotropy = g;
-                AirLamp lamp;
+                LightPoint lamp;
+                lamp.type = LightType::punctual;
                 lamp.position = place;
                 lamp.intensity = glm::vec3(1);
                 for (const float far : {2.0f, 9.0f}) {
@@ -177,9 +179,9 @@ TEST(Airlight, OfAPointLampIsTheSumOverSteps) {
 TEST(Airlight, OfASunIsTheClosedForm) {
     const Empty empty{SceneBuilder()};
     const core::Fog fog = layered(15, 0, 0);
-    AirLamp sun;
-    sun.is_sun = true;
-    sun.direction = {0, -1, 0};
+    LightPoint sun;
+    sun.type = LightType::directional;
+    sun.normal = {0, -1, 0};
     sun.intensity = glm::vec3(3);
     // Beyond the box light comes undimmed.
     const Air air(fog, glm::vec3(0), glm::vec3(0));
@@ -196,7 +198,8 @@ TEST(Airlight, IsDarkBehindABar) {
     b.material(0).double_sided = true;
     const Empty scene{b};
     const core::Fog fog = layered(20, 0, 0);
-    AirLamp lamp;
+    LightPoint lamp;
+    lamp.type = LightType::punctual;
     lamp.position = {2, 0, -4};
     lamp.intensity = glm::vec3(1);
     const glm::vec3 along(0, 0, -1);
@@ -214,31 +217,28 @@ TEST(Airlight, OfARoundLampIsThatOfAPointOfItsIntensity) {
     const Empty scene{b};
     const core::Fog fog = layered(20, 0, 0);
     LightTrees light_trees;
-    AreaLamp ball;
-    ball.kind = AreaLamp::Kind::sphere;
-    ball.position = {2, 0, -4};
-    ball.radius = 0.1f;
-    ball.clearance = 1e-4f;
-    ball.radiance = glm::vec3(1 / (std::numbers::pi_v<float> * 0.01f));
+    const glm::vec3 place(2, 0, -4);
+    const auto ball = sphere_lamp(place, 0.1f, 1e-4f);
+    ball->radiance = glm::vec3(1 / (std::numbers::pi_v<float> * 0.01f));
     light_trees.lamps.push_back(ball);
-    const std::vector<AirLamp> lamps = air_lamps({}, light_trees);
+    const std::vector<LightPoint> lamps = air_lamps({}, light_trees);
     ASSERT_EQ(lamps.size(), 1u);
     const glm::vec3 along(0, 0, -1);
-    const double wanted = summed_light(fog, ball.position, along, 0, 9);
+    const double wanted = summed_light(fog, place, along, 0, 9);
     EXPECT_NEAR(scene.scattered(air_of(fog), lamps[0], glm::vec3(0), along, 9), wanted, 0.02 * wanted);
 }
 
 TEST(Airlight, OfASpotIsThatOfItsCone) {
     const Empty empty{SceneBuilder()};
     const core::Fog fog = layered(20, 0, 0);
-    AirLamp lamp;
+    LightPoint lamp;
+    lamp.type = LightType::punctual;
     lamp.position = {0, 2, -3};
-    lamp.direction = {0, -1, 0};
+    lamp.normal = {0, -1, 0};
     lamp.intensity = glm::vec3(1);
     // A hard edge at 30 degrees, but for a hundredth.
     const float outer = std::cos(0.52359878f), inner = outer + 0.001f;
-    lamp.spot_scale = 1 / (inner - outer);
-    lamp.spot_offset = -outer * lamp.spot_scale;
+    lamp.spot = {1 / (inner - outer), -outer / (inner - outer)};
     const double half = 2 * std::tan(0.52359878), sigma = 0.15;
     double wanted = 0;
     constexpr int steps = 20000;

@@ -9,6 +9,7 @@
 #include "renderer/cut/gatherer.h"
 #include "renderer/tree/light_trees.h"
 #include "tests/renderer/anchor_stage.h"
+#include "tests/renderer/lighting.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -144,7 +145,7 @@ std::vector<std::vector<double>> light_behind_ball(const AnchorSettings& setting
         if (!stage) stage = std::make_unique<AnchorStage>(lamp_room(false, true), settings);
         stage->pose(0.2 + frame / 25.0);
         const Anchors::Lit lit = stage->light();
-        LightTrees light_trees = build_light_trees({}, lit.still, 1);
+        LightTrees light_trees = test::build_light_trees({}, lit.still, 1);
         light_trees.trees[LightTrees::dynamic_tree] = build_light_tree(LightType::oriented, lit.moving, 1);
         light_trees.point_clamp = {0.25f};
         GatherPoint places[12];

@@ -6,6 +6,7 @@
 
 #include "core/sampling.h"
 #include "tests/renderer/anchor_stage.h"
+#include "tests/renderer/lighting.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -95,7 +96,7 @@ class FurnaceEdges : public testing::Test {
   protected:
     FurnaceEdges() : stage_(room(), {800, 3}) {
         const Anchors::Lit lit = stage_.light();
-        light_trees_ = build_light_trees({}, lit.still, 1);
+        light_trees_ = test::build_light_trees({}, lit.still, 1);
         for (const LightPoint& l : lit.still) radius_ += std::sqrt(l.disc2) / static_cast<float>(lit.still.size());
     }
     static test::SceneBuilder room() {

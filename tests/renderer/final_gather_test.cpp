@@ -237,7 +237,7 @@ TEST(FinalGather, LeaksNothingThroughAThinWall) {
 
 TEST(NearField, IsAShareThatFallsWithTheSquareOfTheDistance) {
     LightPoint lamp;
-    lamp.kind = LightPointKind::omni;
+    lamp.type = LightType::punctual;
     lamp.intensity = glm::vec3(8);
     LightPoint part;
     part.intensity = glm::vec3(1);

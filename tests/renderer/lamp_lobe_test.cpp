@@ -8,6 +8,7 @@
 
 #include "core/sampling.h"
 #include "renderer/cut/lamp_samples.h"
+#include "renderer/lights/area_lamps.h"
 #include "renderer/surface/bsdf.h"
 #include "tests/renderer/film_stage.h"
 
@@ -85,17 +86,14 @@ double over_sun(glm::dvec3, const Scatters& scatters) {
 const Lamp all_lamps[] = {{add_panel, over_panel}, {add_ball, over_ball}, {add_soft_sun, over_sun}};
 
 TEST(LampSamples, OfASphereLieEvenlyBySolidAngleCloseToIt) {
-    AreaLamp ball;
-    ball.kind = AreaLamp::Kind::sphere;
-    ball.position = {0, 1.01f, 0};
-    ball.radius = 1;
+    const auto ball = sphere_lamp({0, 1.01f, 0}, 1, 0);
     GatherPoint g;
     g.point.shading_normal = g.point.geometric_normal = {0, 1, 0};
     const GatherPoint* const points[] = {&g};
     GatherLanes lanes;
     fill(lanes, points);
     lanes.set = 0;
-    const LampSampler sampler(ball, lanes);
+    const LampSampler sampler(*ball, lanes);
     double heights = 0;
     for (int k = 0; k < 64; ++k) {
         LampSamples samples;

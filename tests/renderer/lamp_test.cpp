@@ -7,7 +7,7 @@
 
 #include "core/color.h"
 #include "core/sampling.h"
-#include "renderer/cut/lamp_irradiance.h"
+#include "renderer/base/area_lamp.h"
 #include "renderer/lights/area_lamps.h"
 #include "tests/renderer/film_stage.h"
 #include "tests/renderer/lighting.h"
@@ -308,7 +308,7 @@ TEST(AreaLamps, AreThoseThatShineEvenlyAndCarryMuchOfTheLight) {
     const auto points = stage.direct_points(256, 1);
     const AreaLamps lamps(stage.posed_scene(), points);
     std::vector<int> whole;
-    for (const AreaLamp& lamp : lamps.at(stage.posed_scene())) whole.push_back(static_cast<int>(lamp.object));
+    for (const auto& lamp : lamps.at(stage.posed_scene())) whole.push_back(static_cast<int>(lamp->object));
     EXPECT_EQ(whole, (std::vector<int>{panel, ball}));
     for (const LightPoint& p : lamps.without(points))
         EXPECT_TRUE(static_cast<int>(p.object) == box || static_cast<int>(p.object) == dim);
@@ -319,8 +319,8 @@ TEST(AreaLamps, AreThoseThatShineEvenlyAndCarryMuchOfTheLight) {
 std::vector<int> whole_in(const SceneBuilder& b) {
     LitStage stage(b);
     std::vector<int> whole;
-    for (const AreaLamp& lamp : AreaLamps(stage.posed_scene(), stage.direct_points(256, 1)).at(stage.posed_scene()))
-        whole.push_back(lamp.kind == AreaLamp::Kind::sun ? -1 : static_cast<int>(lamp.object));
+    for (const auto& lamp : AreaLamps(stage.posed_scene(), stage.direct_points(256, 1)).at(stage.posed_scene()))
+        whole.push_back(lamp->object == core::no_id ? -1 : static_cast<int>(lamp->object));
     return whole;
 }
 

@@ -59,13 +59,11 @@ std::vector<LightPoint> lights_at_random(LightType type, int count, std::uint64_
         p.intensity = {u(5), u(6), u(7)};
         p.disc2 = 1e-3f * u(8) * u(8);
         p.id = static_cast<std::uint32_t>(i);
-        if (type == LightType::directional) p.kind = LightPointKind::directional;
+        p.type = type;
         if (type == LightType::punctual) {
-            p.kind = i % 2 == 0 ? LightPointKind::omni : LightPointKind::spot;
             p.range = i % 3 == 0 ? 1.0f + u(9) : 0.0f;
             const float outer = 0.9f * u(10), inner = outer + (1 - outer) * (0.1f + 0.9f * u(11));
-            p.spot_scale = 1.0f / (inner - outer);
-            p.spot_offset = -outer * p.spot_scale;
+            if (i % 2 != 0) p.spot = {1 / (inner - outer), -outer / (inner - outer)};
             p.disc2 = 0;
         }
         lights.push_back(p);

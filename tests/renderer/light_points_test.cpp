@@ -38,16 +38,17 @@ TEST(LightPoints, AreExactlyOneForEachPunctualLight) {
     LitStage stage(b);
     const auto points = stage.direct_points(256, 1);
     ASSERT_EQ(points.size(), 3u);
-    EXPECT_EQ(points[0].kind, LightPointKind::omni);
+    EXPECT_EQ(points[0].type, LightType::punctual);
+    EXPECT_EQ(points[0].spot.outer_cosine(), -1);
     EXPECT_EQ(points[0].position, glm::vec3(1, 2, 3));
     EXPECT_EQ(points[0].intensity, glm::vec3(5, 2.5f, 1.25f));
-    EXPECT_EQ(points[1].kind, LightPointKind::directional);
+    EXPECT_EQ(points[1].type, LightType::directional);
     EXPECT_NEAR(points[1].normal.y, -1, 1e-6f);
-    EXPECT_EQ(points[2].kind, LightPointKind::spot);
+    EXPECT_EQ(points[2].type, LightType::punctual);
     EXPECT_EQ(points[2].range, 9);
     // Full inside the inner cone, nothing outside the outer one.
-    EXPECT_NEAR(std::cos(0.2f) * points[2].spot_scale + points[2].spot_offset, 1, 1e-3f);
-    EXPECT_NEAR(std::cos(0.5f) * points[2].spot_scale + points[2].spot_offset, 0, 1e-3f);
+    EXPECT_NEAR(points[2].spot.falloff(std::cos(0.2f)), 1, 1e-3f);
+    EXPECT_NEAR(points[2].spot.outer_cosine(), std::cos(0.5f), 1e-3f);
 }
 
 TEST(LightPoints, OfASpotThatFallsOffSmoothlyDimByTheCosine) {
@@ -65,8 +66,7 @@ TEST(LightPoints, OfASpotThatFallsOffSmoothlyDimByTheCosine) {
     const double inner = std::cos(0.4), outer = std::cos(1.0);
     for (const double angle : {0.0, 0.3, 0.5, 0.8, 0.99, 1.2}) {
         const double c = std::cos(angle), t = std::clamp((c - outer) / (inner - outer), 0.0, 1.0);
-        EXPECT_NEAR(spot_falloff(static_cast<float>(c), p.spot_scale, p.spot_offset, p.spot_smooth),
-                    c * t * t * (3 - 2 * t), 1e-5);
+        EXPECT_NEAR(p.spot.falloff(static_cast<float>(c)), c * t * t * (3 - 2 * t), 1e-5);
     }
 }
 

@@ -6,6 +6,7 @@
 #include "core/sampling.h"
 #include "renderer/tree/light_clusters.h"
 #include "tests/renderer/anchor_stage.h"
+#include "tests/renderer/lighting.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -173,7 +174,7 @@ TEST(PersistentLightTrees, NeedsHardlyMoreClustersAfterALampHasCrossedTheHallTha
         const Anchors::Lit lit = stage.light();
         rebuilt += rebuilds(persistent, {stage.direct(), lit.still, lit.moving}) ? 1 : 0;
         LightTrees updated = persistent.at({stage.direct(), lit.still, lit.moving});
-        LightTrees fresh = build_light_trees(stage.direct(), lit.still, 1);
+        LightTrees fresh = test::build_light_trees(stage.direct(), lit.still, 1);
         const double ratio = static_cast<double>(clusters(stage, updated)) / clusters(stage, fresh);
         EXPECT_LE(ratio, 1.15) << seconds;
         EXPECT_GE(ratio, 0.8) << seconds;
@@ -208,7 +209,7 @@ TEST(PersistentLightTreesSlow, NeedsHardlyMoreClustersIn200FramesWithThingsThatM
         const Anchors::Lit lit = stage.light();
         rebuilt += rebuilds(persistent, {stage.direct(), lit.still, lit.moving}) ? 1 : 0;
         LightTrees updated = persistent.at({stage.direct(), lit.still, lit.moving});
-        LightTrees fresh = build_light_trees(stage.direct(), lit.still, 1);
+        LightTrees fresh = test::build_light_trees(stage.direct(), lit.still, 1);
         fresh.trees[LightTrees::dynamic_tree] = build_light_tree(LightType::oriented, lit.moving, 2);
         const int mine = clusters(stage, updated), other = clusters(stage, fresh);
         // chosen: since walls hide what neither asks, single frames compare some hundred clusters and scatter (1.60 at

@@ -30,7 +30,7 @@ renderer::LightTrees LitStage::light(const LightingSettings& settings) {
     for (const renderer::LightPoint& v : photons.vpls) places.push_back({v.position, v.normal});
     const std::vector<float> areas = renderer::cell_areas(places, 1.0f);
     for (std::size_t i = 0; i < areas.size(); ++i) photons.vpls[i].disc2 = areas[i] / 3.14159265f;
-    renderer::LightTrees light_trees = renderer::build_light_trees(direct, photons.vpls, settings.set);
+    renderer::LightTrees light_trees = build_light_trees(direct, photons.vpls, settings.set);
     light_trees.point_clamp = settings.clamp;
     light_trees.translucent = plan_.runs(renderer::Pass::alpha) || plan_.runs(renderer::Pass::glass);
     return light_trees;
@@ -56,6 +56,22 @@ Scattered gather_all(const LitStage& stage, const renderer::LightTrees& light_tr
     Scattered s{glm::dvec3(dull * light.direct.at(0)), glm::dvec3(dull * light.indirect.at(0)), glm::dvec3(0)};
     if (b.has_glossy()) s.glossy = glm::dvec3(b.f0 * light.f0.at(0) + b.f90 * light.schlick.at(0));
     return s;
+}
+
+renderer::LightTrees build_light_trees(std::span<const renderer::LightPoint> direct,
+                                       std::span<const renderer::LightPoint> vpls, std::uint64_t seed) {
+    using renderer::LightTrees, renderer::LightType;
+    const renderer::LitPoints points{direct, vpls, {}};
+    LightTrees trees = renderer::PersistentLightTrees(points, seed).at(points);
+    for (int t = 0; t < LightTrees::direct_trees; ++t) {
+        std::vector<renderer::LightPoint> own;
+        for (const renderer::LightPoint& p : direct)
+            if (p.type == static_cast<LightType>(t) && (p.is_of_surface() || p.disc2 > 0.0f || trees.exact.empty()))
+                own.push_back(p);
+        trees.trees[t] = build_light_tree(static_cast<LightType>(t), own, seed);
+    }
+    trees.trees[LightTrees::static_tree] = build_light_tree(LightType::oriented, vpls, seed + 1);
+    return trees;
 }
 
 }  // namespace render2mpeg::test

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "renderer/cut/gatherer.h"
@@ -44,6 +45,10 @@ class LitStage {
     renderer::PosedScene posed_scene_;
     std::unique_ptr<scene::Snapshot> world_;
 };
+
+/// Light trees of direct light points, and of VPLs on still surfaces.
+renderer::LightTrees build_light_trees(std::span<const renderer::LightPoint> direct,
+                                       std::span<const renderer::LightPoint> vpls, std::uint64_t seed);
 
 /// Radiance that all light points together make a point scatter, and each tree's share of it.
 struct Scattered {

@@ -107,7 +107,7 @@ struct WalledFloor {
     }
     /// Irradiance of the first point, by a cut of a fixed shape: tolerances that no light moves.
     double by_cut(std::uint64_t seed, int set) {
-        LightTrees light_trees = build_light_trees(lamps, {}, seed);
+        LightTrees light_trees = test::build_light_trees(lamps, {}, seed);
         light_trees.point_clamp = GeometryClamp::none();
         GroupTolerance tolerance{};
         std::fill(std::begin(tolerance.absolute), std::end(tolerance.absolute), 1e-6f);
@@ -117,7 +117,7 @@ struct WalledFloor {
         return light.direct.at(0).y;
     }
     double by_all() {
-        LightTrees light_trees = build_light_trees(lamps, {}, 1);
+        LightTrees light_trees = test::build_light_trees(lamps, {}, 1);
         light_trees.point_clamp = GeometryClamp::none();
         GatheredLight light;
         Gatherer(light_trees, stage.posed_scene().tracer()).gather_all(lanes, light);

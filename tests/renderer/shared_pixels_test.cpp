@@ -14,7 +14,7 @@ namespace {
 using test::FilmStage;
 using test::SceneBuilder;
 
-constexpr int size = 24;
+constexpr int shared_size = 24;
 
 /// Slats before a sunny room, four to a pixel; each is an object, so that none serves another.
 SceneBuilder slats() {
@@ -37,17 +37,17 @@ struct Picture {
 
 /// Lit by prices, or within bounds, that are luminances.
 Picture look(int samples, float tolerance, bool are_prices) {
-    Settings s = test::small_frame(size, size);
+    Settings s = test::small_frame(shared_size, shared_size);
     s.indirect = Indirect::rays;
     s.cache = CacheUse::on;
     s.samples = samples;
     FilmStage stage(slats(), s);
-    core::ToleranceMap map = core::ToleranceMap::uniform(size, size, {tolerance, 0.0f, 0.0f});
+    core::ToleranceMap map = core::ToleranceMap::uniform(shared_size, shared_size, {tolerance, 0.0f, 0.0f});
     if (are_prices) map.typical = 0.03f;
     Picture picture;
     picture.light = stage.shade(0, map);
-    picture.rays = static_cast<double>(stage.statistics().gather_rays) / (size * size);
-    picture.points = static_cast<double>(stage.statistics().gather_points) / (size * size);
+    picture.rays = static_cast<double>(stage.statistics().gather_rays) / (shared_size * shared_size);
+    picture.points = static_cast<double>(stage.statistics().gather_points) / (shared_size * shared_size);
     return picture;
 }
 
@@ -57,7 +57,7 @@ double error(const Picture& a, const Picture& b) {
     for (std::size_t i = 0; i < a.light.combined.size(); ++i)
         squares +=
             std::pow(core::luminance(a.light.combined.values()[i]) - core::luminance(b.light.combined.values()[i]), 2);
-    return std::sqrt(squares / (size * size));
+    return std::sqrt(squares / (shared_size * shared_size));
 }
 
 /// Three hundredths of what pixels show.
@@ -66,7 +66,7 @@ float tolerance() {
         const Picture picture = look(1, 0.1f, false);
         float sum = 0;
         for (const glm::vec3& light : picture.light.combined.values()) sum += core::luminance(light);
-        return 0.03f * sum / (size * size);
+        return 0.03f * sum / (shared_size * shared_size);
     }();
     return found;
 }

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "core/sampling.h"
@@ -25,18 +27,30 @@ std::vector<SourceExtent> some_sources(std::size_t count) {
     return sources;
 }
 
+/// A source that knows of its own whether it is behind the surface.
+class PlainLight final : public Light {
+  public:
+    explicit PlainLight(const SourceExtent& extent) : extent_(extent) {}
+    SourceExtent extent() const override { return extent_; }
+    double weight(const LightQuery&) const override {
+        return extent_.distant || extent_.centre.y > 0 ? extent_.power : 0.0;
+    }
+    LightSample sample(const LightQuery&, double, glm::vec2) const override { return {}; }
+
+  private:
+    SourceExtent extent_;
+};
+
 TEST(SourceTree, ChoosesByTheChancesThatItTells) {
     const LightQuery query{{0, 0, 0}, {0, 0, 0}, {0, 1, 0}};
     for (const std::size_t count : {1u, 32u, 33u, 500u}) {
-        const std::vector<SourceExtent> sources = some_sources(count);
-        const SourceTree tree(sources);
-        const auto weight = [&](std::size_t i) {
-            return sources[i].distant || sources[i].centre.y > 0 ? sources[i].power : 0.0;
-        };
+        Lights lights;
+        for (const SourceExtent& source : some_sources(count)) lights.push_back(std::make_unique<PlainLight>(source));
+        const SourceTree tree(std::move(lights));
         std::vector<double> taken(count, 0.0), chances;
         double sum = 0;
         for (std::size_t i = 0; i < count; ++i) {
-            chances.push_back(tree.chance_of(query, i, weight));
+            chances.push_back(tree.chance_of(query, i));
             sum += chances.back();
         }
         // A group all of whose sources are behind takes its share of the numbers, and chooses none.
@@ -44,7 +58,7 @@ TEST(SourceTree, ChoosesByTheChancesThatItTells) {
         EXPECT_GT(sum, 0.7);
         constexpr int numbers = 200000;
         for (int k = 0; k < numbers; ++k) {
-            const SourceTree::Choice c = tree.choose(query, (k + 0.5) / numbers, weight);
+            const SourceTree::Choice c = tree.choose(query, (k + 0.5) / numbers);
             if (!(c.chance > 0.0)) continue;
             ASSERT_NEAR(c.chance, chances[c.source], 1e-9);
             ASSERT_TRUE(c.left >= 0.0 && c.left < 1.0);

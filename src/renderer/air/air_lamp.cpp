@@ -8,12 +8,12 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 
 #include "core/numeric.h"
 #include "renderer/cut/shadow_rays.h"
-#include "renderer/lights/light_points.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -35,10 +35,10 @@ constexpr int halvings = 5;
 /// light lost.
 class LampSegment {
   public:
-    LampSegment(const Air& air, const AirLamp& lamp, const AirRay& ray) : air_(air), lamp_(lamp), ray_(ray) {
+    LampSegment(const Air& air, const LightPoint& lamp, const AirRay& ray) : air_(air), lamp_(lamp), ray_(ray) {
         const float end = std::min(ray.ends.back(), air.distance_at(ray.origin, ray.direction, deepest));
-        if (lamp.is_sun) {
-            phase_ = air.phase(glm::dot(lamp.direction, -ray.direction));
+        if (lamp.is_far()) {
+            phase_ = air.phase(glm::dot(lamp.normal, -ray.direction));
             last_ = parameter(end);
             return;
         }
@@ -46,7 +46,8 @@ class LampSegment {
         nearest_ = glm::dot(to_lamp, ray.direction);
         const glm::vec3 off = to_lamp - nearest_ * ray.direction;
         const float apart = std::sqrt(glm::dot(off, off));
-        apart_ = std::max({apart, lamp.radius, ray.width * std::abs(nearest_), 1e-6f * glm::length(to_lamp), 1e-12f});
+        apart_ = std::max(
+            {apart, std::sqrt(lamp.disc2), ray.width * std::abs(nearest_), 1e-6f * glm::length(to_lamp), 1e-12f});
         float from = 0, to = end;
         if (lamp.range > 0.0f) {
             const float half = core::sqrt_or_zero(lamp.range * lamp.range - apart * apart);
@@ -73,11 +74,12 @@ class LampSegment {
     float last() const { return last_; }
 
     float parameter(float distance) const {
-        if (lamp_.is_sun) return -std::expm1(-air_.optical_depth(ray_.origin, ray_.direction, distance));
+        if (lamp_.is_far()) return -std::expm1(-air_.optical_depth(ray_.origin, ray_.direction, distance));
         return std::atan2(distance - nearest_, apart_);
     }
     float distance(float parameter) const {
-        if (lamp_.is_sun) return air_.distance_at(ray_.origin, ray_.direction, -std::log1p(-std::min(parameter, 1.0f)));
+        if (lamp_.is_far())
+            return air_.distance_at(ray_.origin, ray_.direction, -std::log1p(-std::min(parameter, 1.0f)));
         return std::max(nearest_ + apart_ * std::tan(parameter), 0.0f);
     }
     glm::vec3 place(float distance) const {
@@ -89,26 +91,19 @@ class LampSegment {
         const float far = distance(parameter);
         if (!std::isfinite(far)) return 0.0f;
         const glm::vec3 x = place(far);
-        if (lamp_.is_sun) return phase_ * std::exp(-air_.depth_to_sky(x, -lamp_.direction));
+        if (lamp_.is_far()) return phase_ * std::exp(-air_.depth_to_sky(x, -lamp_.normal));
         const glm::vec3 from_lamp = x - lamp_.position;
         const float distance2 = glm::dot(from_lamp, from_lamp), length = std::sqrt(distance2);
         const glm::vec3 direction = from_lamp / std::max(length, 1e-20f);
-        // As light_kernels.cpp has lamps' windows and cones.
-        float share = 1.0f;
-        if (lamp_.range > 0.0f) {
-            const float reach2 = distance2 / (lamp_.range * lamp_.range);
-            share = std::clamp(1.0f - reach2 * reach2, 0.0f, 1.0f);
-        }
-        const float spot =
-            spot_falloff(glm::dot(direction, lamp_.direction), lamp_.spot_scale, lamp_.spot_offset, lamp_.spot_smooth);
         const float depth = air_.optical_depth(ray_.origin, ray_.direction, far) +
                             air_.optical_depth(lamp_.position, direction, length);
-        return share * spot * air_.extinction(x.y) * air_.phase(-std::sin(parameter)) * std::exp(-depth) / apart_;
+        return lamp_.emitted(direction, distance2) * air_.extinction(x.y) * air_.phase(-std::sin(parameter)) *
+               std::exp(-depth) / apart_;
     }
 
     /// Ray i of the packet: from this place to the lamp.
     void aim(float parameter, int i, ShadowPacket& packet) const {
-        const glm::vec3 x = place(distance(parameter)), segment = lamp_.is_sun ? -lamp_.direction : lamp_.position - x;
+        const glm::vec3 x = place(distance(parameter)), segment = lamp_.is_far() ? -lamp_.normal : lamp_.position - x;
         packet.origin_x[i] = x.x;
         packet.origin_y[i] = x.y;
         packet.origin_z[i] = x.z;
@@ -116,18 +111,17 @@ class LampSegment {
         packet.direction_y[i] = segment.y;
         packet.direction_z[i] = segment.z;
         // A round lamp's own surface is no obstacle.
-        const float before = core::divide_or(lamp_.radius, glm::length(segment), 1.0f);
-        packet.far[i] = lamp_.is_sun ? endless : std::clamp(1.0f - before, 0.0f, shadow_ray_end);
+        const float before = core::divide_or(std::sqrt(lamp_.disc2), glm::length(segment), 1.0f);
+        packet.far[i] = lamp_.is_far() ? endless : std::clamp(1.0f - before, 0.0f, shadow_ray_end);
     }
 
   private:
     /// Leaves of [from, to] what lies in the cone of a spot.
     void clip_to_cone(float& from, float& to) const {
-        if (!(lamp_.spot_scale > 0.0f)) return;
-        const float cosine = -lamp_.spot_offset / lamp_.spot_scale;
+        const float cosine = lamp_.spot.outer_cosine();
         if (!(cosine > 0.0f && cosine < 1.0f)) return;
         // (w + t d) a = cosine |w + t d|, in double, since both roots matter.
-        const glm::dvec3 w = ray_.origin - lamp_.position, d = ray_.direction, a = lamp_.direction;
+        const glm::dvec3 w = ray_.origin - lamp_.position, d = ray_.direction, a = lamp_.normal;
         const double c2 = static_cast<double>(cosine) * cosine, da = glm::dot(d, a), wa = glm::dot(w, a);
         const double qa = da * da - c2, qb = wa * da - c2 * glm::dot(w, d), qc = wa * wa - c2 * glm::dot(w, w);
         const double root = qb * qb - qa * qc;
@@ -156,7 +150,7 @@ class LampSegment {
     }
 
     const Air& air_;
-    const AirLamp& lamp_;
+    const LightPoint& lamp_;
     const AirRay& ray_;
     float nearest_ = 0, apart_ = 1;  ///< the place nearest to the lamp, and its distance from it
     float phase_ = 0;                ///< suns
@@ -283,41 +277,23 @@ void add_part(const LampSegment& segment, const LitRuns& runs, const std::vector
 
 }  // namespace
 
-std::vector<AirLamp> air_lamps(std::span<const LightPoint> points, const LightTrees& light_trees) {
-    std::vector<AirLamp> lamps;
-    for (const LightPoint& p : points) {
-        if (p.kind == LightPointKind::oriented || p.id < first_punctual_id) continue;
-        AirLamp lamp;
-        lamp.position = p.position;
-        lamp.direction = p.normal;
-        lamp.intensity = p.intensity;
-        lamp.is_sun = p.kind == LightPointKind::directional;
-        if (p.kind == LightPointKind::spot) {
-            lamp.spot_scale = p.spot_scale;
-            lamp.spot_offset = p.spot_offset;
-            lamp.spot_smooth = p.spot_smooth;
-        }
-        lamp.range = p.range;
-        lamps.push_back(lamp);
-    }
-    for (const AreaLamp& whole : light_trees.lamps) {
-        if (whole.kind != AreaLamp::Kind::sphere) continue;
-        AirLamp lamp;
-        lamp.position = whole.position;
-        lamp.radius = 1.01f * whole.radius + whole.clearance;
-        lamp.intensity = whole.radiance * (std::numbers::pi_v<float> * whole.radius * whole.radius);
-        lamps.push_back(lamp);
-    }
+std::vector<LightPoint> air_lamps(std::span<const LightPoint> points, const LightTrees& light_trees) {
+    std::vector<LightPoint> lamps;
+    std::copy_if(points.begin(), points.end(), std::back_inserter(lamps),
+                 [](const LightPoint& p) { return p.is_of_lamp(); });
+    for (const auto& whole : light_trees.lamps)
+        if (const auto p = whole->ball()) lamps.push_back(*p);
     return lamps;
 }
 
-std::uint64_t add_scattered(const AirScene& scene, const AirLamp& lamp, const AirRay& ray, int cells, glm::vec3* sums) {
+std::uint64_t add_scattered(const AirScene& scene, const LightPoint& lamp, const AirRay& ray, int cells,
+                            glm::vec3* sums) {
     const LampSegment whole(scene.air, lamp, ray);
     if (whole.is_dark()) return 0;
     std::vector<float> ends;
     for (const float end : ray.ends) ends.push_back(whole.parameter(end));
     const glm::vec3 strength = lamp.intensity * scene.air.albedo();
-    const int parts = lamp.is_sun ? sun_parts : 1;
+    const int parts = lamp.is_far() ? sun_parts : 1;
     std::uint64_t rays = 0;
     for (int p = 0; p < parts; ++p) {
         const LampSegment segment = whole.part(p, parts);

@@ -12,20 +12,9 @@
 
 namespace render2mpeg::renderer {
 
-/// A lamp that air scatters light of by itself: a point, or a sun.
-struct AirLamp {
-    glm::vec3 position{0};
-    glm::vec3 direction{0, 0, -1};          ///< unit, it shines along
-    glm::vec3 intensity{0};                 ///< suns: irradiance across the beam
-    float spot_scale = 0, spot_offset = 1;  ///< LightPoint
-    float spot_smooth = 0;                  ///< likewise
-    float range = 0;                        ///< likewise
-    float radius = 0;                       ///< no nearer than this counts, shadow rays end here; 0: a true point
-    bool is_sun = false;
-};
-
-/// Punctual lights and suns of an instant, and round lamps that are lit by as a whole.
-std::vector<AirLamp> air_lamps(std::span<const LightPoint> points, const LightTrees& light_trees);
+/// Lamps that air scatters light of one by one: punctual lights and suns of an instant, and round lamps that are lit by
+/// as a whole, as discs within which nothing counts and no shadow ray ends.
+std::vector<LightPoint> air_lamps(std::span<const LightPoint> points, const LightTrees& light_trees);
 
 /// A ray of the eye; light is asked for as far as each of `ends`, which rise and may end in infinity.
 struct AirRay {
@@ -44,6 +33,7 @@ struct AirScene {
 /// Adds to `sums`, one for each of `ray.ends`, the radiance that air before it scatters of the lamp's light
 /// towards the ray's origin, dimmed on both segments, in shadow where anything is between. `cells`, 1 to 16: shadow
 /// rays to begin with. Returns the shadow rays.
-std::uint64_t add_scattered(const AirScene& scene, const AirLamp& lamp, const AirRay& ray, int cells, glm::vec3* sums);
+std::uint64_t add_scattered(const AirScene& scene, const LightPoint& lamp, const AirRay& ray, int cells,
+                            glm::vec3* sums);
 
 }  // namespace render2mpeg::renderer

@@ -82,7 +82,7 @@ struct Column {
 
 class Airlight {
   public:
-    Airlight(const PosedScene& posed_scene, std::span<const AirLamp> lamps, Bodies bodies,
+    Airlight(const PosedScene& posed_scene, std::span<const LightPoint> lamps, Bodies bodies,
              const AmbientColumns* ambient, const core::ToleranceMap* tolerance, const Frame& seen)
         : camera_(posed_scene.posed().camera),
           scene_{*posed_scene.air(), posed_scene.tracer(), bodies},
@@ -118,7 +118,7 @@ class Airlight {
 
     const scene::Camera& camera_;
     AirScene scene_;
-    std::span<const AirLamp> lamps_;
+    std::span<const LightPoint> lamps_;
     const AmbientColumns* ambient_;        ///< null: there is none
     const core::ToleranceMap* tolerance_;  ///< null: of a first look
     const Frame& seen_;
@@ -153,7 +153,7 @@ Column Airlight::column(glm::vec2 position, Rungs rungs, std::uint64_t& rays) co
     std::vector<float> ends;
     for (const int rung : column.rungs) ends.push_back(distance_of(rung));
     const AirRay ray{eye.origin + near * eye.direction, eye.direction, ends, half_pixel_};
-    for (const AirLamp& lamp : lamps_) rays += add_scattered(scene_, lamp, ray, eye_cells, column.light.data());
+    for (const LightPoint& lamp : lamps_) rays += add_scattered(scene_, lamp, ray, eye_cells, column.light.data());
     return column;
 }
 
@@ -229,7 +229,7 @@ glm::vec3 Airlight::light_of(const AirPath& path, std::uint64_t& rays) const {
     glm::vec3 light = ambient_ != nullptr ? ambient_->along(path) : glm::vec3(0);
     const float end[1] = {path.distance};
     const AirRay ray{path.origin, path.direction, end, half_pixel_};
-    for (const AirLamp& lamp : lamps_) rays += add_scattered(scene_, lamp, ray, mirror_cells, &light);
+    for (const LightPoint& lamp : lamps_) rays += add_scattered(scene_, lamp, ray, mirror_cells, &light);
     return light;
 }
 
@@ -291,7 +291,7 @@ std::uint64_t add_airlight(const AirInstant& instant, AmbientAir& ambient, const
     const scene::Animation& film = posed_scene.animation();
     const std::vector<LightPoint> points =
         instant.gather != nullptr ? beyond_rays(instant.points, brightest_of_rays(posed_scene.sky())) : instant.points;
-    const std::vector<AirLamp> lamps = air_lamps(points, instant.light_trees);
+    const std::vector<LightPoint> lamps = air_lamps(points, instant.light_trees);
     const bool bounces = posed_scene.air()->is_lit_by_bounces();
     FinalGather* gather = bounces || posed_scene.sky() != nullptr ? instant.gather : nullptr;
     ambient.start(instant.lit_frame, instant.light_trees, points, gather, bounces,

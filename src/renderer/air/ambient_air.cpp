@@ -110,14 +110,14 @@ void AmbientAir::start(std::int64_t lit_frame, const LightTrees& light_trees, st
     std::vector<LightPoint> sky;
     bool suns = false;
     for (const LightPoint& p : points) {
-        if (p.kind != LightPointKind::directional) continue;
-        suns = suns || p.id >= first_punctual_id;
-        if (p.id < first_punctual_id) sky.push_back(p);
+        if (!p.is_far()) continue;
+        suns = suns || !p.is_of_sky();
+        if (p.is_of_sky()) sky.push_back(p);
     }
     if (suns)
         light_trees_.trees[static_cast<std::size_t>(LightType::directional)] =
             build_light_tree(LightType::directional, sky, 1);
-    std::erase_if(light_trees_.lamps, [](const AreaLamp& lamp) { return lamp.kind != AreaLamp::Kind::polygon; });
+    std::erase_if(light_trees_.lamps, [](const auto& lamp) { return lamp->is_round(); });
     shines_ = gather != nullptr || !light_trees_.lamps.empty() ||
               std::any_of(light_trees_.trees.begin(), light_trees_.trees.end(),
                           [](const LightTree& tree) { return !tree.empty(); });

@@ -1,6 +1,5 @@
 #include "renderer/cache/temporal_reuse.h"
 
-#include <algorithm>
 #include <cmath>
 #include <span>
 
@@ -74,8 +73,7 @@ bool reuse(FrameState& frame, std::size_t t, const FrameHistory& history, float 
     const GatherTile& points = frame.seen().tiles[t];
     if (history.tiles.size() != frame.tiles.size() || history.tiles[t].size() != points.size()) return false;
     TileState& tile = frame.tiles[t];
-    const std::vector<AreaLamp>& lamps = frame.context.light_trees.lamps;
-    const bool has_suns = std::any_of(lamps.begin(), lamps.end(), [](const AreaLamp& lamp) { return lamp.sharp; });
+    const bool has_suns = frame.context.light_trees.has_sharp_lamps();
     const float held = frame.rays != nullptr ? core::errors_of_noise : core::errors_of_one_in_hundred;
     bool all = true;
     for (std::size_t i = 0; i < points.size(); ++i) {

@@ -7,6 +7,7 @@
 #include <map>
 #include <numbers>
 
+#include "core/box.h"
 #include "core/color.h"
 #include "core/numeric.h"
 #include "core/sampling.h"
@@ -44,44 +45,12 @@ float throws(const scene::Material& m, scene::Body body) {
     return share >= least_reflectance ? share : 0.0f;
 }
 
-/// Radiant intensity towards a direction over that along the normal, windows included.
-float emit_factor(const LightPoint& light, glm::vec3 direction, float distance) {
-    const float cosine = glm::dot(light.normal, direction);
-    switch (light.kind) {
-        case LightPointKind::oriented:
-            return std::max(cosine, 0.0f);
-        case LightPointKind::directional:
-            return 1.0f;
-        case LightPointKind::omni:
-        case LightPointKind::spot:
-            break;
-    }
-    float factor = 1.0f;
-    if (light.range > 0.0f) {
-        const float reach = distance * distance / (light.range * light.range);
-        factor = std::clamp(1.0f - reach * reach, 0.0f, 1.0f);
-    }
-    if (light.kind == LightPointKind::spot)
-        factor *= spot_falloff(cosine, light.spot_scale, light.spot_offset, light.spot_smooth);
-    return factor;
-}
-
 /// When a photon flies while the shutter is open: Kronecker's sequence beside Halton's, which choose its way.
 float time_of(std::uint64_t number) {
     // chosen: [Roberts2018]'s third of three dimensions, the least error of twelve sequences
     // (docs/measurements.md#caustics).
     const double at = 0.5497004779019703 * static_cast<double>(number % (1u << 20));
     return static_cast<float>(at - std::floor(at));
-}
-
-/// The first that is larger than u times the last.
-std::size_t pick(const std::vector<double>& running, double u) {
-    const auto found = std::upper_bound(running.begin(), running.end(), u * running.back());
-    return std::min(static_cast<std::size_t>(found - running.begin()), running.size() - 1);
-}
-
-double chance_of(const std::vector<double>& running, std::size_t i) {
-    return (running[i] - (i > 0 ? running[i - 1] : 0.0)) / running.back();
 }
 
 /// Corners of the box about a mesh as it is posed. `posed`: a snapshot, or a knot of its sweep.
@@ -91,22 +60,15 @@ std::array<glm::vec3, 8> corners_of(const scene::Animation& film, const auto& po
     const std::vector<glm::vec3>& positions =
         deformed ? posed.deformed[static_cast<std::size_t>(state.deformed)].positions
                  : film.meshes[static_cast<std::size_t>(film.objects[object].mesh)].positions;
-    glm::vec3 low(std::numeric_limits<float>::max()), high(std::numeric_limits<float>::lowest());
-    for (const glm::vec3& p : positions) {
-        if (!core::is_finite(p)) continue;
-        low = glm::min(low, p);
-        high = glm::max(high, p);
-    }
+    core::Box box;
+    for (const glm::vec3& p : positions)
+        if (core::is_finite(p)) box.hold(p);
     std::array<glm::vec3, 8> corners;
     for (std::size_t c = 0; c < 8; ++c) {
-        const glm::vec3 p((c & 1) != 0 ? high.x : low.x, (c & 2) != 0 ? high.y : low.y, (c & 4) != 0 ? high.z : low.z);
+        const glm::vec3 p = box.corner(static_cast<int>(c));
         corners[c] = deformed ? p : glm::vec3(state.to_world * glm::vec4(p, 1));
     }
     return corners;
-}
-
-bool is_of_sky(const LightPoint& light) {
-    return light.id >= first_sky_id && light.id < first_punctual_id;
 }
 
 /// All but the sky.
@@ -114,9 +76,8 @@ std::vector<std::vector<LightPoint>> points_by_lamp(std::span<const LightPoint> 
     // Surfaces by object, punctual lights one by one.
     std::map<std::uint64_t, std::vector<LightPoint>> by_lamp;
     for (const LightPoint& light : lights) {
-        if (!(core::luminance(light.intensity) > 0.0f) || is_of_sky(light)) continue;
-        const std::uint64_t key =
-            light.kind == LightPointKind::oriented ? light.object : (std::uint64_t{1} << 32) + light.id;
+        if (!(core::luminance(light.intensity) > 0.0f) || light.is_of_sky()) continue;
+        const std::uint64_t key = light.is_of_surface() ? light.object : (std::uint64_t{1} << 32) + light.id;
         by_lamp[key].push_back(light);
     }
     std::vector<std::vector<LightPoint>> lamps;
@@ -141,7 +102,7 @@ std::vector<std::vector<LightPoint>> points_by_lamp(std::span<const LightPoint> 
 Casters::Casters(const PosedScene& posed_scene, std::span<const LightPoint> lights, float sky_of_rays) {
     const scene::Snapshot& now = posed_scene.posed();
     const scene::Animation& film = posed_scene.animation();
-    glm::vec3 low = film.bounds_min, high = film.bounds_max;
+    core::Box box{film.bounds_min, film.bounds_max};
     for (std::uint32_t i = 0; i < film.objects.size(); ++i) {
         const scene::Object& object = film.objects[i];
         const float weight = throws(film.materials[static_cast<std::size_t>(object.material)],
@@ -150,27 +111,22 @@ Casters::Casters(const PosedScene& posed_scene, std::span<const LightPoint> ligh
         Thing& thing = things_.emplace_back(Thing{i, weight, posed_scene.passes_straight(i), corners_of(film, now, i)});
         if (now.sweep && now.sweep->object_moves(i))
             for (const scene::SweepKnot& knot : now.sweep->knots) thing.knots.push_back(corners_of(film, knot, i));
-        for (const glm::vec3& corner : thing.corners) {
-            low = glm::min(low, corner);
-            high = glm::max(high, corner);
-        }
+        for (const glm::vec3& corner : thing.corners) box.hold(corner);
     }
     if (things_.empty()) return;
     sweeps_ = now.sweep && !now.sweep->knots.empty();
-    reach_ = 2.0f * glm::length(high - low);
+    reach_ = 2.0f * glm::length(box.size());
 
     for (std::vector<LightPoint>& points : points_by_lamp(lights)) lamps_.emplace_back().points = std::move(points);
     std::vector<LightPoint> sky;
-    std::copy_if(lights.begin(), lights.end(), std::back_inserter(sky), is_of_sky);
+    std::copy_if(lights.begin(), lights.end(), std::back_inserter(sky),
+                 [](const LightPoint& p) { return p.is_of_sky(); });
     std::erase_if(sky, [](const LightPoint& p) { return !(core::luminance(p.intensity) > 0.0f); });
     lamps_.push_back({.points = beyond_rays(sky, sky_of_rays), .sky_of_panes = true});
     lamps_.push_back({.points = std::move(sky), .sky = true});
     std::erase_if(lamps_, [](const Lamp& lamp) { return lamp.points.empty(); });
-    for (Lamp& lamp : lamps_) {
-        double sum = 0;
-        for (const LightPoint& p : lamp.points)
-            lamp.running.push_back(sum += static_cast<double>(core::luminance(p.intensity)));
-    }
+    for (Lamp& lamp : lamps_)
+        for (const LightPoint& p : lamp.points) lamp.choice.add(static_cast<double>(core::luminance(p.intensity)));
     double all = 0;
     for (std::uint32_t l = 0; l < lamps_.size(); ++l)
         for (std::uint32_t t = 0; t < things_.size(); ++t) {
@@ -198,21 +154,21 @@ double Casters::caustic_flux(const Lamp& lamp, const Thing& thing) {
     constexpr int probes = 4;
     double light = 0;
     for (int k = 0; k < probes; ++k) {
-        const LightPoint& p = lamp.points[pick(lamp.running, (k + 0.5) / probes)];
+        const LightPoint& p = lamp.points[lamp.choice.pick((k + 0.5) / probes)];
         const Rectangle seen = seen_from(p, thing.corners);
-        const bool far = p.kind == LightPointKind::directional;
+        const bool far = p.is_far();
         const glm::vec3 way = seen.middle - p.position;
         const float distance2 = far ? 1.0f : std::max(glm::dot(way, way), 1e-30f);
-        const float beam = emit_factor(p, seen.towards, std::sqrt(distance2)) * seen.area() / distance2;
+        const float beam = p.emitted(seen.towards, distance2) * seen.area() / distance2;
         light += static_cast<double>(seen.all_around ? 4.0f * std::numbers::pi_v<float> : beam);
     }
-    return light * lamp.running.back() / probes * static_cast<double>(thing.weight);
+    return light * lamp.choice.total() / probes * static_cast<double>(thing.weight);
 }
 
 Casters::Rectangle Casters::seen_from(const LightPoint& light, const Corners& corners) {
     Rectangle seen;
     for (const glm::vec3& corner : corners) seen.middle += corner / 8.0f;
-    const bool far = light.kind == LightPointKind::directional;
+    const bool far = light.is_far();
     seen.towards = far ? light.normal : core::normalize_or(seen.middle - light.position, glm::vec3{0, 0, 1});
     // Lay the rectangle along the box's longest edge, as it is seen.
     glm::vec3 longest{0.0f};
@@ -264,14 +220,14 @@ const Casters::Beam& Casters::beam_of(std::uint64_t index, std::uint64_t count, 
 
 /// Lets a photon leave for a place of the rectangle; returns the share of the light's intensity that all of them carry.
 float Casters::leave(const LightPoint& light, const Rectangle& seen, glm::vec2 u, AimedPhoton& photon) const {
-    const bool far = light.kind == LightPointKind::directional;
+    const bool far = light.is_far();
     photon.origin = light.position;
     if (seen.all_around) {
         constexpr float whole = 4.0f * std::numbers::pi_v<float>;
         photon.direction = core::sample_sphere(u);
         core::make_frame(photon.direction, photon.turn[0], photon.turn[1]);
         for (std::size_t k = 0; k < 2; ++k) photon.turn[k] *= std::sqrt(whole);
-        return whole * emit_factor(light, photon.direction, 1.0f);
+        return whole * light.emitted(photon.direction, 1.0f);
     }
     const glm::vec2 q = (2.0f * u - 1.0f) * seen.half;
     const glm::vec3 at = seen.middle + q.x * seen.right + q.y * seen.up;
@@ -293,7 +249,7 @@ float Casters::leave(const LightPoint& light, const Rectangle& seen, glm::vec2 u
     photon.turn[0] = turn(seen.right);
     photon.turn[1] = turn(seen.up);
     return seen.area() * glm::dot(photon.direction, seen.towards) / (distance * distance) *
-           emit_factor(light, photon.direction, distance);
+           light.emitted(photon.direction, distance * distance);
 }
 
 AimedPhoton Casters::aim(std::uint64_t index, std::uint64_t count) const {
@@ -308,13 +264,13 @@ AimedPhoton Casters::aim(std::uint64_t index, std::uint64_t count) const {
     photon.object = thing.object;
     if (sweeps_) photon.time = time_of(photon.number);
     const glm::vec2 u(core::halton(place_dimension, photon.number), core::halton(place_dimension + 1, photon.number));
-    const std::size_t l = pick(lamp.running, static_cast<double>(core::halton(point_dimension, photon.number)));
+    const std::size_t l = lamp.choice.pick(static_cast<double>(core::halton(point_dimension, photon.number)));
     const LightPoint& light = lamp.points[l];
     const Rectangle seen = seen_from(light, thing.at(photon.time));
     const float share = leave(light, seen, u, photon);
 
     // Lamp points of surfaces lie side by side; far ones turn.
-    const bool far = light.kind == LightPointKind::directional;
+    const bool far = light.is_far();
     photon.from_far = far;
     auto& neighbours = far ? photon.turn : photon.place;
     core::make_frame(photon.direction, neighbours[2], neighbours[3]);
@@ -327,11 +283,11 @@ AimedPhoton Casters::aim(std::uint64_t index, std::uint64_t count) const {
         // the rays begin.
         if (far)
             photon.place[k + 2] =
-                -(reach_ - (is_of_sky(light) ? sky_spread * glm::length(seen.half) : 0.0f)) * photon.turn[k + 2];
+                -(reach_ - (light.is_of_sky() ? sky_spread * glm::length(seen.half) : 0.0f)) * photon.turn[k + 2];
         photon.place[k] *= cell;
         photon.turn[k] *= cell;
     }
-    const double density = chance_of(lamp.running, l) * static_cast<double>(photon.of);
+    const double density = lamp.choice.chance(l) * static_cast<double>(photon.of);
     photon.flux = light.intensity * static_cast<float>(core::divide_or(static_cast<double>(share), density, 0.0));
     return photon;
 }

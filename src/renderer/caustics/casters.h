@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "renderer/base/discrete_distribution.h"
 #include "renderer/base/light_point.h"
 #include "renderer/surface/light_ray.h"
 
@@ -52,7 +53,7 @@ class Casters {
     struct Lamp {
         std::vector<LightPoint> points;
         bool sky = false, sky_of_panes = false;  ///< what panes have of the sky is another lamp
-        std::vector<double> running{};           ///< luminance of the points, summed up
+        DiscreteDistribution choice{};           ///< of points, by luminance
     };
     struct Beam {
         std::uint32_t lamp = 0, thing = 0;

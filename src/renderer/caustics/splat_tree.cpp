@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/box.h"
 #include "core/color.h"
 #include "core/numeric.h"
 #include "core/sampling.h"
@@ -189,8 +190,7 @@ void SplatTree::build(std::uint32_t first, std::uint32_t last, int depth) {
         ++leaf_count_;
         return;
     }
-    const glm::vec3 size = node.high - node.low;
-    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const int axis = core::Box{node.low, node.high}.longest_axis();
     const std::uint32_t middle = first + (last - first) / 2;
     std::nth_element(points_.begin() + first, points_.begin() + middle, points_.begin() + last,
                      [axis](const Entry& a, const Entry& b) {

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <vector>
 
+#include "core/box.h"
 #include "core/color.h"
 #include "core/numeric.h"
 #include "core/sampling.h"
@@ -72,25 +73,17 @@ struct Polygon {
     }
 };
 
-/// The box about a group's points.
-struct Box {
-    glm::vec3 low, high;
+core::Box box_of(const GatherLanes& lanes) {
+    core::Box box;
+    for (int i = 0; i < lanes.count; ++i) box.hold(lanes.position.at(i));
+    return box;
+}
 
-    explicit Box(const GatherLanes& lanes) : low(point(lanes, 0)), high(low) {
-        for (int i = 1; i < lanes.count; ++i) {
-            low = glm::min(low, point(lanes, i));
-            high = glm::max(high, point(lanes, i));
-        }
-    }
-    /// Squared distance to another box.
-    float distance2(glm::vec3 middle, glm::vec3 half) const {
-        const glm::vec3 gap = glm::max(glm::max(middle - half - high, low - middle - half), glm::vec3(0));
-        return glm::dot(gap, gap);
-    }
-    static glm::vec3 point(const GatherLanes& lanes, int i) {
-        return {lanes.position.x[i], lanes.position.y[i], lanes.position.z[i]};
-    }
-};
+/// Squared distance between boxes.
+float distance2(const core::Box& box, glm::vec3 middle, glm::vec3 half) {
+    const glm::vec3 gap = glm::max(glm::max(middle - half - box.high, box.low - middle - half), glm::vec3(0));
+    return glm::dot(gap, gap);
+}
 
 /// A light's disc as a polygon.
 class Hexagon {
@@ -106,7 +99,7 @@ class Hexagon {
     }
 
     DiscLight seen_by(const GatherLanes& lanes, int i) const {
-        const glm::vec3 at = Box::point(lanes, i), way = light_.position - at;
+        const glm::vec3 at = lanes.position.at(i), way = light_.position - at;
         const float radii2 = core::divide_or(glm::dot(way, way), light_.disc2, far_radii * far_radii);
         if (!(radii2 < far_radii * far_radii)) return {};
         const glm::vec3 normal{lanes.normal.axis.x[i], lanes.normal.axis.y[i], lanes.normal.axis.z[i]};
@@ -166,7 +159,7 @@ void keep_to_surfaces(const GatherLanes& lanes, const TreeLight& light, const Ra
     const glm::vec3 facing = light.normal();
     ShadowPacket packet;
     for (int i = 0; i < lane_count; ++i) {
-        const glm::vec3 at = Box::point(lanes, i), way = at - light.position;
+        const glm::vec3 at = lanes.position.at(i), way = at - light.position;
         const glm::vec3 aside = way - glm::dot(way, facing) * facing;
         const float far = glm::length(aside);
         const glm::vec3 middle = light.position + 0.5f * std::min(1.0f, core::divide_or(widest, far, 1.0f)) * aside;
@@ -221,7 +214,7 @@ std::array<DiscLight, lane_count> disc_light(const GatherLanes& lanes, std::uint
 void compensate_clamping_bias(const LightTrees& light_trees, const RayTracer& tracer, const GatherLanes& lanes,
                               GatheredLight& out) {
     if (!(light_trees.point_clamp.scale < GeometryClamp::none().scale)) return;
-    const Box box(lanes);
+    const core::Box box = box_of(lanes);
     // Discs are Lambert surfaces seen by Lambert surfaces: what a lobe takes of so little light is left out.
     GatherLanes plain = lanes;
     plain.glossy = false;
@@ -236,13 +229,13 @@ void compensate_clamping_bias(const LightTrees& light_trees, const RayTracer& tr
             if (ref.is_leaf()) {
                 const TreeLight& light = tree.lights[ref.index()];
                 if (light.disc2 > 0.0f && core::luminance(light.intensity) > 0.0f &&
-                    box.distance2(light.position, glm::vec3(0)) < far_radii * far_radii * light.disc2)
+                    distance2(box, light.position, glm::vec3(0)) < far_radii * far_radii * light.disc2)
                     compensate(light, light_trees, plain, tracer, out);
                 continue;
             }
             const LightNode& node = tree.nodes[ref.index()];
             const MiddleBox about = tree.box(ref.index());
-            if (box.distance2(about.middle, about.half) >= far_radii * far_radii * node.disc2.largest()) continue;
+            if (distance2(box, about.middle, about.half) >= far_radii * far_radii * node.disc2.largest()) continue;
             left.push_back(tree.child(ref.index(), 1));
             left.push_back(tree.child(ref.index(), 0));
         }

@@ -60,13 +60,13 @@ void Gatherer::add_exact(const GatherLanes& lanes, CutSums& sums, Lanes& luminan
 void Gatherer::add_lamps(const GatherLanes& lanes, Shadow shadow, LampAccuracy accuracy, CutSums& sums,
                          Lanes& luminance, Lanes& variance, GatheredLight& out) {
     accuracy.luminance = &luminance;
-    for (const AreaLamp& lamp : light_trees_.lamps) {
-        if (lamp.sharp != (shadow == Shadow::sharp)) continue;
+    for (const auto& lamp : light_trees_.lamps) {
+        if (lamp->sharp != (shadow == Shadow::sharp)) continue;
         LampLight light;
-        gather_lamp(lamp, lanes, light_trees_.translucent, accuracy, shadows_, light);
+        gather_lamp(*lamp, lanes, light_trees_.translucent, accuracy, shadows_, light);
         const UnitLight unit = light.visible(lanes, light_trees_.translucent);
-        add_luminance(lanes, unit, lamp.radiance, luminance);
-        sums.add(unit, lamp.radiance, true);
+        add_luminance(lanes, unit, lamp->radiance, luminance);
+        sums.add(unit, lamp->radiance, true);
         for (int i = 0; i < lane_count; ++i) variance[i] += light.error[i] * light.error[i];
         ++out.direct_clusters;
     }

@@ -7,7 +7,6 @@
 
 #include "core/numeric.h"
 #include "renderer/base/allocation.h"
-#include "renderer/cut/lamp_irradiance.h"
 #include "renderer/cut/lamp_lobe.h"
 #include "renderer/cut/lamp_samples.h"
 #include "renderer/cut/shadow_rays.h"
@@ -100,7 +99,7 @@ void LampGatherer::gather(LampLight& out) {
     std::fill(&out.tint.passes[0][0], &out.tint.passes[0][0] + lane_count * 3, 1.0f);
     // Unoccluded irradiance,
     for (int i = 0; i < lanes_.count; ++i) {
-        whole_[i] = unoccluded_irradiance(lamp_, lanes_.position.at(i), lanes_.normal.axis.at(i));
+        whole_[i] = lamp_.irradiance(lanes_.position.at(i), lanes_.normal.axis.at(i));
         reached_ |= whole_[i] > 0.0f ? 1u << i : 0u;
     }
     if (reached_ == 0) return;
@@ -189,10 +188,9 @@ void LampGatherer::trace_sample(const LampSamples& samples, const LampResponse& 
             times.at[i] = ShadowTimes::kth(lanes_, i, static_cast<std::size_t>(which.sample));
         packet.times = times.at;
     }
-    const LightType type = type_of(lamp_);
     Vec3Lanes targets;
     sampler_->aim(samples, targets);
-    aim<Aimed::at_each>(from, type, targets.x, targets.y, targets.z, packet);
+    aim<Aimed::at_each>(from, lamp_.type, targets.x, targets.y, targets.z, packet);
     packet.bodies = shadows_.bodies();
     packet.active = 0;
     for (int i = 0; i < lane_count; ++i) {

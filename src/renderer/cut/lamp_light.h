@@ -19,11 +19,6 @@ struct LampLight {
     }
 };
 
-/// As what kind of light its samples count.
-inline LightType type_of(const AreaLamp& lamp) {
-    return lamp.kind == AreaLamp::Kind::sun ? LightType::directional : LightType::oriented;
-}
-
 /// How well a lamp must be sampled.
 struct LampAccuracy {
     const GroupTolerance* tolerance = nullptr;  ///< null: by all samples

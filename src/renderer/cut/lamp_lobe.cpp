@@ -11,10 +11,6 @@
 namespace render2mpeg::renderer {
 namespace {
 
-RENDER2MPEG_ALWAYS_INLINED float product(const Vec3Lanes& a, const Vec3Lanes& b, int i) {
-    return a.x[i] * b.x[i] + a.y[i] * b.y[i] + a.z[i] * b.z[i];
-}
-
 /// Density of a direction along the lobe over D of its half vector: G1 / (4 n.v).
 RENDER2MPEG_ALWAYS_INLINED float density_over_d(float nv, float a2) {
     return 0.5f / (nv + inlined::sqrt(a2 + (1.0f - a2) * nv * nv));
@@ -22,9 +18,8 @@ RENDER2MPEG_ALWAYS_INLINED float density_over_d(float nv, float a2) {
 
 RENDER2MPEG_ALWAYS_INLINED float stretched_at(const GatherLanes& lanes, const LampSamples& samples, int i,
                                               float half2) {
-    const lobe::StretchedCosines light{product(lanes.along, samples.direction, i),
-                                       product(lanes.across, samples.direction, i),
-                                       product(lanes.normal.axis, samples.direction, i)};
+    const lobe::StretchedCosines light{dot(lanes.along, samples.direction, i), dot(lanes.across, samples.direction, i),
+                                       dot(lanes.normal.axis, samples.direction, i)};
     return lobe::stretched_value(light, {lanes.view_along[i], lanes.view_across[i], lanes.cos_outgoing[i]}, half2,
                                  lanes.along2[i], lanes.across2[i]);
 }
@@ -41,13 +36,13 @@ void respond(const GatherLanes& __restrict lanes, const LampSamples& __restrict 
     if (!lanes.glossy) {
         for (int i = 0; i < lane_count; ++i)
             out.plain[i] =
-                inlined::max(product(lanes.normal.axis, samples.direction, i), 0.0f) * samples.inverse_density[i];
+                inlined::max(dot(lanes.normal.axis, samples.direction, i), 0.0f) * samples.inverse_density[i];
         return;
     }
     for (int i = 0; i < lane_count; ++i) {
-        const float nl = inlined::max(product(lanes.normal.axis, samples.direction, i), 0.0f);
+        const float nl = inlined::max(dot(lanes.normal.axis, samples.direction, i), 0.0f);
         const float nv = lanes.cos_outgoing[i], a2 = lanes.lobe_width[i];
-        const float lv = product(lanes.outgoing.axis, samples.direction, i);
+        const float lv = dot(lanes.outgoing.axis, samples.direction, i);
         const float half2 = inlined::max(2.0f + 2.0f * lv, 1e-7f);
         const float nh2 = inlined::min((nl + nv) * (nl + nv) / half2, 1.0f);
         const float s = lobe::schlick(inlined::sqrt(inlined::max(0.5f * (1.0f + lv), 0.0f)));

@@ -1,15 +1,10 @@
 #include "renderer/cut/lamp_samples.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
 
-#include "core/error.h"
-#include "core/numeric.h"
-#include "core/sampling.h"
 #include "renderer/base/isa_clones.h"
-#include "renderer/base/lobe.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -58,86 +53,12 @@ std::size_t sample_index(int set, int lane, int k) {
     return static_cast<std::size_t>(own ^ k);
 }
 
-bool is_parallelogram(const std::vector<glm::vec3>& c) {
-    return c.size() == 4 && glm::length(c[0] + c[2] - c[1] - c[3]) <= 1e-4f * glm::length(c[2] - c[0]);
-}
-
-/// A place on a convex polygon, evenly.
-glm::vec3 on_polygon(const std::vector<glm::vec3>& c, glm::vec2 u) {
-    float area = 0;
-    for (std::size_t i = 2; i < c.size(); ++i) area += glm::length(glm::cross(c[i - 1] - c[0], c[i] - c[0]));
-    float left = u.x * area;
-    for (std::size_t i = 2; i < c.size(); ++i) {
-        const glm::vec3 a = c[i - 1] - c[0], b = c[i] - c[0];
-        const float part = glm::length(glm::cross(a, b));
-        if (left > part && i + 1 < c.size()) {
-            left -= part;
-            continue;
-        }
-        const glm::vec2 uv = core::sample_triangle({core::divide_or(std::min(left, part), part, 0.0f), u.y});
-        return c[0] + uv.x * a + uv.y * b;
-    }
-    return c[0];
-}
-
-void put(Vec3Lanes& lanes, int i, glm::vec3 v) {
-    lanes.x[i] = v.x;
-    lanes.y[i] = v.y;
-    lanes.z[i] = v.z;
-}
-
-RENDER2MPEG_ALWAYS_INLINED float dot(const Vec3Lanes& a, const Vec3Lanes& b, int i) {
-    return a.x[i] * b.x[i] + a.y[i] * b.y[i] + a.z[i] * b.z[i];
-}
-
-/// A function of its own, since a loop of lanes within one of corners does not become vector code.
-RENDER2MPEG_CLONES
-void lower(const Vec3Lanes& __restrict edge, const Vec3Lanes& __restrict direction, Lanes& __restrict least) {
-    for (int i = 0; i < lane_count; ++i) least[i] = inlined::min(least[i], dot(edge, direction, i));
-}
-
 }  // namespace
 
-LampSampler::LampSampler(const AreaLamp& lamp, const GatherLanes& lanes) : lamp_(lamp), lanes_(lanes) {
-    if (lamp.kind == AreaLamp::Kind::polygon)
-        start_polygon();
-    else
-        start_cone();
+LampSampler::LampSampler(const AreaLamp& lamp, const GatherLanes& lanes)
+    : lamp_(lamp), lanes_(lanes), view_(lanes.position) {
+    lamp.look(view_);
     if (lanes.glossy) start_lobes();
-}
-
-void LampSampler::start_polygon() {
-    const std::vector<glm::vec3>& c = lamp_.corners;
-    EXPECTS(c.size() <= most_lamp_corners);
-    even_ = is_parallelogram(c);
-    for (int i = 0; i < lane_count; ++i) {
-        const glm::vec3 place = lanes_.position.at(i);
-        height_[i] = glm::dot(place - c[0], lamp_.normal);
-        for (std::size_t k = 0; k < c.size(); ++k) {
-            // The next corners but one lie within.
-            const glm::vec3 across = glm::cross(c[k] - place, c[(k + 1) % c.size()] - place);
-            const float side = glm::dot(across, c[(k + 2) % c.size()] - place);
-            put(edges_[k], i, side < 0 ? -across : across);
-        }
-    }
-}
-
-void LampSampler::start_cone() {
-    for (int i = 0; i < lane_count; ++i) {
-        glm::vec3 axis = lamp_.position, tangent, bitangent;
-        float sine = lamp_.radius;
-        if (lamp_.kind == AreaLamp::Kind::sphere) {
-            const glm::vec3 to_lamp = lamp_.position - lanes_.position.at(i);
-            distance_[i] = std::max(glm::length(to_lamp), lamp_.radius * 1.0001f);
-            sine = lamp_.radius / distance_[i];
-            axis = core::normalize_or(to_lamp, {0, 0, 1});
-        }
-        core::make_frame(axis, tangent, bitangent);
-        put(axis_, i, axis);
-        put(tangent_, i, tangent);
-        put(bitangent_, i, bitangent);
-        lowered_[i] = sine * sine / (1 + core::sqrt_or_zero(1 - sine * sine));
-    }
 }
 
 void LampSampler::start_lobes() {
@@ -158,8 +79,8 @@ void LampSampler::start_lobes() {
     }
 }
 
-LampSampler::Numbers LampSampler::numbers(std::span<const glm::vec2> all, int k) const {
-    Numbers u;
+SampleNumbers LampSampler::numbers(std::span<const glm::vec2> all, int k) const {
+    SampleNumbers u;
     for (int i = 0; i < lane_count; ++i) {
         const glm::vec2 p = all[sample_index(lanes_.set, i, k)];
         u.x[i] = p.x;
@@ -169,51 +90,7 @@ LampSampler::Numbers LampSampler::numbers(std::span<const glm::vec2> all, int k)
 }
 
 void LampSampler::take(int k, LampSamples& __restrict samples) const {
-    if (lamp_.kind == AreaLamp::Kind::polygon)
-        take_polygon(numbers(pattern.square, k), samples);
-    else
-        take_cone(numbers(pattern.disc, k), samples);
-}
-
-/// Parallelograms keep the strata. Density by solid angle of a place at distance d on a plane at height h: d^2 / (area
-/// h / d).
-RENDER2MPEG_CLONES
-void LampSampler::take_polygon(const Numbers& u, LampSamples& __restrict samples) const {
-    const std::vector<glm::vec3>& c = lamp_.corners;
-    Vec3Lanes place;
-    if (even_) {
-        const glm::vec3 a = c[1] - c[0], b = c[3] - c[0];
-        for (int i = 0; i < lane_count; ++i) {
-            place.x[i] = c[0].x + u.x[i] * a.x + u.y[i] * b.x;
-            place.y[i] = c[0].y + u.x[i] * a.y + u.y[i] * b.y;
-            place.z[i] = c[0].z + u.x[i] * a.z + u.y[i] * b.z;
-        }
-    } else {
-        for (int i = 0; i < lane_count; ++i) put(place, i, on_polygon(c, {u.x[i], u.y[i]}));
-    }
-    for (int i = 0; i < lane_count; ++i) {
-        const float x = place.x[i] - lanes_.position.x[i], y = place.y[i] - lanes_.position.y[i];
-        const float z = place.z[i] - lanes_.position.z[i];
-        const float inverse = 1.0f / inlined::sqrt(inlined::max(x * x + y * y + z * z, lobe::tiny));
-        samples.direction.x[i] = x * inverse;
-        samples.direction.y[i] = y * inverse;
-        samples.direction.z[i] = z * inverse;
-        samples.inverse_density[i] = lamp_.area * inlined::abs(height_[i]) * inverse * inverse * inverse;
-    }
-}
-
-/// Evenly by solid angle: 1 - cos grows as the disc's squared radius.
-RENDER2MPEG_CLONES
-void LampSampler::take_cone(const Numbers& disc, LampSamples& __restrict samples) const {
-    for (int i = 0; i < lane_count; ++i) {
-        const float most = lowered_[i], lowered = most * (disc.x[i] * disc.x[i] + disc.y[i] * disc.y[i]);
-        const float scale = inlined::sqrt(inlined::max(most * (2.0f - lowered), 0.0f));
-        const float along = 1.0f - lowered, x = scale * disc.x[i], y = scale * disc.y[i];
-        samples.direction.x[i] = along * axis_.x[i] + x * tangent_.x[i] + y * bitangent_.x[i];
-        samples.direction.y[i] = along * axis_.y[i] + x * tangent_.y[i] + y * bitangent_.y[i];
-        samples.direction.z[i] = along * axis_.z[i] + x * tangent_.z[i] + y * bitangent_.z[i];
-        samples.inverse_density[i] = 2.0f * std::numbers::pi_v<float> * most;
-    }
+    lamp_.choose(view_, numbers(lamp_.is_round() ? pattern.disc : pattern.square, k), samples);
 }
 
 void LampSampler::start_at(int k, Vec3Lanes& origin) const {
@@ -232,49 +109,13 @@ void LampSampler::start_at(int k, Vec3Lanes& origin) const {
     }
 }
 
-void LampSampler::aim(const LampSamples& samples, Vec3Lanes& targets) const {
-    switch (lamp_.kind) {
-        case AreaLamp::Kind::polygon:
-            return aim_at_polygon(samples.direction, targets);
-        case AreaLamp::Kind::sphere:
-            return aim_at_sphere(samples.direction, targets);
-        case AreaLamp::Kind::sun:
-            targets = samples.direction;
-    }
+void LampSampler::take_lobe(int k, LampSamples& samples) const {
+    take_facets(numbers(pattern.disc, k), samples);
+    lamp_.meet(view_, samples);
 }
 
 RENDER2MPEG_CLONES
-void LampSampler::aim_at_polygon(const Vec3Lanes& __restrict direction, Vec3Lanes& __restrict targets) const {
-    const float nx = lamp_.normal.x, ny = lamp_.normal.y, nz = lamp_.normal.z, clearance = lamp_.clearance;
-    for (int i = 0; i < lane_count; ++i) {
-        const float slope = nx * direction.x[i] + ny * direction.y[i] + nz * direction.z[i];
-        const float far = inlined::abs(height_[i]) / inlined::max(inlined::abs(slope), lobe::tiny);
-        const float lift = height_[i] < 0.0f ? -clearance : clearance;
-        targets.x[i] = lanes_.position.x[i] + far * direction.x[i] + lift * nx;
-        targets.y[i] = lanes_.position.y[i] + far * direction.y[i] + lift * ny;
-        targets.z[i] = lanes_.position.z[i] + far * direction.z[i] + lift * nz;
-    }
-}
-
-/// Rays end where they enter the sphere.
-RENDER2MPEG_CLONES
-void LampSampler::aim_at_sphere(const Vec3Lanes& __restrict direction, Vec3Lanes& __restrict targets) const {
-    const float outer = lamp_.radius + lamp_.clearance, outer2 = outer * outer;
-    for (int i = 0; i < lane_count; ++i) {
-        const float far = distance_[i], along = far * dot(axis_, direction, i);
-        const float x = far * axis_.x[i] - along * direction.x[i], y = far * axis_.y[i] - along * direction.y[i];
-        const float z = far * axis_.z[i] - along * direction.z[i];
-        const float within = inlined::sqrt(inlined::max(outer2 - (x * x + y * y + z * z), 0.0f));
-        const float enters = inlined::max(along - within, 0.0f);
-        targets.x[i] = lanes_.position.x[i] + enters * direction.x[i];
-        targets.y[i] = lanes_.position.y[i] + enters * direction.y[i];
-        targets.z[i] = lanes_.position.z[i] + enters * direction.z[i];
-    }
-}
-
-RENDER2MPEG_CLONES
-void LampSampler::take_lobe(int k, LampSamples& __restrict samples) const {
-    const Numbers u = numbers(pattern.disc, k);
+void LampSampler::take_facets(const SampleNumbers& u, LampSamples& __restrict samples) const {
     const FrameLanes &f = facets_, &n = lanes_.normal;
     for (int i = 0; i < lane_count; ++i) {
         const float a = u.x[i], s = hidden_[i], upright = inlined::sqrt(inlined::max(1.0f - a * a, 0.0f));
@@ -291,37 +132,6 @@ void LampSampler::take_lobe(int k, LampSamples& __restrict samples) const {
         samples.direction.x[i] = x * n.tangent.x[i] + y * n.bitangent.x[i] + z * n.axis.x[i];
         samples.direction.y[i] = x * n.tangent.y[i] + y * n.bitangent.y[i] + z * n.axis.y[i];
         samples.direction.z[i] = x * n.tangent.z[i] + y * n.bitangent.z[i] + z * n.axis.z[i];
-    }
-    if (lamp_.kind == AreaLamp::Kind::polygon)
-        meet_polygon(samples);
-    else
-        meet_cone(samples);
-}
-
-RENDER2MPEG_CLONES
-void LampSampler::meet_polygon(LampSamples& __restrict samples) const {
-    const float nx = lamp_.normal.x, ny = lamp_.normal.y, nz = lamp_.normal.z, area = lamp_.area;
-    alignas(64) Lanes least;
-    for (int i = 0; i < lane_count; ++i) {
-        const float slope = nx * samples.direction.x[i] + ny * samples.direction.y[i] + nz * samples.direction.z[i];
-        least[i] = height_[i] < 0.0f ? slope : -slope;
-        const float height2 = inlined::max(height_[i] * height_[i], lobe::tiny);
-        samples.inverse_density[i] = area * inlined::abs(slope * slope * slope) / height2;
-    }
-    const std::size_t corners = lamp_.corners.size();
-    for (std::size_t k = 0; k < corners; ++k) lower(edges_[k], samples.direction, least);
-    for (int i = 0; i < lane_count; ++i)
-        samples.inverse_density[i] = least[i] > 0.0f ? samples.inverse_density[i] : 0.0f;
-}
-
-/// By the chord, since cosines of narrow cones have no digits.
-RENDER2MPEG_CLONES
-void LampSampler::meet_cone(LampSamples& __restrict samples) const {
-    for (int i = 0; i < lane_count; ++i) {
-        const Vec3Lanes& d = samples.direction;
-        const float x = d.x[i] - axis_.x[i], y = d.y[i] - axis_.y[i], z = d.z[i] - axis_.z[i];
-        const bool meets = x * x + y * y + z * z <= 2.0f * lowered_[i];
-        samples.inverse_density[i] = meets ? 2.0f * std::numbers::pi_v<float> * lowered_[i] : 0.0f;
     }
 }
 

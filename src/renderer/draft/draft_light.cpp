@@ -118,7 +118,7 @@ class SharpLights {
                          [](const auto& a, const auto& b) { return a.first < b.first; });
         for (std::size_t k = 0; k < by_strength.size(); ++k)
             (k < most_sharp_lights ? sharp_exact_ : other_exact_).push_back(exact_[by_strength[k].second]);
-        for (const AreaLamp& lamp : lamps_) (lamp.sharp ? sharp_lamps_ : other_lamps_).push_back(lamp);
+        for (const auto& lamp : lamps_) (lamp->sharp ? sharp_lamps_ : other_lamps_).push_back(lamp);
     }
     ~SharpLights() {
         trees_.exact = std::move(exact_);
@@ -140,7 +140,7 @@ class SharpLights {
   private:
     LightTrees& trees_;
     std::vector<ExactLight> exact_, sharp_exact_, other_exact_;
-    std::vector<AreaLamp> lamps_, sharp_lamps_, other_lamps_;
+    std::vector<std::shared_ptr<const AreaLamp>> lamps_, sharp_lamps_, other_lamps_;
 };
 
 /// Places that are seen, a few, spread over the picture.

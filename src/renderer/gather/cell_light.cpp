@@ -113,7 +113,7 @@ void CellLight::pose(NearField near_field) {
 }
 
 LightChoices CellLight::light_choices() const {
-    return {std::min(peaked_choices, static_cast<std::uint32_t>(sources_->lamp_count())), peaked_choices};
+    return {std::min(peaked_choices, static_cast<std::uint32_t>(sources_->lamps().lights().size())), peaked_choices};
 }
 
 /// Light of lamps, shining surfaces and the image of a sky, by next events.
@@ -121,14 +121,15 @@ glm::vec3 CellLight::lamps(const Scatterer& at, std::uint64_t number, LightChoic
     const LightQuery& query = at.query();
     glm::vec3 sum(0);
     // One of the directions has a ray, as likely as the place scatters light from there if nothing is in the way.
-    const auto add = [&](Number use, std::uint32_t count, const auto& to_source) {
+    const auto add = [&](Number use, std::uint32_t count, const SourceTree& lights) {
+        if (lights.empty()) return;
         const auto n = static_cast<float>(count);
         LightSample chosen;
         glm::vec3 light(0);
         Resampled of;
         for (std::uint32_t k = 0; k < count; ++k) {
             const auto u = [&](std::uint64_t which) { return uniform(number, use, 4 * k + which); };
-            const LightSample s = to_source((static_cast<float>(k) + u(0)) / n, glm::vec2(u(1), u(2)));
+            const LightSample s = lights.sample(query, (static_cast<float>(k) + u(0)) / n, {u(1), u(2)});
             if (!(core::luminance(s.light) > 0.0f) || !query.may_see(s.direction)) continue;
             const Scattered to = at.scattered(s.direction, s.density > 0.0f);
             glm::vec3 candidate = to.share * s.light;
@@ -150,11 +151,9 @@ glm::vec3 CellLight::lamps(const Scatterer& at, std::uint64_t number, LightChoic
         const float skipped = at.skipped(chosen.ray);
         sum += light * posed_scene_.tracer().passes(at.origin_of(chosen.ray), chosen.ray, chosen.far - skipped);
     };
-    const LightSources& from = *sources_;
-    if (from.has_lamps()) add(lamp, choices.lamps, [&](float c, glm::vec2 u) { return from.to_lamp(query, c, u); });
-    if (from.has_surfaces())
-        add(surface, choices.surfaces, [&](float c, glm::vec2 u) { return from.to_surface(query, c, u); });
-    if (from.has_sky()) add(sky, 1, [&](float c, glm::vec2 u) { return from.to_sky(query, c, u); });
+    add(lamp, choices.lamps, sources_->lamps());
+    add(surface, choices.surfaces, sources_->surfaces());
+    add(sky, 1, sources_->skies());
     return sum;
 }
 

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <utility>
 
+#include "core/box.h"
 #include "core/color.h"
 #include "core/numeric.h"
 #include "core/sampling.h"
@@ -40,14 +41,13 @@ constexpr std::size_t most_spheres = 512;
 constexpr std::uint64_t eye_rays = 256, eye_rays_at_once = 16;
 
 /// Plans at least half of the photons for lights that have a near field.
-void favour_near(std::span<const LightPoint> shining, const NearField& near_field, const WorldBox& box,
+void favour_near(std::span<const LightPoint> shining, const NearField& near_field, const core::Box& box,
                  std::vector<LightPoint>& planned) {
     const PhotonSource source(planned, box);
     std::vector<bool> is_near;
     double near = 0, others = 0;
     for (std::size_t i = 0; i < planned.size(); ++i) {
-        is_near.push_back(planned[i].kind != LightPointKind::directional &&
-                          near_field.share(shining[i].position) > 0.0f);
+        is_near.push_back(!planned[i].is_far() && near_field.share(shining[i].position) > 0.0f);
         (is_near[i] ? near : others) +=
             source.relative_power(i) * static_cast<double>(core::luminance(planned[i].intensity));
     }
@@ -103,10 +103,10 @@ NearField::NearField(std::span<const LightPoint> lights, const EyeLook& look) {
     std::map<std::uint32_t, Source> objects;
     for (const LightPoint& p : lights) {
         const double power = core::luminance(p.intensity);
-        if (p.kind == LightPointKind::directional || !is_finite(p) || !(power > 0.0)) continue;
+        if (p.is_far() || !is_finite(p) || !(power > 0.0)) continue;
         const glm::dvec3 place(p.position);
         const Source one{power * place, power, power * glm::dot(place, place)};
-        if (p.kind != LightPointKind::oriented) {
+        if (!p.is_of_surface()) {
             add(one);
             continue;
         }

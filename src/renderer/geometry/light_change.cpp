@@ -1,7 +1,5 @@
 #include "renderer/geometry/light_change.h"
 
-#include <algorithm>
-
 namespace render2mpeg::renderer {
 namespace {
 
@@ -17,21 +15,12 @@ bool same_object(const scene::Snapshot& a, const scene::Snapshot& b, std::size_t
     return s.positions == t.positions && s.normals == t.normals;
 }
 
-bool same_light(const scene::LightState& a, const scene::LightState& b) {
-    return a.id == b.id && a.intensity == b.intensity && a.kind == b.kind && a.position == b.position &&
-           a.direction == b.direction && a.range == b.range && a.cos_inner == b.cos_inner &&
-           a.cos_outer == b.cos_outer && a.smooth_cosine == b.smooth_cosine && a.angle == b.angle;
-}
-
 }  // namespace
 
 LightChange change_between(const scene::Snapshot& before, const scene::Snapshot& now) {
     if (before.animation != now.animation || before.objects.size() != now.objects.size()) return {true, true};
     LightChange change;
-    change.sources =
-        before.lights.size() != now.lights.size() ||
-        !std::equal(before.lights.begin(), before.lights.end(), now.lights.begin(), now.lights.end(), same_light) ||
-        before.emission_factor != now.emission_factor;
+    change.sources = before.lights != now.lights || before.emission_factor != now.emission_factor;
     for (std::size_t i = 0; i < now.objects.size(); ++i) {
         if (same_object(before, now, i)) continue;
         change.things = true;

@@ -7,7 +7,7 @@
 #include "core/numeric.h"
 #include "core/sampling.h"
 #include "parallel/loops.h"
-#include "renderer/lights/average_light.h"
+#include "renderer/lights/light_points.h"
 
 namespace render2mpeg::renderer {
 namespace {

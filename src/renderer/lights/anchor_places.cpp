@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 
+#include "core/box.h"
 #include "core/numeric.h"
 #include "parallel/loops.h"
 #include "renderer/base/lobe.h"
@@ -75,13 +76,9 @@ class StratifiedSampler {
     }
 
     int longest(const std::uint32_t* first, const std::uint32_t* last) const {
-        glm::vec3 low = candidates_[*first].rest.position, high = low;
-        for (const std::uint32_t* i = first; i != last; ++i) {
-            low = glm::min(low, candidates_[*i].rest.position);
-            high = glm::max(high, candidates_[*i].rest.position);
-        }
-        const glm::vec3 size = high - low;
-        return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+        core::Box box;
+        for (const std::uint32_t* i = first; i != last; ++i) box.hold(candidates_[*i].rest.position);
+        return box.longest_axis();
     }
 
     /// Orders the range along an axis about the place where `share` of the measure lies before; at least one candidate

@@ -1,4 +1,5 @@
-#include "renderer/lights/average_light.h"
+// The average of all light over a film.
+#include "renderer/lights/light_points.h"
 
 #include <algorithm>
 

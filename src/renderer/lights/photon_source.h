@@ -4,15 +4,12 @@
 #include <span>
 #include <vector>
 
+#include "core/box.h"
+#include "renderer/base/discrete_distribution.h"
 #include "renderer/base/light_point.h"
 #include "renderer/surface/light_ray.h"
 
 namespace render2mpeg::renderer {
-
-/// A box about everything that light may meet.
-struct WorldBox {
-    glm::vec3 low{0}, high{0};
-};
 
 /// A photon that leaves a light.
 struct Photon : LightRay {
@@ -27,9 +24,9 @@ class PhotonSource {
   public:
     /// `planned`: the same lights, whose power they are chosen by; empty: their own. Where lamps flicker, their photons
     /// then go the same ways.
-    PhotonSource(std::span<const LightPoint> lights, const WorldBox& box, std::span<const LightPoint> planned = {});
+    PhotonSource(std::span<const LightPoint> lights, const core::Box& box, std::span<const LightPoint> planned = {});
 
-    bool empty() const { return !(total_ > 0.0); }
+    bool empty() const { return !(choice_.total() > 0.0); }
     /// Power of a light, over the luminance of its intensity.
     double relative_power(std::size_t light) const { return power_[light]; }
 
@@ -40,10 +37,9 @@ class PhotonSource {
     double power_of(const LightPoint& light) const;
 
     std::span<const LightPoint> lights_;
-    WorldBox box_;
-    std::vector<double> power_;    ///< of each light of luminance 1
-    std::vector<double> running_;  ///< probability of all lights up to each
-    double total_ = 0;             ///< planned power
+    core::Box box_;
+    std::vector<double> power_;  ///< of each light of luminance 1
+    DiscreteDistribution choice_;
 };
 
 }  // namespace render2mpeg::renderer

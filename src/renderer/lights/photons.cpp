@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/box.h"
 #include "core/color.h"
 #include "core/numeric.h"
 #include "core/sampling.h"
@@ -29,7 +30,6 @@ constexpr std::uint64_t most_paths_per_vpl = 64;
 
 LightPoint vpl_at(const SurfacePoint& p, glm::vec3 flux) {
     LightPoint vpl;
-    vpl.kind = LightPointKind::oriented;
     vpl.normal = p.geometric_normal;
     vpl.position = offset_origin(p, p.geometric_normal);
     const float cosine = glm::dot(p.shading_normal, p.outgoing);
@@ -178,13 +178,11 @@ PhotonResult follow_all(const PosedScene& posed_scene, const PhotonSource& sourc
 
 }  // namespace
 
-WorldBox world_box(const scene::Snapshot& snapshot) {
+core::Box world_box(const scene::Snapshot& snapshot) {
     const scene::Animation& film = *snapshot.animation;
-    WorldBox box{film.bounds_min, film.bounds_max};
+    core::Box box{film.bounds_min, film.bounds_max};
     const auto hold = [&](glm::vec3 p) {
-        if (!core::is_finite(p)) return;
-        box.low = glm::min(box.low, p);
-        box.high = glm::max(box.high, p);
+        if (core::is_finite(p)) box.hold(p);
     };
     for (std::size_t i = 0; i < film.objects.size(); ++i) {
         const scene::ObjectState& state = snapshot.objects[i];

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "core/box.h"
 #include "renderer/base/light_point.h"
 #include "renderer/lights/photon_source.h"
 #include "renderer/surface/posed_scene.h"
@@ -33,7 +34,7 @@ PhotonResult trace_photons(const PosedScene& posed_scene, std::span<const LightP
                            const PhotonSettings& settings);
 
 /// The world as its objects lie now: the film's box at its start, and whatever moves.
-WorldBox world_box(const scene::Snapshot& snapshot);
+core::Box world_box(const scene::Snapshot& snapshot);
 
 /// How many paths leave about `vpls` VPLs in the posed scene; 0 where no light reaches any surface.
 std::uint64_t paths_for(const PosedScene& posed_scene, std::span<const LightPoint> lights, int vpls, int bounces);

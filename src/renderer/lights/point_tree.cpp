@@ -7,6 +7,8 @@
 #include <numeric>
 #include <utility>
 
+#include "core/box.h"
+
 namespace render2mpeg::renderer {
 namespace {
 
@@ -122,13 +124,9 @@ PointTree::PointTree(const std::vector<OrientedPoint>& points)
 std::uint64_t PointTree::build(std::size_t first, std::size_t last, std::size_t range) {
     if (last == first) return 0;
     if (last - first == 1) return std::uint64_t{1} << Ways::of(points_[index_[first]].normal.unpack());
-    glm::vec3 low = points_[index_[first]].position, high = low;
-    for (std::size_t i = first; i < last; ++i) {
-        low = glm::min(low, points_[index_[i]].position);
-        high = glm::max(high, points_[index_[i]].position);
-    }
-    const glm::vec3 size = high - low;
-    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    core::Box box;
+    for (std::size_t i = first; i < last; ++i) box.hold(points_[index_[i]].position);
+    const int axis = box.longest_axis();
     const std::size_t middle = first + (last - first) / 2;
     const auto begin = index_.begin();
     std::nth_element(begin + static_cast<std::ptrdiff_t>(first), begin + static_cast<std::ptrdiff_t>(middle),

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "core/box.h"
 #include "core/numeric.h"
 
 namespace render2mpeg::renderer {
@@ -55,12 +55,8 @@ float RestPoses::area_scale(const scene::Snapshot& now, const core::SurfaceAddre
 
 float RestPoses::extent2(std::uint32_t object) const {
     const std::vector<glm::vec3>& positions = mesh_of(object).positions;
-    glm::vec3 low(std::numeric_limits<float>::max()), high(-low);
-    for (const glm::vec3& p : positions) {
-        low = glm::min(low, p);
-        high = glm::max(high, p);
-    }
-    const glm::vec3 size = positions.empty() ? glm::vec3(0) : high - low;
+    const auto box = core::Box::about(positions);
+    const glm::vec3 size = positions.empty() ? glm::vec3(0) : box.size();
     return glm::dot(size, size);
 }
 

@@ -1,4 +1,5 @@
-#include "renderer/lights/sky_importance.h"
+// Where light of the sky comes from that cameras see.
+#include "renderer/lights/light_points.h"
 
 #include <algorithm>
 #include <cmath>

@@ -99,26 +99,16 @@ glm::vec3 LightPaths::scattered(const SurfacePoint& point, glm::vec3 origin, Pat
 /// Direct light at the point.
 glm::vec3 LightPaths::asked(const Path& path, PathNumbers& numbers) const {
     const auto number = [&](FirstNumber which) { return path.first ? numbers.first(which) : numbers.next(); };
-    // One by one: the order in which arguments are evaluated is not told.
-    struct Three {
-        float choice, u, v;
-    };
-    const auto three = [&](FirstNumber choice, FirstNumber u, FirstNumber v) {
-        return Three{number(choice), number(u), number(v)};
-    };
     glm::vec3 sum(0);
-    if (lights_.has_lamps()) {
-        const Three n = three(FirstNumber::lamp, FirstNumber::lamp_u, FirstNumber::lamp_v);
-        sum += answer(path, lights_.to_lamp(path.at.query(), n.choice, {n.u, n.v}));
-    }
-    if (lights_.has_surfaces()) {
-        const Three n = three(FirstNumber::surface, FirstNumber::surface_u, FirstNumber::surface_v);
-        sum += answer(path, lights_.to_surface(path.at.query(), n.choice, {n.u, n.v}));
-    }
-    if (lights_.has_sky()) {
-        const Three n = three(FirstNumber::sky, FirstNumber::sky_u, FirstNumber::sky_v);
-        sum += answer(path, lights_.to_sky(path.at.query(), n.choice, {n.u, n.v}));
-    }
+    const auto ask = [&](const SourceTree& lights, FirstNumber choice, FirstNumber u, FirstNumber v) {
+        if (lights.empty()) return;
+        // One by one: the order in which arguments are evaluated is not told.
+        const float chosen = number(choice), x = number(u), y = number(v);
+        sum += answer(path, lights.sample(path.at.query(), chosen, {x, y}));
+    };
+    ask(lights_.lamps(), FirstNumber::lamp, FirstNumber::lamp_u, FirstNumber::lamp_v);
+    ask(lights_.surfaces(), FirstNumber::surface, FirstNumber::surface_u, FirstNumber::surface_v);
+    ask(lights_.skies(), FirstNumber::sky, FirstNumber::sky_u, FirstNumber::sky_v);
     return path.throughput * sum;
 }
 

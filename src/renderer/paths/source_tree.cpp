@@ -1,9 +1,11 @@
 #include "renderer/paths/source_tree.h"
 
+#include <algorithm>
 #include <limits>
 #include <numeric>
 #include <utility>
 
+#include "core/box.h"
 #include "core/numeric.h"
 
 namespace render2mpeg::renderer {
@@ -14,7 +16,8 @@ constexpr std::uint32_t largest_group = 32;
 
 }  // namespace
 
-SourceTree::SourceTree(std::vector<SourceExtent> sources) : sources_(std::move(sources)) {
+SourceTree::SourceTree(Lights lights) : lights_(std::move(lights)) {
+    for (const auto& light : lights_) sources_.push_back(light->extent());
     const auto count = static_cast<std::uint32_t>(sources_.size());
     if (count == 0) return;
     order_.resize(count);
@@ -26,17 +29,17 @@ SourceTree::SourceTree(std::vector<SourceExtent> sources) : sources_(std::move(s
 }
 
 void SourceTree::measure(Node& node) const {
-    glm::vec3 low(std::numeric_limits<float>::max()), high(-std::numeric_limits<float>::max());
+    core::Box box;
     for (std::uint32_t i = node.first; i < node.end; ++i) {
         const SourceExtent& s = sources_[order_[i]];
         (s.distant ? node.far_power : node.near_power) += s.power;
         if (s.distant) continue;
-        low = glm::min(low, s.centre - s.radius);
-        high = glm::max(high, s.centre + s.radius);
+        box.hold(s.centre - s.radius);
+        box.hold(s.centre + s.radius);
     }
     if (!(node.near_power > 0.0)) return;
-    node.centre = 0.5f * (low + high);
-    node.radius = 0.5f * glm::length(high - low);
+    node.centre = box.middle();
+    node.radius = 0.5f * glm::length(box.size());
 }
 
 /// Halves a node at the middle of its longest side; what is distant comes to the front.
@@ -51,14 +54,10 @@ void SourceTree::split(std::uint32_t index) {
         nodes_[index] = node;
         return;
     }
-    glm::vec3 low(std::numeric_limits<float>::max()), high(-std::numeric_limits<float>::max());
-    for (auto i = begin; i != end; ++i) {
-        if (sources_[*i].distant) continue;
-        low = glm::min(low, sources_[*i].centre);
-        high = glm::max(high, sources_[*i].centre);
-    }
-    const glm::vec3 side = high - low;
-    const int axis = side.x >= side.y && side.x >= side.z ? 0 : side.y >= side.z ? 1 : 2;
+    core::Box box;
+    for (auto i = begin; i != end; ++i)
+        if (!sources_[*i].distant) box.hold(sources_[*i].centre);
+    const int axis = box.longest_axis();
     const auto key = [&](std::uint32_t i) {
         const SourceExtent& s = sources_[i];
         return std::pair(s.distant ? -std::numeric_limits<float>::max() : s.centre[axis], i);
@@ -68,14 +67,8 @@ void SourceTree::split(std::uint32_t index) {
                      [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
     node.left = static_cast<std::uint32_t>(nodes_.size());
     nodes_[index] = node;
-    Node child;
-    child.parent = index;
-    child.first = node.first;
-    child.end = middle;
-    nodes_.push_back(child);
-    child.first = middle;
-    child.end = node.end;
-    nodes_.push_back(child);
+    nodes_.push_back({node.first, middle, index});
+    nodes_.push_back({middle, node.end, index});
 }
 
 /// About the irradiance of a node, if it faced the surface and was seen; 0 only where it is wholly behind.
@@ -110,6 +103,56 @@ double SourceTree::chance_of_group(const LightQuery& query, const Node& group) c
         chance *= node == &nodes_[left_child] ? share : 1.0 - share;
     }
     return chance;
+}
+
+SourceTree::Choice SourceTree::choose(const LightQuery& query, double number) const {
+    if (empty()) return {};
+    if (sources_.size() > 1 && number < evenly) {
+        const double place = number / evenly * static_cast<double>(sources_.size());
+        const auto source = static_cast<std::size_t>(place);
+        return {source, chance_of(query, source), place - static_cast<double>(source)};
+    }
+    if (sources_.size() > 1) number = std::min((number - evenly) / (1.0 - evenly), below_one);
+    double chance = 1;
+    const Node& group = group_for(query, number, chance);
+    double sum = 0;
+    for (std::uint32_t i = group.first; i < group.end; ++i) sum += lights_[order_[i]]->weight(query);
+    Choice choice;
+    double left = number * sum;
+    for (std::uint32_t i = group.first; i < group.end; ++i) {
+        const double own = lights_[order_[i]]->weight(query);
+        if (!(own > 0.0)) continue;
+        choice = {order_[i], chance * own / sum, left / own};
+        if (left < own) break;
+        left -= own;
+    }
+    if (!(choice.left < 1.0)) choice.left = below_one;
+    choice.chance = mixed(choice.chance);
+    return choice;
+}
+
+double SourceTree::chance_of(const LightQuery& query, std::size_t source) const {
+    const Node& group = nodes_[group_of_[source]];
+    const double own = lights_[source]->weight(query);
+    if (!(own > 0.0)) return 0.0;
+    double sum = 0;
+    for (std::uint32_t i = group.first; i < group.end; ++i) sum += lights_[order_[i]]->weight(query);
+    return mixed(chance_of_group(query, group) * own / sum);
+}
+
+LightSample SourceTree::sample(const LightQuery& query, float number, glm::vec2 u) const {
+    const Choice choice = choose(query, number);
+    if (!(choice.chance > 0.0)) return {};
+    LightSample sample = lights_[choice.source]->sample(query, choice.left, u);
+    sample.light /= static_cast<float>(choice.chance);
+    sample.density *= static_cast<float>(choice.chance);
+    return sample;
+}
+
+float SourceTree::density(std::size_t source, const LightQuery& query, glm::vec3 direction,
+                          const core::SurfaceAddress& address) const {
+    const float own = lights_[source]->density(query, direction, address);
+    return own > 0.0f ? own * static_cast<float>(chance_of(query, source)) : 0.0f;
 }
 
 }  // namespace render2mpeg::renderer

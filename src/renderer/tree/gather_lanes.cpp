@@ -12,20 +12,6 @@
 namespace render2mpeg::renderer {
 namespace {
 
-void set(Vec3Lanes& lanes, int lane, glm::vec3 v) {
-    lanes.x[lane] = v.x;
-    lanes.y[lane] = v.y;
-    lanes.z[lane] = v.z;
-}
-
-void set_frame(FrameLanes& lanes, int lane, glm::vec3 axis) {
-    glm::vec3 t, b;
-    core::make_frame(axis, t, b);
-    set(lanes.axis, lane, axis);
-    set(lanes.tangent, lane, t);
-    set(lanes.bitangent, lane, b);
-}
-
 /// A grazing eye ray divides by its cosine. chosen: 1e-3, which only keeps the quotient finite: the masking term of any
 /// lobe in use is flat below it (alpha >= 0.01).
 constexpr float least_cosine = 1e-3f;
@@ -33,10 +19,10 @@ constexpr float least_cosine = 1e-3f;
 void fill_lobe(GatherLanes& lanes, int lane, const SurfacePoint& p, glm::vec3 luminance_share) {
     const bool has_lobe = p.bsdf.has_lobe();
     const float nv = glm::dot(p.shading_normal, p.outgoing);
-    set(lanes.f0_weight, lane, has_lobe ? luminance_share * p.bsdf.f0 : glm::vec3(0));
-    set(lanes.schlick_weight, lane, has_lobe ? luminance_share * p.bsdf.f90 : glm::vec3(0));
-    set_frame(lanes.outgoing, lane, p.outgoing);
-    set_frame(lanes.mirrored, lane, core::normalize_or(2.0f * nv * p.shading_normal - p.outgoing, p.shading_normal));
+    put(lanes.f0_weight, lane, has_lobe ? luminance_share * p.bsdf.f0 : glm::vec3(0));
+    put(lanes.schlick_weight, lane, has_lobe ? luminance_share * p.bsdf.f90 : glm::vec3(0));
+    put_frame(lanes.outgoing, lane, p.outgoing);
+    put_frame(lanes.mirrored, lane, core::normalize_or(2.0f * nv * p.shading_normal - p.outgoing, p.shading_normal));
     lanes.cos_outgoing[lane] = std::max(nv, least_cosine);
     lanes.coat[lane] = has_lobe ? p.bsdf.covered : 0.0f;
     lanes.lobed[lane] = has_lobe ? 1.0f : 0.0f;
@@ -46,8 +32,8 @@ void fill_lobe(GatherLanes& lanes, int lane, const SurfacePoint& p, glm::vec3 lu
 
 void fill_stretch(GatherLanes& lanes, int lane, const SurfacePoint& p) {
     const StretchedLobe axes(p.bsdf, p.shading_normal);
-    set(lanes.along, lane, axes.x);
-    set(lanes.across, lane, axes.y);
+    put(lanes.along, lane, axes.x);
+    put(lanes.across, lane, axes.y);
     lanes.view_along[lane] = glm::dot(axes.x, p.outgoing);
     lanes.view_across[lane] = glm::dot(axes.y, p.outgoing);
     const bool stretched = p.bsdf.has_lobe() && p.bsdf.is_stretched();
@@ -80,22 +66,22 @@ void fill(GatherLanes& lanes, std::span<const GatherPoint* const> points) {
         const GatherPoint& point = *points[used ? static_cast<std::size_t>(i) : 0];
         const SurfacePoint& p = point.point;
         const glm::vec3 share = used ? core::luminance_weights * point.weight : glm::vec3(0);
-        set(lanes.position, i, p.position);
+        put(lanes.position, i, p.position);
         lanes.own_places[i] = 1 + point.others;
         lanes.more_places[i] = used ? point.more_places.get() : nullptr;
         const glm::vec3 origin = shadow_origin(p);
-        set(lanes.origin, i, origin);
+        put(lanes.origin, i, origin);
         for (int k = 1; k < lanes.places; ++k) {
             const int other = k % (1 + point.others);
-            set(lanes.elsewhere[k - 1], i, other == 0 ? origin : point.elsewhere[static_cast<std::size_t>(other - 1)]);
+            put(lanes.elsewhere[k - 1], i, other == 0 ? origin : point.elsewhere[static_cast<std::size_t>(other - 1)]);
         }
         if (lanes.timed)
             lanes.shadow_part[i] =
                 point.shadow_part == 0 ? -1.0f : (static_cast<float>(point.shadow_part) - 0.5f) / 16.0f;
-        set(lanes.geometric, i, used ? p.geometric_normal + p.smooth.tilt : glm::vec3(0));
-        set_frame(lanes.normal, i, p.shading_normal);
-        if (!used) set(lanes.normal.axis, i, glm::vec3(0));
-        set(lanes.diffuse_weight, i, share * p.bsdf.diffuse * lobe::inverse_pi);
+        put(lanes.geometric, i, used ? p.geometric_normal + p.smooth.tilt : glm::vec3(0));
+        put_frame(lanes.normal, i, p.shading_normal);
+        if (!used) put(lanes.normal.axis, i, glm::vec3(0));
+        put(lanes.diffuse_weight, i, share * p.bsdf.diffuse * lobe::inverse_pi);
         if (!lanes.glossy) continue;
         fill_lobe(lanes, i, p, share);
         if (lanes.stretched) fill_stretch(lanes, i, p);

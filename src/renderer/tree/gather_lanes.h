@@ -5,30 +5,10 @@
 #include <span>
 #include <vector>
 
+#include "renderer/base/lanes.h"
 #include "renderer/surface/gather_point.h"
 
 namespace render2mpeg::renderer {
-
-/// Points that are gathered together: as many as a ShadowPacket has rays.
-inline constexpr int lane_count = 16;
-
-using Lanes = float[lane_count];
-
-struct alignas(64) Vec3Lanes {
-    Lanes x, y, z;
-    glm::vec3 at(int lane) const { return {x[lane], y[lane], z[lane]}; }
-};
-
-/// One colour per lane.
-struct alignas(64) RgbLanes {
-    Lanes r, g, b;
-    glm::vec3 at(int lane) const { return {r[lane], g[lane], b[lane]}; }
-};
-
-/// Directions across an axis, so that a box can be bounded about it.
-struct FrameLanes {
-    Vec3Lanes axis, tangent, bitangent;
-};
 
 /// Up to sixteen gather points as arrays, so that one light or one node is evaluated for all of them at once. Lanes
 /// beyond `count` repeat the first point's place with normals and weights of 0: they receive nothing.

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <vector>
 
+#include "core/box.h"
 #include "core/color.h"
 #include "core/numeric.h"
 #include "core/sampling.h"
@@ -99,24 +100,18 @@ GrowingCluster leaf_of(const LightTree& tree, std::uint32_t index) {
 }
 
 /// The box about all that shines.
-struct ShiningBox {
-    glm::vec3 low{std::numeric_limits<float>::max()}, high{-std::numeric_limits<float>::max()};
-
-    explicit ShiningBox(const LightTree& tree) {
-        for (const TreeLight& l : tree.lights) {
-            if (!(core::luminance(l.intensity) > 0.0f)) continue;
-            low = glm::min(low, l.position);
-            high = glm::max(high, l.position);
-        }
-    }
-    bool any() const { return low.x <= high.x; }
-};
+core::Box shining_box(const LightTree& tree) {
+    core::Box box;
+    for (const TreeLight& l : tree.lights)
+        if (core::luminance(l.intensity) > 0.0f) box.hold(l.position);
+    return box;
+}
 
 /// How far directions count against distances: the diagonal of that box; not at all where light has no cosine. Trees of
 /// the same shining lights have the same scale, whatever dark ones one of them keeps.
 double direction_scale2(const LightTree& tree) {
     if (tree.type != LightType::oriented) return 0.0;
-    const ShiningBox shining(tree);
+    const core::Box shining = shining_box(tree);
     if (!shining.any()) return 1.0;
     const glm::dvec3 d(shining.high - shining.low);
     const double scale2 = glm::dot(d, d);
@@ -236,7 +231,7 @@ std::vector<LightPair> cluster(const LightTree& tree) {
 }
 
 void refit(LightTree& tree, std::uint64_t seed) {
-    const ShiningBox shining(tree);
+    const core::Box shining = shining_box(tree);
     tree.grid = shining.any() ? BoxGrid(shining.low, shining.high) : BoxGrid();
     // From the leaves up: what ends last lies on top.
     std::vector<GrowingCluster> stack;

@@ -114,7 +114,7 @@ RENDER2MPEG_ALWAYS_INLINED float evaluate_lane(const GatherLanes& lanes, int i, 
             const float reach2 = distance2 / l.range2;
             const float window = inlined::min(inlined::max(1.0f - reach2 * reach2, 0.0f), 1.0f);
             const float spot = inlined::min(inlined::max(cosine * l.spot_scale + l.spot_offset, 0.0f), 1.0f);
-            // As `spot_falloff`.
+            // As `Spot::falloff`.
             const float shape = 1.0f + l.spot_smooth * (cosine * (3.0f - 2.0f * spot) - 1.0f);
             emit = window * spot * spot * shape * inverse2;
         }
@@ -382,18 +382,13 @@ void add_irradiance(const GatherLanes& lanes, LightType type, const Representati
 
 void fill_lights(LightPacket& packet, const LightTree& tree, std::size_t first, std::size_t count) {
     EXPECTS(count > 0 && count <= lane_count && first + count <= tree.lights.size());
-    const auto set = [](Vec3Lanes& lanes, std::size_t i, const glm::vec3& v) {
-        lanes.x[i] = v.x;
-        lanes.y[i] = v.y;
-        lanes.z[i] = v.z;
-    };
     for (std::size_t i = 0; i < lane_count; ++i) {
         const std::size_t place = first + std::min(i, count - 1);
         const TreeLight& light = tree.lights[place];
         const Spot spot = tree.spots.empty() ? Spot{} : tree.spots[place];
-        set(packet.position, i, light.position);
-        set(packet.normal, i, light.normal());
-        set(packet.intensity, i, i < count ? light.intensity : glm::vec3(0));
+        put(packet.position, static_cast<int>(i), light.position);
+        put(packet.normal, static_cast<int>(i), light.normal());
+        put(packet.intensity, static_cast<int>(i), i < count ? light.intensity : glm::vec3(0));
         packet.disc2[i] = light.disc2;
         packet.spot_scale[i] = spot.scale;
         packet.spot_offset[i] = spot.offset;

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/box.h"
 #include "core/color.h"
 #include "core/error.h"
 #include "core/numeric.h"
@@ -29,15 +30,14 @@ struct LooseLight {
 LooseLight loose_light(const LightPoint& p) {
     LooseLight loose;
     TreeLight& light = loose.light;
-    light.position = p.kind == LightPointKind::directional ? -p.normal : p.position;
+    light.position = p.is_far() ? -p.normal : p.position;
     light.axis = core::PackedNormal(p.normal);
     light.intensity = p.intensity;
     light.disc2 = p.disc2;
     loose.id = p.id;
-    if (light_type_of(p.kind) == LightType::punctual) {
+    loose.spot = p.spot;
+    if (p.type == LightType::punctual)
         light.disc2 = p.range > 0.0f ? p.range * p.range : std::numeric_limits<float>::infinity();
-        if (p.kind == LightPointKind::spot) loose.spot = {p.spot_scale, p.spot_offset, p.spot_smooth};
-    }
     return loose;
 }
 
@@ -59,12 +59,9 @@ auto place_of(const LooseLight& l) {
 /// Sorts lights along a Z-order curve through their box [Morton1966], so that near lights have near indices. Coincident
 /// lights that shine alike become one, unless all are to be kept.
 void sort_and_merge(std::vector<LooseLight>& lights, LightType type, bool keep_all) {
-    glm::vec3 low(std::numeric_limits<float>::max()), high(-std::numeric_limits<float>::max());
-    for (const LooseLight& l : lights) {
-        low = glm::min(low, l.light.position);
-        high = glm::max(high, l.light.position);
-    }
-    const glm::vec3 size = high - low;
+    core::Box box;
+    for (const LooseLight& l : lights) box.hold(l.light.position);
+    const glm::vec3 size = box.size(), low = box.low;
     const float longest = std::max({size.x, size.y, size.z});
     struct Keyed {
         std::uint64_t key;
@@ -175,28 +172,13 @@ void put_in_order(const std::vector<LightPair>& pairs, LightTree& tree) {
     set_children(topology.leaves, tree);
 }
 
-}  // namespace
-
-LightType light_type_of(LightPointKind kind) {
-    switch (kind) {
-        case LightPointKind::oriented:
-            return LightType::oriented;
-        case LightPointKind::directional:
-            return LightType::directional;
-        default:
-            return LightType::punctual;
-    }
-}
-
-namespace {
-
 LightTree build(LightType type, std::span<const LightPoint> points, std::uint64_t seed, bool keep_all) {
     LightTree tree;
     tree.type = type;
     std::vector<LooseLight> lights;
     lights.reserve(points.size());
     for (const LightPoint& p : points) {
-        EXPECTS(light_type_of(p.kind) == type);
+        EXPECTS(p.type == type);
         if (is_finite(p) && (keep_all || core::luminance(p.intensity) > 0.0f)) lights.push_back(loose_light(p));
     }
     if (lights.empty()) return tree;

@@ -15,11 +15,6 @@
 
 namespace render2mpeg::renderer {
 
-/// Light points that one tree holds: their bounds differ by kind [Walter2005, 4.1].
-enum class LightType : std::uint8_t { oriented, punctual, directional };
-
-LightType light_type_of(LightPointKind kind);
-
 /// A node of a light tree: a light (a leaf) or an inner node.
 class LightRef {
   public:
@@ -44,11 +39,6 @@ struct alignas(32) TreeLight {
     core::PackedNormal axis;  ///< its normal; directional: unused
 
     glm::vec3 normal() const { return axis.unpack(); }
-};
-
-/// Arguments of `spot_falloff`, as they stand for a light that has no cone.
-struct Spot {
-    float scale = 0, offset = 1, smooth = 0;
 };
 
 /// Sets of representatives: in each, every node has one of its lights, one of its children's. Whoever gathers takes one

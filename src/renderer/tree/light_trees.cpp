@@ -17,14 +17,14 @@ constexpr float least_counted = 0.01f;
 
 /// Whether a light is punctual: a true point or beam, not a sample of something larger.
 bool is_punctual(const LightPoint& p) {
-    return p.kind != LightPointKind::oriented && p.disc2 == 0.0f;
+    return !p.is_of_surface() && p.disc2 == 0.0f;
 }
 
 using PointsByType = std::array<std::vector<LightPoint>, LightTrees::direct_trees>;
 
 void add_exact(const LightPoint& p, std::uint64_t seed, std::vector<ExactLight>& exact) {
     const LightPoint one[] = {p};
-    const LightTree tree = build_light_tree(light_type_of(p.kind), one, seed);
+    const LightTree tree = build_light_tree(p.type, one, seed);
     if (!tree.empty())
         exact.push_back({tree.type, tree.lights.front(), tree.spots.empty() ? Spot{} : tree.spots.front()});
 }
@@ -63,23 +63,6 @@ std::vector<LightPoint> with_absent(const TreeTopology& topology, std::span<cons
 
 }  // namespace
 
-LightTrees build_light_trees(std::span<const LightPoint> direct, std::span<const LightPoint> vpls, std::uint64_t seed) {
-    LightTrees light_trees;
-    const auto punctual = static_cast<std::size_t>(std::count_if(direct.begin(), direct.end(), is_punctual));
-    PointsByType types;
-    for (const LightPoint& p : direct) {
-        if (is_punctual(p) && punctual <= most_exact_lights)
-            add_exact(p, seed, light_trees.exact);
-        else
-            types[static_cast<std::size_t>(light_type_of(p.kind))].push_back(p);
-    }
-    for (int f = 0; f < LightTrees::direct_trees; ++f)
-        light_trees.trees[f] = build_light_tree(static_cast<LightType>(f), types[f], seed_of(f, seed));
-    light_trees.trees[LightTrees::static_tree] =
-        build_light_tree(LightType::oriented, vpls, seed_of(LightTrees::static_tree, seed));
-    return light_trees;
-}
-
 PersistentLightTrees::PersistentLightTrees(const LitPoints& average, std::uint64_t seed) : seed_(seed) {
     const auto punctual = std::count_if(average.direct.begin(), average.direct.end(), is_punctual);
     PointsByType types;
@@ -87,7 +70,7 @@ PersistentLightTrees::PersistentLightTrees(const LitPoints& average, std::uint64
         if (is_punctual(p) && static_cast<std::size_t>(punctual) <= most_exact_lights)
             exact_.push_back(p.id);
         else
-            types[static_cast<std::size_t>(light_type_of(p.kind))].push_back(p);
+            types[static_cast<std::size_t>(p.type)].push_back(p);
     }
     std::sort(exact_.begin(), exact_.end());
     for (int t = 0; t < LightTrees::tree_count; ++t) {
@@ -107,7 +90,7 @@ LightTrees PersistentLightTrees::at(const LitPoints& now, bool may_rebuild) {
         if (std::binary_search(exact_.begin(), exact_.end(), p.id))
             add_exact(p, seed_, light_trees.exact);
         else
-            types[static_cast<std::size_t>(light_type_of(p.kind))].push_back(p);
+            types[static_cast<std::size_t>(p.type)].push_back(p);
     }
     for (int t = 0; t < LightTrees::tree_count; ++t) {
         const auto points = LightTrees::is_direct(t)       ? std::span<const LightPoint>(types[t])

@@ -2,6 +2,7 @@
 // The light trees of a film: built once a chunk, refitted in every frame.
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -29,17 +30,17 @@ struct LightTrees {
     static constexpr int tree_count = direct_trees + 2;
     std::array<LightTree, tree_count> trees;
     std::vector<ExactLight> exact;
-    std::vector<AreaLamp> lamps;   ///< not in the trees either
-    GeometryClamp point_clamp;     ///< of any light point
+    std::vector<std::shared_ptr<const AreaLamp>> lamps;  ///< not in the trees either
+    GeometryClamp point_clamp;                           ///< of any light point
     bool lobe_rays = false;        ///< the sky, shining surfaces and indirect light are seen by the rays of lobes
     const Air* air = nullptr;      ///< dims light on its way; null: nothing does. With it `translucent` is set
     bool translucent = false;      ///< shadow rays may meet surfaces that let light through
     Bodies bodies = Bodies::pass;  ///< to shadow rays of direct light
 
     /// Whether some light is gathered for every point by itself, not interpolated.
-    bool has_exact() const {
-        return !exact.empty() ||
-               std::any_of(lamps.begin(), lamps.end(), [](const AreaLamp& lamp) { return lamp.sharp; });
+    bool has_exact() const { return !exact.empty() || has_sharp_lamps(); }
+    bool has_sharp_lamps() const {
+        return std::any_of(lamps.begin(), lamps.end(), [](const auto& lamp) { return lamp->sharp; });
     }
 
     static bool is_direct(int tree) { return tree < direct_trees; }
@@ -56,9 +57,6 @@ struct LightTrees {
 /// As many punctual lights as this, in all, are gathered exactly instead of being clustered. chosen: 16, below which a
 /// cut at 2 % saves few rays, since each lamp that matters is a cluster of its own; not tuned.
 inline constexpr std::size_t most_exact_lights = 16;
-
-/// Sorts direct light points into exact lights and trees; `vpls` become the indirect tree of still surfaces.
-LightTrees build_light_trees(std::span<const LightPoint> direct, std::span<const LightPoint> vpls, std::uint64_t seed);
 
 /// The light points of one instant. Ids are unique in each of the three.
 struct LitPoints {

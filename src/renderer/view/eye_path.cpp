@@ -148,14 +148,14 @@ void EyePaths::emit(const PathState& path, glm::vec3 light, EyeSample& sample) {
 void EyePaths::see_discs(const PathState& path, float length, EyeSample& sample) const {
     for (const scene::LightState& lamp : posed_scene_.posed().lights) {
         if (!(lamp.disc > 0.0f) || !(path.turned() || (lamp.seen && !transparent_))) continue;
-        const bool far = lamp.kind == scene::LightKind::directional;
+        const bool far = lamp.is_distant();
         if (far && !std::isinf(length)) continue;
         const glm::vec3 way = far ? -lamp.direction : lamp.position - path.ray.origin;
         const float along = glm::dot(way, path.ray.direction), distance = glm::length(way);
         const float apart = glm::length(glm::cross(way, path.ray.direction));
         // As wide where the ray passes the disc's plane.
         if (!(along > 0.0f) || !(apart * distance <= lamp.disc * along) || !(distance < length)) continue;
-        const float share = far ? 1.0f : spot_share(lamp, -path.ray.direction);
+        const float share = far ? 1.0f : spot_of(lamp).falloff(glm::dot(-path.ray.direction, lamp.direction));
         const float clear = air_ == nullptr || !path.ray.media.empty() ? 1.0f
                             : far ? std::exp(-air_->depth_to_sky(path.ray.origin, path.ray.direction))
                                   : air_->transmittance(path.ray.origin, path.ray.direction, distance);

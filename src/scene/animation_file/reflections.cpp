@@ -1,8 +1,6 @@
 #include "scene/animation_file/reflections.h"
 
-#include <algorithm>
-#include <limits>
-
+#include "core/box.h"
 #include "core/text.h"
 #include "scene/animation_file/keys.h"
 
@@ -33,7 +31,7 @@ int node_of(const Curve& curve, const std::string& name, int parent, Animation& 
 int node_of(const JsonValue& see, Animation& film) {
     const std::string name = see.text();
     std::vector<std::string_view> names;
-    glm::vec3 low(std::numeric_limits<float>::max()), high(-low);
+    core::Box box;
     int parent = -1;
     for (const Object& object : film.objects) {
         names.emplace_back(object.name);
@@ -41,14 +39,11 @@ int node_of(const JsonValue& see, Animation& film) {
         if (object.skin >= 0)
             see.fail("joints move \"" + name + "\"; say a point, or the name of something at a joint");
         parent = object.node;
-        for (const glm::vec3& p : film.meshes[static_cast<std::size_t>(object.mesh)].positions) {
-            low = glm::min(low, p);
-            high = glm::max(high, p);
-        }
+        for (const glm::vec3& p : film.meshes[static_cast<std::size_t>(object.mesh)].positions) box.hold(p);
     }
     if (parent < 0) see.fail("there is no object \"" + name + "\"" + core::did_you_mean(name, names, "\"", "\""));
     const int node = add_node(film, name + " (seen)", parent);
-    if (low.x <= high.x) film.nodes.back().translation = glm::dvec3(0.5f * (low + high));
+    if (box.any()) film.nodes.back().translation = glm::dvec3(box.middle());
     return node;
 }
 

@@ -37,27 +37,17 @@ std::optional<Extent> extent_at(const Animation& animation, double seconds) {
     const Pose pose = pose_at(animation, seconds);
     Extent extent{glm::dvec3(std::numeric_limits<double>::infinity()),
                   glm::dvec3(-std::numeric_limits<double>::infinity())};
-    bool any = false;
     for (const Object& object : animation.objects) {
         const std::vector<glm::dvec3> positions = world_positions(animation, object, pose);
         if (positions.empty()) continue;
         // Unused vertices do not count.
         const Mesh& mesh = animation.meshes[static_cast<std::size_t>(object.mesh)];
         if (mesh.has_curves())
-            for (const glm::dvec3& p : positions) {
-                extent.low = glm::min(extent.low, p);
-                extent.high = glm::max(extent.high, p);
-                any = true;
-            }
-        for (const glm::uvec3& t : mesh.triangles) {
-            for (int k = 0; k < 3; ++k) {
-                extent.low = glm::min(extent.low, positions[t[k]]);
-                extent.high = glm::max(extent.high, positions[t[k]]);
-            }
-            any = true;
-        }
+            for (const glm::dvec3& p : positions) extent.hold(p);
+        for (const glm::uvec3& t : mesh.triangles)
+            for (int k = 0; k < 3; ++k) extent.hold(positions[t[k]]);
     }
-    return any ? std::optional(extent) : std::nullopt;
+    return extent.low.x <= extent.high.x ? std::optional(extent) : std::nullopt;
 }
 
 std::optional<Extent> extent_of_film(const Animation& animation) {
@@ -66,8 +56,8 @@ std::optional<Extent> extent_of_film(const Animation& animation) {
         const std::optional<Extent> now = extent_at(animation, animation.duration * k / 4);
         if (!now) continue;
         if (!whole) whole = now;
-        whole->low = glm::min(whole->low, now->low);
-        whole->high = glm::max(whole->high, now->high);
+        whole->hold(now->low);
+        whole->hold(now->high);
         if (animation.duration == 0) break;
     }
     return whole;

@@ -11,6 +11,7 @@ namespace render2mpeg::scene {
 struct Extent {
     glm::dvec3 low{0}, high{0};
 
+    void hold(glm::dvec3 p) { low = glm::min(low, p), high = glm::max(high, p); }
     glm::dvec3 centre() const { return low + 0.5 * (high - low); }
     double radius() const { return 0.5 * glm::length(high - low); }
 };

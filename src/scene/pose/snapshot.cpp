@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/box.h"
 #include "core/error.h"
 #include "core/numeric.h"
 #include "scene/model/curves.h"
@@ -78,19 +79,15 @@ Camera camera_of(const CameraLens& lens, const glm::dmat4& to_world, float verti
 
 /// Middle of the box about objects that are there; none where none is.
 std::optional<glm::vec3> middle_of(const Snapshot& snapshot, const std::vector<int>& objects) {
-    glm::vec3 low(farthest), high(-farthest);
+    core::Box box;
     for (const int index : objects) {
         const auto object = static_cast<std::size_t>(index);
         if (!snapshot.objects[object].present) continue;
         const Mesh& mesh =
             snapshot.animation->meshes[static_cast<std::size_t>(snapshot.animation->objects[object].mesh)];
-        for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
-            const glm::vec3 p = position_of(snapshot, object, v);
-            low = glm::min(low, p);
-            high = glm::max(high, p);
-        }
+        for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) box.hold(position_of(snapshot, object, v));
     }
-    return low.x <= high.x ? std::optional(0.5f * (low + high)) : std::nullopt;
+    return box.any() ? std::optional(box.middle()) : std::nullopt;
 }
 
 /// Focus distance and aperture of a thin lens (docs/model/exposure.md).

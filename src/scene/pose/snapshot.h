@@ -41,6 +41,9 @@ struct LightState {
     float disc = 0;              ///< see Light::disc
     bool seen = false;           ///< see Light::seen
     std::uint32_t id = 0;        ///< index into Animation::lights
+
+    bool operator==(const LightState&) const = default;
+    bool is_distant() const { return kind == LightKind::directional; }
 };
 
 struct Sweep;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/box.h"
 #include "core/numeric.h"
 #include "scene/pose/extent.h"
 #include "scene/pose/posing.h"
@@ -66,13 +67,10 @@ float chord_error(const Snapshot& snapshot, const SweepKnot& before, const Sweep
             continue;
         }
         if (a.to_world == b.to_world && a.to_world == m.to_world) continue;
-        glm::vec3 low(farthest), high(-farthest);
-        for (const glm::vec3& p : animation.meshes[static_cast<std::size_t>(animation.objects[i].mesh)].positions) {
-            low = glm::min(low, p);
-            high = glm::max(high, p);
-        }
+        const auto box =
+            core::Box::about(animation.meshes[static_cast<std::size_t>(animation.objects[i].mesh)].positions);
         for (int c = 0; c < 8; ++c) {
-            const glm::vec4 corner(c & 1 ? high.x : low.x, c & 2 ? high.y : low.y, c & 4 ? high.z : low.z, 1);
+            const glm::vec4 corner(box.corner(c), 1);
             take(glm::vec3(a.to_world * corner), glm::vec3(m.to_world * corner), glm::vec3(b.to_world * corner));
         }
     }

@@ -1,12 +1,17 @@
-#include "renderer/lights/emitters.h"
+// Light of surfaces that shine: all triangles of an object, and places among them.
+#include "core/box.h"
+#include "renderer/lights/light_points.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/color.h"
 #include "core/numeric.h"
 #include "core/sampling.h"
 #include "parallel/loops.h"
+#include "renderer/base/discrete_distribution.h"
+#include "renderer/base/lobe.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -16,6 +21,17 @@ namespace {
 /// of a small picture, and 16 to an edge, which a photograph's large features need; not tuned.
 constexpr std::size_t most_cells = 1u << 16;
 constexpr int finest = 16;
+
+/// Shadow rays end so far before a surface, as a share of their length (docs/model/visibility.md).
+constexpr float before_surface = 1.0f - 0x1p-18f;
+
+float area_of(const scene::Triangle& t) {
+    return 0.5f * glm::length(glm::cross(t.b - t.a, t.c - t.a));
+}
+
+glm::vec3 place_on(const scene::Triangle& t, float u, float v) {
+    return (1.0f - u - v) * t.a + u * t.b + v * t.c;
+}
 
 /// A piece of one side of an emissive triangle with about one radiance.
 struct Cell {
@@ -41,7 +57,7 @@ float emitting_area(const scene::Snapshot& s, std::uint32_t object, std::uint32_
     const glm::uvec3 t = mesh.triangles[primitive];
     scene::Triangle triangle{mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]};
     if (s.objects[object].present) triangle = scene::triangle_of(s, object, primitive);
-    const float area = 0.5f * glm::length(glm::cross(triangle.b - triangle.a, triangle.c - triangle.a));
+    const float area = area_of(triangle);
     return std::isfinite(area) ? area : 0.0f;
 }
 
@@ -104,12 +120,10 @@ Emitter emitter_of(const PosedScene& posed_scene, const scene::Snapshot& snapsho
                 power += emitter.cells[c].power();
             }
             const auto scale = static_cast<float>(core::divide_or(whole.power(), power, 0.0));
-            if (scale > 0.0f) {
-                for (std::size_t c = first; c < emitter.cells.size(); ++c) emitter.cells[c].radiance *= scale;
-            } else {
-                emitter.cells.resize(first);
-                emitter.cells.push_back(whole);
-            }
+            for (std::size_t c = first; c < emitter.cells.size(); ++c) emitter.cells[c].radiance *= scale;
+            if (scale > 0.0f) continue;
+            emitter.cells.resize(first);
+            emitter.cells.push_back(whole);
         }
     }
     for (const Cell& cell : emitter.cells) emitter.power += cell.power();
@@ -117,7 +131,7 @@ Emitter emitter_of(const PosedScene& posed_scene, const scene::Snapshot& snapsho
 }
 
 /// Stratified points of one emitter: each stands for the same power.
-void place_on(const Emitter& emitter, int count, std::uint64_t seed, std::vector<EmitterPoint>& out) {
+void place_points(const Emitter& emitter, int count, std::uint64_t seed, std::vector<EmitterPoint>& out) {
     const double shift = core::uniform(seed, emitter.object, 1);
     double passed = 0;
     int next = 0;
@@ -132,34 +146,111 @@ void place_on(const Emitter& emitter, int count, std::uint64_t seed, std::vector
             const glm::vec2 u = glm::fract(glm::vec2(core::halton(0, k), core::halton(1, k)) + offset);
             const glm::vec2 place = core::sample_triangle(u);
             const glm::vec2 uv = cell.corner + place.x * cell.edge_u + place.y * cell.edge_v;
-            EmitterPoint point;
-            point.object = emitter.object;
-            point.primitive = cell.primitive;
-            point.front = cell.front;
-            point.u = uv.x;
-            point.v = uv.y;
-            point.radiance = cell.radiance;
-            point.share =
-                static_cast<float>(emitter.power / count / core::luminance(cell.radiance) * cell.share / cell.area);
-            out.push_back(point);
+            const double share = emitter.power / count / core::luminance(cell.radiance) * cell.share / cell.area;
+            out.push_back(
+                {emitter.object, cell.primitive, uv.x, uv.y, cell.front, static_cast<float>(share), cell.radiance});
         }
     }
 }
 
+/// Objects that shine at some time, perhaps.
+std::vector<std::uint32_t> shining_objects(const scene::Animation& film) {
+    std::vector<std::uint32_t> objects;
+    for (std::uint32_t i = 0; i < film.objects.size(); ++i) {
+        const scene::Material& material = film.materials[static_cast<std::size_t>(film.objects[i].material)];
+        if (material.emits() && !material.unlit) objects.push_back(i);
+    }
+    return objects;
+}
+
+/// All triangles of an object.
+class MeshLight final : public Light {
+  public:
+    MeshLight(const PosedScene& posed_scene, std::uint32_t object) : posed_scene_(posed_scene), object_(object) {
+        const scene::Animation& film = posed_scene.animation();
+        const scene::Mesh& mesh = film.meshes[static_cast<std::size_t>(film.objects[object].mesh)];
+        core::Box box;
+        for (std::uint32_t p = 0; p < mesh.triangles.size(); ++p) {
+            const scene::Triangle t = scene::triangle_of(posed_scene.posed(), object, p);
+            const float area = area_of(t);
+            float shines =
+                std::isfinite(area) && area > 0.0f ? core::luminance(posed_scene.mean_emission(object, p)) : 0.0f;
+            if (!std::isfinite(shines)) shines = 0.0f;
+            if (shines > 0.0f) box.hold(t.a), box.hold(t.b), box.hold(t.c);
+            luminance_.push_back(shines);
+            triangles_.add(shines > 0.0f ? static_cast<double>(area) * static_cast<double>(shines) : 0.0);
+        }
+        centre_ = box.middle();
+        radius_ = 0.5f * glm::length(box.size());
+    }
+
+    SourceExtent extent() const override { return {centre_, radius_, triangles_.total()}; }
+    /// About its irradiance, if it faced the surface and was seen.
+    double weight(const LightQuery& query) const override {
+        const glm::vec3 d = centre_ - query.position;
+        // Wholly behind.
+        if (!query.may_see(d, 1.001f * radius_)) return 0.0;
+        return triangles_.total() / std::max(static_cast<double>(glm::dot(d, d)),
+                                             static_cast<double>(radius_) * static_cast<double>(radius_));
+    }
+    LightSample sample(const LightQuery& query, double part, glm::vec2 u) const override {
+        const glm::vec2 place = core::sample_triangle(u);
+        const core::SurfaceAddress address{object_, static_cast<std::uint32_t>(triangles_.pick(part)), place.x,
+                                           place.y};
+        const scene::Triangle t = scene::triangle_of(posed_scene_.posed(), object_, address.primitive);
+        LightSample sample;
+        sample.direction = core::normalize_or(place_on(t, place.x, place.y) - query.position, query.normal);
+        if (!query.may_see(sample.direction)) return {};
+        sample.density = density(query, sample.direction, address);
+        if (!(sample.density > 0.0f) || !std::isfinite(sample.density)) return {};
+        const SurfacePoint point = posed_scene_.surface_at(address, -sample.direction);
+        sample.light = point.unlit ? glm::vec3(0) : point.emission / sample.density;
+        const glm::vec3 way = offset_origin(point, -sample.direction) - query.origin;
+        sample.far = before_surface * glm::length(way);
+        sample.ray = core::normalize_or(way, sample.direction);
+        return sample;
+    }
+    float density(const LightQuery& query, glm::vec3, const core::SurfaceAddress& address) const override {
+        const double shines = static_cast<double>(luminance_[address.primitive]);
+        if (!(shines > 0.0)) return 0.0f;
+        const scene::Triangle t = scene::triangle_of(posed_scene_.posed(), object_, address.primitive);
+        const glm::dvec3 d(place_on(t, address.u, address.v) - query.position),
+            normal(glm::cross(t.b - t.a, t.c - t.a));
+        const double distance2 = glm::dot(d, d), length = std::sqrt(distance2);
+        const double cosine = core::divide_or(std::abs(glm::dot(d, normal)), length * glm::length(normal), 0.0);
+        return static_cast<float>(core::divide_or(shines / triangles_.total() * distance2, cosine, 0.0));
+    }
+    std::uint32_t object() const override { return object_; }
+
+  private:
+    const PosedScene& posed_scene_;
+    std::uint32_t object_;
+    glm::vec3 centre_{0};
+    float radius_ = 0;
+    DiscreteDistribution triangles_;  ///< by area x luminance
+    std::vector<float> luminance_;    ///< of each triangle
+};
+
 }  // namespace
+
+Lights surfaces_of(const PosedScene& posed_scene) {
+    Lights surfaces;
+    for (const std::uint32_t object : shining_objects(posed_scene.animation())) {
+        if (!posed_scene.posed().objects[object].present) continue;
+        auto light = std::make_unique<MeshLight>(posed_scene, object);
+        if (light->extent().power > 0.0) surfaces.push_back(std::move(light));
+    }
+    return surfaces;
+}
 
 std::vector<EmitterPoint> place_emitters(const PosedScene& posed_scene, const scene::Snapshot& snapshot, int count,
                                          std::uint64_t seed) {
     const scene::Animation& film = *snapshot.animation;
-    std::vector<std::uint32_t> objects;
+    const std::vector<std::uint32_t> objects = shining_objects(film);
     std::size_t textured = 0;
-    for (std::uint32_t i = 0; i < film.objects.size(); ++i) {
-        const scene::Material& material = film.materials[static_cast<std::size_t>(film.objects[i].material)];
-        if (!material.emits() || material.unlit) continue;
-        objects.push_back(i);
-        if (material.emission_texture.present())
+    for (const std::uint32_t i : objects)
+        if (film.materials[static_cast<std::size_t>(film.objects[i].material)].emission_texture.present())
             textured += film.meshes[static_cast<std::size_t>(film.objects[i].mesh)].triangles.size();
-    }
     const double per_triangle = core::divide_or(static_cast<double>(most_cells), static_cast<double>(textured), 1.0);
     const int cells_per_edge = std::clamp(static_cast<int>(std::sqrt(per_triangle)), 1, finest);
 
@@ -173,9 +264,26 @@ std::vector<EmitterPoint> place_emitters(const PosedScene& posed_scene, const sc
     for (const Emitter& emitter : emitters) {
         if (!(emitter.power > 0.0)) continue;
         const double wanted = core::divide_or(emitter.power, power, 0.0) * count;
-        place_on(emitter, std::max(1, static_cast<int>(std::lround(wanted))), seed, points);
+        place_points(emitter, std::max(1, static_cast<int>(std::lround(wanted))), seed, points);
     }
     return points;
+}
+
+LightPoint point_at(const PosedScene& posed_scene, const EmitterPoint& e, std::uint32_t id) {
+    const scene::Snapshot& now = posed_scene.posed();
+    const scene::Object& object = posed_scene.animation().objects[e.object];
+    const scene::Triangle t = scene::triangle_of(now, e.object, e.primitive);
+    const float area = area_of(t) * e.share;
+    const glm::vec3 front = posed_scene.front_normal(e.object, e.primitive);
+    LightPoint p;
+    p.normal = e.front ? front : -front;
+    const SurfacePoint surface = posed_scene.surface_at({e.object, e.primitive, e.u, e.v}, p.normal);
+    p.position = offset_origin(surface, p.normal);
+    p.intensity = e.radiance * (now.emission_factor[static_cast<std::size_t>(object.material)] * area);
+    p.disc2 = area * lobe::inverse_pi;
+    p.id = id;
+    p.object = e.object;
+    return p;
 }
 
 }  // namespace render2mpeg::renderer
