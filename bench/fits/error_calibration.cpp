@@ -89,7 +89,7 @@ class Bench {
                 learner->start_chunk(worlds_[f]);
                 // So that trees are no part of the time.
                 learner->light(worlds_[f], renderer::Frame{seen_[f].visible, {}, seen_[f].emitted, {}},
-                               {map, renderer::Manner::rough});
+                               {map, renderer::LightingMode::rough});
             }
             renderer::Renderer& renderer = error_scale ? *told_[f] : *learner;
             const renderer::Statistics before = renderer.statistics();

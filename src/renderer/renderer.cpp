@@ -303,7 +303,8 @@ PlacedFrame Renderer::place(const scene::Snapshot& snapshot, Frame frame, const 
     impl_->pose(snapshot);
     if (!order.is_rough()) {
         frame = impl_->refined(std::move(frame), order.tolerance);
-        if (order.exposure && order.manner == Manner::film) frame = impl_->exposed(std::move(frame), *order.exposure);
+        if (order.exposure && order.mode == LightingMode::film)
+            frame = impl_->exposed(std::move(frame), *order.exposure);
     }
     PlacedFrame placed{std::move(frame), {}};
     placed.ungathered = UngatheredLight(placed.frame);
@@ -315,7 +316,7 @@ Lit Renderer::gather(const scene::Snapshot& snapshot, PlacedFrame placed, const 
     EXPECTS(placed.frame.visible.frame == snapshot.frame);
     Impl& i = *impl_;
     i.pose(snapshot);
-    if (order.manner != Manner::truth) i.update_lights(snapshot);
+    if (order.mode != LightingMode::truth) i.update_lights(snapshot);
     i.counted_rays = i.gathered_rays();
     i.shared_seconds = i.final_gather.counts().seconds;
     const double start = parallel::lane_seconds();
@@ -326,30 +327,30 @@ Lit Renderer::gather(const scene::Snapshot& snapshot, PlacedFrame placed, const 
     CutLimits limits = i.cut_limits();
     ShadeCounts counts;
     FrameLight light;
-    switch (order.manner) {
-        case Manner::film:
+    switch (order.mode) {
+        case LightingMode::film:
             light = i.gather_film(snapshot, context, limits, counts);
             break;
-        case Manner::rough:
+        case LightingMode::rough:
             light = i.gather_all(snapshot, context, limits, counts);
             break;
-        case Manner::draft:
+        case LightingMode::draft:
             light = i.gather_draft(snapshot, context, order.to_before, counts);
             break;
-        case Manner::sparse:
+        case LightingMode::sparse:
             lit.radiance = i.gather_sparse(snapshot, context, counts);
             break;
-        case Manner::truth:
+        case LightingMode::truth:
             lit.radiance = i.trace(lit.ungathered, order.truth);
             break;
     }
-    const bool has_points = order.manner != Manner::sparse && order.manner != Manner::truth;
+    const bool has_points = order.mode != LightingMode::sparse && order.mode != LightingMode::truth;
     if (has_points) lit.radiance = shade(context, light, layers, counts);
-    if (order.manner == Manner::film) {
+    if (order.mode == LightingMode::film) {
         if (layers && i.caches) lit.radiance.record_density = i.cache.density(snapshot.camera, i.settings.format);
         i.learn(snapshot, context, limits.error_scale, light, lit.radiance, counts.shadow_rays);
     }
-    if (order.manner == Manner::film || order.manner == Manner::draft) i.count(counts, lit.frame.visible);
+    if (order.mode == LightingMode::film || order.mode == LightingMode::draft) i.count(counts, lit.frame.visible);
     if (lit.frame.exposure && has_points) {
         lit.middle = lit.radiance;
         ShadeCounts blurred;

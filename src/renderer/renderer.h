@@ -24,7 +24,7 @@ namespace render2mpeg::renderer {
 class TextureStore;
 
 /// How light is gathered.
-enum class Manner {
+enum class LightingMode {
     film,    ///< within the tolerance, with light cached in the chunk so far
     rough,   ///< apart from the film: teaches nothing, counts as time and as an update of light alone
     sparse,  ///< likewise, in one pixel of 4x4, and interpolated between them (rough_light.h)
@@ -35,12 +35,12 @@ enum class Manner {
 /// How the light of a frame is found.
 struct LightOrder {
     const core::ToleranceMap& tolerance;  ///< must outlive the order
-    Manner manner = Manner::film;
+    LightingMode mode = LightingMode::film;
     std::optional<ExposureSamples> exposure{};     ///< of an open shutter or a lens; none: all is sharp
     const core::MotionField* to_before = nullptr;  ///< drafts: to the frame before; null: none is carried along
     TruthSettings truth{};
 
-    bool is_rough() const { return manner == Manner::rough || manner == Manner::sparse; }
+    bool is_rough() const { return mode == LightingMode::rough || mode == LightingMode::sparse; }
 };
 
 /// A frame with the light that needs no gathering.

@@ -34,8 +34,8 @@ StudioLuma luma_in_studio(const std::string& objects) {
     const scene::Snapshot world = film.snapshot(0);
     renderer.start_chunk(world);
     const renderer::Frame seen = renderer.look(world);
-    const core::Picture picture =
-        film.display().develop(renderer.light(world, seen, {film.tolerance_map(), renderer::Manner::rough}).radiance);
+    const core::Picture picture = film.display().develop(
+        renderer.light(world, seen, {film.tolerance_map(), renderer::LightingMode::rough}).radiance);
     const auto stage = static_cast<unsigned>(film.animation->stage);
     double sums[2]{}, counts[2]{};
     for (std::size_t i = 0; i < picture.y.size(); ++i) {

@@ -82,7 +82,8 @@ core::Radiance rendered(const scene::Animation& film, int samples) {
     for (std::size_t i = 0; i < fine.pixels.size(); ++i)
         fine.pixels.values()[i].background = std::max(rough.combined.values()[i].y, 1e-3f);
     const renderer::ExposureSamples exposure{samples, samples};
-    renderer::PlacedFrame placed = renderer.place(world, std::move(seen), {fine, renderer::Manner::film, exposure});
+    renderer::PlacedFrame placed =
+        renderer.place(world, std::move(seen), {fine, renderer::LightingMode::film, exposure});
     return renderer.gather(world, std::move(placed), {core::ToleranceMap::reference()}).radiance;
 }
 

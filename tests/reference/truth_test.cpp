@@ -186,7 +186,7 @@ void judge_paths(const NamedCase& named) {
     test::FilmStage stage(c.scene, settings_of(c), c.caustics);
     const scene::Snapshot world = stage.at(0);
     const core::ToleranceMap none = core::ToleranceMap::reference();
-    const renderer::LightOrder by_paths{none, renderer::Manner::truth, {}, nullptr, {0.03f, 1u << 14}};
+    const renderer::LightOrder by_paths{none, renderer::LightingMode::truth, {}, nullptr, {0.03f, 1u << 14}};
     const core::Radiance ours = stage.renderer().light(world, stage.renderer().look(world), by_paths).radiance;
     Found found;
     const Allowed allowed{std::max(c.allowed.whole, 0.01), std::max(c.allowed.patch, 0.03)};

@@ -41,7 +41,7 @@ std::vector<core::Radiance> drafts(FilmStage& film, const std::vector<int>& seco
         core::MotionField field;
         if (i > 0) field = scene::motion_between(seen.visible, world, film.at(seconds[i - 1]));
         frames.push_back(film.renderer()
-                             .light(world, seen, {tenth(), Manner::draft, {}, i > 0 && motion ? &field : nullptr})
+                             .light(world, seen, {tenth(), LightingMode::draft, {}, i > 0 && motion ? &field : nullptr})
                              .radiance);
     }
     return frames;

@@ -293,7 +293,7 @@ TEST(Calibration, BeginsAnewWithEachChunkAndTeachesNothingByRoughLooksSlow) {
     const core::Radiance first = stage.renderer().light(world, seen, {map}).radiance;
     stage.renderer().start_chunk(world);
     const Statistics before = stage.statistics();
-    stage.renderer().light(world, seen, {map, Manner::rough}).radiance;
+    stage.renderer().light(world, seen, {map, LightingMode::rough}).radiance;
     EXPECT_EQ(stage.statistics().gather_points, before.gather_points);
     EXPECT_EQ(stage.statistics().shadow_rays, before.shadow_rays);
     EXPECT_EQ(stage.statistics().direct_clusters, before.direct_clusters);

@@ -31,7 +31,9 @@ core::Radiance expose_frame(FilmStage& stage, int samples, int second = 1,
                             const core::ToleranceMap& tolerance = core::ToleranceMap::reference()) {
     const scene::Snapshot world = stage.at(second);
     const ExposureSamples exposure{samples, samples};
-    return stage.renderer().light(world, stage.renderer().look(world), {tolerance, Manner::film, exposure}).radiance;
+    return stage.renderer()
+        .light(world, stage.renderer().look(world), {tolerance, LightingMode::film, exposure})
+        .radiance;
 }
 
 int add_unlit(SceneBuilder& b, glm::vec3 color = glm::vec3(1)) {
@@ -211,7 +213,9 @@ TEST(Expose, LampsOutOfFocusAreSampledAgainSlow) {
     const auto frame = [&](const ExposureSamples& samples) {
         const scene::Snapshot world = stage.at(1);
         const core::ToleranceMap exact = core::ToleranceMap::reference();
-        return stage.renderer().light(world, stage.renderer().look(world), {exact, Manner::film, samples}).radiance;
+        return stage.renderer()
+            .light(world, stage.renderer().look(world), {exact, LightingMode::film, samples})
+            .radiance;
     };
     const core::Radiance truth = frame({4096, 4096}), few = frame({16, 16});
     const auto code = [](float luminance) { return 16 + 219 * std::sqrt(std::min(luminance, 1.0f)); };

@@ -245,15 +245,15 @@ TEST(NearField, IsAShareThatFallsWithTheSquareOfTheDistance) {
     std::vector<LightPoint> lights{lamp, part, part};
     lights[1].position = {10, 0, -0.1f};
     lights[2].position = {10, 0, 0.1f};
-    const NearField field(lights, EyeLook{{}, 2.0f * lobe::inverse_pi});
+    const NearField field(lights, ViewSample{{}, 2.0f * lobe::inverse_pi});
     EXPECT_FLOAT_EQ(field.share({1, 0, 0}), 0.75f);
     EXPECT_NEAR(field.share({0, 2, 0}), 0.0f, 1e-6f);
     EXPECT_FLOAT_EQ(field.share({10, 0.5f, 0}), 0.75f);  // of both parts as one source
     // What would light all that is seen 64 times as much is hidden from it.
-    const NearField hidden(lights, EyeLook{{{0, 0.1f, 0}, {0, 0, 0.1f}}, 2.0f * lobe::inverse_pi});
+    const NearField hidden(lights, ViewSample{{{0, 0.1f, 0}, {0, 0, 0.1f}}, 2.0f * lobe::inverse_pi});
     EXPECT_FLOAT_EQ(hidden.share({1, 0, 0}), 0.0f);
     EXPECT_FLOAT_EQ(hidden.share({10, 0.5f, 0}), 0.75f);
-    EXPECT_TRUE(NearField(lights, EyeLook()).empty());
+    EXPECT_TRUE(NearField(lights, ViewSample()).empty());
     EXPECT_TRUE(NearField().empty());
 }
 
@@ -287,7 +287,7 @@ TEST(NearLight, AndRaysTogetherGiveWhatRaysGive) {
         gather.forget(sees);
         return core::luminance(mean_of(gather.gather(requests, {})));
     };
-    const NearField field(lights, EyeLook{{}, 1.0f});
+    const NearField field(lights, ViewSample{{}, 1.0f});
     std::uint64_t rays = 0;
     LightTrees near;
     near.trees[LightTrees::static_tree] =

@@ -80,7 +80,7 @@ TEST_P(HardLightSlow, IsThatOfPaths) {
     const core::Radiance found = stage.cut(tolerance, GetParam().second);
     const scene::Snapshot world = stage.at(GetParam().second);
     const core::ToleranceMap none = core::ToleranceMap::reference();
-    const LightOrder by_paths{none, Manner::truth, {}, nullptr, {finely, 1u << 13, 1}};
+    const LightOrder by_paths{none, LightingMode::truth, {}, nullptr, {finely, 1u << 13, 1}};
     const core::Radiance truth = stage.renderer().light(world, stage.renderer().look(world), by_paths).radiance;
 
     // The mean, in all and of the darker half: nothing leaks, nothing is lost.

@@ -4,7 +4,7 @@
 
 #include <set>
 
-#include "renderer/gather/cell_lessons.h"
+#include "renderer/gather/cell_updates.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -51,7 +51,7 @@ TEST(LightCells, ForgetThoseOfOneRayAlone) {
 AskedPlaces asked(std::initializer_list<std::uint64_t> keys) {
     AskedPlaces task;
     for (const std::uint64_t key : keys) {
-        Sighting& s = task.places.emplace_back();
+        CellQuery& s = task.places.emplace_back();
         s.key = key;
         s.size = static_cast<float>(task.places.size());
     }
@@ -59,11 +59,11 @@ AskedPlaces asked(std::initializer_list<std::uint64_t> keys) {
     return task;
 }
 
-TEST(ShardLessons, TakeAsManyPlacesAsAskAtOnceAndNoMore) {
+TEST(ShardUpdates, TakeAsManyPlacesAsAskAtOnceAndNoMore) {
     const std::uint64_t key = key_of(7), other = key_of(8);
     const std::size_t shard = LightCells::shard_of(key);
     LightCells cells;
-    ShardLessons lessons;
+    ShardUpdates lessons;
     const std::vector first{asked({key, other, key}), asked({key})};
     lessons.plan(shard, first, 2, cells);
     ASSERT_GE(lessons.of_last_wave().size(), 1u);
@@ -75,7 +75,7 @@ TEST(ShardLessons, TakeAsManyPlacesAsAskAtOnceAndNoMore) {
     const std::vector five{asked({key, key, key, key, key})};
     lessons.plan(shard, five, 4, cells);
     ASSERT_EQ(lessons.of_last_wave().size(), 1u);
-    const Lesson& more = lessons.of_last_wave().front();
+    const CellUpdate& more = lessons.of_last_wave().front();
     EXPECT_EQ(more.places, 2u);
     EXPECT_EQ(more.number, 2u);
     EXPECT_NE(more.earlier, LightCells::none);
@@ -86,7 +86,7 @@ TEST(ShardLessons, TakeAsManyPlacesAsAskAtOnceAndNoMore) {
 }
 
 TEST(LinkScale, BringsLinksToTheAlbedoAndNeverBeyondWhatSurfacesReflect) {
-    Lesson sums;
+    CellUpdate sums;
     sums.albedo = glm::vec3(1.2f);
     sums.drawn = glm::vec3(1.5f);
     EXPECT_NEAR((link_scale(sums, glm::vec3(1.5f), 2) * 1.5f).x, 1.2f, 1e-6f);

@@ -345,13 +345,13 @@ renderer::PlacedFrame Trials::reference_frame(const scene::Snapshot& world) {
     renderer::ExposureSamples samples = exposure_samples(film_, 1, film_.display());
     samples.fewest = samples.most = 2 * samples.most;
     const core::ToleranceMap none = core::ToleranceMap::reference();
-    return renderer_.place(world, renderer_.look(world), {none, renderer::Manner::film, samples});
+    return renderer_.place(world, renderer_.look(world), {none, renderer::LightingMode::film, samples});
 }
 
 core::Plane<glm::vec3> Trials::gathered(const scene::Snapshot& world, const renderer::PlacedFrame& placed) {
     const core::ToleranceMap none = core::ToleranceMap::reference();
     return timed(reference_seconds_, [&] {
-        return renderer_.gather(world, placed, {none, renderer::Manner::rough}).radiance.combined;
+        return renderer_.gather(world, placed, {none, renderer::LightingMode::rough}).radiance.combined;
     });
 }
 

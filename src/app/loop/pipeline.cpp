@@ -135,7 +135,7 @@ void ChunkLoop::look_roughly(const scene::Snapshot& world, const renderer::Frame
     about.typical = rough_tolerance;  // rays by price: dark corners need not keep it
     const renderer::Lit rough = [&] {
         const StageTimer timer(statistics_, Stage::preview);
-        return renderer_.light(world, frame, {about, renderer::Manner::sparse});
+        return renderer_.light(world, frame, {about, renderer::LightingMode::sparse});
     }();
     const core::Radiance& shown = shown_.of(rough.radiance, world.time);
     const StageTimer timer(statistics_, Stage::tolerate);
@@ -149,10 +149,10 @@ renderer::Lit ChunkLoop::light(const scene::Snapshot& world, renderer::Frame fra
     renderer::LightOrder order{tolerance_};
     order.exposure = exposure_samples(job_, quantiser, display_);
     if (job_.preview) {
-        order.manner = renderer::Manner::draft;
+        order.mode = renderer::LightingMode::draft;
         if (world.frame > chunk_.first && !world.cut_before) order.to_before = &motion.exact_to(world.frame - 1);
     } else if (job_.tolerance.truth) {
-        order.manner = renderer::Manner::truth;
+        order.mode = renderer::LightingMode::truth;
         order.truth = {*job_.tolerance.truth, most_true_paths};
     }
     const StageTimer timer(statistics_, Stage::shade);

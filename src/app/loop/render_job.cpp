@@ -384,7 +384,7 @@ float measure_exposure(const RenderJob& film) {
     about.typical = rough;
 
     renderer::Renderer renderer = renderer_of(small);
-    const renderer::Manner manner = is_sparse ? renderer::Manner::sparse : renderer::Manner::rough;
+    const renderer::LightingMode mode = is_sparse ? renderer::LightingMode::sparse : renderer::LightingMode::rough;
     std::vector<float> surfaces, sky;
     const int stage = film.animation->stage;
     std::int64_t last = film.frames.first - 1;
@@ -393,7 +393,7 @@ float measure_exposure(const RenderJob& film) {
         if (frame == std::exchange(last, frame)) continue;
         const scene::Snapshot world = small.snapshot(frame);
         if (i == 0) renderer.start_chunk(world);
-        const renderer::Lit lit = renderer.light(world, renderer.look(world), {about, manner});
+        const renderer::Lit lit = renderer.light(world, renderer.look(world), {about, mode});
         const core::Radiance& radiance = lit.radiance;
         for (std::size_t p = 0; p < radiance.combined.size(); ++p) {
             const float luminance = core::luminance(radiance.combined.values()[p]);

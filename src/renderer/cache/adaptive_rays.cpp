@@ -40,7 +40,7 @@ RayLight blend(const LocalRegression& fit, const RecordStore& records) {
 /// First rays of fewer records than these tell too little of how they vary: all may have missed what is bright. Then a
 /// point that fills its pixel needs so many rays at least. Not tuned.
 constexpr std::size_t few_records = 8;
-constexpr double least_of_few = 4.0 * first_rays;
+constexpr double least_of_few = 4.0 * pilot_rays;
 
 /// Rays that a new record is worth in all.
 std::uint32_t wanted_rays(const FrameState& frame, const NewRecord& fresh, LocalRegression& fit) {
@@ -64,19 +64,19 @@ std::uint32_t wanted_rays(const FrameState& frame, const NewRecord& fresh, Local
     return static_cast<std::uint32_t>(std::min(frame.allocation.worth(needs), most));
 }
 
-/// Traces the first rays of records again that took other rays since: anchors need both of one instant.
-void look_now(FrameState& frame, std::span<const NewRecord> fresh) {
+/// Traces the first rays of records again that took other rays since: baselines need both of one instant.
+void retrace_missing_pilots(FrameState& frame, std::span<const NewRecord> fresh) {
     std::vector<GatherPoint> receivers;
     std::vector<std::uint32_t> which;
     for (const NewRecord& f : fresh) {
-        if (frame.records[f.record].looks_now || frame.records[f.record].anchor) continue;
+        if (frame.records[f.record].is_pilot_now || frame.records[f.record].baseline) continue;
         receivers.push_back(plain_receiver(frame.point(f.point)));
         receivers.back().others = 0;
         which.push_back(f.record);
     }
     std::vector<const GatherPoint*> pointers;
     for (const GatherPoint& receiver : receivers) pointers.push_back(&receiver);
-    look_again(frame, which, pointers);
+    retrace_pilots(frame, which, pointers);
 }
 
 }  // namespace
@@ -91,7 +91,7 @@ void refine_rays(FrameState& frame, std::size_t first) {
             LocalRegression fit;
             for (std::size_t i = begin; i < end; ++i) {
                 const std::uint32_t has = frame.records[fresh[i].record].ray_count;
-                more[i] = (std::max(wanted_rays(frame, fresh[i], fit), has) - has) / first_rays * first_rays;
+                more[i] = (std::max(wanted_rays(frame, fresh[i], fit), has) - has) / pilot_rays * pilot_rays;
             }
         });
         std::vector<std::size_t> which;
@@ -118,7 +118,7 @@ void refine_rays(FrameState& frame, std::size_t first) {
                 take_rays(found[k], receivers[k], frame.records.change(fresh[which[k]].record));
         });
     }
-    look_now(frame, fresh);
+    retrace_missing_pilots(frame, fresh);
 }
 
 void reconstruct(FrameState& frame) {

@@ -53,7 +53,7 @@ double allowed_square(const RegressionError& error, float tolerance, Allocation 
     // Of rays of its own a block's mean has a 64th.
     const double alone = error.batch_variance * error.variance_share,
                  rays = samples_for(square, batch_rays, allocation.priced(alone, alone / 64), variance_power);
-    return square * allocation.left(std::max(rays, 1.0 * first_rays));
+    return square * allocation.left(std::max(rays, 1.0 * pilot_rays));
 }
 
 }  // namespace

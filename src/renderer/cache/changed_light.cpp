@@ -83,30 +83,31 @@ void thin(FrameState& frame, std::vector<GatherPoint>& receivers, std::span<cons
     frame.grid.build(frame.records.all(), frame.camera());
 }
 
-/// A record's light now, by its own before and its neighbours' looks.
-struct Followed {
+/// A record's light now, by its own before and its neighbours' pilots.
+struct RecordUpdate {
     std::array<glm::vec3, 3> light{};
     float batch_variance = 0;  ///< as IrradianceRecord's
     std::uint32_t rays = 0;
-    bool is_look = true;   ///< that of its look alone
-    bool is_vague = true;  ///< a look of its own takes fewer rays than the record loses by its change
+    bool is_pilot = true;     ///< that of its pilot alone
+    bool needs_pilot = true;  ///< retracing its pilot takes fewer rays than it would lose
 };
 
-Followed followed(const FrameState& frame, const SurfaceMark& mark, const GatherPoint& receiver, LocalRegression& fit) {
+RecordUpdate updated(const FrameState& frame, const SurfaceMark& mark, const GatherPoint& receiver,
+                     LocalRegression& fit) {
     const IrradianceRecord& r = frame.records[mark.record];
     const float shown = receives(receiver), shown2 = shown * shown;
-    Followed now{r.look.light, 0.5f * r.look.difference * r.look.difference, first_rays};
+    RecordUpdate now{r.pilot.light, 0.5f * r.pilot.difference * r.pilot.difference, pilot_rays};
     const auto eye = frame.camera().perspective() ? std::optional(frame.camera().position()) : std::nullopt;
     fit.collect({receiver, {}, mark.at, extent_at(frame.camera(), r.position), shown, eye}, LocalRegression::Of::change,
                 frame.grid, frame.records, mark.record);
     const RegressionError error = fit.estimate();
     if (!error.is_valid()) return now;
     now.batch_variance = fit.batch_variance_now() / shown2;
-    const RecordAnchor& before = *r.anchor;
+    const RecordBaseline& before = *r.baseline;
     const double factor = fit.factor(), variance = factor * factor * before.variance + error.square / shown2,
-                 of_look = now.batch_variance * std::pow(1.0 * batch_rays / first_rays, variance_power);
-    if (!(variance < of_look)) return now;
-    now.is_look = false;
+                 of_pilot = now.batch_variance * std::pow(1.0 * batch_rays / pilot_rays, variance_power);
+    if (!(variance < of_pilot)) return now;
+    now.is_pilot = false;
     std::array<glm::dvec3, 3> light{};
     for (std::size_t k = 0; k < light.size(); ++k) light[k] = factor * glm::dvec3(before.light[k]);
     for (std::size_t i = 0; i < fit.size(); ++i) {
@@ -114,36 +115,36 @@ Followed followed(const FrameState& frame, const SurfaceMark& mark, const Gather
         const IrradianceRecord& other = frame.records[fit.record(i)];
         for (std::size_t k = 0; k < light.size(); ++k)
             light[k] += static_cast<double>(fit.weight(i)) *
-                        (glm::dvec3(other.look.light[k]) - factor * glm::dvec3(other.anchor->look.light[k]));
+                        (glm::dvec3(other.pilot.light[k]) - factor * glm::dvec3(other.baseline->pilot.light[k]));
     }
     for (std::size_t k = 0; k < light.size(); ++k) now.light[k] = glm::max(glm::vec3(light[k]), glm::vec3(0));
     const double rays = variance > 0.0 ? batch_rays * std::pow(now.batch_variance / variance, 1.0 / variance_power)
                                        : 1.0 * before.ray_count;
     now.rays =
-        static_cast<std::uint32_t>(std::clamp(rays, 1.0 * first_rays, 1.0 * std::max(before.ray_count, first_rays)));
-    now.is_vague = before.ray_count > now.rays + first_rays;
+        static_cast<std::uint32_t>(std::clamp(rays, 1.0 * pilot_rays, 1.0 * std::max(before.ray_count, pilot_rays)));
+    now.needs_pilot = before.ray_count > now.rays + pilot_rays;
     return now;
 }
 
 }  // namespace
 
-void look_again(FrameState& frame, std::span<const std::uint32_t> which,
-                std::span<const GatherPoint* const> receivers) {
+void retrace_pilots(FrameState& frame, std::span<const std::uint32_t> which,
+                    std::span<const GatherPoint* const> receivers) {
     std::vector<GatherRequest> requests(which.size());
     for_each_of(which.size(), [&](std::size_t k) {
         requests[k] = request_of(*receivers[k], {}, {0, 0}, frame.camera());
         requests[k].seed = frame.records[which[k]].seed;
-        requests[k].rays = first_rays;
+        requests[k].rays = pilot_rays;
     });
     const std::vector<RayLight> found = frame.rays->gather(requests, frame.allocation);
     for_each_of(which.size(), [&](std::size_t k) {
         IrradianceRecord& r = frame.records.change(which[k]);
-        r.look = look_of(found[k], *receivers[k]);
-        r.looks_now = true;
+        r.pilot = pilot_of(found[k], *receivers[k]);
+        r.is_pilot_now = true;
     });
 }
 
-void follow_light(FrameState& frame) {
+void update_by_control_variates(FrameState& frame) {
     const PosedScene& scene = frame.rays->posed_scene();
     std::vector<GatherPoint> receivers(frame.records.size());
     std::vector<std::uint8_t> holds(frame.records.size());
@@ -155,37 +156,37 @@ void follow_light(FrameState& frame) {
     thin(frame, receivers, holds);
     for_each_of(frame.records.size(), [&](std::size_t i) {
         IrradianceRecord& r = record(i);
-        if (!r.anchor) r.anchor = std::make_shared<const RecordAnchor>(anchor_of(r));
+        if (!r.baseline) r.baseline = std::make_shared<const RecordBaseline>(baseline_of(r));
     });
-    // Look from every second pixel of every second row, then from where this tells too little.
+    // Retrace the pilots of every second pixel of every second row, then where this tells too little.
     std::vector<SurfaceMark> marks(frame.grid.marks().begin(), frame.grid.marks().end());
-    std::vector<Followed> now(frame.records.size());
-    std::vector<std::uint32_t> looks;
+    std::vector<RecordUpdate> now(frame.records.size());
+    std::vector<std::uint32_t> retraced;
     for (const SurfaceMark& m : marks) {
-        frame.records.change(m.record).looks_now = false;
+        frame.records.change(m.record).is_pilot_now = false;
         const glm::ivec2 pixel(glm::floor(m.at));
-        if (pixel.x % 2 == 0 && pixel.y % 2 == 0) looks.push_back(m.record);
+        if (pixel.x % 2 == 0 && pixel.y % 2 == 0) retraced.push_back(m.record);
     }
     do {
         std::vector<const GatherPoint*> pointers;
-        for (const std::uint32_t i : looks) pointers.push_back(&receivers[i]);
-        look_again(frame, looks, pointers);
-        looks.clear();
+        for (const std::uint32_t i : retraced) pointers.push_back(&receivers[i]);
+        retrace_pilots(frame, retraced, pointers);
+        retraced.clear();
         parallel::for_ranges(marks.size(), records_of_task, [&](std::size_t first, std::size_t last) {
             LocalRegression fit;
             for (std::size_t i = first; i < last; ++i)
-                now[marks[i].record] = followed(frame, marks[i], receivers[marks[i].record], fit);
+                now[marks[i].record] = updated(frame, marks[i], receivers[marks[i].record], fit);
         });
-        std::erase_if(marks, [&](const SurfaceMark& m) { return !now[m.record].is_vague; });
+        std::erase_if(marks, [&](const SurfaceMark& m) { return !now[m.record].needs_pilot; });
         for (const SurfaceMark& m : marks)
-            if (!frame.records[m.record].looks_now) looks.push_back(m.record);
-    } while (!looks.empty());
+            if (!frame.records[m.record].is_pilot_now) retraced.push_back(m.record);
+    } while (!retraced.empty());
     for_each_of(now.size(), [&](std::size_t i) {
         IrradianceRecord& r = record(i);
         r.by_rays = now[i].light;
         r.batch_variance = now[i].batch_variance;
         r.ray_count = now[i].rays;
-        if (now[i].is_look) r.anchor.reset();
+        if (now[i].is_pilot) r.baseline.reset();
     });
     gather_trees_again(frame, receivers);
     frame.records.drop([](const IrradianceRecord& r) {

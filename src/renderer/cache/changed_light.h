@@ -12,9 +12,10 @@ namespace render2mpeg::renderer {
 /// becomes that of before, times a factor, plus the local regression of the neighbours' light beyond that; its
 /// `ray_count` becomes that of independent rays that would err as much. Records of surfaces that are gone, and those
 /// beyond the picture, are dropped.
-void follow_light(FrameState& frame);
+void update_by_control_variates(FrameState& frame);
 
-/// Takes the looks of these records at the posed instant, by their receivers.
-void look_again(FrameState& frame, std::span<const std::uint32_t> which, std::span<const GatherPoint* const> receivers);
+/// Traces the pilots of these records at the posed instant, by their receivers.
+void retrace_pilots(FrameState& frame, std::span<const std::uint32_t> which,
+                    std::span<const GatherPoint* const> receivers);
 
 }  // namespace render2mpeg::renderer

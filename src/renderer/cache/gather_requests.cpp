@@ -116,9 +116,9 @@ RayRequests ray_requests_of(const FrameState& frame, GatheredRequests& g) {
                                                  frame.pixel_of(ref.tile, p), frame.camera()));
         r.pool = g.pools[i];
         if (!uses_cache(p)) continue;
-        // The record's own place alone, to which looks come back.
+        // The record's own place alone, to which pilots come back.
         out.receivers.back().others = 0;
-        r.rays = first_rays;
+        r.rays = pilot_rays;
     }
     return out;
 }
@@ -249,9 +249,9 @@ std::optional<IrradianceRecord> take(FrameState& frame, const GatheredRequests& 
     record->seed = before.seed;
     record->next_ray = before.next_ray;
     record->known_rays = before.known_rays;
-    record->look = before.look;
-    record->looks_now = before.looks_now;
-    record->anchor = before.anchor;
+    record->pilot = before.pilot;
+    record->is_pilot_now = before.is_pilot_now;
+    record->baseline = before.baseline;
     return record;
 }
 

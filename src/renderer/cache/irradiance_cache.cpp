@@ -60,7 +60,7 @@ FrameLight IrradianceCache::light(const LightingContext& context, const scene::S
     FrameState frame(context, snapshot, limits, rays, records_);
     if (std::exchange(is_other_light_, false)) {
         if (rays != nullptr && !snapshot.cut_before)
-            follow_light(frame);
+            update_by_control_variates(frame);
         else
             forget_records();
     }

@@ -26,15 +26,15 @@ struct GlossyRecord {
 };
 
 /// What the first rays of a record find at an instant (RayLight).
-struct RecordLook {
+struct RecordPilot {
     std::array<glm::vec3, 3> light{};
     float difference = 0;  ///< luminance by the first 8 less that by the others, for a receiver that reflects all
 };
 
 /// A record at the instant of its rays. Later light is found as a change of it.
-struct RecordAnchor {
+struct RecordBaseline {
     std::array<glm::vec3, 3> light{};  ///< by its rays
-    RecordLook look;
+    RecordPilot pilot;
     double variance = 0;  ///< of `light`: luminance squared, for a receiver that reflects all
     std::uint32_t ray_count = 0;
 };
@@ -56,15 +56,15 @@ struct IrradianceRecord {
     /// Light of gather rays (RayLight), their number, and the variance of the mean of 8 of them: luminance squared, for
     /// a receiver that reflects all.
     std::array<glm::vec3, 3> by_rays{};
-    std::uint32_t ray_count = 0;  ///< of independent rays of the last instant that would err as much
+    std::uint32_t ray_count = 0;  ///< effective number of rays at the last instant
     float batch_variance = 0;
     std::uint64_t seed = 0;        ///< of its rays
     std::uint32_t next_ray = 0;    ///< number of rays that were traced for it
     std::uint32_t known_rays = 0;  ///< of them in earlier runs
-    RecordLook look;
-    bool looks_now = true;                         ///< `look` is of the last instant
-    std::shared_ptr<const RecordAnchor> anchor{};  ///< null: the last instant is that of all its rays and its look
-    PointTolerance tolerance;                      ///< that its trees' light is within
+    RecordPilot pilot;
+    bool is_pilot_now = true;                          ///< `pilot` is of the last instant
+    std::shared_ptr<const RecordBaseline> baseline{};  ///< null: the last instant is that of all its rays
+    PointTolerance tolerance;                          ///< that its trees' light is within
     /// Of light of trees for a white receiver, luminance, with an error scale of 1.
     core::StandardError error{};
     float clamped = 0;                ///< loss to the clamp of near lights, as a share of arriving light

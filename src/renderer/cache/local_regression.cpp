@@ -76,7 +76,7 @@ void LocalRegression::collect(const CacheQuery& q, Of of, const RecordGrid& grid
                 !on_one_surface(here, m, q.extent * std::sqrt(distance2), q.extent, p.position_error))
                 continue;
             const IrradianceRecord& r = records[m.record];
-            if (of == Of::change && !r.looks_now) continue;
+            if (of == Of::change && !r.is_pilot_now) continue;
             const auto lobe = lobe_at(q, r);
             if (!lobe) continue;
             const std::size_t i = members_.size(), k = i % lane_count;
@@ -100,8 +100,8 @@ void LocalRegression::collect(const CacheQuery& q, Of of, const RecordGrid& grid
     if (of == Of::change) explain_change(plain, records, receives2);
 }
 
-/// Makes the members' values those of a change: what looks find beyond a factor of the anchors' looks, by least
-/// squares over all members.
+/// Makes the members' values those of a change, m - c m0: what pilots find beyond a factor c of the baselines', by
+/// least squares over all members.
 void LocalRegression::explain_change(const GatherPoint& plain, const RecordStore& records, float receives2) {
     const auto closeness = [&](std::size_t i) {
         const double c = 1.0 - lanes_of(i).distance2[i % lane_count] /
@@ -111,26 +111,26 @@ void LocalRegression::explain_change(const GatherPoint& plain, const RecordStore
     double both = 0, before = 0, variance = 0, sum = 0, spread = 0;
     for (std::size_t i = 0; i < members_.size(); ++i) {
         const IrradianceRecord& r = records[members_[i].record];
-        const double now = shown_luminance(plain, r.look.light), then = shown_luminance(plain, r.anchor->look.light),
-                     w = closeness(i);
+        const double now = shown_luminance(plain, r.pilot.light),
+                     then = shown_luminance(plain, r.baseline->pilot.light), w = closeness(i);
         both += w * now * then;
         before += w * then * then;
-        variance += w * 0.5 * r.look.difference * r.look.difference;
+        variance += w * 0.5 * r.pilot.difference * r.pilot.difference;
         sum += w;
     }
-    // Of few looks it would explain their noise.
+    // Of few pilots it would explain their noise.
     factor_ = members_.size() < std::size_t{least_records} ? 1.0 : core::divide_or(both, before, 1.0);
     batch_variance_now_ = receives2 * static_cast<float>(core::divide_or(variance, sum, 0.0));
     for (std::size_t i = 0; i < members_.size(); ++i) {
         const IrradianceRecord& r = records[members_[i].record];
         MemberLanes& lanes = lanes_of(i);
         const std::size_t k = i % lane_count;
-        lanes.value[k] = static_cast<float>(shown_luminance(plain, r.look.light) -
-                                            factor_ * shown_luminance(plain, r.anchor->look.light));
-        const double difference = r.look.difference - factor_ * r.anchor->look.difference;
+        lanes.value[k] = static_cast<float>(shown_luminance(plain, r.pilot.light) -
+                                            factor_ * shown_luminance(plain, r.baseline->pilot.light));
+        const double difference = r.pilot.difference - factor_ * r.baseline->pilot.difference;
         spread += closeness(i) * 0.5 * difference * difference;
         lanes.precision[k] = 1;
-        lanes.batch_share[k] = batch_share(first_rays);
+        lanes.batch_share[k] = batch_share(pilot_rays);
     }
     // One difference alone tells little of a variance.
     const float batch = receives2 * static_cast<float>(core::divide_or(spread, sum, 0.0));

@@ -30,7 +30,8 @@ class LocalRegression {
     enum class Of {
         all_light,   ///< light that records send into the pixel, in the point's material
         rays_light,  ///< light of their rays alone, for the plain receiver in its place (receiver.h)
-        /// Likewise, looks of the last instant beyond `factor` times those of their anchors.
+        /// Residual m - c m0 of the control variate: pilots of the last instant beyond `factor` times those of
+        /// baselines.
         change
     };
     /// A record as an unknown one.
@@ -42,7 +43,7 @@ class LocalRegression {
     /// Chooses among the estimates.
     RegressionError estimate();
 
-    /// Light now over that of the anchors, which explains most of what looks find there; after `collect` of changes.
+    /// Light now over that of the baselines, which explains most of what pilots find; after `collect` of changes.
     double factor() const { return factor_; }
     /// Variance of the mean of 8 rays now, likewise: luminance of the pixel, squared.
     float batch_variance_now() const { return batch_variance_now_; }

@@ -50,20 +50,20 @@ bool take_rays(const RayLight& rays, const GatherPoint& plain, IrradianceRecord&
     record.batch_variance = glm::mix(record.batch_variance, own, share);
     record.ray_count += rays.rays;
     record.next_ray += rays.rays;
-    record.anchor.reset();
+    record.baseline.reset();
     return true;
 }
 
-RecordLook look_of(const RayLight& rays, const GatherPoint& plain) {
-    RecordLook look{rays.light, core::divide_or(rays.difference, receives(plain), 0.0f)};
-    for (glm::vec3& part : look.light)
-        if (!core::is_finite(part)) look = {};
-    return look;
+RecordPilot pilot_of(const RayLight& rays, const GatherPoint& plain) {
+    RecordPilot pilot{rays.light, core::divide_or(rays.difference, receives(plain), 0.0f)};
+    for (glm::vec3& part : pilot.light)
+        if (!core::is_finite(part)) pilot = {};
+    return pilot;
 }
 
-RecordAnchor anchor_of(const IrradianceRecord& r) {
+RecordBaseline baseline_of(const IrradianceRecord& r) {
     const double share = core::divide_or(1.0 * batch_rays, 1.0 * r.ray_count, 0.0);
-    return {r.by_rays, r.look, r.batch_variance * std::pow(share, variance_power), r.ray_count};
+    return {r.by_rays, r.pilot, r.batch_variance * std::pow(share, variance_power), r.ray_count};
 }
 
 std::optional<IrradianceRecord> record_of(const GatherPoint& p, const PointLight& light, const GlossyRecord& lobe,
@@ -83,7 +83,7 @@ std::optional<IrradianceRecord> record_of(const GatherPoint& p, const PointLight
     record.clamped = core::divide_or(light.clamped, core::luminance(light.scattered(p)), 0.0f);
     record.born = record.used = frame;
     const GatherPoint plain = plain_receiver(p);
-    record.look = look_of(rays, plain);
+    record.pilot = pilot_of(rays, plain);
     const bool finite = take_rays(rays, plain, record) && core::is_finite(record.direct) &&
                         core::is_finite(record.indirect) && core::is_finite(lobe.f0) && core::is_finite(lobe.schlick);
     return finite ? std::optional(record) : std::nullopt;

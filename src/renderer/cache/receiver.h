@@ -26,10 +26,10 @@ std::optional<IrradianceRecord> record_of(const GatherPoint& p, const PointLight
                                           const RayLight& rays, float error_scale, std::int64_t frame);
 
 /// What a record's first rays found, for its plain receiver.
-RecordLook look_of(const RayLight& rays, const GatherPoint& plain);
+RecordPilot pilot_of(const RayLight& rays, const GatherPoint& plain);
 
-/// A record as its own anchor.
-RecordAnchor anchor_of(const IrradianceRecord& record);
+/// A record as its own baseline.
+RecordBaseline baseline_of(const IrradianceRecord& record);
 
 /// Adds rays to a record; `plain` is the receiver that they were traced for. False, and nothing is added, where they
 /// found light that is not finite.

@@ -92,8 +92,8 @@ struct CellLight::Bounce {
     float share = 0;  ///< NearField::share
     std::uint64_t number = 0;
     float near = 0;     ///< RayRules
-    float carried = 1;  ///< Sighting
-    Lesson* lesson = nullptr;
+    float carried = 1;  ///< CellQuery
+    CellUpdate* update = nullptr;
     std::uint8_t depth = 0;
 };
 
@@ -172,7 +172,7 @@ glm::vec3 CellLight::choose_side(std::uint64_t number, SurfacePoint& p) const {
 }
 
 /// Evaluates a place: what lamps send, and one ray whose end sends the rest.
-void CellLight::light_place(const Sighting& place, std::uint64_t number, Lesson& lesson, Found& out) const {
+void CellLight::light_place(const CellQuery& place, std::uint64_t number, CellUpdate& update, Found& out) const {
     glm::vec3 along, across;
     core::make_frame(place.outgoing, along, across);
     SurfacePoint p = posed_scene_.surface_at(place.address, place.outgoing, {place.size * along, place.size * across});
@@ -188,20 +188,20 @@ void CellLight::light_place(const Sighting& place, std::uint64_t number, Lesson&
     p.bsdf.alpha_along = std::max(p.bsdf.alpha_along, least_alpha);
 
     const Scatterer at(posed_scene_, p);
-    lesson.fibres = p.fibre;
-    lesson.albedo += p.fibre ? at.albedo() : scale * weight * albedo;
+    update.fibres = p.fibre;
+    update.albedo += p.fibre ? at.albedo() : scale * weight * albedo;
     const LightChoices choices = p.fibre ? light_choices() : LightChoices{};
     const glm::vec3 direct = weight * lamps(at, number, choices, out.rays);
     const float share = near_field_.share(p.position);
     if (core::is_finite(direct)) {
-        lesson.known += direct;
-        lesson.near += share * direct;
+        update.known += direct;
+        update.near += share * direct;
     }
 
     const Drawn drawn = draw(at, number);
     weight *= drawn.weight;
     if (!(core::luminance(weight) > 0.0f) || !core::is_finite(weight)) return;
-    lesson.drawn += weight;
+    update.drawn += weight;
     out.rays += 1;
     out.bounces.push_back({{at.origin_of(drawn.direction), drawn.direction, std::numeric_limits<float>::infinity()},
                            at.query(),
@@ -212,11 +212,11 @@ void CellLight::light_place(const Sighting& place, std::uint64_t number, Lesson&
                            number,
                            place.depth > 0 ? 0.5f * place.size : 0.0f,
                            place.carried,
-                           &lesson,
+                           &update,
                            place.depth});
 }
 
-/// Follows the rays of all places. Links of lessons are their terms.
+/// Follows the rays of all places. Links of updates are their terms.
 void CellLight::follow_bounces(Found& out) const {
     std::vector<RayQuery> queries;
     for (const Bounce& b : out.bounces) queries.push_back(b.ray);
@@ -230,42 +230,42 @@ void CellLight::follow_bounces(Found& out) const {
         rules.asked = &asked;
         rules.near = b.near;
         rules.depth = b.depth;
-        Lesson& lesson = *b.lesson;
+        CellUpdate& update = *b.update;
         const auto first = static_cast<std::uint32_t>(out.terms.size());
         const glm::vec3 known =
             b.weight * gather_rays_.follow(b.ray, hits[i], rules, core::mix(b.number), 0, out.terms, out.rays);
         if (core::is_finite(known)) {
-            lesson.known += known;
-            lesson.near += b.share * known;
+            update.known += known;
+            update.near += b.share * known;
         }
         if (out.terms.size() > first) {
             RayTerm& term = out.terms.back();
             term.weight *= b.weight;
             term.near = b.share;
             term.place.carried =
-                b.carried * core::luminance(term.weight) * (lesson.fibres ? largest_fibre_albedo : 1.0f);
+                b.carried * core::luminance(term.weight) * (update.fibres ? largest_fibre_albedo : 1.0f);
         }
-        if (lesson.first_link == lesson.last_link) lesson.first_link = first;
-        lesson.last_link = static_cast<std::uint32_t>(out.terms.size());
+        if (update.first_link == update.last_link) update.first_link = first;
+        update.last_link = static_cast<std::uint32_t>(out.terms.size());
     }
 }
 
 namespace {
 
 /// Whether rays to a cell end there, where surfaces' need so many places.
-bool answers(const Sighting& place, CellTable::Found cell, std::uint32_t known) {
+bool answers(const CellQuery& place, CellTable::Found cell, std::uint32_t known) {
     return cell.places >= (place.fibre ? answering_places : known);
 }
 
 }  // namespace
 
-TaskLight CellLight::evaluate(const ShardLessons& shard, std::span<Lesson> lessons, std::uint32_t known,
+TaskLight CellLight::evaluate(const ShardUpdates& shard, std::span<CellUpdate> updates, std::uint32_t known,
                               const LightCells& cells) const {
     Found found;
-    for (Lesson& lesson : lessons)
-        for (std::uint32_t k = 0; k < lesson.places; ++k) {
-            const Sighting& place = shard.place(lesson.first + k);
-            light_place(place, core::mix(place.key) + lesson.number + k, lesson, found);
+    for (CellUpdate& update : updates)
+        for (std::uint32_t k = 0; k < update.places; ++k) {
+            const CellQuery& place = shard.place(update.first + k);
+            light_place(place, core::mix(place.key) + update.number + k, update, found);
         }
     follow_bounces(found);
     TaskLight out;
@@ -283,7 +283,7 @@ TaskLight CellLight::evaluate(const ShardLessons& shard, std::span<Lesson> lesso
         else
             starts.push_back({t.place, 0});
     }
-    for (Lesson& lesson : lessons) lesson.links = out.links.data();
+    for (CellUpdate& update : updates) update.links = out.links.data();
     out.asked.sort();
     out.among.sort();
     if (known == 1) follow_paths(std::move(starts), cells, out);
@@ -292,26 +292,26 @@ TaskLight CellLight::evaluate(const ShardLessons& shard, std::span<Lesson> lesso
 
 namespace {
 
-/// Replaces links between lessons of a path by links to what the path meets in the end: radiances of later ones are
-/// put in. Lessons come before those that they meet.
-void eliminate(std::vector<PathLesson>& lessons, std::vector<CellLink>& links) {
-    for (std::size_t i = lessons.size(); i-- > 0;) {
-        Lesson& lesson = lessons[i].lesson;
-        const bool has_link = lesson.first_link < lesson.last_link;
-        if (has_link) links[i].weight *= link_scale(lesson, links[i].weight, 1);
-        // The cell of this lesson and others need not scale it again.
-        lesson.albedo = lesson.drawn = glm::vec3(1);
+/// Replaces links between updates of a path by links to what the path meets in the end: radiances of later ones are
+/// put in. Updates come before those that they meet.
+void eliminate(std::vector<PathUpdate>& updates, std::vector<CellLink>& links) {
+    for (std::size_t i = updates.size(); i-- > 0;) {
+        CellUpdate& update = updates[i].update;
+        const bool has_link = update.first_link < update.last_link;
+        if (has_link) links[i].weight *= link_scale(update, links[i].weight, 1);
+        // The cell of this update and others need not scale it again.
+        update.albedo = update.drawn = glm::vec3(1);
         if (!has_link) continue;
-        if (lessons[i].next == LightCells::none) continue;
-        const Lesson& met = lessons[lessons[i].next].lesson;
+        if (updates[i].next == LightCells::none) continue;
+        const CellUpdate& met = updates[updates[i].next].update;
         const glm::vec3 light = links[i].weight * met.known;
-        lesson.known += light;
-        lesson.near += links[i].near * light;
-        const CellLink& beyond = links[lessons[i].next];
+        update.known += light;
+        update.near += links[i].near * light;
+        const CellLink& beyond = links[updates[i].next];
         links[i].key = beyond.key;
         links[i].cell = beyond.cell;
         links[i].weight *= beyond.weight;
-        if (met.first_link == met.last_link) lesson.last_link = lesson.first_link;
+        if (met.first_link == met.last_link) update.last_link = update.first_link;
     }
 }
 
@@ -319,40 +319,40 @@ void eliminate(std::vector<PathLesson>& lessons, std::vector<CellLink>& links) {
 
 /// Follows rays from place to place, those of all paths together.
 void CellLight::follow_paths(std::vector<PathStart> starts, const LightCells& cells, TaskLight& out) const {
-    std::vector<PathLesson>& lessons = out.paths.lessons;
+    std::vector<PathUpdate>& updates = out.paths.updates;
     for (std::uint64_t step = 0; !starts.empty(); ++step) {
-        const std::size_t first = lessons.size();
-        lessons.resize(first + starts.size());
-        out.path_links.resize(lessons.size());
+        const std::size_t first = updates.size();
+        updates.resize(first + starts.size());
+        out.path_links.resize(updates.size());
         Found found;
         for (std::size_t i = 0; i < starts.size(); ++i) {
-            PathLesson& path = lessons[first + i];
+            PathUpdate& path = updates[first + i];
             path.key = starts[i].place.key;
             // A path may come back to a cell, and goes on to elsewhere then.
-            light_place(starts[i].place, core::mix(core::mix(path.key + starts[i].seed) + step), path.lesson, found);
+            light_place(starts[i].place, core::mix(core::mix(path.key + starts[i].seed) + step), path.update, found);
         }
         follow_bounces(found);
         out.rays += found.rays;
         std::vector<PathStart> going_on;
-        const std::size_t next = lessons.size();
+        const std::size_t next = updates.size();
         for (std::size_t i = first; i < next; ++i) {
-            Lesson& lesson = lessons[i].lesson;
-            const bool has_link = lesson.first_link < lesson.last_link;
-            const std::size_t term = std::exchange(lesson.first_link, static_cast<std::uint32_t>(i));
-            lesson.last_link = lesson.first_link + (has_link ? 1 : 0);
+            CellUpdate& update = updates[i].update;
+            const bool has_link = update.first_link < update.last_link;
+            const std::size_t term = std::exchange(update.first_link, static_cast<std::uint32_t>(i));
+            update.last_link = update.first_link + (has_link ? 1 : 0);
             if (!has_link) continue;
             const RayTerm& t = found.terms[term];
             const CellTable::Found cell = cells.find(t.place.key);
             out.path_links[i] = {t.place.key, t.weight, t.near, cell.index};
             if (answers(t.place, cell, 1) || !(t.place.carried > least_carried)) continue;
-            lessons[i].next = static_cast<std::uint32_t>(next + going_on.size());
+            updates[i].next = static_cast<std::uint32_t>(next + going_on.size());
             going_on.push_back({t.place, starts[i - first].seed});
         }
         starts = std::move(going_on);
     }
-    eliminate(lessons, out.path_links);
-    for (PathLesson& path : lessons) path.lesson.links = out.path_links.data();
-    out.paths.keys = AskedKeys(lessons.size(), [&](std::size_t i) { return lessons[i].key; });
+    eliminate(updates, out.path_links);
+    for (PathUpdate& path : updates) path.update.links = out.path_links.data();
+    out.paths.keys = AskedKeys(updates.size(), [&](std::size_t i) { return updates[i].key; });
 }
 
 }  // namespace render2mpeg::renderer

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "renderer/base/plan.h"
-#include "renderer/gather/cell_lessons.h"
+#include "renderer/gather/cell_updates.h"
 #include "renderer/gather/gather_ray.h"
 #include "renderer/gather/near_light.h"
 #include "renderer/paths/light_sources.h"
@@ -15,13 +15,13 @@
 
 namespace render2mpeg::renderer {
 
-/// What the lessons of one task found.
+/// What the updates of one task found.
 struct TaskLight {
-    std::vector<CellLink> links;  ///< of its lessons
+    std::vector<CellLink> links;  ///< of its updates
     AskedPlaces asked;            ///< by rays whose cell has to learn
     AskedPlaces among;            ///< likewise, of cells among strands
-    ShardLessons::TaskPaths paths;
-    std::vector<CellLink> path_links;  ///< of lessons of paths: one each, or none
+    ShardUpdates::TaskPaths paths;
+    std::vector<CellLink> path_links;  ///< of updates of paths: one each, or none
     std::uint64_t rays = 0;
 };
 
@@ -46,10 +46,10 @@ class CellLight {
     /// Lights of the posed instant.
     const LightSources& sources() const { return *sources_; }
 
-    /// Evaluates lessons of the last wave of a shard. Cells of fewer places than `known` are asked for. 1: rays whose
+    /// Evaluates updates of the last wave of a shard. Cells of fewer places than `known` are asked for. 1: rays whose
     /// cells are not there are followed as paths instead, until they meet one that is. Cells among strands are asked
     /// for where they do not answer.
-    TaskLight evaluate(const ShardLessons& shard, std::span<Lesson> lessons, std::uint32_t known,
+    TaskLight evaluate(const ShardUpdates& shard, std::span<CellUpdate> updates, std::uint32_t known,
                        const LightCells& cells) const;
     /// Follows paths until they meet a cell that answers.
     void follow_paths(std::vector<PathStart> starts, const LightCells& cells, TaskLight& out) const;
@@ -59,7 +59,7 @@ class CellLight {
     struct Found;
 
     glm::vec3 choose_side(std::uint64_t number, SurfacePoint& p) const;
-    void light_place(const Sighting& place, std::uint64_t number, Lesson& lesson, Found& out) const;
+    void light_place(const CellQuery& place, std::uint64_t number, CellUpdate& update, Found& out) const;
     void follow_bounces(Found& out) const;
 
     const PosedScene& posed_scene_;

@@ -27,7 +27,7 @@
 namespace render2mpeg::renderer {
 namespace {
 
-static_assert(first_rays == 2 * batch_rays);
+static_assert(pilot_rays == 2 * batch_rays);
 
 /// Rays that are traced in one go before what they ask is learnt, and of one bundle. chosen: memory of some 60 MB.
 constexpr std::size_t rays_at_once = std::size_t{1} << 19;
@@ -42,8 +42,8 @@ constexpr float lobe_rays = 64.0f;
 /// Rays of a bundle from which sixteen neighbours lie within an eighth of the hemisphere.
 constexpr std::uint32_t coherent_rays = 128;
 
-/// Guides are worth the first look, which counts no more with them, for so many times its rays, and where a guided ray
-/// has so much of the variance at most. chosen: 4 of 2 to 4, and 0.7.
+/// A guide is used where at least so many times the pilot's rays remain, for the pilot counts no more then, and where a
+/// guided ray has at most so much of the variance. chosen: 4 of 2 to 4, and 0.7.
 constexpr std::uint32_t worth_guiding = 4;
 constexpr double gain_of_guides = 0.7;
 
@@ -257,7 +257,7 @@ void FinalGather::trace_all(std::span<const GatherRequest> requests, std::span<c
                             std::vector<PointSums>& sums, std::vector<Pool>& pools) {
     std::vector<Traced> found(bundles.size());
     const std::vector<std::size_t> ends = runs_of(bundles, rays_of_task);
-    std::vector<std::vector<Sighting>> wanted(ends.size());
+    std::vector<std::vector<CellQuery>> wanted(ends.size());
     parallel::for_each(ends.size(), [&](std::size_t run) {
         const FlushDenormals flushed;
         for (std::size_t b = run == 0 ? 0 : ends[run - 1]; b < ends[run]; ++b) {
@@ -313,7 +313,7 @@ void FinalGather::add_bundle(const GatherRequest& request, Traced& traced, Point
     traced = {};
 }
 
-/// How many rays each request of a pool needs in all. `pilot`: from the first look, which does not know what guided
+/// How many rays each request of a pool needs in all. `pilot`: from the pilots, which do not know what guided
 /// rays find.
 void FinalGather::want_rays(std::span<const GatherRequest> requests, std::span<const PointSums> sums, const Pool& pool,
                             bool pilot, Allocation allocation, std::vector<std::uint32_t>& wanted) const {
@@ -332,12 +332,12 @@ void FinalGather::want_rays(std::span<const GatherRequest> requests, std::span<c
         const double n = error > 0.0
                              ? allocation.worth(samples_for(error * error, batch_rays, variance, variance_power))
                              : most_gather_rays * shown;
-        const auto rays = static_cast<std::uint32_t>(std::clamp(n, 1.0 * first_rays, 1.0 * most_gather_rays));
+        const auto rays = static_cast<std::uint32_t>(std::clamp(n, 1.0 * pilot_rays, 1.0 * most_gather_rays));
         wanted[i] = (rays + batch_rays - 1) / batch_rays * batch_rays;
     }
 }
 
-/// Draws the rest of a pool's rays by what its first look found, where that pays; the first look counts no more then.
+/// Draws the rest of a pool's rays by what its pilots found, where that pays; these count no more then.
 void FinalGather::guide(std::span<const GatherRequest> requests, Allocation allocation, Pool& pool,
                         std::vector<PointSums>& sums, std::vector<std::uint32_t>& wanted) const {
     want_rays(requests, sums, pool, true, allocation, wanted);
@@ -353,7 +353,7 @@ void FinalGather::guide(std::span<const GatherRequest> requests, Allocation allo
         sums[i].forget();
         // Half of them tell more.
         if (requests[i].rays == 0)
-            wanted[i] = std::clamp(wanted[i] / 2 / batch_rays * batch_rays, first_rays, 3 * first_rays);
+            wanted[i] = std::clamp(wanted[i] / 2 / batch_rays * batch_rays, pilot_rays, 3 * pilot_rays);
     }
 }
 
@@ -382,10 +382,10 @@ void add(const RayLight& rays, const GatherPoint& point, PointLight& light) {
 
 namespace {
 
-/// Rays of a request's first look.
-std::uint32_t look_of(const GatherRequest& r) {
-    return r.rays == 0 ? first_rays
-                       : std::max(r.rays / (worth_guiding * batch_rays) * batch_rays, std::min(first_rays, r.rays));
+/// Rays of a request's pilot.
+std::uint32_t pilot_of(const GatherRequest& r) {
+    return r.rays == 0 ? pilot_rays
+                       : std::max(r.rays / (worth_guiding * batch_rays) * batch_rays, std::min(pilot_rays, r.rays));
 }
 
 /// Whether a guide may pay, as far as it is known before any ray.
@@ -395,7 +395,7 @@ bool may_be_guided(std::span<const GatherRequest> pool) {
     for (const GatherRequest& r : pool) {
         if (r.rays == 0) return true;
         rays += r.rays;
-        seen += look_of(r);
+        seen += pilot_of(r);
     }
     return !(rays < worth_guiding * seen);
 }
@@ -451,9 +451,9 @@ std::vector<RayLight> FinalGather::gather(std::span<const GatherRequest> request
     const Stopwatch timer(counts_.seconds);
     std::vector<PointSums> sums;
     std::vector<Pool> pools = pools_of(requests, sums);
-    // A first look tells how many rays are wanted and where to, a second one whether these are enough.
+    // Pilots tell how many rays are wanted and where to, then guided rays whether these are enough.
     std::vector<std::uint32_t> wanted(requests.size());
-    std::transform(requests.begin(), requests.end(), wanted.begin(), look_of);
+    std::transform(requests.begin(), requests.end(), wanted.begin(), pilot_of);
     trace_wanted(requests, wanted, sums, pools);
     for_each_pool(pools, [&](std::size_t k) { guide(requests, allocation, pools[k], sums, wanted); });
     trace_wanted(requests, wanted, sums, pools);

@@ -49,12 +49,12 @@ std::uint64_t spread_bits(std::uint64_t v) {
 
 /// One of the surfaces that a ray passes stands for all, as likely as it weighs, so that their number does not multiply
 /// from bounce to bounce.
-class ChosenTerm {
+class TermReservoir {
   public:
-    ChosenTerm(std::uint32_t ray, float number)
+    TermReservoir(std::uint32_t ray, float number)
         : term_{.ray = ray, .weight = glm::vec3(0), .place = {}}, number_(number) {}
 
-    void offer(glm::vec3 weight, const Sighting& place) {
+    void offer(glm::vec3 weight, const CellQuery& place) {
         const float own = core::luminance(weight);
         if (!(own > 0.0f)) return;
         sum_ += own;
@@ -124,9 +124,9 @@ GatherRays::GatherRays(const PosedScene& posed_scene, const Plan& plan)
 /// The cell of a hit: of one object, one of six directions that its normal is nearest to, a cube of the world whose
 /// size is a power of two. Size and place are dithered, so that edges of cells are noise and no pattern. The key's
 /// upper bits are the place in the scene, the lower ones a hash of all.
-Sighting GatherRays::sighting(const RayQuery& ray, const Hit& hit, float distance, const RayRules& rules,
-                              std::uint64_t number) const {
-    Sighting s;
+CellQuery GatherRays::cell_query(const RayQuery& ray, const Hit& hit, float distance, const RayRules& rules,
+                                 std::uint64_t number) const {
+    CellQuery s;
     s.address = hit.address;
     s.outgoing = -ray.direction;
     const bool is_fibre = !fibre_cells_.empty() && fibre_cells_[hit.address.object] > 0.0f;
@@ -202,7 +202,7 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, std::
     const Air* air = posed_scene_.air();
     const AskedLights* asked = rules.asked;
     glm::vec3 passing(1), known(0);
-    ChosenTerm chosen(index, core::uniform(number, 0, 0));
+    TermReservoir chosen(index, core::uniform(number, 0, 0));
     const auto finished = [&] {
         if (bounces_ && rules.bounces) chosen.put(terms);
         return known;
@@ -225,7 +225,7 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, std::
         }
         distance += hit.distance;
         const auto material = static_cast<std::size_t>(posed_scene_.animation().objects[hit.address.object].material);
-        const Sighting place = sighting(ray, hit, distance, rules, number + static_cast<std::uint64_t>(step));
+        const CellQuery place = cell_query(ray, hit, distance, rules, number + static_cast<std::uint64_t>(step));
         const bool shines = shines_[material] && (asked != nullptr || !rules.shining.empty());
         if (plain_[material] && !mirrored && !shines) {
             chosen.offer(passing, place);

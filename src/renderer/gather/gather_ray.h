@@ -16,7 +16,7 @@
 namespace render2mpeg::renderer {
 
 /// A place of a surface whose radiance towards `outgoing` is wanted, and the cell of the surface cache that it lies in.
-struct Sighting {
+struct CellQuery {
     std::uint64_t key = 0;  ///< of the cell; sorts cells about by place
     core::SurfaceAddress address;
     glm::vec3 outgoing{0};   ///< unit, to where it is seen from
@@ -25,14 +25,14 @@ struct Sighting {
     std::uint8_t depth = 0;  ///< of a cell of its own: how many such cells lie between it and the point; else 0
     bool fibre = false;      ///< of hair
 
-    bool operator<(const Sighting& other) const { return key < other.key; }
+    bool operator<(const CellQuery& other) const { return key < other.key; }
 };
 
 /// Part of a ray's radiance that a cell knows.
 struct RayTerm {
     std::uint32_t ray = 0;  ///< index that its owner gives it
     glm::vec3 weight{1};
-    Sighting place;
+    CellQuery place;
     float near = 0;                         ///< NearField::share of where the ray comes from
     std::uint32_t cell = LightCells::none;  ///< once its owner has looked it up
 };
@@ -96,8 +96,8 @@ class GatherRays {
     glm::vec3 escaped(glm::vec3 direction, const RayRules& rules, bool mirrored) const;
     glm::vec3 sky_in_pane(const SurfacePoint& pane, float solid_angle, std::uint64_t& rays) const;
     float fibre_cell(std::uint32_t object) const;
-    Sighting sighting(const RayQuery& ray, const Hit& hit, float distance, const RayRules& rules,
-                      std::uint64_t number) const;
+    CellQuery cell_query(const RayQuery& ray, const Hit& hit, float distance, const RayRules& rules,
+                         std::uint64_t number) const;
 
     const PosedScene& posed_scene_;
     bool sky_light_, bounces_;  ///< passes of the plan

@@ -50,7 +50,7 @@ inline constexpr std::uint64_t own_cell = std::uint64_t{1} << 63;
 struct LightCell {
     glm::vec3 radiance{0}, near{0};
     std::uint32_t places = 0;                ///< that it is the mean of, those that are being evaluated among them
-    std::uint32_t lesson = CellTable::none;  ///< that teaches it, the last one; then its row in the equations
+    std::uint32_t update = CellTable::none;  ///< that teaches it, the last one; then its row in the equations
 };
 
 /// Cells in shards by a hash of their keys. A task that has a shard to itself may make cells there without a lock; any

@@ -75,7 +75,7 @@ void thin_out(double strength, std::vector<LightPoint>& points) {
 
 }  // namespace
 
-NearField::NearField(std::span<const LightPoint> lights, const EyeLook& look) {
+NearField::NearField(std::span<const LightPoint> lights, const ViewSample& look) {
     const double begins = std::numbers::pi * static_cast<double>(look.luminance);
     if (!(begins > 0.0) || !std::isfinite(begins)) return;
     struct Source {
@@ -143,7 +143,7 @@ NearField::Part NearField::at(glm::vec3 place) const {
     return {1.0f - least, intensity * inverse2 / least};
 }
 
-EyeLook look_about(const PosedScene& posed_scene, const Plan& plan, const scene::Camera& camera, glm::ivec2 size) {
+ViewSample look_about(const PosedScene& posed_scene, const Plan& plan, const scene::Camera& camera, glm::ivec2 size) {
     const FlushDenormals flushed;
     const GatherRays rays(posed_scene, plan);
     SurfaceCache cache(posed_scene, plan);
@@ -172,7 +172,7 @@ EyeLook look_about(const PosedScene& posed_scene, const Plan& plan, const scene:
         places.insert(places.end(), part.places.begin(), part.places.end());
         terms.insert(terms.end(), part.terms.begin(), part.terms.end());
     }
-    std::vector<Sighting> wanted;
+    std::vector<CellQuery> wanted;
     for (const RayTerm& term : terms) wanted.push_back(term.place);
     cache.learn({std::move(wanted)});
     std::vector<float> seen;

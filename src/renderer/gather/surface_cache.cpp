@@ -37,7 +37,7 @@ void for_each_shard(const Body& body) {
 struct SurfaceCache::Learning {
     std::vector<AskedPlaces> asked;  ///< of the wave to come
     std::vector<AskedPlaces> among;  ///< of all, among strands
-    std::array<ShardLessons, LightCells::shards> shards;
+    std::array<ShardUpdates, LightCells::shards> shards;
     std::deque<TaskLight> found;  ///< by wave and task
     std::size_t first_of_wave = 0;
 };
@@ -53,19 +53,19 @@ void SurfaceCache::plan_wave(Learning& learning, std::uint32_t most) {
 
 void SurfaceCache::evaluate_wave(Learning& learning, std::uint32_t known) {
     std::size_t places = 0;
-    for (const ShardLessons& shard : learning.shards) places += shard.place_count();
+    for (const ShardUpdates& shard : learning.shards) places += shard.place_count();
     const std::size_t at_once = std::max(places / most_tasks, least_places);
-    // Lessons of one task, by their number of places.
+    // Updates of one task, by their number of places.
     struct Task {
         std::size_t shard = 0;
-        std::span<Lesson> lessons;
+        std::span<CellUpdate> updates;
     };
     std::vector<Task> tasks;
     for (std::size_t s = 0; s < LightCells::shards; ++s) {
-        std::span<Lesson> left = learning.shards[s].of_last_wave();
+        std::span<CellUpdate> left = learning.shards[s].of_last_wave();
         for (std::size_t end = at_once; !left.empty(); end += at_once) {
             const auto taken = static_cast<std::size_t>(
-                std::partition_point(left.begin(), left.end(), [&](const Lesson& l) { return l.first < end; }) -
+                std::partition_point(left.begin(), left.end(), [&](const CellUpdate& l) { return l.first < end; }) -
                 left.begin());
             if (taken > 0) tasks.push_back({s, left.first(taken)});
             left = left.subspan(taken);
@@ -75,7 +75,7 @@ void SurfaceCache::evaluate_wave(Learning& learning, std::uint32_t known) {
     learning.found.resize(first + tasks.size());
     parallel::for_each(tasks.size(), [&](std::size_t t) {
         const FlushDenormals flushed;
-        learning.found[first + t] = light_.evaluate(learning.shards[tasks[t].shard], tasks[t].lessons, known, cells_);
+        learning.found[first + t] = light_.evaluate(learning.shards[tasks[t].shard], tasks[t].updates, known, cells_);
     });
     learning.asked.clear();
     for (std::size_t t = first; t < learning.found.size(); ++t) {
@@ -106,36 +106,36 @@ void SurfaceCache::follow_paths(Learning& learning, std::uint32_t most) {
 }
 
 void SurfaceCache::add_paths(Learning& learning) {
-    std::vector<const ShardLessons::TaskPaths*> paths;
+    std::vector<const ShardUpdates::TaskPaths*> paths;
     for (std::size_t t = learning.first_of_wave; t < learning.found.size(); ++t)
         paths.push_back(&learning.found[t].paths);
     for_each_shard([&](std::size_t s) { learning.shards[s].add_paths(s, paths, cells_); });
 }
 
-/// Cells of a shard that learn, by their last lessons, from the last wave to the first: they are what the others ask.
+/// Cells of a shard that learn, by their last updates, from the last wave to the first: they are what the others ask.
 struct SurfaceCache::Rows {
-    std::vector<std::uint32_t> lessons;
+    std::vector<std::uint32_t> updates;
     std::vector<std::size_t> ends;  ///< by phase: the last wave is the first
 };
 
-/// The last lesson of a cell gets the sum of all that is known of it.
-SurfaceCache::Rows SurfaceCache::rows_of(ShardLessons& shard) {
-    const std::span<Lesson> lessons = shard.all();
-    for (Lesson& lesson : lessons) {
-        for (std::uint32_t k = lesson.first_link; k < lesson.last_link; ++k)
-            if (lesson.links[k].cell == LightCells::none) lesson.links[k].cell = cells_.find(lesson.links[k].key).index;
-        const LightCell& taught = cells_.at(lesson.cell);
-        const bool is_first = lesson.earlier == LightCells::none;
-        lesson.known += is_first ? static_cast<float>(lesson.number) * taught.radiance : lessons[lesson.earlier].known;
-        lesson.near += is_first ? static_cast<float>(lesson.number) * taught.near : lessons[lesson.earlier].near;
+/// The last update of a cell gets the sum of all that is known of it.
+SurfaceCache::Rows SurfaceCache::rows_of(ShardUpdates& shard) {
+    const std::span<CellUpdate> updates = shard.all();
+    for (CellUpdate& update : updates) {
+        for (std::uint32_t k = update.first_link; k < update.last_link; ++k)
+            if (update.links[k].cell == LightCells::none) update.links[k].cell = cells_.find(update.links[k].key).index;
+        const LightCell& taught = cells_.at(update.cell);
+        const bool is_first = update.earlier == LightCells::none;
+        update.known += is_first ? static_cast<float>(update.number) * taught.radiance : updates[update.earlier].known;
+        update.near += is_first ? static_cast<float>(update.number) * taught.near : updates[update.earlier].near;
     }
     Rows rows;
-    auto l = static_cast<std::uint32_t>(lessons.size());
+    auto l = static_cast<std::uint32_t>(updates.size());
     for (std::size_t wave = shard.wave_count(); wave-- > 0;) {
         for (const std::uint32_t first = shard.first_of(wave); l-- > first;)
-            if (cells_.at(lessons[l].cell).lesson == l) rows.lessons.push_back(l);
+            if (cells_.at(updates[l].cell).update == l) rows.updates.push_back(l);
         ++l;
-        rows.ends.push_back(rows.lessons.size());
+        rows.ends.push_back(rows.updates.size());
     }
     return rows;
 }
@@ -144,41 +144,42 @@ namespace {
 
 /// Calls visit(link) for all links of a cell that lead somewhere.
 template <class Visit>
-void links_of(std::span<const Lesson> lessons, std::uint32_t last, const Visit& visit) {
-    for (std::uint32_t l = last; l != LightCells::none; l = lessons[l].earlier)
-        for (std::uint32_t k = lessons[l].first_link; k < lessons[l].last_link; ++k)
-            if (lessons[l].links[k].cell != LightCells::none) visit(lessons[l].links[k]);
+void links_of(std::span<const CellUpdate> updates, std::uint32_t last, const Visit& visit) {
+    for (std::uint32_t l = last; l != LightCells::none; l = updates[l].earlier)
+        for (std::uint32_t k = updates[l].first_link; k < updates[l].last_link; ++k)
+            if (updates[l].links[k].cell != LightCells::none) visit(updates[l].links[k]);
 }
 
 /// Scales the links of a cell (link_scale).
-void scale_links(std::span<const Lesson> lessons, std::uint32_t last, std::uint32_t places) {
-    Lesson sums;
-    sums.fibres = lessons[last].fibres;
-    for (std::uint32_t l = last; l != LightCells::none; l = lessons[l].earlier) {
-        sums.albedo += lessons[l].albedo;
-        sums.drawn += lessons[l].drawn;
+void scale_links(std::span<const CellUpdate> updates, std::uint32_t last, std::uint32_t places) {
+    CellUpdate sums;
+    sums.fibres = updates[last].fibres;
+    for (std::uint32_t l = last; l != LightCells::none; l = updates[l].earlier) {
+        sums.albedo += updates[l].albedo;
+        sums.drawn += updates[l].drawn;
     }
     glm::vec3 row(0);
-    links_of(lessons, last, [&](const CellLink& link) { row += link.weight; });
+    links_of(updates, last, [&](const CellLink& link) { row += link.weight; });
     const glm::vec3 scale = link_scale(sums, row, places);
-    links_of(lessons, last, [&](CellLink& link) { link.weight *= scale; });
+    links_of(updates, last, [&](CellLink& link) { link.weight *= scale; });
 }
 
-/// Equations of cells whose last lessons these are. Rows of cells are in LightCell::lesson; what is known of others is
+/// Equations of cells whose last updates these are. Rows of cells are in LightCell::update; what is known of others is
 /// put in.
-EquationBlock block_of(std::span<const Lesson> lessons, std::span<const std::uint32_t> rows, const LightCells& cells) {
+EquationBlock block_of(std::span<const CellUpdate> updates, std::span<const std::uint32_t> rows,
+                       const LightCells& cells) {
     EquationBlock block;
     for (const std::uint32_t last : rows) {
-        const std::uint32_t places = cells.at(lessons[last].cell).places;
-        scale_links(lessons, last, places);
+        const std::uint32_t places = cells.at(updates[last].cell).places;
+        scale_links(updates, last, places);
         const float share = 1.0f / static_cast<float>(places);
-        glm::vec3 known = lessons[last].known;
-        links_of(lessons, last, [&](const CellLink& link) {
+        glm::vec3 known = updates[last].known;
+        links_of(updates, last, [&](const CellLink& link) {
             const LightCell& from = cells.at(link.cell);
-            if (from.lesson == LightCells::none)
+            if (from.update == LightCells::none)
                 known += link.weight * from.radiance;
             else
-                block.terms.push_back({from.lesson, share * link.weight});
+                block.terms.push_back({from.update, share * link.weight});
         });
         block.constants.push_back(share * known);
         block.ends.push_back(static_cast<std::uint32_t>(block.terms.size()));
@@ -195,7 +196,7 @@ void SurfaceCache::solve(Learning& learning) {
     for_each_shard([&](std::size_t s) { rows[s] = rows_of(learning.shards[s]); });
     const auto rows_in = [&](std::size_t s, std::size_t phase) {
         const std::size_t first = phase == 0 ? 0 : rows[s].ends[phase - 1];
-        return std::span<const std::uint32_t>(rows[s].lessons).subspan(first, rows[s].ends[phase] - first);
+        return std::span<const std::uint32_t>(rows[s].updates).subspan(first, rows[s].ends[phase] - first);
     };
     // Number the rows, phase by phase.
     std::vector<std::uint32_t> first_row(waves * shards);
@@ -207,7 +208,7 @@ void SurfaceCache::solve(Learning& learning) {
     for_each_shard([&](std::size_t s) {
         for (std::size_t phase = 0; phase < waves; ++phase) {
             std::uint32_t row = first_row[phase * shards + s];
-            for (const std::uint32_t l : rows_in(s, phase)) cells_.at(learning.shards[s].all()[l].cell).lesson = row++;
+            for (const std::uint32_t l : rows_in(s, phase)) cells_.at(learning.shards[s].all()[l].cell).update = row++;
         }
     });
     std::vector<EquationBlock> blocks(waves * shards);
@@ -220,33 +221,33 @@ void SurfaceCache::solve(Learning& learning) {
     for (std::size_t phase = 0; phase < waves; ++phase) ends[phase] = (phase + 1) * shards;
     const std::vector<glm::vec3> radiance = renderer::solve(blocks, ends);
     for_each_shard([&](std::size_t s) {
-        for (const std::uint32_t l : rows[s].lessons) {
+        for (const std::uint32_t l : rows[s].updates) {
             LightCell& taught = cells_.at(learning.shards[s].all()[l].cell);
-            taught.radiance = radiance[std::exchange(taught.lesson, LightCells::none)];
+            taught.radiance = radiance[std::exchange(taught.update, LightCells::none)];
         }
     });
     for_each_shard([&](std::size_t s) {
-        const std::span<const Lesson> lessons = learning.shards[s].all();
-        for (const std::uint32_t l : rows[s].lessons) {
-            glm::vec3 sum = lessons[l].near;
-            links_of(lessons, l, [&](const CellLink& link) {
+        const std::span<const CellUpdate> updates = learning.shards[s].all();
+        for (const std::uint32_t l : rows[s].updates) {
+            glm::vec3 sum = updates[l].near;
+            links_of(updates, l, [&](const CellLink& link) {
                 if (link.near > 0.0f) sum += link.near * link.weight * cells_.at(link.cell).radiance;
             });
-            LightCell& taught = cells_.at(lessons[l].cell);
+            LightCell& taught = cells_.at(updates[l].cell);
             taught.near = sum / static_cast<float>(taught.places);
         }
     });
 }
 
-void SurfaceCache::learn(std::vector<std::vector<Sighting>> wanted) {
+void SurfaceCache::learn(std::vector<std::vector<CellQuery>> wanted) {
     cells_.forget_own();
     Learning learning;
     learning.asked.resize(wanted.size());
     learning.among.resize(wanted.size());
     parallel::for_each(wanted.size(), [&](std::size_t part) {
-        std::vector<Sighting>& places = wanted[part];
+        std::vector<CellQuery>& places = wanted[part];
         const auto strands =
-            std::stable_partition(places.begin(), places.end(), [](const Sighting& place) { return !place.fibre; });
+            std::stable_partition(places.begin(), places.end(), [](const CellQuery& place) { return !place.fibre; });
         learning.among[part].places.assign(strands, places.end());
         places.erase(strands, places.end());
         learning.asked[part].places = std::move(places);

@@ -30,9 +30,9 @@ class SurfaceCache {
     /// Index of any cell that was ever asked for.
     std::uint32_t index_of(std::uint64_t key) const { return cells_.find(key).index; }
 
-    /// Makes known what these sightings ask for, which come in parts as tasks found them: their order is that of the
-    /// parts. Own cells are known until the next call.
-    void learn(std::vector<std::vector<Sighting>> wanted);
+    /// Makes known what these queries of cells ask for, which come in parts as tasks found them: their order is that of
+    /// the parts. Own cells are known until the next call.
+    void learn(std::vector<std::vector<CellQuery>> wanted);
 
     /// How places send on light of the posed instant.
     const CellLight& light() const { return light_; }
@@ -60,7 +60,7 @@ class SurfaceCache {
     void evaluate_wave(Learning& learning, std::uint32_t known);
     void add_paths(Learning& learning);
     void follow_paths(Learning& learning, std::uint32_t most);
-    Rows rows_of(ShardLessons& shard);
+    Rows rows_of(ShardUpdates& shard);
     void solve(Learning& learning);
 
     CellLight light_;

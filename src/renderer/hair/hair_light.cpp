@@ -110,7 +110,7 @@ void HairLight::take_rounds(std::span<const FibreTile> tiles, std::span<Pixel> p
 void HairLight::trace_all(std::span<const FibreTile> tiles, std::span<const std::span<Pixel>> tasks,
                           HairCounts& counts) {
     std::vector<Traced> found(tasks.size());
-    std::vector<std::vector<Sighting>> wanted(tasks.size());
+    std::vector<std::vector<CellQuery>> wanted(tasks.size());
     const auto frame = static_cast<std::uint64_t>(posed_scene_.posed().frame);
     parallel::for_each(tasks.size(), [&](std::size_t task) {
         const FlushDenormals flushed;

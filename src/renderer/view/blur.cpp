@@ -5,7 +5,7 @@
 
 #include "parallel/loops.h"
 #include "renderer/view/exposure_pattern.h"
-#include "renderer/view/tile_look.h"
+#include "renderer/view/tile_visibility.h"
 
 namespace render2mpeg::renderer {
 namespace {

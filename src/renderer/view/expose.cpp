@@ -18,12 +18,12 @@
 #include "renderer/view/exposed_points.h"
 #include "renderer/view/exposure_need.h"
 #include "renderer/view/exposure_pattern.h"
-#include "renderer/view/tile_look.h"
+#include "renderer/view/tile_visibility.h"
 
 namespace render2mpeg::renderer {
 namespace {
 
-/// Rays that are traced together. chosen: as tile_look.cpp.
+/// Rays that are traced together. chosen: as tile_visibility.cpp.
 constexpr int most_rays_together = 1024;
 
 /// Looks for blur in tiles where none is known, sample by sample at other places. chosen: 16 a tile, one for each of

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "renderer/view/tile_look.h"
+#include "renderer/view/tile_visibility.h"
 
 namespace render2mpeg::renderer {
 

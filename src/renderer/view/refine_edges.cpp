@@ -7,7 +7,7 @@
 
 #include "parallel/loops.h"
 #include "renderer/base/allocation.h"
-#include "renderer/view/tile_look.h"
+#include "renderer/view/tile_visibility.h"
 
 namespace render2mpeg::renderer {
 namespace {

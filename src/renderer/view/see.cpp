@@ -9,13 +9,13 @@
 #include "core/numeric.h"
 #include "parallel/loops.h"
 #include "renderer/view/eye_path.h"
-#include "renderer/view/tile_look.h"
+#include "renderer/view/tile_visibility.h"
 
 namespace render2mpeg::renderer {
 namespace {
 
 /// On one surface depth bends by no more than this share of a pixel's angle. chosen: as samples on one plane
-/// (tile_look.cpp).
+/// (tile_visibility.cpp).
 constexpr float same_depth = 0.5f;
 
 /// Whether neighbouring pixels show one surface: what lies between them may be an edge.

@@ -1,4 +1,4 @@
-#include "renderer/gather/cell_lessons.h"
+#include "renderer/gather/cell_updates.h"
 
 #include <algorithm>
 #include <utility>
@@ -27,22 +27,22 @@ void by_key(std::vector<Ask<Asker>>& asks, const Visit& visit) {
 
 }  // namespace
 
-glm::vec3 link_scale(const Lesson& sums, glm::vec3 row, std::uint32_t places) {
+glm::vec3 link_scale(const CellUpdate& sums, glm::vec3 row, std::uint32_t places) {
     glm::vec3 scale;
     for (int c = 0; c < 3; ++c) scale[c] = core::divide_or(sums.albedo[c], sums.drawn[c], 0.0f);
     const glm::vec3 most((sums.fibres ? largest_fibre_albedo : largest_albedo) * static_cast<float>(places));
     return scale * (most / glm::max(scale * row, most));
 }
 
-/// Appends a lesson of so many places of a cell, which is made if it was not there.
-Lesson& ShardLessons::add(LightCells& cells, std::uint64_t key, std::uint32_t places) {
-    Lesson& lesson = lessons_.emplace_back();
-    lesson.cell = cells.teach(key, places);
-    LightCell& taught = cells.at(lesson.cell);
-    lesson.places = places;
-    lesson.number = taught.places - places;
-    lesson.earlier = std::exchange(taught.lesson, static_cast<std::uint32_t>(lessons_.size() - 1));
-    return lesson;
+/// Appends an update of so many places of a cell, which is made if it was not there.
+CellUpdate& ShardUpdates::add(LightCells& cells, std::uint64_t key, std::uint32_t places) {
+    CellUpdate& update = updates_.emplace_back();
+    update.cell = cells.teach(key, places);
+    LightCell& taught = cells.at(update.cell);
+    update.places = places;
+    update.number = taught.places - places;
+    update.earlier = std::exchange(taught.update, static_cast<std::uint32_t>(updates_.size() - 1));
+    return update;
 }
 
 namespace {
@@ -52,28 +52,28 @@ namespace {
 template <class Visit>
 void choose_places(std::size_t shard, std::span<const AskedPlaces> asked, std::uint32_t most, const LightCells& cells,
                    const Visit& visit) {
-    std::vector<Ask<const Sighting*>> asks;
+    std::vector<Ask<const CellQuery*>> asks;
     for (const AskedPlaces& task : asked)
         for (const AskedKeys::Entry& e : task.keys.of_shard(shard)) asks.push_back({e.key, &task.places[e.index]});
-    std::vector<const Sighting*> chosen;
-    by_key(asks, [&](std::span<const Ask<const Sighting*>> askers) {
+    std::vector<const CellQuery*> chosen;
+    by_key(asks, [&](std::span<const Ask<const CellQuery*>> askers) {
         const std::uint64_t key = askers.front().key;
         const std::uint32_t count = std::min(static_cast<std::uint32_t>(askers.size()), most);
         const std::uint32_t known = cells.find(key).places;
         if (count <= known) return;
         chosen.resize(count - known);
         for (std::size_t i = 0; i < chosen.size(); ++i) chosen[i] = askers[i * askers.size() / chosen.size()].who;
-        visit(key, known, std::span<const Sighting* const>(chosen));
+        visit(key, known, std::span<const CellQuery* const>(chosen));
     });
 }
 
 }  // namespace
 
-void ShardLessons::plan(std::size_t shard, std::span<const AskedPlaces> asked, std::uint32_t most, LightCells& cells) {
-    waves_.push_back(static_cast<std::uint32_t>(lessons_.size()));
+void ShardUpdates::plan(std::size_t shard, std::span<const AskedPlaces> asked, std::uint32_t most, LightCells& cells) {
+    waves_.push_back(static_cast<std::uint32_t>(updates_.size()));
     places_.clear();
     choose_places(shard, asked, most, cells,
-                  [&](std::uint64_t key, std::uint32_t, std::span<const Sighting* const> chosen) {
+                  [&](std::uint64_t key, std::uint32_t, std::span<const CellQuery* const> chosen) {
                       const auto take = static_cast<std::uint32_t>(chosen.size());
                       add(cells, key, take).first = static_cast<std::uint32_t>(places_.size());
                       places_.insert(places_.end(), chosen.begin(), chosen.end());
@@ -84,26 +84,26 @@ std::vector<PathStart> starts_of(std::size_t shard, std::span<const AskedPlaces>
                                  const LightCells& cells) {
     std::vector<PathStart> starts;
     choose_places(shard, asked, most, cells,
-                  [&](std::uint64_t key, std::uint32_t known, std::span<const Sighting* const> chosen) {
+                  [&](std::uint64_t key, std::uint32_t known, std::span<const CellQuery* const> chosen) {
                       for (std::size_t i = 0; i < chosen.size(); ++i)
                           starts.push_back({*chosen[i], core::mix(key + known + i)});
                   });
     return starts;
 }
 
-void ShardLessons::add_paths(std::size_t shard, std::span<const TaskPaths* const> paths, LightCells& cells) {
-    waves_.push_back(static_cast<std::uint32_t>(lessons_.size()));
-    std::vector<Ask<const PathLesson*>> asks;
+void ShardUpdates::add_paths(std::size_t shard, std::span<const TaskPaths* const> paths, LightCells& cells) {
+    waves_.push_back(static_cast<std::uint32_t>(updates_.size()));
+    std::vector<Ask<const PathUpdate*>> asks;
     for (const TaskPaths* task : paths)
-        for (const AskedKeys::Entry& e : task->keys.of_shard(shard)) asks.push_back({e.key, &task->lessons[e.index]});
-    by_key(asks, [&](std::span<const Ask<const PathLesson*>> askers) {
+        for (const AskedKeys::Entry& e : task->keys.of_shard(shard)) asks.push_back({e.key, &task->updates[e.index]});
+    by_key(asks, [&](std::span<const Ask<const PathUpdate*>> askers) {
         for (const auto& asker : askers) {
-            Lesson& added = add(cells, asker.key, 1);
-            Lesson lesson = asker.who->lesson;
-            lesson.cell = added.cell;
-            lesson.number = added.number;
-            lesson.earlier = added.earlier;
-            added = lesson;
+            CellUpdate& added = add(cells, asker.key, 1);
+            CellUpdate update = asker.who->update;
+            update.cell = added.cell;
+            update.number = added.number;
+            update.earlier = added.earlier;
+            added = update;
         }
     });
 }

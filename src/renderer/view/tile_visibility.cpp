@@ -1,4 +1,4 @@
-#include "renderer/view/tile_look.h"
+#include "renderer/view/tile_visibility.h"
 
 #include <algorithm>
 #include <cmath>
@@ -116,9 +116,9 @@ GatherTile fitted(GatherTile tile) {
 constexpr std::size_t most_rays = 1024;
 
 /// Looks through the pixels of a tile.
-class TileLook {
+class TileVisibility {
   public:
-    TileLook(const Looking& looking, Frame& seen, SeeCounts& counts, Found& found)
+    TileVisibility(const Looking& looking, Frame& seen, SeeCounts& counts, Found& found)
         : looking_(looking), seen_(seen), counts_(counts), found_(found) {}
 
     /// Pixels (first, y) to (end - 1, y), all of them; true in `edges`, by x % tile_size, where samples differ.
@@ -296,7 +296,7 @@ PixelMarks look_through(const Looking& looking, std::size_t t, Frame& seen, SeeC
     const TileArea area = area_of(seen, t);
     const int together = std::max(1, static_cast<int>(most_rays / looking.pattern.size()));
     Found found;
-    TileLook look(looking, seen, counts, found);
+    TileVisibility look(looking, seen, counts, found);
     PixelMarks edges{};
     GatherTile tile;
     tile.reserve(static_cast<std::size_t>((area.end.x - area.first.x) * (area.end.y - area.first.y)));
@@ -313,7 +313,7 @@ void look_again(const Looking& looking, std::size_t t, const PixelMarks& marks, 
     if (std::none_of(marks.begin(), marks.end(), marked)) return;
     const TileArea area = area_of(seen, t);
     Found found;
-    TileLook look(looking, seen, counts, found);
+    TileVisibility look(looking, seen, counts, found);
     GatherTile before = std::move(seen.tiles[t]);
     GatherTile tile;
     tile.reserve(before.size());

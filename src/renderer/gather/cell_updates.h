@@ -21,11 +21,11 @@ struct CellLink {
 };
 
 /// A cell that is being learnt.
-struct Lesson {
+struct CellUpdate {
     std::uint32_t cell = LightCells::none;
     std::uint32_t first = 0, places = 0;          ///< of the places that are evaluated
     std::uint32_t number = 0;                     ///< of the first, among all that the cell ever had
-    std::uint32_t earlier = LightCells::none;     ///< lesson of the same cell
+    std::uint32_t earlier = LightCells::none;     ///< update of the same cell
     std::uint32_t first_link = 0, last_link = 0;  ///< of those of its task, once they are evaluated
     glm::vec3 known{0}, near{0};                  ///< sums over places
     glm::vec3 albedo{0}, drawn{0};                ///< likewise, of surfaces and of weights of the rays they send
@@ -38,14 +38,14 @@ struct Lesson {
 inline constexpr float largest_fibre_albedo = 0.999f;
 
 /// Factor of the weights of a cell's links, whose sum is `row`: they come to the albedo of its places, and no cell
-/// reflects more than surfaces do. Else the equations have no solution. `sums` has albedo and drawn of all its lessons.
-glm::vec3 link_scale(const Lesson& sums, glm::vec3 row, std::uint32_t places);
+/// reflects more than surfaces do. Else the equations have no solution. `sums` has albedo and drawn of all its updates.
+glm::vec3 link_scale(const CellUpdate& sums, glm::vec3 row, std::uint32_t places);
 
-/// A lesson of one place, on a path that one task follows: its cell is made when the path has ended.
-struct PathLesson {
+/// An update of one place, on a path that one task follows: its cell is made when the path has ended.
+struct PathUpdate {
     std::uint64_t key = 0;
-    std::uint32_t next = LightCells::none;  ///< path lesson of the same task that its ray meets
-    Lesson lesson;
+    std::uint32_t next = LightCells::none;  ///< path update of the same task that its ray meets
+    CellUpdate update;
 };
 
 /// Keys that one task asks for, by shard.
@@ -79,7 +79,7 @@ class AskedKeys {
 
 /// Places that one task asks for.
 struct AskedPlaces {
-    std::vector<Sighting> places;
+    std::vector<CellQuery> places;
     AskedKeys keys;
 
     /// Once all places are there.
@@ -90,7 +90,7 @@ struct AskedPlaces {
 
 /// A place where a path begins.
 struct PathStart {
-    Sighting place;
+    CellQuery place;
     std::uint64_t seed = 0;  ///< tells it from others of its cell, all along the path
 };
 
@@ -98,36 +98,36 @@ struct PathStart {
 std::vector<PathStart> starts_of(std::size_t shard, std::span<const AskedPlaces> asked, std::uint32_t most,
                                  const LightCells& cells);
 
-/// Lessons of the cells of one shard, wave by wave; only one task may change them.
-class ShardLessons {
+/// Updates of the cells of one shard, wave by wave; only one task may change them.
+class ShardUpdates {
   public:
     /// Plans a wave. Chooses the places that cells are evaluated at among those where rays met them, evenly, `most` at
     /// most. A cell has as many as ever asked at once, so that asking again teaches nothing: frames that are alike
     /// stay alike. Forgets the places of the wave before.
     void plan(std::size_t shard, std::span<const AskedPlaces> asked, std::uint32_t most, LightCells& cells);
 
-    /// Adds lessons of paths, as a wave: of each task its lessons and their keys.
+    /// Adds updates of paths, as a wave: of each task its updates and their keys.
     struct TaskPaths {
-        std::vector<PathLesson> lessons;
+        std::vector<PathUpdate> updates;
         AskedKeys keys;
     };
     void add_paths(std::size_t shard, std::span<const TaskPaths* const> paths, LightCells& cells);
 
-    std::span<Lesson> all() { return lessons_; }
-    std::span<Lesson> of_last_wave() { return std::span(lessons_).subspan(waves_.back()); }
+    std::span<CellUpdate> all() { return updates_; }
+    std::span<CellUpdate> of_last_wave() { return std::span(updates_).subspan(waves_.back()); }
     std::size_t wave_count() const { return waves_.size(); }
-    /// Index of a wave's first lesson.
+    /// Index of a wave's first update.
     std::uint32_t first_of(std::size_t wave) const { return waves_[wave]; }
-    /// Place of the last wave: Lesson::first is its index.
-    const Sighting& place(std::size_t index) const { return *places_[index]; }
+    /// Place of the last wave: CellUpdate::first is its index.
+    const CellQuery& place(std::size_t index) const { return *places_[index]; }
     std::size_t place_count() const { return places_.size(); }
 
   private:
-    Lesson& add(LightCells& cells, std::uint64_t key, std::uint32_t places);
+    CellUpdate& add(LightCells& cells, std::uint64_t key, std::uint32_t places);
 
-    std::vector<Lesson> lessons_;
+    std::vector<CellUpdate> updates_;
     std::vector<std::uint32_t> waves_;
-    std::vector<const Sighting*> places_;
+    std::vector<const CellQuery*> places_;
 };
 
 }  // namespace render2mpeg::renderer
