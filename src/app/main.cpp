@@ -14,6 +14,7 @@
 #include "app/options/options.h"
 #include "app/options/usage_error.h"
 #include "app/probe.h"
+#include "app/system/interrupt.h"
 #include "app/system/memory_limit.h"
 #include "app/system/progress.h"
 #include "app/system/terminal.h"
@@ -101,6 +102,9 @@ int main(int argc, char** argv) {
     } catch (const Refusal& error) {
         print_error(error.what());
         return 3;
+    } catch (const Interrupted& error) {
+        print_error(error.what());
+        return InterruptGuard::status();
     } catch (const std::exception& error) {
         print_error(error.what());
     }

@@ -11,9 +11,11 @@
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <system_error>
 #include <vector>
 
+#include "app/files/output_stream.h"
 #include "core/error.h"
 #include "core/text.h"
 
@@ -75,9 +77,8 @@ void write_whole(const std::filesystem::path& file, const std::string& text) {
     std::error_code error;
     const std::filesystem::file_status status = std::filesystem::status(file, error);
     if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
-        std::FILE* stream = std::fopen(file.c_str(), "wb");
-        const int failure = stream == nullptr ? errno : write_and_close(stream, text);
-        if (stream == nullptr || failure != 0) fail(file, failure);
+        std::istringstream from(text);
+        write_into(file, from);
         return;
     }
 
