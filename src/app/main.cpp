@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <new>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "app/commands/commands.h"
@@ -61,6 +62,7 @@ int main(int argc, char** argv) {
         const CommandLine line = parse(argc, argv);
         if (line.exit_code) return *line.exit_code;
         show_progress_as(progress_style_from(line.progress));
+        const ActivityTeller teller(line.render.quiet || line.part.quiet || line.encode.quiet);
         const auto record = wanted_record();
         switch (line.command) {
             case Command::render:
@@ -105,6 +107,8 @@ int main(int argc, char** argv) {
     } catch (const Interrupted& error) {
         print_error(error.what());
         return InterruptGuard::status();
+    } catch (const nlohmann::json::exception&) {
+        print_error("what an earlier run or `farm` left of this film is damaged: remove it, and begin anew");
     } catch (const std::exception& error) {
         print_error(error.what());
     }

@@ -282,10 +282,13 @@ void Renderer::start_chunk(const scene::Snapshot& first) {
     impl_->start_chunk(first);
 }
 
-void Renderer::know_light(std::span<const std::byte> light) {
+bool Renderer::know_light(std::span<const std::byte> light) {
     std::vector<StoredRecord> records(light.size() / sizeof(StoredRecord));
     if (!records.empty()) std::memcpy(records.data(), light.data(), records.size() * sizeof(StoredRecord));
+    if (light.size() % sizeof(StoredRecord) != 0 || !std::all_of(records.begin(), records.end(), &is_sound))
+        return false;
     impl_->cache.library().know(std::move(records));
+    return true;
 }
 
 std::vector<std::byte> Renderer::found_light() {

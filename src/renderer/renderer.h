@@ -75,8 +75,8 @@ class Renderer {
     void start_chunk(const scene::Snapshot& first);
 
     /// Takes light that `found_light` returned in earlier runs of the same film under the same light, which never
-    /// changes; before the first chunk. From now on light is kept for `found_light`.
-    void know_light(std::span<const std::byte> light);
+    /// changes; before the first chunk. From now on light is kept for `found_light`. False where they are none of ours.
+    [[nodiscard]] bool know_light(std::span<const std::byte> light);
     /// Light that the chunk found beyond that, at its end.
     std::vector<std::byte> found_light();
 

@@ -109,7 +109,7 @@ void check_trial_outputs(const RenderJob& film, const TrialOptions& options) {
 }
 
 void require_trial_consent(const TrialOptions& options) {
-    Wishes wishes{{}, {options.json.value_or(""), options.report.value_or("")}};
+    Wishes wishes{{options.json.value_or("")}, {options.report.value_or("")}};
     const RenderOptions& render = options.render;
     if (!render.output.empty() && !render.dry_run) wishes.films.emplace_back(render.output);
     require_consent(wishes, render.overwrite);

@@ -13,8 +13,11 @@
 #include "app/options/option_text.h"
 #include "app/options/usage_error.h"
 #include "app/system/image_reader.h"
+#include "app/system/progress.h"
+#include "app/system/progress.h"
 #include "core/color.h"
 #include "core/error.h"
+#include "core/scene_formats.h"
 #include "core/text.h"
 #include "encoder/av/av.h"
 #include "encoder/codec.h"
@@ -270,6 +273,8 @@ RenderJob prepare(const RenderOptions& wanted) {
             options.output.string());
 
     check_scene(options.input);
+    const bool exports = core::scene_reader_of(options.input) == core::SceneReader::blender;
+    tell_activity(exports ? "Blender exports the scene" : "reading the scene");
     auto loaded = std::make_shared<scene::Animation>(scene::load(
         options.input, {options.camera, options.animation, options.sky, options.variant, light_of(options.light)}));
     const Preset* preset = preset_of(options.coding);

@@ -137,7 +137,9 @@ bool ChunkProduction::run() {
     // Those beside the first share with it what never moves.
     renderer::Renderer first = renderer_of(film_);
     light_ = light_file_of(film_, options_);
-    if (light_) first.know_light(light_->known(film_.known_light));
+    if (light_ && !first.know_light(light_->known(film_.known_light)))
+        throw core::Error("reading", options_.light_cache->string(),
+                          "it holds light that no run has found: remove it, and let this film find its own");
     std::vector<std::unique_ptr<renderer::Renderer>> others;
     if (at_once_ > 1) {
         const scene::Snapshot instant = film_.snapshot(missing_.front().first);
