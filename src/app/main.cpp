@@ -45,6 +45,40 @@ std::unique_ptr<render2mpeg::parallel::LoopRecord> wanted_record() {
     return std::make_unique<render2mpeg::parallel::LoopRecord>(file);
 }
 
+/// Runs the command of a line. Returns the exit status.
+int run(const render2mpeg::app::CommandLine& line) {
+    using namespace render2mpeg::app;
+    switch (line.command) {
+        case Command::render:
+            return render(line.render, line.text);
+        case Command::encode:
+            return encode(line.encode, line.text);
+        case Command::plan:
+            return plan(line.render);
+        case Command::info:
+            return info(line.info);
+        case Command::cost:
+            return cost(line.trial, line.words);
+        case Command::tune:
+            return tune(line.trial, line.words, render);
+        case Command::compare:
+            return compare(line.trial, line.words);
+        case Command::farm:
+            return farm(line.farm, line.words);
+        case Command::part:
+            return make_parts(line.part);
+        case Command::join:
+            return join(line.part);
+        case Command::farm_status:
+            return farm_status(line.part);
+        case Command::watch:
+            return watch(line.render, line.text);
+        case Command::none:
+            break;
+    }
+    return 1;
+}
+
 }  // namespace
 
 /// Everything that goes wrong anywhere ends here as one line and exit status 1, or 2 for a mistake on the command line.
@@ -64,35 +98,7 @@ int main(int argc, char** argv) {
         show_progress_as(progress_style_from(line.progress));
         const ActivityTeller teller(line.render.quiet || line.part.quiet || line.encode.quiet);
         const auto record = wanted_record();
-        switch (line.command) {
-            case Command::render:
-                return render(line.render, line.text);
-            case Command::encode:
-                return encode(line.encode, line.text);
-            case Command::plan:
-                return plan(line.render);
-            case Command::info:
-                return info(line.info);
-            case Command::cost:
-                return cost(line.trial, line.words);
-            case Command::tune:
-                return tune(line.trial, line.words, render);
-            case Command::compare:
-                return compare(line.trial, line.words);
-            case Command::farm:
-                return farm(line.farm, line.words);
-            case Command::part:
-                return make_parts(line.part);
-            case Command::join:
-                return join(line.part);
-            case Command::farm_status:
-                return farm_status(line.part);
-            case Command::watch:
-                return watch(line.render, line.text);
-            case Command::none:
-                break;
-        }
-        return 1;
+        return run(line);
     } catch (const std::bad_alloc&) {
         std::fputs("render2mpeg: out of memory\n", stderr);
     } catch (const std::filesystem::filesystem_error& error) {

@@ -97,6 +97,16 @@ TEST(Pipes, ThatNobodyReadsEndWithTheFirstSignal) {
     EXPECT_NE(run(film + path(folder, "full.mpg")).output.find("full.mpg: No space left"), std::string::npos);
 }
 
+TEST(WorkFolder, OfImagesIsGoneWhereNoneCouldBeWritten) {
+    const Folder folder;
+    const auto full =
+        run("ulimit -f 4; " + program() + " render " + plain_film() +
+            " --size 320x240 --samples 1 --vpls 0 --exposure 0 --frames 0:1 --quiet -o " + path(folder, "p%03d.png"));
+    EXPECT_EQ(full.status, 1) << full.output;
+    EXPECT_EQ(std::count(full.output.begin(), full.output.end(), '\n'), 1) << full.output;
+    EXPECT_EQ(folder.entries(), 0u) << full.output;
+}
+
 TEST(WorkFolder, ThatIsForeignIsRefusedBeforeAnythingIsDone) {
     const Folder folder;
     std::filesystem::create_directory(folder / "a.mpg.partial");
