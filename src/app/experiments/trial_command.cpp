@@ -106,10 +106,11 @@ void check_trial_outputs(const RenderJob& film, const TrialOptions& options) {
         outputs.emplace_back(options.render.output);
     }
     check_apart(inputs_of(film, options.render), outputs);
+    if (options.json) require_consent({{*options.json}, {}}, options.render.overwrite);
 }
 
 void require_trial_consent(const TrialOptions& options) {
-    Wishes wishes{{options.json.value_or("")}, {options.report.value_or("")}};
+    Wishes wishes{{}, {options.json.value_or(""), options.report.value_or("")}};
     const RenderOptions& render = options.render;
     if (!render.output.empty() && !render.dry_run) wishes.films.emplace_back(render.output);
     require_consent(wishes, render.overwrite);
