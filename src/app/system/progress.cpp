@@ -148,13 +148,14 @@ ActivityTeller::~ActivityTeller() {
 
 void ActivityTeller::tell() {
     const char* told = "";
-    constexpr int again = 60;
+    // chosen: 3 s, since what is refused is refused by then, in one line (1 to 5).
+    constexpr int first = 3, again = 60;
     int since = 0;
     std::unique_lock lock(mutex_);
     for (int seconds = 1; !ends_.wait_for(lock, std::chrono::seconds(1), [this] { return ended_; }); ++seconds) {
         const char* const now = activity;
         if (has_advanced) return;
-        if (*now == '\0' || rewritten_lines > 0 || (now == told && ++since < again)) continue;
+        if (seconds < first || *now == '\0' || rewritten_lines > 0 || (now == told && ++since < again)) continue;
         print_line(fmt::format("{} {}", clock_text(seconds), now));
         told = now;
         since = 0;
