@@ -64,8 +64,8 @@ void show_progress_as(ProgressStyle style);
 /// Activity on all lines from now on; a literal.
 void tell_activity(const char* words);
 
-/// Tells activities on standard error, in logs and on terminals, until a line of Progress moves: each of them once it
-/// is a second old, and once a minute while it lasts.
+/// Tells activities on standard error, in logs and on terminals, from the third second on until a line of Progress
+/// moves: each change, and once a minute while one lasts.
 class ActivityTeller {
   public:
     explicit ActivityTeller(bool quiet);
