@@ -385,6 +385,8 @@ def main():
         result = export(path, folder, int(texture_size))
     except Refused as reason:
         result = {"error": str(reason)}
+    except ModuleNotFoundError as missing:
+        result = {"error": f"Blender's Python lacks {missing.name}: install it (Debian's package is python3-{missing.name})"}
     except Exception as trouble:  # one line for the user, the rest for whoever mends this script
         traceback.print_exc()
         last = traceback.extract_tb(trouble.__traceback__)[-1]

@@ -5,6 +5,7 @@ render properties then make films with the program, which must be on the PATH or
 """
 import os
 import re
+import shlex
 import shutil
 import signal
 import subprocess
@@ -269,10 +270,10 @@ class RENDER2MPEG_OT_folder(Working, bpy.types.Operator):
             at = words.index("--last-frame")
             del words[at:at + 2]
         for option in {"-o", "--report"}.intersection(words):
-            words[words.index(option) + 1] = os.path.basename(words[words.index(option) + 1])
+            words[words.index(option) + 1] = os.path.join(".", os.path.basename(words[words.index(option) + 1]))
         with open(os.path.join(target, "render.sh"), "w") as file:
-            file.write("#!/bin/sh\n# Makes the film where render2mpeg is installed.\ncd \"$(dirname \"$0\")\" && render2mpeg "
-                       + " ".join(f"'{w}'" if " " in w else w for w in words if w != "--resume") + "\n")
+            file.write("#!/bin/sh\n# Makes the film where render2mpeg is installed.\ncd -- \"$(dirname -- \"$0\")\" && render2mpeg "
+                       + shlex.join(w for w in words if w != "--resume") + "\n")
         os.chmod(os.path.join(target, "render.sh"), 0o755)
         self.report({"INFO"}, target)
 

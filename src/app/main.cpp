@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <new>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "app/commands/commands.h"
@@ -14,6 +15,7 @@
 #include "app/options/options.h"
 #include "app/options/usage_error.h"
 #include "app/probe.h"
+#include "app/system/interrupt.h"
 #include "app/system/memory_limit.h"
 #include "app/system/progress.h"
 #include "app/system/terminal.h"
@@ -43,6 +45,40 @@ std::unique_ptr<render2mpeg::parallel::LoopRecord> wanted_record() {
     return std::make_unique<render2mpeg::parallel::LoopRecord>(file);
 }
 
+/// Runs the command of a line. Returns the exit status.
+int run(const render2mpeg::app::CommandLine& line) {
+    using namespace render2mpeg::app;
+    switch (line.command) {
+        case Command::render:
+            return render(line.render, line.text);
+        case Command::encode:
+            return encode(line.encode, line.text);
+        case Command::plan:
+            return plan(line.render);
+        case Command::info:
+            return info(line.info);
+        case Command::cost:
+            return cost(line.trial, line.words);
+        case Command::tune:
+            return tune(line.trial, line.words, render);
+        case Command::compare:
+            return compare(line.trial, line.words);
+        case Command::farm:
+            return farm(line.farm, line.words);
+        case Command::part:
+            return make_parts(line.part);
+        case Command::join:
+            return join(line.part);
+        case Command::farm_status:
+            return farm_status(line.part);
+        case Command::watch:
+            return watch(line.render, line.text);
+        case Command::none:
+            break;
+    }
+    return 1;
+}
+
 }  // namespace
 
 /// Everything that goes wrong anywhere ends here as one line and exit status 1, or 2 for a mistake on the command line.
@@ -60,36 +96,9 @@ int main(int argc, char** argv) {
         const CommandLine line = parse(argc, argv);
         if (line.exit_code) return *line.exit_code;
         show_progress_as(progress_style_from(line.progress));
+        const ActivityTeller teller(line.render.quiet || line.part.quiet || line.encode.quiet);
         const auto record = wanted_record();
-        switch (line.command) {
-            case Command::render:
-                return render(line.render, line.text);
-            case Command::encode:
-                return encode(line.encode, line.text);
-            case Command::plan:
-                return plan(line.render);
-            case Command::info:
-                return info(line.info);
-            case Command::cost:
-                return cost(line.trial, line.words);
-            case Command::tune:
-                return tune(line.trial, line.words, render);
-            case Command::compare:
-                return compare(line.trial, line.words);
-            case Command::farm:
-                return farm(line.farm, line.words);
-            case Command::part:
-                return make_parts(line.part);
-            case Command::join:
-                return join(line.part);
-            case Command::farm_status:
-                return farm_status(line.part);
-            case Command::watch:
-                return watch(line.render, line.text);
-            case Command::none:
-                break;
-        }
-        return 1;
+        return run(line);
     } catch (const std::bad_alloc&) {
         std::fputs("render2mpeg: out of memory\n", stderr);
     } catch (const std::filesystem::filesystem_error& error) {
@@ -101,6 +110,11 @@ int main(int argc, char** argv) {
     } catch (const Refusal& error) {
         print_error(error.what());
         return 3;
+    } catch (const Interrupted& error) {
+        print_error(error.what());
+        return InterruptGuard::status();
+    } catch (const nlohmann::json::exception&) {
+        print_error("what an earlier run or `farm` left of this film is damaged: remove it, and begin anew");
     } catch (const std::exception& error) {
         print_error(error.what());
     }

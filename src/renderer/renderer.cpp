@@ -259,13 +259,20 @@ core::Radiance Renderer::Impl::trace(const UngatheredLight& ungathered, const Tr
     return std::move(truth.radiance);
 }
 
+namespace {
+
+std::vector<StoredRecord> records_of(Renderer::KnownLight light) {
+    std::vector<StoredRecord> records(light.size() / sizeof(StoredRecord));
+    if (!records.empty()) std::memcpy(records.data(), light.data(), records.size() * sizeof(StoredRecord));
+    return records;
+}
+
+}  // namespace
+
 Renderer::Renderer(const scene::Animation& animation, const Settings& settings, const Plan& plan, TextureStore* store,
                    std::optional<KnownLight> known)
     : impl_(std::make_unique<Impl>(animation, settings, plan, store)) {
-    if (!known) return;
-    std::vector<StoredRecord> records(known->size() / sizeof(StoredRecord));
-    if (!records.empty()) std::memcpy(records.data(), known->data(), records.size() * sizeof(StoredRecord));
-    impl_->cache.library().know(std::move(records));
+    if (known) impl_->cache.library().know(records_of(*known));
 }
 Renderer::Renderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Renderer::~Renderer() = default;
@@ -278,6 +285,11 @@ std::unique_ptr<Renderer> Renderer::beside(const scene::Snapshot& instant) {
 
 void Renderer::start_chunk(const scene::Snapshot& first) {
     impl_->start_chunk(first);
+}
+
+bool Renderer::is_sound(KnownLight light) {
+    const std::vector<StoredRecord> records = records_of(light);
+    return light.size() % sizeof(StoredRecord) == 0 && std::all_of(records.begin(), records.end(), &renderer::is_sound);
 }
 
 std::vector<std::byte> Renderer::found_light() {

@@ -61,6 +61,8 @@ class Renderer {
   public:
     /// Light that `found_light` returned in earlier runs of the same film under the same light, which never changes.
     using KnownLight = std::span<const std::byte>;
+    /// Whether it may be that: files can be damaged, or made by others.
+    static bool is_sound(KnownLight light);
 
     /// Takes textures from `store` (none: one of its own) and builds static data. Throws core::Error for images that
     /// cannot be read. `known`: none if `found_light` is not to be asked.

@@ -28,6 +28,8 @@ assert module.show_last_frame(0) > 0
 assert bpy.data.images["render2mpeg"].size[0] > 0
 said = bpy.data.texts["render2mpeg"].as_string()
 assert "not kept: Scene: render region" in said, said
+# A .blend of strangers names its film so; the folder's script takes it for a name.
+settings.output = os.path.join(folder, "-it's; touch PWNED; $(touch PWNED).mpg")
 assert bpy.ops.render2mpeg.folder() == {"FINISHED"}
 for name in ("film.json", "scene.glb", "render.sh"):
     assert os.path.isfile(os.path.join(settings.folder, name)), name

@@ -149,6 +149,44 @@ TEST(Farm, RefusesByNameWhatIsNotThePlans) {
     EXPECT_EQ(run(film.part("f.mpg.farm", 1)).status, 0) << "and this is it";
 }
 
+TEST(Farm, RefusesDamagedPlansInOneLineOfWords) {
+    const FarmFilm film("", 120);
+    ASSERT_EQ(film.farm("-o " + film.path("f.mpg"), "--to parallel --parts 2").status, 0);
+    const std::filesystem::path file = film / "f.mpg.farm/plan.json";
+    const nlohmann::json plan = nlohmann::json::parse(contents(file));
+    std::vector<std::string> damaged{"",
+                                     "[",
+                                     "[]",
+                                     "null",
+                                     std::string(100'000, '[') + std::string(100'000, ']'),
+                                     contents(file).substr(0, contents(file).size() / 2)};
+    // Every value in turn becomes one of another kind, a huge number, or none.
+    const nlohmann::json flat = plan.flatten();
+    for (const auto& [place, value] : flat.items())
+        for (const nlohmann::json& other : {nlohmann::json(), nlohmann::json(1e300), nlohmann::json("--nothing"),
+                                            nlohmann::json::array({-1}), nlohmann::json::object()}) {
+            nlohmann::json changed = plan;
+            changed[nlohmann::json::json_pointer(place)] = other;
+            damaged.push_back(changed.dump());
+        }
+    std::size_t refused = 0, n = 0;
+    for (const std::string& text : damaged) {
+        std::ofstream(file, std::ios::trunc) << text;
+        // Each is looked at in one way: a part that is made takes longest.
+        const std::string way = n++ % 8 == 0 ? film.part("f.mpg.farm", 1)
+                                : n % 8 == 1 ? support::program() + " join --quiet " + film.path("f.mpg.farm")
+                                             : support::program() + " farm-status " + film.path("f.mpg.farm");
+        const auto outcome = run("timeout 60 " + way);
+        SCOPED_TRACE(way + text.substr(0, 2000));
+        if (outcome.status == 0) continue;
+        ++refused;
+        EXPECT_TRUE(outcome.status == 1 || outcome.status == 3) << outcome.status << outcome.output;
+        EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
+        EXPECT_EQ(outcome.output.find("[json.exception"), std::string::npos) << outcome.output;
+    }
+    EXPECT_GT(refused, damaged.size() / 4);
+}
+
 TEST(Farm, KeepsWhatIsMadeWhereItIsGivenAgain) {
     const FarmFilm film("", 120);
     const std::string name = "-o " + film.path("f.mpg");

@@ -44,11 +44,14 @@ TEST(SlurmSlow, MakesTheFilmThatOneRunMakesAlsoWhenAPartAndASlurmdAreKilled) {
     EXPECT_TRUE(film.same("one_q.mpg", "f_q.mpg"));
 }
 
-TEST(SlurmSlow, MakesOnlyThePartsThatFailed) {
+TEST(SlurmSlow, MakesOnlyThePartsThatFailedInAFolderOfAnyName) {
     const FarmFilm film("", 240);
-    ASSERT_EQ(film.farm("-o " + film.path("f.mpg"), "--to slurm").status, 0);
-    for (const int part : {1, 2, 4}) ASSERT_EQ(run(film.part("f.mpg.farm", part)).status, 0);
-    const auto made = on_cluster(film, 2, "f.mpg.farm/submit.sh; " + wait_for_film + "ls f.mpg.farm/log f.mpg");
+    // A comment, a command and blanks.
+    ASSERT_EQ(film.farm("-o '" + film.path("{x} #  $(touch PWNED)/f.mpg") + "'", "--to slurm").status, 0);
+    for (const int part : {1, 2, 4}) ASSERT_EQ(run(film.part("?x*/f.mpg.farm", part)).status, 0);
+    const auto made =
+        on_cluster(film, 2, "cd ?x*; f.mpg.farm/submit.sh; " + wait_for_film + "ls f.mpg.farm/log f.mpg; ls -R ..");
+    EXPECT_EQ(made.output.find("PWNED\n"), std::string::npos) << made.output;
     if (made.status == 77) GTEST_SKIP() << made.output;
     EXPECT_EQ(made.status, 0) << made.output;
     EXPECT_NE(made.output.find("parts 3: job "), std::string::npos) << made.output;

@@ -5,7 +5,7 @@
 namespace render2mpeg::fuzz {
 
 std::span<const NamedTarget> targets() {
-    static constexpr std::array<NamedTarget, 10> all{{{"gltf", gltf, 400},
+    static constexpr std::array<NamedTarget, 13> all{{{"gltf", gltf, 400},
                                                       {"animation", animation, 300},
                                                       {"model", model, 25},
                                                       {"tracks", tracks, 20000},
@@ -14,7 +14,10 @@ std::span<const NamedTarget> targets() {
                                                       {"layers", layers, 100},
                                                       {"y4m", y4m, 300},
                                                       {"motion", motion, 2000},
-                                                      {"hints", hints, 600}}};
+                                                      {"hints", hints, 600},
+                                                      {"plan", plan, 1000},
+                                                      {"light", light, 300},
+                                                      {"film", film, 60}}};
     return all;
 }
 

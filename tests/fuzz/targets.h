@@ -33,5 +33,8 @@ bool layers(Input);     ///< motion in an OpenEXR file
 bool y4m(Input);        ///< an uncompressed film
 bool motion(Input);     ///< a motion stream beside pictures on standard input
 bool hints(Input);      ///< settings, pictures, motion and hints for the encoder
+bool plan(Input);       ///< a farm's plan, and any JSON of ours
+bool light(Input);      ///< a light file behind a line with the identity that is looked for
+bool film(Input);       ///< a film for `info`
 
 }  // namespace render2mpeg::fuzz

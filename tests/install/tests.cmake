@@ -5,6 +5,12 @@ add_test(NAME install.MovedTreeStillRenders
                  -P ${CMAKE_CURRENT_SOURCE_DIR}/install/moved_tree.cmake)
 set_tests_properties(install.MovedTreeStillRenders PROPERTIES LABELS slow TIMEOUT 300)
 
+# The README's two commands: what scripts/demo builds is all that is installed.
+add_test(NAME install.WhatTheDemoBuildsCanBeInstalled
+         COMMAND ${CMAKE_COMMAND} -D BUILD=${PROJECT_BINARY_DIR} -D SOURCE=${PROJECT_SOURCE_DIR} -D NINJA=${CMAKE_MAKE_PROGRAM}
+                 -P ${CMAKE_CURRENT_SOURCE_DIR}/install/demo_targets.cmake)
+set_tests_properties(install.WhatTheDemoBuildsCanBeInstalled PROPERTIES LABELS fast TIMEOUT 60)
+
 # The encoder alone, as a library: the example is built against the installed package, and its film decodes.
 add_test(NAME install.TheEncoderIsALibraryOfItsOwn
          COMMAND ${CMAKE_COMMAND} -D BUILD=${PROJECT_BINARY_DIR} -D SOURCE=${PROJECT_SOURCE_DIR} -D COMPILER=${CMAKE_CXX_COMPILER}

@@ -267,7 +267,23 @@ TEST(BlenderAddOnSlow, MakesAFilmItsFolderAndTellsMistakes) {
     const Outcome elsewhere = run("PATH=" + support::binary_folder().string() +
                                   ":/usr/bin:/bin RENDER2MPEG_BLENDER=/nowhere " + path(folder, "elsewhere/render.sh"));
     EXPECT_EQ(elsewhere.status, 0) << elsewhere.output;
-    EXPECT_EQ(contents(folder / "elsewhere/film.mpg"), contents(folder / "film.mpg")) << "the same film";
+    EXPECT_EQ(contents(folder / "elsewhere/-it's; touch PWNED; $(touch PWNED).mpg"), contents(folder / "film.mpg"))
+        << "the same film";
+    EXPECT_FALSE(std::filesystem::exists(folder / "elsewhere/PWNED"));
+}
+
+TEST(BlendWithoutNumpy, NamesThePackageThatIsMissing) {
+    NEEDS_BLENDER();
+    const Folder folder;
+    std::ofstream(folder / "blender") << "#!/bin/sh\nexec /usr/bin/env blender --python-expr 'import sys; "
+                                         "sys.modules[\"numpy\"] = None' \"$@\"\n";
+    std::filesystem::permissions(folder / "blender", std::filesystem::perms::owner_all);
+    make(folder, "markers");
+    const Outcome refused = run("RENDER2MPEG_BLENDER=" + path(folder, "blender") + " " + program() +
+                                " plan --within 0 " + path(folder, "markers.blend"));
+    EXPECT_EQ(refused.status, 1);
+    EXPECT_NE(refused.output.find("markers.blend: Blender's Python lacks numpy: install it"), std::string::npos)
+        << refused.output;
 }
 
 TEST(BlenderAimSlow, HasACarShowASign) {

@@ -170,7 +170,7 @@ TEST(Encode, RefusesInOneLineAndLeavesNothing) {
         EXPECT_NE(outcome.output.find(words), std::string::npos) << outcome.output;
     };
     refused("absent.y4m", "", "absent.y4m");
-    refused("x.avi", "", ".y4m");
+    refused("x.avi", "", "ffmpeg -i ");
     refused("v.0.exr", "", "%04d");
     refused("absent.%d.exr", "", "no file has such a name");
     refused("broken.%d.exr", "", "broken.0.exr");

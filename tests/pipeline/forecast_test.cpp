@@ -95,7 +95,10 @@ TEST(Forecast, StopsInTheMidstOfAFrame) {
     RenderJob film = small_film(support::plain_film(), "64x64");
     app::LoopObserver nobody;
     app::Progress progress(1, true);
-    EXPECT_FALSE(app::sample_frames(film, {{0, 0, 3}}, 0, nobody, progress).has_value()) << "its time was over";
+    EXPECT_FALSE(app::sample_frames(
+                     film, {{0, 0, 3}}, [] { return true; }, nobody, progress)
+                     .has_value())
+        << "its time was over";
 }
 
 TEST(Windows, LieInEachShot) {

@@ -56,6 +56,30 @@ TEST(StandardDescriptors, ThatAreClosedAreNoFilesOfOurs) {
     EXPECT_EQ(full.status, 1) << "what is closed cannot be written to";
 }
 
+TEST(OwnFiles, ThatAreNestedDeeperThanOursAreRead) {
+    EXPECT_EQ(app::parsed_json(R"({"a": [1, {"b": null}]})").dump(), R"({"a":[1,{"b":null}]})");
+    EXPECT_TRUE(app::parsed_json(std::string(33, '[') + std::string(33, ']')).is_array());
+    EXPECT_TRUE(app::parsed_json(std::string(34, '[') + std::string(34, ']')).is_discarded());
+    EXPECT_TRUE(app::parsed_json("{").is_discarded());
+}
+
+TEST(OwnFiles, ThatAreDamagedAreRefusedInOneLine) {
+    const Folder folder;
+    const std::string film = program() + " render " + plain_film() + few_rays + "--quiet --resume -o " +
+                             path(folder, "f.mpg"),
+                      deep = std::string(100'000, '[') + std::string(100'000, ']'),
+                      work = path(folder, "f.mpg.partial");
+    for (const std::string& manifest : {deep, R"({"identity": )" + deep + "}", std::string("[]"),
+                                        std::string("nothing"), std::string("{\"identity\"")}) {
+        std::filesystem::create_directory(work);
+        put_text(work + "/manifest.json", manifest);
+        const auto outcome = run(film);
+        EXPECT_EQ(outcome.status, 1) << manifest.substr(0, 20);
+        EXPECT_TRUE(mentions(outcome, "manifest.json is damaged")) << outcome.output;
+        std::filesystem::remove_all(work);
+    }
+}
+
 TEST(Interrupts, LeaveErrnoAndAreAllCounted) {
     const app::InterruptGuard guard(true);
     EXPECT_FALSE(app::InterruptGuard::requested());

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -228,6 +229,38 @@ TEST(LightCache, IsRefusedByNameOrToldToHaveNoEffect) {
     const auto off = films.render("d", few + "--cache off " + films.with());
     EXPECT_EQ(off.status, 0);
     EXPECT_NE(off.output.find("--light-cache has no effect: no light is kept"), std::string::npos) << off.output;
+}
+
+/// A light file of the same identity with one record in it changed: four bytes from `place` on.
+void forge(const std::filesystem::path& file, std::size_t place, std::uint32_t bytes) {
+    const std::string text = contents(file);
+    const std::size_t head = std::string("render2mpeg light\n").size() + 16;
+    const json identity = json::parse(text.substr(head, text.find('\n', text.find("\n}", head)) - head + 2));
+    LightFile light(file, identity);
+    std::vector<std::byte> known = light.known(light.extent());
+    for (std::size_t at = place; at + 4 <= known.size(); at += 144) std::memcpy(known.data() + at, &bytes, 4);
+    std::filesystem::remove(file);
+    LightFile(file, identity).add(known);
+}
+
+TEST(LightCache, RefusesLightThatNoRunHasFound) {
+    const Walk films;
+    const std::string few = "--frames 0:0 --hold -q 16 --quiet ";
+    ASSERT_EQ(films.render("a", few + films.with()).status, 0);
+    const std::string light = contents(films.place("l.light"));
+    // Light, a position, an error, and the set of lights, which is looked up in a table.
+    for (const auto& [place, bytes] :
+         {std::pair{22u, 0xffffffffu}, {80u, 0x7fc00000u}, {124u, 0xff800000u}, {140u, 0xffffffffu}}) {
+        std::ofstream(films.place("l.light"), std::ios::binary) << light;
+        forge(films.place("l.light"), place, bytes);
+        const auto refused = films.render("b", few + films.with());
+        EXPECT_EQ(refused.status, 1) << place;
+        EXPECT_NE(refused.output.find("l.light: it holds light that no run has found"), std::string::npos)
+            << place << refused.output;
+    }
+    std::ofstream(films.place("l.light"), std::ios::binary) << light;
+    forge(films.place("l.light"), 1u << 30, 0);
+    EXPECT_EQ(films.render("b", few + films.with()).status, 0) << "what is right is taken";
 }
 
 }  // namespace

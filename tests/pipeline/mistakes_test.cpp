@@ -55,6 +55,12 @@ const std::vector<Mistake>& commands() {
 const std::vector<Mistake>& names() {
     static const std::vector<Mistake> all{
         {"render S -o x.mpg --siz 64x64", 2, {"--siz:", "did you mean --size?"}},
+        {"render S -o x.mpg --denoise", 2, {"--denoise:", "no such option; no picture has noise", "--tolerance"}},
+        {"render S -o x.mpg --gpu", 2, {"--gpu:", "no such option; light is found by processors"}},
+        {"render S -o x.mpg --fov 30", 2, {"--fov:", "no such option; a lens is its camera's"}},
+        {"render S -o x.mpg --start 3", 2, {"--start:", "--frames A:B"}},
+        {"render S -o x.mpg --width 640", 2, {"--width:", "--size WxH"}},
+        {"tune S -o x.mpg --target-size 1", 2, {"--target-size:", "--max-size of `tune`"}},
         {"render S -o x.mpg --quantizer 5", 2, {"--quantizer:", "did you mean --quantiser?"}},
         {"render S -o x.mpg --quantiser=5 --qualty=6", 2, {"--qualty:", "did you mean --quality?"}},
         {"render S -o x.mpg --tolerence 2%", 2, {"--tolerence:", "did you mean --tolerance?"}},
@@ -104,7 +110,7 @@ const std::vector<Mistake>& values() {
         {"render S -o x.mpg --quantiser fine", 2, {"--quantiser fine: expected a number from 1 to 31"}},
         {"render S -o x.mpg --quality 101", 2, {"--quality 101: expected a number from 0 to 100"}},
         {"render S -o x.mpg --bitrate fast", 2, {"--bitrate fast: expected bits", "1.5M"}},
-        {"render S -o x.mpg -b 6 --dry-run", 2, {"bit rate 6", "at least 400"}},
+        {"render S -o x.mpg -b 6 --dry-run", 2, {"--bitrate 6:", "did you mean 6M?"}},
         {"render S -o x.mpg --tolerance 2", 2, {"--tolerance 2: expected", "2%"}},
         {"render S -o x.mpg --tolerance fixed=2", 2, {"--tolerance fixed=2: expected", "fixed=2%"}},
         {"render S -o x.mpg --tolerance 200%", 2, {"--tolerance 200%: expected", "0 to 100"}},
@@ -141,6 +147,9 @@ const std::vector<Mistake>& contradictions() {
         {"render S -o x.mpg --quantiser 4 --quality 50", 2, {"--quantiser and --quality", "give one"}},
         {"render S -o x.mpg --quality 50 --bitrate 1M", 2, {"--quality and --bitrate", "give one"}},
         {"render S -o x.mpg --cbr", 2, {"--cbr:", "--bitrate 6M"}},
+        {"render S -o x.mpg --bitrate 0.2k", 2, {"--bitrate 0.2k:", "at least 400"}},
+        {"render S -o x.mpg --effort draft --aov d", 2, {"--aov: with --effort draft there are no layers"}},
+        {"render S -o x.mpg --preview --aov d", 2, {"--aov: with --preview there are no layers"}},
         {"render S -o x.mpg --passes 2", 2, {"--passes:", "--bitrate"}},
         {"render S -o x.mpg --display-aspect 4:3 --pixel-aspect 1:1",
          2,
@@ -209,6 +218,10 @@ const std::vector<Mistake>& files() {
         {"render S -o x.mpg --audio worn.obj", 1, {"worn.obj: what it holds is neither a film nor sound"}},
         {"render S -o x.mpg --last-frame x.jpg", 1, {"--last-frame x.jpg: it is a .png"}},
         {"info nothing.mpg", 1, {"nothing.mpg", "there is no such file"}},
+        {"render S -o x.mpg --stats notes.txt", 1, {"notes.txt", "is there already", "-y replaces it"}},
+        {"cost S --json notes.txt", 1, {"notes.txt", "is there already", "-y replaces it"}},
+        {"encode there.mpg -o x.mpg", 1, {"there.mpg: it is coded", "`ffmpeg -i there.mpg -f yuv4mpegpipe - |"}},
+        {"plan zeros.glb", 1, {"zeros.glb: it is empty, or damaged"}},
         {"encode frames.png -o x.mpg", 1, {"frames.png", "frames.%04d.png"}},
         {"encode f.%d.png -o x.mpg", 1, {"f.%d.png", "no file has such a name"}},
     };
@@ -234,6 +247,7 @@ TEST_P(Mistakes, AreToldInOneLineWithTheirCure) {
     for (const char* name : {"notes.xyz", "shot.png", "song.wav", "old.blend1", "stage.usd", "room.blend"})
         std::ofstream(folder / name) << "not looked into\n";
     std::ofstream(folder / "worn.obj") << '\1';
+    std::ofstream(folder / "zeros.glb") << std::string(100, '\0');
     std::filesystem::create_directory(folder / "empty");
     std::filesystem::create_symlink("nowhere.glb", folder / "tie.glb");
     ASSERT_EQ(mkfifo((folder / "tube.glb").c_str(), 0600), 0);
@@ -253,6 +267,14 @@ TEST_P(Mistakes, AreToldInOneLineWithTheirCure) {
 
 INSTANTIATE_TEST_SUITE_P(Of, Mistakes,
                          testing::Values(&commands(), &names(), &words(), &values(), &contradictions(), &files()));
+
+TEST(Watching, WithoutADisplayIsRefused) {
+    const auto outcome = support::run("timeout 60 env -u DISPLAY -u WAYLAND_DISPLAY -u SDL_VIDEODRIVER " +
+                                      support::program() + " watch " + support::plain_film());
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_NE(outcome.output.find("there is no display; -o draft.mp4 writes each draft"), std::string::npos)
+        << outcome.output;
+}
 
 TEST(Mistakes100, AreThatMany) {
     std::size_t count = 0;

@@ -72,6 +72,41 @@ TEST(WorkFolder, IsNoOtherRunsMeanwhileSlow) {
     EXPECT_FALSE(std::filesystem::exists(folder / "a.mpg.partial"));
 }
 
+TEST(Pipes, ThatNobodyReadsEndWithTheFirstSignal) {
+    const Folder folder;
+    test::write_frames(path(folder, "in.y4m"), 32, 32, "25:1", "1:1", 2);
+    for (const char* pipe : {"p.mpg", "p.json"}) ASSERT_EQ(run("mkfifo " + path(folder, pipe)).status, 0);
+    const std::string film = program() + " render " + plain_film() + tiny + " --quiet -y -o ";
+    const std::string commands[] = {
+        film + path(folder, "p.mpg"), film + path(folder, "f.mpg") + " --stats " + path(folder, "p.json"),
+        film + path(folder, "f.mpg") + " --heatmap quantiser " + path(folder, "p.mpg"),
+        program() + " encode " + path(folder, "in.y4m") + " --quiet -y -o " + path(folder, "p.mpg")};
+    for (const std::string& command : commands)
+        for (const auto& [signal, status] : {std::pair{"INT", 130}, {"TERM", 143}}) {
+            const auto outcome = run("env --default-signal=INT timeout --signal=KILL 60 " + command +
+                                     " & job=$!; sleep 2; kill -" + signal + " $job; wait $job");
+            EXPECT_EQ(outcome.status, status) << command << outcome.output;
+        }
+    // Who comes late gets the film, and who goes early is told.
+    const auto late = run(film + path(folder, "p.mpg") + " & job=$!; sleep 1; cat " + path(folder, "p.mpg") + " > " +
+                          path(folder, "read.mpg") + "; wait $job");
+    EXPECT_EQ(late.status, 0) << late.output;
+    ASSERT_EQ(run(film + path(folder, "f.mpg")).status, 0);
+    EXPECT_EQ(contents(folder / "read.mpg"), contents(folder / "f.mpg"));
+    std::filesystem::create_symlink("/dev/full", folder / "full.mpg");
+    EXPECT_NE(run(film + path(folder, "full.mpg")).output.find("full.mpg: No space left"), std::string::npos);
+}
+
+TEST(WorkFolder, OfImagesIsGoneWhereNoneCouldBeWritten) {
+    const Folder folder;
+    const auto full =
+        run("ulimit -f 4; " + program() + " render " + plain_film() +
+            " --size 320x240 --samples 1 --vpls 0 --exposure 0 --frames 0:1 --quiet -o " + path(folder, "p%03d.png"));
+    EXPECT_EQ(full.status, 1) << full.output;
+    EXPECT_EQ(std::count(full.output.begin(), full.output.end(), '\n'), 1) << full.output;
+    EXPECT_EQ(folder.entries(), 0u) << full.output;
+}
+
 TEST(WorkFolder, ThatIsForeignIsRefusedBeforeAnythingIsDone) {
     const Folder folder;
     std::filesystem::create_directory(folder / "a.mpg.partial");

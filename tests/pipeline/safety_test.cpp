@@ -132,7 +132,7 @@ TEST(Outputs, ThatFailCostNoOthersSlow) {
 TEST(Outputs, AreWrittenWholeOrNotAtAll) {
     const Folder folder, other;
     const auto film = [](const Folder& to) {
-        return render_to(to, "f.m2v", "--quiet --frames 0:24 --quantiser 31 --stats " + path(to, "s.json"));
+        return render_to(to, "f.m2v", "--quiet -y --frames 0:24 --quantiser 31 --stats " + path(to, "s.json"));
     };
     ASSERT_EQ(run(film(other)).status, 0);
     write_text(folder / "s.json", "{\"before\": 1}");
@@ -299,6 +299,7 @@ TEST(CommandLine, OfStatisticsCanBeGivenToAShellAgain) {
               0);
     const std::string again = json::parse(contents(statistics)).at("command").get<std::string>();
     std::filesystem::remove(odd);
+    std::filesystem::remove(statistics);
     EXPECT_EQ(run(again).status, 0) << again;
     EXPECT_TRUE(std::filesystem::exists(odd)) << again;
 }

@@ -8,11 +8,13 @@
 #include <string>
 #include <vector>
 
+#include "app/experiments/experiments.h"
 #include "app/experiments/trial.h"
 #include "app/experiments/tuning.h"
 #include "app/options/option_text.h"
 #include "app/options/options.h"
 #include "app/options/output_kind.h"
+#include "core/text.h"
 #include "perceptual/metrics.h"
 #include "pipeline/fixture.h"
 
@@ -292,6 +294,37 @@ TEST(Tune, LoosensLightUntilItIsInTime) {
     EXPECT_LT(easy.at("rows")[0].at("value").get<double>(), 36000);
     EXPECT_GT(easy.at("rows")[0].at("value").get<double>(), 0);
     EXPECT_NE(easy.at("render").get<std::string>().find("--quantiser 8"), std::string::npos);
+}
+
+TEST(Tune, MakesTheFilmAgainWhereItMissed) {
+    std::vector<std::string> words{"render2mpeg", "tune", plain_film(), "--target-psnr", "40",     "--references", "0",
+                                   "--frames",    "0:3",  "-o",         "never.mpg",     "--quiet"};
+    const std::string search = small_search.substr(1);
+    for (const std::string_view word : core::words_in(search)) words.emplace_back(word);
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    const app::CommandLine line = app::parse(static_cast<int>(arguments.size()), arguments.data());
+    std::vector<double> qualities;
+    // A film that is 0.6 dB below its sample, and gains 0.2 dB with each step of quality.
+    const auto make = [&](const app::RenderOptions& options, const std::string&, app::Rendered* rendered) {
+        qualities.push_back(*options.coding.quality);
+        const double psnr = 39.4 + 0.2 * (qualities.back() - qualities.front());
+        rendered->statistics.frames.resize(4);
+        for (app::FrameEntry& frame : rendered->statistics.frames) frame.mse_y = 255 * 255 / std::pow(10, psnr / 10);
+        return 0;
+    };
+    EXPECT_EQ(app::tune(line.trial, line.words, make), 0);
+    ASSERT_EQ(qualities.size(), 2u);
+    EXPECT_NEAR(qualities[1] - qualities[0], 3, 0.11);
+    // One that no quality helps is given up.
+    qualities.clear();
+    const auto deaf = [&](const app::RenderOptions& options, const std::string& command, app::Rendered* rendered) {
+        make(options, command, rendered);
+        for (app::FrameEntry& frame : rendered->statistics.frames) frame.mse_y = 100;
+        return 0;
+    };
+    EXPECT_EQ(app::tune(line.trial, line.words, deaf), 1);
+    EXPECT_EQ(qualities.size(), 3u);
 }
 
 }  // namespace

@@ -154,6 +154,7 @@ TEST(AnimationFileSchema, RefusesWhatTheReaderRefusesAndAcceptsWhatItAccepts) {
          R"({"view": "filmic-low-contrast"})", R"({"view": {"name": "agx", "gamma": 1.2}})", R"({"glare": "temporal"})",
          R"({"fog": 40})",
          R"({"fog": {"visibility": 40, "color": [1, 0.9, 0.8], "anisotropy": -0.3, "height": 2, "falloff": 4}})",
+         R"({"fog": {"visibility": 40, "anisotropy": 0.95}})", R"({"fog": {"visibility": 40, "anisotropy": -0.95}})",
          R"({"glare": {"kind": "static", "strength": 0.5, "size": 1, "seed": 7}})",
          R"({"objects": [{"shape": "quad", "reflections": [{"at": [0, 0, 0], "see": [1, 2, 3], "radius": 1, "border": 2}]}]})",
          R"({"sky": {"zenith": [0, 0, 1], "horizon": 2}})", R"({"sky": "#102030"})",

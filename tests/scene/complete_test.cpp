@@ -335,5 +335,30 @@ TEST(Complete, LightsAFilmWithoutLightByANeutralSkyAndSaysSo) {
     EXPECT_FALSE(glowing.sky.shines());
 }
 
+TEST(LostObjects, AreNamed) {
+    for (const glm::vec3 scale : {glm::vec3(1), glm::vec3(1, 1e-12f, 1), glm::vec3(1, 0, 1), glm::vec3(0)}) {
+        Animation film = square_film();
+        film.objects[0].name = "flat";
+        film.nodes[1].scale = scale;
+        complete(film);
+        EXPECT_EQ(has_note(film, "object 0 \"flat\": a scale of 0"), scale.y == 0) << scale.y;
+    }
+    for (const double place : {1e3, 1e6, 1e7, -1e9}) {
+        Animation film = square_film();
+        // Another square stays, so that there is no other origin.
+        film.objects.push_back(film.objects[0]);
+        film.objects[1].node = 3;
+        film.objects[1].name = "far";
+        film.nodes.emplace_back();
+        film.nodes[3].translation = {place, 0, 0};
+        film.nodes.emplace_back();
+        film.nodes[4].translation = {-place, 0, 0};
+        film.objects.push_back(film.objects[0]);
+        film.objects[2].node = 4;
+        complete(film);
+        EXPECT_EQ(has_note(film, "object 1 \"far\" and 1 other: too far"), std::abs(place) > 1e6) << place;
+    }
+}
+
 }  // namespace
 }  // namespace render2mpeg::scene

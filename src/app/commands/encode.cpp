@@ -397,7 +397,8 @@ int encode(const EncodeOptions& options, const std::string& command) {
     if (!options.quiet) print_notes(job, options);
     std::vector<Files> films;
     if (!options.as) films.emplace_back(options.output);
-    require_consent({films, {options.stats.value_or("")}}, options.overwrite);
+    if (options.stats) films.emplace_back(*options.stats);
+    require_consent({films, {}}, options.overwrite);
     if (!options.as) check_writable(options.output);
     if (options.stats) check_writable(*options.stats);
 

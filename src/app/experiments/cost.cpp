@@ -178,7 +178,7 @@ void Cost::write(const std::vector<std::string>& words) {
                   [&] {
                       return TrialPage{"cost", "what accuracy costs",
                                        (sweep_.complete ? "" : "Interrupted: this is a part of it. ") + answer,
-                                       cost_page(film, sweep_)};
+                                       cost_page(film, sweep_, costs)};
                   });
 }
 

@@ -56,7 +56,8 @@ std::optional<Lit> light(const RenderJob& film, const std::vector<Chunk>& window
     const auto frames = static_cast<std::int64_t>(windows.size()) * windows.front().frames();
     Progress progress(frames, quiet || !shows_steps(), name, Counted::frames_of_step);
     Pictures pictures(windows);
-    const auto sample = sample_frames(small, windows, std::numeric_limits<double>::infinity(), pictures, progress);
+    const auto sample = sample_frames(
+        small, windows, [] { return false; }, pictures, progress);
     if (!sample) return {};
     return Lit{film_by(film, *sample).seconds, std::move(pictures.all)};
 }
@@ -288,14 +289,17 @@ json cost_json(const Sweep& sweep, const std::vector<FilmCost>& costs, std::int6
             {"complete", sweep.complete}};
 }
 
-json cost_page(const RenderJob& film, const Sweep& sweep) {
+json cost_page(const RenderJob& film, const Sweep& sweep, const std::vector<FilmCost>& costs) {
     const perceptual::ColorMatrix matrix = perceptual::matrix_for(film.format.height);
-    const TrialRow& loosest = sweep.rows.front();
+    // The recommended one, as the table has it.
+    const std::optional<std::size_t> taken = recommended(costs);
+    const auto shown = std::find_if(sweep.rows.begin(), sweep.rows.end(),
+                                    [&](const TrialRow& row) { return taken && row.name == costs[*taken].value; });
+    const TrialRow& row = shown == sweep.rows.end() ? sweep.rows.front() : *shown;
     json pictures = json::array(), without = json::array(), wholes = json::object();
-    if (const auto& own = loosest.trial.sample_frame)
-        pictures.push_back(
-            pair_of(fmt::format("Frame {}, before coding: the loosest light beside the most exact", own->frame),
-                    {loosest.name, own->lit}, {"exact", own->reference}, matrix, true));
+    if (const auto& own = row.trial.sample_frame)
+        pictures.push_back(pair_of(fmt::format("Frame {}, before coding: {} beside exact light", own->frame, row.name),
+                                   {row.name, own->lit}, {"exact", own->reference}, matrix, true));
     for (const EffectCost& cost : sweep.effects.rows) {
         without.push_back({{"source", source_of("without " + cost.name, cost.without, matrix)},
                            {"width", shown_width(cost.without.width())},
@@ -307,7 +311,7 @@ json cost_page(const RenderJob& film, const Sweep& sweep) {
             {"pictures", pictures},
             {"without", without},
             {"wholes", wholes},
-            {"sample", sample_frame_figures(loosest.name, loosest.trial, film)}};
+            {"sample", sample_frame_figures(row.name, row.trial, film)}};
 }
 
 }  // namespace render2mpeg::app

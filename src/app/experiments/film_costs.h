@@ -102,7 +102,7 @@ std::string film_cost_table(const std::vector<FilmCost>& costs);
 
 /// All results (docs/json.md), and what a page shows besides.
 nlohmann::json cost_json(const Sweep& sweep, const std::vector<FilmCost>& costs, std::int64_t frames);
-nlohmann::json cost_page(const RenderJob& film, const Sweep& sweep);
+nlohmann::json cost_page(const RenderJob& film, const Sweep& sweep, const std::vector<FilmCost>& costs);
 
 /// Columns of `cost`, in 80 characters.
 extern const TrialColumns cost_columns;

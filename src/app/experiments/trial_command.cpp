@@ -106,6 +106,7 @@ void check_trial_outputs(const RenderJob& film, const TrialOptions& options) {
         outputs.emplace_back(options.render.output);
     }
     check_apart(inputs_of(film, options.render), outputs);
+    if (options.json) require_consent({{*options.json}, {}}, options.render.overwrite);
 }
 
 void require_trial_consent(const TrialOptions& options) {

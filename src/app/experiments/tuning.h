@@ -95,6 +95,7 @@ struct WholeFilm {
     double psnr_y = 0;    ///< decoded against the pictures as they were lit
     double ssim_y = 0;    ///< likewise
     Quality reference;    ///< with what light adds on the sample (with_light)
+    double setting = 0;   ///< its --quality, where that is what is looked for
 };
 
 enum class Found {

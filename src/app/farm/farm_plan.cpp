@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
@@ -36,6 +35,25 @@ std::filesystem::path inputs_folder_of(const FarmPlan& plan) {
 std::filesystem::path absolute_of(const std::filesystem::path& place) {
     std::error_code error;
     return std::filesystem::absolute(place, error).lexically_normal();
+}
+
+/// Whether the parts follow each other, and what is looked up is there.
+bool is_sound(const FarmPlan& plan) {
+    // chosen: ten million chunks, 270 days; a plan that says more is damaged.
+    constexpr std::size_t most_chunks = 10'000'000;
+    std::size_t chunks = 0;
+    int number = 1;
+    for (const FilmPart& part : plan.parts) {
+        const bool follows = part.number == number++ && part.chunks.first == chunks && part.chunks.last >= chunks &&
+                             part.chunks.last < most_chunks && part.frames.first <= part.frames.last;
+        if (!follows) return false;
+        chunks = part.chunks.last + 1;
+    }
+    const json& identity = plan.facts->at("identity");
+    const bool is_named = plan.output_name == std::filesystem::path(plan.output_name).filename();
+    return chunks > 0 && plan.words.size() >= 3 && is_named && identity.at("instruction set").is_string() &&
+           identity.at("render2mpeg").is_string() && plan.facts->at("settled").is_object() &&
+           plan.facts->at("cost").is_object();
 }
 
 }  // namespace
@@ -88,9 +106,9 @@ FarmPlan read_plan(const std::filesystem::path& place) {
     std::error_code error;
     const bool is_folder = std::filesystem::is_directory(place, error);
     const std::filesystem::path file = is_folder ? place / plan_name : place;
-    std::ifstream stream(file);
-    if (!stream) throw core::Error("reading", file.string(), "there is no plan; `render2mpeg farm` makes one");
-    const json written = json::parse(stream, nullptr, false);
+    if (!std::filesystem::exists(file, error))
+        throw core::Error("reading", file.string(), "there is no plan; `render2mpeg farm` makes one");
+    const json written = read_json(file);
     try {
         if (written.at("format") != plan_format)
             throw Refusal("reading", file.string(), "the plan is of another version of render2mpeg");
@@ -105,11 +123,10 @@ FarmPlan read_plan(const std::filesystem::path& place) {
         written.at("parts").get_to(plan.parts);
         plan.facts = std::make_shared<json>();
         for (const char* fact : {"identity", "settled", "cost"}) (*plan.facts)[fact] = written.at(fact);
-        if (plan.parts.empty() || plan.words.size() < 3) throw json::other_error::create(501, "empty", nullptr);
-        return plan;
+        if (is_sound(plan)) return plan;
     } catch (const json::exception&) {
-        throw core::Error("reading", file.string(), "it is no plan that `render2mpeg farm` has written");
     }
+    throw core::Error("reading", file.string(), "it is no plan that `render2mpeg farm` has written, or is damaged");
 }
 
 void write_plan(const FarmPlan& plan) {
@@ -133,9 +150,15 @@ RenderOptions options_of(const FarmPlan& plan) {
     std::vector<std::string> words = plan.words;
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
-    RenderOptions options = parse(static_cast<int>(arguments.size()), arguments.data()).render;
-    options.isa = plan.facts->at("identity").at("instruction set").get<std::string>();
-    return options;
+    try {
+        RenderOptions options = parse(static_cast<int>(arguments.size()), arguments.data()).render;
+        options.isa = plan.facts->at("identity").at("instruction set").get<std::string>();
+        return options;
+    } catch (const UsageError& error) {
+        // Nobody typed it now.
+        throw core::Error("reading", (plan.folder / plan_name).string(),
+                          std::string("its command is damaged: ") + error.what());
+    }
 }
 
 RenderOptions part_options(const FarmPlan& plan, const FilmPart& part, const RenderOptions& film) {
@@ -182,7 +205,9 @@ void refuse_other_machine(const FarmPlan& plan) {
 }
 
 void refuse_other_film(const FarmPlan& plan, const RenderJob& film, const RenderOptions& options) {
-    const std::string difference = difference_of(plan.facts->at("identity"), farm_identity(plan, film, options));
+    std::string difference = difference_of(plan.facts->at("identity"), farm_identity(plan, film, options));
+    if (difference.empty() && plan.parts.back().chunks.last + 1 != film.chunks().size())
+        difference = "its parts are not the film's";
     if (!difference.empty()) throw Refusal("making", plan.folder.string(), difference + " since `farm` planned it");
 }
 

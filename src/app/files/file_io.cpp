@@ -11,9 +11,11 @@
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <system_error>
 #include <vector>
 
+#include "app/files/output_stream.h"
 #include "core/error.h"
 #include "core/text.h"
 
@@ -75,9 +77,8 @@ void write_whole(const std::filesystem::path& file, const std::string& text) {
     std::error_code error;
     const std::filesystem::file_status status = std::filesystem::status(file, error);
     if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
-        std::FILE* stream = std::fopen(file.c_str(), "wb");
-        const int failure = stream == nullptr ? errno : write_and_close(stream, text);
-        if (stream == nullptr || failure != 0) fail(file, failure);
+        std::istringstream from(text);
+        write_into(file, from);
         return;
     }
 
@@ -114,9 +115,24 @@ std::string json_text(const nlohmann::json& value) {
     return value.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
+nlohmann::json parsed_json(std::string_view text) {
+    using nlohmann::json;
+    // Values are copied, compared and written by functions that call themselves.
+    constexpr int deepest = 32;
+    bool too_deep = false;
+    json value = json::parse(
+        text,
+        [&](int depth, json::parse_event_t, json&) {
+            too_deep = too_deep || depth > deepest;
+            return !too_deep;
+        },
+        false);
+    return too_deep ? json(json::value_t::discarded) : value;
+}
+
 nlohmann::json read_json(const std::filesystem::path& file) {
-    std::ifstream stream(file);
-    return nlohmann::json::parse(stream, nullptr, false);
+    std::ifstream stream(file, std::ios::binary);
+    return parsed_json(std::string(std::istreambuf_iterator<char>(stream), {}));
 }
 
 void write_json(const std::filesystem::path& file, const nlohmann::json& value) {

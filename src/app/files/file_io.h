@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <string_view>
 
 #include "core/checksum.h"
 #include "core/picture.h"
@@ -19,7 +20,10 @@ std::string file_text(const std::filesystem::path& file);
 /// JSON as lines of text; invalid UTF-8 is replaced.
 std::string json_text(const nlohmann::json& value);
 
-/// JSON of a file; `discarded` (nlohmann) where it cannot be read.
+/// JSON that this program wrote; `discarded` (nlohmann) where it is none, or nested deeper than 32 levels, as nothing
+/// of ours is.
+nlohmann::json parsed_json(std::string_view text);
+/// The same of a file; `discarded`, too, where it cannot be read.
 nlohmann::json read_json(const std::filesystem::path& file);
 
 void write_json(const std::filesystem::path& file, const nlohmann::json& value);

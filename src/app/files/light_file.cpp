@@ -120,7 +120,7 @@ std::size_t LightFile::whole_of(std::string_view text, std::size_t from) const {
         place = magic.size();
         if (magic.starts_with(text)) return 0;
         if (!text.starts_with(magic)) throw core::Error("reading", file_.string(), "it is no light file");
-        const auto identity = nlohmann::json::parse(block_at(text, place), nullptr, false);
+        const auto identity = parsed_json(block_at(text, place));
         if (identity.is_discarded()) return 0;
         if (const std::string difference = difference_of(identity, *identity_); !difference.empty())
             throw core::Error("reading", file_.string(), "it has other light: " + difference);

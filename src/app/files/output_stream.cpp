@@ -1,5 +1,6 @@
 #include "app/files/output_stream.h"
 
+#include <fcntl.h>
 #include <poll.h>
 #include <unistd.h>
 
@@ -8,6 +9,8 @@
 #include <chrono>
 #include <climits>
 #include <cstring>
+#include <istream>
+#include <memory>
 #include <utility>
 
 #include "app/system/interrupt.h"
@@ -127,6 +130,26 @@ void OutputStream::finish() {
         if (failure_ == EPIPE && taken_ == written_) return;
     }
     check();
+}
+
+void write_into(const std::filesystem::path& file, std::istream& from) {
+    // Without O_NONBLOCK a signal would not end the wait for a reader.
+    int descriptor = -1;
+    while ((descriptor = open(file.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC)) < 0) {
+        if (errno != ENXIO && errno != EINTR) throw core::Error("writing", file.string(), std::strerror(errno));
+        if (InterruptGuard::requested()) throw Interrupted("writing", file.string(), "interrupted; nobody read it");
+        std::this_thread::sleep_for(beat);
+    }
+    const std::unique_ptr<int, void (*)(int*)> closed(&descriptor, [](int* open) { close(*open); });
+    OutputStream out(descriptor, file.string());
+    std::vector<char> piece(1 << 20);
+    while (from.read(piece.data(), static_cast<std::streamsize>(piece.size())), from.gcount() > 0) {
+        const auto bytes = std::as_bytes(std::span(piece).first(static_cast<std::size_t>(from.gcount())));
+        if (!out.put({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()})) break;
+    }
+    out.finish();
+    if (!out.has_written_all()) throw Interrupted("writing", file.string(), "interrupted; its reader takes no more");
+    if (from.bad() || !from.eof()) throw core::Error("writing", file.string(), "what goes there cannot be read");
 }
 
 FilmStream::FilmStream(OutputStream& out, const std::filesystem::path& name, const Film& film)

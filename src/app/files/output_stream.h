@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <deque>
 #include <filesystem>
+#include <iosfwd>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -36,6 +37,8 @@ class OutputStream {
     /// Waits until all is written. Throws core::Error; an interruption is none.
     void finish();
     std::uint64_t bytes() const { return taken_; }
+    /// After finish().
+    bool has_written_all() const { return taken_ == written_; }
 
   private:
     void write_all();
@@ -52,6 +55,10 @@ class OutputStream {
     struct sigaction before_ {};
     std::thread writer_;
 };
+
+/// Writes all that is left of `from` into a pipe or device. Waits for a reader as long as it takes. Throws core::Error,
+/// and Interrupted where an interruption came before all was taken.
+void write_into(const std::filesystem::path& file, std::istream& from);
 
 /// Writes coded pictures as a transport or elementary stream, each when the next one comes, since the last carries the
 /// end code. Throws core::Error.

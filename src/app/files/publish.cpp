@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include "app/files/file_io.h"
+#include "app/files/output_stream.h"
 #include "app/options/output_kind.h"
 #include "core/error.h"
 #include "encoder/av/av.h"
@@ -84,16 +85,6 @@ bool meet(const Files& a, const Files& b) {
     for (std::int64_t n = a.frames->first; n <= last; ++n)
         if (holds(*b.frames, number_in(b.name, numbered(a.name, n)))) return true;
     return false;
-}
-
-void write_into(const std::filesystem::path& file, const std::filesystem::path& output) {
-    errno = 0;
-    std::ifstream from(file, std::ios::binary);
-    std::ofstream to(output, std::ios::binary);
-    to << from.rdbuf();
-    to.close();
-    if (!from || !to)
-        throw core::Error("writing", output.string(), errno != 0 ? std::strerror(errno) : "it cannot be written");
 }
 
 struct Doubt {
@@ -236,7 +227,8 @@ Published give_name(const std::filesystem::path& file, const std::filesystem::pa
     std::error_code error;
     const Published whole{output, std::filesystem::file_size(file, error)};
     if (is_written_to(output)) {
-        write_into(file, output);
+        std::ifstream from(file, std::ios::binary);
+        write_into(output, from);
         return whole;
     }
     bring_to_disk(file);

@@ -59,8 +59,8 @@ Published give_name(const std::filesystem::path& file, const std::filesystem::pa
 void place(const std::filesystem::path& from, const std::filesystem::path& to);
 
 struct Wishes {
-    std::vector<Files> films;                   ///< expensive outputs: replaced only with consent
-    std::vector<std::filesystem::path> beside;  ///< figures, pages, folders of frames; an empty name is passed over
+    std::vector<Files> films;                   ///< films, frames, figures: replaced only with consent
+    std::vector<std::filesystem::path> beside;  ///< pages, folders of frames; an empty name is passed over
 };
 
 /// Throws core::Error where a film exists or a folder is missing, unless `agreed`. Empty files, pipes and devices are

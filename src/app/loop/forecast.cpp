@@ -157,27 +157,45 @@ struct Sampled {
     double power = time_power;
 };
 
+/// Seconds on the clock, or of CPU where a busy machine gives fewer.
+class SpentTime {
+  public:
+    double seconds() const { return std::min(clock_seconds() - clock_, cpu_seconds() - cpu_); }
+
+  private:
+    double clock_ = clock_seconds(), cpu_ = cpu_seconds();
+};
+
 /// Larger and larger pictures, as long as there is time. None without a first one.
-std::optional<Sampled> sample_sizes(const RenderJob& film, double limit, bool quiet) {
+std::optional<Sampled> sample_sizes(const RenderJob& film, const SpentTime& spent, double limit, bool quiet) {
     std::optional<Sampled> found;
     double scale = std::min(1.0, least_side / std::max(film.format.width, film.format.height));
     for (;; scale = std::min(1.0, 2 * scale)) {
-        const double began = clock_seconds();
+        const double began = spent.seconds();
         const RenderJob job = resized(film, scale);
         const std::vector<Chunk> window = middle_windows(job, 1, window_frames);
         Progress progress(window.front().frames(), quiet, "sample", Counted::parts_of_step);
         LoopObserver nobody;
         // The first sample is needed, and may take three times as long.
-        const std::optional<FrameSample> sample =
-            sample_frames(job, window, found ? limit : limit + 2 * (limit - began), nobody, progress);
+        const double end = found ? limit : limit + 2 * (limit - began);
+        const std::optional<FrameSample> sample = sample_frames(
+            job, window, [&] { return spent.seconds() > end; }, nobody, progress);
         if (!sample) return InterruptGuard::requested() ? std::nullopt : found;
         const double times = found ? pixels_of(sample->size) / pixels_of(found->largest.size) : 1;
         const double power =
             found ? power_between(found->largest.later.seconds, sample->later.seconds, times) : time_power;
         found = {*sample, power};
-        const double next = std::min(1.0, 2 * scale) / scale, now = clock_seconds();
+        const double next = std::min(1.0, 2 * scale) / scale, now = spent.seconds();
         if (scale >= 1 || (now - began) * std::pow(next * next, time_power) > limit - now) return found;
     }
+}
+
+/// Of stereo sound, at the rates of encoder/av/module/sound_track.cpp.
+double sound_bytes(const av::Sound& sound, const std::filesystem::path& output, double seconds) {
+    if (sound.file.empty()) return 0;
+    const std::string ending = core::ending_of(output);
+    const bool aac = ending == ".mp4" || ending == ".mov" || ending == ".mkv";
+    return 2 * (aac ? 96e3 : 128e3) / 8 * seconds;
 }
 
 double file_bytes(const RenderJob& film, const std::filesystem::path& output, double pictures) {
@@ -190,7 +208,8 @@ double file_bytes(const RenderJob& film, const std::filesystem::path& output, do
     const std::int64_t rate = film.coding.rate_control.bit_rate;
     const double bytes = rate > 0 ? static_cast<double>(rate) / 8 * frames / film.rate.hertz.value() : pictures;
     // chosen: what containers take is told for films that must not be larger; half of it is usual.
-    return bytes + 0.5 * (file_of_pictures(bytes, film.frame_count(), output, film.disc) - bytes);
+    return bytes + 0.5 * (file_of_pictures(bytes, film.frame_count(), output, film.disc) - bytes) +
+           sound_bytes(film.sound, output, frames / film.rate.hertz.value());
 }
 
 std::string range_text(const std::string& middle, const std::string& low, const std::string& high) {
@@ -298,8 +317,9 @@ std::optional<FrameSample> light_windows(RenderJob film, renderer::Renderer& ren
     return found;
 }
 
-std::optional<FrameSample> sample_frames(const RenderJob& job, const std::vector<Chunk>& windows, double limit,
-                                         LoopObserver& observer, Progress& progress) {
+std::optional<FrameSample> sample_frames(const RenderJob& job, const std::vector<Chunk>& windows,
+                                         const std::function<bool()>& is_over, LoopObserver& observer,
+                                         Progress& progress) {
     const double cpu_before = cpu_seconds();
     renderer::Renderer renderer = renderer_of(job);
     const double built = cpu_seconds() - cpu_before;
@@ -310,7 +330,7 @@ std::optional<FrameSample> sample_frames(const RenderJob& job, const std::vector
             progress.advance();
             return !InterruptGuard::requested();
         },
-        [&] { return InterruptGuard::requested() || clock_seconds() > limit; });
+        [&] { return InterruptGuard::requested() || is_over(); });
     const bool is_enough = found && (found->frames > found->windows || windows.front().frames() == 1);
     if (!is_enough) return {};
     found->built = built;
@@ -370,10 +390,11 @@ FrameCost film_by(const RenderJob& film, const FrameSample& sample) {
 }
 
 std::optional<Forecast> forecast(RenderJob& film, const std::filesystem::path& output, double within, bool quiet) {
-    const double began = clock_seconds(), cpu_before = cpu_seconds();
+    const SpentTime spent;
+    const double cpu_before = cpu_seconds();
     if (!settle(film)) return {};
     const double once = cpu_seconds() - cpu_before;
-    const std::optional<Sampled> sampled = sample_sizes(film, began + within, quiet);
+    const std::optional<Sampled> sampled = sample_sizes(film, spent, within, quiet);
     if (!sampled) return {};
     Forecast forecast;
     forecast.sample = sampled->largest;

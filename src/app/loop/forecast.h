@@ -63,10 +63,10 @@ std::optional<FrameSample> light_windows(RenderJob film, renderer::Renderer& ren
                                          RunStatistics& statistics, const std::function<bool()>& frame_done,
                                          const std::function<bool()>& stops = &InterruptGuard::requested);
 
-/// The same with its own renderer until `limit` (clock_seconds()) or an interrupt; none with less than one frame of
-/// each kind.
-std::optional<FrameSample> sample_frames(const RenderJob& job, const std::vector<Chunk>& windows, double limit,
-                                         LoopObserver& observer, Progress& progress);
+/// The same with its own renderer until `is_over` or an interrupt; none with less than one frame of each kind.
+std::optional<FrameSample> sample_frames(const RenderJob& job, const std::vector<Chunk>& windows,
+                                         const std::function<bool()>& is_over, LoopObserver& observer,
+                                         Progress& progress);
 
 /// Frames where another camera begins; they begin a group of pictures and find light anew.
 std::vector<std::int64_t> cuts_of(const RenderJob& film);
@@ -82,7 +82,7 @@ FrameCost film_by(const RenderJob& film, const FrameSample& sample);
 /// Times are of this machine under its load while the sample was lit.
 struct Forecast {
     double cpu = 0, clock = 0;  ///< seconds of all threads, and on the clock
-    double bytes = 0;           ///< of the file, sound apart; of all images where it is not coded
+    double bytes = 0;           ///< of the file, its sound included; of all images where it is not coded
     double disk = 0;            ///< bytes that are taken while it is made
     double spread = 0;          ///< time and size are within this share of them in nine of ten films
     std::uint64_t memory = 0;   ///< bytes
@@ -90,7 +90,8 @@ struct Forecast {
     FrameCost first, later;     ///< a frame of each kind, in the film's size
 };
 
-/// Lights windows in ever larger pictures for about `within` seconds and settles the exposure. `output`'s ending tells
+/// Lights windows in ever larger pictures for about `within` seconds, of which those spent on other programs do not
+/// count, and settles the exposure. `output`'s ending tells
 /// the container; empty: .mpg. None after an interruption.
 std::optional<Forecast> forecast(RenderJob& film, const std::filesystem::path& output, double within, bool quiet);
 

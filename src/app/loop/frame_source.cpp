@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "app/loop/statistics_recorder.h"
+#include "app/options/mistakes.h"
 #include "app/options/output_kind.h"
 #include "core/error.h"
 #include "core/radiance.h"
@@ -196,9 +197,7 @@ std::unique_ptr<FrameSource> open_frames(const std::filesystem::path& input, std
                               " are as a display shows them; only scene-linear ones (EXR) are exposed");
         return std::make_unique<Y4mFrames>(input, wanted);
     }
-    if (ending != ".exr" && ending != ".png")
-        throw core::Error("reading", input.string(),
-                          "frames are a .y4m file, or numbered images such as frames.%04d.exr or .png");
+    if (ending != ".exr" && ending != ".png") throw core::Error("reading", input.string(), not_frames(input));
     if (!is_numbered(input))
         throw core::Error("reading", input.string(),
                           "numbered images need one frame number in their name, e.g. frames.%04d" + ending);

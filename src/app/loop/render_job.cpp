@@ -13,8 +13,10 @@
 #include "app/options/option_text.h"
 #include "app/options/usage_error.h"
 #include "app/system/image_reader.h"
+#include "app/system/progress.h"
 #include "core/color.h"
 #include "core/error.h"
+#include "core/scene_formats.h"
 #include "core/text.h"
 #include "encoder/av/av.h"
 #include "encoder/codec.h"
@@ -255,6 +257,15 @@ void take(RenderJob& film, const std::shared_ptr<const scene::Animation>& animat
         *animation, [images = film.images](int image) { return images->take(image); });
 }
 
+/// The scene as its file has it. Throws core::Error.
+std::shared_ptr<scene::Animation> load(const RenderOptions& options) {
+    check_scene(options.input);
+    const bool exports = core::scene_reader_of(options.input) == core::SceneReader::blender;
+    tell_activity(exports ? "Blender exports the scene" : "reading the scene");
+    return std::make_shared<scene::Animation>(scene::load(
+        options.input, {options.camera, options.animation, options.sky, options.variant, light_of(options.light)}));
+}
+
 }  // namespace
 
 RenderJob prepare(const RenderOptions& wanted) {
@@ -269,9 +280,7 @@ RenderJob prepare(const RenderOptions& wanted) {
             "--tolerance coupled: only films are coded, and so have something to couple to; choose fixed=P% for " +
             options.output.string());
 
-    check_scene(options.input);
-    auto loaded = std::make_shared<scene::Animation>(scene::load(
-        options.input, {options.camera, options.animation, options.sky, options.variant, light_of(options.light)}));
+    const std::shared_ptr<scene::Animation> loaded = load(options);
     const Preset* preset = preset_of(options.coding);
     if (preset != nullptr) preset->check_output(options.output);
     Shape shape = settle_shape(wishes_of(options, *loaded), preset, film.kind == OutputKind::film);

@@ -23,8 +23,8 @@
 namespace render2mpeg::app {
 namespace {
 
-[[noreturn]] void refuse_preview(const std::string& option, const std::string& why) {
-    throw UsageError(option + ": with --preview " + why);
+[[noreturn]] void refuse_preview(const RenderOptions& options, const std::string& option, const std::string& why) {
+    throw UsageError(option + ": with " + (options.effort == "draft" ? "--effort draft " : "--preview ") + why);
 }
 
 }  // namespace
@@ -60,14 +60,15 @@ RenderOptions preview_options(const RenderOptions& options) {
     if (options.tolerance) {
         const ToleranceRequest tolerance = tolerance_from(*options.tolerance);
         if (tolerance.coupled || tolerance.reference)
-            refuse_preview("--tolerance " + *options.tolerance,
+            refuse_preview(options, "--tolerance " + *options.tolerance,
                            "light is rough; choose fixed=P%, or leave --preview out");
     }
-    if (options.audit > 0) refuse_preview("--audit", "no tolerance is kept that could be audited");
-    if (options.layers) refuse_preview("--aov", "there are no layers");
-    if (options.cache == "on") refuse_preview("--cache on", "light is carried by pixels, not kept on surfaces");
+    if (options.audit > 0) refuse_preview(options, "--audit", "no tolerance is kept that could be audited");
+    if (options.layers) refuse_preview(options, "--aov", "there are no layers");
+    if (options.cache == "on")
+        refuse_preview(options, "--cache on", "light is carried by pixels, not kept on surfaces");
     for (const auto& [subject, file] : options.heatmaps)
-        if (subject != "quantiser") refuse_preview("--heatmap " + subject, "only `quantiser` is known");
+        if (subject != "quantiser") refuse_preview(options, "--heatmap " + subject, "only `quantiser` is known");
 
     // fit: docs/measurements.md#drafts, by PSNR for CPU time.
     if (!options.tolerance) draft.tolerance = "fixed=30%";

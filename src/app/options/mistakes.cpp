@@ -41,6 +41,28 @@ bool has(const std::vector<std::string>& names, const std::string& name) {
     return std::find(names.begin(), names.end(), name) != names.end();
 }
 
+/// Options of other programs, by what is said here instead; no word of ours is near in meaning.
+struct Elsewhere {
+    std::string_view names;  ///< between spaces
+    const char* advice;
+};
+constexpr Elsewhere elsewhere[]{
+    {"denoise denoiser noise-threshold", "no picture has noise to be removed: --tolerance says how exact light is"},
+    {"gpu device cuda optix hip devices", "light is found by processors alone; --threads says by how many"},
+    {"fov lens focal-length", "a lens is its camera's: --camera chooses one, and an animation file says its `fov`"},
+    {"start end first last frame-start frame-end from to", "which frames is said by --frames A:B"},
+    {"width height resolution res", "the size is said by --size WxH"},
+    {"spp passes-per-pixel", "--samples is for edges and textures, --tolerance for light"},
+    {"target-size file-size size-limit", "the file's size is --max-size of `tune`"},
+    {"crop region border", "the whole picture is rendered"}};
+
+std::string advice_from_elsewhere(const std::string& bare) {
+    for (const Elsewhere& known : elsewhere)
+        for (const std::string_view name : core::words_in(known.names))
+            if (name == bare) return std::string("; ") + known.advice;
+    return {};
+}
+
 /// Explains an unknown option.
 std::string advice_for(const CLI::App& program, const CLI::App& command, const std::string& name) {
     const std::string here = ": `" + command.get_name() + "` has no such option";
@@ -56,7 +78,8 @@ std::string advice_for(const CLI::App& program, const CLI::App& command, const s
         if (other.starts_with("--")) long_names.push_back(other.substr(2));
     const std::string bare =
         name.substr(name.find_first_not_of('-') == std::string::npos ? name.size() : name.find_first_not_of('-'));
-    const std::string meant = core::did_you_mean(bare, long_names, "--");
+    const std::string known = advice_from_elsewhere(bare),
+                      meant = known.empty() ? core::did_you_mean(bare, long_names, "--") : known;
     if (others.empty()) return here + meant;
     return fmt::format("{}, `{}`", here, fmt::join(others, "`, `")) + (others.size() == 1 ? " has" : " have") + meant;
 }
@@ -289,6 +312,12 @@ std::string not_a_scene(const std::filesystem::path& file) {
     constexpr std::array others{".txt", ".md", ".py", ".sh", ".html", ".csv", ".pdf", ".zip", ".gz", ".tar", ".mtl"};
     if (is_one_of(others, file)) return std::string("it is no scene; ") + kinds;
     return {};
+}
+
+std::string not_frames(const std::filesystem::path& file) {
+    if (!is_one_of(films, file)) return "frames are a .y4m file, or numbered images such as frames.%04d.exr or .png";
+    return "it is coded; its pictures come by `ffmpeg -i " + quoted(file.string()) +
+           " -f yuv4mpegpipe - | render2mpeg encode - -o new.mpg`";
 }
 
 std::string not_a_film(const std::filesystem::path& file) {

@@ -40,6 +40,9 @@ std::string keyframes_without_chapter(const Film& film);
 /// Why a file cannot be a scene, by its ending; empty if it can. A folder needs a film.json.
 std::string not_a_scene(const std::filesystem::path& file);
 
+/// Why a file holds no frames that `encode` reads, and what does.
+std::string not_frames(const std::filesystem::path& file);
+
 /// The same for films that `info` reads.
 std::string not_a_film(const std::filesystem::path& file);
 

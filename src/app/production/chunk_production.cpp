@@ -138,6 +138,9 @@ bool ChunkProduction::run() {
     light_ = light_file_of(film_, options_);
     std::vector<std::byte> known;
     if (light_) known = light_->known(film_.known_light);
+    if (!renderer::Renderer::is_sound(known))
+        throw core::Error("reading", options_.light_cache->string(),
+                          "it holds light that no run has found: remove it, and let this film find its own");
     renderer::Renderer first =
         renderer_of(film_, light_ ? std::optional<renderer::Renderer::KnownLight>(known) : std::nullopt);
     std::vector<std::unique_ptr<renderer::Renderer>> others;

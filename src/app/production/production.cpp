@@ -201,7 +201,8 @@ Wishes written_by(const RenderJob& film, const RenderOptions& options) {
     Wishes wishes;
     wishes.films.push_back(is_one_file(film) ? Files(options.output) : Files(options.output, film.frames));
     for (const auto& [subject, file] : options.heatmaps) wishes.films.emplace_back(file);
-    for (const auto& file : {options.stats, options.report}) wishes.beside.push_back(file.value_or(""));
+    if (options.stats) wishes.films.emplace_back(*options.stats);
+    wishes.beside.push_back(options.report.value_or(""));
     // This folder is made, but not those that it is in.
     const std::filesystem::path layers = options.layers.value_or("");
     wishes.beside.push_back(layers.has_filename() ? layers : layers.parent_path());
@@ -227,6 +228,8 @@ bool render_chunks(const OpenRender& open) {
         return make_chunks(open, static_cast<std::size_t>(chunks_at_once(open.film, open.options).count));
     } catch (const core::Error& error) {
         const bool keeps = std::any_of(open.files.begin(), open.files.end(), &is_whole);
+        // Images have their names already: nothing is left to go on from.
+        if (!keeps && !is_one_file(open.film)) open.work.remove();
         if (!keeps) throw;
         throw core::Error(std::string(error.what()) + "; " + resuming_text(open.film, open.files));
     }

@@ -86,8 +86,7 @@ bool is_page_of_ours(const std::filesystem::path& file) {
 }
 
 bool is_json_of_ours(const std::filesystem::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    const json value = json::parse(stream, nullptr, false);
+    const json value = read_json(file);
     if (!value.is_object() || !value.contains("summary")) return false;
     return (value.contains("per_frame") && value.contains("plan")) ||
            (value.contains("rows") && value.contains("windows"));

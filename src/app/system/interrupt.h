@@ -4,7 +4,15 @@
 #include <array>
 #include <csignal>
 
+#include "core/error.h"
+
 namespace render2mpeg::app {
+
+/// What an interruption left undone: exit status 128 + signal.
+class Interrupted : public core::Error {
+  public:
+    using core::Error::Error;
+};
 
 /// The first SIGINT, SIGTERM or SIGHUP raises a flag (with a message unless `quiet`), the second ends the process.
 /// Ignored signals (`nohup`) stay ignored. One at a time.

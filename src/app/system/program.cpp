@@ -23,6 +23,9 @@ std::string player_at_hand(const std::string& wanted) {
         if (!is_installed(wanted)) throw core::Error("player " + wanted + ": there is no such program");
         return wanted;
     }
+    const auto is_set = [](const char* name) { return std::getenv(name) != nullptr; };
+    if (!is_set("DISPLAY") && !is_set("WAYLAND_DISPLAY") && !is_set("SDL_VIDEODRIVER"))
+        throw core::Error("player: there is no display; -o draft.mp4 writes each draft to a file instead");
     for (const char* known : {"ffplay", "mpv"})
         if (is_installed(known)) return known;
     throw core::Error("player: neither ffplay nor mpv is installed; name one with --player, or a file with -o");

@@ -69,6 +69,8 @@ namespace {
 
 ProgressStyle style = ProgressStyle::line;  ///< set once, before any work
 std::atomic<const char*> activity{""};
+std::atomic<bool> has_advanced{false};  ///< any line of this process
+std::atomic<int> rewritten_lines{0};    ///< which show the activity themselves
 
 std::string bar_text(double share, int cells) {
     const int full = static_cast<int>(std::lround(share * cells));
@@ -130,6 +132,36 @@ void tell_activity(const char* words) {
     activity = words;
 }
 
+ActivityTeller::ActivityTeller(bool quiet) {
+    if (!quiet && (style == ProgressStyle::line || style == ProgressStyle::minute))
+        thread_ = std::thread([this] { tell(); });
+}
+
+ActivityTeller::~ActivityTeller() {
+    {
+        const std::lock_guard lock(mutex_);
+        ended_ = true;
+    }
+    ends_.notify_all();
+    if (thread_.joinable()) thread_.join();
+}
+
+void ActivityTeller::tell() {
+    const char* told = "";
+    // chosen: 3 s, since what is refused is refused by then, in one line (1 to 5).
+    constexpr int first = 3, again = 60;
+    int since = 0;
+    std::unique_lock lock(mutex_);
+    for (int seconds = 1; !ends_.wait_for(lock, std::chrono::seconds(1), [this] { return ended_; }); ++seconds) {
+        const char* const now = activity;
+        if (has_advanced) return;
+        if (seconds < first || *now == '\0' || rewritten_lines > 0 || (now == told && ++since < again)) continue;
+        print_line(fmt::format("{} {}", clock_text(seconds), now));
+        told = now;
+        since = 0;
+    }
+}
+
 void show_progress_as(ProgressStyle wanted) {
     style = wanted;
 }
@@ -151,6 +183,7 @@ Progress::Progress(std::int64_t total, bool quiet, const std::string& work, Coun
       start_(Clock::now()),
       advanced_at_(start_) {
     if (quiet_) return;
+    rewritten_lines += terminal_ ? 1 : 0;
     if (terminal_ || json_ || timed_) draw();
     if (terminal_ || json_ || timed_) ticker_ = std::thread([this] { tick(); });
 }
@@ -162,6 +195,7 @@ Progress::~Progress() {
     }
     ends_.notify_all();
     if (ticker_.joinable()) ticker_.join();
+    rewritten_lines -= terminal_ && !quiet_ ? 1 : 0;
     if (drawn_) std::fputs(stays_ ? "\n" : "\r\033[K", stderr);
 }
 
@@ -199,6 +233,7 @@ void Progress::advance_to(std::int64_t done, std::int64_t total) {
             // Time before the film's first frame counts apart.
             pace_.add((took + (standing_.done == 0 && !standing_.frames ? before_ : 0)) / static_cast<double>(more));
     advanced_at_ = now;
+    has_advanced = true;
     standing_.done = done;
     standing_.total = total;
     if (quiet_) return;

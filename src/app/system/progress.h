@@ -64,6 +64,24 @@ void show_progress_as(ProgressStyle style);
 /// Activity on all lines from now on; a literal.
 void tell_activity(const char* words);
 
+/// Tells activities on standard error, in logs and on terminals, from the third second on until a line of Progress
+/// moves: each change, and once a minute while one lasts.
+class ActivityTeller {
+  public:
+    explicit ActivityTeller(bool quiet);
+    ~ActivityTeller();
+    ActivityTeller(const ActivityTeller&) = delete;
+    ActivityTeller& operator=(const ActivityTeller&) = delete;
+
+  private:
+    void tell();
+
+    std::mutex mutex_;
+    std::condition_variable ends_;
+    bool ended_ = false;
+    std::thread thread_;
+};
+
 /// Whether steps have lines too: logs have results alone.
 bool shows_steps();
 

@@ -1,8 +1,11 @@
 #include "renderer/cache/record_library.h"
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 #include <utility>
+
+#include "renderer/tree/light_tree.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -61,6 +64,18 @@ IrradianceRecord record_from(const StoredRecord& s, std::int64_t frame) {
 }
 
 }  // namespace
+
+bool is_sound(const StoredRecord& s) {
+    const auto is_light = [](const PackedLight& packed) {
+        glm::vec3 light;
+        packed.unpack(light.x, light.y, light.z);
+        return std::isfinite(light.x + light.y + light.z) && glm::all(glm::greaterThanEqual(light, glm::vec3(0)));
+    };
+    const glm::vec3 sum = s.position + s.outgoing;
+    return std::isfinite(sum.x + sum.y + sum.z) && s.alpha >= 0 && s.alpha <= 1 && s.batch_variance >= 0 &&
+           s.error >= 0 && s.clamped >= 0 && std::isfinite(s.batch_variance + s.error + s.clamped) &&
+           s.set < representative_sets && std::all_of(s.light.begin(), s.light.end(), is_light);
+}
 
 void RecordLibrary::know(std::vector<StoredRecord> records) {
     notes_ = true;

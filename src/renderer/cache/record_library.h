@@ -30,6 +30,9 @@ struct StoredRecord {
 static_assert(sizeof(StoredRecord) == 144, "no byte is undefined");
 static_assert(std::is_trivially_copyable_v<StoredRecord>);
 
+/// Whether a record of a file is one that `note` may have made: what follows from it is finite, and lies in tables.
+bool is_sound(const StoredRecord& record);
+
 /// Records that earlier runs found, and those that this one finds beside them. Light must not change while they hold.
 class RecordLibrary {
   public:

@@ -121,8 +121,10 @@ double JsonValue::number(double at_least, double at_most) const {
     const std::string wanted = "a number from " + shortened(at_least) + " to " + shortened(at_most);
     if (!value_->is_number()) expected(wanted);
     const double v = value_->get<double>();
-    if (!(v >= at_least && v <= at_most)) expected(wanted);
-    return v;
+    // Bounds are kept in single precision: 0.95 is one that is given as 0.95f.
+    const auto single = static_cast<float>(v);
+    if (!(single >= static_cast<float>(at_least) && single <= static_cast<float>(at_most))) expected(wanted);
+    return std::clamp(v, at_least, at_most);
 }
 
 std::int64_t JsonValue::integer(std::int64_t at_least, std::int64_t at_most) const {

@@ -96,12 +96,16 @@ nlohmann::json read_json(const fs::path& file) {
 /// A finished export with unchanged inputs.
 std::optional<BlenderExport> finished(const fs::path& folder) {
     const nlohmann::json result = read_json(folder / result_name);
-    if (!result.is_object() || !result.contains("uses") || !result.contains("lost")) return std::nullopt;
-    for (const nlohmann::json& used : result["uses"])
-        if (state_of(used.at(0).get<std::string>()) != used) return std::nullopt;
-    BlenderExport found{folder / "film.json", {}};
-    for (const nlohmann::json& line : result["lost"]) found.notes.push_back("not kept: " + line.get<std::string>());
-    return found;
+    try {
+        for (const nlohmann::json& used : result.at("uses"))
+            if (state_of(used.at(0).get<std::string>()) != used) return std::nullopt;
+        BlenderExport found{folder / "film.json", {}};
+        for (const nlohmann::json& line : result.at("lost"))
+            found.notes.push_back("not kept: " + line.get<std::string>());
+        return found;
+    } catch (const nlohmann::json::exception&) {
+        return std::nullopt;  // damaged, or none
+    }
 }
 
 /// Keeps the newest exports.
@@ -161,7 +165,7 @@ void run_blender(const fs::path& blend, const fs::path& blender, const fs::path&
     const ProbeEnd end = Probe(blender_limits(), words).end();
     const nlohmann::json result = read_json(folder / result_name);
     if (!result.is_object()) refuse(blend, end);
-    if (result.contains("error")) throw core::Error("reading", blend.string(), result["error"].get<std::string>());
+    if (result.contains("error")) throw core::Error("reading", blend.string(), result.value("error", ""));
 }
 
 }  // namespace

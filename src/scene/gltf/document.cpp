@@ -270,7 +270,9 @@ void Document::read_json(const std::vector<std::byte>& bytes, std::size_t first,
     try {
         json_ = nlohmann::json::parse(text, text + size);
     } catch (const nlohmann::json::exception& error) {
-        refuse("", "is not JSON: " + message_of(error));
+        const bool has_text =
+            std::any_of(text, text + size, [](char c) { return std::isgraph(static_cast<unsigned char>(c)); });
+        refuse("", has_text ? "is not JSON: " + message_of(error) : "it is empty, or damaged: it holds no text");
     }
     if (!json_.is_object()) refuse("", "is not a glTF file: its JSON is not an object");
 }

@@ -15,6 +15,7 @@
 #include "scene/preparation/bodies.h"
 #include "scene/preparation/default_light.h"
 #include "scene/preparation/framing.h"
+#include "scene/preparation/lost_objects.h"
 #include "scene/preparation/traits.h"
 #include "scene/preparation/validate.h"
 
@@ -143,6 +144,7 @@ void complete(Animation& animation, DefaultLight light) {
     if (dark && light != DefaultLight::none)
         note_once(animation, add_default_light(animation, first_second(animation), light, view));
     set_origin_and_bounds(animation);
+    note_lost_objects(animation, first_second(animation));
     validate_reflections(animation, first_time(animation));
 }
 

@@ -1,13 +1,13 @@
 #!/bin/bash
 # Runs all parts, waits for them, and joins them. Options go to kubectl: submit.sh --namespace render
 set -eu
-here=$(cd "$(dirname "$0")" && pwd)
-kubectl "$@" apply -f "$here/parts.json"
+CDPATH= cd -- "$(dirname -- "$0")"
+kubectl "$@" apply -f parts.json
 kubectl "$@" wait --for=condition=complete --timeout=-1s job/@object@-parts &
 done=$!
 kubectl "$@" wait --for=condition=failed --timeout=-1s job/@object@-parts && kill "$done" &
 failed=$!
 wait "$done" || { echo "parts failed; see kubectl describe job/@object@-parts" >&2; exit 1; }
-kill "$failed"
-kubectl "$@" apply -f "$here/join.json"
+kill "$failed" 2>/dev/null || true
+kubectl "$@" apply -f join.json
 kubectl "$@" wait --for=condition=complete --timeout=-1s job/@object@-join
