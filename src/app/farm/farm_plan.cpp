@@ -37,6 +37,12 @@ std::filesystem::path absolute_of(const std::filesystem::path& place) {
     return std::filesystem::absolute(place, error).lexically_normal();
 }
 
+/// Whether all of an array's or an object's values are whole numbers: others have no conversion to those.
+bool are_whole(const json& values) {
+    const json flat = values.flatten();
+    return std::all_of(flat.begin(), flat.end(), [](const json& value) { return value.is_number_integer(); });
+}
+
 /// Whether the parts follow each other, and what is looked up is there.
 bool is_sound(const FarmPlan& plan) {
     // chosen: ten million chunks, 270 days; a plan that says more is damaged.
@@ -120,10 +126,12 @@ FarmPlan read_plan(const std::filesystem::path& place) {
             plan.packed ? inputs_folder_of(plan) : std::filesystem::path(written.at("start").get<std::string>());
         written.at("scheduler").get_to(plan.scheduler);
         written.at("output").get_to(plan.output_name);
-        written.at("parts").get_to(plan.parts);
         plan.facts = std::make_shared<json>();
         for (const char* fact : {"identity", "settled", "cost"}) (*plan.facts)[fact] = written.at(fact);
-        if (is_sound(plan)) return plan;
+        if (are_whole(written.at("parts"))) {
+            written.at("parts").get_to(plan.parts);
+            if (is_sound(plan)) return plan;
+        }
     } catch (const json::exception&) {
     }
     throw core::Error("reading", file.string(), "it is no plan that `render2mpeg farm` has written, or is damaged");
