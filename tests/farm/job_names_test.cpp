@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <string>
@@ -141,9 +142,10 @@ std::string directives_in(const std::filesystem::path& folder) {
 }
 
 bool is_taken(const Name& name, const std::string& scheduler) {
-    const char* const replaced = scheduler == "slurm" ? "%\\" : scheduler == "sge" ? "$" : "{";
-    const bool replaces = scheduler == "slurm" || scheduler == "sge" || scheduler == "flamenco";
-    return name.is_taken && !(replaces && name.text.find_first_of(replaced) != std::string::npos);
+    const std::map<std::string, const char*> replaced = {
+        {"slurm", "%\\"}, {"sge", "$"}, {"flamenco", "{"}, {"kubernetes", ":"}};
+    const auto by = replaced.find(scheduler);
+    return name.is_taken && (by == replaced.end() || name.text.find_first_of(by->second) == std::string::npos);
 }
 
 void expect_refusal(const app::FarmPlan& plan) {

@@ -17,7 +17,7 @@ namespace render2mpeg::fuzz {
 
 bool plan(Input input) {
     const std::string text(input.begin(), input.end());
-    // What is read is read by all that look at it.
+    // All that look at the file read it alike.
     const nlohmann::json value = app::parsed_json(text);
     if (!value.is_discarded() && !app::difference_of(value, app::parsed_json(app::json_text(value))).empty() &&
         text.find('\x80') == std::string::npos)

@@ -248,9 +248,12 @@ TEST(LightCache, RefusesLightThatNoRunHasFound) {
     const std::string few = "--frames 0:0 --hold -q 16 --quiet ";
     ASSERT_EQ(films.render("a", few + films.with()).status, 0);
     const std::string light = contents(films.place("l.light"));
-    // Light, a position, an error, and the set of lights, which is looked up in a table.
-    for (const auto& [place, bytes] :
-         {std::pair{22u, 0xffffffffu}, {80u, 0x7fc00000u}, {124u, 0xff800000u}, {140u, 0xffffffffu}}) {
+    // A place on its triangle, light, a position, an error, and the set of lights, which is looked up in a table.
+    for (const auto& [place, bytes] : {std::pair{8u, 0x7fc00000u},
+                                       {22u, 0xffffffffu},
+                                       {80u, 0x7fc00000u},
+                                       {124u, 0xff800000u},
+                                       {140u, 0xffffffffu}}) {
         std::ofstream(films.place("l.light"), std::ios::binary) << light;
         forge(films.place("l.light"), place, bytes);
         const auto refused = films.render("b", few + films.with());

@@ -93,6 +93,8 @@ TEST(Pipes, ThatNobodyReadsEndWithTheFirstSignal) {
     EXPECT_EQ(late.status, 0) << late.output;
     ASSERT_EQ(run(film + path(folder, "f.mpg")).status, 0);
     EXPECT_EQ(contents(folder / "read.mpg"), contents(folder / "f.mpg"));
+    EXPECT_EQ(run("setsid -w timeout 60 " + film + path(folder, "f.mpg") + " --stats /dev/tty").status, 1)
+        << "there is no terminal to wait for";
     std::filesystem::create_symlink("/dev/full", folder / "full.mpg");
     EXPECT_NE(run(film + path(folder, "full.mpg")).output.find("full.mpg: No space left"), std::string::npos);
 }

@@ -63,26 +63,26 @@ TEST(ShardUpdates, TakeAsManyPlacesAsAskAtOnceAndNoMore) {
     const std::uint64_t key = key_of(7), other = key_of(8);
     const std::size_t shard = LightCells::shard_of(key);
     LightCells cells;
-    ShardUpdates lessons;
+    ShardUpdates updates;
     const std::vector first{asked({key, other, key}), asked({key})};
-    lessons.plan(shard, first, 2, cells);
-    ASSERT_GE(lessons.of_last_wave().size(), 1u);
+    updates.plan(shard, first, 2, cells);
+    ASSERT_GE(updates.of_last_wave().size(), 1u);
     EXPECT_EQ(cells.find(key).places, 2u);
     // Those that ask again learn nothing new, and more of them what is left.
     const std::vector again{asked({key, key})};
-    lessons.plan(shard, again, 2, cells);
-    EXPECT_TRUE(lessons.of_last_wave().empty());
+    updates.plan(shard, again, 2, cells);
+    EXPECT_TRUE(updates.of_last_wave().empty());
     const std::vector five{asked({key, key, key, key, key})};
-    lessons.plan(shard, five, 4, cells);
-    ASSERT_EQ(lessons.of_last_wave().size(), 1u);
-    const CellUpdate& more = lessons.of_last_wave().front();
+    updates.plan(shard, five, 4, cells);
+    ASSERT_EQ(updates.of_last_wave().size(), 1u);
+    const CellUpdate& more = updates.of_last_wave().front();
     EXPECT_EQ(more.places, 2u);
     EXPECT_EQ(more.number, 2u);
     EXPECT_NE(more.earlier, LightCells::none);
     EXPECT_EQ(cells.find(key).places, 4u);
     // Evenly among those that ask.
-    EXPECT_EQ(lessons.place(more.first).size, 1.0f);
-    EXPECT_EQ(lessons.place(more.first + 1).size, 3.0f);
+    EXPECT_EQ(updates.place(more.first).size, 1.0f);
+    EXPECT_EQ(updates.place(more.first + 1).size, 3.0f);
 }
 
 TEST(LinkScale, BringsLinksToTheAlbedoAndNeverBeyondWhatSurfacesReflect) {

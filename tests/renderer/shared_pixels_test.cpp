@@ -80,7 +80,7 @@ TEST(PointsOfAPixel, TakeAboutAsManyRaysTogetherAsOneThatFillsIt) {
     const Picture one = look(1, tolerance(), true), many = look(16, tolerance(), true);
     EXPECT_EQ(one.points, 1);
     EXPECT_GT(many.points, 3.5);
-    // Each by itself would take four times as many; their first looks alone are 64 rays.
+    // Each by itself would take four times as many; their pilots alone are 64 rays.
     EXPECT_LT(many.rays, 2.0 * one.rays) << one.rays;
     EXPECT_GT(many.rays, 0.7 * one.rays) << one.rays;
     const double off = error(one, look(1, 0.1f * tolerance(), false)), off_together = error(many, exact_of_many());

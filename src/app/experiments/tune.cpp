@@ -435,7 +435,7 @@ int tune(const TrialOptions& options, const std::vector<std::string>& words, con
     if (!options.render.dry_run) {
         if (!quiet) print("\n");
         command.write_reports();  // the search may have been dear; they are told of the film after it
-        // chosen: what a sample misses by more than the whole film says the next time; the second has not missed yet.
+        // chosen: 3. The second film's setting follows from the first whole one, and has not missed yet.
         constexpr int most_films = 3;
         for (int films = 1;; ++films) {
             status = command.make(render_film);

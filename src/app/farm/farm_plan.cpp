@@ -56,7 +56,8 @@ bool is_sound(const FarmPlan& plan) {
         chunks = part.chunks.last + 1;
     }
     const json& identity = plan.facts->at("identity");
-    const bool is_named = plan.output_name == std::filesystem::path(plan.output_name).filename();
+    const std::filesystem::path name(plan.output_name);
+    const bool is_named = name == name.filename() && name.has_filename() && name != "." && name != "..";
     return chunks > 0 && plan.words.size() >= 3 && is_named && identity.at("instruction set").is_string() &&
            identity.at("render2mpeg").is_string() && plan.facts->at("settled").is_object() &&
            plan.facts->at("cost").is_object();

@@ -51,9 +51,13 @@ std::string program_of(const FarmPlan& plan) {
 }
 
 /// Characters that a scheduler replaces by values of its own wherever a folder's name comes to it, and that cannot be
-/// quoted there: in logs' names (Slurm, SGE), in the words of all commands (Flamenco).
+/// quoted there: in logs' names (Slurm, SGE), in the words of all commands (Flamenco), in a mount's path (Kubernetes).
 std::string_view replaced_by(const std::string& scheduler) {
-    return scheduler == "slurm" ? "%\\" : scheduler == "sge" ? "$" : scheduler == "flamenco" ? "{" : "";
+    return scheduler == "slurm"        ? "%\\"
+           : scheduler == "sge"        ? "$"
+           : scheduler == "flamenco"   ? "{"
+           : scheduler == "kubernetes" ? ":"
+                                       : "";
 }
 
 /// Refuses what cannot be one word of sh and one string of JSON: other bytes than UTF-8, and control characters, which

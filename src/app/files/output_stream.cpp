@@ -136,7 +136,8 @@ void write_into(const std::filesystem::path& file, std::istream& from) {
     // Without O_NONBLOCK a signal would not end the wait for a reader.
     int descriptor = -1;
     while ((descriptor = open(file.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC)) < 0) {
-        if (errno != ENXIO && errno != EINTR) throw core::Error("writing", file.string(), std::strerror(errno));
+        const bool waits = errno == ENXIO && std::filesystem::is_fifo(file);
+        if (!waits && errno != EINTR) throw core::Error("writing", file.string(), std::strerror(errno));
         if (InterruptGuard::requested()) throw Interrupted("writing", file.string(), "interrupted; nobody read it");
         std::this_thread::sleep_for(beat);
     }

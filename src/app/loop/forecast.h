@@ -91,8 +91,7 @@ struct Forecast {
 };
 
 /// Lights windows in ever larger pictures for about `within` seconds, of which those spent on other programs do not
-/// count, and settles the exposure. `output`'s ending tells
-/// the container; empty: .mpg. None after an interruption.
+/// count, and settles the exposure. `output`'s ending tells the container; empty: .mpg. None after an interruption.
 std::optional<Forecast> forecast(RenderJob& film, const std::filesystem::path& output, double within, bool quiet);
 
 /// One line: frames, size, rate, camera, lights.

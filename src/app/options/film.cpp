@@ -61,7 +61,7 @@ RenderOptions preview_options(const RenderOptions& options) {
         const ToleranceRequest tolerance = tolerance_from(*options.tolerance);
         if (tolerance.coupled || tolerance.reference)
             refuse_preview(options, "--tolerance " + *options.tolerance,
-                           "light is rough; choose fixed=P%, or leave --preview out");
+                           "light is rough; choose fixed=P%, or a whole film");
     }
     if (options.audit > 0) refuse_preview(options, "--audit", "no tolerance is kept that could be audited");
     if (options.layers) refuse_preview(options, "--aov", "there are no layers");

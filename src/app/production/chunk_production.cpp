@@ -143,6 +143,7 @@ bool ChunkProduction::run() {
                           "it holds light that no run has found: remove it, and let this film find its own");
     renderer::Renderer first =
         renderer_of(film_, light_ ? std::optional<renderer::Renderer::KnownLight>(known) : std::nullopt);
+    std::vector<std::byte>().swap(known);  // it may be as large as all else
     std::vector<std::unique_ptr<renderer::Renderer>> others;
     if (at_once_ > 1) {
         const scene::Snapshot instant = film_.snapshot(missing_.front().first);

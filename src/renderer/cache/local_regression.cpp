@@ -24,7 +24,7 @@ constexpr Radius radii[] = {{1, 0.0187}, {2, 0.0568}, {4, 0.1540}, {6, 0.2864}};
 constexpr int largest_radius = 6;
 
 /// Square of the distance of lanes without a member, pixels: beyond all radii.
-constexpr float far_away = 1e6f;
+constexpr float far_away = 64;
 
 /// The same of pixels that have a record each.
 constexpr double common_alone = 1.0 / 64;

@@ -72,9 +72,10 @@ bool is_sound(const StoredRecord& s) {
         return std::isfinite(light.x + light.y + light.z) && glm::all(glm::greaterThanEqual(light, glm::vec3(0)));
     };
     const glm::vec3 sum = s.position + s.outgoing;
-    return std::isfinite(sum.x + sum.y + sum.z) && s.alpha >= 0 && s.alpha <= 1 && s.batch_variance >= 0 &&
-           s.error >= 0 && s.clamped >= 0 && std::isfinite(s.batch_variance + s.error + s.clamped) &&
-           s.set < representative_sets && std::all_of(s.light.begin(), s.light.end(), is_light);
+    return std::isfinite(sum.x + sum.y + sum.z + s.address.u + s.address.v) && s.alpha >= 0 && s.alpha <= 1 &&
+           s.batch_variance >= 0 && s.error >= 0 && s.clamped >= 0 &&
+           std::isfinite(s.batch_variance + s.error + s.clamped) && s.set < representative_sets &&
+           std::all_of(s.light.begin(), s.light.end(), is_light);
 }
 
 void RecordLibrary::know(std::vector<StoredRecord> records) {

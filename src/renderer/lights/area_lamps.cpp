@@ -87,9 +87,15 @@ bool shines_evenly(const scene::Animation& film, std::uint32_t object) {
              !material.alpha_texture.present()));
 }
 
+/// Whether it is that of a sun with a size.
+bool is_of_sun(const LightPoint& p) {
+    return p.is_far() && p.is_of_lamp() && p.disc2 > 0.0f;
+}
+
 }  // namespace
 
-AreaLamps::AreaLamps(const PosedScene& posed_scene, std::span<const LightPoint> points) : suns_(true) {
+AreaLamps::AreaLamps(const PosedScene& posed_scene, std::span<const LightPoint> points)
+    : suns_(std::any_of(points.begin(), points.end(), is_of_sun)) {
     const scene::Animation& film = posed_scene.animation();
     std::map<std::uint32_t, double> power;
     for (const LightPoint& p : points)
@@ -120,8 +126,7 @@ AreaLamps::AreaLamps(const PosedScene& posed_scene, std::span<const LightPoint> 
 
 std::vector<LightPoint> AreaLamps::without(std::vector<LightPoint> points) const {
     std::erase_if(points, [&](const LightPoint& p) {
-        return (p.is_of_surface() && surfaces_.contains(p.object)) ||
-               (suns_ && p.is_far() && p.is_of_lamp() && p.disc2 > 0.0f);
+        return (p.is_of_surface() && surfaces_.contains(p.object)) || (suns_ && is_of_sun(p));
     });
     return points;
 }

@@ -34,8 +34,8 @@ std::vector<LightPoint> sky_points(const image::SkyMap& sky, int count, const im
 std::vector<LightPoint> beyond_rays(std::vector<LightPoint> points, float brightest);
 
 /// The snapshot with every lamp and emissive surface at its average strength over the film, but at least a
-/// tenth of its largest, so that what shines for a moment, or later, is reckoned with. What only serves to plan light
-/// is planned by this.
+/// tenth of its largest, so that what shines for a moment, or later, is reckoned with. For plans of light
+/// alone.
 scene::Snapshot with_average_light(const scene::Snapshot& snapshot);
 
 /// The light of a direction over the sphere's mean: how many surfaces that cameras see over the film look there, by

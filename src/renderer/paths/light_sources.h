@@ -15,7 +15,7 @@ class LightSources {
 
     /// Punctual lights and suns.
     const SourceTree& lamps() const { return lamps_; }
-    /// Shining surfaces. What they emit is textured, and its coverage counts.
+    /// Shining surfaces, by their textures and their coverage.
     const SourceTree& surfaces() const { return surfaces_; }
     /// The sky, where that is an image; one of one colour is met as often as it should.
     const SourceTree& skies() const { return skies_; }
