@@ -148,8 +148,9 @@ ActivityTeller::~ActivityTeller() {
 
 void ActivityTeller::tell() {
     const char* told = "";
-    // chosen: 3 s, since what is refused is refused by then, in one line (1 to 5).
-    constexpr int first = 3, again = 60;
+    // chosen: 10 s in logs, where a refusal is to stand alone, in one line; not tuned.
+    const int first = can_rewrite_errors() ? 1 : 10;
+    constexpr int again = 60;
     int since = 0;
     std::unique_lock lock(mutex_);
     for (int seconds = 1; !ends_.wait_for(lock, std::chrono::seconds(1), [this] { return ended_; }); ++seconds) {

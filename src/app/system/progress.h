@@ -64,8 +64,8 @@ void show_progress_as(ProgressStyle style);
 /// Activity on all lines from now on; a literal.
 void tell_activity(const char* words);
 
-/// Tells activities on standard error, in logs and on terminals, from the third second on until a line of Progress
-/// moves: each change, and once a minute while one lasts.
+/// Tells activities on standard error until a line of Progress moves, on terminals from the first second on, in logs
+/// from the tenth: each change, and once a minute while one lasts.
 class ActivityTeller {
   public:
     explicit ActivityTeller(bool quiet);
