@@ -99,11 +99,14 @@ std::string progress_line(const Standing& s, int columns, bool with_bar) {
 
     // Drop the least telling parts until it fits; a bar needs ten cells.
     constexpr int fewest_cells = 10, most_cells = 24;
-    for (const std::string& text : {count + percent + rate + doing, count + percent + doing, count + percent, count}) {
+    const std::string fitting[] = {fmt::format("{}{}{}{}", count, percent, rate, doing),
+                                   fmt::format("{}{}{}", count, percent, doing), fmt::format("{}{}", count, percent),
+                                   count};
+    for (const std::string& text : fitting) {
         const int left = columns - static_cast<int>(time.size() + 2 + text.size());
         if (left < 0) continue;
         const int cells = std::min(most_cells, left - 3);
-        return time + "  " + (with_bar && cells >= fewest_cells ? bar_text(share, cells) : "") + text;
+        return fmt::format("{}  {}{}", time, with_bar && cells >= fewest_cells ? bar_text(share, cells) : "", text);
     }
     return fmt::format("{}/{}", s.done, s.total).substr(0, static_cast<std::size_t>(columns));
 }
