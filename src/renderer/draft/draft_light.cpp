@@ -70,14 +70,12 @@ class PointGatherer {
     const GatherPoint& point(const PointRef& p) const { return frame_.seen.tiles[p.tile][p.index]; }
     void load(std::span<const PointRef> points, int set) {
         const GatherPoint* pointers[lane_count];
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            pointers[i] = &point(points[i]);
-            const glm::ivec2 at = frame_.seen.place_of(points[i].tile, pointers[i]->pixel);
-            tolerance_.set(static_cast<int>(i), tolerance_of(frame_, *pointers[i], at.x, at.y));
-        }
-        for (std::size_t i = points.size(); i < lane_count; ++i) {
-            const glm::ivec2 at = frame_.seen.place_of(points[0].tile, pointers[0]->pixel);
-            tolerance_.set(static_cast<int>(i), tolerance_of(frame_, *pointers[0], at.x, at.y));
+        for (std::size_t i = 0; i < lane_count; ++i) {
+            const PointRef& ref = points[std::min(i, points.size() - 1)];
+            const GatherPoint& p = point(ref);
+            if (i < points.size()) pointers[i] = &p;
+            const glm::ivec2 at = frame_.seen.place_of(ref.tile, p.pixel);
+            tolerance_.set(static_cast<int>(i), tolerance_of(frame_, p, at.x, at.y));
         }
         fill(lanes_, std::span<const GatherPoint* const>(pointers, points.size()));
         lanes_.set = set;

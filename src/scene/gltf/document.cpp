@@ -242,7 +242,7 @@ std::vector<std::pair<std::string, int>> Element::index_map(const char* key, con
     std::vector<std::pair<std::string, int>> result;
     const nlohmann::json* value = key == nullptr ? json_ : find(key);
     if (value == nullptr) return result;
-    if (!value->is_object()) refuse(std::string(key) + " is not an object");
+    if (!value->is_object()) refuse(std::string(key != nullptr ? key : "it") + " is not an object");
     for (const auto& [name, entry] : value->items()) result.emplace_back(name, index_of(entry, in_quotes(name), kind));
     return result;
 }
