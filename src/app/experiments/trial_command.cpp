@@ -147,9 +147,9 @@ RenderJob prepare_trials(const RenderOptions& render, const TrialOptions& option
     RenderJob film = prepare(render);
     for (const std::string& note : film.animation->notes)
         if (!render.quiet && !note.empty()) print_line(note);
+    check_trial_outputs(film, options);
     if (!film.images->read_ahead(image_probes(false))) return film;
     if (!film.exposure) film.exposure = told("exposure", render.quiet, [&] { return measure_exposure(film); });
-    check_trial_outputs(film, options);
     return film;
 }
 
