@@ -24,8 +24,7 @@ struct Radiance {
     Plane<float> error;           ///< standard error of luminance, of what is gathered
     Plane<glm::vec3> half;        ///< radiance by half of the paths; the other half is as far on the other side of
                                   ///< `combined`; only of light by paths alone
-    Plane<float> record_density;  ///< records that lie in the pixel, seen or hidden; these three only where light is
-                                  ///< kept in records
+    Plane<float> record_density;  ///< records that lie in the pixel, seen or hidden; only where light is kept in them
     Plane<float> record_age;      ///< frames since the light that it shows was gathered, mean; 0: in this one
     Plane<float> record_reuse;    ///< share of its gather points that were not gathered in this frame, 0..1
     Plane<float> coverage;        ///< share of the pixel that shows what Visible says of it; only of exposed frames

@@ -119,7 +119,7 @@ NearField FilmLights::near_field_of(const scene::Snapshot& snapshot, std::span<c
                                     const LightChange& change) const {
     if (!snapshot.cut_before && !change.sources) return sky_of_rays_.near_field;
     return NearField(
-        lights, look_about(posed_scene_, plan_, snapshot.camera, {settings_.format.width, settings_.format.height}));
+        lights, sample_view(posed_scene_, plan_, snapshot.camera, {settings_.format.width, settings_.format.height}));
 }
 
 /// Light points that trees hold: all but those of area lamps, and of the sky that gather rays see.

@@ -289,9 +289,8 @@ void Renderer::start_chunk(const scene::Snapshot& first) {
 
 bool Renderer::is_sound(KnownLight light) {
     if (light.size() % sizeof(StoredRecord) != 0) return false;
-    for (; !light.empty(); light = light.subspan(sizeof(StoredRecord)))
-        if (!renderer::is_sound(records_of(light.first(sizeof(StoredRecord))).front())) return false;
-    return true;
+    const std::vector<StoredRecord> records = records_of(light);
+    return std::all_of(records.begin(), records.end(), renderer::is_sound);
 }
 
 std::vector<std::byte> Renderer::found_light() {
@@ -361,9 +360,7 @@ Lit Renderer::gather(const scene::Snapshot& snapshot, PlacedFrame placed, const 
     const bool has_points = order.mode != LightingMode::sparse && order.mode != LightingMode::truth;
     if (has_points) lit.radiance = shade(context, light, layers, counts);
     if (order.mode == LightingMode::film) {
-        const bool by_records = i.caches && !tolerance.is_reference();
-        if (layers && by_records) lit.radiance.record_density = i.cache.density(snapshot.camera, i.settings.format);
-        if (!by_records) lit.radiance.record_age = lit.radiance.record_reuse = {};
+        if (layers && i.caches) lit.radiance.record_density = i.cache.density(snapshot.camera, i.settings.format);
         i.learn(snapshot, context, limits.error_scale, light, lit.radiance, counts.shadow_rays);
     }
     if (order.mode == LightingMode::film || order.mode == LightingMode::draft) i.count(counts, lit.frame.visible);

@@ -232,7 +232,7 @@ TEST_F(NoisyWall, StepsOfLightAreNoNoise) {
 }
 
 TEST(Records, TellTheVarianceThatTheirReceiverSees) {
-    // Of light that scatters by a tenth on a red wall, in one lesson and in two.
+    // Of light that scatters by a tenth on a red wall, in one update and in two.
     GatherPoint red;
     red.weight = glm::vec3(1);
     red.point.bsdf.diffuse = {0.8f, 0.05f, 0.05f};

@@ -19,13 +19,13 @@ TEST(LightCells, FindWhatTheyWereTaught) {
     for (std::uint64_t i = 0; i < 5000; ++i) {
         EXPECT_EQ(cells.find(key_of(i)).index, LightCells::none);
         EXPECT_EQ(cells.find(key_of(i)).places, 0u);
-        const std::uint32_t index = cells.teach(key_of(i), 3);
+        const std::uint32_t index = cells.add_places(key_of(i), 3);
         cells.at(index).radiance.x = static_cast<float>(i);
         indices.insert(index);
     }
     EXPECT_EQ(indices.size(), 5000u);
     for (std::uint64_t i = 0; i < 5000; ++i) {
-        EXPECT_EQ(cells.teach(key_of(i), 2), cells.find(key_of(i)).index);
+        EXPECT_EQ(cells.add_places(key_of(i), 2), cells.find(key_of(i)).index);
         EXPECT_EQ(cells.find(key_of(i)).places, 5u);
         EXPECT_EQ(cells.at(cells.find(key_of(i)).index).places, 5u);
         EXPECT_EQ(cells.at(cells.find(key_of(i)).index).radiance.x, static_cast<float>(i));
@@ -35,8 +35,8 @@ TEST(LightCells, FindWhatTheyWereTaught) {
 TEST(LightCells, ForgetThoseOfOneRayAlone) {
     LightCells cells;
     for (std::uint64_t i = 0; i < 100; ++i) {
-        cells.teach(key_of(i), 1);
-        cells.teach(key_of(i) | own_cell, 1);
+        cells.add_places(key_of(i), 1);
+        cells.add_places(key_of(i) | own_cell, 1);
     }
     cells.forget_own();
     for (std::uint64_t i = 0; i < 100; ++i) {

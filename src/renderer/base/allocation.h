@@ -20,7 +20,7 @@ inline double samples_for(double allowed, double samples, double variance, doubl
 /// and a box; independent rays have 1, a smooth integrand more than 2.
 inline constexpr float variance_power = 1.2f;
 
-/// What samples are worth in a picture: those that a tolerance asks for, at the price of all others
+/// Worth of samples in a picture: those that a tolerance asks for, at the price of all others
 /// (docs/model/gathering.md#how-many-rays).
 struct Allocation {
     float typical = 0;  ///< ToleranceMap::typical; 0: tolerances are bounds, whatever they cost

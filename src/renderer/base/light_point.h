@@ -6,6 +6,7 @@
 
 #include "core/color.h"
 #include "core/numeric.h"
+#include "core/surface_address.h"
 #include "scene/pose/snapshot.h"
 
 namespace render2mpeg::renderer {
@@ -51,7 +52,7 @@ struct LightPoint {
     /// point. Light nearer than a multiple of it is clamped, and sharp lobes see the disc, not the point.
     float disc2 = 0;
     std::uint32_t id = 0;                ///< stable over the film; photons' own VPLs have none
-    std::uint32_t object = 0xffffffffu;  ///< on whose surface it lies; no_id: on none, or an anchor that never moves
+    std::uint32_t object = core::no_id;  ///< on whose surface it lies; no_id: on none, or an anchor that never moves
     LightType type = LightType::oriented;
 
     bool shines() const { return core::is_finite(intensity) && core::luminance(intensity) > 0.0f; }

@@ -59,7 +59,7 @@ std::uint32_t wanted_rays(const FrameState& frame, const NewRecord& fresh, Local
         samples_for(tolerance * tolerance, has, frame.allocation.priced(error.square, error.of_block), variance_power);
     if (fit.size() < few_records) {
         const double share = 1.0 / std::max(static_cast<double>(query->tolerance.noise), 1.0);
-        needs = std::max(needs, least_of_few * std::pow(share * share, 1.0 / variance_power));
+        needs = std::max(needs, samples_for(1, least_of_few, share * share, variance_power));
     }
     return static_cast<std::uint32_t>(std::min(frame.allocation.worth(needs), most));
 }

@@ -105,7 +105,7 @@ RecordUpdate updated(const FrameState& frame, const SurfaceMark& mark, const Gat
     now.batch_variance = fit.batch_variance_now() / shown2;
     const RecordBaseline& before = *r.baseline;
     const double factor = fit.factor(), variance = factor * factor * before.variance + error.square / shown2,
-                 of_pilot = now.batch_variance * std::pow(1.0 * batch_rays / pilot_rays, variance_power);
+                 of_pilot = now.batch_variance * batch_share(pilot_rays);
     if (!(variance < of_pilot)) return now;
     now.is_pilot = false;
     std::array<glm::dvec3, 3> light{};
@@ -118,10 +118,9 @@ RecordUpdate updated(const FrameState& frame, const SurfaceMark& mark, const Gat
                         (glm::dvec3(other.pilot.light[k]) - factor * glm::dvec3(other.baseline->pilot.light[k]));
     }
     for (std::size_t k = 0; k < light.size(); ++k) now.light[k] = glm::max(glm::vec3(light[k]), glm::vec3(0));
-    const double rays = variance > 0.0 ? batch_rays * std::pow(now.batch_variance / variance, 1.0 / variance_power)
-                                       : 1.0 * before.ray_count;
     now.rays =
-        static_cast<std::uint32_t>(std::clamp(rays, 1.0 * pilot_rays, 1.0 * std::max(before.ray_count, pilot_rays)));
+        static_cast<std::uint32_t>(std::clamp(samples_for(variance, batch_rays, now.batch_variance, variance_power),
+                                              1.0 * pilot_rays, 1.0 * std::max(before.ray_count, pilot_rays)));
     now.needs_pilot = before.ray_count > now.rays + pilot_rays;
     return now;
 }

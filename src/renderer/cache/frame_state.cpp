@@ -10,25 +10,18 @@ float TileState::allowed(const GatherPoint& p, std::size_t i) const {
     return tolerance[i].allows(core::luminance(light[i].scattered(p)));
 }
 
-namespace {
-
-CutLimits without_exact(CutLimits limits) {
-    limits.exact = false;
-    return limits;
-}
-
-}  // namespace
-
 FrameState::FrameState(const LightingContext& lit_by, const scene::Snapshot& instant, const CutLimits& cut_limits,
                        FinalGather* final_gather, RecordStore& store)
     : context(lit_by),
       snapshot(instant),
-      limits(without_exact(cut_limits)),
+      limits(cut_limits),
       rays(final_gather),
       allocation{context.tolerance.typical, context.tolerance.means},
       records(store),
       grid(seen().visible.width(), seen().visible.height()),
-      tiles(seen().tiles.size()) {}
+      tiles(seen().tiles.size()) {
+    limits.exact = false;
+}
 
 std::optional<CacheQuery> FrameState::query_of(std::size_t t, std::size_t i) const {
     const GatherPoint& p = seen().tiles[t][i];

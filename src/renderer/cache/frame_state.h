@@ -55,9 +55,9 @@ struct FrameState {
 
     const LightingContext context;
     const scene::Snapshot& snapshot;
-    const CutLimits limits;
+    CutLimits limits;             ///< without exact lights
     FinalGather* const rays;      ///< gathers the sky and indirect light; null: light trees hold them
-    const Allocation allocation;  ///< of them
+    const Allocation allocation;  ///< of rays
 
     RecordStore& records;
     RecordGrid grid;               ///< of them

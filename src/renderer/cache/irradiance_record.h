@@ -25,7 +25,7 @@ struct GlossyRecord {
     glm::vec3 f0{0}, schlick{0};
 };
 
-/// What the first rays of a record find at an instant (RayLight).
+/// Light that the first rays of a record find at an instant (RayLight).
 struct RecordPilot {
     std::array<glm::vec3, 3> light{};
     float difference = 0;  ///< luminance by the first 8 less that by the others, for a receiver that reflects all

@@ -23,11 +23,11 @@ struct Radius {
 constexpr Radius radii[] = {{1, 0.0187}, {2, 0.0568}, {4, 0.1540}, {6, 0.2864}};
 constexpr int largest_radius = 6;
 
-/// Square of the distance of lanes without a member, pixels: beyond all radii.
-constexpr float far_away = 64;
-
 /// The same of pixels that have a record each.
 constexpr double common_alone = 1.0 / 64;
+
+/// Square of the distance of lanes without a member, pixels: beyond all radii.
+constexpr float far_away = 64;
 
 /// Weights fall to zero at so many times the square of the reach. chosen: 1.1, so that the farthest count a little; not
 /// tuned.
@@ -79,7 +79,7 @@ void LocalRegression::collect(const CacheQuery& q, Of of, const RecordGrid& grid
             if (of == Of::change && !r.is_pilot_now) continue;
             const auto lobe = lobe_at(q, r);
             if (!lobe) continue;
-            const std::size_t i = members_.size(), k = i % lane_count;
+            const std::size_t i = members_.size(), k = i % member_lanes;
             if (k == 0) lanes_.emplace_back().distance2.fill(far_away);
             MemberLanes& lanes = lanes_.back();
             lanes.x[k] = offset.x;
@@ -89,7 +89,7 @@ void LocalRegression::collect(const CacheQuery& q, Of of, const RecordGrid& grid
                                  ? core::luminance(reflects * r.irradiance() + q.point.weight * lobe->radiance)
                                  : static_cast<float>(shown_luminance(plain, r.by_rays));
             lanes.precision[k] = r.ray_count > 0 ? std::sqrt(static_cast<float>(r.ray_count)) : 1.0f;
-            lanes.batch_share[k] = r.ray_count > 0 ? batch_share(r.ray_count) : 0.0f;
+            lanes.batch_share[k] = static_cast<float>(batch_share(r.ray_count));
             lanes.batch_variance[k] = receives2 * r.batch_variance;
             Member& member = members_.emplace_back();
             member.record = m.record;
@@ -104,7 +104,7 @@ void LocalRegression::collect(const CacheQuery& q, Of of, const RecordGrid& grid
 /// least squares over all members.
 void LocalRegression::explain_change(const GatherPoint& plain, const RecordStore& records, float receives2) {
     const auto closeness = [&](std::size_t i) {
-        const double c = 1.0 - lanes_of(i).distance2[i % lane_count] /
+        const double c = 1.0 - lanes_of(i).distance2[i % member_lanes] /
                                    (1.0 * falloff_end * (largest_radius + 0.5) * (largest_radius + 0.5));
         return c * c;
     };
@@ -124,31 +124,31 @@ void LocalRegression::explain_change(const GatherPoint& plain, const RecordStore
     for (std::size_t i = 0; i < members_.size(); ++i) {
         const IrradianceRecord& r = records[members_[i].record];
         MemberLanes& lanes = lanes_of(i);
-        const std::size_t k = i % lane_count;
+        const std::size_t k = i % member_lanes;
         lanes.value[k] = static_cast<float>(shown_luminance(plain, r.pilot.light) -
                                             factor_ * shown_luminance(plain, r.baseline->pilot.light));
         const double difference = r.pilot.difference - factor_ * r.baseline->pilot.difference;
         spread += closeness(i) * 0.5 * difference * difference;
         lanes.precision[k] = 1;
-        lanes.batch_share[k] = batch_share(pilot_rays);
+        lanes.batch_share[k] = static_cast<float>(batch_share(pilot_rays));
     }
     // One difference alone tells little of a variance.
     const float batch = receives2 * static_cast<float>(core::divide_or(spread, sum, 0.0));
-    for (std::size_t i = 0; i < members_.size(); ++i) lanes_of(i).batch_variance[i % lane_count] = batch;
+    for (std::size_t i = 0; i < members_.size(); ++i) lanes_of(i).batch_variance[i % member_lanes] = batch;
 }
 
 /// A bent plane about a point, through members within a reach.
 struct LocalRegression::Plane {
     float reach = 0;
-    std::array<float, 4> row{};    ///< of the inverse of the normal equations: gives weights
-    std::array<float, 4> value{};  ///< of 1, x, y, x^2 + y^2, over the reach
+    glm::vec4 row{0};    ///< of the inverse of the normal equations: gives weights
+    glm::vec4 value{0};  ///< of 1, x, y, x^2 + y^2, over the reach
 
     /// Sums that the normal equations are made of: moments of 1, x, y, x^2 + y^2, then of these times the value.
     enum Moment { m1, mx, my, mz, mxx, mxy, mxz, myy, myz, mzz, v1, vx, vy, vz, batch, close, number, moments };
     /// Sums over members once it is found.
     enum Fit { stretch, variance, off, chance, closeness, fits };
     template <int count>
-    using Sums = std::array<Lanes, count>;
+    using Sums = std::array<MemberValues, count>;
 
     void sum(std::span<const MemberLanes> members, Sums<moments>& sums) const;
     /// Weights of members as well.
@@ -160,7 +160,7 @@ void LocalRegression::Plane::sum(std::span<const MemberLanes> members, Sums<mome
     const float per_reach = 1.0f / reach, per_square = per_reach * per_reach, reach2 = reach * reach;
     Sums<moments> s{};
     for (const MemberLanes& m : members) {
-        for (std::size_t i = 0; i < lane_count; ++i) {
+        for (std::size_t i = 0; i < member_lanes; ++i) {
             const float z = m.distance2[i] * per_square, x = m.x[i] * per_reach, y = m.y[i] * per_reach,
                         c = 1.0f - z * (1.0f / falloff_end), near = m.distance2[i] <= reach2 ? c * c : 0.0f,
                         w = near * m.precision[i], wx = w * x, wy = w * y, wz = w * z, v = m.value[i];
@@ -191,11 +191,11 @@ void LocalRegression::Plane::fit(std::span<const MemberLanes> members, float* we
     const float per_reach = 1.0f / reach, per_square = per_reach * per_reach, reach2 = reach * reach;
     Sums<fits> s{};
     for (const MemberLanes& m : members) {
-        for (std::size_t i = 0; i < lane_count; ++i) {
+        for (std::size_t i = 0; i < member_lanes; ++i) {
             const float z = m.distance2[i] * per_square, x = m.x[i] * per_reach, y = m.y[i] * per_reach,
                         c = m.distance2[i] <= reach2 ? 1.0f - z * (1.0f / falloff_end) : 0.0f,
-                        w = c * c * m.precision[i] * (row[0] + row[1] * x + row[2] * y + row[3] * z),
-                        d = m.value[i] - (value[0] + value[1] * x + value[2] * y + value[3] * z);
+                        w = c * c * m.precision[i] * (row.x + row.y * x + row.z * y + row.w * z),
+                        d = m.value[i] - (value.x + value.y * x + value.z * y + value.w * z);
             weights[i] = w;
             s[stretch][i] += inlined::abs(w);
             s[variance][i] += w * w * m.batch_share[i];
@@ -203,7 +203,7 @@ void LocalRegression::Plane::fit(std::span<const MemberLanes> members, float* we
             s[chance][i] += c * m.batch_share[i];
             s[closeness][i] += c;
         }
-        weights += lane_count;
+        weights += member_lanes;
     }
     sums = s;
 }
@@ -217,10 +217,6 @@ std::array<double, count> totals(const std::array<std::array<float, width>, coun
     for (std::size_t k = 0; k < count; ++k)
         for (const float lane : sums[k]) out[k] += static_cast<double>(lane);
     return out;
-}
-
-std::array<float, 4> narrowed(const glm::dvec4& v) {
-    return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z), static_cast<float>(v.w)};
 }
 
 }  // namespace
@@ -241,9 +237,9 @@ void LocalRegression::fit_plane(int radius, double common, RegressionError& best
     if (!(flat > line_share * s * s * s) || !(glm::determinant(equations) > circle_share * s * flat)) return;
     const glm::dmat4 inverse = glm::inverse(equations);
     const double batch = m[P::batch] / m[P::close];
-    plane.row = narrowed(inverse[0]);
-    plane.value = narrowed(inverse * glm::dvec4(m[P::v1], m[P::vx], m[P::vy], m[P::vz]));
-    plane_.resize(lanes_.size() * lane_count);
+    plane.row = glm::vec4(inverse[0]);
+    plane.value = glm::vec4(inverse * glm::dvec4(m[P::v1], m[P::vx], m[P::vy], m[P::vz]));
+    plane_.resize(lanes_.size() * member_lanes);
     P::Sums<P::fits> fit_lanes;
     plane.fit(lanes_, plane_.data(), fit_lanes);
     const std::array<double, P::fits> f = totals(fit_lanes);
@@ -267,7 +263,7 @@ void LocalRegression::take_own(RegressionError& best) {
         best.is_valid() ? best.batch_variance : core::divide_or(all, static_cast<double>(members_.size()), 0.0);
     for (std::size_t i = 0; i < members_.size(); ++i) {
         if (!members_[i].is_own) continue;
-        const double square = batch * lanes_of(i).batch_share[i % lane_count];
+        const double square = batch * lanes_of(i).batch_share[i % member_lanes];
         if (!std::isfinite(square) || (best.is_valid() && !(square < best.square))) continue;
         best = {square, square, common_alone * square, batch, 1.0, 0};
         weights_.assign(members_.size(), 0.0f);

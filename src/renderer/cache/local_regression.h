@@ -60,20 +60,20 @@ class LocalRegression {
         bool is_own = false;  ///< the point's, or one in its place
         SeenLobe lobe;
     };
-    static constexpr std::size_t lane_count = 8;
-    using Lanes = std::array<float, lane_count>;
+    static constexpr std::size_t member_lanes = 8;
+    using MemberValues = std::array<float, member_lanes>;
     /// Members side by side, for vector code; those beyond the last are far away.
     struct alignas(32) MemberLanes {
-        Lanes x{}, y{};          ///< from the point, pixels
-        Lanes distance2{};       ///< square of its length
-        Lanes value{};           ///< luminance of the pixel
-        Lanes precision{};       ///< by which it is weighted
-        Lanes batch_share{};     ///< variance of its rays' mean over that of a batch
-        Lanes batch_variance{};  ///< luminance of the pixel, squared
+        MemberValues x{}, y{};          ///< from the point, pixels
+        MemberValues distance2{};       ///< square of its length
+        MemberValues value{};           ///< luminance of the pixel
+        MemberValues precision{};       ///< by which it is weighted
+        MemberValues batch_share{};     ///< variance of its rays' mean over that of a batch
+        MemberValues batch_variance{};  ///< luminance of the pixel, squared
     };
     struct Plane;
     void explain_change(const GatherPoint& plain, const RecordStore& records, float receives2);
-    MemberLanes& lanes_of(std::size_t i) { return lanes_[i / lane_count]; }
+    MemberLanes& lanes_of(std::size_t i) { return lanes_[i / member_lanes]; }
     void fit_plane(int radius, double common, RegressionError& best);
     void take_own(RegressionError& best);
 

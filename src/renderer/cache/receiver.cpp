@@ -62,8 +62,7 @@ RecordPilot pilot_of(const RayLight& rays, const GatherPoint& plain) {
 }
 
 RecordBaseline baseline_of(const IrradianceRecord& r) {
-    const double share = core::divide_or(1.0 * batch_rays, 1.0 * r.ray_count, 0.0);
-    return {r.by_rays, r.pilot, r.batch_variance * std::pow(share, variance_power), r.ray_count};
+    return {r.by_rays, r.pilot, r.batch_variance * batch_share(r.ray_count), r.ray_count};
 }
 
 std::optional<IrradianceRecord> record_of(const GatherPoint& p, const PointLight& light, const GlossyRecord& lobe,

@@ -25,7 +25,7 @@ GatherPoint plain_receiver(const GatherPoint& p);
 std::optional<IrradianceRecord> record_of(const GatherPoint& p, const PointLight& trees, const GlossyRecord& lobe,
                                           const RayLight& rays, float error_scale, std::int64_t frame);
 
-/// What a record's first rays found, for its plain receiver.
+/// Light that a record's first rays found, for its plain receiver.
 RecordPilot pilot_of(const RayLight& rays, const GatherPoint& plain);
 
 /// A record as its own baseline.

@@ -7,7 +7,6 @@
 #include "core/color.h"
 #include "core/numeric.h"
 #include "parallel/loops.h"
-#include "renderer/base/allocation.h"
 #include "renderer/caustics/casters.h"
 #include "renderer/caustics/caustic_photons.h"
 
@@ -204,7 +203,7 @@ CausticBudget budget_of(const Frame& seen, const SplatTree& tree, const std::vec
     // (docs/measurements.md#caustics).
     const auto worst = static_cast<double>(quantile(excess, share_of_pixels));
     const double mean = errors / (static_cast<double>(least_error * least_error) * static_cast<double>(pixels.size()));
-    const double wanted = samples_for(1, static_cast<double>(photons), std::min({1e6, worst * worst, mean}));
+    const double wanted = static_cast<double>(photons) * std::min({1e6, worst * worst, mean});
     while (budget.photons < most_photons && static_cast<double>(budget.photons) < wanted) budget.photons *= 2;
 
     // Photons of one irradiance v, at random, that bring E together err by sqrt(v E).

@@ -102,7 +102,7 @@ class Hexagon {
         const glm::vec3 at = lanes.position.at(i), way = light_.position - at;
         const float radii2 = core::divide_or(glm::dot(way, way), light_.disc2, far_radii * far_radii);
         if (!(radii2 < far_radii * far_radii)) return {};
-        const glm::vec3 normal{lanes.normal.axis.x[i], lanes.normal.axis.y[i], lanes.normal.axis.z[i]};
+        const glm::vec3 normal = lanes.normal.axis.at(i);
         Polygon whole;
         for (const glm::vec3& corner : rim_) whole.corner[whole.count++] = corner - at;
         const Polygon part = whole.before(normal);

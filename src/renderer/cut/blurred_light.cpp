@@ -70,7 +70,6 @@ class PixelSum {
         radiance.direct_cut.at(x, y) = direct_cut_ / points;
         radiance.indirect_cut.at(x, y) = indirect_cut_ / points;
         radiance.error.at(x, y) = error_.value;
-        if (radiance.record_age.empty()) return;
         radiance.record_age.at(x, y) = age_ / points;
         radiance.record_reuse.at(x, y) = reused_ / points;
     }

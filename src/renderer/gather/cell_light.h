@@ -15,7 +15,7 @@
 
 namespace render2mpeg::renderer {
 
-/// What the updates of one task found.
+/// Results of the updates of one task.
 struct TaskLight {
     std::vector<CellLink> links;  ///< of its updates
     AskedPlaces asked;            ///< by rays whose cell has to learn

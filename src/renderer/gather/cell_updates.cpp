@@ -37,11 +37,11 @@ glm::vec3 link_scale(const CellUpdate& sums, glm::vec3 row, std::uint32_t places
 /// Appends an update of so many places of a cell, which is made if it was not there.
 CellUpdate& ShardUpdates::add(LightCells& cells, std::uint64_t key, std::uint32_t places) {
     CellUpdate& update = updates_.emplace_back();
-    update.cell = cells.teach(key, places);
-    LightCell& taught = cells.at(update.cell);
+    update.cell = cells.add_places(key, places);
+    LightCell& cell = cells.at(update.cell);
     update.places = places;
-    update.number = taught.places - places;
-    update.earlier = std::exchange(taught.update, static_cast<std::uint32_t>(updates_.size() - 1));
+    update.number = cell.places - places;
+    update.earlier = std::exchange(cell.update, static_cast<std::uint32_t>(updates_.size() - 1));
     return update;
 }
 

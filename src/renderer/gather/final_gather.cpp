@@ -42,8 +42,8 @@ constexpr float lobe_rays = 64.0f;
 /// Rays of a bundle from which sixteen neighbours lie within an eighth of the hemisphere.
 constexpr std::uint32_t coherent_rays = 128;
 
-/// A guide is used where at least so many times the pilot's rays remain, for the pilot counts no more then, and where a
-/// guided ray has at most so much of the variance. chosen: 4 of 2 to 4, and 0.7.
+/// A guide is used if the rays left are at least so many times the pilot's, and guided ones have at most so much of the
+/// variance. chosen: 4 of 2 to 4, and 0.7; pilots count no more then.
 constexpr std::uint32_t worth_guiding = 4;
 constexpr double gain_of_guides = 0.7;
 

@@ -39,7 +39,7 @@ void LightCells::forget_own() {
     }
 }
 
-std::uint32_t LightCells::teach(std::uint64_t key, std::uint32_t places) {
+std::uint32_t LightCells::add_places(std::uint64_t key, std::uint32_t places) {
     const std::size_t s = shard_of(key);
     Shard& shard = shards_[s];
     const bool is_own = (key & own_cell) != 0;

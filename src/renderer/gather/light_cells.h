@@ -50,7 +50,7 @@ inline constexpr std::uint64_t own_cell = std::uint64_t{1} << 63;
 struct LightCell {
     glm::vec3 radiance{0}, near{0};
     std::uint32_t places = 0;                ///< that it is the mean of, those that are being evaluated among them
-    std::uint32_t update = CellTable::none;  ///< that teaches it, the last one; then its row in the equations
+    std::uint32_t update = CellTable::none;  ///< of it, the last one; then its row in the equations
 };
 
 /// Cells in shards by a hash of their keys. A task that has a shard to itself may make cells there without a lock; any
@@ -74,8 +74,8 @@ class LightCells {
         if (found.index != none) found.index = index_in(s, is_own, found.index);
         return found;
     }
-    /// Has a cell learn `places` more, after it was made where it has not been. Returns its index.
-    std::uint32_t teach(std::uint64_t key, std::uint32_t places);
+    /// Adds `places` to a cell, which is made if it was not there. Returns its index.
+    std::uint32_t add_places(std::uint64_t key, std::uint32_t places);
 
     const LightCell& at(std::uint32_t index) const {
         const Shard& shard = shards_[index % shards];

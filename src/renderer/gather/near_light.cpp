@@ -75,8 +75,8 @@ void thin_out(double strength, std::vector<LightPoint>& points) {
 
 }  // namespace
 
-NearField::NearField(std::span<const LightPoint> lights, const ViewSample& look) {
-    const double begins = std::numbers::pi * static_cast<double>(look.luminance);
+NearField::NearField(std::span<const LightPoint> lights, const ViewSample& view) {
+    const double begins = std::numbers::pi * static_cast<double>(view.luminance);
     if (!(begins > 0.0) || !std::isfinite(begins)) return;
     struct Source {
         glm::dvec3 place{0};
@@ -86,9 +86,9 @@ NearField::NearField(std::span<const LightPoint> lights, const ViewSample& look)
         const glm::dvec3 centre = source.place / source.power;
         const double spread2 = source.square / source.power - glm::dot(centre, centre);
         double inverse2 = begins / source.power;
-        if (!look.places.empty()) {
+        if (!view.places.empty()) {
             std::vector<double> distances2;
-            for (const glm::vec3& place : look.places) {
+            for (const glm::vec3& place : view.places) {
                 const glm::dvec3 d = glm::dvec3(place) - centre;
                 distances2.push_back(glm::dot(d, d));
             }
@@ -143,18 +143,18 @@ NearField::Part NearField::at(glm::vec3 place) const {
     return {1.0f - least, intensity * inverse2 / least};
 }
 
-ViewSample look_about(const PosedScene& posed_scene, const Plan& plan, const scene::Camera& camera, glm::ivec2 size) {
+ViewSample sample_view(const PosedScene& posed_scene, const Plan& plan, const scene::Camera& camera, glm::ivec2 size) {
     const FlushDenormals flushed;
     const GatherRays rays(posed_scene, plan);
     SurfaceCache cache(posed_scene, plan);
     cache.forget({});
-    // What the rays of one task met.
-    struct Looked {
+    // Places and terms that the rays of one task met.
+    struct TaskView {
         std::vector<glm::vec3> places;
         std::vector<RayTerm> terms;
     };
-    std::vector<Looked> looked(eye_rays / eye_rays_at_once);
-    parallel::for_each(looked.size(), [&](std::size_t task) {
+    std::vector<TaskView> of_task(eye_rays / eye_rays_at_once);
+    parallel::for_each(of_task.size(), [&](std::size_t task) {
         const FlushDenormals flushed;
         std::uint64_t traced = 0;
         for (std::uint64_t i = task * eye_rays_at_once; i < (task + 1) * eye_rays_at_once; ++i) {
@@ -162,13 +162,13 @@ ViewSample look_about(const PosedScene& posed_scene, const Plan& plan, const sce
                 camera.ray_through(glm::vec2(core::halton(0, i + 1), core::halton(1, i + 1)) * glm::vec2(size));
             const RayQuery ray{eye.origin, eye.direction, std::numeric_limits<float>::infinity()};
             const Hit hit = posed_scene.tracer().nearest(ray.origin, ray.direction, ray.far);
-            if (hit.found()) looked[task].places.push_back(ray.origin + hit.distance * ray.direction);
-            rays.follow(ray, hit, {}, i, static_cast<std::uint32_t>(i), looked[task].terms, traced);
+            if (hit.found()) of_task[task].places.push_back(ray.origin + hit.distance * ray.direction);
+            rays.follow(ray, hit, {}, i, static_cast<std::uint32_t>(i), of_task[task].terms, traced);
         }
     });
     std::vector<glm::vec3> places;
     std::vector<RayTerm> terms;
-    for (const Looked& part : looked) {
+    for (const TaskView& part : of_task) {
         places.insert(places.end(), part.places.begin(), part.places.end());
         terms.insert(terms.end(), part.terms.begin(), part.terms.end());
     }

@@ -19,7 +19,7 @@ struct ViewSample {
 };
 
 /// View of this camera at the posed instant.
-ViewSample look_about(const PosedScene& posed_scene, const Plan& plan, const scene::Camera& camera, glm::ivec2 size);
+ViewSample sample_view(const PosedScene& posed_scene, const Plan& plan, const scene::Camera& camera, glm::ivec2 size);
 
 /// Places so near a lamp or shining object that they far outshine the rest: its shade, the wall behind it. Gather rays
 /// would meet such spots rarely, and find them hundreds of times as bright as all else. A share of what surfaces there
@@ -30,7 +30,7 @@ class NearField {
     /// Of lights of the instant. The share begins where one makes a white surface as bright as half of what is seen,
     /// but no farther off than half of the way to it. Sources that would light half of it far more than it is lit are
     /// hidden from it, and have no near field; nor have objects that are wider than theirs.
-    NearField(std::span<const LightPoint> lights, const ViewSample& look);
+    NearField(std::span<const LightPoint> lights, const ViewSample& view);
 
     /// Near-field light of a place.
     struct Part {

@@ -4,14 +4,14 @@
 
 namespace render2mpeg::renderer {
 
-float batch_share(std::uint32_t rays) {
-    static const auto of_few = [] {
-        std::array<float, 1025> shares{};
-        for (std::size_t n = 1; n < shares.size(); ++n)
-            shares[n] = std::pow(batch_rays / static_cast<float>(n), variance_power);
+double batch_share(std::uint32_t rays) {
+    const auto share = [](std::uint32_t n) { return std::pow(1.0 * batch_rays / n, variance_power); };
+    static const auto of_few = [&] {
+        std::array<double, 1025> shares{};
+        for (std::uint32_t n = 1; n < shares.size(); ++n) shares[n] = share(n);
         return shares;
     }();
-    return rays < of_few.size() ? of_few[rays] : std::pow(batch_rays / static_cast<float>(rays), variance_power);
+    return rays < of_few.size() ? of_few[rays] : share(rays);
 }
 
 double shown_luminance(const GatherPoint& point, const std::array<glm::vec3, 3>& light) {

@@ -17,8 +17,8 @@ namespace render2mpeg::renderer {
 /// Rays of one batch whose spread is looked at.
 inline constexpr std::uint32_t batch_rays = 8;
 
-/// Variance of the mean of so many rays, at least one, over that of a batch.
-float batch_share(std::uint32_t rays);
+/// Variance of the mean of so many rays over that of a batch; 0 of none.
+double batch_share(std::uint32_t rays);
 
 /// Luminance that the pixel shows of light found by rays: irradiance over pi and the lobe's two parts.
 double shown_luminance(const GatherPoint& point, const std::array<glm::vec3, 3>& light);
@@ -57,7 +57,7 @@ struct PointSums : RaySums {
         return n < 2 ? 0.0 : std::max(batch_squares - batches * batches / n, 0.0) / (n - 1);
     }
     /// Variance of the mean of all rays.
-    double variance() const { return batch_variance() * std::pow(1.0 * batch_rays / rays, variance_power); }
+    double variance() const { return batch_variance() * batch_share(rays); }
 };
 
 }  // namespace render2mpeg::renderer

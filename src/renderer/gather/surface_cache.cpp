@@ -124,10 +124,10 @@ SurfaceCache::Rows SurfaceCache::rows_of(ShardUpdates& shard) {
     for (CellUpdate& update : updates) {
         for (std::uint32_t k = update.first_link; k < update.last_link; ++k)
             if (update.links[k].cell == LightCells::none) update.links[k].cell = cells_.find(update.links[k].key).index;
-        const LightCell& taught = cells_.at(update.cell);
+        const LightCell& cell = cells_.at(update.cell);
         const bool is_first = update.earlier == LightCells::none;
-        update.known += is_first ? static_cast<float>(update.number) * taught.radiance : updates[update.earlier].known;
-        update.near += is_first ? static_cast<float>(update.number) * taught.near : updates[update.earlier].near;
+        update.known += is_first ? static_cast<float>(update.number) * cell.radiance : updates[update.earlier].known;
+        update.near += is_first ? static_cast<float>(update.number) * cell.near : updates[update.earlier].near;
     }
     Rows rows;
     auto l = static_cast<std::uint32_t>(updates.size());
@@ -222,8 +222,8 @@ void SurfaceCache::solve(Learning& learning) {
     const std::vector<glm::vec3> radiance = renderer::solve(blocks, ends);
     for_each_shard([&](std::size_t s) {
         for (const std::uint32_t l : rows[s].updates) {
-            LightCell& taught = cells_.at(learning.shards[s].all()[l].cell);
-            taught.radiance = radiance[std::exchange(taught.update, LightCells::none)];
+            LightCell& cell = cells_.at(learning.shards[s].all()[l].cell);
+            cell.radiance = radiance[std::exchange(cell.update, LightCells::none)];
         }
     });
     for_each_shard([&](std::size_t s) {
@@ -233,8 +233,8 @@ void SurfaceCache::solve(Learning& learning) {
             links_of(updates, l, [&](const CellLink& link) {
                 if (link.near > 0.0f) sum += link.near * link.weight * cells_.at(link.cell).radiance;
             });
-            LightCell& taught = cells_.at(updates[l].cell);
-            taught.near = sum / static_cast<float>(taught.places);
+            LightCell& cell = cells_.at(updates[l].cell);
+            cell.near = sum / static_cast<float>(cell.places);
         }
     });
 }

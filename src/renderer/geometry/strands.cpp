@@ -80,8 +80,8 @@ void set_corners(SurfaceShape& shape, const core::SurfaceAddress& address) {
 }
 
 float free_path_among(const scene::Mesh& mesh) {
-    const auto box = core::Box::about(mesh.positions);
-    const glm::dvec3 extent(box.size());
+    const auto bounds = core::Box::about(mesh.positions);
+    const glm::dvec3 extent(bounds.size());
     const double widest = std::max({extent.x, extent.y, extent.z}), volume = std::max(extent.x, 0.01 * widest) *
                                                                              std::max(extent.y, 0.01 * widest) *
                                                                              std::max(extent.z, 0.01 * widest);
@@ -91,7 +91,7 @@ float free_path_among(const scene::Mesh& mesh) {
     std::vector<std::pair<std::uint64_t, double>> areas;
     for (const std::uint32_t first : mesh.curves) {
         const glm::dvec3 a(mesh.positions[first + 1]), b(mesh.positions[first + 2]);
-        const glm::dvec3 at = (0.5 * (a + b) - glm::dvec3(box.low)) / side;
+        const glm::dvec3 at = (0.5 * (a + b) - glm::dvec3(bounds.low)) / side;
         std::uint64_t box = 0;
         for (int k = 0; k < 3; ++k) box = box << 21 | static_cast<std::uint64_t>(std::max(at[k], 0.0));
         const auto width = static_cast<double>(mesh.radii[first + 1] + mesh.radii[first + 2]);

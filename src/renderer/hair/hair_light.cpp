@@ -187,8 +187,7 @@ void HairLight::want_rounds(std::span<Pixel> tile, const core::ToleranceMap& tol
         const auto luminance = static_cast<float>(near) + core::luminance(known.at(p.place.x, p.place.y));
         const double allowed =
             static_cast<double>(tolerance.pixels.at(p.place.x, p.place.y).allows(luminance)) / core::errors_of_noise;
-        const double rounds =
-            std::min(samples_for(allowed * allowed, 1, relative * near * near / (p.end - p.first)), 1e9);
+        const double rounds = samples_for(allowed * allowed, 1, relative * near * near / (p.end - p.first));
         counts.capped += rounds > most_rounds ? 1 : 0;
         p.wanted = static_cast<std::uint32_t>(
             std::clamp(std::ceil(std::min(rounds, worth)), 1.0 * p.rounds, 1.0 * most_rounds));

@@ -1,8 +1,5 @@
 #include "renderer/lights/light.h"
 
-#include "core/color.h"
-#include "core/numeric.h"
-
 namespace render2mpeg::renderer {
 
 Lights lamps_of(const scene::Snapshot& instant) {
@@ -19,7 +16,6 @@ LightPoint point_of_lamp(const scene::LightState& lamp) {
     point.intensity = lamp.intensity;
     point.range = lamp.range;
     point.id = first_lamp_id + lamp.id;
-    point.object = core::no_id;
     return point;
 }
 

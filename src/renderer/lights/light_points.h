@@ -24,7 +24,7 @@ struct EmitterPoint {
 std::vector<EmitterPoint> place_emitters(const PosedScene& posed_scene, const scene::Snapshot& snapshot, int count,
                                          std::uint64_t seed);
 
-/// What shines at a place of the posed instant.
+/// The light point of a place that shines, at the posed instant.
 LightPoint point_at(const PosedScene& posed_scene, const EmitterPoint& place, std::uint32_t id);
 
 /// About `count` parts of a sky as light points, finer where the importance says so.

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <type_traits>
 #include <utility>
 
 #include "core/error.h"
@@ -17,7 +18,7 @@
 namespace render2mpeg::renderer {
 namespace {
 
-constexpr std::size_t most_corners = 8;
+constexpr std::size_t most_corners = std::extent_v<decltype(LampView::edges)>;
 
 /// Clipping a convex polygon by a plane adds one corner at most.
 constexpr std::size_t most_clipped = 16;
@@ -56,11 +57,9 @@ bool is_parallelogram(const std::vector<glm::vec3>& c) {
     return c.size() == 4 && glm::length(c[0] + c[2] - c[1] - c[3]) <= 1e-4f * glm::length(c[2] - c[0]);
 }
 
-/// A place on a convex polygon, evenly.
-glm::vec3 on_polygon(const std::vector<glm::vec3>& c, glm::vec2 u) {
-    float area = 0;
-    for (std::size_t i = 2; i < c.size(); ++i) area += glm::length(glm::cross(c[i - 1] - c[0], c[i] - c[0]));
-    float left = u.x * area;
+/// A place on a convex polygon of this area, evenly.
+glm::vec3 on_polygon(const std::vector<glm::vec3>& c, float area, glm::vec2 u) {
+    float left = 2.0f * u.x * area;
     for (std::size_t i = 2; i < c.size(); ++i) {
         const glm::vec3 a = c[i - 1] - c[0], b = c[i] - c[0];
         const float part = glm::length(glm::cross(a, b));
@@ -83,10 +82,10 @@ void lower(const Vec3Lanes& __restrict edge, const Vec3Lanes& __restrict directi
 /// Parallelograms keep the strata. Density by solid angle of a place at distance d on a plane at height h: d^2 / (area
 /// h / d).
 RENDER2MPEG_CLONES
-void choose_on_polygon(const std::vector<glm::vec3>& c, float area, const LampView& __restrict view,
+void choose_on_polygon(const std::vector<glm::vec3>& c, bool even, float area, const LampView& __restrict view,
                        const SampleNumbers& __restrict u, LampSamples& __restrict samples) {
     Vec3Lanes place;
-    if (is_parallelogram(c)) {
+    if (even) {
         const glm::vec3 a = c[1] - c[0], b = c[3] - c[0];
         for (int i = 0; i < lane_count; ++i) {
             place.x[i] = c[0].x + u.x[i] * a.x + u.y[i] * b.x;
@@ -94,7 +93,7 @@ void choose_on_polygon(const std::vector<glm::vec3>& c, float area, const LampVi
             place.z[i] = c[0].z + u.x[i] * a.z + u.y[i] * b.z;
         }
     } else {
-        for (int i = 0; i < lane_count; ++i) put(place, i, on_polygon(c, {u.x[i], u.y[i]}));
+        for (int i = 0; i < lane_count; ++i) put(place, i, on_polygon(c, area, {u.x[i], u.y[i]}));
     }
     for (int i = 0; i < lane_count; ++i) {
         const float x = place.x[i] - view.places.x[i], y = place.y[i] - view.places.y[i];
@@ -140,7 +139,11 @@ void aim_at_polygon(glm::vec3 normal, float clearance, const LampView& __restric
 class PolygonLamp final : public AreaLamp {
   public:
     PolygonLamp(std::vector<glm::vec3> corners, bool two_sided, const LampPose& pose)
-        : corners_(std::move(corners)), normal_(pose.normal), clearance_(pose.clearance), two_sided_(two_sided) {
+        : corners_(std::move(corners)),
+          normal_(pose.normal),
+          clearance_(pose.clearance),
+          two_sided_(two_sided),
+          even_(is_parallelogram(corners_)) {
         glm::vec3 across(0);
         for (std::size_t i = 2; i < corners_.size(); ++i)
             across += glm::cross(corners_[i - 1] - corners_[0], corners_[i] - corners_[0]);
@@ -167,7 +170,7 @@ class PolygonLamp final : public AreaLamp {
         }
     }
     void choose(const LampView& view, const SampleNumbers& numbers, LampSamples& samples) const override {
-        choose_on_polygon(corners_, area_, view, numbers, samples);
+        choose_on_polygon(corners_, even_, area_, view, numbers, samples);
     }
     void meet(const LampView& view, LampSamples& samples) const override {
         meet_polygon(normal_, area_, corners_.size(), view, samples);
@@ -181,7 +184,7 @@ class PolygonLamp final : public AreaLamp {
     std::vector<glm::vec3> corners_;  ///< convex, in order, world
     glm::vec3 normal_;                ///< unit, of its front
     float clearance_, area_ = 0;
-    bool two_sided_;
+    bool two_sided_, even_;  ///< even_: a parallelogram, which keeps the strata
 };
 
 }  // namespace

@@ -96,7 +96,6 @@ std::vector<LightPoint> sky_points(const image::SkyMap& sky, int count, const im
         p.intensity = sample.irradiance;
         p.disc2 = sample.solid_angle * lobe::inverse_pi;
         p.id = first_sky_id + sample.id;
-        p.object = core::no_id;
         if (p.shines()) points.push_back(p);
     }
     return points;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/box.h"
 #include "parallel/loops.h"
 #include "renderer/view/exposure_pattern.h"
 #include "renderer/view/tile_visibility.h"
@@ -39,26 +40,19 @@ struct Cover {
     }
 };
 
-struct Box {
-    glm::vec3 low{1e30f}, high{-1e30f};
-    explicit Box(const std::vector<glm::vec3>& points) {
-        for (const glm::vec3& p : points) low = glm::min(low, p), high = glm::max(high, p);
-    }
-    glm::vec3 corner(int c) const { return {c & 1 ? high.x : low.x, c & 2 ? high.y : low.y, c & 4 ? high.z : low.z}; }
-};
-
 Cover cover_of(const Blur& blur, const scene::Snapshot& snapshot, std::uint32_t object) {
     const scene::Animation& film = *snapshot.animation;
     const glm::vec2 size = snapshot.camera.size();
     Cover cover;
-    const Box own(film.meshes[static_cast<std::size_t>(film.objects[object].mesh)].positions);
+    const auto own = core::Box::about(film.meshes[static_cast<std::size_t>(film.objects[object].mesh)].positions);
     glm::vec2 ways_low[8], ways_high[8];
     std::fill(std::begin(ways_low), std::end(ways_low), glm::vec2(1e30f));
     std::fill(std::begin(ways_high), std::end(ways_high), glm::vec2(-1e30f));
     const auto add = [&](const auto& posed) {
         const scene::ObjectState& state = posed.objects[object];
-        const Box box =
-            state.deformed >= 0 ? Box(posed.deformed[static_cast<std::size_t>(state.deformed)].positions) : own;
+        const core::Box box = state.deformed >= 0
+                                  ? core::Box::about(posed.deformed[static_cast<std::size_t>(state.deformed)].positions)
+                                  : own;
         for (int c = 0; c < 8; ++c) {
             const glm::vec3 corner = glm::vec3(state.to_world * glm::vec4(box.corner(c), 1));
             cover.add(corner, blur, snapshot.camera, size);

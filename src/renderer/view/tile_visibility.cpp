@@ -89,7 +89,7 @@ void copy_parts(const Parts& from, std::uint16_t pixel, Parts& to) {
         to.push_back(*s);
 }
 
-/// Results of a tile's look beside gather points.
+/// Results of a tile beside gather points.
 struct Found {
     SeenAir air;
     std::vector<SeenMatte> mattes;
@@ -296,13 +296,14 @@ PixelMarks look_through(const Looking& looking, std::size_t t, Frame& seen, SeeC
     const TileArea area = area_of(seen, t);
     const int together = std::max(1, static_cast<int>(most_rays / looking.pattern.size()));
     Found found;
-    TileVisibility look(looking, seen, counts, found);
+    TileVisibility visibility(looking, seen, counts, found);
     PixelMarks edges{};
     GatherTile tile;
     tile.reserve(static_cast<std::size_t>((area.end.x - area.first.x) * (area.end.y - area.first.y)));
     for (int y = area.first.y; y < area.end.y; ++y)
         for (int x = area.first.x; x < area.end.x; x += together)
-            look.take(x, std::min(x + together, area.end.x), y, tile, &edges[static_cast<std::size_t>(y % tile_size)]);
+            visibility.take(x, std::min(x + together, area.end.x), y, tile,
+                            &edges[static_cast<std::size_t>(y % tile_size)]);
     seen.tiles[t] = fitted(std::move(tile));
     found.give(seen, t);
     return edges;
@@ -313,7 +314,7 @@ void look_again(const Looking& looking, std::size_t t, const PixelMarks& marks, 
     if (std::none_of(marks.begin(), marks.end(), marked)) return;
     const TileArea area = area_of(seen, t);
     Found found;
-    TileVisibility look(looking, seen, counts, found);
+    TileVisibility visibility(looking, seen, counts, found);
     GatherTile before = std::move(seen.tiles[t]);
     GatherTile tile;
     tile.reserve(before.size());
@@ -328,7 +329,7 @@ void look_again(const Looking& looking, std::size_t t, const PixelMarks& marks, 
             const std::size_t first = next;
             while (next < before.size() && before[next].pixel == pixel) ++next;
             if (marks[static_cast<std::size_t>(y % tile_size)][static_cast<std::size_t>(x % tile_size)]) {
-                look.take(x, x + 1, y, tile, nullptr);
+                visibility.take(x, x + 1, y, tile, nullptr);
                 seen.samples.at(x, y) = static_cast<std::uint16_t>(looking.pattern.size());
             } else {
                 found.copy_pixel(seen, t, pixel);

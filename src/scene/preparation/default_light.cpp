@@ -184,9 +184,9 @@ std::optional<std::size_t> shell_of(const Animation& animation, const Extent& al
     for (std::size_t o = 0; o < animation.objects.size(); ++o) {
         const std::vector<glm::dvec3> positions = world_positions(animation, animation.objects[o], pose);
         if (positions.empty()) continue;
-        glm::dvec3 low = positions.front(), high = low;
-        for (const glm::dvec3& p : positions) low = glm::min(low, p), high = glm::max(high, p);
-        if (glm::all(glm::greaterThanEqual(high - low, least_share * (all.high - all.low)))) return o;
+        Extent own{positions.front(), positions.front()};
+        for (const glm::dvec3& p : positions) own.hold(p);
+        if (glm::all(glm::greaterThanEqual(own.high - own.low, least_share * (all.high - all.low)))) return o;
     }
     return {};
 }

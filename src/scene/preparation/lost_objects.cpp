@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "scene/model/wording.h"
+#include "scene/pose/extent.h"
 #include "scene/pose/pose.h"
 
 namespace render2mpeg::scene {
@@ -30,13 +31,11 @@ bool is_rounded_away(const Animation& animation, const Object& object, const glm
     // A look at all vertices is for those that are far away.
     const double scale = std::max({glm::length(to_world[0]), glm::length(to_world[1]), glm::length(to_world[2])});
     if (step < 1e-4 * scale) return false;
-    glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
-    for (const glm::vec3& p : animation.meshes[static_cast<std::size_t>(object.mesh)].positions) {
-        const glm::dvec3 q = to_world * glm::dvec4(p, 0);
-        low = glm::min(low, q);
-        high = glm::max(high, q);
-    }
-    return glm::length(high - low) < least_steps * step;
+    constexpr double none = std::numeric_limits<double>::infinity();
+    Extent extent{glm::dvec3(none), glm::dvec3(-none)};
+    for (const glm::vec3& p : animation.meshes[static_cast<std::size_t>(object.mesh)].positions)
+        extent.hold(to_world * glm::dvec4(p, 0));
+    return 2 * extent.radius() < least_steps * step;
 }
 
 void note(Animation& animation, const std::vector<std::size_t>& lost, const std::string& why) {
