@@ -11,7 +11,7 @@
 namespace render2mpeg::image {
 namespace {
 
-/// chosen: cells of a quarter of a degree at least, of 0.09 to 0.7 (docs/measurements.md#pictures); 64 columns give an
+/// chosen: cells of a quarter of a degree at least, of 0.09 to 0.7 (bench/tables/pictures.csv); 64 columns give an
 /// image of a few pixels parts that are small enough to be lights.
 constexpr int max_columns = 1440, max_rows = 720, min_columns = 64, min_rows = 32;
 

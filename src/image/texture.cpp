@@ -22,7 +22,7 @@ struct Mixture {
 };
 
 /// Integral from -infinity to x of the filter: a tent of unit half width. chosen: against a box, a quadratic B-spline
-/// and Kaiser windows (docs/measurements.md#pictures).
+/// and Kaiser windows (bench/tables/pictures.csv).
 double tent_integral(double x) {
     if (x <= -1) return 0;
     if (x >= 1) return 1;
@@ -53,7 +53,7 @@ std::vector<Mixture> mixtures(int n, int m, core::Wrap wrap) {
     return row;
 }
 
-/// chosen: 16 of 4 to 32 (docs/measurements.md#pictures).
+/// chosen: 16 of 4 to 32 (bench/tables/pictures.csv).
 constexpr int max_probes = 16;
 /// Coordinates from here on have no fraction.
 constexpr float no_fraction = 16777216.0f;

@@ -17,11 +17,11 @@ namespace render2mpeg::app {
 namespace {
 
 /// Exponent of the masked error by the quantiser.
-/// fit: docs/measurements.md#encoder
+/// fit: bench/tables/encoder.csv
 constexpr double error_slope = 2.0;
 
 /// Masked error of a film's mean picture over that of an I, P and B picture of it, at the same base quantiser.
-/// fit: docs/measurements.md#encoder
+/// fit: bench/tables/encoder.csv
 constexpr std::array<double, 3> mean_over_type{1.2, 1.0, 1.0};
 
 /// chosen: what is known of the film fades by a tenth with each picture (0.05 to 0.2).
@@ -176,7 +176,7 @@ void PictureCoder::look_ahead(encoder::PictureFacts& facts, std::int64_t number)
     if (number >= next_gop) return;
     const std::int64_t last = std::min(number + facts.frames_left, next_gop - (film_.coding.closed_gops ? 1 : 0));
     // chosen: costs of searched vectors propose worse runs than exact motion does, by 0.3 % of bits in the mean of six
-    // films and 5 % where the camera races (docs/measurements.md#encoder).
+    // films and 5 % where the camera races (bench/tables/encoder.csv).
     if (!facts.motion_nonuniformity)
         facts.b_pictures = ahead_->b_pictures(number - 1, last);
     else if (ahead_->light_changes(number - 1, last))

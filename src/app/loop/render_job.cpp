@@ -369,7 +369,7 @@ RenderJob at_effort(const RenderJob& film, const Effort& effort) {
 }
 
 float measure_exposure(const RenderJob& film) {
-    // chosen: of 3 to 12 frames and 48 to 192 pixels (docs/measurements.md#pictures). Light of one pixel in 4 x 4 costs
+    // chosen: of 3 to 12 frames and 48 to 192 pixels (bench/tables/pictures.csv). Light of one pixel in 4 x 4 costs
     // a quarter of that of all pixels of half the size, which smaller films have.
     constexpr int frames = 5, side_of_sparse = 192;
     const bool is_sparse = std::max(film.format.width, film.format.height) >= side_of_sparse;

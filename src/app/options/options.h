@@ -32,7 +32,7 @@ struct GlareRequest {
 };
 
 /// Pictures of a GOP by default. chosen: 60, two seconds, for seeking and chunks (film.h). Against 15 that takes 7.3 to
-/// 29 % fewer bits, against 30 2.7 to 3.2 % where much moves (docs/measurements.md#encoder).
+/// 29 % fewer bits, against 30 2.7 to 3.2 % where much moves (bench/tables/encoder.csv).
 inline constexpr int usual_gop = 60;
 
 // Members of options are what their rows in option_table.cpp say; texts are as option_text.h reads them.

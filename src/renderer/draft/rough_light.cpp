@@ -8,7 +8,7 @@ namespace render2mpeg::renderer {
 namespace {
 
 /// Pixels from one to the next that is lit. chosen: 4 of 2, 4, 8, by how far tolerances are from the finished frame's
-/// (docs/measurements.md#pictures).
+/// (bench/tables/pictures.csv).
 constexpr int step = 4;
 
 bool is_lit(int x, int y) {

@@ -25,9 +25,9 @@ constexpr double orbit_elevation = 0.35;    // radians: shows tops as well as si
 constexpr double front_elevation = 0.03;    // nearly level, so that the ceiling of a box does not hide its back wall
 constexpr int headings = 8;
 // Shares of turned-away cells that an orbit sees. chosen: between those of objects, halls and rooms without outer walls
-// (docs/measurements.md#pictures).
+// (bench/tables/pictures.csv).
 constexpr double share_of_halls = 0.12, share_of_one_sided = 0.5;
-// chosen: 1.45 .. 1.8 choose alike (docs/measurements.md#pictures).
+// chosen: 1.45 .. 1.8 choose alike (bench/tables/pictures.csv).
 constexpr double gain_within = 1.6;
 // chosen: cells of 216 rays that the emptiest heading sees in a room that is open above (30 to 80 choose alike).
 constexpr double least_of_rooms = 40;
@@ -35,7 +35,7 @@ constexpr double least_of_rooms = 40;
 constexpr double least_height = 1.8, least_width = 2.0;
 constexpr std::size_t least_things = 6;
 // Of the radius that the middle 98 % of the triangles span. chosen: between scenes with a backdrop and without
-// (docs/measurements.md#pictures); below 0.1 they are too few to span anything.
+// (bench/tables/pictures.csv); below 0.1 they are too few to span anything.
 constexpr double least_trimmed = 0.1, most_trimmed = 0.5;
 // chosen: a Cornell box has 0 seen through its open side, a closed room 0.8; 0.05 .. 0.5 choose alike.
 constexpr double share_of_open_side = 0.2;
