@@ -301,9 +301,7 @@ TEST(Tune, MakesTheFilmAgainWhereItMissed) {
                                    "--frames",    "0:3",  "-o",         "never.mpg",     "--quiet"};
     const std::string search = small_search.substr(1);
     for (const std::string_view word : core::words_in(search)) words.emplace_back(word);
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    const app::CommandLine line = app::parse(static_cast<int>(arguments.size()), arguments.data());
+    const app::CommandLine line = app::parse(words);
     std::vector<double> qualities;
     // A film that is 0.6 dB below its sample, and gains 0.2 dB with each step of quality.
     const auto make = [&](const app::RenderOptions& options, const std::string&, app::Rendered* rendered) {
