@@ -143,9 +143,9 @@ bool is_one_file(const RenderJob& film) {
 void check_before_reading(const RenderOptions& options) {
     const OutputKind kind = kind_of(options.output);
     Wishes wishes;
-    if (kind == OutputKind::film || kind == OutputKind::y4m) wishes.films.emplace_back(options.output);
-    for (const auto& [subject, file] : options.heatmaps) wishes.films.emplace_back(file);
-    for (const Files& film : wishes.films) check_reachable(film.name);
+    if (kind == OutputKind::film || kind == OutputKind::y4m) wishes.dear.emplace_back(options.output);
+    for (const auto& [subject, file] : options.heatmaps) wishes.dear.emplace_back(file);
+    for (const Files& film : wishes.dear) check_reachable(film.name);
     for (const auto& file : {options.stats, options.report, options.last_frame, options.light_cache})
         if (file) check_reachable(*file);
     if (options.report) check_report(*options.report);
@@ -199,9 +199,9 @@ void check_outputs(const RenderJob& film, const RenderOptions& options) {
 
 Wishes written_by(const RenderJob& film, const RenderOptions& options) {
     Wishes wishes;
-    wishes.films.push_back(is_one_file(film) ? Files(options.output) : Files(options.output, film.frames));
-    for (const auto& [subject, file] : options.heatmaps) wishes.films.emplace_back(file);
-    if (options.stats) wishes.films.emplace_back(*options.stats);
+    wishes.dear.push_back(is_one_file(film) ? Files(options.output) : Files(options.output, film.frames));
+    for (const auto& [subject, file] : options.heatmaps) wishes.dear.emplace_back(file);
+    if (options.stats) wishes.dear.emplace_back(*options.stats);
     wishes.beside.push_back(options.report.value_or(""));
     // This folder is made, but not those that it is in.
     const std::filesystem::path layers = options.layers.value_or("");
