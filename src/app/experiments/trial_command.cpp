@@ -21,6 +21,7 @@
 #include "core/error.h"
 #include "encoder/av/av.h"
 #include "renderer/gather/final_gather.h"
+#include "scene/model/wording.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -224,9 +225,9 @@ ToleranceRequest fixed_tolerance(float share) {
 
 std::string trial_heading(const Trials& trials) {
     const RenderJob& film = trials.film();
-    std::string text = fmt::format("{}: {} of {} frames of {}x{} in {} window{}\n", film.animation->source,
-                                   trials.frames(), film.frame_count(), film.format.width, film.format.height,
-                                   trials.windows().size(), trials.windows().size() == 1 ? "" : "s");
+    std::string text =
+        fmt::format("{}: {} of {} frames of {}x{} in {}\n", film.animation->source, trials.frames(), film.frame_count(),
+                    film.format.width, film.format.height, scene::counted(trials.windows().size(), "window"));
     if (trials.references() == 0) return text + "quality against these frames as they were lit\n";
     const renderer::Statistics& found = trials.statistics();
     const bool rays = film.rendering.indirect == renderer::Indirect::rays && film.rendering.vpls > 0;

@@ -27,6 +27,7 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "parallel/loops.h"
+#include "scene/model/wording.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -249,14 +250,14 @@ std::optional<json> settle_once(RenderJob& film, const RenderOptions& options, c
 
 std::string plan_line(const FarmPlan& plan, const FarmOptions& options, std::size_t chunks) {
     const FilmPart& first = plan.parts.front();
+    const std::string parts = scene::counted(plan.parts.size(), "part");
     std::string text;
     if (options.parts && static_cast<std::size_t>(*options.parts) > plan.parts.size())
-        text = fmt::format("{} parts were asked for; the film has {} chunk{} of {} frames: {} part{}\n", *options.parts,
-                           chunks, chunks == 1 ? "" : "s",
-                           first.frames.count() / static_cast<std::int64_t>(first.chunks.count()), plan.parts.size(),
-                           plan.parts.size() == 1 ? "" : "s");
-    return text + fmt::format("{}: {} part{} of {} frames at most\n", core::printable(plan.folder.string()),
-                              plan.parts.size(), plan.parts.size() == 1 ? "" : "s", plan.most_frames());
+        text = fmt::format("{} parts were asked for; the film has {} of {} frames: {}\n", *options.parts,
+                           scene::counted(chunks, "chunk"),
+                           first.frames.count() / static_cast<std::int64_t>(first.chunks.count()), parts);
+    return text + fmt::format("{}: {} of {} frames at most\n", core::printable(plan.folder.string()), parts,
+                              plan.most_frames());
 }
 
 /// The plan of a film, not settled yet. With --pack, its inputs are copied, and the film and the options are those of

@@ -20,6 +20,7 @@
 #include "image/image.h"
 #include "parallel/loops.h"
 #include "renderer/lights/anchors.h"
+#include "scene/model/wording.h"
 #include "scene/preparation/traits.h"
 
 namespace render2mpeg::app {
@@ -404,7 +405,7 @@ std::optional<Forecast> forecast(RenderJob& film, const std::filesystem::path& o
     forecast.cpu = whole.seconds * (film.two_passes ? 1 + first_pass_share : 1) + once + grown.built;
     forecast.clock = forecast.cpu * core::divide_or(grown.clock, grown.cpu + grown.built, 1.0);
     forecast.bytes = file_bytes(film, output, whole.bytes);
-    forecast.disk = film.kind == OutputKind::film || film.kind == OutputKind::y4m ? 2 * forecast.bytes : forecast.bytes;
+    forecast.disk = is_one_file(film.kind) ? 2 * forecast.bytes : forecast.bytes;
     forecast.memory = memory_need(film).total();
     // fit: bench/fits/forecast.jsonl: nine of ten films; each four times the pixels that are not lit add as much again.
     const double fours = std::log(pixels_of(size_of(film)) / pixels_of(grown.size)) / std::log(4.0);
@@ -420,7 +421,7 @@ std::string film_text(const RenderJob& film) {
         if (shot.frame <= film.frames.first) camera = shot.camera;
     std::string lights;
     const auto add = [&](const std::string& text) { lights += (lights.empty() ? "" : ", ") + text; };
-    if (!scene.lights.empty()) add(fmt::format("{} lamp{}", scene.lights.size(), scene.lights.size() == 1 ? "" : "s"));
+    if (!scene.lights.empty()) add(scene::counted(scene.lights.size(), "lamp"));
     if (traits.has_emissive_surfaces) add("surfaces that shine");
     if (traits.has_shining_sky) add("the sky");
     const std::string name = scene.cameras[static_cast<std::size_t>(camera)].name;
