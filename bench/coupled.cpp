@@ -106,9 +106,7 @@ int run(int argc, char** argv) {
             rest.push_back(word);
     }
     rest.insert(rest.end(), {"-o", "bench.m2v"});
-    std::vector<char*> words;
-    for (std::string& word : rest) words.push_back(word.data());
-    const app::CommandLine line = app::parse(static_cast<int>(words.size()), words.data());
+    const app::CommandLine line = app::parse(rest);
     if (line.exit_code) return *line.exit_code;
     const parallel::ThreadLimit threads(line.render.threads);
 

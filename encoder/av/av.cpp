@@ -100,8 +100,8 @@ bool can_have_sound(const std::filesystem::path& film) {
     return format != nullptr && std::string_view(format) != "mpeg2video";
 }
 
-double length_of_sound(const std::filesystem::path& file) {
-    return backend().length_of_sound(file);
+int channels_of_sound(const std::filesystem::path& file) {
+    return backend().channels_of_sound(file);
 }
 
 bool is_film(const std::filesystem::path& file) {

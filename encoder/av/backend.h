@@ -75,7 +75,7 @@ class Backend {
     /// Throws core::Error where libavcodec has no encoder for the codec, or none with this bit depth.
     virtual void check_encoder(const encoder::Settings& settings) const = 0;
     virtual std::unique_ptr<LibraryEncoder> open_encoder(const encoder::Settings& settings) const = 0;
-    virtual double length_of_sound(const std::filesystem::path& file) const = 0;
+    virtual int channels_of_sound(const std::filesystem::path& file) const = 0;
     virtual void decode(const std::filesystem::path& file,
                         const std::function<void(const core::Picture&)>& picture) const = 0;
     virtual Inspection inspect(const std::filesystem::path& file) const = 0;

@@ -8,6 +8,7 @@
 #include <new>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <thread>
 
 #include "app/commands/commands.h"
 #include "app/experiments/experiments.h"
@@ -93,10 +94,10 @@ int main(int argc, char** argv) {
     keep_freed_memory();
     std::set_terminate(end_in_one_line);
     try {
-        const CommandLine line = parse(argc, argv);
+        const CommandLine line = parse({argv, argv + argc});
         if (line.exit_code) return *line.exit_code;
         show_progress_as(progress_style_from(line.progress));
-        const ActivityTeller teller(line.render.quiet || line.part.quiet || line.encode.quiet);
+        const std::jthread teller = tell_activities(line.render.quiet);
         const auto record = wanted_record();
         return run(line);
     } catch (const std::bad_alloc&) {

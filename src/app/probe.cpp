@@ -50,8 +50,7 @@ std::string read_film(const Words& words, const scene::BeginLimits& begin_limits
 /// FILE
 std::string read_sound(const Words& words, const scene::BeginLimits& begin_limits) {
     begin_limits();
-    av::length_of_sound(words.at(0));
-    return {};
+    return std::to_string(av::channels_of_sound(words.at(0)));
 }
 
 /// Runs become_blender() with these words.

@@ -138,6 +138,10 @@ TEST(Farm, RefusesByNameWhatIsNotThePlans) {
     refused("render2mpeg was 0.0.9 and is ");
     change("instruction set", "avx1024");
     refused("instruction set avx1024: ");
+    json shorter = json::parse(before);
+    shorter.at("parts").erase(1);
+    std::ofstream(plan, std::ios::trunc) << shorter;
+    refused(": the number of chunks has changed since `farm` planned it");
     std::ofstream(plan, std::ios::trunc) << before;
     std::ofstream(scene, std::ios::app) << " ";
     refused("the input " + scene.string() + " has changed since `farm` planned it");
@@ -197,6 +201,14 @@ TEST(Farm, KeepsWhatIsMadeWhereItIsGivenAgain) {
     EXPECT_EQ(left(), "1\n");
     ASSERT_EQ(film.farm(name + " --quantiser 9", "--to slurm").status, 0);
     EXPECT_EQ(left(), "1-2\n") << "another film";
+}
+
+TEST(Farm, PacksNothingUnderANameThatJobFilesCannotHold) {
+    const FarmFilm film("", 60);
+    const auto refused = film.farm("-o " + film.path("50%.mpg"), "--to slurm --pack");
+    EXPECT_EQ(refused.status, 1);
+    EXPECT_NE(refused.output.find("rename it"), std::string::npos) << refused.output;
+    EXPECT_TRUE(std::filesystem::is_empty(film / "50%.mpg.farm"));
 }
 
 TEST(Farm, PacksItsInputsSlow) {

@@ -91,13 +91,24 @@ TEST(Forecast, OfAShortFilmIsWhatItTakes) {
     EXPECT_DOUBLE_EQ(found->disk, 2 * found->bytes);
 }
 
+TEST(Forecast, CountsTheChannelsOfTheSound) {
+    RenderJob film = small_film(support::plain_film(), "32x32");
+    film.frames = {0, 1};
+    film.sound.file = "not read here";
+    const auto bytes = [&](int channels, const char* name) {
+        film.sound.channels = channels;
+        return app::forecast(film, name, 1, true).value().bytes;
+    };
+    const double seconds = 2 / film.rate.hertz.value();
+    EXPECT_NEAR(bytes(2, "film.mpg") - bytes(1, "film.mpg"), 128e3 / 8 * seconds, 1);
+    EXPECT_NEAR(bytes(2, "film.mp4") - bytes(1, "film.mp4"), 96e3 / 8 * seconds, 1);
+}
+
 TEST(Forecast, StopsInTheMidstOfAFrame) {
     RenderJob film = small_film(support::plain_film(), "64x64");
     app::LoopObserver nobody;
     app::Progress progress(1, true);
-    EXPECT_FALSE(app::sample_frames(
-                     film, {{0, 0, 3}}, [] { return true; }, nobody, progress)
-                     .has_value())
+    EXPECT_FALSE(app::sample_frames(film, {{0, 0, 3}}, nobody, progress, [] { return true; }).has_value())
         << "its time was over";
 }
 

@@ -148,6 +148,8 @@ const std::vector<Mistake>& contradictions() {
         {"render S -o x.mpg --quality 50 --bitrate 1M", 2, {"--quality and --bitrate", "give one"}},
         {"render S -o x.mpg --cbr", 2, {"--cbr:", "--bitrate 6M"}},
         {"render S -o x.mpg --bitrate 0.2k", 2, {"--bitrate 0.2k:", "at least 400"}},
+        {"render S -o x.mpg --bitrate 6", 2, {"at least 400", "did you mean 6M?"}},
+        {"render S -o x.mpg --bitrate 200", 2, {"at least 400", "did you mean 200k?"}},
         {"render S -o x.mpg --effort draft --aov d", 2, {"--aov: with --effort draft there are no layers"}},
         {"render S -o x.mpg --preview --aov d", 2, {"--aov: with --preview there are no layers"}},
         {"render S -o x.mpg --passes 2", 2, {"--passes:", "--bitrate"}},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <functional>
 #include <limits>
 #include <sstream>
@@ -109,6 +110,14 @@ TEST(TuneTargets, AreReadAndRefused) {
     refused(" --target-psnr 40 -o /tmp/x.y4m", "is not coded");
     refused(" --max-size 0 --dry-run", "max-size");
     refused(" --target-psnr 40 --dry-run --json " + plain_film() + "/film.json", "it is an input");
+    // Inputs are told of before consent, and folders are made last.
+    const Folder folder;
+    const std::string list = path(folder, "list.mpg"), page = path(folder, "new/page.html");
+    std::ofstream(list) << "0,2";
+    refused(" --target-psnr 40 --keyframes " + list + " -o " + list, "it is an input");
+    refused(" --target-psnr 40 -y --keyframes " + list + " -o " + list + " --report " + page, "it is an input");
+    refused(" --target-psnr 40 --dry-run --report " + page, "there is no folder");
+    EXPECT_EQ(folder.entries(), 1u);
 }
 
 TEST(TuneTargets, AreNearWithinWhatIsPromised) {
@@ -301,9 +310,7 @@ TEST(Tune, MakesTheFilmAgainWhereItMissed) {
                                    "--frames",    "0:3",  "-o",         "never.mpg",     "--quiet"};
     const std::string search = small_search.substr(1);
     for (const std::string_view word : core::words_in(search)) words.emplace_back(word);
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    const app::CommandLine line = app::parse(static_cast<int>(arguments.size()), arguments.data());
+    const app::CommandLine line = app::parse(words);
     std::vector<double> qualities;
     // A film that is 0.6 dB below its sample, and gains 0.2 dB with each step of quality.
     const auto make = [&](const app::RenderOptions& options, const std::string&, app::Rendered* rendered) {
@@ -316,7 +323,7 @@ TEST(Tune, MakesTheFilmAgainWhereItMissed) {
     EXPECT_EQ(app::tune(line.trial, line.words, make), 0);
     ASSERT_EQ(qualities.size(), 2u);
     EXPECT_NEAR(qualities[1] - qualities[0], 3, 0.11);
-    // One that no quality helps is given up.
+    // One that no quality helps is given up: the finest is made once.
     qualities.clear();
     const auto deaf = [&](const app::RenderOptions& options, const std::string& command, app::Rendered* rendered) {
         make(options, command, rendered);
@@ -324,7 +331,8 @@ TEST(Tune, MakesTheFilmAgainWhereItMissed) {
         return 0;
     };
     EXPECT_EQ(app::tune(line.trial, line.words, deaf), 1);
-    EXPECT_EQ(qualities.size(), 3u);
+    ASSERT_EQ(qualities.size(), 2u);
+    EXPECT_EQ(qualities[1], 100);
 }
 
 }  // namespace

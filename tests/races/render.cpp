@@ -8,7 +8,7 @@
 int main(int argc, char** argv) {
     using namespace render2mpeg::app;
     try {
-        const CommandLine line = parse(argc, argv);
+        const CommandLine line = parse({argv, argv + argc});
         if (line.exit_code) return *line.exit_code;
         if (line.command == Command::render) return render(line.render, line.text);
         std::fputs("this renders only\n", stderr);

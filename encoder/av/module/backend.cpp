@@ -29,16 +29,12 @@ class FfmpegBackend final : public Backend {
     std::unique_ptr<LibraryEncoder> open_encoder(const encoder::Settings& settings) const override {
         return open_library_encoder(settings);
     }
-    double length_of_sound(const std::filesystem::path& file) const override {
+    int channels_of_sound(const std::filesystem::path& file) const override {
         SoundSource source(file.string());
         source.convert_to(AV_SAMPLE_FMT_FLTP);
         const AudioFifo samples(av_audio_fifo_alloc(AV_SAMPLE_FMT_FLTP, source.channels(), SoundSource::rate));
-        std::int64_t count = 0;
-        while (source.read(samples.get())) {
-            count += av_audio_fifo_size(samples.get());
-            av_audio_fifo_reset(samples.get());
-        }
-        return static_cast<double>(count) / SoundSource::rate;
+        while (source.read(samples.get())) av_audio_fifo_reset(samples.get());
+        return source.channels();
     }
     Inspection inspect(const std::filesystem::path& file) const override { return inspect_film(file); }
 };

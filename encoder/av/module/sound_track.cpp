@@ -15,11 +15,6 @@ AVCodecID codec_for(const AVFormatContext& container, bool ac3) {
     return ac3 || format == "dvd" ? AV_CODEC_ID_AC3 : AV_CODEC_ID_MP2;
 }
 
-/// chosen: rates at which listeners find no fault with each codec (bits per second and channel).
-std::int64_t rate_of(AVCodecID id) {
-    return id == AV_CODEC_ID_AAC ? 96'000 : 128'000;
-}
-
 }  // namespace
 
 SoundTrack::SoundTrack(const Sound& sound, AVFormatContext& container)
@@ -49,7 +44,7 @@ void SoundTrack::open_encoder(AVCodecID id) {
     encoder_->sample_rate = SoundSource::rate;
     encoder_->sample_fmt = first_sample_format(*codec);
     encoder_->time_base = {1, SoundSource::rate};
-    encoder_->bit_rate = rate_of(id) * source_.channels();
+    encoder_->bit_rate = std::int64_t{id == AV_CODEC_ID_AAC ? aac_rate : other_rate} * source_.channels();
     encoder_->thread_count = 1;
     encoder_->flags |= AV_CODEC_FLAG_BITEXACT;
     if ((container_.oformat->flags & AVFMT_GLOBALHEADER) != 0) encoder_->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;

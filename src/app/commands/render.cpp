@@ -24,6 +24,7 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "parallel/loops.h"
+#include "scene/model/wording.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -47,11 +48,11 @@ std::string plan_text(RenderJob& film, const RenderOptions& options) {
 
 std::string dry_run_text(RenderJob& film, const RenderOptions& options) {
     const auto chunks = film.chunks();
-    return fmt::format("{}: would render frames {} to {} ({:.2f} s at {} Hz) of {} at {}x{}, in {} chunk{}\n",
+    return fmt::format("{}: would render frames {} to {} ({:.2f} s at {} Hz) of {} at {}x{}, in {}\n",
                        core::printable(options.output.string()), film.frames.first, film.frames.last,
                        static_cast<double>(film.frame_count()) / film.rate.hertz.value(), film.rate.name,
-                       core::printable(film.animation->source), film.format.width, film.format.height, chunks.size(),
-                       chunks.size() == 1 ? "" : "s") +
+                       core::printable(film.animation->source), film.format.width, film.format.height,
+                       scene::counted(chunks.size(), "chunk")) +
            plan_text(film, options);
 }
 
@@ -68,7 +69,8 @@ std::string left_text(const RenderJob& film, const RenderOptions& options, const
 
 /// Whether an interrupted run of this film goes on, or its images are made again: no consent is needed.
 bool is_agreed(const RenderJob& film, const RenderOptions& options, const nlohmann::json& identity) {
-    return options.overwrite || ((options.resume || !is_one_file(film)) && WorkFolder::is_of(options.output, identity));
+    return options.overwrite ||
+           ((options.resume || !is_one_file(film.kind)) && WorkFolder::is_of(options.output, identity));
 }
 
 }  // namespace

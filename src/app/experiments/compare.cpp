@@ -6,10 +6,9 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
-#include <iterator>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
+#include <string_view>
 
 #include "app/experiments/comparison.h"
 #include "app/experiments/trial.h"
@@ -20,6 +19,7 @@
 #include "app/system/program.h"
 #include "app/system/terminal.h"
 #include "core/error.h"
+#include "core/text.h"
 #include "encoder/av/av.h"
 #include "encoder/av/inspect.h"
 #include "encoder/av/y4m.h"
@@ -29,11 +29,6 @@
 
 namespace render2mpeg::app {
 namespace {
-
-std::vector<std::string> words_of(const std::string& text) {
-    std::istringstream split(text);
-    return {std::istream_iterator<std::string>(split), {}};
-}
 
 std::string first_line(const std::string& text) {
     return text.substr(0, text.find('\n'));
@@ -134,10 +129,11 @@ Trials::Codec ffmpeg_codec(const FfmpegWay& way, int quantiser, int gop, const c
         writer.finish();
 
         // Code, and time reading alone.
-        std::vector<std::string> reading = words_of("ffmpeg -v error -nostdin -y -threads 1 -filter_threads 1 -i");
-        reading.push_back(frames);
+        std::vector<std::string> reading{"ffmpeg",          "-v", "error", "-nostdin", "-y", "-threads", "1",
+                                         "-filter_threads", "1",  "-i",    frames};
         std::vector<std::string> coding = reading, nothing = reading;
-        for (const std::string& word : words_of("-c:v " + encoder + " -threads 1 " + options)) coding.push_back(word);
+        const std::string how = "-c:v " + encoder + " -threads 1 " + options;
+        for (const std::string_view word : core::words_in(how)) coding.emplace_back(word);
         coding.push_back(stream);
         for (const char* word : {"-f", "null", "-"}) nothing.emplace_back(word);
         Trials::Coded coded;

@@ -56,8 +56,7 @@ std::optional<Lit> light(const RenderJob& film, const std::vector<Chunk>& window
     const auto frames = static_cast<std::int64_t>(windows.size()) * windows.front().frames();
     Progress progress(frames, quiet || !shows_steps(), name, Counted::frames_of_step);
     Pictures pictures(windows);
-    const auto sample = sample_frames(
-        small, windows, [] { return false; }, pictures, progress);
+    const auto sample = sample_frames(small, windows, pictures, progress);
     if (!sample) return {};
     return Lit{film_by(film, *sample).seconds, std::move(pictures.all)};
 }

@@ -21,6 +21,7 @@
 #include "core/error.h"
 #include "encoder/av/av.h"
 #include "renderer/gather/final_gather.h"
+#include "scene/model/wording.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -92,28 +93,27 @@ nlohmann::json figures_json(const Trial& trial) {
 
 namespace {
 
+/// Refuses inputs before it asks for consent, and makes folders last.
 void check_trial_outputs(const RenderJob& film, const TrialOptions& options) {
-    std::vector<Files> outputs{options.json.value_or("")};
+    const RenderOptions& render = options.render;
+    Wishes wishes;
+    if (options.json) wishes.dear.emplace_back(*options.json);
+    std::vector<Files> beside = wishes.dear;
     if (options.report) {
         check_report(*options.report);
-        outputs.emplace_back(*options.report);
-        outputs.emplace_back(report_json_of(*options.report));
+        wishes.beside.push_back(*options.report);
+        beside.emplace_back(*options.report);
+        beside.emplace_back(report_json_of(*options.report));
     }
-    for (const Files& output : outputs)
-        if (!output.name.empty()) check_writable(output.name);
-    if (!options.render.output.empty()) {
-        av::check_film(options.render.output, film.coding.codec, film.sound);
-        outputs.emplace_back(options.render.output);
+    std::vector<Files> all = beside;
+    if (!render.output.empty()) {
+        av::check_film(render.output, film.coding.codec, film.sound);
+        all.emplace_back(render.output);
+        if (!render.dry_run) wishes.dear.emplace_back(render.output);
     }
-    check_apart(inputs_of(film, options.render), outputs);
-    if (options.json) require_consent({{*options.json}, {}}, options.render.overwrite);
-}
-
-void require_trial_consent(const TrialOptions& options) {
-    Wishes wishes{{}, {options.json.value_or(""), options.report.value_or("")}};
-    const RenderOptions& render = options.render;
-    if (!render.output.empty() && !render.dry_run) wishes.films.emplace_back(render.output);
+    check_apart(inputs_of(film, render), all);
     require_consent(wishes, render.overwrite);
+    for (const Files& output : beside) check_writable(output.name);
 }
 
 }  // namespace
@@ -143,7 +143,6 @@ std::string render_command(const std::vector<std::string>& words, const std::fil
 }
 
 RenderJob prepare_trials(const RenderOptions& render, const TrialOptions& options) {
-    require_trial_consent(options);
     RenderJob film = prepare(render);
     for (const std::string& note : film.animation->notes)
         if (!render.quiet && !note.empty()) print_line(note);
@@ -226,9 +225,9 @@ ToleranceRequest fixed_tolerance(float share) {
 
 std::string trial_heading(const Trials& trials) {
     const RenderJob& film = trials.film();
-    std::string text = fmt::format("{}: {} of {} frames of {}x{} in {} window{}\n", film.animation->source,
-                                   trials.frames(), film.frame_count(), film.format.width, film.format.height,
-                                   trials.windows().size(), trials.windows().size() == 1 ? "" : "s");
+    std::string text =
+        fmt::format("{}: {} of {} frames of {}x{} in {}\n", film.animation->source, trials.frames(), film.frame_count(),
+                    film.format.width, film.format.height, scene::counted(trials.windows().size(), "window"));
     if (trials.references() == 0) return text + "quality against these frames as they were lit\n";
     const renderer::Statistics& found = trials.statistics();
     const bool rays = film.rendering.indirect == renderer::Indirect::rays && film.rendering.vpls > 0;

@@ -91,7 +91,10 @@ std::optional<double> nearer_quality(const Tuning& tuning) {
     if (!target.is_quality() || film_is_near(tuning)) return {};
     const double step =
         (even_figure(target, target.value) - even_figure(target, film_value(tuning))) / even_slope(target);
-    return std::clamp(tuning.film->setting + step, 0.0, 100.0);
+    const double quality = std::clamp(tuning.film->setting + step, 0.0, 100.0);
+    // As it is written, it would be the same film's.
+    if (std::abs(quality - tuning.film->setting) < 0.05) return {};
+    return quality;
 }
 
 json quality_json(const Quality& quality) {

@@ -26,11 +26,6 @@ using nlohmann::json;
 
 /// Of the file's form: another number is not read.
 constexpr int plan_format = 3;
-constexpr const char* plan_name = "plan.json";
-
-std::filesystem::path inputs_folder_of(const FarmPlan& plan) {
-    return plan.folder / "inputs";
-}
 
 std::filesystem::path absolute_of(const std::filesystem::path& place) {
     std::error_code error;
@@ -67,6 +62,12 @@ bool is_sound(const FarmPlan& plan) {
 
 std::filesystem::path FarmPlan::folder_of(const FilmPart& part) const {
     return folder / fmt::format("part_{:05}", part.number);
+}
+
+std::int64_t FarmPlan::most_frames() const {
+    std::int64_t most = 0;
+    for (const FilmPart& part : parts) most = std::max(most, part.frames.count());
+    return most;
 }
 
 bool FarmPlan::is_joined() const {
@@ -123,8 +124,7 @@ FarmPlan read_plan(const std::filesystem::path& place) {
         plan.folder = absolute_of(file).parent_path();
         written.at("render").get_to(plan.words);
         written.at("packed").get_to(plan.packed);
-        plan.start =
-            plan.packed ? inputs_folder_of(plan) : std::filesystem::path(written.at("start").get<std::string>());
+        plan.start = plan.packed ? plan.inputs() : std::filesystem::path(written.at("start").get<std::string>());
         written.at("scheduler").get_to(plan.scheduler);
         written.at("output").get_to(plan.output_name);
         plan.facts = std::make_shared<json>();
@@ -156,11 +156,8 @@ RenderOptions options_of(const FarmPlan& plan) {
     if (error)
         throw Refusal("reading", plan.start.string(),
                       error.message() + "; are the film's inputs on this machine? `farm --pack` takes them along");
-    std::vector<std::string> words = plan.words;
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
     try {
-        RenderOptions options = parse(static_cast<int>(arguments.size()), arguments.data()).render;
+        RenderOptions options = parse(plan.words).render;
         options.isa = plan.facts->at("identity").at("instruction set").get<std::string>();
         return options;
     } catch (const UsageError& error) {
@@ -216,7 +213,7 @@ void refuse_other_machine(const FarmPlan& plan) {
 void refuse_other_film(const FarmPlan& plan, const RenderJob& film, const RenderOptions& options) {
     std::string difference = difference_of(plan.facts->at("identity"), farm_identity(plan, film, options));
     if (difference.empty() && plan.parts.back().chunks.last + 1 != film.chunks().size())
-        difference = "its parts are not the film's";
+        difference = "the number of chunks has changed";
     if (!difference.empty()) throw Refusal("making", plan.folder.string(), difference + " since `farm` planned it");
 }
 

@@ -13,6 +13,9 @@
 
 namespace render2mpeg::app {
 
+/// Of a plan's file in its folder.
+inline constexpr const char* plan_name = "plan.json";
+
 /// A part of a film: chunks that one machine makes, one after the other.
 struct FilmPart {
     int number = 0;  ///< from 1
@@ -33,6 +36,8 @@ struct FarmPlan {
     /// `cost` seconds that the plan took.
     std::shared_ptr<nlohmann::json> facts;
 
+    std::int64_t most_frames() const;  ///< of a part
+    std::filesystem::path inputs() const { return folder / "inputs"; }
     /// Says that the film is joined, and its parts gone.
     std::filesystem::path joined_mark() const { return folder / "joined"; }
     bool is_joined() const;

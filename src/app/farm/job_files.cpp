@@ -2,9 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cctype>
-#include <cstdint>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -77,12 +75,10 @@ std::map<std::string, std::string> values_of(const FarmPlan& plan) {
     const std::string program = program_of(plan), folder = plan.folder.string();
     std::string object = job_name(plan.output_name.substr(0, 40), "", '-') + "-x";  // [RFC 1123]
     for (char& c : object) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    std::int64_t most = 0;
-    for (const FilmPart& part : plan.parts) most = std::max(most, part.frames.last + 1 - part.frames.first);
     return {{"name", job_name(plan.output_name.substr(0, 100), ".-", '_')},
             {"object", object},
             {"parts", std::to_string(plan.parts.size())},
-            {"most", std::to_string(most)},
+            {"most", std::to_string(plan.most_frames())},
             {"frames", fmt::format("{}-{}", plan.parts.front().frames.first, plan.parts.back().frames.last)},
             {"places", fmt::format("program=${{RENDER2MPEG:-{}}}\nplan={}\n", quoted(program),
                                    plan.packed ? "$PWD" : quoted(folder))},
@@ -92,18 +88,14 @@ std::map<std::string, std::string> values_of(const FarmPlan& plan) {
 }
 
 /// The text with the values of the names between @; an @ before anything else stays.
-std::string filled(std::string_view text, const std::map<std::string, std::string>& values) {
-    std::string result;
-    while (!text.empty()) {
-        const std::size_t at = text.find('@'), end = text.find('@', at == text.npos ? at : at + 1);
-        const auto value =
-            end == text.npos ? values.end() : values.find(std::string(text.substr(at + 1, end - at - 1)));
-        const bool known = value != values.end();
-        result += text.substr(0, known ? at : std::min(at, text.size() - 1) + 1);
-        if (known) result += value->second;
-        text.remove_prefix(known ? end + 1 : std::min(at, text.size() - 1) + 1);
+std::string filled(std::string text, const std::map<std::string, std::string>& values) {
+    for (std::size_t at = text.find('@'), end = 0; at != text.npos; at = text.find('@', at)) {
+        if ((end = text.find('@', at + 1)) == text.npos) break;
+        const auto value = values.find(text.substr(at + 1, end - at - 1));
+        if (value != values.end()) text.replace(at, end + 1 - at, value->second);
+        at += value != values.end() ? value->second.size() : 1;
     }
-    return result;
+    return text;
 }
 
 /// Text of each file by its name. Throws core::Error where a scheduler has none.
@@ -127,7 +119,6 @@ void check_job_files(const FarmPlan& plan) {
 }
 
 std::filesystem::path write_job_files(const FarmPlan& plan) {
-    check_job_files(plan);
     std::error_code error;
     std::filesystem::create_directories(plan.folder / "log", error);
     forget_notes(plan.folder / "log");

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -58,9 +57,6 @@ class PartReporter {
   public:
     /// `total` frames.
     PartReporter(std::filesystem::path folder, std::int64_t total);
-    ~PartReporter();
-    PartReporter(const PartReporter&) = delete;
-    PartReporter& operator=(const PartReporter&) = delete;
 
     /// So many frames are done.
     void advance_to(std::int64_t done);
@@ -74,9 +70,7 @@ class PartReporter {
     PartNews news_;
     std::chrono::steady_clock::time_point start_;
     std::mutex mutex_;
-    std::condition_variable ends_;
-    bool ended_ = false;
-    std::thread ticker_;
+    std::jthread ticker_;  ///< last, so that it ends first
 };
 
 NLOHMANN_JSON_SERIALIZE_ENUM(PartState, {{PartState::running, "running"},
@@ -125,19 +119,10 @@ PartReporter::PartReporter(std::filesystem::path folder, std::int64_t total)
     news_.total = total;
     news_.machine = machine_name();
     write();
-    ticker_ = std::thread([this] {
-        std::unique_lock lock(mutex_);
-        while (!ends_.wait_for(lock, news_pause, [this] { return ended_; })) write();
-    });
-}
-
-PartReporter::~PartReporter() {
-    {
+    ticker_ = every(news_pause, [this] {
         const std::lock_guard lock(mutex_);
-        ended_ = true;
-    }
-    ends_.notify_all();
-    ticker_.join();
+        write();
+    });
 }
 
 void PartReporter::advance_to(std::int64_t done) {
@@ -171,7 +156,7 @@ struct PartStanding {
 };
 
 PartStanding standing_of(const FarmPlan& plan, const FilmPart& part) {
-    const std::int64_t frames = part.frames.last + 1 - part.frames.first;
+    const std::int64_t frames = part.frames.count();
     const std::optional<PartNews> news = news_in(plan.folder_of(part));
     if (plan.is_made(part)) return {"done", news ? news->machine : "", frames, news ? news->seconds : 0};
     if (!news) return {};
@@ -196,7 +181,7 @@ std::string status_text(const FarmPlan& plan) {
     double seconds = 0, timed_frames = 0;
     for (const FilmPart& part : plan.parts) {
         const PartStanding standing = standing_of(plan, part);
-        const std::int64_t frames = part.frames.last + 1 - part.frames.first;
+        const std::int64_t frames = part.frames.count();
         words.push_back(standing.word);
         done += standing.frames;
         total += frames;
@@ -311,7 +296,7 @@ int render_part(const FarmPlan& plan, const FilmPart& part, const PartOptions& w
 int make_part(const FarmPlan& plan, const FilmPart& part, const PartOptions& options) {
     std::error_code error;
     std::filesystem::create_directories(plan.folder_of(part), error);
-    PartReporter reporter(plan.folder_of(part), part.frames.last + 1 - part.frames.first);
+    PartReporter reporter(plan.folder_of(part), part.frames.count());
     try {
         refuse_other_machine(plan);
         const int status = render_part(plan, part, options, reporter);

@@ -27,6 +27,7 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "parallel/loops.h"
+#include "scene/model/wording.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -121,7 +122,7 @@ void pack_inputs(FarmPlan& plan, const RenderJob& film, const RenderOptions& opt
     if (options.light_cache)
         throw core::Error("packing", options.light_cache->string(),
                           "a light file cannot be packed; leave --light-cache out");
-    const std::filesystem::path inputs = plan.folder / "inputs";
+    const std::filesystem::path inputs = plan.inputs();
     std::error_code error;
     std::filesystem::remove_all(inputs, error);
     PackedNames names(inputs);
@@ -182,12 +183,6 @@ void write_pack(const FarmPlan& plan) {
 
 using nlohmann::json;
 
-RenderOptions read_words(std::vector<std::string> words) {
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    return parse(static_cast<int>(arguments.size()), arguments.data()).render;
-}
-
 bool same_parts(const std::vector<FilmPart>& a, const std::vector<FilmPart>& b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const FilmPart& one, const FilmPart& other) {
         return one.chunks.first == other.chunks.first && one.chunks.last == other.chunks.last;
@@ -208,7 +203,7 @@ std::string hindrance(const FarmPlan& earlier, const FarmPlan& plan) {
 void remove_earlier(const FarmPlan& earlier) {
     std::error_code ignored;
     for (const FilmPart& part : earlier.parts) std::filesystem::remove_all(earlier.folder_of(part), ignored);
-    for (const char* name : {"plan.json", "joined", "log"}) std::filesystem::remove_all(earlier.folder / name, ignored);
+    for (const char* name : {plan_name, "joined", "log"}) std::filesystem::remove_all(earlier.folder / name, ignored);
 }
 
 /// Values settled by an earlier plan of the same film and parts in this folder; null where there is none. Removes an
@@ -219,7 +214,7 @@ json take_over(const FarmPlan& plan, bool agreed) {
         const bool taken = std::filesystem::exists(plan.folder, error) &&
                            !std::filesystem::is_empty(plan.folder, error) &&
                            !std::filesystem::exists(work_folder_of(plan.folder / "plan"), error) &&
-                           !std::filesystem::exists(plan.folder / "inputs", error);
+                           !std::filesystem::exists(plan.inputs(), error);
         if (taken) throw core::Error("writing", plan.folder.string(), "something of that name is in the way");
         return {};
     }
@@ -255,17 +250,14 @@ std::optional<json> settle_once(RenderJob& film, const RenderOptions& options, c
 
 std::string plan_line(const FarmPlan& plan, const FarmOptions& options, std::size_t chunks) {
     const FilmPart& first = plan.parts.front();
+    const std::string parts = scene::counted(plan.parts.size(), "part");
     std::string text;
     if (options.parts && static_cast<std::size_t>(*options.parts) > plan.parts.size())
-        text =
-            fmt::format("{} parts were asked for; the film has {} chunk{} of {} frames: {} part{}\n", *options.parts,
-                        chunks, chunks == 1 ? "" : "s",
-                        (first.frames.last + 1 - first.frames.first) / static_cast<std::int64_t>(first.chunks.count()),
-                        plan.parts.size(), plan.parts.size() == 1 ? "" : "s");
-    std::int64_t most = 0;
-    for (const FilmPart& part : plan.parts) most = std::max(most, part.frames.last + 1 - part.frames.first);
-    return text + fmt::format("{}: {} part{} of {} frames at most\n", core::printable(plan.folder.string()),
-                              plan.parts.size(), plan.parts.size() == 1 ? "" : "s", most);
+        text = fmt::format("{} parts were asked for; the film has {} of {} frames: {}\n", *options.parts,
+                           scene::counted(chunks, "chunk"),
+                           first.frames.count() / static_cast<std::int64_t>(first.chunks.count()), parts);
+    return text + fmt::format("{}: {} of {} frames at most\n", core::printable(plan.folder.string()), parts,
+                              plan.most_frames());
 }
 
 /// The plan of a film, not settled yet. With --pack, its inputs are copied, and the film and the options are those of
@@ -280,10 +272,11 @@ FarmPlan begin_plan(const FarmOptions& options, const std::vector<std::string>& 
     plan.scheduler = options.scheduler;
     plan.output_name = render.output.filename().string();
     plan.packed = options.pack;
+    check_job_files(plan);
     if (options.pack) {
         pack_inputs(plan, film, render);
         std::filesystem::current_path(plan.start);
-        render = read_words(plan.words);
+        render = parse(plan.words).render;
         render.quiet = options.render.quiet;
         film = prepare_within_memory(render);
     }
@@ -298,7 +291,7 @@ FarmPlan begin_plan(const FarmOptions& options, const std::vector<std::string>& 
 int farm(const FarmOptions& options, const std::vector<std::string>& words) {
     const parallel::ThreadLimit threads(options.render.threads);
     const InterruptGuard guard(options.render.quiet);
-    RenderOptions render = read_words(render_words(words));
+    RenderOptions render = parse(render_words(words)).render;
     render.quiet = options.render.quiet;
     if (render.as) throw UsageError("-o -: parts need a name to lie beside; give one, such as -o film.mpg");
     RenderJob film = prepare_within_memory(render);
@@ -307,9 +300,8 @@ int farm(const FarmOptions& options, const std::vector<std::string>& words) {
     check_outputs(film, render);
     if (!render.memory) film.images->read_ahead(image_probes(false));
     const std::filesystem::path before = std::filesystem::current_path();
-    check_writable(farm_folder_of(render.output) / "plan.json");
+    check_writable(farm_folder_of(render.output) / plan_name);
     FarmPlan plan = begin_plan(options, words, film, render);
-    check_job_files(plan);
     const json earlier = take_over(plan, render.overwrite);
     if (earlier.is_null() || plan.is_joined()) require_consent(written_by(film, render), render.overwrite);
     std::error_code ignored;

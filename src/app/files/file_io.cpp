@@ -123,7 +123,7 @@ nlohmann::json parsed_json(std::string_view text) {
     json value = json::parse(
         text,
         [&](int depth, json::parse_event_t, json&) {
-            too_deep = too_deep || depth > deepest;
+            too_deep = too_deep || depth >= deepest;
             return !too_deep;
         },
         false);

@@ -92,7 +92,7 @@ struct Doubt {
     std::string text;  ///< the conflict, and the effect of -y
 };
 
-bool holds_a_film(const std::filesystem::path& file) {
+bool holds_something(const std::filesystem::path& file) {
     std::error_code error;
     return std::filesystem::is_regular_file(file, error) && std::filesystem::file_size(file, error) > 0 && !error;
 }
@@ -100,16 +100,17 @@ bool holds_a_film(const std::filesystem::path& file) {
 std::vector<Doubt> doubts_of(const Wishes& wishes) {
     std::vector<Doubt> doubts;
     std::vector<std::filesystem::path> all = wishes.beside;
-    for (const Files& film : wishes.films) {
-        all.push_back(film.name);
-        if (!film.frames && holds_a_film(film.name)) doubts.push_back({film.name, "is there already; -y replaces it"});
-        if (!film.frames) continue;
-        const std::vector<std::int64_t> there = numbers_on_disk(film.name);
+    for (const Files& file : wishes.dear) {
+        all.push_back(file.name);
+        if (!file.frames && holds_something(file.name))
+            doubts.push_back({file.name, "is there already; -y replaces it"});
+        if (!file.frames) continue;
+        const std::vector<std::int64_t> there = numbers_on_disk(file.name);
         const auto count = std::count_if(there.begin(), there.end(), [&](std::int64_t n) {
-            return n >= film.frames->first && n <= film.frames->last;
+            return n >= file.frames->first && n <= file.frames->last;
         });
         if (count > 0)
-            doubts.push_back({film.name, fmt::format("{} of these images are there already; -y replaces them", count)});
+            doubts.push_back({file.name, fmt::format("{} of these images are there already; -y replaces them", count)});
     }
     std::vector<std::filesystem::path> folders;
     for (const std::filesystem::path& file : all) {

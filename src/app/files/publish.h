@@ -59,12 +59,12 @@ Published give_name(const std::filesystem::path& file, const std::filesystem::pa
 void place(const std::filesystem::path& from, const std::filesystem::path& to);
 
 struct Wishes {
-    std::vector<Files> films;                   ///< films, frames, figures: replaced only with consent
+    std::vector<Files> dear;                    ///< films, frames, figures: replaced only with consent
     std::vector<std::filesystem::path> beside;  ///< pages, folders of frames; an empty name is passed over
 };
 
-/// Throws core::Error where a film exists or a folder is missing, unless `agreed`. Empty files, pipes and devices are
-/// no films. Writes nothing.
+/// Throws core::Error where something dear exists or a folder is missing, unless `agreed`. Empty files, pipes and
+/// devices hold nothing. Writes nothing.
 void require_consent(const Wishes& wishes, bool agreed);
 
 /// All its refusals as lines, for dry runs.

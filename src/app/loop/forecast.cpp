@@ -20,6 +20,7 @@
 #include "image/image.h"
 #include "parallel/loops.h"
 #include "renderer/lights/anchors.h"
+#include "scene/model/wording.h"
 #include "scene/preparation/traits.h"
 
 namespace render2mpeg::app {
@@ -178,8 +179,8 @@ std::optional<Sampled> sample_sizes(const RenderJob& film, const SpentTime& spen
         LoopObserver nobody;
         // The first sample is needed, and may take three times as long.
         const double end = found ? limit : limit + 2 * (limit - began);
-        const std::optional<FrameSample> sample = sample_frames(
-            job, window, [&] { return spent.seconds() > end; }, nobody, progress);
+        const std::optional<FrameSample> sample =
+            sample_frames(job, window, nobody, progress, [&] { return spent.seconds() > end; });
         if (!sample) return InterruptGuard::requested() ? std::nullopt : found;
         const double times = found ? pixels_of(sample->size) / pixels_of(found->largest.size) : 1;
         const double power =
@@ -190,12 +191,11 @@ std::optional<Sampled> sample_sizes(const RenderJob& film, const SpentTime& spen
     }
 }
 
-/// Of stereo sound, at the rates of encoder/av/module/sound_track.cpp.
 double sound_bytes(const av::Sound& sound, const std::filesystem::path& output, double seconds) {
     if (sound.file.empty()) return 0;
     const std::string ending = core::ending_of(output);
     const bool aac = ending == ".mp4" || ending == ".mov" || ending == ".mkv";
-    return 2 * (aac ? 96e3 : 128e3) / 8 * seconds;
+    return sound.channels * (aac ? av::aac_rate : av::other_rate) / 8.0 * seconds;
 }
 
 double file_bytes(const RenderJob& film, const std::filesystem::path& output, double pictures) {
@@ -318,8 +318,8 @@ std::optional<FrameSample> light_windows(RenderJob film, renderer::Renderer& ren
 }
 
 std::optional<FrameSample> sample_frames(const RenderJob& job, const std::vector<Chunk>& windows,
-                                         const std::function<bool()>& is_over, LoopObserver& observer,
-                                         Progress& progress) {
+                                         LoopObserver& observer, Progress& progress,
+                                         const std::function<bool()>& is_over) {
     const double cpu_before = cpu_seconds();
     renderer::Renderer renderer = renderer_of(job);
     const double built = cpu_seconds() - cpu_before;
@@ -391,9 +391,8 @@ FrameCost film_by(const RenderJob& film, const FrameSample& sample) {
 
 std::optional<Forecast> forecast(RenderJob& film, const std::filesystem::path& output, double within, bool quiet) {
     const SpentTime spent;
-    const double cpu_before = cpu_seconds();
     if (!settle(film)) return {};
-    const double once = cpu_seconds() - cpu_before;
+    const double once = cpu_seconds();
     const std::optional<Sampled> sampled = sample_sizes(film, spent, within, quiet);
     if (!sampled) return {};
     Forecast forecast;
@@ -403,10 +402,10 @@ std::optional<Forecast> forecast(RenderJob& film, const std::filesystem::path& o
     const FrameCost whole = film_by(film, grown);
     forecast.first = grown.first;
     forecast.later = grown.later;
-    forecast.cpu = whole.seconds * (film.two_passes ? 1 + first_pass_share : 1) + once + cpu_before + grown.built;
+    forecast.cpu = whole.seconds * (film.two_passes ? 1 + first_pass_share : 1) + once + grown.built;
     forecast.clock = forecast.cpu * core::divide_or(grown.clock, grown.cpu + grown.built, 1.0);
     forecast.bytes = file_bytes(film, output, whole.bytes);
-    forecast.disk = film.kind == OutputKind::film || film.kind == OutputKind::y4m ? 2 * forecast.bytes : forecast.bytes;
+    forecast.disk = is_one_file(film.kind) ? 2 * forecast.bytes : forecast.bytes;
     forecast.memory = memory_need(film).total();
     // fit: bench/fits/forecast.jsonl: nine of ten films; each four times the pixels that are not lit add as much again.
     const double fours = std::log(pixels_of(size_of(film)) / pixels_of(grown.size)) / std::log(4.0);
@@ -422,7 +421,7 @@ std::string film_text(const RenderJob& film) {
         if (shot.frame <= film.frames.first) camera = shot.camera;
     std::string lights;
     const auto add = [&](const std::string& text) { lights += (lights.empty() ? "" : ", ") + text; };
-    if (!scene.lights.empty()) add(fmt::format("{} lamp{}", scene.lights.size(), scene.lights.size() == 1 ? "" : "s"));
+    if (!scene.lights.empty()) add(scene::counted(scene.lights.size(), "lamp"));
     if (traits.has_emissive_surfaces) add("surfaces that shine");
     if (traits.has_shining_sky) add("the sky");
     const std::string name = scene.cameras[static_cast<std::size_t>(camera)].name;

@@ -64,9 +64,9 @@ std::optional<FrameSample> light_windows(RenderJob film, renderer::Renderer& ren
                                          const std::function<bool()>& stops = &InterruptGuard::requested);
 
 /// The same with its own renderer until `is_over` or an interrupt; none with less than one frame of each kind.
-std::optional<FrameSample> sample_frames(const RenderJob& job, const std::vector<Chunk>& windows,
-                                         const std::function<bool()>& is_over, LoopObserver& observer,
-                                         Progress& progress);
+std::optional<FrameSample> sample_frames(
+    const RenderJob& job, const std::vector<Chunk>& windows, LoopObserver& observer, Progress& progress,
+    const std::function<bool()>& is_over = [] { return false; });
 
 /// Frames where another camera begins; they begin a group of pictures and find light anew.
 std::vector<std::int64_t> cuts_of(const RenderJob& film);

@@ -431,7 +431,7 @@ av::Sound sound_of(const CodingOptions& options, const std::optional<std::filesy
     sound.file = options.audio ? std::filesystem::path(*options.audio) : *scenes;
     sound.offset = options.audio_offset - static_cast<double>(frames.first) / rate.hertz.value();
     sound.ac3 = options.preset.has_value();
-    probe_sound(sound.file);
+    sound.channels = probe_sound(sound.file);
     return sound;
 }
 

@@ -73,7 +73,7 @@ struct RenderJob {
     LightExtent known_light;         ///< of the light file
     std::optional<ChunkRange> part;  ///< chunks that this run makes of it; none: all
 
-    std::int64_t frame_count() const { return frames.last - frames.first + 1; }
+    std::int64_t frame_count() const { return frames.count(); }
     std::vector<Chunk> chunks() const;
     scene::Snapshot snapshot(std::int64_t frame) const {
         return scene::snapshot_at(*animation, frame, core::time_of(frame, rate), format, shutter());

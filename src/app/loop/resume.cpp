@@ -97,7 +97,7 @@ constexpr const char* mark_name = "user.render2mpeg.film";
 std::pair<std::filesystem::path, std::string> mark_of(const RenderJob& film, const RenderOptions& options,
                                                       const json& identity) {
     std::vector<std::filesystem::path> files = images_of(film, options, film.frames);
-    if (film.kind == OutputKind::film || film.kind == OutputKind::y4m) files.insert(files.begin(), options.output);
+    if (is_one_file(film.kind)) files.insert(files.begin(), options.output);
     for (const auto& [subject, file] : options.heatmaps) files.emplace_back(file);
     for (const auto& file : {options.stats, options.report})
         if (file) files.push_back(*file);

@@ -80,7 +80,7 @@ struct Film {
     std::string isa;    ///< instruction set that the pictures depend on; empty: on none
     av::Sound sound;    ///< without its end, which is the film's
 
-    std::int64_t frame_count() const { return frames.last - frames.first + 1; }
+    std::int64_t frame_count() const { return frames.count(); }
 };
 
 /// Null without --for.

@@ -207,11 +207,12 @@ std::int64_t bits_from(const std::string& text, const std::string& what) {
     // chosen: no level has more than 80 Mb/s; the limit keeps the number whole.
     if (!number || *end != '\0' || !(value >= 1) || value > 1e12)
         throw UsageError(what + " " + text + ": expected bits as a number, or with k or M, e.g. 6000k or 1.5M");
-    // No film has so few, and `-b 6` is what other programs call 6M.
+    // No film has so few, and `-b 6` is what other programs call 6M. No level has more than 80M.
     if (value < 400)
-        throw UsageError(
-            what + " " + text + ": a film has at least 400 bits" +
-            (std::isdigit(static_cast<unsigned char>(text.back())) != 0 ? "; did you mean " + text + "M?" : ""));
+        throw UsageError(what + " " + text + ": a film has at least 400 bits" +
+                         (std::isdigit(static_cast<unsigned char>(text.back())) == 0
+                              ? ""
+                              : "; did you mean " + text + (value <= 80 ? "M?" : "k?")));
     return std::llround(value);
 }
 

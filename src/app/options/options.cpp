@@ -268,10 +268,10 @@ std::string quoted(const std::string& word) {
     return text + "'";
 }
 
-CommandLine parse(int argc, char** argv) {
+CommandLine parse(const std::vector<std::string>& words) {
     CommandLine line;
-    line.words.assign(argv, argv + argc);
-    for (int i = 0; i < argc; ++i) line.text += (i == 0 ? "" : " ") + quoted(argv[i]);
+    line.words = words;
+    line.text = line_of(words);
 
     CLI::App app("Renders a 3D animation with global illumination straight into a film.", "render2mpeg");
     app.set_version_flag("--version", "render2mpeg " RENDER2MPEG_VERSION);

@@ -140,7 +140,7 @@ struct CommandLine {
 };
 
 /// Throws UsageError: one line with the wrong name and the right form.
-CommandLine parse(int argc, char** argv);
+CommandLine parse(const std::vector<std::string>& words);
 
 /// When an option changes no byte of a film.
 enum class Idle {
@@ -170,6 +170,8 @@ struct Size {
 };
 struct FrameRange {
     std::int64_t first = 0, last = 0;  ///< both inclusive
+
+    std::int64_t count() const { return last - first + 1; }
 };
 
 /// Words of another command: without `without` (of which `flags` take no value), with `with` appended (name, value or

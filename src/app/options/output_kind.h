@@ -10,6 +10,11 @@ namespace render2mpeg::app {
 
 enum class OutputKind { film, y4m, exr, png };
 
+/// Whether it is made in a work folder, and is no sequence of images.
+inline bool is_one_file(OutputKind kind) {
+    return kind == OutputKind::film || kind == OutputKind::y4m;
+}
+
 /// Kind of output by ending. Throws core::Error with the list of endings; image sequences need one `%0Nd`.
 OutputKind kind_of(const std::filesystem::path& output);
 

@@ -136,16 +136,12 @@ void print_notes(const RenderJob& film, const RenderOptions& options) {
         if (!note.empty()) print_line(note);
 }
 
-bool is_one_file(const RenderJob& film) {
-    return film.kind == OutputKind::film || film.kind == OutputKind::y4m;
-}
-
 void check_before_reading(const RenderOptions& options) {
     const OutputKind kind = kind_of(options.output);
     Wishes wishes;
-    if (kind == OutputKind::film || kind == OutputKind::y4m) wishes.films.emplace_back(options.output);
-    for (const auto& [subject, file] : options.heatmaps) wishes.films.emplace_back(file);
-    for (const Files& film : wishes.films) check_reachable(film.name);
+    if (is_one_file(kind)) wishes.dear.emplace_back(options.output);
+    for (const auto& [subject, file] : options.heatmaps) wishes.dear.emplace_back(file);
+    for (const Files& film : wishes.dear) check_reachable(film.name);
     for (const auto& file : {options.stats, options.report, options.last_frame, options.light_cache})
         if (file) check_reachable(*file);
     if (options.report) check_report(*options.report);
@@ -158,10 +154,13 @@ void check_before_reading(const RenderOptions& options) {
 
 namespace {
 
+Files film_files(const RenderJob& film, const RenderOptions& options) {
+    return is_one_file(film.kind) ? Files(options.output) : Files(options.output, film.frames);
+}
+
 /// All files of a render; empty names are passed over.
 std::vector<Files> outputs_of(const RenderJob& film, const RenderOptions& options) {
-    std::vector<Files> outputs{is_one_file(film) ? Files(options.output) : Files(options.output, film.frames),
-                               options.stats.value_or(""), options.last_frame.value_or(""),
+    std::vector<Files> outputs{film_files(film, options), options.stats.value_or(""), options.last_frame.value_or(""),
                                options.light_cache.value_or("")};
     for (const auto& [subject, file] : options.heatmaps) outputs.emplace_back(file);
     if (options.report) {
@@ -199,9 +198,9 @@ void check_outputs(const RenderJob& film, const RenderOptions& options) {
 
 Wishes written_by(const RenderJob& film, const RenderOptions& options) {
     Wishes wishes;
-    wishes.films.push_back(is_one_file(film) ? Files(options.output) : Files(options.output, film.frames));
-    for (const auto& [subject, file] : options.heatmaps) wishes.films.emplace_back(file);
-    if (options.stats) wishes.films.emplace_back(*options.stats);
+    wishes.dear.push_back(film_files(film, options));
+    for (const auto& [subject, file] : options.heatmaps) wishes.dear.emplace_back(file);
+    if (options.stats) wishes.dear.emplace_back(*options.stats);
     wishes.beside.push_back(options.report.value_or(""));
     // This folder is made, but not those that it is in.
     const std::filesystem::path layers = options.layers.value_or("");
@@ -229,7 +228,7 @@ bool render_chunks(const OpenRender& open) {
     } catch (const core::Error& error) {
         const bool keeps = std::any_of(open.files.begin(), open.files.end(), &is_whole);
         // Images have their names already: nothing is left to go on from.
-        if (!keeps && !is_one_file(open.film)) open.work.remove();
+        if (!keeps && !is_one_file(open.film.kind)) open.work.remove();
         if (!keeps) throw;
         throw core::Error(std::string(error.what()) + "; " + resuming_text(open.film, open.files));
     }

@@ -39,9 +39,6 @@ RenderJob prepare_within_memory(const RenderOptions& options);
 /// Prints deficiencies of the scene, and options without effect.
 void print_notes(const RenderJob& film, const RenderOptions& options);
 
-/// Whether the output is one file, which is made in a work folder.
-bool is_one_file(const RenderJob& film);
-
 /// Checks that need no scene: refuses outputs that cannot be written, and films that exist already. Call before a scene
 /// is read, which may take minutes. Throws core::Error or Refusal.
 void check_before_reading(const RenderOptions& options);

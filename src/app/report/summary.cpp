@@ -13,6 +13,7 @@
 #include "core/text.h"
 #include "encoder/cadence.h"
 #include "encoder/codec.h"
+#include "scene/model/wording.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -202,9 +203,9 @@ void add_audit(SummaryLines& lines, const Audit& audit) {
 std::string film_line(const Film& film, const RunStatistics& statistics, const RunFacts& facts) {
     const std::size_t frames = statistics.frames.size();
     const double duration = static_cast<double>(frames) / film.coding.rate.hertz.value();
-    std::string text = fmt::format("{}: {} frame{}, {}x{}{} at {}, {:.2f} s", core::printable(facts.output), frames,
-                                   frames == 1 ? "" : "s", film.coding.width, film.coding.height,
-                                   shape_text(film.coding), rate_text(film.coding), duration);
+    std::string text =
+        fmt::format("{}: {}, {}x{}{} at {}, {:.2f} s", core::printable(facts.output), scene::counted(frames, "frame"),
+                    film.coding.width, film.coding.height, shape_text(film.coding), rate_text(film.coding), duration);
     if (facts.bytes > 0)
         text += fmt::format(", {}, {:.0f} kb/s", size_text(static_cast<double>(facts.bytes)),
                             core::divide_or(8e-3 * static_cast<double>(facts.bytes), duration, 0.0));

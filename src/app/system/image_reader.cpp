@@ -334,12 +334,13 @@ std::string read_probed_images(const std::vector<std::string>& words, const scen
     return {};
 }
 
-void probe_sound(const std::filesystem::path& file) {
+int probe_sound(const std::filesystem::path& file) {
     std::error_code failure;
     if (!std::filesystem::is_regular_file(file, failure))
         throw core::Error("reading", file.string(), "there is no such file");
-    if (!scene::Probe::is_possible()) return;
-    scene::read_in_probe({"sound", file.string()}, file.string(), film_limits(file), InterruptGuard::requested);
+    const std::vector<std::string> words{"sound", file.string()};
+    if (!scene::Probe::is_possible()) return 2;
+    return scene::read_in_probe(words, words[1], film_limits(file), InterruptGuard::requested) == "1" ? 1 : 2;
 }
 
 scene::ProbeLimits film_limits(const std::filesystem::path& film) {

@@ -70,8 +70,8 @@ class ImageReader {
 /// Reads the images of standard input for an ImageReader; '.' for each. "headers": these alone.
 std::string read_probed_images(const std::vector<std::string>& words, const scene::BeginLimits& begin_limits);
 
-/// Decodes sound in a probe. Throws core::Error.
-void probe_sound(const std::filesystem::path& file);
+/// Decodes sound in a probe. Returns av::Sound::channels. Throws core::Error.
+int probe_sound(const std::filesystem::path& file);
 
 scene::ProbeLimits film_limits(const std::filesystem::path& film);
 

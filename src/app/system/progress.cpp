@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <condition_variable>
 #include <cstddef>
 #include <cstdio>
 #include <numeric>
@@ -135,35 +136,29 @@ void tell_activity(const char* words) {
     activity = words;
 }
 
-ActivityTeller::ActivityTeller(bool quiet) {
-    if (!quiet && (style == ProgressStyle::line || style == ProgressStyle::minute))
-        thread_ = std::thread([this] { tell(); });
+std::jthread every(std::chrono::seconds pause, std::function<void()> tick) {
+    return std::jthread([pause, tick = std::move(tick)](const std::stop_token& stop) {
+        std::mutex mutex;
+        std::condition_variable_any ends;
+        std::unique_lock lock(mutex);
+        while (!ends.wait_for(lock, stop, pause, [&] { return stop.stop_requested(); })) tick();
+    });
 }
 
-ActivityTeller::~ActivityTeller() {
-    {
-        const std::lock_guard lock(mutex_);
-        ended_ = true;
-    }
-    ends_.notify_all();
-    if (thread_.joinable()) thread_.join();
-}
-
-void ActivityTeller::tell() {
-    const char* told = "";
-    // chosen: 10 s in logs, where a refusal is to stand alone, in one line; not tuned.
-    const int first = can_rewrite_errors() ? 1 : 10;
-    constexpr int again = 60;
-    int since = 0;
-    std::unique_lock lock(mutex_);
-    for (int seconds = 1; !ends_.wait_for(lock, std::chrono::seconds(1), [this] { return ended_; }); ++seconds) {
+std::jthread tell_activities(bool quiet) {
+    if (quiet || (style != ProgressStyle::line && style != ProgressStyle::minute)) return {};
+    return every(std::chrono::seconds(1), [told = "", seconds = 0, since = 0]() mutable {
+        // chosen: 10 s in logs, where a refusal is to stand alone, in one line; not tuned.
+        const int first = can_rewrite_errors() ? 1 : 10;
+        constexpr int again = 60;
         const char* const now = activity;
-        if (has_advanced) return;
-        if (seconds < first || *now == '\0' || rewritten_lines > 0 || (now == told && ++since < again)) continue;
+        ++seconds;
+        if (seconds < first || *now == '\0' || has_advanced || rewritten_lines > 0) return;
+        if (now == told && ++since < again) return;
         print_line(fmt::format("{} {}", clock_text(seconds), now));
         told = now;
         since = 0;
-    }
+    });
 }
 
 void show_progress_as(ProgressStyle wanted) {
@@ -188,28 +183,21 @@ Progress::Progress(std::int64_t total, bool quiet, const std::string& work, Coun
       advanced_at_(start_) {
     if (quiet_) return;
     rewritten_lines += terminal_ ? 1 : 0;
-    if (terminal_ || json_ || timed_) draw();
-    if (terminal_ || json_ || timed_) ticker_ = std::thread([this] { tick(); });
+    if (!terminal_ && !json_ && !timed_) return;
+    draw();
+    ticker_ = every(std::chrono::seconds(timed_ ? 60 : 1), [this] { tick(); });
 }
 
 Progress::~Progress() {
-    {
-        const std::lock_guard lock(mutex_);
-        ended_ = true;
-    }
-    ends_.notify_all();
-    if (ticker_.joinable()) ticker_.join();
+    ticker_ = {};
     rewritten_lines -= terminal_ && !quiet_ ? 1 : 0;
     if (drawn_) std::fputs(stays_ ? "\n" : "\r\033[K", stderr);
 }
 
 void Progress::tick() {
-    std::unique_lock lock(mutex_);
-    const std::chrono::seconds pause(timed_ ? 60 : 1);
-    while (!ends_.wait_for(lock, pause, [this] { return ended_; })) {
-        reckon(Clock::now());
-        if (standing_.done < standing_.total) draw();
-    }
+    const std::lock_guard lock(mutex_);
+    reckon(Clock::now());
+    if (standing_.done < standing_.total) draw();
 }
 
 void Progress::reckon(Clock::time_point now) {

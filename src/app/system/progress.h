@@ -1,9 +1,9 @@
 #pragma once
 // The progress line.
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -64,23 +64,12 @@ void show_progress_as(ProgressStyle style);
 /// Activity on all lines from now on; a literal.
 void tell_activity(const char* words);
 
+/// Calls `tick` after each pause, until it is destroyed.
+[[nodiscard]] std::jthread every(std::chrono::seconds pause, std::function<void()> tick);
+
 /// Tells activities on standard error until a line of Progress moves, on terminals from the first second on, in logs
 /// from the tenth: each change, and once a minute while one lasts.
-class ActivityTeller {
-  public:
-    explicit ActivityTeller(bool quiet);
-    ~ActivityTeller();
-    ActivityTeller(const ActivityTeller&) = delete;
-    ActivityTeller& operator=(const ActivityTeller&) = delete;
-
-  private:
-    void tell();
-
-    std::mutex mutex_;
-    std::condition_variable ends_;
-    bool ended_ = false;
-    std::thread thread_;
-};
+[[nodiscard]] std::jthread tell_activities(bool quiet);
 
 /// Whether steps have lines too: logs have results alone.
 bool shows_steps();
@@ -95,8 +84,6 @@ class Progress {
     Progress(std::int64_t total, bool quiet, const std::string& work = "frame", Counted counted = Counted::frames,
              double seconds_ago = 0, std::vector<std::int64_t> firsts = {});
     ~Progress();
-    Progress(const Progress&) = delete;
-    Progress& operator=(const Progress&) = delete;
 
     void advance();
     /// The total may change.
@@ -117,9 +104,7 @@ class Progress {
     double before_;  ///< seconds that it took before the object
     Clock::time_point start_, drawn_at_, advanced_at_;
     std::mutex mutex_;
-    std::condition_variable ends_;
-    bool ended_ = false;
-    std::thread ticker_;
+    std::jthread ticker_;
 };
 
 /// "1:02:03", "2:03": hours only where there are any.
