@@ -106,6 +106,10 @@ std::string printable_lines(std::string_view text) {
     return shown(text, true);
 }
 
+std::string counted(std::size_t count, std::string_view noun) {
+    return std::to_string(count) + " " + std::string(noun) + (count == 1 ? "" : "s");
+}
+
 std::vector<std::string_view> words_in(std::string_view text) {
     std::vector<std::string_view> words;
     for (std::size_t end = 0; !text.empty(); text.remove_prefix(std::min(end + 1, text.size()))) {

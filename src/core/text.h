@@ -1,5 +1,5 @@
 #pragma once
-// Text that comes from outside: lower case, endings of files, what a terminal may show.
+// Words: lower case, endings of files, counts, text that a terminal may show.
 #include <filesystem>
 #include <span>
 #include <string>
@@ -19,6 +19,9 @@ std::string printable(std::string_view text);
 
 /// The same, but lines stay lines.
 std::string printable_lines(std::string_view text);
+
+/// `1 triangle`, `2 triangles`.
+std::string counted(std::size_t count, std::string_view noun);
 
 /// The words between spaces; they lie in the text.
 std::vector<std::string_view> words_in(std::string_view text);

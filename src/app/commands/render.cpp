@@ -24,7 +24,6 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "parallel/loops.h"
-#include "scene/model/wording.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -52,7 +51,7 @@ std::string dry_run_text(RenderJob& film, const RenderOptions& options) {
                        core::printable(options.output.string()), film.frames.first, film.frames.last,
                        static_cast<double>(film.frame_count()) / film.rate.hertz.value(), film.rate.name,
                        core::printable(film.animation->source), film.format.width, film.format.height,
-                       scene::counted(chunks.size(), "chunk")) +
+                       core::counted(chunks.size(), "chunk")) +
            plan_text(film, options);
 }
 

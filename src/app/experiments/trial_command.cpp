@@ -19,9 +19,9 @@
 #include "app/system/interrupt.h"
 #include "app/system/terminal.h"
 #include "core/error.h"
+#include "core/text.h"
 #include "encoder/av/av.h"
 #include "renderer/gather/final_gather.h"
-#include "scene/model/wording.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -227,7 +227,7 @@ std::string trial_heading(const Trials& trials) {
     const RenderJob& film = trials.film();
     std::string text =
         fmt::format("{}: {} of {} frames of {}x{} in {}\n", film.animation->source, trials.frames(), film.frame_count(),
-                    film.format.width, film.format.height, scene::counted(trials.windows().size(), "window"));
+                    film.format.width, film.format.height, core::counted(trials.windows().size(), "window"));
     if (trials.references() == 0) return text + "quality against these frames as they were lit\n";
     const renderer::Statistics& found = trials.statistics();
     const bool rays = film.rendering.indirect == renderer::Indirect::rays && film.rendering.vpls > 0;

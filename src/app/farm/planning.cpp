@@ -27,7 +27,6 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "parallel/loops.h"
-#include "scene/model/wording.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -250,11 +249,11 @@ std::optional<json> settle_once(RenderJob& film, const RenderOptions& options, c
 
 std::string plan_line(const FarmPlan& plan, const FarmOptions& options, std::size_t chunks) {
     const FilmPart& first = plan.parts.front();
-    const std::string parts = scene::counted(plan.parts.size(), "part");
+    const std::string parts = core::counted(plan.parts.size(), "part");
     std::string text;
     if (options.parts && static_cast<std::size_t>(*options.parts) > plan.parts.size())
         text = fmt::format("{} parts were asked for; the film has {} of {} frames: {}\n", *options.parts,
-                           scene::counted(chunks, "chunk"),
+                           core::counted(chunks, "chunk"),
                            first.frames.count() / static_cast<std::int64_t>(first.chunks.count()), parts);
     return text + fmt::format("{}: {} of {} frames at most\n", core::printable(plan.folder.string()), parts,
                               plan.most_frames());

@@ -20,7 +20,6 @@
 #include "image/image.h"
 #include "parallel/loops.h"
 #include "renderer/lights/anchors.h"
-#include "scene/model/wording.h"
 #include "scene/preparation/traits.h"
 
 namespace render2mpeg::app {
@@ -421,7 +420,7 @@ std::string film_text(const RenderJob& film) {
         if (shot.frame <= film.frames.first) camera = shot.camera;
     std::string lights;
     const auto add = [&](const std::string& text) { lights += (lights.empty() ? "" : ", ") + text; };
-    if (!scene.lights.empty()) add(scene::counted(scene.lights.size(), "lamp"));
+    if (!scene.lights.empty()) add(core::counted(scene.lights.size(), "lamp"));
     if (traits.has_emissive_surfaces) add("surfaces that shine");
     if (traits.has_shining_sky) add("the sky");
     const std::string name = scene.cameras[static_cast<std::size_t>(camera)].name;

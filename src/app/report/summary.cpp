@@ -13,7 +13,6 @@
 #include "core/text.h"
 #include "encoder/cadence.h"
 #include "encoder/codec.h"
-#include "scene/model/wording.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -204,7 +203,7 @@ std::string film_line(const Film& film, const RunStatistics& statistics, const R
     const std::size_t frames = statistics.frames.size();
     const double duration = static_cast<double>(frames) / film.coding.rate.hertz.value();
     std::string text =
-        fmt::format("{}: {}, {}x{}{} at {}, {:.2f} s", core::printable(facts.output), scene::counted(frames, "frame"),
+        fmt::format("{}: {}, {}x{}{} at {}, {:.2f} s", core::printable(facts.output), core::counted(frames, "frame"),
                     film.coding.width, film.coding.height, shape_text(film.coding), rate_text(film.coding), duration);
     if (facts.bytes > 0)
         text += fmt::format(", {}, {:.0f} kb/s", size_text(static_cast<double>(facts.bytes)),

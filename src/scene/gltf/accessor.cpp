@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 
+#include "core/text.h"
 #include "scene/model/wording.h"
 
 namespace render2mpeg::scene::gltf {
@@ -100,7 +101,7 @@ Run run_in(const Document::Bytes& view, std::size_t offset, std::size_t count, s
     const bool fits =
         offset <= view.size && size <= view.size - offset && (count - 1) <= (view.size - offset - size) / stride;
     if (!fits)
-        accessor.refuse("asks for " + counted(count, "element") + " of " + std::to_string(size) +
+        accessor.refuse("asks for " + core::counted(count, "element") + " of " + std::to_string(size) +
                         " bytes from offset " + std::to_string(offset) + ", but its buffer view has " +
                         std::to_string(view.size) + " bytes");
     return {view.first + offset, stride};
@@ -125,7 +126,7 @@ Shape shape_of(const Document& document, const Element& accessor, std::size_t ex
     shape.normalized = accessor.boolean("normalized", false);
     if (shape.count == 0) accessor.refuse("has no elements");
     if (expected_count != 0 && shape.count != expected_count)
-        accessor.refuse("has " + counted(shape.count, "element") + " where " + std::to_string(expected_count) +
+        accessor.refuse("has " + core::counted(shape.count, "element") + " where " + std::to_string(expected_count) +
                         " are needed");
     if (shape.normalized && (shape.component == Component::float32 || shape.component == Component::uint32))
         accessor.refuse("is normalised, which its component type cannot be");
@@ -139,7 +140,7 @@ Shape shape_of(const Document& document, const Element& accessor, std::size_t ex
     // Zeros take no room in the file. chosen: 2^20 elements, 12 MB; larger counts are known otherwise or have a buffer.
     constexpr std::size_t most_zeros = std::size_t{1} << 20;
     if (expected_count == 0 && shape.count > most_zeros)
-        accessor.refuse("has " + counted(shape.count, "element") + " without a buffer view; at most " +
+        accessor.refuse("has " + core::counted(shape.count, "element") + " without a buffer view; at most " +
                         std::to_string(most_zeros) + " are read");
     return shape;
 }
@@ -153,7 +154,7 @@ void for_each(const Document& document, const Element& accessor, const Shape& sh
     if (!sparse) return;
     const std::size_t count = sparse->required_size("count");
     if (count == 0 || count > shape.count)
-        sparse->refuse("replaces " + counted(count, "element") + " of " + std::to_string(shape.count));
+        sparse->refuse("replaces " + core::counted(count, "element") + " of " + std::to_string(shape.count));
     const std::optional<Element> indices = sparse->object("indices"), values = sparse->object("values");
     if (!indices || !values) sparse->refuse("lacks indices or values");
     const Component component = component_of(*indices);
@@ -168,7 +169,7 @@ void for_each(const Document& document, const Element& accessor, const Shape& sh
     for (std::size_t i = 0; i < count; ++i) {
         const std::uint32_t index = integer_at(index_run.first + i * index_run.stride, component);
         if (index >= shape.count)
-            indices->refuse("index " + std::to_string(index) + " exceeds the " + counted(shape.count, "element"));
+            indices->refuse("index " + std::to_string(index) + " exceeds the " + core::counted(shape.count, "element"));
         take(static_cast<std::size_t>(index), value_run.first + i * value_run.stride);
     }
 }

@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "core/error.h"
+#include "core/text.h"
 #include "scene/gltf/extensions.h"
 #include "scene/gltf/uri.h"
 #include "scene/model/wording.h"
@@ -92,7 +93,7 @@ std::vector<std::byte> decode_meshopt(const Element& extension, std::span<const 
     // Sixteen values of a byte take two bits at least, a triangle and an index one byte.
     const std::size_t most = attributes ? 64 * bytes.size() / stride : (triangles ? 3 : 1) * bytes.size();
     if (count > most)
-        extension.refuse("says " + counted(count, "element") + ", which " + std::to_string(bytes.size()) +
+        extension.refuse("says " + core::counted(count, "element") + ", which " + std::to_string(bytes.size()) +
                          " bytes cannot hold");
 
     std::vector<std::byte> out(count * stride);
@@ -204,7 +205,8 @@ std::vector<double> Element::numbers(const char* key, std::size_t count) const {
     if (value == nullptr) return result;
     if (!value->is_array()) refuse(std::string(key) + " is not an array");
     if (count != 0 && value->size() != count)
-        refuse(std::string(key) + " has " + counted(value->size(), "number") + " instead of " + std::to_string(count));
+        refuse(std::string(key) + " has " + core::counted(value->size(), "number") + " instead of " +
+               std::to_string(count));
     result.reserve(value->size());
     for (const nlohmann::json& entry : *value) result.push_back(number_of(entry, key));
     return result;

@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "core/module.h"
+#include "core/text.h"
 #include "scene/gltf/accessor.h"
 #include "scene/gltf/parts.h"
 #include "scene/model/curves.h"
@@ -89,7 +90,7 @@ int variant_of(const Document& document, const LoadOptions& options, Animation& 
     std::string list;
     for (const std::string& name : names) list += (list.empty() ? "" : ", ") + in_quotes(name);
     note_once(animation,
-              "has " + counted(names.size(), "variant") + " of materials (--variant): " + list.substr(0, 200));
+              "has " + core::counted(names.size(), "variant") + " of materials (--variant): " + list.substr(0, 200));
     return -1;
 }
 
@@ -302,9 +303,9 @@ std::size_t MeshReader::morph_targets_of(int mesh) const {
 }
 
 void MeshReader::add_notes() {
-    if (undrawn_ > 0) note_once(animation_, "left out " + counted(undrawn_, "primitive") + " of points or lines");
+    if (undrawn_ > 0) note_once(animation_, "left out " + core::counted(undrawn_, "primitive") + " of points or lines");
     if (without_positions_ > 0)
-        note_once(animation_, "left out " + counted(without_positions_, "primitive") + " without positions");
+        note_once(animation_, "left out " + core::counted(without_positions_, "primitive") + " without positions");
     if (too_many_joints_) note_once(animation_, "more than 8 joints move a vertex; the first 8 are used");
 }
 

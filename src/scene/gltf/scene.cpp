@@ -5,6 +5,7 @@
 #include <set>
 
 #include "core/numeric.h"
+#include "core/text.h"
 #include "scene/gltf/accessor.h"
 #include "scene/gltf/parts.h"
 #include "scene/model/wording.h"
@@ -225,8 +226,8 @@ class SceneReader {
         std::vector<double> weights = element.numbers("weights", 0);
         if (weights.empty()) weights = mesh_element.numbers("weights", 0);
         if (!weights.empty() && weights.size() != targets)
-            element.refuse("has " + counted(weights.size(), "morph weight") + " for " +
-                           counted(targets, "morph target"));
+            element.refuse("has " + core::counted(weights.size(), "morph weight") + " for " +
+                           core::counted(targets, "morph target"));
         const int skin = element.index("skin", "skins");
         std::string name = animation_.nodes[static_cast<std::size_t>(owner)].name;
         if (name.empty()) name = mesh_element.string("name", "");
@@ -256,7 +257,7 @@ class SceneReader {
                 read_finite_floats(document_, accessor, {16}, 0, element.where() + ", inverseBindMatrices");
             if (matrices.count() < result.joints.size())
                 element.refuse("has " + std::to_string(matrices.count()) + " inverse bind matrices for " +
-                               counted(result.joints.size(), "joint"));
+                               core::counted(result.joints.size(), "joint"));
             for (std::size_t j = 0; j < result.joints.size(); ++j)
                 result.inverse_bind[j] = glm::dmat4(glm::make_mat4(&matrices.values[16 * j]));
         }

@@ -28,10 +28,6 @@ std::string described(std::string_view kind, std::size_t index, std::string_view
     return name.empty() ? text : text + " " + in_quotes(name);
 }
 
-std::string counted(std::size_t count, std::string_view noun) {
-    return std::to_string(count) + " " + std::string(noun) + (count == 1 ? "" : "s");
-}
-
 void note_once(Animation& animation, const std::string& line) {
     if (std::find(animation.notes.begin(), animation.notes.end(), line) == animation.notes.end())
         animation.notes.push_back(line);

@@ -14,9 +14,6 @@ std::string in_quotes(std::string_view name);
 /// `mesh 3 "Chair"`, or `mesh 3` for things without a name.
 std::string described(std::string_view kind, std::size_t index, std::string_view name);
 
-/// `1 triangle`, `2 triangles`.
-std::string counted(std::size_t count, std::string_view noun);
-
 void note_once(Animation& animation, const std::string& line);
 
 /// Throws core::Error.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/rational.h"
+#include "core/text.h"
 #include "scene/model/wording.h"
 #include "scene/pose/extent.h"
 #include "scene/pose/pose.h"
@@ -138,7 +139,7 @@ void complete(Animation& animation, DefaultLight light) {
         set_duration(animation);
     } else if (animation.cameras.size() > 1 && animation.shots.empty()) {
         const std::string& name = animation.cameras.front().name;
-        note_once(animation, counted(animation.cameras.size(), "camera") + " and no choice: the first is used" +
+        note_once(animation, core::counted(animation.cameras.size(), "camera") + " and no choice: the first is used" +
                                  (name.empty() ? "" : ", " + in_quotes(name)));
     }
     if (dark && light != DefaultLight::none)

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/text.h"
 #include "scene/model/wording.h"
 #include "scene/pose/extent.h"
 #include "scene/pose/pose.h"
@@ -40,7 +41,7 @@ bool is_rounded_away(const Animation& animation, const Object& object, const glm
 
 void note(Animation& animation, const std::vector<std::size_t>& lost, const std::string& why) {
     if (lost.empty()) return;
-    const std::string others = lost.size() > 1 ? " and " + counted(lost.size() - 1, "other") : "";
+    const std::string others = lost.size() > 1 ? " and " + core::counted(lost.size() - 1, "other") : "";
     note_once(animation, described("object", lost[0], animation.objects[lost[0]].name) + others + ": " + why);
 }
 

@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "core/numeric.h"
 #include "core/rational.h"
+#include "core/text.h"
 #include "scene/model/wording.h"
 #include "scene/pose/pose.h"
 
@@ -231,7 +232,7 @@ void note_shining_strands(Animation& animation) {
         if (count++ == 0) first = described("object", i, object.name);
     }
     if (count == 0) return;
-    const std::string others = count > 1 ? " and " + counted(count - 1, "other") : "";
+    const std::string others = count > 1 ? " and " + core::counted(count - 1, "other") : "";
     note_once(animation,
               first + others + ": its strands are seen to shine, but are no lamps: they light little or nothing");
 }
@@ -269,8 +270,8 @@ void validate_objects(Animation& animation) {
         }
         if (!object.morph_weights.empty() && object.morph_weights.size() != mesh.morph_targets.size())
             refuse(animation, name,
-                   "has " + counted(object.morph_weights.size(), "morph weight") + " for " +
-                       counted(mesh.morph_targets.size(), "morph target"));
+                   "has " + core::counted(object.morph_weights.size(), "morph weight") + " for " +
+                       core::counted(mesh.morph_targets.size(), "morph target"));
         for (const float w : object.morph_weights)
             if (!std::isfinite(w)) refuse(animation, name, "a morph weight is not finite");
     }
@@ -286,7 +287,7 @@ void validate_objects(Animation& animation) {
         return is_invisible(animation.materials[static_cast<std::size_t>(o.material)]);
     });
     if (unseen > 0)
-        animation.notes.push_back(counted(unseen, "object") + " of alpha 0 throughout cannot be seen: left out");
+        animation.notes.push_back(core::counted(unseen, "object") + " of alpha 0 throughout cannot be seen: left out");
 }
 
 void validate_looks(Animation& animation) {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/numeric.h"
+#include "core/text.h"
 #include "scene/model/wording.h"
 #include "scene/preparation/validate.h"
 
@@ -16,7 +17,8 @@ void check_sizes(const Animation& animation, const Mesh& mesh, const std::string
     const std::size_t n = mesh.positions.size();
     const auto check = [&](std::size_t size, const char* what) {
         if (size != 0 && size != n)
-            refuse(animation, name, "has " + std::to_string(size) + " " + what + " for " + counted(n, "position"));
+            refuse(animation, name,
+                   "has " + std::to_string(size) + " " + what + " for " + core::counted(n, "position"));
     };
     check(mesh.normals.size(), "normals");
     check(mesh.tangents.size(), "tangents");
@@ -35,7 +37,8 @@ void check_sizes(const Animation& animation, const Mesh& mesh, const std::string
                        "triangle " + std::to_string(t) + " has the corner " + std::to_string(mesh.triangles[t][k]) +
                            ", but there are " + std::to_string(n) + " vertices");
     if (!mesh.curves.empty() && mesh.radii.size() != n)
-        refuse(animation, name, "has " + std::to_string(mesh.radii.size()) + " radii for " + counted(n, "position"));
+        refuse(animation, name,
+               "has " + std::to_string(mesh.radii.size()) + " radii for " + core::counted(n, "position"));
     for (std::size_t s = 0; s < mesh.curves.size(); ++s)
         if (n < 4 || mesh.curves[s] > n - 4)
             refuse(animation, name,
@@ -73,8 +76,8 @@ class Tally {
     }
     void write(Animation& animation) const {
         if (count_ == 0) return;
-        const std::string others = meshes_ > 1 ? " and " + counted(meshes_ - 1, "other") : "";
-        note_once(animation, first_ + others + ": " + verb_ + " " + counted(count_, noun_) + " " + reason_);
+        const std::string others = meshes_ > 1 ? " and " + core::counted(meshes_ - 1, "other") : "";
+        note_once(animation, first_ + others + ": " + verb_ + " " + core::counted(count_, noun_) + " " + reason_);
     }
 
   private:

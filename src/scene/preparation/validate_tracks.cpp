@@ -3,6 +3,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "core/text.h"
 #include "scene/model/wording.h"
 #include "scene/pose/pose.h"
 #include "scene/preparation/validate.h"
@@ -108,8 +109,8 @@ void check_values(const Animation& animation, const std::string& name, const Tra
         const std::size_t targets = animation.meshes[static_cast<std::size_t>(object.mesh)].morph_targets.size();
         if (targets != 0 && targets != static_cast<std::size_t>(track.width))
             refuse(animation, name,
-                   "has " + counted(static_cast<std::size_t>(track.width), "weight") + " for " +
-                       counted(targets, "morph target"));
+                   "has " + core::counted(static_cast<std::size_t>(track.width), "weight") + " for " +
+                       core::counted(targets, "morph target"));
     }
 }
 
@@ -124,7 +125,7 @@ void validate_tracks(Animation& animation) {
         if (track.times.empty()) refuse(animation, name, "has no keys");
         if (track.values.size() != track.times.size() * values_per_key(track))
             refuse(animation, name,
-                   "has " + counted(track.values.size(), "value") + " where its keys ask for " +
+                   "has " + core::counted(track.values.size(), "value") + " where its keys ask for " +
                        std::to_string(track.times.size() * values_per_key(track)));
         for (std::size_t k = 0; k < track.times.size(); ++k)
             if (!std::isfinite(track.times[k]))
