@@ -1,8 +1,9 @@
-"""blender -b --factory-startup --disable-autoexec -noaudio -P export_film.py -- FILE.blend FOLDER TEXTURE_SIZE
+"""blender -b --factory-startup --disable-autoexec -noaudio -P export_film.py -- SCENE FOLDER TEXTURE_SIZE
 
-Writes what render2mpeg can show of a .blend to FOLDER: film.json (an animation file), scene.glb and images beside it, and
-export.json: {"error": "..."} or {"blender", "lost": [...], "uses": [[path, size, mtime in ns], ...]}, where `uses` names
-the other files that the .blend was made of. Executes nothing that the .blend holds.
+Writes what render2mpeg can show of a .blend, or of what Blender imports (USD, Alembic), to FOLDER: film.json (an animation
+file), scene.glb and images beside it, and export.json: {"error": "..."} or {"blender", "lost": [...],
+"uses": [[path, size, mtime in ns], ...]}, where `uses` names the other files that the scene was made of. Executes nothing
+that a .blend holds.
 """
 import json
 import math
@@ -19,17 +20,41 @@ RATES = {"23.976": 24000 / 1001, "24": 24.0, "25": 25.0, "29.97": 30000 / 1001, 
 
 
 class Refused(Exception):
-    """A .blend that cannot be a film: the reason in one line."""
+    """A scene that cannot be a film: the reason in one line."""
+
+
+# Importers by endings: the format's name, Blender's library of it, which some builds (Debian's) lack, and the operator.
+ALEMBIC, USD = ("Alembic", "alembic", "alembic_import"), ("USD", "usd", "usd_import")
+IMPORTERS = {".abc": ALEMBIC, ".usd": USD, ".usda": USD, ".usdc": USD, ".usdz": USD}
 
 
 def open_blend(path):
+    bpy.ops.wm.open_mainfile(filepath=path, load_ui=False, use_scripts=False)
+    if os.path.realpath(bpy.data.filepath) != os.path.realpath(path):
+        raise Refused("Blender cannot read it")
+
+
+def import_scene(path, name, library, operator):
+    """Fills an empty file. The range of frames is the scene's own; a camera is active, if there is any."""
+    if not getattr(bpy.app.build_options, library, False):
+        raise Refused(f"{bpy.app.binary_path} ({bpy.app.version_string}) was built without {name}: "
+                      "name another Blender in RENDER2MPEG_BLENDER (those of blender.org have it)")
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    done = getattr(bpy.ops.wm, operator)(filepath=path, set_frame_range=True)
+    if "FINISHED" not in done or not bpy.data.objects:
+        raise Refused("Blender found nothing in it")
+    scene = bpy.context.scene
+    if not scene.camera:
+        scene.camera = next((thing for thing in scene.objects if thing.type == "CAMERA"), None)
+
+
+def open_scene(path):
+    importer = IMPORTERS.get(os.path.splitext(path)[1].lower())
     try:
-        bpy.ops.wm.open_mainfile(filepath=path, load_ui=False, use_scripts=False)
+        import_scene(path, *importer) if importer else open_blend(path)
     except RuntimeError as error:
         text = " ".join(str(error).split())
         raise Refused("Blender cannot read it: " + text.rsplit(": ", 1)[-1]) from None
-    if os.path.realpath(bpy.data.filepath) != os.path.realpath(path):
-        raise Refused("Blender cannot read it")
 
 
 def rate_of(scene, lost):
@@ -309,7 +334,7 @@ class Strengths:
 
 
 def export(path, folder, texture_size):
-    open_blend(path)
+    open_scene(path)
     from film_export import lamps, world
     from film_export.bakes import Bakes
     from film_export.baking import Baker
@@ -370,9 +395,12 @@ def export(path, folder, texture_size):
 
 
 def used_files(path):
-    """Other files that decided the export, as they are now."""
-    out = []
-    for name in sorted(set(bpy.utils.blend_paths(absolute=True, packed=False, local=False))):
+    """Other files that decided the export, as they are now. Of USD's layers all are that could be, beside it and below."""
+    names, out = set(bpy.utils.blend_paths(absolute=True, packed=False, local=False)), []
+    if IMPORTERS.get(os.path.splitext(path)[1].lower()) is USD:
+        names |= {os.path.join(folder, name) for folder, _, files in os.walk(os.path.dirname(path)) for name in files
+                  if IMPORTERS.get(os.path.splitext(name)[1].lower()) is USD}
+    for name in sorted(names):
         if os.path.realpath(name) != os.path.realpath(path) and os.path.isfile(name):
             state = os.stat(name)
             out.append([os.path.abspath(name), state.st_size, state.st_mtime_ns])

@@ -16,7 +16,12 @@ struct SceneFormat {
 };
 
 /// Those that people's scenes have; Assimp reads others, too.
-inline constexpr std::array<SceneFormat, 10> scene_formats{{{".blend", SceneReader::blender},
+inline constexpr std::array<SceneFormat, 15> scene_formats{{{".blend", SceneReader::blender},
+                                                            {".usd", SceneReader::blender},
+                                                            {".usda", SceneReader::blender},
+                                                            {".usdc", SceneReader::blender},
+                                                            {".usdz", SceneReader::blender},
+                                                            {".abc", SceneReader::blender},
                                                             {".glb", SceneReader::gltf},
                                                             {".gltf", SceneReader::gltf},
                                                             {".fbx", SceneReader::assimp},

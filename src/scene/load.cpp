@@ -24,8 +24,8 @@ void choose_camera(Animation& animation, const std::string& wanted) {
     animation.shots = {{0, static_cast<int>(*chosen)}};
 }
 
-Animation load_blend(const std::filesystem::path& file, const LoadOptions& options) {
-    const BlenderExport exported = export_blend(file);
+Animation load_by_blender(const std::filesystem::path& file, const LoadOptions& options) {
+    const BlenderExport exported = export_by_blender(file);
     Animation animation = load_animation_file(exported.film, options, load_as_is);
     // Blender bends light at every glass; open meshes are thin.
     for (Material& material : animation.materials)
@@ -50,7 +50,7 @@ Animation load_as_is(const std::filesystem::path& file, const LoadOptions& optio
             if (Probe::is_possible()) read_in_probe({"gltf", file.string()}, file.string(), limits_for(bytes));
         });
     if (reader == core::SceneReader::animation_file) return load_animation_file(file, options, load_as_is);
-    if (reader == core::SceneReader::blender) return load_blend(file, options);
+    if (reader == core::SceneReader::blender) return load_by_blender(file, options);
     if (options.variant) throw core::Error("reading", file.string(), no_such("variant", *options.variant, {}));
     // Assimp's parsers are outside code.
     if (Probe::is_possible()) {

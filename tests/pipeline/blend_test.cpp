@@ -78,8 +78,42 @@ TEST(BlendFileSlow, ThatIsBrokenIsRefusedInALine) {
         EXPECT_EQ(said.status, 1);
         EXPECT_EQ(lines_in(said.output), 1u) << said.output;
         EXPECT_NE(said.output.find(name), std::string::npos) << said.output;
-        EXPECT_TRUE(fs::is_empty((folder / name).string() + ".export")) << "nothing is left of it";
+        EXPECT_FALSE(fs::exists((folder / name).string() + ".export")) << "nothing is left of it";
     }
+}
+
+TEST(BlendFileSlow, UsdIsReadWhereThatBlenderCanAndElseRefusedInALine) {
+    NEEDS_BLENDER();
+    const Folder folder;
+    std::ofstream(folder / "stage.usda") << R"usd(#usda 1.0
+(
+    endTimeCode = 4
+    startTimeCode = 1
+    upAxis = "Y"
+)
+def Mesh "Floor" {
+    int[] faceVertexCounts = [4]
+    int[] faceVertexIndices = [0, 1, 2, 3]
+    point3f[] points = [(-1, 0, 1), (1, 0, 1), (1, 0, -1), (-1, 0, -1)]
+}
+def Camera "Eye" {
+    double3 xformOp:translate = (0, 0.5, 3)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}
+)usd";
+    const bool reads =
+        blender("--python-expr 'import bpy; print(\"HAS\", bpy.app.build_options.usd)'").output.find("HAS True") !=
+        std::string::npos;
+    const Outcome said = run(program() + " plan --within 0 " + path(folder, "stage.usda"));
+    EXPECT_EQ(said.status, reads ? 0 : 1) << said.output;
+    if (reads) {
+        EXPECT_NE(said.output.find("4 frames"), std::string::npos) << said.output;
+        EXPECT_NE(said.output.find("Eye"), std::string::npos) << said.output;
+        return;
+    }
+    EXPECT_EQ(lines_in(said.output), 1u) << said.output;
+    for (const char* words : {"stage.usda", "built without USD", "RENDER2MPEG_BLENDER"})
+        EXPECT_NE(said.output.find(words), std::string::npos) << said.output;
 }
 
 TEST(BlendFileSlow, CountsItsExportAsLoading) {

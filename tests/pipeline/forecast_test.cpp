@@ -91,6 +91,16 @@ TEST(Forecast, OfAShortFilmIsWhatItTakes) {
     EXPECT_DOUBLE_EQ(found->disk, 2 * found->bytes);
 }
 
+TEST(Forecast, LightsAWindowOfEachShot) {
+    RenderJob film = flash_cut();  // a cut at 36
+    const auto found = app::forecast(film, "film.mpg", 60, true);
+    ASSERT_TRUE(found.has_value());
+    EXPECT_EQ(found->sample.windows, 2);
+    const auto& lit = found->sample.statistics.frames;
+    EXPECT_EQ(std::count_if(lit.begin(), lit.end(), [](const app::FrameEntry& entry) { return entry.frame < 36; }), 6);
+    EXPECT_EQ(lit.size(), 12u);
+}
+
 TEST(Forecast, CountsTheChannelsOfTheSound) {
     RenderJob film = small_film(support::plain_film(), "32x32");
     film.frames = {0, 1};

@@ -193,7 +193,6 @@ const std::vector<Mistake>& files() {
         {"render shot.png -o x.mpg", 1, {"shot.png", "it is a picture", "encode frames.%04d.png"}},
         {"render song.wav -o x.mpg", 1, {"song.wav", "it is sound", "--audio"}},
         {"render old.blend1 -o x.mpg", 1, {"old.blend1", "backup", "rename it to .blend"}},
-        {"render stage.usd -o x.mpg", 1, {"stage.usd", "USD is not read", ".glb"}},
         {"render empty -o x.mpg", 1, {"empty", "neither a film.json nor a scene"}},
         {"render . -o x.mpg", 1, {"this folder holds no film.json", "./room.blend"}},
         {"plan notes.txt", 1, {"notes.txt", "it is no scene"}},

@@ -67,6 +67,11 @@ std::string size_text(std::uint64_t bytes) {
 /// chosen: 6 (3 to 9).
 constexpr int window_frames = 6;
 
+/// Windows of a film: one for each shot, so that each counts by its length. chosen: 4 at most (3 to 8).
+int windows_of(const RenderJob& film) {
+    return std::min(1 + static_cast<int>(cuts_of(film).size()), 4);
+}
+
 /// Longest side of the smallest pictures; each size after it has four times the pixels. chosen: 48 (32 to 96).
 constexpr double least_side = 48;
 
@@ -173,14 +178,17 @@ std::optional<Sampled> sample_sizes(const RenderJob& film, const SpentTime& spen
     for (;; scale = std::min(1.0, 2 * scale)) {
         const double began = spent.seconds();
         const RenderJob job = resized(film, scale);
-        const std::vector<Chunk> window = middle_windows(job, 1, window_frames);
-        Progress progress(window.front().frames(), quiet, "sample", Counted::parts_of_step);
+        const std::vector<Chunk> windows = middle_windows(job, windows_of(film), window_frames);
+        Progress progress(static_cast<std::int64_t>(windows.size()) * windows.front().frames(), quiet, "sample",
+                          Counted::parts_of_step);
         LoopObserver nobody;
         // The first sample is needed, and may take three times as long.
         const double end = found ? limit : limit + 2 * (limit - began);
         const std::optional<FrameSample> sample =
-            sample_frames(job, window, nobody, progress, [&] { return spent.seconds() > end; });
+            sample_frames(job, windows, nobody, progress, [&] { return spent.seconds() > end; });
         if (!sample) return InterruptGuard::requested() ? std::nullopt : found;
+        // Times of some shots are not those of all.
+        if (found && sample->windows < static_cast<int>(windows.size())) return found;
         const double times = found ? pixels_of(sample->size) / pixels_of(found->largest.size) : 1;
         const double power =
             found ? power_between(found->largest.later.seconds, sample->later.seconds, times) : time_power;

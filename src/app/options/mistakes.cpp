@@ -139,7 +139,8 @@ constexpr std::array films{".mpg", ".mpeg", ".vob", ".ts",   ".m2v", ".mkv", ".m
 constexpr std::array pictures{".png",  ".exr", ".jpg", ".jpeg", ".tif", ".tiff",
                               ".webp", ".bmp", ".tga", ".hdr",  ".psd"};
 constexpr std::array sounds{".wav", ".mp3", ".flac", ".ogg", ".aac", ".m4a"};
-constexpr const char* kinds = "scenes are .blend, .glb, .gltf, .fbx, .obj and others, or animation files (.json)";
+constexpr const char* kinds =
+    "scenes are .blend, .glb, .gltf, .usd, .abc, .fbx, .obj and others, or animation files (.json)";
 
 template <class Endings>
 bool is_one_of(const Endings& endings, const std::filesystem::path& file) {
@@ -149,7 +150,6 @@ bool is_one_of(const Endings& endings, const std::filesystem::path& file) {
 /// Whether it is a scene by its ending; not an animation file.
 bool is_scene(const std::filesystem::path& file) {
     const std::string ending = core::ending_of(file);
-    if (ending == ".usd" || ending == ".usdz") return true;
     return std::any_of(core::scene_formats.begin(), core::scene_formats.end(),
                        [&](const auto& format) { return ending == format.ending && ending != ".json"; });
 }
@@ -307,8 +307,6 @@ std::string not_a_scene(const std::filesystem::path& file) {
         return "it is a picture, not a scene; `encode frames.%04d.png -o film.mpg` makes a film of pictures";
     if (is_one_of(sounds, file)) return "it is sound, not a scene; --audio adds it to a film";
     if (core::ending_of(file) == ".blend1") return "it is Blender's backup; rename it to .blend";
-    if (core::ending_of(file) == ".usd" || core::ending_of(file) == ".usdz" || core::ending_of(file) == ".usdc")
-        return "USD is not read; export the scene as .glb";
     constexpr std::array others{".txt", ".md", ".py", ".sh", ".html", ".csv", ".pdf", ".zip", ".gz", ".tar", ".mtl"};
     if (is_one_of(others, file)) return std::string("it is no scene; ") + kinds;
     return {};

@@ -153,12 +153,12 @@ Rows picture_rows(CommandLine& line) {
          "0.5 (default: the animation file's, or off)",
          "KIND[:STRENGTH]", glare_from, Idle::undeveloped},
         {"--view", picture, o.view,
-         "What bright light becomes: neutral, or Blender's standard, filmic (also filmic-high-contrast and so on) or "
-         "agx (default: the animation file's or the .blend's, or neutral)",
-         "NAME", core::view_from, Idle::undeveloped},
+         "What bright light becomes: `neutral`, or as in Blender, also `filmic-high-contrast` and so on (default: the "
+         "animation file's or the .blend's, or neutral)",
+         "neutral|standard|filmic|agx", core::view_from, Idle::undeveloped},
         {"--view@encode", picture, o.view,
-         "As for render; PNG frames of Blender's views keep their code values (default: neutral)", "NAME",
-         core::view_from},
+         "As for render; PNG frames of Blender's views keep their code values (default: neutral)",
+         "neutral|standard|filmic|agx", core::view_from},
         {"--transparent", picture, o.transparent,
          "Whether the camera does not see the sky, which shines all the same: frames have alpha, films black there "
          "(default: the animation file's or the .blend's, or off)",
@@ -223,9 +223,8 @@ Rows coding_rows(CommandLine& line) {
          "quantiser_scale_code of P pictures: 1 is the finest, 31 the coarsest; what many pictures follow from\nis a "
          "little finer, B pictures are coarser. Other codecs code to about the same quality",
          range(1, 31), ShownAs{"4"}, Idle::uncoded},
-        {"--codec", coding, o.codec,
-         "`mpeg2`, `h264`, `hevc` or `av1` (default: h264 in .mp4, .mov and .mkv, else mpeg2)",
-         Values{"CODEC", one_of({"mpeg2", "h264", "hevc", "av1", "h265"}).check}, Idle::uncoded},
+        {"--codec", coding, o.codec, "How pictures are coded (default: h264 in .mp4, .mov and .mkv, else mpeg2)",
+         Values{"mpeg2|h264|hevc|av1", one_of({"mpeg2", "h264", "hevc", "av1", "h265"}).check}, Idle::uncoded},
         {"--crf", coding, o.crf,
          "Instead of --quantiser: QP of P pictures in the codec's own scale, 1 to 51 in H.264 and HEVC, to 63 in AV1; "
          "26, 26 and 33 are like quantiser 4",

@@ -450,7 +450,9 @@ Animation load_with_assimp(const fs::path& file, const LoadOptions& options) {
     // std::bad_alloc is no message.
     if (!scene && std::string_view(importer.GetErrorString()) == "std::bad_alloc") throw std::bad_alloc();
     if (!scene && std::string_view(importer.GetErrorString()).starts_with("No suitable reader"))
-        refuse("it is no kind of scene that is known: .blend, .glb, .gltf, .fbx, .obj and what else Assimp reads");
+        refuse(
+            "it is no kind of scene that is known: .blend, .glb, .gltf, .usd, .abc, .fbx, .obj and what else Assimp "
+            "reads");
     if (!scene) {
         std::string words = importer.GetErrorString();
         while (words.ends_with('.') || words.ends_with(' ')) words.pop_back();

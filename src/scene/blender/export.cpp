@@ -15,6 +15,7 @@
 #include "core/checksum.h"
 #include "core/error.h"
 #include "core/module.h"
+#include "core/text.h"
 #include "scene/isolation/probe.h"
 
 namespace render2mpeg::scene {
@@ -138,13 +139,14 @@ ProbeLimits blender_limits() {
     throw core::Error("reading", file, "Blender crashed while it exported it");
 }
 
-/// A temporary folder.
+/// A temporary folder; its parent goes with it where that holds nothing else.
 class NewFolder {
   public:
     explicit NewFolder(fs::path path) : path_(std::move(path)) { fs::create_directory(path_); }
     ~NewFolder() {
         std::error_code failure;
         fs::remove_all(path_, failure);
+        fs::remove(path_.parent_path(), failure);
     }
     NewFolder(const NewFolder&) = delete;
     NewFolder& operator=(const NewFolder&) = delete;
@@ -170,24 +172,25 @@ void run_blender(const fs::path& blend, const fs::path& blender, const fs::path&
 
 }  // namespace
 
-BlenderExport export_blend(const fs::path& blend) {
+BlenderExport export_by_blender(const fs::path& file) {
     const fs::path blender = find_blender();
     if (blender.empty())
-        throw core::Error("reading", blend.string(),
-                          "a .blend needs Blender, and there is no `blender` on the PATH: install it, or name it in "
-                          "RENDER2MPEG_BLENDER, or export the scene as glTF with cameras and punctual lights");
+        throw core::Error("reading", file.string(),
+                          core::ending_of(file) +
+                              " needs Blender, and there is no `blender` on the PATH: install it, or name it in "
+                              "RENDER2MPEG_BLENDER, or export the scene as glTF with cameras and punctual lights");
     const fs::path script = core::installed_file("blender/export_film.py");
-    const fs::path cache = cache_of(blend);
-    const fs::path folder = cache / name_of(blend, script, blender);
+    const fs::path cache = cache_of(file);
+    const fs::path folder = cache / name_of(file, script, blender);
     if (std::optional<BlenderExport> known = finished(folder)) return *known;
 
     const NewFolder made(folder.string() + "." + std::to_string(getpid()));
-    run_blender(blend, blender, script, made.path());
+    run_blender(file, blender, script, made.path());
     std::error_code failure;
     fs::remove_all(folder, failure);
     fs::rename(made.path(), folder, failure);
     std::optional<BlenderExport> known = finished(folder);
-    if (!known) throw core::Error("reading", blend.string(), "a file that it uses changes while it is exported");
+    if (!known) throw core::Error("reading", file.string(), "a file that it uses changes while it is exported");
     remove_old(cache);
     return *known;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Has Blender export a .blend.
+// Has Blender export a .blend, and what it imports: USD, Alembic.
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -11,12 +11,12 @@ struct BlenderExport {
     std::vector<std::string> notes;  ///< losses of the export, one line each: object and reason
 };
 
-/// Export of a .blend, cached in FILE.blend.export/ or the user's cache, keyed by the .blend, our script and Blender,
-/// and by other files it uses. Blender is $RENDER2MPEG_BLENDER, else `blender` on the PATH, limited in memory and time.
-/// Throws core::Error.
-BlenderExport export_blend(const std::filesystem::path& blend);
+/// Export of a .blend, or of a scene that Blender imports, cached in FILE.export/ or the user's cache, keyed by the
+/// file, our script and Blender, and by other files it uses. Blender is $RENDER2MPEG_BLENDER, else `blender` on the
+/// PATH, limited in memory and time. Throws core::Error.
+BlenderExport export_by_blender(const std::filesystem::path& file);
 
-/// Becomes Blender within a probe. `words`: program, script, .blend, output folder, side of baked textures. Returns
+/// Becomes Blender within a probe. `words`: program, script, scene, output folder, side of baked textures. Returns
 /// only on failure.
 void become_blender(const std::vector<std::string>& words);
 
