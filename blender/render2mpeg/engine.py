@@ -63,9 +63,10 @@ class Render2mpegEngine(LiveView, bpy.types.RenderEngine):
             end_film()
         except Refused as reason:
             end_film()
-            self.error_set(str(reason))
-            if bpy.app.version < (4, 0, 0):  # later ones report it by themselves
-                self.report({"ERROR"}, str(reason))
+            if bpy.app.version < (4, 0, 0):  # above the picture; later ones report it, too
+                self.error_set(str(reason))
+            # This ends an animation before the frame is written.
+            self.report({"ERROR"}, str(reason))
 
     def wait(self, run, says):
         """Until the run has ended well."""

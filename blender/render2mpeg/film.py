@@ -19,7 +19,11 @@ class Film:
     def __init__(self, scene):
         settings = scene.render2mpeg
         if settings.control != "QUANTISER":
-            raise Refused("A film of a size or quality is searched for: Render Film (render2mpeg) does that; Render Animation takes a quantiser")
+            raise Refused("A film of a size or quality is searched for: Render Film (render2mpeg) does that")
+        if settings.effort == "DRAFT":
+            raise Refused("Drafts have no layers, which give Blender its frames: choose another effort, or Render Film (render2mpeg)")
+        if not scene.render.use_overwrite:
+            raise Refused("Blender would ask for some of the film's frames alone: tick Output > Overwrite")
         self.output = output_of(scene)
         self.work = self.output + ".blender"
         self.place, self.frames = os.path.join(self.work, "scene"), os.path.join(self.work, "frames")

@@ -7,11 +7,11 @@ from .program import program
 
 ENGINE = "RENDER2MPEG"
 # Panels of EEVEE that show what all engines read; by other names in some versions.
-SHARED = {"DATA_PT_EEVEE_light", "EEVEE_MATERIAL_PT_context_material", "EEVEE_MATERIAL_PT_surface", "EEVEE_MATERIAL_PT_volume",
-          "EEVEE_WORLD_PT_surface", "EEVEE_WORLD_PT_volume"}
-# Panels of all engines for what is told as not kept.
-FOREIGN = {"RENDER_PT_stereoscopy", "RENDER_PT_gpencil", "RENDER_PT_freestyle", "RENDER_PT_hydra_debug", "VIEWLAYER_PT_layer",
-           "MATERIAL_PT_freestyle_line", "RENDER_PT_time_stretching"}
+SHARED = {"DATA_PT_EEVEE_light", "DATA_PT_camera_dof", "DATA_PT_camera_dof_aperture", "EEVEE_MATERIAL_PT_context_material",
+          "EEVEE_MATERIAL_PT_surface", "EEVEE_MATERIAL_PT_volume", "EEVEE_WORLD_PT_surface", "EEVEE_WORLD_PT_volume"}
+# Panels of all engines for what is told as not kept, or what EEVEE's show in full.
+FOREIGN = {"DATA_PT_light", "RENDER_PT_stereoscopy", "RENDER_PT_gpencil", "RENDER_PT_freestyle", "RENDER_PT_hydra_debug",
+           "VIEWLAYER_PT_layer", "MATERIAL_PT_freestyle_line", "RENDER_PT_time_stretching"}
 
 
 class RenderPanel:
@@ -35,7 +35,7 @@ class RENDER2MPEG_PT_panel(RenderPanel, bpy.types.Panel):
         layout.prop(settings, "control")
         layout.prop(settings, {"QUANTISER": "quantiser", "SIZE": "megabytes", "QUALITY": "decibels"}[settings.control])
         layout.prop(settings, "report")
-        if context.engine == ENGINE and settings.control == "QUANTISER":
+        if context.engine == ENGINE and settings.control == "QUANTISER" and settings.effort != "DRAFT":
             layout.operator("render.render", text="Render Animation", icon="RENDER_ANIMATION").animation = True
         else:
             layout.prop(settings, "open_film")

@@ -3,6 +3,8 @@
 """What a scene and the preferences say about films, and the program's options for that."""
 import bpy
 
+from .program import Refused
+
 
 def light_words(settings, film):
     """Options of light, of films or of stills, which have no coding that hides anything."""
@@ -20,7 +22,11 @@ def coding_words(settings):
 
 
 def output_of(scene):
-    return bpy.path.abspath(scene.render2mpeg.output)
+    """The film's path."""
+    named = scene.render2mpeg.output
+    if named.startswith("//") and not bpy.data.filepath:
+        raise Refused(f"{named}: save the .blend first, or name a folder for the film")
+    return bpy.path.abspath(named)
 
 
 class Render2mpegSettings(bpy.types.PropertyGroup):
@@ -38,7 +44,7 @@ class Render2mpegSettings(bpy.types.PropertyGroup):
     megabytes: bpy.props.FloatProperty(name="Megabytes", default=100, min=0.1)
     decibels: bpy.props.FloatProperty(name="PSNR", default=40, min=20, max=60, description="Of luma, in dB")
     effort: bpy.props.EnumProperty(name="Effort", default="DEFAULT", items=[
-        ("DRAFT", "Draft", "Rough light, in the picture's size"), ("LOW", "Low", "Coarser light, sooner"),
+        ("DRAFT", "Draft", "Rough light; stills, and films by Render Film"), ("LOW", "Low", "Coarser light, sooner"),
         ("DEFAULT", "Default", "Light as films need it"), ("HIGH", "High", "Finer light, later")])
     tolerance: bpy.props.EnumProperty(name="Tolerance", items=[
         ("HIDDEN", "What Coding Hides", "Light is as exact as the film can show"),

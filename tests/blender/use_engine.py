@@ -129,6 +129,8 @@ assert os.stat(f"{render.filepath}{begin:04d}.exr").st_mtime_ns == before
 assert not os.path.exists(settings.output + ".blender")
 settings.control = "SIZE"
 refused("Render Film", animation=True)
+settings.control, settings.effort = "QUANTISER", "DRAFT"
+refused("Drafts have no layers", animation=True)
 os.environ["RENDER2MPEG_PROGRAM"] = "/nowhere/render2mpeg"
 refused("render2mpeg is missing")
 print("ENGINE WORKS")

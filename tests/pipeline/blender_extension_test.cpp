@@ -100,10 +100,10 @@ TEST(BlenderExtensionSlow, GoesOnWithAFilmThatWasStopped) {
     const Folder folder;
     make_markers(folder);
     const std::string words = repository_in(folder) + " " + folder.path().string();
-    const Outcome stopped = extended_blender(folder, "markers.blend", "stop_engine.py", words + " 70 130 DRAFT");
+    const Outcome stopped = extended_blender(folder, "markers.blend", "stop_engine.py", words + " 70 130 LOW");
     EXPECT_NE(stopped.output.find("ENGINE STOPPED"), std::string::npos) << stopped.output;
     EXPECT_NE(stopped.output.find("goes on where it was"), std::string::npos) << stopped.output;
-    const Outcome resumed = extended_blender(folder, "markers.blend", "stop_engine.py", words + " 0 130 DRAFT");
+    const Outcome resumed = extended_blender(folder, "markers.blend", "stop_engine.py", words + " 0 130 LOW");
     EXPECT_NE(resumed.output.find("ENGINE WENT ON"), std::string::npos) << resumed.output;
     EXPECT_NE(resumed.output.find("resuming"), std::string::npos) << resumed.output;
     // All frames are there, also those that were made before.
@@ -121,9 +121,9 @@ TEST(BlenderExtensionSlow, BeginsAFilmAnewThatIsAnotherAndSaysSo) {
     const Folder folder;
     make_markers(folder);
     const std::string words = repository_in(folder) + " " + folder.path().string();
-    const Outcome stopped = extended_blender(folder, "markers.blend", "stop_engine.py", words + " 4 20 DRAFT");
+    const Outcome stopped = extended_blender(folder, "markers.blend", "stop_engine.py", words + " 4 20 LOW");
     EXPECT_NE(stopped.output.find("ENGINE STOPPED"), std::string::npos) << stopped.output;
-    const Outcome anew = extended_blender(folder, "markers.blend", "stop_engine.py", words + " 0 20 LOW");
+    const Outcome anew = extended_blender(folder, "markers.blend", "stop_engine.py", words + " 0 20 DEFAULT");
     EXPECT_NE(anew.output.find("ENGINE WENT ON"), std::string::npos) << anew.output;
     EXPECT_NE(anew.output.find("the film begins anew"), std::string::npos) << anew.output;
     EXPECT_TRUE(fs::exists(folder / "film.mpg"));
