@@ -54,7 +54,8 @@ def unpacked(block, size):
     coded = np.frombuffer(zlib.decompress(block), np.uint8)
     if coded.size != size:
         raise Damaged("a block of another size")
-    coded = (np.cumsum(coded, dtype=np.uint8) - (np.arange(size) * 128).astype(np.uint8)).astype(np.uint8)
+    coded = np.cumsum(coded, dtype=np.uint8)
+    coded[1::2] ^= 128  # each difference has 128 added, which goes at every other place
     out = np.empty(size, np.uint8)
     out[0::2], out[1::2] = coded[:(size + 1) // 2], coded[(size + 1) // 2:]
     return out

@@ -6,6 +6,7 @@ Blender asks a render engine for each frame by itself. Light that is shared betw
 be, need the whole film: the first question begins it, and each is answered by the layers that the program writes of that frame. Until
 the film is whole its scene and frames lie in FILM.blender beside it, so that it can be resumed.
 """
+import contextlib
 import os
 import shutil
 
@@ -72,6 +73,8 @@ class Film:
             except Damaged as reason:
                 raise Refused(str(reason)) from None
             os.remove(layers)
+            with contextlib.suppress(FileNotFoundError):
+                os.remove(os.path.join(self.frames, f"frame_{number:04d}.motion"))
         if os.path.isfile(picture):
             return picture
         if status == 0 and self.run.status() == 0:

@@ -131,6 +131,12 @@ settings.control = "SIZE"
 refused("Render Film", animation=True)
 settings.control, settings.effort = "QUANTISER", "DRAFT"
 refused("Drafts have no layers", animation=True)
+settings.effort, ours = "DEFAULT", os.environ["RENDER2MPEG_PROGRAM"]
 os.environ["RENDER2MPEG_PROGRAM"] = "/nowhere/render2mpeg"
 refused("render2mpeg is missing")
+
+# After a mistake all is as before. (Blender's exit status is that of its last render, too.)
+os.environ["RENDER2MPEG_PROGRAM"] = ours
+scene.frame_set(begin + 2)
+assert (still("sharp.exr") == sharp).all()
 print("ENGINE WORKS")
