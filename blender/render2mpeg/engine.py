@@ -8,7 +8,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from .exr import Damaged, read_colours
-from .film import Film
+from .film import STOPPED, Film
 from .program import INTERRUPTED, Refused, Run, keep_text
 from .scene_copy import Export, frame_of_film, on_main_thread
 from .settings import light_words
@@ -59,7 +59,7 @@ class Render2mpegEngine(LiveView, bpy.types.RenderEngine):
                 self.make_still(scene, depsgraph.view_layer)
         except Stopped:
             if Given.film is not None:
-                self.report({"WARNING"}, "Stopped; Render Animation goes on where it was")
+                self.report({"WARNING"}, STOPPED)
             end_film()
         except Refused as reason:
             end_film()

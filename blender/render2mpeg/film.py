@@ -15,6 +15,8 @@ from .program import INTERRUPTED, Refused, Run
 from .scene_copy import frame_of_film
 from .settings import coding_words, light_words, output_of
 
+STOPPED = "Stopped; Render Animation goes on where it was"
+
 
 class Film:
     def __init__(self, scene):
@@ -57,7 +59,7 @@ class Film:
             self.note, self.resumed = self.run.message(), False
             self.start()
             return
-        raise Refused("Stopped" if status in INTERRUPTED else self.run.message())
+        raise Refused(STOPPED if status in INTERRUPTED else self.run.message())
 
     def image(self, number):
         """The frame's picture; None while it is not there. Its layers, which are many times as large, go."""
