@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """blender -b --disable-autoexec FILE.blend -P cycles_frames.py -- FOLDER [--frames A:B] [--samples N]
 
 Renders the film's frames with Cycles to FOLDER/frame.NNNN.exr: linear light, and the Vector pass that tells how every pixel

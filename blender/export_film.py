@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """blender -b --factory-startup --disable-autoexec -noaudio -P export_film.py -- SCENE FOLDER TEXTURE_SIZE
 
 Writes what render2mpeg can show of a .blend, or of what Blender imports (USD, Alembic), to FOLDER: film.json (an animation
@@ -131,7 +132,9 @@ def look_of_film(scene, film, lost):
         film["transparent"] = True
     if render.use_sequencer and scene.sequence_editor and any(s.type != "SOUND" for s in strips_of(scene.sequence_editor)):
         lost.add(scene, "strips of the video sequencer")
-    if render.use_compositing and scene.use_nodes and scene.node_tree and len(scene.node_tree.nodes) > 2:
+    # A group of its own from Blender 5 on, which always uses nodes.
+    compositing = scene.compositing_node_group if hasattr(scene, "compositing_node_group") else scene.use_nodes and scene.node_tree
+    if render.use_compositing and compositing and len(compositing.nodes) > 2:
         lost.add(scene, "compositing nodes")
 
 

@@ -12,7 +12,21 @@ file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/modules)
 file(CREATE_LINK ${PROJECT_SOURCE_DIR}/blender ${PROJECT_BINARY_DIR}/modules/blender SYMBOLIC)
 file(CREATE_LINK ${PROJECT_SOURCE_DIR}/src/app/farm/templates ${PROJECT_BINARY_DIR}/modules/farm SYMBOLIC)
 install(DIRECTORY src/app/farm/templates/ DESTINATION ${CMAKE_INSTALL_LIBDIR}/render2mpeg/farm)
-install(DIRECTORY blender DESTINATION ${CMAKE_INSTALL_LIBDIR}/render2mpeg FILES_MATCHING PATTERN "*.py")
+install(DIRECTORY blender DESTINATION ${CMAKE_INSTALL_LIBDIR}/render2mpeg
+        FILES_MATCHING PATTERN "*.py" PATTERN "blender/render2mpeg" EXCLUDE)
+
+# Blender's extension as a zip, in a static repository that a Blender can be told of by its file: address.
+find_package(Python3 3.11 REQUIRED COMPONENTS Interpreter)
+set(extension ${PROJECT_BINARY_DIR}/extension)
+file(GLOB parts CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/blender/render2mpeg/* ${PROJECT_SOURCE_DIR}/blender/live_view.py)
+add_custom_command(OUTPUT ${extension}/index.json
+                   COMMAND ${CMAKE_COMMAND} -E rm -rf ${extension}
+                   COMMAND Python3::Interpreter ${PROJECT_SOURCE_DIR}/scripts/extension ${extension}
+                   DEPENDS ${parts} ${PROJECT_SOURCE_DIR}/scripts/extension ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/CMakeLists.txt
+                   COMMENT "Writing the extension for Blender" VERBATIM)
+add_custom_target(extension ALL DEPENDS ${extension}/index.json)
+add_dependencies(render2mpeg extension)
+install(DIRECTORY ${extension}/ DESTINATION ${CMAKE_INSTALL_LIBDIR}/render2mpeg/extension)
 
 # Manual pages and completion are made from what the program's --help says.
 set(shell ${PROJECT_BINARY_DIR}/shell)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """Which shapes need baked textures, which of them share theirs, and how large these are."""
 import hashlib
 import math

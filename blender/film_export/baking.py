@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """Bakes sockets of materials to images, in a scene of its own that holds nothing but the mesh."""
 import bpy
 import numpy as np

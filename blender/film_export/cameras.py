@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """Cameras with all that moves them, and the cuts between them."""
 import math
 

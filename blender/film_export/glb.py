@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """Writes binary glTF 2.0 [glTF2]."""
 import json
 import struct

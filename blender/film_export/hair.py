@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """Hair as it is rendered: strands of particle systems with their children, and Curves objects, as lines with radii."""
 import numpy as np
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """What becomes of a material's nodes: the table in docs/scenes.md. `python3 kept.py` prints it.
 
 KEPT: as Cycles has it, as far as src/renderer/surface goes. NEAR: something like it, which is told. LOST: told. Each node

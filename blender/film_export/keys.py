@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """Curves over time: as few keys as straight lines between them allow."""
 import math
 

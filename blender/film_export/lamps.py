@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """Lamps in the units of animation files.
 
 Measured with Cycles of Blender 3.4, with P the power in W and A the area: a point of radius r has the radiant intensity

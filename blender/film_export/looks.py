@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """What a material's shaders come to: the inputs of one Principled-like surface, each a constant, an image, or a socket
 whose value has to be baked."""
 import math

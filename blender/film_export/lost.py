@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """What a film cannot show of a .blend: one line each, by object, material, node and reason."""
 import bpy
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """Materials as glTF's: constants, the .blend's own images, and baked ones."""
 import os
 import re

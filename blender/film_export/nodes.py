@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """Node trees of materials: followed, and rewritten as far as that makes them simpler."""
 import bpy
 

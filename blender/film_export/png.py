@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """Writes PNG images, and turns linear values into what they hold."""
 import struct
 import zlib

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """What mirrors are told to show: empties below them with a radius and a target, as the add-on's Aim Reflection makes them."""
 import numpy as np
 from mathutils import Vector

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """Shapes of evaluated objects as glTF meshes; what bends becomes a base and a few offsets with weights over time."""
 import numpy as np
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """The scene's view as the film's own (docs/model/display.md)."""
 
 FILMIC = {"None", "", "Medium Contrast"}

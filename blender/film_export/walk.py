@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """Walks through the film's frames as a renderer would: modifiers, instances and visibility as they are when rendered.
 
 Blender gives only a render engine the scene in that state, so this is one that makes no picture.

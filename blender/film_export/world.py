@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """The world as an animation file's sky: a colour, or an image that Cycles renders of it."""
 import math
 import os
@@ -13,10 +14,15 @@ from .nodes import incoming, output_of
 WIDTH, HEIGHT = 1024, 512
 
 
+def has_sun(sky):
+    """Of the models of scattered light, Nishita's before Blender 5."""
+    return sky.sky_type not in {"PREETHAM", "HOSEK_WILKIE"} and sky.sun_disc
+
+
 def sun_of(world):
     """The sky texture whose sun is shown, None where there is none."""
     for node in world.node_tree.nodes:
-        if node.type == "TEX_SKY" and node.outputs[0].is_linked and "NISHITA" in node.sky_type and node.sun_disc and node.sun_intensity > 0:
+        if node.type == "TEX_SKY" and node.outputs[0].is_linked and has_sun(node) and node.sun_intensity > 0:
             return node
     return None
 

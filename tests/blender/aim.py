@@ -1,9 +1,9 @@
-"""blender -b --factory-startup -noaudio --python-exit-code 1 -P aim.py -- ADDON.py FOLDER
+# SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
+"""blender -b --factory-startup -noaudio --python-exit-code 1 -P aim.py -- REPOSITORY FOLDER
 
 Writes FOLDER/plain.blend, a car-like body with smooth paint that drives past lamps and a sign, and FOLDER/aimed.blend, in which the
 add-on's Aim Reflection has its door show the sign and its bonnet a blue lamp. Prints where frame 1 shows the point of the door.
 """
-import importlib.util
 import math
 import os
 import sys
@@ -12,11 +12,11 @@ import bpy
 from bpy_extras.object_utils import world_to_camera_view
 from mathutils import Vector
 
-addon, folder = sys.argv[sys.argv.index("--") + 1:]
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-loaded = importlib.util.spec_from_file_location("render2mpeg", addon)
-module = importlib.util.module_from_spec(loaded)
-loaded.loader.exec_module(module)
+sys.dont_write_bytecode = True
+from install_extension import install  # noqa: E402
+
+repository, folder = sys.argv[sys.argv.index("--") + 1:]
 LAST = 12
 
 
@@ -110,10 +110,10 @@ track.target, track.track_axis, track.up_axis = car, "TRACK_NEGATIVE_Z", "UP_Y"
 keyed(camera, "location", (-1.6, -6.2, 1.9), (-0.6, -6.4, 1.7))
 bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, "plain.blend"))
 
-module.register()
+aims = install(repository).aims
 bpy.context.view_layer.objects.active = car
 bpy.context.view_layer.update()
-assert module.RENDER2MPEG_OT_aim.poll(bpy.context)
+assert aims.RENDER2MPEG_OT_aim.poll(bpy.context)
 
 
 def on_body(origin, direction):
@@ -129,7 +129,7 @@ assert bpy.ops.render2mpeg.aim(point=door, target="Sign") == {"FINISHED"}
 assert bpy.ops.render2mpeg.aim(point=bonnet, target="Blue lamp") == {"FINISHED"}
 assert bpy.ops.render2mpeg.aim(point=door, target="Front box") == {"FINISHED"}
 first, second, third = (bpy.data.objects[name] for name in ("Aim Sign", "Aim Blue lamp", "Aim Front box"))
-assert set(module.aims_of(car)) == {first, second, third}
+assert set(aims.aims_of(car)) == {first, second, third}
 bpy.context.view_layer.update()
 assert first.parent == car and first["aim_target"] == sign and (first.matrix_world.translation - door).length < 1e-4, (first.matrix_world, door)
 for aim, radius in ((first, 0.22), (second, 0.15)):
@@ -139,7 +139,7 @@ first.keyframe_insert('["aim_radius"]', frame=1)
 first["aim_radius"] = 0.22
 first.keyframe_insert('["aim_radius"]', frame=LAST)
 assert bpy.ops.render2mpeg.forget_aim(aim=third.name) == {"FINISHED"}
-assert set(module.aims_of(car)) == {first, second}
+assert set(aims.aims_of(car)) == {first, second}
 try:
     bpy.ops.render2mpeg.aim(point=door, target="Nobody")
     raise AssertionError("it was not refused")

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """blender -b --factory-startup -noaudio --python-exit-code 1 -P compare.py -- FOLDER FRAME... [--picture OUT.png] [--shown] [--alpha]
     [--patches COLUMNSxROWS]
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """blender -b --factory-startup --disable-autoexec -noaudio --python-exit-code 1 FILE.blend -P cycles.py [-P compare.py] -- FOLDER FRAME... --samples N
     [--half] [--shown] [compare.py's]
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """blender -b -noaudio --factory-startup --python-exit-code 1 -P exports.py -- FOLDER [SAMPLES]
 
 Makes one scene and exports it as every format that Blender writes and render2mpeg reads: FOLDER/scene.glb, .fbx, .dae, .obj,

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """blender -b --factory-startup -noaudio --python-exit-code 1 -P make_blends.py -- FOLDER [NAME...]
 
 Writes FOLDER/NAME.blend for each film below, or for those named: small scenes of what animators use, ready for Cycles.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """blender -b --factory-startup -noaudio --python-exit-code 1 -P make_exports.py -- FOLDER NAME...
 
 Writes FOLDER/NAME.blend: `workshop`, whose export has to be right in itself, and `wide_spot`, to be held against Cycles.

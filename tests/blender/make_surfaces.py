@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """blender -b --factory-startup -noaudio --python-exit-code 1 -P make_surfaces.py -- FOLDER NAME...
 
 Writes FOLDER/NAME.blend: `chart`, `room_KIND_GREY` (a closed room of KIND diffuse or of a Principled specular, of that

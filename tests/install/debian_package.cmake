@@ -32,7 +32,7 @@ if(output MATCHES "-dev")
 endif()
 
 foreach(path IN ITEMS bin/render2mpeg lib/render2mpeg/render2mpeg_av_module.so lib/render2mpeg/render2mpeg_image_module.so
-                      lib/render2mpeg/render2mpeg_exr_module.so lib/render2mpeg/render2mpeg_draco_module.so lib/render2mpeg/blender/export_film.py lib/render2mpeg/blender/render2mpeg.py
+                      lib/render2mpeg/render2mpeg_exr_module.so lib/render2mpeg/render2mpeg_draco_module.so lib/render2mpeg/blender/export_film.py lib/render2mpeg/extension/index.json
                       share/man/man1/render2mpeg.1 share/man/man1/render2mpeg-render.1 share/man/man1/render2mpeg-encode.1
                       share/bash-completion/completions/render2mpeg share/zsh/vendor-completions/_render2mpeg
                       share/fish/vendor_completions.d/render2mpeg.fish share/doc/render2mpeg/copyright

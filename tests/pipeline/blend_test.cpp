@@ -285,27 +285,6 @@ TEST(CyclesFramesSlow, BecomeAFilmWithTheirMotion) {
     EXPECT_EQ(test::types_in(folder / "s.json").size(), 3u);
 }
 
-TEST(BlenderAddOnSlow, MakesAFilmItsFolderAndTellsMistakes) {
-    NEEDS_BLENDER();
-    const Folder folder;
-    make(folder, "markers");
-    const std::string own =
-        "BLENDER_USER_SCRIPTS=" + path(folder, "user") + " BLENDER_USER_CONFIG=" + path(folder, "user");
-    const std::string addon = (support::source_folder() / "blender/render2mpeg.py").string();
-    const Outcome used = run(own + " RENDER2MPEG_PROGRAM=" + program() + " blender -b --factory-startup -noaudio " +
-                             "--python-exit-code 1 " + path(folder, "markers.blend") + " -P " + script("use_addon.py") +
-                             " -- " + addon + " " + folder.path().string());
-    EXPECT_EQ(used.status, 0) << used.output;
-    EXPECT_NE(used.output.find("ADDON WORKS"), std::string::npos) << used.output;
-    // What was written for elsewhere needs no Blender.
-    const Outcome elsewhere = run("PATH=" + support::binary_folder().string() +
-                                  ":/usr/bin:/bin RENDER2MPEG_BLENDER=/nowhere " + path(folder, "elsewhere/render.sh"));
-    EXPECT_EQ(elsewhere.status, 0) << elsewhere.output;
-    EXPECT_EQ(contents(folder / "elsewhere/-it's; touch PWNED; $(touch PWNED).mpg"), contents(folder / "film.mpg"))
-        << "the same film";
-    EXPECT_FALSE(std::filesystem::exists(folder / "elsewhere/PWNED"));
-}
-
 TEST(BlendWithoutNumpy, NamesThePackageThatIsMissing) {
     NEEDS_BLENDER();
     const Folder folder;
@@ -323,8 +302,10 @@ TEST(BlendWithoutNumpy, NamesThePackageThatIsMissing) {
 TEST(BlenderAimSlow, HasACarShowASign) {
     NEEDS_BLENDER();
     const Folder folder;
-    const std::string addon = (support::source_folder() / "blender/render2mpeg.py").string();
-    const Outcome made = blender("-P " + script("aim.py") + " -- " + addon + " " + folder.path().string());
+    const Outcome made =
+        run("BLENDER_USER_SCRIPTS=" + path(folder, "user") + " BLENDER_USER_CONFIG=" + path(folder, "user") +
+            " blender -b --factory-startup -noaudio --python-exit-code 1 -P " + script("aim.py") + " -- " +
+            (support::binary_folder() / "extension").string() + " " + folder.path().string());
     EXPECT_NE(made.output.find("AIM WORKS"), std::string::npos) << made.output;
     const Outcome planned = run(program() + " plan --within 0 " + path(folder, "aimed.blend"));
     ASSERT_EQ(planned.status, 0) << planned.output;
