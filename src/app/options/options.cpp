@@ -145,7 +145,7 @@ const std::vector<CommandRow> commands{
      "The draft is that of `render --preview` (docs/pictures.md), shown over and over in ffplay or mpv until the "
      "player is closed. A scene that cannot be read is told in one line; what was shown last stays.\n"
      "Example: render2mpeg watch scene.glb",
-     scene_options + "--output@watch --player " + film_options + "--threads --quiet --progress"},
+     scene_options + "--output@watch --player --live " + film_options + "--threads --quiet --progress"},
     {Command::farm, "farm", "Spread a film over many machines",
      "Settles what is settled once for a film, and writes a plan and job files into OUT.farm. `part` makes a part, "
      "`join` the film: the same bytes as of `render`. Given again, it keeps what is made already "
