@@ -20,8 +20,8 @@ constexpr double quick_seconds = 0.2;
 /// A quick picture is smaller by one of these.
 constexpr std::array smaller{1, 2, 4};
 
-/// Of pictures by rays, one after the other: those of --effort low and default.
-constexpr std::array tolerances{0.08f, 0.02f};
+/// Of the picture by rays: that of images' default. chosen: alone; one within 8 % before it is more uneven than drafts.
+constexpr float fine_tolerance = 0.02f;
 
 double area_of(Size size) {
     return static_cast<double>(size.width) * size.height;
@@ -93,7 +93,7 @@ core::Plane<glm::vec3> LiveView::draft(Size size) {
     return std::move(lit.radiance.combined);
 }
 
-core::Plane<glm::vec3> LiveView::lit(float tolerance) {
+core::Plane<glm::vec3> LiveView::lit() {
     const auto snapshot = posed(wish_.size);
     {
         const parallel::StopWhen whole({});
@@ -105,7 +105,7 @@ core::Plane<glm::vec3> LiveView::lit(float tolerance) {
     fine_posed_ = snapshot;
     fine_is_sound_ = false;
     const core::ToleranceMap within =
-        core::ToleranceMap::uniform(wish_.size.width, wish_.size.height, {0.0f, tolerance});
+        core::ToleranceMap::uniform(wish_.size.width, wish_.size.height, {0.0f, fine_tolerance});
     renderer::Lit lit = fine_->light(*snapshot, fine_->look(*snapshot), {within});
     fine_is_sound_ = true;
     return std::move(lit.radiance.combined);
@@ -129,8 +129,7 @@ std::optional<LivePicture> LiveView::next(const std::function<bool()>& stops) {
         } else if (step_ <= drafts) {
             picture = {draft(wish_.size), LiveLevel::draft, step_};
         } else {
-            const int pass = step_ - drafts;
-            picture = {lit(tolerances[static_cast<std::size_t>(pass - 1)]), LiveLevel::lit, pass};
+            picture = {lit(), LiveLevel::lit, 1};
         }
         ++step_;
         return picture;

@@ -31,7 +31,7 @@ enum class LiveLevel {
 struct LivePicture {
     core::Plane<glm::vec3> radiance;  ///< as core::Radiance::combined
     LiveLevel level = LiveLevel::quick;
-    int pass = 0;  ///< of its level, from 1
+    int pass = 1;  ///< of its level, from 1
 };
 
 /// Draws one film as it is wished to be seen. Keeps scene, light and what drafts carry along.
@@ -50,14 +50,14 @@ class LiveView {
     std::optional<LivePicture> next(const std::function<bool()>& stops);
 
   private:
-    /// Drafts in full size. chosen: 8 of 4 to 32; by then a picture within 8 % is as near.
+    /// Drafts in full size. chosen: 8 of 4 to 32, of which later ones differ less than one sees.
     static constexpr int drafts = 8;
-    static constexpr int last_step = 1 + drafts + 2;
+    static constexpr int last_step = 1 + drafts + 1;
 
     std::shared_ptr<const scene::Snapshot> posed(Size size);
     Size quick_size() const;
     core::Plane<glm::vec3> draft(Size size);
-    core::Plane<glm::vec3> lit(float tolerance);
+    core::Plane<glm::vec3> lit();
     void forget_stopped();
 
     RenderJob film_, draft_film_;
