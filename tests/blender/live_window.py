@@ -8,9 +8,11 @@ import os
 import sys
 import time
 import traceback
+from types import SimpleNamespace
 
 import bpy
-from mathutils import Quaternion
+import gpu
+from mathutils import Matrix, Quaternion
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "blender"))
 sys.dont_write_bytecode = True
@@ -94,6 +96,7 @@ def story(told):
     yield from wait("drafts", lambda: says()["level"] == "draft" and says()["pass"] >= 2)
     yield 0.5
     shot("moved")
+    yield from see_grey(told, space)
     # One that crashes is started again.
     process, number = sessions[-1].program, says()["picture"]
     process.process.kill()
@@ -104,6 +107,59 @@ def story(told):
     # Without the viewport, no process stays.
     space.shading.type = "SOLID"
     yield from wait("the end", lambda: sessions[-1].closed, 20)
+
+
+class Drawn(live_view.LiveView):
+    """What draws without a window: the rest of a render engine is Blender's."""
+
+    def __init__(self, session):
+        self.live_session = session
+
+    def update_stats(self, _name, text):
+        self.told = text
+
+    def bind_display_space_shader(self, _scene):
+        pass
+
+    def unbind_display_space_shader(self):
+        pass
+
+    def __del__(self):
+        """The session is the window's."""
+
+
+def drawn_offscreen(space, width, height):
+    """The middle of a picture that view_draw makes in a buffer, scene-linear."""
+    buffer = gpu.types.GPUOffScreen(width, height)
+    engine = Drawn(sessions[-1])
+    context = SimpleNamespace(region=SimpleNamespace(width=width, height=height), region_data=space.region_3d)
+    with buffer.bind(), gpu.matrix.push_pop(), gpu.matrix.push_pop_projection():
+        gpu.matrix.load_matrix(Matrix.Identity(4))
+        gpu.matrix.load_projection_matrix(Matrix(((2 / width, 0, 0, -1), (0, 2 / height, 0, -1), (0, 0, 1, 0), (0, 0, 0, 1))))
+        engine.view_draw(context, bpy.context.evaluated_depsgraph_get())
+        pixel = gpu.state.active_framebuffer_get().read_color(width // 2, height // 2, 1, 1, 4, 0, "FLOAT").to_list()
+    assert engine.told
+    return pixel[0][0][0]
+
+
+def see_grey(told, space):
+    """A sky of 0.18: as light in an offscreen buffer, and as the window's code value."""
+    scene, exports = bpy.context.scene, sessions[-1].exports
+    for thing in scene.objects:
+        thing.hide_render = True
+    scene.world.use_nodes = False
+    scene.world.color = 0.18, 0.18, 0.18
+    scene.view_settings.view_transform, scene.view_settings.exposure = "Standard", 0
+    yield from wait("a grey sky", lambda: sessions[-1].exports > exports and not sessions[-1].exporting)
+    number = says()["picture"]
+    yield from wait("a picture of it", lambda: says()["picture"] > number + 2)
+    yield 0.5
+    shot("grey")
+    told["light"] = drawn_offscreen(space, 480, 270)
+    region = next(r for r in viewport().regions if r.type == "WINDOW")
+    image = bpy.data.images.load(os.path.join(folder, "grey.png"))
+    x, y = region.x + region.width // 2, region.y + region.height // 2
+    told["grey"] = 255 * image.pixels[4 * (y * image.size[0] + x)]
 
 
 def step():

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/support/places.h"
 #include "tests/support/program.h"
 
 namespace render2mpeg {
@@ -143,9 +144,9 @@ TEST(LiveView, BeginsQuicklyAndEndsWithThePictureByRays) {
         last = program.answer();
         EXPECT_EQ(last.says["size"], json({64, 48})) << last.says;
         EXPECT_EQ(last.halves.size(), 64u * 48u * 4u);
-        drafts += last.says["level"] == "draft" ? 1 : 0;
-        if (last.says["level"] == "draft")
-            EXPECT_EQ(last.says["pass"], drafts + (quick.says["size"] == json({64, 48})));
+        if (last.says["level"] != "draft") continue;
+        ++drafts;
+        EXPECT_EQ(last.says["pass"], drafts + (quick.says["size"] == json({64, 48}) ? 1 : 0));
     }
     EXPECT_EQ(last.says["level"], "lit");
     EXPECT_GE(drafts, 4);
@@ -225,6 +226,33 @@ TEST(LiveView, EndsWhereItsInputOrItsReaderGoes) {
     unread.answer_with("picture");
     unread.close_output();
     EXPECT_EQ(unread.status(), 0);
+}
+
+/// Blender's own window on a screen that nobody sees.
+TEST(LiveWindow, ShowsTheSceneAndItsChangesAndLeavesNothingBehindSlow) {
+    if (support::run("which blender xvfb-run").status != 0) GTEST_SKIP() << "there is no blender, or no xvfb-run";
+    const support::Folder folder;
+    const auto script = [](const char* name) { return (support::source_folder() / "tests/blender" / name).string(); };
+    const auto made = support::run("blender -b --factory-startup -noaudio --python-exit-code 1 -P " +
+                                   script("make_blends.py") + " -- " + folder.path().string() + " glass_and_emission");
+    ASSERT_EQ(made.status, 0) << made.output;
+    const auto shown = support::run(
+        "RENDER2MPEG_PROGRAM=" + support::program() +
+        " timeout 500 xvfb-run -a -s '-screen 0 1024x640x24' blender --factory-startup -noaudio --window-geometry 0 0 "
+        "1000 600 " +
+        (folder / "glass_and_emission.blend").string() + " -P " + script("live_window.py") + " -- " +
+        folder.path().string());
+    const json told = json::parse(support::contents(folder / "live.json"), nullptr, false);
+    ASSERT_TRUE(told.is_object()) << shown.output;
+    ASSERT_FALSE(told.contains("error")) << told["error"].get<std::string>() << shown.output;
+    // Light of 0.18 is shown as sRGB has it: colour management took place, once.
+    EXPECT_NEAR(told["light"].get<double>(), 0.18, 0.005);
+    EXPECT_NEAR(told["grey"].get<double>(), 117.6, 2);
+    for (const json& process : told["pids"])
+        EXPECT_FALSE(std::filesystem::exists("/proc/" + std::to_string(process.get<int>()))) << process;
+    EXPECT_FALSE(std::filesystem::exists(told["folder"].get<std::string>()));
+    // One export for each of the changes: none for what exporting does itself.
+    EXPECT_EQ(told["exports"], 3);
 }
 
 }  // namespace

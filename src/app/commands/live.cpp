@@ -130,6 +130,7 @@ class LiveSession {
     /// A scene that cannot be read is told; the one before stays.
     void open(const std::filesystem::path& scene, std::uint64_t line) {
         const Clock::time_point start = Clock::now();
+        const double cpu = cpu_seconds();
         options_.input = scene;
         try {
             RenderJob film = prepare_within_memory(options_);
@@ -150,7 +151,8 @@ class LiveSession {
                        {"size", {film.format.width, film.format.height}},
                        {"exposure", film.exposure ? json(*film.exposure) : json(nullptr)},
                        {"notes", film.animation->notes},
-                       {"seconds", seconds_since(start)}});
+                       {"seconds", seconds_since(start)},
+                       {"cpu", cpu_seconds() - cpu}});
     }
 
     void draw() {
