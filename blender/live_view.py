@@ -122,6 +122,12 @@ def pixels_of(says, data):
     return np.ascontiguousarray(light[::-1], dtype=np.float32)
 
 
+def exporter_beside(program):
+    """live_export.py beside this file, else where the program is installed."""
+    installed = os.path.join(os.path.dirname(os.path.realpath(program)), "..", "lib", "render2mpeg", "blender")
+    return next((path for path in (os.path.join(folder, "live_export.py") for folder in (HERE, installed)) if os.path.isfile(path)), None)
+
+
 class Session:
     """What one viewport's engine keeps: a folder, the program, and the Blender that exports."""
 
@@ -185,7 +191,10 @@ class Session:
     def begin_export(self):
         self.changed_at = None
         if self.exporter is None or self.exporter.has_ended():
-            words = [bpy.app.binary_path, "-b", "--factory-startup", "--disable-autoexec", "-noaudio", "-P", os.path.join(HERE, "live_export.py")]
+            script = exporter_beside(self.program_path)
+            if script is None:
+                raise FileNotFoundError("live_export.py is neither beside the add-on nor beside the program")
+            words = [bpy.app.binary_path, "-b", "--factory-startup", "--disable-autoexec", "-noaudio", "-P", script]
             self.exporter = Child(words, mark=b"render2mpeg ", env=dict(os.environ, DISPLAY=""))
         self.saves = True
         try:

@@ -153,6 +153,7 @@ TEST(LiveView, BeginsQuicklyAndEndsWithThePictureByRays) {
     // All are pictures of the same light.
     EXPECT_GT(mean_of(last), 0);
     EXPECT_NEAR(mean_of(quick), mean_of(last), 0.25 * mean_of(last));
+    program.end_input();
     EXPECT_EQ(program.status(), 0);
 }
 
