@@ -143,7 +143,9 @@ const std::vector<CommandRow> commands{
          "--masking --clamp --cache --codec --crf --gop --b-pictures --tune --encoder " + trial_options + "--progress"},
     {Command::watch, "watch", "Show a draft, and a new one whenever the scene's files change",
      "The draft is that of `render --preview` (docs/pictures.md), shown over and over in ffplay or mpv until the "
-     "player is closed. A scene that cannot be read is told in one line; what was shown last stays.\n"
+     "player is closed. A scene that cannot be read is told in one line; what was shown last stays. With --live "
+     "another "
+     "program says what is drawn.\n"
      "Example: render2mpeg watch scene.glb",
      scene_options + "--output@watch --player --live " + film_options + "--threads --quiet --progress"},
     {Command::farm, "farm", "Spread a film over many machines",
