@@ -42,7 +42,9 @@ class Child:
                 if not line.startswith(self.mark):
                     continue
                 says = json.loads(line[len(self.mark):])
-                self.answers.put((says, stream.read(says["bytes"]) if "bytes" in says else None))
+                data = stream.read(says.get("bytes", 0))
+                if len(data) == says.get("bytes", 0):  # else it ended in the middle
+                    self.answers.put((says, data))
 
     def say(self, asked):
         try:
@@ -169,7 +171,9 @@ class Session:
     # What happens by and by, on Blender's main thread.
 
     def tick(self):
-        if self.closed:
+        # An engine that Blender has freed may not have told so.
+        if self.closed or not any(viewports()):
+            self.close()
             return None
         try:
             self.step()
@@ -256,11 +260,17 @@ class Session:
         return text + (f"  ({len(self.lost)} things are not kept)" if self.lost and not self.error else "")
 
 
-def redraw():
+def viewports():
+    """Areas that show rendered shading."""
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
             if area.type == "VIEW_3D" and area.spaces.active.shading.type == "RENDERED":
-                area.tag_redraw()
+                yield area
+
+
+def redraw():
+    for area in viewports():
+        area.tag_redraw()
 
 
 def is_seen(update):
@@ -283,7 +293,7 @@ class LiveView:
 
     def view_update(self, context, depsgraph):
         names = {thing.name_full for thing in depsgraph.objects}
-        if self.live_session is None:
+        if self.live_session is None or self.live_session.closed:
             self.live_session = Session(self.live_program())
         elif names != self.live_objects or any(is_seen(update) for update in depsgraph.updates):
             self.live_session.change()
@@ -291,7 +301,7 @@ class LiveView:
 
     def view_draw(self, context, depsgraph):
         region, view = context.region, context.region_data
-        if self.live_session is None:
+        if self.live_session is None or self.live_session.closed:
             self.view_update(context, depsgraph)
         session = self.live_session
         size = [max(region.width, 16), max(region.height, 16)]
@@ -310,6 +320,7 @@ class LiveView:
         gpu.state.blend_set("NONE")
 
     def __del__(self):
-        session = getattr(self, "live_session", None)
+        # Blender's part of the engine may have gone before, and refuses the usual way.
+        session = object.__getattribute__(self, "__dict__").get("live_session")
         if session is not None:
             session.close()
