@@ -5,8 +5,8 @@ live_view.py PROGRAM SCENE --eye X,Y,Z --at X,Y,Z [--fov DEGREES] [--size WxH] [
 
 Asks on two threads for N views, each a tenth of a radian further about the point that is looked at, and waits for the first draft in
 full size of each. Prints a row: CPU seconds of loading; of the very first picture with its light; then, medians over the views, of the
-first picture, with its size, and of the first draft in full size, and the seconds on the clock until the first picture. Half of the
-CPU seconds are seconds on two free cores, about."""
+first picture, with the sizes it had, and of the first draft in full size, and the seconds on the clock until the first picture. Half
+of the CPU seconds are seconds on two free cores, about."""
 import argparse, json, math, pathlib, statistics, subprocess
 
 parser = argparse.ArgumentParser()
@@ -70,5 +70,6 @@ child.stdin.close()
 for _ in told:
     pass
 median = lambda key: statistics.median(a[key] for a in first)
-print(f"| {pathlib.Path(given.scene).name} | load {load:.2f} | light {light:.2f} | first {median('cpu'):.3f} CPU s of {first[-1]['size'][0]}x{first[-1]['size'][1]}, "
+widths = sorted({a["size"][0] for a in first})
+print(f"| {pathlib.Path(given.scene).name} | load {load:.2f} | light {light:.2f} | first {median('cpu'):.3f} CPU s, {' or '.join(map(str, widths))} wide, "
       f"{median('seconds'):.2f} s on the clock | full size {statistics.median(full):.3f} CPU s |")

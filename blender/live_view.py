@@ -23,8 +23,8 @@ from mathutils import Matrix
 HERE = os.path.dirname(os.path.abspath(__file__))
 # Blender's z up to the film's y up, as film_export.cameras has it.
 TO_FILM = Matrix(((1, 0, 0, 0), (0, 0, 1, 0), (0, -1, 0, 0), (0, 0, 0, 1)))
-# Seconds without a change before the scene is saved, and from one look at the processes to the next.
-SETTLED, BEAT = 0.15, 0.03
+# Seconds without a change before the scene is saved, at least, and from one look at the processes to the next.
+SETTLED, BEAT = 0.05, 0.02
 
 
 class Child:
@@ -137,7 +137,7 @@ class Session:
         self.program_path, self.program, self.exporter = program, None, None
         self.folder = tempfile.mkdtemp(prefix="render2mpeg-live-")
         self.changed_at, self.exporting, self.saves, self.exports = time.monotonic(), False, False, 0
-        self.film, self.kept = None, []
+        self.film, self.kept, self.save_seconds = None, [], 0
         self.wish, self.picture, self.is_new, self.lost = None, None, False, []
         self.message, self.error, self.restarted, self.closed = "exporting the scene", None, False, False
         if program is None:
@@ -185,7 +185,9 @@ class Session:
         return BEAT
 
     def step(self):
-        if self.changed_at is not None and not self.exporting and time.monotonic() - self.changed_at >= SETTLED:
+        # Saving holds Blender up: what takes long waits for as long.
+        settled = max(SETTLED, self.save_seconds)
+        if self.changed_at is not None and not self.exporting and time.monotonic() - self.changed_at >= settled:
             self.begin_export()
         if self.exporter is not None:
             self.hear_exporter()
@@ -193,7 +195,7 @@ class Session:
             self.hear_program()
 
     def begin_export(self):
-        self.changed_at = None
+        self.changed_at, start = None, time.monotonic()
         if self.exporter is None or self.exporter.has_ended():
             script = exporter_beside(self.program_path)
             if script is None:
@@ -205,6 +207,7 @@ class Session:
             blend = saved_copy(self.folder)
         finally:
             self.saves = False
+        self.save_seconds = time.monotonic() - start
         self.exports += 1
         folder = os.path.join(self.folder, str(self.exports))
         os.mkdir(folder)

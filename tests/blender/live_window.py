@@ -42,7 +42,7 @@ def shot(name):
         bpy.ops.screen.screenshot(filepath=os.path.join(folder, name + ".png"))
 
 
-def wait(what, reached, most=180):
+def wait(what, reached, most=90):
     """Steps of a story wait so: `reached` is asked for, again and again."""
     end = time.monotonic() + most
     while not reached():
@@ -73,10 +73,12 @@ def story(told):
     shot("drafts")
     told["views"] = []
     space.region_3d.view_perspective = "PERSP"
+    viewport().tag_redraw()
     yield 0.5
     for k in range(4):
         before, sent = says()["line"], sessions[-1].program
         space.region_3d.view_rotation = Quaternion((0, 0, 1), 0.1) @ space.region_3d.view_rotation
+        viewport().tag_redraw()  # as the mouse would
         start = time.monotonic()
         yield from wait("a picture of another view", lambda: says()["line"] > before)
         told["views"].append({"clock": time.monotonic() - start, "program": says()["seconds"], "cpu": says()["cpu"], "size": says()["size"]})
@@ -89,7 +91,7 @@ def story(told):
     thing.location.z += 1
     start = time.monotonic()
     yield from wait("an export", lambda: sessions[-1].exports > exports and not sessions[-1].exporting)
-    told["export"] = time.monotonic() - start
+    told["export"], told["save"] = time.monotonic() - start, sessions[-1].save_seconds
     number = says()["picture"]
     yield from wait("a picture of the changed scene", lambda: says()["picture"] != number)
     told["moved"] = time.monotonic() - start
