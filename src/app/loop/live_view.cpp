@@ -5,6 +5,7 @@
 #include <chrono>
 #include <utility>
 
+#include "core/motion_field.h"
 #include "core/tolerance_map.h"
 #include "parallel/loops.h"
 #include "scene/pose/motion.h"
