@@ -4,6 +4,7 @@
 LiveView gives a render engine view_update and view_draw. A change of the scene saves a copy, which a second Blender exports;
 a change of the view is told to the program alone. Pictures come as scene-linear light, which Blender's own colour management shows.
 """
+import atexit
 import json
 import math
 import os
@@ -75,7 +76,10 @@ class Child:
             self.process.stdin.close()
         except OSError:
             pass
-        threading.Thread(target=self.end, daemon=True).start()
+        try:
+            threading.Thread(target=self.end, daemon=True).start()
+        except RuntimeError:  # Blender itself ends, and nobody is kept waiting
+            pass
 
     def end(self):
         try:
@@ -143,6 +147,7 @@ class Session:
         if program is None:
             self.error, self.changed_at = "the program render2mpeg is missing: name it in the add-on's preferences", None
         bpy.app.timers.register(self.tick, first_interval=0, persistent=True)
+        atexit.register(self.close)
 
     # What the engine tells.
 
@@ -163,6 +168,7 @@ class Session:
         if self.closed:
             return
         self.closed = True
+        atexit.unregister(self.close)
         for child in (self.program, self.exporter):
             if child is not None:
                 child.close()
