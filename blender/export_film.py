@@ -336,7 +336,8 @@ class Strengths:
                 film.setdefault("materials", {})[name] = {"keys": keys, "interpolation": "linear"}
 
 
-def export(path, folder, texture_size):
+def export(path, folder, texture_size, still=False):
+    """`still`: the frame that it was saved at alone."""
     open_scene(path)
     from film_export import lamps, world
     from film_export.bakes import Bakes
@@ -349,6 +350,8 @@ def export(path, folder, texture_size):
     from film_export.walk import Walk
 
     scene, lost, glb = bpy.context.scene, Lost(), Glb()
+    if still:
+        scene.frame_start = scene.frame_end = scene.frame_current
     own_rate, rate = rate_of(scene, lost)
     frames = list(range(scene.frame_start, scene.frame_end + 1, max(1, scene.frame_step)))
     times = [k / own_rate for k in range(len(frames))]
@@ -410,10 +413,10 @@ def used_files(path):
     return out
 
 
-def main():
-    path, folder, texture_size = sys.argv[sys.argv.index("--") + 1:]
+def told(path, folder, texture_size, still=False):
+    """The export's outcome, or what went wrong in one line."""
     try:
-        result = export(path, folder, int(texture_size))
+        result = export(path, folder, texture_size, still)
     except Refused as reason:
         result = {"error": str(reason)}
     except ModuleNotFoundError as missing:
@@ -423,8 +426,15 @@ def main():
         last = traceback.extract_tb(trouble.__traceback__)[-1]
         result = {"error": f"its export failed ({type(trouble).__name__}: {' '.join(str(trouble).split())}, "
                            f"{os.path.basename(last.filename)}:{last.lineno})"}
+    return result
+
+
+def main():
+    path, folder, texture_size = sys.argv[sys.argv.index("--") + 1:]
+    result = told(path, folder, int(texture_size))
     with open(os.path.join(folder, "export.json"), "w") as file:
         json.dump(result, file, indent=1)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -18,7 +18,7 @@ install(DIRECTORY blender DESTINATION ${CMAKE_INSTALL_LIBDIR}/render2mpeg
 # Blender's extension as a zip, in a static repository that a Blender can be told of by its file: address.
 find_package(Python3 3.11 REQUIRED COMPONENTS Interpreter)
 set(extension ${PROJECT_BINARY_DIR}/extension)
-file(GLOB parts CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/blender/render2mpeg/* ${PROJECT_SOURCE_DIR}/blender/live_view.py)
+file(GLOB parts CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/blender/render2mpeg/*)
 add_custom_command(OUTPUT ${extension}/index.json
                    COMMAND ${CMAKE_COMMAND} -E rm -rf ${extension}
                    COMMAND Python3::Interpreter ${PROJECT_SOURCE_DIR}/scripts/extension ${extension}

@@ -11,7 +11,7 @@ from .keys import json_number, turns
 from .looks import Constant, Reader
 from .nodes import incoming, output_of
 
-WIDTH, HEIGHT = 1024, 512
+WIDTH, HEIGHT, SAMPLES = 1024, 512, 16
 
 
 def has_sun(sky):
@@ -61,7 +61,7 @@ class Studio:
             camera.cycles.panorama_type = "EQUIRECTANGULAR"
         self.camera.rotation_mode = "XYZ"
         self.camera.rotation_euler = (math.pi / 2, 0, 0)  # the middle looks along Blender's y: the film's -z
-        self.render(WIDTH, HEIGHT, 16)
+        self.render(WIDTH, HEIGHT, SAMPLES)
 
     def light_towards(self, direction, half):
         """Irradiance across the beam from a cone of this half angle."""

@@ -9,15 +9,11 @@ from bpy.app.handlers import persistent
 
 from .exr import Damaged, read_colours
 from .film import STOPPED, Film
-from .program import INTERRUPTED, Refused, Run, keep_text
+from .live_view import LiveView
+from .program import INTERRUPTED, Refused, Run, keep_text, program
 from .scene_copy import Export, frame_of_film, on_main_thread
 from .settings import light_words
 
-try:
-    from .live_view import LiveView
-except ImportError:
-    class LiveView:
-        """Draws nothing while one works."""
 
 
 class Given:
@@ -46,6 +42,9 @@ class Render2mpegEngine(LiveView, bpy.types.RenderEngine):
     bl_use_preview = False
     bl_use_eevee_viewport = True
     bl_use_shading_nodes_custom = False
+
+    def live_program(self):
+        return program()
 
     def render(self, depsgraph):
         scene = depsgraph.scene

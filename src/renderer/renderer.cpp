@@ -129,7 +129,7 @@ struct Renderer::Impl {
     template <class Use>
     auto audited(const scene::Snapshot& snapshot, const Lit& lit, const core::ToleranceMap& wanted, Use use);
 
-    const Settings settings;
+    Settings settings;  ///< constant but for their format
     const Plan plan;
     Statistics statistics;
     PassTimes times;
@@ -285,6 +285,17 @@ std::unique_ptr<Renderer> Renderer::beside(const scene::Snapshot& instant) {
 
 void Renderer::start_chunk(const scene::Snapshot& first) {
     impl_->start_chunk(first);
+}
+
+void Renderer::prepare(const scene::Snapshot& snapshot) {
+    impl_->pose(snapshot);
+    impl_->update_lights(snapshot);
+}
+
+void Renderer::resize(const scene::PictureFormat& format) {
+    EXPECTS(format.width > 0 && format.height > 0);
+    impl_->settings.format = format;
+    impl_->draft_light.forget();
 }
 
 bool Renderer::is_sound(KnownLight light) {

@@ -79,6 +79,13 @@ class Renderer {
     /// Forgets everything that was carried over from earlier frames.
     void start_chunk(const scene::Snapshot& first);
 
+    /// Poses it and finds its lights, as lighting does where that was not done. Where loops may be stopped later, what
+    /// was prepared is whole.
+    void prepare(const scene::Snapshot& snapshot);
+
+    /// Frames have this format from now on. Forgets the light that drafts carry along.
+    void resize(const scene::PictureFormat& format);
+
     /// Light that the chunk found beyond what was known, at its end.
     std::vector<std::byte> found_light();
 

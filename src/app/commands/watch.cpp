@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/commands/live.h"
 #include "app/commands/render_stream.h"
 #include "app/files/output_stream.h"
 #include "app/files/publish.h"
@@ -284,6 +285,7 @@ int watch(const RenderOptions& options, const std::string& command) {
     if (options.resume) throw UsageError("--resume: what is watched is made anew whenever it changes");
     // A broken scene may be mended; a missing one was mistyped.
     check_scene(options.input);
+    if (options.live) return watch_live(options);
     if (options.output.empty()) {
         if (codec_of(options.coding, {}) != encoder::Codec::mpeg2)
             throw UsageError("--codec " + *options.coding.codec +

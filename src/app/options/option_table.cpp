@@ -298,6 +298,9 @@ Rows product_rows(CommandLine& line) {
          "missing (docs/choosing.md)",
          "FILE"},
         {"--player", run, o.player, "Player to start: ffplay, mpv, or a program that reads bare MPEG-2", "PROGRAM"},
+        {"--live", run, o.live,
+         "Draw what lines of JSON on standard input ask for, and send pictures to standard output (docs/pictures.md)",
+         NotWith{"--output"}, NotWith{"--player"}},
     };
 }
 

@@ -143,9 +143,11 @@ const std::vector<CommandRow> commands{
          "--masking --clamp --cache --codec --crf --gop --b-pictures --tune --encoder " + trial_options + "--progress"},
     {Command::watch, "watch", "Show a draft, and a new one whenever the scene's files change",
      "The draft is that of `render --preview` (docs/pictures.md), shown over and over in ffplay or mpv until the "
-     "player is closed. A scene that cannot be read is told in one line; what was shown last stays.\n"
+     "player is closed. A scene that cannot be read is told in one line; what was shown last stays. With --live "
+     "another "
+     "program says what is drawn.\n"
      "Example: render2mpeg watch scene.glb",
-     scene_options + "--output@watch --player " + film_options + "--threads --quiet --progress"},
+     scene_options + "--output@watch --player --live " + film_options + "--threads --quiet --progress"},
     {Command::farm, "farm", "Spread a film over many machines",
      "Settles what is settled once for a film, and writes a plan and job files into OUT.farm. `part` makes a part, "
      "`join` the film: the same bytes as of `render`. Given again, it keeps what is made already "

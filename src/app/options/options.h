@@ -71,7 +71,7 @@ struct RenderOptions : FilmOptions {
                 cache = "auto", light = "studio", player, within = "10s";
     std::optional<std::filesystem::path> light_cache, report, layers, last_frame;
     std::vector<std::pair<std::string, std::string>> heatmaps;  ///< subject, file
-    bool preview = false, dry_run = false, resume = false, hold = false, verbose = false;
+    bool preview = false, dry_run = false, resume = false, hold = false, verbose = false, live = false;
 };
 
 struct EncodeOptions : FilmOptions {
