@@ -259,7 +259,7 @@ void Comparing::write(const std::vector<std::string>& words) const {
         if (!found_.render.empty()) print("\n" + found_.render + "\n");
     }
     if (!found_.complete && !is_quiet()) print_line("interrupted: this is a part of the table");
-    write_results(options_, trials_, with_head(compare_json(film(), found_), trials_, line_of(words)), [&] {
+    write_results(options_, trials_, words, compare_json(film(), found_), [&] {
         return TrialPage{"compare", "coupled, or rendered first",
                          found_.complete ? answer + " " + sentence_of(found_) : "Interrupted: this is a part of it.",
                          compare_page(film(), found_)};

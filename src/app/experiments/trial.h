@@ -86,8 +86,8 @@ struct Trial {
     double clock = 0;         ///< likewise on the clock
     std::shared_ptr<const SampleFrame> sample_frame;  ///< null without references
 
-    double share_over() const;
-    double share_over_twice() const;
+    double share_over() const { return ratio_of(over, errors.count()); }
+    double share_over_twice() const { return ratio_of(over_twice, errors.count()); }
     /// Coding errors of all frames, plus the error that light adds on reference frames where there are any.
     /// PSNR-HVS-M needs Trials::mask_all.
     Quality film_quality() const;

@@ -30,7 +30,6 @@
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"
 #include "app/system/terminal.h"
-#include "core/error.h"
 #include "core/text.h"
 #include "parallel/loops.h"
 
@@ -68,7 +67,7 @@ class PartReporter {
 
     std::filesystem::path folder_;
     PartNews news_;
-    std::chrono::steady_clock::time_point start_;
+    double start_ = clock_seconds();
     std::mutex mutex_;
     std::jthread ticker_;  ///< last, so that it ends first
 };
@@ -114,8 +113,7 @@ std::optional<PartNews> news_in(const std::filesystem::path& folder) {
     return news;
 }
 
-PartReporter::PartReporter(std::filesystem::path folder, std::int64_t total)
-    : folder_(std::move(folder)), start_(std::chrono::steady_clock::now()) {
+PartReporter::PartReporter(std::filesystem::path folder, std::int64_t total) : folder_(std::move(folder)) {
     news_.total = total;
     news_.machine = machine_name();
     write();
@@ -138,7 +136,7 @@ void PartReporter::end(PartState state, const std::string& error) {
 }
 
 void PartReporter::write() {
-    news_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    news_.seconds = clock_seconds() - start_;
     json written = news_;
     written["process"] = getpid();
     try {
@@ -192,9 +190,9 @@ std::string status_text(const FarmPlan& plan) {
                  "\n";
     }
     for (const char* word : {"done", "running", "failed", "lost", "ended", "waiting"})
-        if (const auto n = std::count(words.begin(), words.end(), word); n > 0)
+        if (const auto n = std::ranges::count(words, word); n > 0)
             counted += fmt::format("{}{} {}", counted.empty() ? "" : ", ", n, word);
-    const auto running = std::count(words.begin(), words.end(), "running");
+    const auto running = std::ranges::count(words, std::string("running"));
     const std::string left = running == 0 || timed_frames == 0
                                  ? ""
                                  : ", " +

@@ -80,8 +80,8 @@ class PackedNames {
     std::string of(const std::string& option, const std::string& value) {
         constexpr std::array<std::string_view, 5> outputs{"-o", "--output", "--stats", "--report", "--aov"};
         constexpr std::array<std::string_view, 3> inputs{"--sky", "--audio", "--keyframes"};
-        if (std::find(outputs.begin(), outputs.end(), option) != outputs.end()) return full_name(value);
-        if (std::find(inputs.begin(), inputs.end(), option) == inputs.end() || !is_file(value)) return value;
+        if (std::ranges::find(outputs, option) != outputs.end()) return full_name(value);
+        if (std::ranges::find(inputs, option) == inputs.end() || !is_file(value)) return value;
         const std::filesystem::path name =
             std::filesystem::path("more") /
             fmt::format("{}_{}", ++copied_, std::filesystem::path(value).filename().string());
@@ -167,7 +167,7 @@ void write_pack(const FarmPlan& plan) {
         const std::string name = entry.path().filename().string();
         if (!name.starts_with("part_") && name != "log") names.push_back((plan.folder.filename() / name).string());
     }
-    std::sort(names.begin(), names.end());
+    std::ranges::sort(names);
     words.insert(words.end(), names.begin(), names.end());
     const Finished packed = run_program(words, Output::caught);
     if (packed.status == 0) {
@@ -184,9 +184,8 @@ void write_pack(const FarmPlan& plan) {
 using nlohmann::json;
 
 bool same_parts(const std::vector<FilmPart>& a, const std::vector<FilmPart>& b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const FilmPart& one, const FilmPart& other) {
-        return one.chunks.first == other.chunks.first && one.chunks.last == other.chunks.last;
-    });
+    const auto chunks = [](const FilmPart& part) { return std::pair(part.chunks.first, part.chunks.last); };
+    return std::ranges::equal(a, b, {}, chunks, chunks);
 }
 
 /// Reason against continuing an earlier plan in the same folder, in words; empty where there is none.

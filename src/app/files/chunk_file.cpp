@@ -92,7 +92,7 @@ bool is_whole(const ChunkFile& chunk) {
 std::span<const ChunkFile> leading_of(std::span<const ChunkFile> files, int first) {
     std::size_t count = 0;
     for (bool goes_on = true; goes_on && count < files.size();) {
-        const bool follows = files[count].chunk().index == first + static_cast<int>(count);
+        const bool follows = index_of(files[count]) == first + static_cast<int>(count);
         goes_on = follows && is_whole(files[count]);
         count += follows ? 1 : 0;
     }

@@ -139,8 +139,12 @@ void write_json(const std::filesystem::path& file, const nlohmann::json& value) 
     write_whole(file, json_text(value));
 }
 
-nlohmann::json finite_or_null(double value) {
-    return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
+nlohmann::json finite_or_null(std::optional<double> value) {
+    return value && std::isfinite(*value) ? nlohmann::json(*value) : nlohmann::json();
+}
+
+nlohmann::json text_or_null(const std::string& text) {
+    return text.empty() ? nlohmann::json() : nlohmann::json(text);
 }
 
 void print(const std::string& text) {

@@ -65,7 +65,7 @@ std::vector<std::filesystem::path> entries_of(const std::filesystem::path& folde
 /// Whether a work folder holds only a lock, or an unfinished first manifest.
 bool holds_nothing(const std::filesystem::path& folder) {
     const std::vector<std::filesystem::path> entries = entries_of(folder);
-    return std::all_of(entries.begin(), entries.end(), [](const std::filesystem::path& entry) {
+    return std::ranges::all_of(entries, [](const std::filesystem::path& entry) {
         const std::string name = entry.filename().string();
         return name == lock_name || (name.starts_with(manifest_name) && name.ends_with(".tmp"));
     });
@@ -261,9 +261,8 @@ void WorkFolder::drop_all_but(const std::vector<ChunkFile>& chunks) {
         const std::string name = entry.filename().string();
         const bool own = name == lock_name || name == manifest_name;
         // Streams, records, frames and heatmaps of chunks.
-        const bool wanted = std::any_of(chunks.begin(), chunks.end(), [&](const ChunkFile& chunk) {
-            return name.starts_with(chunk.file().stem().string() + ".");
-        });
+        const bool wanted = std::ranges::any_of(
+            chunks, [&](const ChunkFile& chunk) { return name.starts_with(chunk.file().stem().string() + "."); });
         if (!own && !wanted) std::filesystem::remove_all(entry);
     }
 }

@@ -52,7 +52,6 @@ class Coupling {
 
   private:
     float fraction_for(const encoder::PicturePlan& plan) const;
-    /// Step sizes of a picture of this type and quantiser.
     perceptual::CodingPlan steps_of(encoder::PictureType type, int quantiser) const;
     perceptual::CodedFacts facts_of(const encoder::CodedPicture& coded) const;
 

@@ -73,7 +73,7 @@ std::optional<double> clock_time(const std::string& text) {
 
 template <class Value, class Order>
 std::vector<Value> in_order(std::vector<Value> values, Order order) {
-    std::sort(values.begin(), values.end(), order);
+    std::ranges::sort(values, order);
     values.erase(std::unique(values.begin(), values.end()), values.end());
     return values;
 }
@@ -147,7 +147,7 @@ float fog_from(const std::string& text) {
 
 GlareRequest glare_from(const std::string& text) {
     const auto colon = text.find(':');
-    const auto name = std::find(core::glare_names.begin(), core::glare_names.end(), text.substr(0, colon));
+    const auto name = std::ranges::find(core::glare_names, text.substr(0, colon));
     if (name == core::glare_names.end())
         throw UsageError("glare " + text + ": expected off, static or temporal, and a strength, e.g. static:0.2");
     GlareRequest glare{static_cast<core::GlareKind>(name - core::glare_names.begin()), {}};

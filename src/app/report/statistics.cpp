@@ -5,11 +5,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <initializer_list>
 #include <nlohmann/json.hpp>
-#include <utility>
-#include <vector>
 
 #include "app/files/file_io.h"
 #include "core/numeric.h"
@@ -42,7 +39,7 @@ std::string list_of(const renderer::Plan& plan, std::initializer_list<Named> pas
 std::vector<Effect> effects_of(const RenderJob& film, const RunStatistics& statistics) {
     const renderer::Plan& plan = film.plan;
     const renderer::Statistics& r = statistics.rendering;
-    const auto pass = [&](Pass p) { return statistics.pass_seconds[static_cast<std::size_t>(p)]; };
+    const auto pass = [&](Pass p) { return statistics.of(p); };
     std::vector<Effect> effects;
     const double exposing = pass(Pass::shutter) + pass(Pass::lens);
     // A clock that samples may tell more than the whole it is part of.
@@ -85,16 +82,12 @@ std::vector<Effect> effects_of(const RenderJob& film, const RunStatistics& stati
     if (plan.runs(Pass::alpha) || plan.runs(Pass::glass))
         effects.push_back({"transparent shadows", layers, {}, {}, "about: what layers let through of light"});
     if (film.tolerance.coupled && film.kind == OutputKind::film)
-        effects.push_back({"what the eye misses",
-                           statistics.stage_seconds(Stage::tolerate),
-                           {},
-                           {},
-                           "tolerances from the pictures before"});
+        effects.push_back(
+            {"what the eye misses", statistics.of(Stage::tolerate), {}, {}, "tolerances from the pictures before"});
     if (plan.runs(Pass::air)) effects.push_back({"fog", pass(Pass::air), r.air_rays, {}, "light that air scatters"});
     if (plan.runs(Pass::glare)) effects.push_back({"glare", pass(Pass::glare), {}, {}, ""});
     if (plan.runs(Pass::motion)) effects.push_back({"motion", pass(Pass::motion), {}, {}, ""});
-    if (film.kind == OutputKind::film)
-        effects.push_back({"coding", statistics.stage_seconds(Stage::encode), {}, {}, ""});
+    if (film.kind == OutputKind::film) effects.push_back({"coding", statistics.of(Stage::encode), {}, {}, ""});
     return effects;
 }
 
@@ -114,7 +107,7 @@ json seconds_of(const RunStatistics& statistics) {
 json passes_of(const RenderJob& film, const RunStatistics& statistics) {
     json passes = json::object();
     for (const renderer::PlanRow& row : film.plan.rows()) {
-        const double seconds = statistics.pass_seconds[static_cast<std::size_t>(row.pass)];
+        const double seconds = statistics.of(row.pass);
         if (row.runs && seconds > 0) passes[row.name] = seconds;
     }
     return passes;
@@ -122,7 +115,6 @@ json passes_of(const RenderJob& film, const RunStatistics& statistics) {
 
 json effects_json(const RenderJob& film, const RunStatistics& statistics) {
     json all = json::array();
-    const auto or_null = [](const auto& value) { return value ? json(*value) : json(nullptr); };
     for (const Effect& e : effects_of(film, statistics))
         all.push_back({{"effect", e.name},
                        {"seconds", or_null(e.seconds)},
@@ -134,10 +126,9 @@ json effects_json(const RenderJob& film, const RunStatistics& statistics) {
 
 /// Errors against the truth, by cause.
 json truth_of(const renderer::ErrorSplit& split) {
-    json truth{
-        {"paths", core::divide_or(static_cast<double>(split.sums().paths), static_cast<double>(split.pixels()), 0.0)},
-        {"blocks", split.sums().blocks},
-        {"followed", split.sums().followed}};
+    json truth{{"paths", ratio_of(split.sums().paths, split.pixels())},
+               {"blocks", split.sums().blocks},
+               {"followed", split.sums().followed}};
     const auto with_error = [](renderer::MeanError m) { return json{{"value", m.value}, {"error", m.error}}; };
     constexpr std::array measures{"", "relative_", "code_value_"};
     for (std::size_t c = 0; c < renderer::cause_count; ++c) {
@@ -194,7 +185,7 @@ json rate_of(const Film& film, const RunStatistics& statistics) {
                      {"minimal", outcome.minimal},
                      {"stuffing", outcome.stuffing}});
     const double seconds = static_cast<double>(statistics.frames.size()) / film.coding.rate.hertz.value();
-    rate["average"] = core::divide_or(8.0 * static_cast<double>(outcome.bytes), seconds, 0.0);
+    rate["average"] = ratio_of(8 * outcome.bytes, seconds);
     if (asked.bit_rate > 0) rate["bit_rate"] = asked.bit_rate;
     if (asked.mode == encoder::RateMode::constant_quality) rate["quality"] = asked.quality;
     return rate;
@@ -216,7 +207,7 @@ json tolerance_of(const RenderJob& film) {
     if (film.tolerance.reference) return {{"mode", "reference"}};
     if (!film.tolerance.coupled) return {{"mode", "fixed"}, {"relative", film.tolerance.relative}};
     return {{"mode", "coupled"},
-            {"fraction", film.tolerance.fraction ? json(*film.tolerance.fraction) : json(nullptr)},
+            {"fraction", or_null(film.tolerance.fraction)},
             {"masking", film.coupling.strategy == perceptual::Strategy::quantised ? "quantised" : "warped"}};
 }
 
@@ -248,7 +239,7 @@ json common_of(const Film& film, const RunStatistics& statistics, const RunFacts
             {"counts", json_of(statistics.rendering)},
             {"psnr_y", finite_or_null(statistics.psnr_y())},
             {"ssim_y", statistics.ssim_y()},
-            {"pumping", statistics.pumping() ? json(*statistics.pumping()) : json(nullptr)},
+            {"pumping", or_null(statistics.pumping())},
             {"per_frame", frames}};
 }
 
@@ -328,11 +319,11 @@ struct Row {
 
 /// CPU seconds of a row; 0 where it has none of its own. The rough look of a preview is part of the rows that light it.
 double seconds_of(const RunStatistics& statistics, const Row& row) {
-    if (row.pass) return statistics.pass_seconds[static_cast<std::size_t>(*row.pass)];
-    if (row.name == "first pass") return statistics.stage_seconds(Stage::first_pass);
-    if (row.name == "load") return statistics.stage_seconds(Stage::load);
-    if (row.name == "exposure") return statistics.stage_seconds(Stage::exposure);
-    if (row.name == "tolerate") return statistics.stage_seconds(Stage::tolerate);
+    if (row.pass) return statistics.of(*row.pass);
+    if (row.name == "first pass") return statistics.of(Stage::first_pass);
+    if (row.name == "load") return statistics.of(Stage::load);
+    if (row.name == "exposure") return statistics.of(Stage::exposure);
+    if (row.name == "tolerate") return statistics.of(Stage::tolerate);
     return row.name == "audit" ? statistics.audit.seconds : 0;
 }
 
