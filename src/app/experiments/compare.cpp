@@ -73,9 +73,9 @@ constexpr const char* strongest =
     "-b_qoffset 0 -mbd rd -trellis 2 -mpv_flags +skip_rd+mv0 -mbcmp rd -subcmp satd -dia_size 770 -pre_dia_size 4 "
     "-mepre 2 -last_pred 3 -g {g} -bf 3 -b_strategy 2";
 
-std::string by_crf(encoder::Codec codec, bool strongest) {
-    if (codec == encoder::Codec::av1) return std::string("-preset ") + (strongest ? "3" : "8") + " -crf {q}";
-    return std::string("-preset ") + (strongest ? "slower -tune psnr" : "medium") +
+std::string by_crf(encoder::Codec codec, bool slow) {
+    if (codec == encoder::Codec::av1) return std::string("-preset ") + (slow ? "3" : "8") + " -crf {q}";
+    return std::string("-preset ") + (slow ? "slower -tune psnr" : "medium") +
            " -crf {q} -bsf:v filter_units=remove_types=" + (codec == encoder::Codec::h264 ? "6" : "39");
 }
 

@@ -314,62 +314,58 @@ struct Row {
     std::string name;
     bool runs;
     std::string reason;
-    std::optional<renderer::Pass> pass;  ///< none: the film's own
+    std::optional<renderer::Pass> pass = {};  ///< none: the film's own
+    std::optional<Stage> stage = {};          ///< whose time it takes
 };
 
 /// CPU seconds of a row; 0 where it has none of its own. The rough look of a preview is part of the rows that light it.
 double seconds_of(const RunStatistics& statistics, const Row& row) {
     if (row.pass) return statistics.of(*row.pass);
-    if (row.name == "first pass") return statistics.of(Stage::first_pass);
-    if (row.name == "load") return statistics.of(Stage::load);
-    if (row.name == "exposure") return statistics.of(Stage::exposure);
-    if (row.name == "tolerate") return statistics.of(Stage::tolerate);
+    if (row.stage) return statistics.of(*row.stage);
     return row.name == "audit" ? statistics.audit.seconds : 0;
 }
 
 Row first_pass_row(const RenderJob& film) {
-    if (film.kind != OutputKind::film) return {"first pass", false, "nobody reads it: nothing is coded", {}};
-    if (film.two_passes) return {"first pass", true, "a bit rate is to be shared out among the pictures", {}};
+    const auto row = [](bool runs, const char* reason) {
+        return Row{"first pass", runs, reason, {}, Stage::first_pass};
+    };
+    if (film.kind != OutputKind::film) return row(false, "nobody reads it: nothing is coded");
+    if (film.two_passes) return row(true, "a bit rate is to be shared out among the pictures");
     const bool asked = film.coding.rate_control.bit_rate > 0;
-    return {"first pass", false, asked ? "not wanted: --passes 1" : "no cause: no bit rate is asked for", {}};
-}
-
-/// Whether light is kept on surfaces.
-Row records_row(const RenderJob& film) {
-    return {"records", film.cache.keeps(), film.cache.reason, {}};
+    return row(false, asked ? "not wanted: --passes 1" : "no cause: no bit rate is asked for");
 }
 
 /// The passes in the order of their work: the film's own, and the renderer's.
 std::vector<Row> rows_of(const RenderJob& film) {
     const bool coupled = film.tolerance.coupled && film.kind == OutputKind::film;
     const bool measured = film.measures_exposure;
-    std::vector<Row> rows{{"load", true, "scene, textures", {}},
+    const std::string uncoupled = "no cause: the tolerance is not coupled to coding";
+    std::vector<Row> rows{{"load", true, "scene, textures", {}, Stage::load},
                           {"exposure",
                            measured,
                            measured ? "none is given: a few small frames tell it"
                                     : fmt::format("no cause: {:g} EV are given", film.exposure.value_or(0)),
-                           {}},
+                           {},
+                           Stage::exposure},
                           first_pass_row(film)};
     for (const renderer::PlanRow& row : film.plan.rows()) {
         if (row.pass == renderer::Pass::shade) {
-            rows.push_back(records_row(film));
-            rows.push_back({"preview",
-                            coupled,
-                            coupled ? "first frames of chunks and shots follow no picture that tells tolerances"
-                                    : "no cause: the tolerance is not coupled to coding",
-                            {}});
+            rows.push_back({"records", film.cache.keeps(), film.cache.reason});
+            rows.push_back(
+                {"preview", coupled,
+                 coupled ? "first frames of chunks and shots follow no picture that tells tolerances" : uncoupled});
             rows.push_back({"tolerate",
                             coupled,
-                            coupled ? "what coding and the eye hide is what light may be off by"
-                                    : "no cause: the tolerance is not coupled to coding",
-                            {}});
+                            coupled ? "what coding and the eye hide is what light may be off by" : uncoupled,
+                            {},
+                            Stage::tolerate});
         }
         const bool views = row.pass == renderer::Pass::develop && film.view.name != core::ViewName::neutral;
         rows.push_back(
             {row.name, row.runs, row.reason + (views ? "; view " + core::text_of(film.view) : ""), row.pass});
         if (row.pass == renderer::Pass::shade)
             rows.push_back(
-                {"audit", film.audit > 0, film.audit > 0 ? "--audit asks for it" : "nobody reads it: no --audit", {}});
+                {"audit", film.audit > 0, film.audit > 0 ? "--audit asks for it" : "nobody reads it: no --audit"});
     }
     return rows;
 }
