@@ -6,10 +6,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "app/experiments/bd_rate.h"
 #include "app/files/file_io.h"
 #include "app/report/frame_view.h"
 #include "core/numeric.h"
+#include "perceptual/bd_rate.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -23,13 +23,13 @@ double in_decibels(double ssim) {
 template <class Cost, class Figure>
 double change(const Way& way, const Way& from, Cost&& cost, Figure&& figure) {
     const auto points = [&](const Way& w) {
-        std::vector<RatePoint> all;
+        std::vector<perceptual::RatePoint> all;
         for (const Trial& t : w.rows)
             if (const double quality = figure(t.film_quality()); cost(t) > 0 && std::isfinite(quality))
                 all.push_back({cost(t), quality});
         return all;
     };
-    return bd_rate(points(from), points(way));
+    return perceptual::bd_rate(points(from), points(way));
 }
 
 /// "12.3 % fewer", "3 % more"

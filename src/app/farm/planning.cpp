@@ -52,11 +52,6 @@ int submit(const FarmPlan& plan, const std::filesystem::path& script) {
     return 0;
 }
 
-bool is_file(const std::filesystem::path& file) {
-    std::error_code error;
-    return !file.empty() && std::filesystem::is_regular_file(file, error);
-}
-
 /// The folder that both are in.
 std::filesystem::path common_folder(const std::filesystem::path& a, const std::filesystem::path& b) {
     std::filesystem::path common;
@@ -210,10 +205,8 @@ void remove_earlier(const FarmPlan& earlier) {
 json take_over(const FarmPlan& plan, bool agreed) {
     if (!has_plan(plan.folder)) {
         std::error_code error;
-        const bool taken = std::filesystem::exists(plan.folder, error) &&
-                           !std::filesystem::is_empty(plan.folder, error) &&
-                           !std::filesystem::exists(work_folder_of(plan.folder / "plan"), error) &&
-                           !std::filesystem::exists(plan.inputs(), error);
+        const bool taken = is_there(plan.folder) && !std::filesystem::is_empty(plan.folder, error) &&
+                           !is_there(work_folder_of(plan.folder / "plan")) && !is_there(plan.inputs());
         if (taken) throw core::Error("writing", plan.folder.string(), "something of that name is in the way");
         return {};
     }

@@ -47,6 +47,10 @@ void bring_to_disk(const std::filesystem::path& file);
 
 void bring_name_to_disk(const std::filesystem::path& file);
 
+/// Whether something has this name, or a plain file; false where that cannot be told.
+bool is_there(const std::filesystem::path& name);
+bool is_file(const std::filesystem::path& name);
+
 /// Absolute name with links followed; the file may be missing.
 std::filesystem::path canonical_of(const std::filesystem::path& file);
 

@@ -131,9 +131,8 @@ std::vector<Doubt> doubts_of(const Wishes& wishes) {
     }
     std::vector<std::filesystem::path> folders;
     for (const std::filesystem::path& file : all) {
-        std::error_code error;
         const std::filesystem::path folder = file.parent_path();
-        if (file.empty() || folder.empty() || std::filesystem::exists(folder, error)) continue;
+        if (file.empty() || folder.empty() || is_there(folder)) continue;
         if (std::ranges::find(folders, folder) != folders.end()) continue;
         folders.push_back(folder);
         doubts.push_back({file, "there is no folder " + folder.string() + "; -y makes it"});

@@ -65,8 +65,7 @@ std::vector<std::filesystem::path> scene_files_of(const RenderJob& film, const R
 json sums_by_name(const std::vector<std::filesystem::path>& files) {
     json sums = json::object();
     for (const std::filesystem::path& file : files) {
-        std::error_code error;
-        if (!std::filesystem::is_regular_file(file, error)) continue;
+        if (!is_file(file)) continue;
         json& sum = sums[canonical_of(file).string()];
         if (sum.is_null()) sum = text_of(checksum_of(file));
     }
@@ -76,9 +75,7 @@ json sums_by_name(const std::vector<std::filesystem::path>& files) {
 json sums_of(const std::vector<std::filesystem::path>& files) {
     json sums = json::array();
     for (const std::filesystem::path& file : files) {
-        std::error_code error;
-        const bool there = std::filesystem::is_regular_file(file, error);
-        sums.push_back(there ? json(text_of(checksum_of(file))) : json());
+        sums.push_back(is_file(file) ? json(text_of(checksum_of(file))) : json());
     }
     return sums;
 }

@@ -8,8 +8,8 @@
 #include <optional>
 #include <vector>
 
-#include "app/system/error_histogram.h"
 #include "app/system/progress.h"
+#include "core/error_histogram.h"
 #include "core/numeric.h"
 #include "encoder/types.h"
 #include "parallel/lanes.h"
@@ -83,7 +83,7 @@ struct QuantiserRange {
 /// Errors of audited pixels against unclustered light and the truth.
 struct Audit {
     /// Relative errors of luminance, over the absolute tolerance where that is larger.
-    ErrorHistogram errors;
+    core::ErrorHistogram errors;
     std::uint64_t over = 0;  ///< pixels whose error exceeds their tolerance
     renderer::ErrorSplit split;
     double seconds = 0;  ///< CPU

@@ -9,7 +9,7 @@
 #include <numeric>
 #include <vector>
 
-namespace render2mpeg::app {
+namespace render2mpeg::core {
 
 /// Histogram of errors in even steps of their logarithm.
 class ErrorHistogram {
@@ -61,4 +61,4 @@ class ErrorHistogram {
     std::uint64_t count_ = 0;
 };
 
-}  // namespace render2mpeg::app
+}  // namespace render2mpeg::core

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace render2mpeg::app {
+namespace render2mpeg::perceptual {
 
 struct RatePoint {
     double bits = 0;  ///< > 0; or any other cost
@@ -83,4 +83,4 @@ inline double bd_rate(std::vector<RatePoint> anchor, std::vector<RatePoint> test
     return 100 * (std::exp(sum / steps) - 1);
 }
 
-}  // namespace render2mpeg::app
+}  // namespace render2mpeg::perceptual
