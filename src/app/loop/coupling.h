@@ -20,10 +20,6 @@ struct CouplingSettings {
     std::optional<float> fraction;
 };
 
-/// Prediction of a P picture's macroblocks: luma of its decoded `reference` displaced by their vectors [H262, 7.6.4],
-/// edges repeated. Intra macroblocks are 0.
-core::Plane<std::uint8_t> prediction_of(const encoder::CodedPicture& coded, const core::Plane<std::uint8_t>& reference);
-
 /// Temporal state over one chunk: from coded pictures to the next frames' tolerances. Tolerances come from the newest
 /// coded I or P picture, which the plans alone determine.
 class Coupling {

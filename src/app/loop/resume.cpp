@@ -74,9 +74,8 @@ json sums_by_name(const std::vector<std::filesystem::path>& files) {
 
 json sums_of(const std::vector<std::filesystem::path>& files) {
     json sums = json::array();
-    for (const std::filesystem::path& file : files) {
+    for (const std::filesystem::path& file : files)
         sums.push_back(is_file(file) ? json(text_of(checksum_of(file))) : json());
-    }
     return sums;
 }
 
