@@ -1,11 +1,11 @@
 #pragma once
 
-#include "app/experiments/bd_rate.h"
+#include "perceptual/bd_rate.h"
 
 namespace render2mpeg::bench {
 
-using app::bd_rate;
-using app::Pchip;
-using app::RatePoint;
+using perceptual::bd_rate;
+using perceptual::Pchip;
+using perceptual::RatePoint;
 
 }  // namespace render2mpeg::bench

@@ -134,9 +134,9 @@ Outcome cost_of(const app::RunStatistics& statistics, const renderer::Renderer& 
     for (const renderer::Pass pass :
          {renderer::Pass::punctual_lights, renderer::Pass::direct_tree, renderer::Pass::indirect_tree})
         out.gather_seconds += renderer.seconds(pass);
-    out.preview_seconds = statistics.stage_seconds(app::Stage::preview);
-    out.shade_seconds = statistics.stage_seconds(app::Stage::shade) + out.preview_seconds;
-    out.tolerate_seconds = statistics.stage_seconds(app::Stage::tolerate);
+    out.preview_seconds = statistics.of(app::Stage::preview);
+    out.shade_seconds = statistics.of(app::Stage::shade) + out.preview_seconds;
+    out.tolerate_seconds = statistics.of(app::Stage::tolerate);
     out.rays = static_cast<double>(s.shadow_rays);
     const auto points = static_cast<double>(std::max<std::uint64_t>(1, s.gather_points));
     out.cut = static_cast<double>(s.direct_clusters + s.indirect_clusters) / points /

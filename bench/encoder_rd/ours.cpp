@@ -116,7 +116,7 @@ struct Run {
         };
         measured.pictures = static_cast<std::int64_t>(clip.pictures.size());
         measured.bits += 8.0 * static_cast<double>(encoder::sequence_end().size());
-        measured.seconds = statistics.stage_seconds(app::Stage::encode);
+        measured.seconds = statistics.of(app::Stage::encode);
         measured.evaluations = share(evaluations);
         measured.intra = share(intra);
         measured.skipped = share(skipped);

@@ -4,10 +4,12 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <new>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <thread>
 
 #include "app/commands/commands.h"
@@ -46,39 +48,22 @@ std::unique_ptr<render2mpeg::parallel::LoopRecord> wanted_record() {
     return std::make_unique<render2mpeg::parallel::LoopRecord>(file);
 }
 
-/// Runs the command of a line. Returns the exit status.
-int run(const render2mpeg::app::CommandLine& line) {
-    using namespace render2mpeg::app;
-    switch (line.command) {
-        case Command::render:
-            return render(line.render, line.text);
-        case Command::encode:
-            return encode(line.encode, line.text);
-        case Command::plan:
-            return plan(line.render);
-        case Command::info:
-            return info(line.info);
-        case Command::cost:
-            return cost(line.trial, line.words);
-        case Command::tune:
-            return tune(line.trial, line.words, render);
-        case Command::compare:
-            return compare(line.trial, line.words);
-        case Command::farm:
-            return farm(line.farm, line.words);
-        case Command::part:
-            return make_parts(line.part);
-        case Command::join:
-            return join(line.part);
-        case Command::farm_status:
-            return farm_status(line.part);
-        case Command::watch:
-            return watch(line.render, line.text);
-        case Command::none:
-            break;
-    }
-    return 1;
-}
+using render2mpeg::app::CommandLine;
+
+/// Commands by their names. Each returns the exit status.
+const std::map<std::string_view, int (*)(const CommandLine&)> commands{
+    {"render", [](const CommandLine& line) { return render(line.render, line.text, nullptr); }},
+    {"encode", [](const CommandLine& line) { return encode(line.encode, line.text); }},
+    {"plan", [](const CommandLine& line) { return plan(line.render); }},
+    {"info", [](const CommandLine& line) { return info(line.info); }},
+    {"cost", [](const CommandLine& line) { return cost(line.trial, line.words); }},
+    {"tune", [](const CommandLine& line) { return tune(line.trial, line.words, render2mpeg::app::render); }},
+    {"compare", [](const CommandLine& line) { return compare(line.trial, line.words); }},
+    {"farm", [](const CommandLine& line) { return farm(line.farm, line.words); }},
+    {"part", [](const CommandLine& line) { return make_parts(line.part); }},
+    {"join", [](const CommandLine& line) { return join(line.part); }},
+    {"farm-status", [](const CommandLine& line) { return farm_status(line.part); }},
+    {"watch", [](const CommandLine& line) { return watch(line.render, line.text); }}};
 
 }  // namespace
 
@@ -99,7 +84,7 @@ int main(int argc, char** argv) {
         show_progress_as(progress_style_from(line.progress));
         const std::jthread teller = tell_activities(line.render.quiet);
         const auto record = wanted_record();
-        return run(line);
+        return commands.at(line.command)(line);
     } catch (const std::bad_alloc&) {
         std::fputs("render2mpeg: out of memory\n", stderr);
     } catch (const std::filesystem::filesystem_error& error) {

@@ -2,13 +2,13 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "app/loop/motion_source.h"
 #include "core/error.h"
 #include "core/numeric.h"
 #include "encoder/av/y4m_reader.h"
 #include "fuzz/input.h"
 #include "fuzz/targets.h"
 #include "image/image.h"
+#include "image/motion_file.h"
 #include "image/sky_map.h"
 #include "image/texture.h"
 
@@ -65,9 +65,9 @@ bool layers(Input input) {
         // Another reader may take it all the same.
     }
     const std::filesystem::path file = input_file().write("layers.exr", input);
-    for (const app::MotionConvention convention : {app::MotionConvention::blender, app::MotionConvention::nuke}) {
+    for (const image::MotionConvention convention : {image::MotionConvention::blender, image::MotionConvention::nuke}) {
         try {
-            const app::FrameMotion motion = app::read_motion(file, 3, 4, 2, convention);
+            const image::FrameMotion motion = image::read_motion(file, 3, 4, 2, convention);
             for (std::size_t i = 0; i < motion.to_next.vector.size(); ++i)
                 if (motion.to_next.kind.values()[i] != core::PixelClass::none &&
                     !core::is_finite(motion.to_next.vector.values()[i]))

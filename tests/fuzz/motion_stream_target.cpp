@@ -3,11 +3,11 @@
 
 #include <stdexcept>
 
-#include "app/loop/motion_source.h"
 #include "core/error.h"
 #include "core/numeric.h"
 #include "fuzz/input.h"
 #include "fuzz/targets.h"
+#include "image/motion_file.h"
 
 namespace render2mpeg::fuzz {
 namespace {
@@ -38,10 +38,10 @@ void expect_sound(const core::MotionField& field, std::int64_t picture, std::int
 
 bool motion(Input input) {
     const Descriptor file(input_file().write("film.motion", input));
-    app::MotionBytes bytes(file.number(), "film.motion");
+    image::MotionBytes bytes(file.number(), "film.motion");
     try {
-        const app::MotionHeader header = bytes.header(4, 2);
-        app::FrameMotion motion;
+        const image::MotionHeader header = bytes.header(4, 2);
+        image::FrameMotion motion;
         std::size_t frames = 0;
         for (; bytes.frame(header, static_cast<std::int64_t>(frames), motion); ++frames) {
             expect_sound(motion.to_previous, static_cast<std::int64_t>(frames), static_cast<std::int64_t>(frames) - 1);

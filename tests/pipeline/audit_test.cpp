@@ -208,7 +208,7 @@ TEST(Audit, OfNoPixelsIsOfNoError) {
 }
 
 TEST(ErrorHistogram, KnowsQuantilesToOnePercentOnTheSafeSide) {
-    ErrorHistogram errors;
+    core::ErrorHistogram errors;
     for (int i = 100000; i > 0; --i) errors.add(1e-6f * static_cast<float>(i));
     EXPECT_EQ(errors.count(), 100000u);
     for (const double q : {0.01, 0.5, 0.95, 0.99, 1.0}) {
@@ -218,7 +218,7 @@ TEST(ErrorHistogram, KnowsQuantilesToOnePercentOnTheSafeSide) {
 }
 
 TEST(ErrorHistogram, TakesNothingAtAllAndWhatIsBeyondAllMeasure) {
-    ErrorHistogram errors;
+    core::ErrorHistogram errors;
     errors.add(0.0f);
     EXPECT_EQ(errors.quantile(1.0), 0.0);
     errors.add(1e-30f);
@@ -231,7 +231,7 @@ TEST(ErrorHistogram, TakesNothingAtAllAndWhatIsBeyondAllMeasure) {
 }
 
 TEST(ErrorHistogram, TellsTheLargestItKnowsFromWhatIsLarger) {
-    ErrorHistogram errors;
+    core::ErrorHistogram errors;
     errors.add(255.9f);
     errors.add(256.0f);
     EXPECT_EQ(errors.quantile(1.0), 256.0);

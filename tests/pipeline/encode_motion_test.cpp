@@ -3,6 +3,7 @@
 #include <fstream>
 #include <limits>
 
+#include "app/files/file_io.h"
 #include "app/loop/motion_source.h"
 #include "app/options/output_kind.h"
 #include "core/error.h"
@@ -10,12 +11,15 @@
 #include "encoder/encoder.h"
 #include "image/image.h"
 #include "image/layers.h"
+#include "image/motion_file.h"
 #include "support/program.h"
 
 /// Motion that comes from files: which way vectors point, and how steps are joined.
 namespace render2mpeg::app {
 namespace {
 
+using image::FrameMotion;
+using image::read_motion;
 using support::Folder;
 
 constexpr int layer_width = 64, layer_height = 48;
@@ -194,7 +198,7 @@ TEST(VectorLayers, MotionFilesHoldAFrameToAThirtySecondOfAPixel) {
     const core::Plane<core::PixelClass> kinds = back.kind;
     back.kind.at(1, 1) = core::PixelClass::none;
     on.vector.at(2, 2).x = 2000;
-    write_motion_file(folder / "f.7.motion", back, on, kinds);
+    write_whole(folder / "f.7.motion", image::motion_file(back, on, kinds));
     VectorLayers layers(folder / "f.%d.motion", MotionConvention::blender, 5, 3);
     const core::MotionField read = layers.between(7, 6), onward = layers.between(7, 8);
     EXPECT_EQ(read.kind.at(1, 1), core::PixelClass::none);

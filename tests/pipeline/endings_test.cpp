@@ -3,7 +3,7 @@
 #include <string>
 #include <utility>
 
-#include "app/options/output_kind.h"
+#include "encoder/av/file_size.h"
 #include "pipeline/fixture.h"
 
 /// Endings say what a file holds, whatever their case; what a film is, its contents say.
@@ -41,9 +41,8 @@ TEST(Endings, OfFramesMayBeInCapitalsSlow) {
 
 TEST(Endings, InCapitalsHaveTheSameContainer) {
     for (const auto& [small, large] : {std::pair("a.ts", "a.TS"), {"a.m2v", "a.M2V"}, {"a.mkv", "a.MKV"}})
-        EXPECT_EQ(app::pictures_in_file(1e6, 100, small, false), app::pictures_in_file(1e6, 100, large, false))
-            << large;
-    EXPECT_LT(app::pictures_in_file(1e6, 100, "a.TS", false), app::pictures_in_file(1e6, 100, "a.MPG", false));
+        EXPECT_EQ(av::pictures_in_file(1e6, 100, small, false), av::pictures_in_file(1e6, 100, large, false)) << large;
+    EXPECT_LT(av::pictures_in_file(1e6, 100, "a.TS", false), av::pictures_in_file(1e6, 100, "a.MPG", false));
 }
 
 TEST(TransportStreams, OfAPictureOrTwoAreKnownByTheirContents) {

@@ -10,7 +10,7 @@ int main(int argc, char** argv) {
     try {
         const CommandLine line = parse({argv, argv + argc});
         if (line.exit_code) return *line.exit_code;
-        if (line.command == Command::render) return render(line.render, line.text);
+        if (line.command == "render") return render(line.render, line.text);
         std::fputs("this renders only\n", stderr);
     } catch (const std::exception& error) {
         std::fprintf(stderr, "%s\n", error.what());

@@ -4,10 +4,8 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <deque>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <utility>
@@ -91,7 +89,6 @@ void check_outputs(const EncodeOptions& options, const FrameRange& frames) {
         {Files(options.output), Files(options.stats.value_or(""))});
 }
 
-/// Motion of numbered files.
 std::unique_ptr<MotionSource> motion_files(const EncodeOptions& options, const FrameSource& frames,
                                            const std::shared_ptr<SharedChannels>& shared) {
     const Size size = frames.size();
@@ -277,6 +274,13 @@ std::vector<encoder::BitAllocation> first_pass(Job& job, bool quiet) {
     }
 }
 
+/// Makes the first pass where one is wanted. Returns whether nobody interrupted.
+bool allocate(Job& job, const EncodeOptions& options, RunStatistics& statistics) {
+    if (two_passes(options.coding) && !job.frames->is_open_ended())
+        job.allocations = timed(statistics, Stage::first_pass, [&] { return first_pass(job, options.quiet); });
+    return !InterruptGuard::requested();
+}
+
 /// Codes the film and sets its last frame. Returns whether it is whole.
 bool encode_chunks(Job& job, const EncodeOptions& options, LoopObserver& sink, RunStatistics& statistics) {
     const bool open_ended = job.frames->is_open_ended();
@@ -357,9 +361,7 @@ void tell(const Job& job, const EncodeOptions& options, RunStatistics& statistic
 
 RunFacts encode_to_file(Job& job, const EncodeOptions& options, const std::string& command, RunStatistics& statistics) {
     WorkFolder work(options.output, identity_of(job.film, command));
-    if (two_passes(options.coding) && !job.frames->is_open_ended())
-        job.allocations = timed(statistics, Stage::first_pass, [&] { return first_pass(job, options.quiet); });
-    if (InterruptGuard::requested()) return {};
+    if (!allocate(job, options, statistics)) return {};
     ChunkFiles chunks(work);
     const bool complete = encode_chunks(job, options, chunks, statistics);
     const std::vector<ChunkFile>& files = chunks.close();
@@ -374,9 +376,7 @@ RunFacts encode_to_stream(Job& job, const EncodeOptions& options, const std::str
                           RunStatistics& statistics) {
     check_pipe(STDOUT_FILENO);
     OutputStream out(STDOUT_FILENO, stream_name);
-    if (two_passes(options.coding) && !job.frames->is_open_ended())
-        job.allocations = timed(statistics, Stage::first_pass, [&] { return first_pass(job, options.quiet); });
-    if (InterruptGuard::requested()) return {};
+    if (!allocate(job, options, statistics)) return {};
     CodedStream stream(out, options.output, job.film);
     const bool complete = encode_chunks(job, options, stream, statistics);
     if (statistics.frames.empty()) throw core::Error("reading", input_name(options), "it holds no pictures");
@@ -388,7 +388,7 @@ RunFacts encode_to_stream(Job& job, const EncodeOptions& options, const std::str
 }  // namespace
 
 int encode(const EncodeOptions& options, const std::string& command) {
-    const auto start = std::chrono::steady_clock::now();
+    const double start = clock_seconds();
     const parallel::ThreadLimit threads(options.threads);
     const InterruptGuard guard(options.quiet);
 
@@ -408,7 +408,7 @@ int encode(const EncodeOptions& options, const std::string& command) {
         if (!options.quiet) print_line("interrupted before the first frame: nothing was written");
         return InterruptGuard::status();
     }
-    statistics.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    statistics.wall = clock_seconds() - start;
     tell(job, options, statistics, facts);
     return facts.complete ? 0 : InterruptGuard::status();
 }

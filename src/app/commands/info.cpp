@@ -16,7 +16,6 @@
 #include "app/system/image_reader.h"
 #include "app/system/terminal.h"
 #include "core/error.h"
-#include "core/numeric.h"
 #include "core/text.h"
 #include "encoder/av/inspect.h"
 #include "encoder/codec.h"
@@ -48,9 +47,9 @@ void add(av::VectorFacts& sum, const av::VectorFacts& picture) {
 }
 
 void finish(av::VectorFacts& sum, double pictures) {
-    sum.mean = core::divide_or(sum.mean, sum.moving, 0.0);
-    sum.share = core::divide_or(sum.share, pictures, 0.0);
-    sum.moving = core::divide_or(sum.moving, pictures, 0.0);
+    sum.mean = ratio_of(sum.mean, sum.moving);
+    sum.share /= pictures;
+    sum.moving /= pictures;
 }
 
 /// One row for every type that a film has, in the order I, P, B, others.
@@ -58,8 +57,7 @@ std::vector<CodedType> coded_types(const av::Inspection& film) {
     std::vector<CodedType> types(4);
     for (std::size_t i = 0; i < types.size(); ++i) types[i].type = "IPB?"[i];
     for (const av::PictureFacts& picture : film.pictures) {
-        auto type =
-            std::find_if(types.begin(), types.end(), [&](const CodedType& t) { return t.type == picture.type; });
+        auto type = std::ranges::find(types, picture.type, &CodedType::type);
         CodedType& sum = type == types.end() ? types.back() : *type;
         sum.min_quantiser =
             sum.pictures == 0 ? picture.min_quantiser : std::min(sum.min_quantiser, picture.min_quantiser);
@@ -82,7 +80,6 @@ std::vector<CodedType> coded_types(const av::Inspection& film) {
     return types;
 }
 
-/// Bytes of all pictures that are shown.
 std::int64_t coded_bytes(const av::Inspection& film) {
     return std::accumulate(film.pictures.begin(), film.pictures.end(), std::int64_t{0},
                            [](std::int64_t sum, const av::PictureFacts& picture) { return sum + picture.bytes; });
@@ -95,7 +92,7 @@ Groups groups_of(const av::Inspection& film) {
         if (picture.random_access) starts.push_back(picture.coded);
         pictures = std::max(pictures, picture.coded + 1);
     }
-    std::sort(starts.begin(), starts.end());
+    std::ranges::sort(starts);
     starts.push_back(pictures);
     Groups groups{static_cast<std::int64_t>(starts.size()) - 1, 0};
     for (std::size_t i = 1; i < starts.size(); ++i)
@@ -109,12 +106,15 @@ using nlohmann::json;
 double duration_of(const av::Inspection& film) {
     double fields = 0;
     for (const av::PictureFacts& picture : film.pictures) fields += 2 + picture.repeated_fields;
-    return core::divide_or(0.5 * fields, film.stream.rate.value(), 0.0);
+    return ratio_of(0.5 * fields, film.stream.rate.value());
+}
+
+bool is_damaged(const av::PictureFacts& picture) {
+    return !picture.damage.empty();
 }
 
 std::int64_t damaged(const av::Inspection& film) {
-    return std::count_if(film.pictures.begin(), film.pictures.end(),
-                         [](const av::PictureFacts& picture) { return !picture.damage.empty(); });
+    return std::ranges::count_if(film.pictures, &is_damaged);
 }
 
 std::string shape_text(const av::StreamFacts& stream) {
@@ -134,16 +134,15 @@ std::string stream_lines(const std::string& name, const av::Inspection& film) {
     text += fmt::format(", {}x{}{} at {:.5g} Hz, {}, {:.2f} s\n", s.width, s.height, shape_text(s), s.rate.value(),
                         pictures_text(static_cast<std::int64_t>(film.pictures.size())), seconds);
     text += fmt::format("  container  {}, {} stream{}\n", s.container, s.streams, s.streams == 1 ? "" : "s");
-    text += fmt::format("  pictures   {}, {:.0f} kb/s", size_text(bytes), core::divide_or(8e-3 * bytes, seconds, 0.0));
+    text += fmt::format("  pictures   {}, {:.0f} kb/s", size_text(bytes), 8e-3 * ratio_of(bytes, seconds));
     if (s.bit_rate > 0) text += fmt::format("; declared: {:.0f} kb/s", 1e-3 * static_cast<double>(s.bit_rate));
     if (s.buffer_bits > 0) text += fmt::format(", buffer of {} bits", s.buffer_bits);
     const Groups groups = groups_of(film);
     text += fmt::format("\n  groups     {}, of {} at most\n", groups.count, pictures_text(groups.longest));
-    const auto interlaced = std::count_if(film.pictures.begin(), film.pictures.end(),
-                                          [](const av::PictureFacts& picture) { return picture.interlaced; });
+    const auto interlaced = std::ranges::count_if(film.pictures, &av::PictureFacts::interlaced);
     if (interlaced > 0) text += fmt::format("  fields     {} interlaced\n", pictures_text(interlaced));
-    const auto repeating = std::count_if(film.pictures.begin(), film.pictures.end(),
-                                         [](const av::PictureFacts& picture) { return picture.repeated_fields > 0; });
+    const auto repeating = std::ranges::count_if(
+        film.pictures, [](int fields) { return fields > 0; }, &av::PictureFacts::repeated_fields);
     if (repeating > 0)
         text += fmt::format("  repeats    {} {} shown for more than two fields\n", pictures_text(repeating),
                             repeating == 1 ? "is" : "are");
@@ -200,11 +199,10 @@ std::string type_table(const av::Inspection& film) {
     const auto all = static_cast<double>(coded_bytes(film));
     std::string text = heading("type pictures  bytes part");
     for (const CodedType& t : coded_types(film))
-        text += row(fmt::format("{:>4} {:>8} {:>6.0f} {:>3.0f}%", t.type, t.pictures,
-                                static_cast<double>(t.bytes) / static_cast<double>(t.pictures),
-                                100 * core::divide_or(static_cast<double>(t.bytes), all, 0.0)),
-                    quantiser_text(t.quantiser, t.min_quantiser, t.max_quantiser), told(film, t.intra), t.forward,
-                    t.backward);
+        text += row(
+            fmt::format("{:>4} {:>8} {:>6.0f} {:>3.0f}%", t.type, t.pictures,
+                        static_cast<double>(t.bytes) / static_cast<double>(t.pictures), 100 * ratio_of(t.bytes, all)),
+            quantiser_text(t.quantiser, t.min_quantiser, t.max_quantiser), told(film, t.intra), t.forward, t.backward);
     return text;
 }
 
@@ -226,7 +224,7 @@ json picture_json(const av::PictureFacts& p, bool tells) {
             {"intra", tells ? json(p.intra) : json(nullptr)},
             {"forward", vectors_json(p.forward)},
             {"backward", vectors_json(p.backward)},
-            {"damage", p.damage.empty() ? json(nullptr) : json(p.damage)}};
+            {"damage", text_or_null(p.damage)}};
 }
 
 json json_of(const std::string& name, const av::Inspection& film, bool summary) {
@@ -248,8 +246,8 @@ json json_of(const std::string& name, const av::Inspection& film, bool summary) 
                 {"codec", encoder::facts_of(s.codec).word},
                 {"container", s.container},
                 {"streams", s.streams},
-                {"profile", or_null(s.profile, !s.profile.empty())},
-                {"level", or_null(s.level, !s.level.empty())},
+                {"profile", text_or_null(s.profile)},
+                {"level", text_or_null(s.level)},
                 {"width", s.width},
                 {"height", s.height},
                 {"fps", or_null(s.rate.value(), s.rate.num > 0)},
@@ -259,7 +257,7 @@ json json_of(const std::string& name, const av::Inspection& film, bool summary) 
                 {"pictures", film.pictures.size()},
                 {"seconds", seconds},
                 {"bytes", bytes},
-                {"average", core::divide_or(8.0 * static_cast<double>(bytes), seconds, 0.0)},
+                {"average", ratio_of(8 * bytes, seconds)},
                 {"groups", {{"count", groups.count}, {"longest", groups.longest}}},
                 {"not_shown", film.unshown},
                 {"damaged", damaged(film)},
@@ -292,8 +290,7 @@ std::int64_t missing(const av::Inspection& film) {
 std::string damage_line(const std::string& name, const av::Inspection& film) {
     if (film.pictures.empty()) return fmt::format("{}: not one picture can be decoded", name);
     const std::int64_t count = damaged(film);
-    const auto first = std::find_if(film.pictures.begin(), film.pictures.end(),
-                                    [](const av::PictureFacts& picture) { return !picture.damage.empty(); });
+    const auto first = std::ranges::find_if(film.pictures, &is_damaged);
     if (first != film.pictures.end())
         return fmt::format("{}: {} {} damaged, the first is number {}: {}", name, pictures_text(count),
                            count == 1 ? "is" : "are", first->number, first->damage);

@@ -3,48 +3,25 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <chrono>
-
 #include "app/loop/pipeline.h"
 #include "app/loop/resume.h"
-#include "app/loop/sink.h"
 #include "app/options/output_kind.h"
 #include "app/options/usage_error.h"
 #include "app/production/production.h"
 #include "app/report/frame_view.h"
-#include "app/report/report.h"
-#include "app/report/statistics.h"
 #include "app/report/summary.h"
 #include "app/system/error_collector.h"
 #include "app/system/image_reader.h"
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"
 #include "app/system/terminal.h"
+#include "core/error.h"
 #include "encoder/av/y4m.h"
+#include "encoder/codec.h"
 #include "parallel/loops.h"
 
 namespace render2mpeg::app {
 namespace {
-
-class Y4mStream : public Sink {
-  public:
-    Y4mStream(OutputStream& out, const RenderJob& film) : out_(out) {
-        const std::string header = av::y4m_header(film.format.width, film.format.height, film.rate, film.pixel_aspect);
-        put({reinterpret_cast<const std::uint8_t*>(header.data()), header.size()});
-    }
-    void lit(const LitFrame& frame) override {
-        av::put_y4m_frame(frame.picture, [&](std::span<const std::uint8_t> bytes) { return put(bytes); });
-    }
-
-  private:
-    bool put(std::span<const std::uint8_t> bytes) {
-        const bool taken = out_.put(bytes);
-        out_.check();
-        return taken;
-    }
-
-    OutputStream& out_;
-};
 
 void check_stream(const RenderOptions& options) {
     const auto refuse = [](const std::string& option, const std::string& why) {
@@ -57,25 +34,61 @@ void check_stream(const RenderOptions& options) {
     if (!options.dry_run) check_pipe(STDOUT_FILENO);
 }
 
-void write_about_stream(const RenderJob& film, const RenderOptions& options, const RunStatistics& statistics,
-                        const RunFacts& facts, const SampleFrameObserver& sample) {
-    ErrorCollector errors;
-    if (options.stats) errors.attempt([&] { write_statistics(*options.stats, film, statistics, facts); });
-    if (options.report)
-        errors.attempt([&] { write_report(*options.report, film, statistics, facts, sample.figures()); });
-    if (!options.quiet) errors.attempt([&] { print_lines(summary(film, statistics, facts)); });
-    errors.rethrow();
+av::Sound sound_of(const Film& film) {
+    av::Sound sound = film.sound;
+    sound.seconds = static_cast<double>(film.frame_count()) / film.coding.rate.hertz.value();
+    return sound;
 }
 
 }  // namespace
 
+CodedStream::CodedStream(OutputStream& out, const std::filesystem::path& name, const Film& film)
+    : out_(out),
+      codec_(film.coding.codec),
+      first_frame_(film.frames.first),
+      muxer_([&out](std::span<const std::uint8_t> bytes) { return out.put(bytes); }, name, film.coding,
+             sound_of(film)) {}
+
+void CodedStream::pass_on() {
+    if (!waiting_) return;
+    try {
+        muxer_.write(waiting_->bytes, waiting_->number - first_frame_, passed_on_++, waiting_->starts_gop);
+    } catch (const core::Error&) {
+        out_.check();  // who reads, and why no more, is a better reason
+        throw;
+    }
+    waiting_.reset();
+    out_.check();
+}
+
+void CodedStream::coded(const encoder::CodedPicture& picture) {
+    pass_on();
+    waiting_ = {picture.bytes, picture.plan.number, picture.plan.starts_gop};
+}
+
+void CodedStream::finish() {
+    if (!waiting_) return;
+    for (const std::uint8_t byte : encoder::end_of_stream(codec_)) waiting_->bytes.push_back(byte);
+    pass_on();
+    muxer_.finish();
+}
+
 std::unique_ptr<Sink> stream_into(OutputStream& out, const std::filesystem::path& name, const RenderJob& film) {
-    if (film.kind == OutputKind::y4m) return std::make_unique<Y4mStream>(out, film);
+    if (film.kind == OutputKind::y4m) {
+        const auto put = [&out](std::span<const std::uint8_t> bytes) {
+            const bool taken = out.put(bytes);
+            out.check();
+            return taken;
+        };
+        const std::string header = av::y4m_header(film.format.width, film.format.height, film.rate, film.pixel_aspect);
+        put({reinterpret_cast<const std::uint8_t*>(header.data()), header.size()});
+        return std::make_unique<FrameSink>([put](const LitFrame& frame) { av::put_y4m_frame(frame.picture, put); });
+    }
     return std::make_unique<CodedStream>(out, name, film.film());
 }
 
 int render_stream(const RenderOptions& options, const std::string& command) {
-    const auto start = std::chrono::steady_clock::now();
+    const double start = clock_seconds();
     const parallel::ThreadLimit threads(options.threads);
     const InterruptGuard guard(options.quiet);
     check_stream(options);
@@ -111,8 +124,11 @@ int render_stream(const RenderOptions& options, const std::string& command) {
     out.finish();
 
     const RunFacts facts{command, options.input.string(), stream_name, out.bytes(), complete};
-    statistics.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    write_about_stream(film, options, statistics, facts, sample);
+    statistics.wall = clock_seconds() - start;
+    ErrorCollector errors;
+    write_about(film, options, statistics, facts, sample, errors);
+    if (!options.quiet) errors.attempt([&] { print_lines(summary(film, statistics, facts)); });
+    errors.rethrow();
     if (!complete && !options.quiet)
         print_line(fmt::format("interrupted after {} of {} frames", statistics.frames.size(), film.frame_count()));
     return complete ? 0 : InterruptGuard::status();

@@ -73,9 +73,9 @@ constexpr const char* strongest =
     "-b_qoffset 0 -mbd rd -trellis 2 -mpv_flags +skip_rd+mv0 -mbcmp rd -subcmp satd -dia_size 770 -pre_dia_size 4 "
     "-mepre 2 -last_pred 3 -g {g} -bf 3 -b_strategy 2";
 
-std::string by_crf(encoder::Codec codec, bool strongest) {
-    if (codec == encoder::Codec::av1) return std::string("-preset ") + (strongest ? "3" : "8") + " -crf {q}";
-    return std::string("-preset ") + (strongest ? "slower -tune psnr" : "medium") +
+std::string by_crf(encoder::Codec codec, bool slow) {
+    if (codec == encoder::Codec::av1) return std::string("-preset ") + (slow ? "3" : "8") + " -crf {q}";
+    return std::string("-preset ") + (slow ? "slower -tune psnr" : "medium") +
            " -crf {q} -bsf:v filter_units=remove_types=" + (codec == encoder::Codec::h264 ? "6" : "39");
 }
 
@@ -259,7 +259,7 @@ void Comparing::write(const std::vector<std::string>& words) const {
         if (!found_.render.empty()) print("\n" + found_.render + "\n");
     }
     if (!found_.complete && !is_quiet()) print_line("interrupted: this is a part of the table");
-    write_results(options_, trials_, with_head(compare_json(film(), found_), trials_, line_of(words)), [&] {
+    write_results(options_, trials_, words, compare_json(film(), found_), [&] {
         return TrialPage{"compare", "coupled, or rendered first",
                          found_.complete ? answer + " " + sentence_of(found_) : "Interrupted: this is a part of it.",
                          compare_page(film(), found_)};

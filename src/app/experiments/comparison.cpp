@@ -6,19 +6,16 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "app/experiments/bd_rate.h"
-#include "app/experiments/trial_command.h"
 #include "app/files/file_io.h"
-#include "app/report/figures.h"
 #include "app/report/frame_view.h"
 #include "core/numeric.h"
+#include "perceptual/bd_rate.h"
 
 namespace render2mpeg::app {
 namespace {
 
 using nlohmann::json;
 
-/// SSIM in decibels.
 double in_decibels(double ssim) {
     return -10 * std::log10(std::max(1 - ssim, 1e-9));
 }
@@ -26,13 +23,13 @@ double in_decibels(double ssim) {
 template <class Cost, class Figure>
 double change(const Way& way, const Way& from, Cost&& cost, Figure&& figure) {
     const auto points = [&](const Way& w) {
-        std::vector<RatePoint> all;
+        std::vector<perceptual::RatePoint> all;
         for (const Trial& t : w.rows)
             if (const double quality = figure(t.film_quality()); cost(t) > 0 && std::isfinite(quality))
                 all.push_back({cost(t), quality});
         return all;
     };
-    return bd_rate(points(from), points(way));
+    return perceptual::bd_rate(points(from), points(way));
 }
 
 /// "12.3 % fewer", "3 % more"
@@ -58,8 +55,7 @@ json differences_json(const Comparison& found) {
 
 }  // namespace
 
-const TrialColumns compare_columns{&columns::light,  &columns::code,   &columns::bytes,
-                                   &columns::psnr_y, &columns::ssim_y, &columns::psnr_hvs_m};
+const TrialColumns compare_columns{"light_seconds", "code_seconds", "bytes", "psnr_y", "ssim_y", "psnr_hvs_m"};
 
 std::string row_name(const Way& way, const Trial& trial) {
     return fmt::format("{:<18} {:>2}", way.name, trial.quantiser);
@@ -91,7 +87,7 @@ std::vector<WayCost> way_costs(const Comparison& found, std::int64_t frames, std
         const double seconds = frame * static_cast<double>(frames);
         costs.push_back({way, way == coupled_way ? 1 : 1 / (1 + d.psnr_y / 100), pace * seconds, seconds});
     }
-    std::stable_sort(costs.begin(), costs.end(), [](const WayCost& a, const WayCost& b) { return a.bits < b.bits; });
+    std::ranges::stable_sort(costs, {}, &WayCost::bits);
     return costs;
 }
 
@@ -106,9 +102,7 @@ std::optional<std::size_t> recommended(const std::vector<WayCost>& costs) {
 std::size_t row_of(const Comparison& found, int quantiser) {
     const auto& rows = found.ways[coupled_way].rows;
     const auto away = [&](const Trial& t) { return std::abs(t.quantiser - quantiser); };
-    return static_cast<std::size_t>(
-        std::min_element(rows.begin(), rows.end(), [&](const Trial& a, const Trial& b) { return away(a) < away(b); }) -
-        rows.begin());
+    return static_cast<std::size_t>(std::ranges::min_element(rows, {}, away) - rows.begin());
 }
 
 std::string answer_of(const Comparison& found, std::int64_t frames, int quantiser) {
@@ -175,7 +169,7 @@ json compare_json(const RenderJob& film, const Comparison& found) {
             {"differences", differences_json(found)},
             {"summary", sentence_of(found)},
             {"answer", answer_of(found, film.frame_count(), film.coding.quantiser)},
-            {"render", found.render.empty() ? json(nullptr) : json(found.render)},
+            {"render", text_or_null(found.render)},
             {"complete", found.complete}};
 }
 

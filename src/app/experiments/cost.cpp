@@ -174,12 +174,11 @@ void Cost::write(const std::vector<std::string>& words) {
         if (!sweep_.render.empty()) print("\n" + sweep_.render + "\n");
         if (!sweep_.complete) print_line("interrupted: this is a part of the table");
     }
-    write_results(options_, trials_, with_head(cost_json(sweep_, costs, film.frame_count()), trials_, line_of(words)),
-                  [&] {
-                      return TrialPage{"cost", "what accuracy costs",
-                                       (sweep_.complete ? "" : "Interrupted: this is a part of it. ") + answer,
-                                       cost_page(film, sweep_, costs)};
-                  });
+    write_results(options_, trials_, words, cost_json(sweep_, costs, film.frame_count()), [&] {
+        return TrialPage{"cost", "what accuracy costs",
+                         (sweep_.complete ? "" : "Interrupted: this is a part of it. ") + answer,
+                         cost_page(film, sweep_, costs)};
+    });
 }
 
 }  // namespace

@@ -4,15 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "app/experiments/trial_command.h"
 #include "app/files/file_io.h"
-#include "app/loop/forecast.h"
-#include "app/report/figures.h"
 #include "app/report/frame_view.h"
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"
@@ -159,8 +155,7 @@ struct Base {
 
 /// The film as asked for is coupled: its forecast is that row's.
 Base base_of(const Sweep& sweep, double frames) {
-    const auto asked = std::find_if(sweep.rows.begin(), sweep.rows.end(),
-                                    [](const TrialRow& row) { return row.group == Sweep::coupled; });
+    const auto asked = std::ranges::find(sweep.rows, std::string(Sweep::coupled), &TrialRow::group);
     if (!sweep.forecast || asked == sweep.rows.end()) {
         // Mean pace of all rows, since the machine's load changes.
         double clock = 0, cpu = 0;
@@ -182,7 +177,7 @@ json film_json(const std::vector<FilmCost>& costs) {
                         {"cpu", costs[i].cpu},
                         {"bytes", costs[i].bytes},
                         {"difference", costs[i].difference()},
-                        {"added_psnr_hvs_m", costs[i].added ? finite_or_null(*costs[i].added) : json(nullptr)},
+                        {"added_psnr_hvs_m", finite_or_null(costs[i].added)},
                         {"psnr_y_loss", costs[i].psnr_loss},
                         {"recommended", taken == i}});
     return film;
@@ -192,18 +187,18 @@ json effects_json(const EffectCosts& effects) {
     json rows = json::array();
     for (const EffectCost& e : effects.rows)
         rows.push_back({{"effect", e.name},
-                        {"option", e.option.empty() ? json(nullptr) : json(e.option)},
+                        {"option", text_or_null(e.option)},
                         {"time_share", e.share},
                         {"difference", words_for(e.difference)},
-                        {"psnr_hvs_m", e.difference ? finite_or_null(*e.difference) : json(nullptr)},
+                        {"psnr_hvs_m", finite_or_null(e.difference)},
                         {"psnr_y", finite_or_null(e.psnr_y)}});
     return {{"width", effects.size.width}, {"height", effects.size.height}, {"frames", effects.frames}, {"rows", rows}};
 }
 
 }  // namespace
 
-const TrialColumns cost_columns{&columns::light, &columns::rays,  &columns::cut,    &columns::median, &columns::p95,
-                                &columns::over,  &columns::twice, &columns::psnr_y, &columns::ssim_y, &columns::bytes};
+const TrialColumns cost_columns{"light_seconds",  "rays_per_point", "cut",    "error_p50", "error_p95",
+                                "over_tolerance", "psnr_y",         "ssim_y", "bytes"};
 
 const Trial* Sweep::best() const {
     const Trial* best = nullptr;
@@ -243,7 +238,7 @@ std::vector<FilmCost> film_costs(const Sweep& sweep, std::int64_t frame_count) {
                            base.cpu * std::max(0.0, best.cpu - best.seconds);
         costs.push_back({"--tolerance", by_truth, base.pace * cpu, cpu, base.bytes * best.film_bytes, {}, 0});
     }
-    std::stable_sort(costs.begin(), costs.end(), [](const FilmCost& a, const FilmCost& b) { return a.cpu < b.cpu; });
+    std::ranges::stable_sort(costs, {}, &FilmCost::cpu);
     return costs;
 }
 
@@ -282,7 +277,7 @@ json cost_json(const Sweep& sweep, const std::vector<FilmCost>& costs, std::int6
     }
     return {{"rows", rows},
             {"film", film_json(costs)},
-            {"render", sweep.render.empty() ? json(nullptr) : json(sweep.render)},
+            {"render", text_or_null(sweep.render)},
             {"effects", effects_json(sweep.effects)},
             {"summary", answer_of(costs, frames)},
             {"complete", sweep.complete}};
@@ -292,8 +287,8 @@ json cost_page(const RenderJob& film, const Sweep& sweep, const std::vector<Film
     const perceptual::ColorMatrix matrix = perceptual::matrix_for(film.format.height);
     // The recommended one, as the table has it.
     const std::optional<std::size_t> taken = recommended(costs);
-    const auto shown = std::find_if(sweep.rows.begin(), sweep.rows.end(),
-                                    [&](const TrialRow& row) { return taken && row.name == costs[*taken].value; });
+    const auto shown =
+        std::ranges::find_if(sweep.rows, [&](const TrialRow& row) { return taken && row.name == costs[*taken].value; });
     const TrialRow& row = shown == sweep.rows.end() ? sweep.rows.front() : *shown;
     json pictures = json::array(), without = json::array(), wholes = json::object();
     if (const auto& own = row.trial.sample_frame)

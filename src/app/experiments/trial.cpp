@@ -52,10 +52,7 @@ void set_film_bytes(Trial& trial, double bytes, const RenderJob& film) {
 /// Sets counts per gather point from the renderer's growth.
 void set_counts(Trial& trial, const renderer::Statistics& before, const renderer::Statistics& after) {
     trial.points = after.gather_points - before.gather_points;
-    const auto points = static_cast<double>(trial.points);
-    const auto per_point = [&](std::uint64_t count) {
-        return core::divide_or(static_cast<double>(count), points, 0.0);
-    };
+    const auto per_point = [&](std::uint64_t count) { return ratio_of(count, trial.points); };
     trial.rays = per_point(after.shadow_rays + after.gather_rays - before.shadow_rays - before.gather_rays);
     trial.cut =
         per_point(after.direct_clusters + after.indirect_clusters - before.direct_clusters - before.indirect_clusters);
@@ -110,13 +107,6 @@ RenderJob at_quality(RenderJob film, double quality) {
     film.coding.rate_control.mode = encoder::RateMode::constant_quality;
     film.coding.rate_control.quality = quality;
     return film;
-}
-
-double Trial::share_over() const {
-    return core::divide_or(static_cast<double>(over), static_cast<double>(errors.count()), 0.0);
-}
-double Trial::share_over_twice() const {
-    return core::divide_or(static_cast<double>(over_twice), static_cast<double>(errors.count()), 0.0);
 }
 
 Quality Trial::film_quality(const Quality& shown_all) const {
@@ -246,12 +236,10 @@ std::optional<Trial> Trials::run(const RenderJob& film, const std::function<bool
     const std::optional<FrameSample> sample = light_windows(film, renderer, windows_, judge, statistics, frame_done);
     if (!sample) return std::nullopt;
     set_counts(trial, before, renderer.statistics());
-    trial.seconds = statistics.stage_seconds(Stage::shade) + statistics.stage_seconds(Stage::preview);
-    if (film.tolerance.coupled) trial.seconds += statistics.stage_seconds(Stage::tolerate);
+    trial.seconds = statistics.of(Stage::shade) + statistics.of(Stage::preview);
+    if (film.tolerance.coupled) trial.seconds += statistics.of(Stage::tolerate);
     trial.seconds /= trial.frames;
-    trial.code_seconds = (statistics.stage_seconds(Stage::encode) +
-                          statistics.pass_seconds[static_cast<std::size_t>(renderer::Pass::motion)]) /
-                         trial.frames;
+    trial.code_seconds = (statistics.of(Stage::encode) + statistics.of(renderer::Pass::motion)) / trial.frames;
     trial.bytes /= trial.frames;
     const FrameCost whole = film_by(film_, *sample);
     set_film_bytes(trial, whole.bytes / static_cast<double>(film_.frame_count()), film_);
@@ -321,7 +309,7 @@ Trial Trials::coded_by(const Codec& codec, const LitWindows& lit, const RenderJo
 }
 
 double Trials::reference_seconds() const {
-    return core::divide_or(reference_seconds_, static_cast<double>(references_.size()), 0.0);
+    return ratio_of(reference_seconds_, references_.size());
 }
 
 bool Trials::light_references(const std::function<void(double)>& expected, const std::function<bool()>& one_done) {

@@ -15,7 +15,7 @@
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
 #include "app/options/film.h"
-#include "app/system/error_histogram.h"
+#include "core/error_histogram.h"
 #include "perceptual/metrics.h"
 
 namespace render2mpeg::app {
@@ -63,13 +63,13 @@ struct Trial {
     int quantiser = 4;
     std::optional<double> quality;  ///< it was coded by this instead
     int frames = 0;
-    double seconds = 0;        ///< CPU per frame for light, with what coupling it to its coding takes
-    double rays = 0;           ///< shadow rays and gather rays per gather point
-    double cut = 0;            ///< clusters per gather point
-    double capped = 0;         ///< share of the gather points that the largest cut stopped
-    std::uint64_t points = 0;  ///< gathered for; 0: nothing is lit
-    ErrorHistogram errors;     ///< of luminance over what it should be, or over half a code value where that is more
-    std::uint64_t over = 0;    ///< pixels that err by more than their tolerance
+    double seconds = 0;           ///< CPU per frame for light, with what coupling it to its coding takes
+    double rays = 0;              ///< shadow rays and gather rays per gather point
+    double cut = 0;               ///< clusters per gather point
+    double capped = 0;            ///< share of the gather points that the largest cut stopped
+    std::uint64_t points = 0;     ///< gathered for; 0: nothing is lit
+    core::ErrorHistogram errors;  ///< of luminance over what it should be, or over half a code value where that is more
+    std::uint64_t over = 0;       ///< pixels that err by more than their tolerance
     std::uint64_t over_twice = 0;  ///< by more than twice of it
     perceptual::FilmQuality lit;   ///< of reference frames before coding
     perceptual::FilmQuality decoded;
@@ -86,8 +86,8 @@ struct Trial {
     double clock = 0;         ///< likewise on the clock
     std::shared_ptr<const SampleFrame> sample_frame;  ///< null without references
 
-    double share_over() const;
-    double share_over_twice() const;
+    double share_over() const { return ratio_of(over, errors.count()); }
+    double share_over_twice() const { return ratio_of(over_twice, errors.count()); }
     /// Coding errors of all frames, plus the error that light adds on reference frames where there are any.
     /// PSNR-HVS-M needs Trials::mask_all.
     Quality film_quality() const;

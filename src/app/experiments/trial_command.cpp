@@ -4,13 +4,10 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "app/files/file_io.h"
 #include "app/files/publish.h"
 #include "app/loop/resume.h"
-#include "app/options/options.h"
-#include "app/report/figures.h"
 #include "app/report/frame_view.h"
 #include "app/report/heatmap_film.h"
 #include "app/report/report.h"
@@ -29,56 +26,57 @@ namespace {
 std::string four_digits(double value) {
     return fmt::format("{:.4f}", value);
 }
+std::string one_digit(double value) {
+    return fmt::format("{:.1f}", value);
+}
 std::string percent_of(double share) {
     return short_figure(100 * share);
 }
 
-}  // namespace
+constexpr auto number_of = [](const auto& number) { return static_cast<double>(number); };
 
-namespace columns {
-const TrialColumn light{"light_seconds", "light, s", 8, short_figure, [](const Trial&t) { return t.seconds; }},
-    code{"code_seconds", "code, s", 8, short_figure, [](const Trial&t) { return t.code_seconds; }},
-    rays{"rays_per_point", "rays", 6, count_text, [](const Trial&t) { return t.rays; }},
-    cut{"cut", "cut", 5, count_text, [](const Trial&t) { return t.cut; }},
-    median{"error_p50", "50 %", 5, percent_of, [](const Trial&t) { return t.errors.quantile(0.5); }},
-    p95{"error_p95", "95 %", 5, percent_of, [](const Trial&t) { return t.errors.quantile(0.95); }},
-    over{"over_tolerance", "over", 5, percent_of, [](const Trial&t) { return t.share_over(); }},
-    twice{"over_twice", "", 0, nullptr, [](const Trial&t) { return t.share_over_twice(); }},
-    psnr_y{"psnr_y", "PSNR-Y", 6, psnr_text, [](const Trial&t) { return t.film_quality().psnr_y; }},
-    ssim_y{"ssim_y", "SSIM", 6, four_digits, [](const Trial&t) { return t.film_quality().ssim_y; }},
-    psnr_hvs_m{"psnr_hvs_m", "HVS-M", 6, psnr_text, [](const Trial&t) { return t.film_quality().psnr_hvs_m; }},
-    bytes{"bytes", "size", 8, size_text, [](const Trial&t) { return t.bytes; }},
-    kilobits{"kilobits", "kb/s", 9, [](double kilobits) { return fmt::format("{:.1f}", kilobits); },
-             [](const Trial&t) { return 1e-3 * t.bit_rate; }};
+/// All figures of a trial.
+const std::vector<TrialColumn> all_columns{
+    {"light_seconds", [](const Trial& t) { return t.seconds; }, "light, s", 8},
+    {"code_seconds", [](const Trial& t) { return t.code_seconds; }, "code, s", 8},
+    {"rays_per_point", [](const Trial& t) { return t.rays; }, "rays", 6, count_text},
+    {"cut", [](const Trial& t) { return t.cut; }, "cut", 5, count_text},
+    {"capped", [](const Trial& t) { return t.capped; }},
+    {"points", [](const Trial& t) { return number_of(t.points); }},
+    {"error_p50", [](const Trial& t) { return t.errors.quantile(0.5); }, "50 %", 5, percent_of},
+    {"error_p95", [](const Trial& t) { return t.errors.quantile(0.95); }, "95 %", 5, percent_of},
+    {"error_p99", [](const Trial& t) { return t.errors.quantile(0.99); }},
+    {"error_pixels", [](const Trial& t) { return number_of(t.errors.count()); }},
+    {"over_tolerance", [](const Trial& t) { return t.share_over(); }, "over", 5, percent_of},
+    {"over_twice", [](const Trial& t) { return t.share_over_twice(); }},
+    {"psnr_y", [](const Trial& t) { return t.film_quality().psnr_y; }, "PSNR-Y", 6, psnr_text},
+    {"ssim_y", [](const Trial& t) { return t.film_quality().ssim_y; }, "SSIM", 6, four_digits},
+    {"psnr_hvs_m", [](const Trial& t) { return t.film_quality().psnr_hvs_m; }, "HVS-M", 6, psnr_text},
+    {"lit_psnr_y", [](const Trial& t) { return t.lit.psnr_y(); }},
+    {"lit_ssim_y", [](const Trial& t) { return t.lit.ssim_y(); }},
+    {"bytes", [](const Trial& t) { return t.bytes; }, "size", 8, size_text},
+    {"film_bytes", [](const Trial& t) { return t.film_bytes; }},
+    {"kilobits", [](const Trial& t) { return 1e-3 * t.bit_rate; }, "kb/s", 9, one_digit},
+    {"requantised", [](const Trial& t) { return number_of(t.requantised); }},
+    {"cpu", [](const Trial& t) { return t.cpu; }},
+    {"clock", [](const Trial& t) { return t.clock; }}};
 
-namespace {
-const TrialColumn capped{"capped", "", 0, nullptr, [](const Trial&t) { return t.capped; }},
-    points{"points", "", 0, nullptr, [](const Trial&t) { return static_cast<double>(t.points); }},
-    p99{"error_p99", "", 0, nullptr, [](const Trial&t) { return t.errors.quantile(0.99); }},
-    pixels{"error_pixels", "", 0, nullptr, [](const Trial&t) { return static_cast<double>(t.errors.count()); }},
-    lit_psnr_y{"lit_psnr_y", "", 0, nullptr, [](const Trial&t) { return t.lit.psnr_y(); }},
-    lit_ssim_y{"lit_ssim_y", "", 0, nullptr, [](const Trial&t) { return t.lit.ssim_y(); }},
-    film_bytes{"film_bytes", "", 0, nullptr, [](const Trial&t) { return t.film_bytes; }},
-    requantised{"requantised", "", 0, nullptr, [](const Trial&t) { return static_cast<double>(t.requantised); }},
-    cpu{"cpu", "", 0, nullptr, [](const Trial&t) { return t.cpu; }},
-    clock{"clock", "", 0, nullptr, [](const Trial&t) { return t.clock; }};
-const TrialColumns all{&light,      &code,   &rays,       &cut,      &capped,      &points, &median,     &p95,
-                       &p99,        &pixels, &over,       &twice,    &psnr_y,      &ssim_y, &psnr_hvs_m, &lit_psnr_y,
-                       &lit_ssim_y, &bytes,  &film_bytes, &kilobits, &requantised, &cpu,    &clock};
+const TrialColumn& column(const char* key) {
+    return *std::ranges::find(all_columns, std::string_view(key), &TrialColumn::key);
+}
+
 }  // namespace
-}  // namespace columns
 
 std::string heads_text(const TrialColumns& columns, const std::string& name, int width) {
     std::string text = fmt::format("{:<{}}", name, width);
-    for (const TrialColumn* c : columns)
-        if (c->width > 0) text += fmt::format(" {:>{}}", c->head, c->width);
+    for (const char* key : columns) text += fmt::format(" {:>{}}", column(key).head, column(key).width);
     return text + "\n";
 }
 
 std::string row_text(const TrialColumns& columns, const std::string& name, int width, const Trial& trial) {
     std::string text = fmt::format("{:<{}}", name, width);
-    for (const TrialColumn* c : columns)
-        if (c->width > 0) text += fmt::format(" {:>{}}", c->text(c->value(trial)), c->width);
+    for (const char* key : columns)
+        text += fmt::format(" {:>{}}", column(key).text(column(key).value(trial)), column(key).width);
     if (trial.requantised == 0) return text + "\n";
     // The quantiser of a rate-controlled film says little.
     return text + fmt::format("\n{:<{}} {} of {} pictures coded coarser than that, to fit the buffer\n", "", width,
@@ -87,7 +85,7 @@ std::string row_text(const TrialColumns& columns, const std::string& name, int w
 
 nlohmann::json figures_json(const Trial& trial) {
     nlohmann::json figures{{"quantiser", trial.quantiser}};
-    for (const TrialColumn* c : columns::all) figures[c->key] = finite_or_null(c->value(trial));
+    for (const TrialColumn& c : all_columns) figures[c.key] = finite_or_null(c.value(trial));
     return figures;
 }
 
@@ -120,15 +118,13 @@ void check_trial_outputs(const RenderJob& film, const TrialOptions& options) {
 
 std::string render_command(const std::vector<std::string>& words, const std::filesystem::path& input,
                            encoder::Codec codec, std::vector<std::pair<std::string, std::string>> with) {
-    std::vector<std::string> without{
-        "--sample", "--within",      "--tolerances",  "--quantisers",     "--json",     "--report",  "--references",
-        "--of",     "--target-psnr", "--target-ssim", "--target-bitrate", "--max-size", "--max-time"};
+    std::vector<std::string> without(options_of_trials.begin(), options_of_trials.end());
     std::vector<std::string> flags{"--quiet", "--dry-run"};
     const auto is_output = [](const std::string& word) {
         return word == "-o" || word == "--output" || word.starts_with("--output=");
     };
-    const bool named = std::any_of(words.begin(), words.end(), is_output) ||
-                       std::any_of(with.begin(), with.end(), [](const auto& option) { return option.first == "-o"; });
+    const bool named = std::ranges::any_of(words, is_output) ||
+                       std::ranges::any_of(with, [](const auto& option) { return option.first == "-o"; });
     if (!named) {
         // Consent was to other files.
         flags.insert(flags.end(), {"-y", "--overwrite"});
@@ -243,6 +239,9 @@ void print_sentence(const std::string& text) {
     if (!text.empty()) print("\n" + wrapped(text, std::clamp(columns_of_output(), 60, 110)) + "\n");
 }
 
+namespace {
+
+/// The figures and what all commands know.
 nlohmann::json with_head(nlohmann::json figures, const Trials& trials, const std::string& command) {
     const RenderJob& film = trials.film();
     nlohmann::json windows = nlohmann::json::array();
@@ -277,8 +276,11 @@ nlohmann::json with_head(nlohmann::json figures, const Trials& trials, const std
     return figures;
 }
 
-void write_results(const TrialOptions& options, const Trials& trials, const nlohmann::json& figures,
-                   const std::function<TrialPage()>& page) {
+}  // namespace
+
+void write_results(const TrialOptions& options, const Trials& trials, const std::vector<std::string>& words,
+                   const nlohmann::json& found, const std::function<TrialPage()>& page) {
+    const nlohmann::json figures = with_head(found, trials, line_of(words));
     ErrorCollector errors;
     if (options.json) errors.attempt([&] { write_json(*options.json, figures); });
     if (options.report)

@@ -1,32 +1,37 @@
 #pragma once
 // Steps that `cost`, `tune` and `compare` share.
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "app/experiments/trial.h"
 #include "app/options/options.h"
+#include "app/report/figures.h"
 #include "app/system/progress.h"
 
 namespace render2mpeg::app {
 
+/// A figure of a trial.
 struct TrialColumn {
-    const char* key;   ///< in JSON
-    const char* head;  ///< in tables; empty: in JSON alone
-    int width;         ///< in text
-    std::string (*text)(double);
+    std::string_view key;  ///< in JSON
     double (*value)(const Trial&);
+    const char* head = "";  ///< in tables; empty: in JSON alone
+    int width = 0;          ///< in text
+    std::string (*text)(double) = short_figure;
 };
-using TrialColumns = std::vector<const TrialColumn*>;
+/// Keys of those that a table has.
+using TrialColumns = std::vector<const char*>;
 
-namespace columns {
-extern const TrialColumn light, code, rays, cut, median, p95, over, twice, psnr_y, ssim_y, psnr_hvs_m, bytes, kilobits;
-}  // namespace columns
+/// Options of trials that say nothing of the film they are about.
+inline constexpr std::array options_of_trials{
+    "--sample", "--within",      "--tolerances",  "--quantisers",     "--json",     "--report",  "--references",
+    "--of",     "--target-psnr", "--target-ssim", "--target-bitrate", "--max-size", "--max-time"};
 
 /// Lines of text, each with its end; the name is left-aligned in `width` columns.
 std::string heads_text(const TrialColumns& columns, const std::string& name, int width);
@@ -77,14 +82,14 @@ std::string trial_heading(const Trials& trials);
 
 void print_sentence(const std::string& text);
 
-/// Results as files: `figures` and what all commands know, and a page about them. `title` follows the film's name.
+/// A page about results. `title` follows the film's name.
 struct TrialPage {
     std::string kind, title, lead;
     nlohmann::json more;  ///< what it shows beside the figures
 };
-nlohmann::json with_head(nlohmann::json figures, const Trials& trials, const std::string& command);
-void write_results(const TrialOptions& options, const Trials& trials, const nlohmann::json& figures,
-                   const std::function<TrialPage()>& page);
+/// Writes what the command of these `words` has `found`, and what all commands know, where that is asked for.
+void write_results(const TrialOptions& options, const Trials& trials, const std::vector<std::string>& words,
+                   const nlohmann::json& found, const std::function<TrialPage()>& page);
 
 /// A trial's last reference frame: decoded beside the reference, tolerances and errors. Empty without references.
 nlohmann::json sample_frame_figures(const std::string& name, const Trial& trial, const RenderJob& film);

@@ -18,14 +18,12 @@
 #include "app/options/options.h"
 #include "app/options/output_kind.h"
 #include "app/options/usage_error.h"
-#include "app/report/figures.h"
 #include "app/report/frame_view.h"
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"
 #include "app/system/terminal.h"
-#include "core/error.h"
-#include "core/numeric.h"
 #include "encoder/av/coders.h"
+#include "encoder/av/file_size.h"
 #include "encoder/capabilities.h"
 #include "parallel/loops.h"
 
@@ -35,8 +33,8 @@ namespace {
 using nlohmann::json;
 using Kind = Target::Kind;
 
-const TrialColumns by_quality{&columns::light, &columns::code, &columns::kilobits, &columns::psnr_y, &columns::ssim_y},
-    by_time{&columns::light, &columns::kilobits, &columns::psnr_y, &columns::ssim_y};
+const TrialColumns by_quality{"light_seconds", "code_seconds", "kilobits", "psnr_y", "ssim_y"},
+    by_time{"light_seconds", "kilobits", "psnr_y", "ssim_y"};
 
 /// "quality 63.4", or another setting's name.
 std::string name_of(const Target& target, const Probe& probe) {
@@ -52,22 +50,11 @@ std::string cause_of(const Tuning& tuning, const Probe& probe) {
     return tuning.target.is_quality() ? ": qualities rise in steps here, and none that was tried comes nearer" : "";
 }
 
-/// The film's value in the target's unit, and whether it is near enough.
+/// The film's value in the target's unit.
 double film_value(const Tuning& tuning) {
     const WholeFilm& film = *tuning.film;
-    switch (tuning.target.kind) {
-        case Kind::psnr:
-            return film.reference.psnr_y;
-        case Kind::ssim:
-            return film.reference.ssim_y;
-        case Kind::bitrate:
-            return film.bit_rate;
-        case Kind::size:
-            return film.bytes;
-        case Kind::time:
-            return film.seconds;
-    }
-    return 0;
+    const double values[] = {film.reference.psnr_y, film.reference.ssim_y, film.bit_rate, film.bytes, film.seconds};
+    return values[static_cast<int>(tuning.target.kind)];
 }
 
 bool film_is_near(const Tuning& tuning) {
@@ -194,9 +181,9 @@ json tune_json(const Tuning& tuning) {
     return {{"target", target_json(tuning.target)},
             {"rows", rows},
             {"found", outcomes[static_cast<int>(tuning.found)]},
-            {"chosen", tuning.chosen ? json(*tuning.chosen) : json(nullptr)},
+            {"chosen", or_null(tuning.chosen)},
             {"options", options},
-            {"render", tuning.command ? json(*tuning.command) : json(nullptr)},
+            {"render", or_null(tuning.command)},
             {"film", film_json(tuning)},
             {"summary", sentence_of(tuning)}};
 }
@@ -212,8 +199,6 @@ json tune_page(const RenderJob& film, const Tuning& tuning) {
                                            perceptual::matrix_for(film.format.height), true));
     return page;
 }
-
-using Kind = Target::Kind;
 
 Target target_of(const TrialOptions& o) {
     std::vector<Target> asked;
@@ -248,7 +233,7 @@ void check_options(const TrialOptions& o, const Target& target) {
 Target searched(const Target& target, const RenderJob& film, const std::filesystem::path& output) {
     if (target.kind != Kind::size) return target;
     const double seconds = static_cast<double>(film.frame_count()) / film.rate.hertz.value();
-    return {Kind::bitrate, pictures_in_file(target.value, film.frame_count(), output, film.disc) * 8 / seconds};
+    return {Kind::bitrate, av::pictures_in_file(target.value, film.frame_count(), output, film.disc) * 8 / seconds};
 }
 
 /// Refuses rates that `render` would refuse, before anything is lit.
@@ -378,9 +363,7 @@ int TuneCommand::make(const RenderFilm& render_film) {
         if (name == "--vpls") render_options.vpls = std::stoi(value);
     }
     // As in the printed command, so that --resume recognises it.
-    for (const char* looked_for : {"--target-psnr", "--target-ssim", "--target-bitrate", "--max-size", "--max-time",
-                                   "--of", "--sample", "--references", "--json", "--report"})
-        render_options.said.erase(looked_for);
+    for (const char* looked_for : options_of_trials) render_options.said.erase(looked_for);
     for (const auto& [name, value] : tuning_.options) render_options.said[name] = value;
     Rendered rendered;
     const int status = render_film(render_options, *tuning_.command, &rendered);
@@ -393,9 +376,8 @@ void TuneCommand::look_at_film(const Rendered& rendered) {
     film.frames = static_cast<std::int64_t>(rendered.statistics.frames.size());
     film.bytes = static_cast<double>(rendered.bytes);
     film.seconds = rendered.statistics.wall;
-    film.bit_rate = core::divide_or(
-        8 * static_cast<double>(rendered.statistics.rate_outcome().bytes) * trials_->film().rate.hertz.value(),
-        static_cast<double>(film.frames), 0.0);
+    const auto bits = 8 * static_cast<double>(rendered.statistics.rate_outcome().bytes);
+    film.bit_rate = ratio_of(bits * trials_->film().rate.hertz.value(), film.frames);
     perceptual::FilmQuality shown;
     for (const FrameEntry& entry : rendered.statistics.frames) shown.add(entry.mse_y, entry.ssim_y);
     if (tuning_.target.worst_tenth) shown = shown.worst_tenth();
@@ -411,7 +393,7 @@ void TuneCommand::look_at_film(const Rendered& rendered) {
 }
 
 void TuneCommand::write_reports() const {
-    write_results(options_, *trials_, with_head(tune_json(tuning_), *trials_, line_of(words_)), [&] {
+    write_results(options_, *trials_, words_, tune_json(tuning_), [&] {
         return TrialPage{"tune", "tuned to " + target_text(tuning_.target), sentence_of(tuning_),
                          tune_page(trials_->film(), tuning_)};
     });

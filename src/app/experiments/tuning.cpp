@@ -16,15 +16,13 @@
 namespace render2mpeg::app {
 
 void QualitySearch::add(double quality, double figure) {
-    const auto place =
-        std::lower_bound(known_.begin(), known_.end(), quality, [](const Known& k, double q) { return k.quality < q; });
-    known_.insert(place, {quality, figure});
+    known_.insert(std::ranges::lower_bound(known_, quality, {}, &Known::quality), {quality, figure});
 }
 
 std::optional<double> QualitySearch::next() const {
     if (known_.empty()) return std::nullopt;
     const auto in_steps = [](double quality) { return std::round(quality / step) * step; };
-    const auto upper = std::find_if(known_.begin(), known_.end(), [&](const Known& k) { return k.figure >= target_; });
+    const auto upper = std::ranges::find_if(known_, [&](const Known& k) { return k.figure >= target_; });
     if (upper == known_.end() || upper == known_.begin()) {
         const double end = upper == known_.end() ? known_.back().quality : known_.front().quality;
         const double bound = upper == known_.end() ? 100 : 0;
@@ -43,9 +41,7 @@ std::optional<double> QualitySearch::next() const {
 
 const QualitySearch::Known& QualitySearch::nearest() const {
     EXPECTS(!known_.empty());
-    return *std::min_element(known_.begin(), known_.end(), [&](const Known& a, const Known& b) {
-        return std::abs(a.figure - target_) < std::abs(b.figure - target_);
-    });
+    return *std::ranges::min_element(known_, {}, [&](const Known& k) { return std::abs(k.figure - target_); });
 }
 
 std::optional<QualitySearch::Known> QualitySearch::coarsest_above() const {
@@ -147,8 +143,8 @@ void CodingTuner::settle() {
         quality = coded_again(light, quality, probe);
         if (InterruptGuard::requested()) return;
         // Light of a fixed tolerance is right for every coding.
-        const bool known = std::any_of(lit.begin(), lit.end(),
-                                       [&](double q) { return std::abs(q - quality) < 0.5 * QualitySearch::step; });
+        const bool known =
+            std::ranges::any_of(lit, [&](double q) { return std::abs(q - quality) < 0.5 * QualitySearch::step; });
         if (known || !trials_.film().tolerance.coupled) break;
     }
     conclude();
@@ -250,19 +246,11 @@ std::size_t rung_to_take(const Tuning& tuning) {
 
 std::string figure_text(Target::Kind kind, double value) {
     if (!std::isfinite(value)) return "-";
-    switch (kind) {
-        case Target::Kind::psnr:
-            return value >= same ? "the same" : fmt::format("{:.2f} dB PSNR-Y", value);
-        case Target::Kind::ssim:
-            return fmt::format("{:.4f} SSIM", value);
-        case Target::Kind::bitrate:
-            return fmt::format("{:.{}f} kb/s", 1e-3 * value, value < 1e5 ? 1 : 0);
-        case Target::Kind::size:
-            return size_text(value);
-        case Target::Kind::time:
-            break;
-    }
-    return clock_text(value);
+    using enum Target::Kind;
+    if (kind == psnr) return value >= same ? "the same" : fmt::format("{:.2f} dB PSNR-Y", value);
+    if (kind == ssim) return fmt::format("{:.4f} SSIM", value);
+    if (kind == bitrate) return fmt::format("{:.{}f} kb/s", 1e-3 * value, value < 1e5 ? 1 : 0);
+    return kind == size ? size_text(value) : clock_text(value);
 }
 
 std::string target_text(const Target& target) {

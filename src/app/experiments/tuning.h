@@ -74,7 +74,6 @@ double value_of(const Target& target, const Trial& trial);
 double even_figure(const Target& target, double value);
 /// Its usual rise per unit of quality.
 double even_slope(const Target& target);
-/// Whether a value means no loss at all.
 bool is_lossless(const Target& target, double value);
 /// Whether a value is near enough, or within `share` of that.
 bool is_near(const Target& target, double value, double share = 1);

@@ -71,8 +71,7 @@ std::int64_t FarmPlan::most_frames() const {
 }
 
 bool FarmPlan::is_joined() const {
-    std::error_code error;
-    return std::filesystem::exists(joined_mark(), error);
+    return is_there(joined_mark());
 }
 
 bool FarmPlan::is_made(const FilmPart& part) const {
@@ -106,16 +105,14 @@ std::vector<FilmPart> parts_of(const std::vector<Chunk>& chunks, std::optional<i
 }
 
 bool has_plan(const std::filesystem::path& folder) {
-    std::error_code error;
-    return std::filesystem::is_regular_file(folder / plan_name, error);
+    return is_file(folder / plan_name);
 }
 
 FarmPlan read_plan(const std::filesystem::path& place) {
     std::error_code error;
     const bool is_folder = std::filesystem::is_directory(place, error);
     const std::filesystem::path file = is_folder ? place / plan_name : place;
-    if (!std::filesystem::exists(file, error))
-        throw core::Error("reading", file.string(), "there is no plan; `render2mpeg farm` makes one");
+    if (!is_there(file)) throw core::Error("reading", file.string(), "there is no plan; `render2mpeg farm` makes one");
     const json written = read_json(file);
     try {
         if (written.at("format") != plan_format)

@@ -57,7 +57,6 @@ std::vector<FilmPart> parts_of(const std::vector<Chunk>& chunks, std::optional<i
 
 /// Reads the plan in a folder, or the file of that name. Throws core::Error where there is none that can be read.
 FarmPlan read_plan(const std::filesystem::path& place);
-/// Whether a folder has one.
 bool has_plan(const std::filesystem::path& folder);
 /// Writes it whole or not at all. Throws core::Error.
 void write_plan(const FarmPlan& plan);

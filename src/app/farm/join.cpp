@@ -102,7 +102,6 @@ std::vector<ChunkFile> gather(const FarmPlan& plan, const RenderJob& film, const
     return chunks;
 }
 
-/// Cost of the planning step.
 RunStatistics cost_of(const FarmPlan& plan) {
     RunStatistics statistics;
     const json& cost = plan.facts->at("cost");

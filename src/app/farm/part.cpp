@@ -30,12 +30,14 @@
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"
 #include "app/system/terminal.h"
-#include "core/error.h"
 #include "core/text.h"
 #include "parallel/loops.h"
 
 namespace render2mpeg::app {
 namespace {
+
+/// chosen: often enough to tell who is alive, and seldom enough for a thousand parts on one file system.
+constexpr std::chrono::seconds news_pause(30);
 
 enum class PartState { running, done, failed, interrupted };
 
@@ -49,28 +51,10 @@ struct PartNews {
     double age = 0;     ///< seconds since it was written
 
     /// Whether a part reported as running has stopped reporting: it was killed, or its machine is gone.
-    bool is_lost() const;
-};
-
-/// Writes the news of a part that is being made, now and every half minute. That one cannot be written is no failure.
-class PartReporter {
-  public:
-    /// `total` frames.
-    PartReporter(std::filesystem::path folder, std::int64_t total);
-
-    /// So many frames are done.
-    void advance_to(std::int64_t done);
-    /// How it ended. `error`: why it failed.
-    void end(PartState state, const std::string& error = {});
-
-  private:
-    void write();
-
-    std::filesystem::path folder_;
-    PartNews news_;
-    std::chrono::steady_clock::time_point start_;
-    std::mutex mutex_;
-    std::jthread ticker_;  ///< last, so that it ends first
+    bool is_lost() const {
+        // chosen: four times the pause: a busy file server delays what others see.
+        return state == PartState::running && age > 4.0 * static_cast<double>(news_pause.count());
+    }
 };
 
 NLOHMANN_JSON_SERIALIZE_ENUM(PartState, {{PartState::running, "running"},
@@ -81,9 +65,6 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PartNews, state, done, total, seconds, machin
 
 using nlohmann::json;
 
-/// chosen: often enough to tell who is alive, and seldom enough for a thousand parts on one file system.
-constexpr std::chrono::seconds news_pause(30);
-
 std::filesystem::path news_file(const std::filesystem::path& folder) {
     return folder / "status.json";
 }
@@ -91,11 +72,6 @@ std::filesystem::path news_file(const std::filesystem::path& folder) {
 std::string machine_name() {
     std::array<char, 256> name{};
     return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
-}
-
-bool PartNews::is_lost() const {
-    // chosen: four times the pause: a busy file server delays what others see.
-    return state == PartState::running && age > 4.0 * static_cast<double>(news_pause.count());
 }
 
 /// The last news of the part whose folder this is; none where there is no file that can be read.
@@ -114,39 +90,51 @@ std::optional<PartNews> news_in(const std::filesystem::path& folder) {
     return news;
 }
 
-PartReporter::PartReporter(std::filesystem::path folder, std::int64_t total)
-    : folder_(std::move(folder)), start_(std::chrono::steady_clock::now()) {
-    news_.total = total;
-    news_.machine = machine_name();
-    write();
-    ticker_ = every(news_pause, [this] {
-        const std::lock_guard lock(mutex_);
+/// Writes the news of a part that is being made, now and every half minute. That one cannot be written is no failure.
+class PartReporter {
+  public:
+    /// `total` frames.
+    PartReporter(std::filesystem::path folder, std::int64_t total) : folder_(std::move(folder)) {
+        news_.total = total;
+        news_.machine = machine_name();
         write();
-    });
-}
-
-void PartReporter::advance_to(std::int64_t done) {
-    const std::lock_guard lock(mutex_);
-    news_.done = done;
-}
-
-void PartReporter::end(PartState state, const std::string& error) {
-    const std::lock_guard lock(mutex_);
-    news_.state = state;
-    news_.error = error;
-    write();
-}
-
-void PartReporter::write() {
-    news_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    json written = news_;
-    written["process"] = getpid();
-    try {
-        write_json(news_file(folder_), written);
-    } catch (const std::exception&) {
-        // A full disk: what is made says so itself.
+        ticker_ = every(news_pause, [this] {
+            const std::lock_guard lock(mutex_);
+            write();
+        });
     }
-}
+
+    /// So many frames are done.
+    void advance_to(std::int64_t done) {
+        const std::lock_guard lock(mutex_);
+        news_.done = done;
+    }
+    /// How it ended. `error`: why it failed.
+    void end(PartState state, const std::string& error = {}) {
+        const std::lock_guard lock(mutex_);
+        news_.state = state;
+        news_.error = error;
+        write();
+    }
+
+  private:
+    void write() {
+        news_.seconds = clock_seconds() - start_;
+        json written = news_;
+        written["process"] = getpid();
+        try {
+            write_json(news_file(folder_), written);
+        } catch (const std::exception&) {
+            // A full disk: what is made says so itself.
+        }
+    }
+
+    std::filesystem::path folder_;
+    PartNews news_;
+    double start_ = clock_seconds();
+    std::mutex mutex_;
+    std::jthread ticker_;  ///< last, so that it ends first
+};
 
 /// How a part stands, for people.
 struct PartStanding {
@@ -192,9 +180,9 @@ std::string status_text(const FarmPlan& plan) {
                  "\n";
     }
     for (const char* word : {"done", "running", "failed", "lost", "ended", "waiting"})
-        if (const auto n = std::count(words.begin(), words.end(), word); n > 0)
+        if (const auto n = std::ranges::count(words, word); n > 0)
             counted += fmt::format("{}{} {}", counted.empty() ? "" : ", ", n, word);
-    const auto running = std::count(words.begin(), words.end(), "running");
+    const auto running = std::ranges::count(words, std::string("running"));
     const std::string left = running == 0 || timed_frames == 0
                                  ? ""
                                  : ", " +

@@ -51,11 +51,6 @@ int submit(const FarmPlan& plan, const std::filesystem::path& script) {
     return 0;
 }
 
-bool is_file(const std::filesystem::path& file) {
-    std::error_code error;
-    return !file.empty() && std::filesystem::is_regular_file(file, error);
-}
-
 /// The folder that both are in.
 std::filesystem::path common_folder(const std::filesystem::path& a, const std::filesystem::path& b) {
     std::filesystem::path common;
@@ -79,8 +74,8 @@ class PackedNames {
     std::string of(const std::string& option, const std::string& value) {
         constexpr std::array<std::string_view, 5> outputs{"-o", "--output", "--stats", "--report", "--aov"};
         constexpr std::array<std::string_view, 3> inputs{"--sky", "--audio", "--keyframes"};
-        if (std::find(outputs.begin(), outputs.end(), option) != outputs.end()) return full_name(value);
-        if (std::find(inputs.begin(), inputs.end(), option) == inputs.end() || !is_file(value)) return value;
+        if (std::ranges::find(outputs, option) != outputs.end()) return full_name(value);
+        if (std::ranges::find(inputs, option) == inputs.end() || !is_file(value)) return value;
         const std::filesystem::path name =
             std::filesystem::path("more") /
             fmt::format("{}_{}", ++copied_, std::filesystem::path(value).filename().string());
@@ -166,7 +161,7 @@ void write_pack(const FarmPlan& plan) {
         const std::string name = entry.path().filename().string();
         if (!name.starts_with("part_") && name != "log") names.push_back((plan.folder.filename() / name).string());
     }
-    std::sort(names.begin(), names.end());
+    std::ranges::sort(names);
     words.insert(words.end(), names.begin(), names.end());
     const Finished packed = run_program(words, Output::caught);
     if (packed.status == 0) {
@@ -183,9 +178,8 @@ void write_pack(const FarmPlan& plan) {
 using nlohmann::json;
 
 bool same_parts(const std::vector<FilmPart>& a, const std::vector<FilmPart>& b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const FilmPart& one, const FilmPart& other) {
-        return one.chunks.first == other.chunks.first && one.chunks.last == other.chunks.last;
-    });
+    const auto chunks = [](const FilmPart& part) { return std::pair(part.chunks.first, part.chunks.last); };
+    return std::ranges::equal(a, b, {}, chunks, chunks);
 }
 
 /// Reason against continuing an earlier plan in the same folder, in words; empty where there is none.
@@ -210,10 +204,8 @@ void remove_earlier(const FarmPlan& earlier) {
 json take_over(const FarmPlan& plan, bool agreed) {
     if (!has_plan(plan.folder)) {
         std::error_code error;
-        const bool taken = std::filesystem::exists(plan.folder, error) &&
-                           !std::filesystem::is_empty(plan.folder, error) &&
-                           !std::filesystem::exists(work_folder_of(plan.folder / "plan"), error) &&
-                           !std::filesystem::exists(plan.inputs(), error);
+        const bool taken = is_there(plan.folder) && !std::filesystem::is_empty(plan.folder, error) &&
+                           !is_there(work_folder_of(plan.folder / "plan")) && !is_there(plan.inputs());
         if (taken) throw core::Error("writing", plan.folder.string(), "something of that name is in the way");
         return {};
     }

@@ -4,7 +4,6 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <system_error>
 #include <utility>
 
 #include "core/error.h"
@@ -85,14 +84,13 @@ std::filesystem::path ChunkFile::record_of(const std::filesystem::path& file) {
 }
 
 bool is_whole(const ChunkFile& chunk) {
-    std::error_code error;
-    return std::filesystem::exists(ChunkFile::record_of(chunk.file()), error);
+    return is_there(ChunkFile::record_of(chunk.file()));
 }
 
 std::span<const ChunkFile> leading_of(std::span<const ChunkFile> files, int first) {
     std::size_t count = 0;
     for (bool goes_on = true; goes_on && count < files.size();) {
-        const bool follows = files[count].chunk().index == first + static_cast<int>(count);
+        const bool follows = index_of(files[count]) == first + static_cast<int>(count);
         goes_on = follows && is_whole(files[count]);
         count += follows ? 1 : 0;
     }

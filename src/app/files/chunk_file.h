@@ -55,6 +55,10 @@ class ChunkFile {
     Checksum checksum_;  ///< of the stream
 };
 
+inline int index_of(const ChunkFile& file) {
+    return file.chunk().index;
+}
+
 /// Whether it was finished.
 bool is_whole(const ChunkFile& chunk);
 

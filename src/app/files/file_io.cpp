@@ -139,8 +139,12 @@ void write_json(const std::filesystem::path& file, const nlohmann::json& value) 
     write_whole(file, json_text(value));
 }
 
-nlohmann::json finite_or_null(double value) {
-    return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
+nlohmann::json finite_or_null(std::optional<double> value) {
+    return value && std::isfinite(*value) ? nlohmann::json(*value) : nlohmann::json();
+}
+
+nlohmann::json text_or_null(const std::string& text) {
+    return text.empty() ? nlohmann::json() : nlohmann::json(text);
 }
 
 void print(const std::string& text) {
@@ -158,6 +162,16 @@ void bring_name_to_disk(const std::filesystem::path& file) {
     bring(file.has_parent_path() ? file.parent_path() : std::filesystem::path("."), O_DIRECTORY);
 }
 
+bool is_there(const std::filesystem::path& name) {
+    std::error_code error;
+    return std::filesystem::exists(name, error);
+}
+
+bool is_file(const std::filesystem::path& name) {
+    std::error_code error;
+    return std::filesystem::is_regular_file(name, error);
+}
+
 std::filesystem::path canonical_of(const std::filesystem::path& file) {
     std::error_code error;
     return std::filesystem::weakly_canonical(std::filesystem::absolute(file, error), error);
@@ -171,9 +185,8 @@ std::uint64_t checksum_of(const core::Picture& picture) {
 
 std::string program_text() {
     const std::filesystem::path program("/proc/self/exe");
-    std::error_code error;
-    const bool known = std::filesystem::exists(program, error);
-    return std::string(RENDER2MPEG_VERSION) + " (build " + (known ? text_of(checksum_of(program)) : "unknown") + ")";
+    return std::string(RENDER2MPEG_VERSION) + " (build " +
+           (is_there(program) ? text_of(checksum_of(program)) : "unknown") + ")";
 }
 
 std::string text_of(std::uint64_t checksum) {

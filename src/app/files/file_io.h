@@ -2,7 +2,8 @@
 // Writes small files whole or not at all.
 #include <cstdint>
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -28,8 +29,15 @@ nlohmann::json read_json(const std::filesystem::path& file);
 
 void write_json(const std::filesystem::path& file, const nlohmann::json& value);
 
-/// JSON has neither infinities nor NaN.
-nlohmann::json finite_or_null(double value);
+/// JSON has neither infinities nor NaN. Null, too, where there is no value.
+nlohmann::json finite_or_null(std::optional<double> value);
+/// Null where it is empty.
+nlohmann::json text_or_null(const std::string& text);
+/// The value, or null where there is none.
+template <class Value>
+nlohmann::json or_null(const std::optional<Value>& value) {
+    return value ? nlohmann::json(*value) : nlohmann::json();
+}
 
 /// Prints safe lines (core::printable) to standard output. Throws core::Error.
 void print(const std::string& text);
@@ -38,6 +46,10 @@ void print(const std::string& text);
 void bring_to_disk(const std::filesystem::path& file);
 
 void bring_name_to_disk(const std::filesystem::path& file);
+
+/// Whether something has this name, or a plain file; false where that cannot be told.
+bool is_there(const std::filesystem::path& name);
+bool is_file(const std::filesystem::path& name);
 
 /// Absolute name with links followed; the file may be missing.
 std::filesystem::path canonical_of(const std::filesystem::path& file);

@@ -131,9 +131,8 @@ std::size_t LightFile::whole_of(std::string_view text, std::size_t from) const {
 }
 
 LightExtent LightFile::extent() const {
-    std::error_code error;
-    if (!std::filesystem::exists(file_, error)) return {};
-    if (!std::filesystem::is_regular_file(file_, error)) throw core::Error("reading", file_.string(), "it is no file");
+    if (!is_there(file_)) return {};
+    if (!is_file(file_)) throw core::Error("reading", file_.string(), "it is no file");
     const std::string text = file_text(file_);
     const std::size_t whole = whole_of(text);
     return whole == 0 ? LightExtent{} : LightExtent{whole, checksum_of_text(std::string_view(text).substr(0, whole))};
@@ -141,8 +140,7 @@ LightExtent LightFile::extent() const {
 
 std::vector<std::byte> LightFile::known(const LightExtent& beginning) const {
     if (beginning.bytes == 0) return {};
-    std::error_code error;
-    const std::string text = std::filesystem::exists(file_, error) ? file_text(file_) : std::string();
+    const std::string text = is_there(file_) ? file_text(file_) : std::string();
     if (text.size() < beginning.bytes ||
         checksum_of_text(std::string_view(text).substr(0, beginning.bytes)) != beginning.checksum)
         throw core::Error("reading", file_.string(),

@@ -7,15 +7,10 @@
 #include <filesystem>
 #include <iosfwd>
 #include <mutex>
-#include <optional>
 #include <span>
 #include <string>
 #include <thread>
 #include <vector>
-
-#include "app/options/film.h"
-#include "encoder/av/av.h"
-#include "encoder/types.h"
 
 namespace render2mpeg::app {
 
@@ -59,32 +54,5 @@ class OutputStream {
 /// Writes all that is left of `from` into a pipe or device. Waits for a reader as long as it takes. Throws core::Error,
 /// and Interrupted where an interruption came before all was taken.
 void write_into(const std::filesystem::path& file, std::istream& from);
-
-/// Writes coded pictures as a transport or elementary stream, each when the next one comes, since the last carries the
-/// end code. Throws core::Error.
-class FilmStream {
-  public:
-    /// `name`'s ending: .ts or .m2v.
-    FilmStream(OutputStream& out, const std::filesystem::path& name, const Film& film);
-
-    void write(const encoder::CodedPicture& picture);
-    /// After the last picture, at least one.
-    void finish();
-
-  private:
-    struct Waiting {
-        std::vector<std::uint8_t> bytes;
-        std::int64_t number = 0;
-        bool starts_gop = false;
-    };
-    void pass_on();
-
-    OutputStream& out_;
-    encoder::Codec codec_;
-    std::int64_t first_frame_;
-    av::Muxer muxer_;
-    std::int64_t coded_ = 0;  ///< pictures passed on
-    std::optional<Waiting> waiting_;
-};
 
 }  // namespace render2mpeg::app

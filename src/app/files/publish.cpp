@@ -37,6 +37,25 @@ void copy_chunk(const ChunkFile& chunk, av::Muxer& muxer, encoder::Codec codec, 
     }
 }
 
+/// Throws core::Error unless every decoded picture equals its reconstruction bit for bit.
+void verify(const std::filesystem::path& film, std::span<const ChunkFile> chunks) {
+    std::vector<PictureRecord> expected;
+    for (const ChunkFile& chunk : chunks)
+        expected.insert(expected.end(), chunk.pictures().begin(), chunk.pictures().end());
+    std::ranges::sort(expected, {}, &PictureRecord::number);
+
+    std::size_t decoded = 0;
+    av::decode(film, [&](const core::Picture& picture) {
+        if (decoded >= expected.size() || checksum_of(picture) != expected[decoded].checksum)
+            throw core::Error("verifying", film.string(),
+                              fmt::format("picture {} does not decode to what was encoded", decoded));
+        ++decoded;
+    });
+    if (decoded != expected.size())
+        throw core::Error("verifying", film.string(),
+                          fmt::format("{} of {} pictures decode", decoded, expected.size()));
+}
+
 /// Pipes and character devices are written to, not replaced.
 bool is_written_to(const std::filesystem::path& file) {
     std::error_code error;
@@ -106,18 +125,15 @@ std::vector<Doubt> doubts_of(const Wishes& wishes) {
             doubts.push_back({file.name, "is there already; -y replaces it"});
         if (!file.frames) continue;
         const std::vector<std::int64_t> there = numbers_on_disk(file.name);
-        const auto count = std::count_if(there.begin(), there.end(), [&](std::int64_t n) {
-            return n >= file.frames->first && n <= file.frames->last;
-        });
+        const auto count = std::ranges::count_if(there, [&](std::int64_t n) { return holds(*file.frames, n); });
         if (count > 0)
             doubts.push_back({file.name, fmt::format("{} of these images are there already; -y replaces them", count)});
     }
     std::vector<std::filesystem::path> folders;
     for (const std::filesystem::path& file : all) {
-        std::error_code error;
         const std::filesystem::path folder = file.parent_path();
-        if (file.empty() || folder.empty() || std::filesystem::exists(folder, error)) continue;
-        if (std::find(folders.begin(), folders.end(), folder) != folders.end()) continue;
+        if (file.empty() || folder.empty() || is_there(folder)) continue;
+        if (std::ranges::find(folders, folder) != folders.end()) continue;
         folders.push_back(folder);
         doubts.push_back({file, "there is no folder " + folder.string() + "; -y makes it"});
     }
@@ -144,24 +160,6 @@ void assemble(std::span<const ChunkFile> chunks, const Film& film, const std::fi
         coded_before += static_cast<std::int64_t>(chunk.pictures().size());
     }
     muxer.finish();
-}
-
-void verify(const std::filesystem::path& film, std::span<const ChunkFile> chunks) {
-    std::vector<PictureRecord> expected;
-    for (const ChunkFile& chunk : chunks)
-        expected.insert(expected.end(), chunk.pictures().begin(), chunk.pictures().end());
-    std::sort(expected.begin(), expected.end(), [](const auto& a, const auto& b) { return a.number < b.number; });
-
-    std::size_t decoded = 0;
-    av::decode(film, [&](const core::Picture& picture) {
-        if (decoded >= expected.size() || checksum_of(picture) != expected[decoded].checksum)
-            throw core::Error("verifying", film.string(),
-                              fmt::format("picture {} does not decode to what was encoded", decoded));
-        ++decoded;
-    });
-    if (decoded != expected.size())
-        throw core::Error("verifying", film.string(),
-                          fmt::format("{} of {} pictures decode", decoded, expected.size()));
 }
 
 void check_reachable(const std::filesystem::path& file) {

@@ -18,9 +18,6 @@ namespace render2mpeg::app {
 void assemble(std::span<const ChunkFile> chunks, const Film& film, const std::filesystem::path& file,
               const std::filesystem::path& name);
 
-/// Throws core::Error unless every decoded picture equals its reconstruction bit for bit.
-void verify(const std::filesystem::path& film, std::span<const ChunkFile> chunks);
-
 /// A file, or the files of a numbered sequence. An empty name is passed over.
 struct Files {
     Files(std::filesystem::path file) : name(std::move(file)) {}

@@ -65,7 +65,7 @@ std::vector<std::filesystem::path> entries_of(const std::filesystem::path& folde
 /// Whether a work folder holds only a lock, or an unfinished first manifest.
 bool holds_nothing(const std::filesystem::path& folder) {
     const std::vector<std::filesystem::path> entries = entries_of(folder);
-    return std::all_of(entries.begin(), entries.end(), [](const std::filesystem::path& entry) {
+    return std::ranges::all_of(entries, [](const std::filesystem::path& entry) {
         const std::string name = entry.filename().string();
         return name == lock_name || (name.starts_with(manifest_name) && name.ends_with(".tmp"));
     });
@@ -90,8 +90,7 @@ std::string name_of(const Chunk& chunk, const std::string& of = {}) {
 void refuse_other(const std::filesystem::path& output, const json& identity) {
     const std::filesystem::path folder = work_folder_of(output);
     const json earlier = manifest_in(folder);
-    std::error_code ignored;
-    if (earlier.empty() && !std::filesystem::exists(folder / manifest_name, ignored)) return;
+    if (earlier.empty() && !is_there(folder / manifest_name)) return;
     const std::string difference = earlier.empty() ? manifest_name + std::string(" is damaged in ") + folder.string()
                                                    : difference_of(earlier.value("identity", json()), identity);
     if (!difference.empty())
@@ -218,9 +217,7 @@ void WorkFolder::check(const std::filesystem::path& output) {
         throw core::Error("writing", folder.string(), "it belongs to another user, who may change what is in it");
     OutputLock::check(folder / lock_name, output);
     // Take only a folder with a manifest, or an empty one.
-    std::error_code error;
-    const bool ours =
-        S_ISDIR(there.st_mode) && (holds_nothing(folder) || std::filesystem::exists(folder / manifest_name, error));
+    const bool ours = S_ISDIR(there.st_mode) && (holds_nothing(folder) || is_there(folder / manifest_name));
     if (!ours)
         throw core::Error("writing", folder.string(),
                           "something of that name is in the way that is no unfinished film");
@@ -236,9 +233,8 @@ std::vector<Chunk> WorkFolder::left(const std::filesystem::path& output, const j
     std::vector<Chunk> left;
     if (!is_of(output, identity)) return left;
     const std::filesystem::path folder = work_folder_of(output);
-    std::error_code error;
     for (const Chunk& chunk : chunks)
-        if (std::filesystem::exists(ChunkFile::record_of(folder / name_of(chunk)), error)) left.push_back(chunk);
+        if (is_there(ChunkFile::record_of(folder / name_of(chunk)))) left.push_back(chunk);
     return left;
 }
 
@@ -261,9 +257,8 @@ void WorkFolder::drop_all_but(const std::vector<ChunkFile>& chunks) {
         const std::string name = entry.filename().string();
         const bool own = name == lock_name || name == manifest_name;
         // Streams, records, frames and heatmaps of chunks.
-        const bool wanted = std::any_of(chunks.begin(), chunks.end(), [&](const ChunkFile& chunk) {
-            return name.starts_with(chunk.file().stem().string() + ".");
-        });
+        const bool wanted = std::ranges::any_of(
+            chunks, [&](const ChunkFile& chunk) { return name.starts_with(chunk.file().stem().string() + "."); });
         if (!own && !wanted) std::filesystem::remove_all(entry);
     }
 }

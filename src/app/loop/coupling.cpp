@@ -1,50 +1,14 @@
 #include "app/loop/coupling.h"
 
-#include <algorithm>
 #include <memory>
 #include <utility>
 
 #include "core/error.h"
+#include "encoder/prediction.h"
 #include "encoder/step_sizes.h"
 #include "perceptual/tolerance.h"
 
 namespace render2mpeg::app {
-namespace {
-
-constexpr int side = 16;
-
-/// Samples at half pixels are rounded means of two or four. [H262, 7.6.4]
-void predict(const core::Plane<std::uint8_t>& reference, const encoder::MacroblockRecord& record, int left, int top,
-             core::Plane<std::uint8_t>& out) {
-    const int x_whole = record.motion_x >> 1, y_whole = record.motion_y >> 1;
-    const int x_half = record.motion_x & 1, y_half = record.motion_y & 1;
-    const int last_x = reference.width() - 1, last_y = reference.height() - 1;
-    for (int y = top; y < std::min(top + side, out.height()); ++y) {
-        const std::uint8_t* upper = reference.row(std::clamp(y + y_whole, 0, last_y));
-        const std::uint8_t* lower = reference.row(std::clamp(y + y_whole + y_half, 0, last_y));
-        for (int x = left; x < std::min(left + side, out.width()); ++x) {
-            const int a = std::clamp(x + x_whole, 0, last_x), b = std::clamp(x + x_whole + x_half, 0, last_x);
-            // Full-pixel samples are counted two or four times, which keeps their rounded mean.
-            out.at(x, y) = static_cast<std::uint8_t>((upper[a] + upper[b] + lower[a] + lower[b] + 2) >> 2);
-        }
-    }
-}
-
-}  // namespace
-
-core::Plane<std::uint8_t> prediction_of(const encoder::CodedPicture& coded,
-                                        const core::Plane<std::uint8_t>& reference) {
-    const core::Plane<std::uint8_t>& decoded = coded.reconstruction.y;
-    EXPECTS(reference.width() == decoded.width() && reference.height() == decoded.height());
-    core::Plane<std::uint8_t> prediction(decoded.width(), decoded.height(), 0);
-    for (int row = 0; row < coded.macroblocks.height(); ++row)
-        for (int column = 0; column < coded.macroblocks.width(); ++column) {
-            const encoder::MacroblockRecord& record = coded.macroblocks.at(column, row);
-            if (!record.intra) predict(reference, record, side * column, side * row, prediction);
-        }
-    return prediction;
-}
-
 void Coupling::forget() {
     state_.reset();
     requantised_.reset();
@@ -106,7 +70,7 @@ perceptual::CodedFacts Coupling::facts_of(const encoder::CodedPicture& coded) co
     }
     facts.reconstruction = coded.reconstruction.y;
     if (coded.plan.type == encoder::PictureType::predicted && coded.tells_vectors)
-        facts.prediction = prediction_of(coded, reference_);
+        facts.prediction = encoder::prediction_of(coded, reference_);
     return facts;
 }
 

@@ -20,10 +20,6 @@ struct CouplingSettings {
     std::optional<float> fraction;
 };
 
-/// Prediction of a P picture's macroblocks: luma of its decoded `reference` displaced by their vectors [H262, 7.6.4],
-/// edges repeated. Intra macroblocks are 0.
-core::Plane<std::uint8_t> prediction_of(const encoder::CodedPicture& coded, const core::Plane<std::uint8_t>& reference);
-
 /// Temporal state over one chunk: from coded pictures to the next frames' tolerances. Tolerances come from the newest
 /// coded I or P picture, which the plans alone determine.
 class Coupling {
@@ -52,7 +48,6 @@ class Coupling {
 
   private:
     float fraction_for(const encoder::PicturePlan& plan) const;
-    /// Step sizes of a picture of this type and quantiser.
     perceptual::CodingPlan steps_of(encoder::PictureType type, int quantiser) const;
     perceptual::CodedFacts facts_of(const encoder::CodedPicture& coded) const;
 

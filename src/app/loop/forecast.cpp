@@ -6,7 +6,6 @@
 #include <cmath>
 #include <set>
 #include <span>
-#include <utility>
 
 #include "app/loop/pipeline.h"
 #include "app/loop/scene_settings.h"
@@ -16,6 +15,7 @@
 #include "core/error.h"
 #include "core/numeric.h"
 #include "core/text.h"
+#include "encoder/av/file_size.h"
 #include "encoder/codec.h"
 #include "image/image.h"
 #include "parallel/loops.h"
@@ -127,7 +127,7 @@ double groups_of(const RenderJob& film, const std::vector<std::int64_t>& cuts) {
 FrameCost later_of(std::span<const FrameEntry> frames, const std::vector<std::int64_t>& firsts) {
     Mean seconds[2], bytes[2];  // of P pictures, and of B pictures or what is not coded
     for (const FrameEntry& entry : frames) {
-        if (std::find(firsts.begin(), firsts.end(), entry.frame) != firsts.end()) continue;
+        if (std::ranges::find(firsts, entry.frame) != firsts.end()) continue;
         const int kind = entry.type == 'P' || entry.type == 'I' ? 0 : 1;
         seconds[kind].add(entry.seconds);
         bytes[kind].add(static_cast<double>(entry.bytes));
@@ -215,7 +215,7 @@ double file_bytes(const RenderJob& film, const std::filesystem::path& output, do
     const std::int64_t rate = film.coding.rate_control.bit_rate;
     const double bytes = rate > 0 ? static_cast<double>(rate) / 8 * frames / film.rate.hertz.value() : pictures;
     // chosen: what containers take is told for films that must not be larger; half of it is usual.
-    return bytes + 0.5 * (file_of_pictures(bytes, film.frame_count(), output, film.disc) - bytes) +
+    return bytes + 0.5 * (av::file_of_pictures(bytes, film.frame_count(), output, film.disc) - bytes) +
            sound_bytes(film.sound, output, frames / film.rate.hertz.value());
 }
 

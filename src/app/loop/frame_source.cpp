@@ -21,6 +21,9 @@
 namespace render2mpeg::app {
 namespace {
 
+/// Upper bound on a pipe's frames: more than a year.
+constexpr std::int64_t most_piped_frames = std::int64_t{1} << 31;
+
 void check_range(const FrameRange& wanted, const FrameRange& there, const std::string& name) {
     if (wanted.first < there.first || wanted.last > there.last)
         throw core::Error(
@@ -28,41 +31,44 @@ void check_range(const FrameRange& wanted, const FrameRange& there, const std::s
             fmt::format("it has frames {} to {}, not {} to {}", there.first, there.last, wanted.first, wanted.last));
 }
 
-class Y4mFrames : public FrameSource {
+/// Frames of a YUV4MPEG2 stream, one at a time.
+class Y4mSource : public FrameSource {
+  protected:
+    void take(const av::Y4mFormat& format) {
+        size_ = {format.width, format.height};
+        rate_ = format.hertz;
+        pixel_aspect_ = format.pixel_aspect;
+    }
+    std::mutex mutex_;
+};
+
+class Y4mFrames : public Y4mSource {
   public:
-    Y4mFrames(const std::filesystem::path& file, const std::optional<FrameRange>& wanted)
-        : reader_(file), frames_{0, reader_.frames() - 1} {
+    Y4mFrames(const std::filesystem::path& file, const std::optional<FrameRange>& wanted) : reader_(file) {
+        take(reader_.format());
+        frames_ = {0, reader_.frames() - 1};
         if (wanted) check_range(*wanted, frames_, file.string());
         if (wanted) frames_ = *wanted;
     }
-    Size size() const override { return {reader_.format().width, reader_.format().height}; }
-    FrameRange frames() const override { return frames_; }
-    std::optional<core::Rational> rate() const override { return reader_.format().hertz; }
-    std::optional<core::Rational> pixel_aspect() const override { return reader_.format().pixel_aspect; }
     std::optional<core::Picture> read(std::int64_t frame) override {
         const std::lock_guard lock(mutex_);
         return reader_.read(frame);
     }
 
   private:
-    std::mutex mutex_;
     av::Y4mReader reader_;
-    FrameRange frames_;
 };
 
 /// Y4M from standard input. A reader keeps the frames that others asked for.
-class PipedFrames : public FrameSource {
+class PipedFrames : public Y4mSource {
   public:
-    explicit PipedFrames(const std::optional<FrameRange>& wanted)
-        : pipe_(std::cin, "standard input"), frames_{0, most_piped_frames - 1} {
+    explicit PipedFrames(const std::optional<FrameRange>& wanted) : pipe_(std::cin, "standard input") {
+        take(pipe_.format());
+        frames_ = {0, most_piped_frames - 1};
+        is_open_ended_ = true;
         if (wanted)
             throw core::Error("frames: standard input has no frames to choose from; choose where they are made");
     }
-    Size size() const override { return {pipe_.format().width, pipe_.format().height}; }
-    FrameRange frames() const override { return frames_; }
-    bool is_open_ended() const override { return true; }
-    std::optional<core::Rational> rate() const override { return pipe_.format().hertz; }
-    std::optional<core::Rational> pixel_aspect() const override { return pipe_.format().pixel_aspect; }
     std::optional<core::Picture> read(std::int64_t frame) override {
         const std::lock_guard lock(mutex_);
         for (; !ended_ && next_ <= frame; ++next_) {
@@ -75,9 +81,7 @@ class PipedFrames : public FrameSource {
     }
 
   private:
-    std::mutex mutex_;
     av::Y4mPipe pipe_;
-    FrameRange frames_;
     std::map<std::int64_t, core::Picture> waiting_;  ///< read, and not asked for yet
     std::int64_t next_ = 0;
     bool ended_ = false;
@@ -99,10 +103,8 @@ class ImageFrames : public FrameSource {
     ImageFrames(const std::filesystem::path& pattern, std::optional<float> exposure,
                 const std::optional<FrameRange>& wanted, const FilmSignals& film,
                 std::shared_ptr<SharedChannels> shared)
-        : pattern_(pattern),
-          frames_(wanted ? *wanted : frames_on_disk(pattern)),
-          keeps_codes_(film.keeps_codes),
-          shared_(std::move(shared)) {
+        : pattern_(pattern), keeps_codes_(film.keeps_codes), shared_(std::move(shared)) {
+        frames_ = wanted ? *wanted : frames_on_disk(pattern);
         for (std::int64_t n = frames_.first; n <= frames_.last; ++n)
             if (!std::filesystem::exists(numbered(pattern_, n)))
                 throw core::Error("reading", numbered(pattern_, n).string(), "no such file");
@@ -110,20 +112,14 @@ class ImageFrames : public FrameSource {
         size_ = {first.pixels.width(), first.pixels.height()};
         matrix_ = film.matrix.value_or(perceptual::matrix_for(size_.height));
         display_.emplace(exposure.value_or(0.0f), matrix_, film.view);
-        if (first.pixel_aspect > 0.001f && first.pixel_aspect < 1000) pixel_aspect_ = first.pixel_aspect;
+        // Files that know no other shape say square pixels.
+        if (first.pixel_aspect > 0.001f && first.pixel_aspect < 1000 && first.pixel_aspect != 1)
+            pixel_aspect_ = core::product({std::lround(10000 * first.pixel_aspect), 10000}, {1, 1});
         if (exposure && !first.high_range)
             throw core::Error("exposure: the frames of " + pattern.string() +
                               " are as a display shows them; only scene-linear ones (EXR) are exposed");
     }
-    Size size() const override { return size_; }
-    FrameRange frames() const override { return frames_; }
     std::uint64_t non_finite() const override { return non_finite_; }
-    /// Files that know no other shape say square pixels.
-    std::optional<core::Rational> pixel_aspect() const override {
-        if (pixel_aspect_ == 1) return {};
-        return core::product({std::lround(10000 * pixel_aspect_), 10000}, {1, 1});
-    }
-
     std::optional<core::Picture> read(std::int64_t frame) override {
         const image::Image image = read_image(frame);
         if (image.pixels.width() != size_.width || image.pixels.height() != size_.height)
@@ -148,8 +144,8 @@ class ImageFrames : public FrameSource {
     image::Image read_image(std::int64_t frame) const {
         const std::filesystem::path file = numbered(pattern_, frame);
         if (core::ending_of(file) != ".exr") return image::read_image(file, {}, file.string());
-        image::ExrFrame read =
-            image::read_exr_frame(file, [&](const std::string& channel) { return shared_ && is_motion(channel); });
+        image::ExrFrame read = image::read_exr_frame(
+            file, [&](const std::string& channel) { return shared_ && image::is_motion(channel); });
         if (shared_) shared_->put(frame, std::move(read.others));
         return std::move(read.image);
     }
@@ -168,12 +164,9 @@ class ImageFrames : public FrameSource {
     }
 
     std::filesystem::path pattern_;
-    FrameRange frames_;
     std::optional<perceptual::Display> display_;
     bool keeps_codes_;
-    Size size_;
     perceptual::ColorMatrix matrix_ = perceptual::ColorMatrix::bt709;
-    float pixel_aspect_ = 1;
     std::shared_ptr<SharedChannels> shared_;
     std::atomic<std::uint64_t> non_finite_ = 0;
 };

@@ -18,26 +18,29 @@
 
 namespace render2mpeg::app {
 
-/// Upper bound on a pipe's frames: more than a year.
-inline constexpr std::int64_t most_piped_frames = std::int64_t{1} << 31;
-
 /// Finished frames from outside: a Y4M file, numbered images, or Y4M from a pipe.
 class FrameSource {
   public:
     virtual ~FrameSource() = default;
 
-    virtual Size size() const = 0;
+    Size size() const { return size_; }
     /// All frames, without a gap; of an open-ended source the most there may be.
-    virtual FrameRange frames() const = 0;
-    virtual bool is_open_ended() const { return false; }
+    FrameRange frames() const { return frames_; }
+    bool is_open_ended() const { return is_open_ended_; }
     /// None where the frames do not say.
-    virtual std::optional<core::Rational> rate() const { return {}; }
-    virtual std::optional<core::Rational> pixel_aspect() const { return {}; }
+    std::optional<core::Rational> rate() const { return rate_; }
+    std::optional<core::Rational> pixel_aspect() const { return pixel_aspect_; }
     /// Reads a frame, each once; none behind the end of an open-ended source. Thread-safe. Throws core::Error, also for
     /// another size.
     virtual std::optional<core::Picture> read(std::int64_t frame) = 0;
     /// Non-finite values that became 0 so far.
     virtual std::uint64_t non_finite() const { return 0; }
+
+  protected:
+    Size size_;
+    FrameRange frames_;
+    bool is_open_ended_ = false;
+    std::optional<core::Rational> rate_, pixel_aspect_;
 };
 
 /// Signals of a film made of images.

@@ -22,8 +22,7 @@ std::vector<core::MotionField> Motion::take(std::span<const std::int64_t> refere
 std::shared_ptr<const scene::Snapshot> PosedFrames::at(std::int64_t frame) {
     // chosen: 6: a frame, the one before, two references, the frame that tolerances come from, and the horizon.
     constexpr std::size_t most = 6;
-    const auto known =
-        std::find_if(latest_.begin(), latest_.end(), [&](const auto& snapshot) { return snapshot->frame == frame; });
+    const auto known = std::ranges::find(latest_, frame, [](const auto& snapshot) { return snapshot->frame; });
     if (known != latest_.end())
         std::rotate(known, known + 1, latest_.end());
     else

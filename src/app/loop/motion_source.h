@@ -1,5 +1,4 @@
 #pragma once
-#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <filesystem>
@@ -15,8 +14,11 @@
 #include "core/motion_field.h"
 #include "encoder/look_ahead.h"
 #include "image/image.h"
+#include "image/motion_file.h"
 
 namespace render2mpeg::app {
+
+using image::MotionConvention;
 
 /// Channels of numbered files, read together with their frames by another thread. Each is taken once.
 class SharedChannels {
@@ -38,21 +40,6 @@ class SharedChannels {
     std::map<std::int64_t, image::ExrChannels> waiting_;
 };
 
-/// How compositing files write motion (docs/coding.md).
-enum class MotionConvention { blender, nuke };
-
-/// Motion of one frame to its neighbours.
-struct FrameMotion {
-    core::MotionField to_previous, to_next;  ///< to the frames `frame - 1` and `frame + 1`
-};
-
-/// Reads motion from an OpenEXR file. Throws core::Error without such channels, or for another size.
-FrameMotion read_motion(const std::filesystem::path& file, std::int64_t frame, int width, int height,
-                        MotionConvention convention);
-
-/// Whether a channel holds motion or pixel classes.
-bool is_motion(const std::string& channel);
-
 /// Motion between any two frames from steps between neighbours; a path ends (class `none`) outside the picture or at
 /// another class. Over several frames only every second pixel and row has one, and the last: the encoder reads no
 /// others.
@@ -68,7 +55,7 @@ class MotionSource {
 
   private:
     /// Valid until the next call.
-    virtual const FrameMotion& frame(std::int64_t number) = 0;
+    virtual const image::FrameMotion& frame(std::int64_t number) = 0;
 };
 
 /// Motion of numbered files, read ahead: OpenEXR, or motion streams.
@@ -86,53 +73,16 @@ class VectorLayers : public MotionSource {
     static constexpr std::int64_t reach = 16;
 
   private:
-    const FrameMotion& frame(std::int64_t number) override;
-    FrameMotion read(std::int64_t number) const;
+    const image::FrameMotion& frame(std::int64_t number) override;
+    image::FrameMotion read(std::int64_t number) const;
 
     std::filesystem::path pattern_;
     MotionConvention convention_;
     int width_, height_;
     std::shared_ptr<SharedChannels> shared_;
-    std::map<std::int64_t, FrameMotion> read_;                  ///< the frames asked for last
-    std::int64_t last_ = -1;                                    ///< frame that may be read before it is asked for
-    std::map<std::int64_t, std::future<FrameMotion>> reading_;  ///< in threads of their own
-};
-
-/// Writes one frame's motion as a stream of version 2. `kinds`: pixel classes. Throws core::Error.
-void write_motion_file(const std::filesystem::path& file, const core::MotionField& to_previous,
-                       const core::MotionField& to_next, const core::Plane<core::PixelClass>& kinds);
-
-/// Reads a stream of one frame. Throws core::Error.
-FrameMotion read_motion_file(const std::filesystem::path& file, std::int64_t number, int width, int height);
-
-/// Header of a motion stream, 32 bytes (docs/coding.md).
-struct MotionHeader {
-    int width = 0, height = 0;
-    int fields = 1;        ///< of each frame: 1, to the frame before; 2, and to the frame after
-    bool compact = false;  ///< vectors are 16-bit steps, else floats
-};
-
-/// Reads a stream from a descriptor and counts bytes for messages.
-class MotionBytes {
-  public:
-    MotionBytes(int descriptor, std::string name) : descriptor_(descriptor), name_(std::move(name)) {}
-
-    /// Throws core::Error for no header, or another size.
-    MotionHeader header(int width, int height);
-    /// The next frame; false at the stream's end. Throws core::Error.
-    bool frame(const MotionHeader& header, std::int64_t number, FrameMotion& motion);
-    void stop() { stopped_ = true; }
-
-  private:
-    /// Fills all of it; false at the stream's end. Throws core::Error within.
-    bool read(void* into, std::size_t size);
-    bool vectors(const MotionHeader& header, core::Plane<glm::vec2>& vectors);
-    [[noreturn]] void refuse(const std::string& cause) const;
-
-    int descriptor_;
-    std::string name_;
-    std::uint64_t at_ = 0;
-    std::atomic<bool> stopped_{false};
+    std::map<std::int64_t, image::FrameMotion> read_;  ///< the frames asked for last
+    std::int64_t last_ = -1;                           ///< frame that may be read before it is asked for
+    std::map<std::int64_t, std::future<image::FrameMotion>> reading_;  ///< in threads of their own
 };
 
 /// Motion from a descriptor ("fd:3") or a pipe ("x.motion"), read ahead as far as pictures are, since the writer of
@@ -147,17 +97,17 @@ class MotionPipe : public MotionSource {
     ~MotionPipe() override;
 
   private:
-    const FrameMotion& frame(std::int64_t number) override;
+    const image::FrameMotion& frame(std::int64_t number) override;
     void read_ahead();
 
     std::string name_;
     int descriptor_;
     bool own_;  ///< the descriptor was opened here
-    MotionBytes bytes_;
-    MotionHeader header_;
+    image::MotionBytes bytes_;
+    image::MotionHeader header_;
     std::mutex mutex_;
     std::condition_variable changed_;
-    std::map<std::int64_t, FrameMotion> read_;
+    std::map<std::int64_t, image::FrameMotion> read_;
     std::int64_t next_ = 0, asked_ = 0;  ///< frame to be read next; the latest that was asked for
     bool ended_ = false, stopped_ = false;
     std::string failure_;

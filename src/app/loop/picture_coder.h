@@ -15,38 +15,11 @@
 #include "core/plane.h"
 #include "encoder/coder.h"
 #include "encoder/look_ahead.h"
+#include "encoder/quality_control.h"
 #include "encoder/types.h"
 #include "scene/model/animation.h"
 
 namespace render2mpeg::app {
-
-/// PSNR-HVS-M that a quality of 0..100 stands for, dB.
-double psnr_of_quality(double quality);
-
-/// Finds the quantisers that bring a film's PSNR-HVS-M to a quality: from the errors that its pictures came to. Knows
-/// one chunk, so that chunks do not depend on one another.
-class QualityControl {
-  public:
-    explicit QualityControl(double quality);
-
-    /// Factor on the quantisers of the quality for the next picture.
-    double factor() const;
-    /// Learns the masked error of a picture (perceptual/metrics.h). `base`: its quantiser without the ratio of
-    /// its type and followers.
-    void learn(encoder::PictureType type, double base, double masked_error);
-    /// Takes over another one's model of errors by quantiser, not its history of shown pictures.
-    void expect(const QualityControl& trial);
-    /// The next picture shows nothing of those before.
-    void forget();
-
-  private:
-    double wanted_;        ///< masked error
-    double usual_;         ///< base quantiser of the quality
-    double density_ = 0;   ///< of the film: error at base quantiser 1, mean over pictures lately
-    double weight_ = 0;    ///< pictures that this mean is of
-    double shown_ = 0;     ///< sum of the errors shown lately
-    double pictures_ = 0;  ///< and how many pictures these are
-};
 
 /// First frames of the animation's shots.
 std::vector<std::int64_t> shots_of(const scene::Animation& animation);
@@ -95,10 +68,10 @@ class PictureCoder {
     std::unique_ptr<encoder::Coder> coder_;
     std::vector<encoder::FirstPassPicture> trial_;
     std::int64_t gop_start_ = 0;
-    bool continues_ = false;                 ///< the picture planned last goes on from the one before
-    core::Plane<std::uint8_t> last_luma_;    ///< of the picture coded last; empty: none in this chunk
-    std::optional<double> light_change_;     ///< from the picture before that; none: not known
-    std::optional<QualityControl> quality_;  ///< none: not asked for
+    bool continues_ = false;                          ///< the picture planned last goes on from the one before
+    core::Plane<std::uint8_t> last_luma_;             ///< of the picture coded last; empty: none in this chunk
+    std::optional<double> light_change_;              ///< from the picture before that; none: not known
+    std::optional<encoder::QualityControl> quality_;  ///< none: not asked for
     std::map<std::int64_t, core::Plane<std::uint8_t>> unjudged_;  ///< luma of pictures being coded
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <span>
 #include <system_error>
 #include <utility>
 
@@ -12,7 +13,6 @@
 #include "app/options/mistakes.h"
 #include "app/options/option_text.h"
 #include "app/options/usage_error.h"
-#include "app/system/image_reader.h"
 #include "app/system/progress.h"
 #include "core/color.h"
 #include "core/error.h"
@@ -191,8 +191,8 @@ std::vector<Chunk> RenderJob::chunks() const {
     std::vector<Chunk> all = chunks_of(frames, coding.gop);
     if (!part) return all;
     EXPECTS(part->first <= part->last && part->last < all.size());
-    return {all.begin() + static_cast<std::ptrdiff_t>(part->first),
-            all.begin() + static_cast<std::ptrdiff_t>(part->last) + 1};
+    const auto own = std::span(all).subspan(part->first, part->count());
+    return {own.begin(), own.end()};
 }
 
 core::ToleranceMap RenderJob::tolerance_map() const {
@@ -208,8 +208,7 @@ core::ToleranceMap RenderJob::tolerance_map() const {
 bool RenderJob::has_alpha() const {
     if (kind != OutputKind::png && kind != OutputKind::exr) return false;
     const auto& materials = animation->materials;
-    return animation->transparent ||
-           std::any_of(materials.begin(), materials.end(), [](const auto& material) { return material.holdout; });
+    return animation->transparent || std::ranges::any_of(materials, &scene::Material::holdout);
 }
 
 RenderJob without(const RenderJob& film, renderer::Pass effect) {
@@ -241,7 +240,7 @@ void check_scene(const std::filesystem::path& input) {
     std::vector<std::string> names;
     for (const auto& entry : std::filesystem::directory_iterator(folder, error))
         if (entry.exists(error)) names.push_back(entry.path().filename().string());
-    std::sort(names.begin(), names.end());
+    std::ranges::sort(names);
     const std::string before = (input.parent_path() / "").string();
     throw core::Error("reading", input.string(),
                       "there is no such file" + core::did_you_mean(input.filename().string(), names, before));

@@ -13,7 +13,6 @@
 #include "app/loop/first_pass.h"
 #include "app/system/interrupt.h"
 #include "app/system/terminal.h"
-#include "core/error.h"
 #include "scene/preparation/traits.h"
 
 namespace render2mpeg::app {
@@ -54,13 +53,29 @@ std::string range_of(const FrameRange& frames) {
     return fmt::format("{}:{}", frames.first, frames.last);
 }
 
+/// Files of the scene; some may be missing.
+std::vector<std::filesystem::path> scene_files_of(const RenderJob& film, const RenderOptions& options) {
+    std::vector<std::filesystem::path> files{options.input};
+    for (const std::filesystem::path& file : film.animation->files) files.push_back(file);
+    for (const scene::ImageSource& image : film.animation->images) files.push_back(image.path);
+    return files;
+}
+
+/// Checksums of files by their names. A missing image is shown as missing; a list of keyframes is no file.
+json sums_by_name(const std::vector<std::filesystem::path>& files) {
+    json sums = json::object();
+    for (const std::filesystem::path& file : files) {
+        if (!is_file(file)) continue;
+        json& sum = sums[canonical_of(file).string()];
+        if (sum.is_null()) sum = text_of(checksum_of(file));
+    }
+    return sums;
+}
+
 json sums_of(const std::vector<std::filesystem::path>& files) {
     json sums = json::array();
-    for (const std::filesystem::path& file : files) {
-        std::error_code error;
-        const bool there = std::filesystem::is_regular_file(file, error);
-        sums.push_back(there ? json(text_of(checksum_of(file))) : json());
-    }
+    for (const std::filesystem::path& file : files)
+        sums.push_back(is_file(file) ? json(text_of(checksum_of(file))) : json());
     return sums;
 }
 
@@ -84,8 +99,8 @@ bool take_in(const RenderJob& film, const RenderOptions& options, const WorkFold
 std::int64_t first_missing(const RenderJob& film, const std::vector<ChunkFile>& files) {
     const std::vector<Chunk> chunks = film.chunks();
     for (const Chunk& chunk : chunks)
-        if (std::none_of(files.begin(), files.end(),
-                         [&](const ChunkFile& file) { return file.chunk().index == chunk.index && is_whole(file); }))
+        if (std::ranges::none_of(
+                files, [&](const ChunkFile& file) { return file.chunk().index == chunk.index && is_whole(file); }))
             return chunk.first;
     return chunks.back().last + 1;
 }
@@ -114,10 +129,30 @@ std::pair<std::filesystem::path, std::string> mark_of(const RenderJob& film, con
     return {files[0], text_of(sum.value())};
 }
 
+/// All that decides the light on a film's surfaces, whatever its coding. Other frames and sizes find little of it.
+json light_identity_of(const RenderJob& film, const RenderOptions& options) {
+    const renderer::Settings& s = film.rendering;
+    json words = json::object();
+    for (const char* name : {"--animation", "--camera", "--variant", "--sky", "--fog"})
+        if (options.is_given(name)) words[name] = options.said.at(name);
+    return {{"render2mpeg", program_text()},
+            {"instruction set", core::name_of(s.isa)},
+            {"inputs", sums_by_name(scene_files_of(film, options))},
+            {"options", words},
+            {"--light", options.light},
+            {"--caustics", options.caustics},
+            {"--clamp", options.clamp},
+            {"light points", s.direct_points},
+            {"depth of mirrors", s.specular_depth},
+            {"largest cut", s.max_cut},
+            {"seed", s.seed},
+            {"draw", s.draw}};
+}
+
 json json_of(const encoder::BitAllocation& a) {
     return {{"quantiser", a.quantiser},      {"bits", a.bits},
             {"bits_left", a.bits_left},      {"type", a.type ? json(static_cast<int>(*a.type)) : json(nullptr)},
-            {"affordable", a.affordable},    {"ratio", a.ratio ? json(*a.ratio) : json(nullptr)},
+            {"affordable", a.affordable},    {"ratio", or_null(a.ratio)},
             {"left_by_type", a.left_by_type}};
 }
 
@@ -148,56 +183,21 @@ std::vector<encoder::BitAllocation> allocations_from(const RenderJob& film, cons
 }  // namespace
 
 std::vector<Files> inputs_of(const RenderJob& film, const RenderOptions& options) {
-    std::vector<Files> inputs{Files(options.input)};
-    for (const std::filesystem::path& file : film.animation->files) inputs.emplace_back(file);
-    for (const scene::ImageSource& image : film.animation->images) inputs.emplace_back(image.path);
+    const std::vector<std::filesystem::path> scene = scene_files_of(film, options);
+    std::vector<Files> inputs(scene.begin(), scene.end());
     inputs.emplace_back(options.coding.keyframes.value_or(""));
     inputs.emplace_back(film.sound.file);
     return inputs;
 }
 
 json identity_of(const RenderJob& film, const RenderOptions& options) {
-    json inputs = json::object();
-    for (const Files& input : inputs_of(film, options)) {
-        std::error_code error;
-        // A missing image is shown as missing; a list of keyframes is no file.
-        if (!std::filesystem::is_regular_file(input.name, error)) continue;
-        json& sum = inputs[canonical_of(input.name).string()];
-        if (sum.is_null()) sum = text_of(checksum_of(input.name));
-    }
+    json inputs = sums_by_name(scene_files_of(film, options));
+    inputs.update(sums_by_name({options.coding.keyframes.value_or(""), film.sound.file}));
     return {{"render2mpeg", program_text()},
             {"instruction set", core::name_of(film.rendering.isa)},
             {"frame range", range_of(film.frames)},
             {"options", options_of(options)},
             {"inputs", inputs}};
-}
-
-json light_identity_of(const RenderJob& film, const RenderOptions& options) {
-    json inputs = json::object();
-    const auto add = [&](const std::filesystem::path& file) {
-        std::error_code error;
-        if (std::filesystem::is_regular_file(file, error))
-            inputs[canonical_of(file).string()] = text_of(checksum_of(file));
-    };
-    add(options.input);
-    for (const std::filesystem::path& file : film.animation->files) add(file);
-    for (const scene::ImageSource& image : film.animation->images) add(image.path);
-    const renderer::Settings& s = film.rendering;
-    json words = json::object();
-    for (const char* name : {"--animation", "--camera", "--variant", "--sky", "--fog"})
-        if (options.is_given(name)) words[name] = options.said.at(name);
-    return {{"render2mpeg", program_text()},
-            {"instruction set", core::name_of(s.isa)},
-            {"inputs", inputs},
-            {"options", words},
-            {"--light", options.light},
-            {"--caustics", options.caustics},
-            {"--clamp", options.clamp},
-            {"light points", s.direct_points},
-            {"depth of mirrors", s.specular_depth},
-            {"largest cut", s.max_cut},
-            {"seed", s.seed},
-            {"draw", s.draw}};
 }
 
 std::string why_no_light_file(const RenderJob& film) {
@@ -304,7 +304,7 @@ void settle(RenderJob& film, const RenderOptions& options, WorkFolder* work, Run
 
 std::string resuming_text(const RenderJob& film, const std::vector<ChunkFile>& files, const std::string& command) {
     const std::vector<Chunk> chunks = film.chunks();
-    if (std::none_of(files.begin(), files.end(), &is_whole))
+    if (std::ranges::none_of(files, &is_whole))
         return fmt::format("no chunk of {} frames is whole yet, so that --resume would begin anew",
                            chunks.front().frames());
     const std::int64_t next = first_missing(film, files);

@@ -24,9 +24,6 @@ nlohmann::json identity_of(const RenderJob& film, const RenderOptions& options);
 /// The same for a film of finished frames, which cannot be resumed: its command and folder.
 nlohmann::json identity_of(const Film& film, const std::string& command);
 
-/// The same for light on the film's surfaces, whatever its coding. Other frames and sizes find little of it.
-nlohmann::json light_identity_of(const RenderJob& film, const RenderOptions& options);
-
 /// Why --light-cache has no effect, in words; empty where it has.
 std::string why_no_light_file(const RenderJob& film);
 

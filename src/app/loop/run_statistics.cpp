@@ -7,10 +7,8 @@
 #include <cmath>
 #include <ctime>
 #include <nlohmann/json.hpp>
-#include <numeric>
 #include <type_traits>
 
-#include "core/numeric.h"
 #include "perceptual/metrics.h"
 
 namespace render2mpeg::app {
@@ -21,82 +19,44 @@ using nlohmann::json;
 /// Rule for the sum of a counter over two parts of one film.
 enum class How { added, largest, apart };
 
-/// Lists the members of an entry, for writing and reading.
-template <class Entry, class Visit>
-void each_member(Entry& e, Visit&& visit) {
+/// One row: a counter under the name of its member. `s`: what it is of, or two of a kind.
+#define ADDED(member) visit(#member, How::added, s.member...);
+#define ROWS(row, ...) NLOHMANN_JSON_EXPAND(NLOHMANN_JSON_PASTE(row, __VA_ARGS__))
+
+template <class Visit, class... Entries>
+void each_member(Visit&& visit, Entries&... s) {
     using enum How;
-    visit("frame", added, e.frame);
-    visit("type", added, e.type);
-    visit("quantiser", added, e.quantiser);
-    visit("mean_quantiser", added, e.mean_quantiser);
-    visit("bytes", added, e.bytes);
-    visit("planned_quantiser", added, e.planned_quantiser);
-    visit("tries", added, e.tries);
-    visit("minimal", added, e.minimal);
-    visit("stuffing", added, e.stuffing);
-    visit("fullness_before", added, e.fullness_before);
-    visit("fullness_after", added, e.fullness_after);
-    visit("vectors_tried_exact", added, e.motion.evaluations.exact);
-    visit("vectors_tried_predicted", added, e.motion.evaluations.predicted);
-    visit("vectors_tried_searched", added, e.motion.evaluations.searched);
-    visit("vectors_chosen_exact", added, e.motion.chosen.exact);
-    visit("vectors_chosen_predicted", added, e.motion.chosen.predicted);
-    visit("vectors_chosen_searched", added, e.motion.chosen.searched);
-    visit("searches", added, e.motion.searches);
-    visit("mse_y", added, e.mse_y);
-    visit("ssim_y", added, e.ssim_y);
-    visit("pumping", added, e.pumping);
-    visit("shadow_rays", added, e.shadow_rays);
-    visit("direct_cut", added, e.direct_cut);
-    visit("indirect_cut", added, e.indirect_cut);
-    visit("records_created", added, e.records.created);
-    visit("records_live", added, e.records.live);
-    visit("records_served", added, e.records.served);
-    visit("seconds", added, e.seconds);
+    ROWS(ADDED, frame, type, quantiser, mean_quantiser, bytes, planned_quantiser, tries, minimal, stuffing)
+    ROWS(ADDED, fullness_before, fullness_after, mse_y, ssim_y, pumping, shadow_rays, direct_cut, indirect_cut, seconds)
+    visit("vectors_tried_exact", added, s.motion.evaluations.exact...);
+    visit("vectors_tried_predicted", added, s.motion.evaluations.predicted...);
+    visit("vectors_tried_searched", added, s.motion.evaluations.searched...);
+    visit("vectors_chosen_exact", added, s.motion.chosen.exact...);
+    visit("vectors_chosen_predicted", added, s.motion.chosen.predicted...);
+    visit("vectors_chosen_searched", added, s.motion.chosen.searched...);
+    visit("searches", added, s.motion.searches...);
+    visit("records_created", added, s.records.created...);
+    visit("records_live", added, s.records.live...);
+    visit("records_served", added, s.records.served...);
 }
 
-/// Lists the renderer's counts, of one run or of two.
 template <class Visit, class... Counts>
 void each_count(Visit&& visit, Counts&... s) {
     using enum How;
-    visit("primary_rays", added, s.primary_rays...);
-    visit("shadow_rays", added, s.shadow_rays...);
-    visit("gather_rays", added, s.gather_rays...);
-    visit("photon_rays", added, s.photon_rays...);
-    visit("specular_rays", added, s.specular_rays...);
-    visit("air_rays", added, s.air_rays...);
-    visit("exposure_rays", added, s.exposure_rays...);
-    visit("exposed_pixels", added, s.exposed_pixels...);
-    visit("caustic_rays", added, s.caustic_rays...);
-    visit("caustic_photons", added, s.caustic_photons...);
-    visit("caustic_landings", added, s.caustic_landings...);
-    visit("caustic_pairs", added, s.caustic_pairs...);
-    visit("caustic_doubts", added, s.caustic_doubts...);
-    visit("gather_points", added, s.gather_points...);
-    visit("capped_points", added, s.capped_points...);
-    visit("true_paths", added, s.true_paths...);
-    visit("true_pixels", added, s.true_pixels...);
-    visit("capped_pixels", added, s.capped_pixels...);
-    visit("direct_clusters", added, s.direct_clusters...);
-    visit("indirect_clusters", added, s.indirect_clusters...);
-    visit("non_finite", added, s.non_finite...);
+    ROWS(ADDED, primary_rays, shadow_rays, gather_rays, photon_rays, specular_rays, air_rays, exposure_rays)
+    ROWS(ADDED, exposed_pixels, caustic_rays, caustic_photons, caustic_landings, caustic_pairs, caustic_doubts)
+    ROWS(ADDED, gather_points, capped_points, true_paths, true_pixels, capped_pixels, direct_clusters)
+    ROWS(ADDED, indirect_clusters, non_finite, luminance, photon_energy, photon_energy_lost, frames_calibrated)
+    ROWS(ADDED, calibrated_pixels, calibration_seconds, sky_seconds, layer_seconds)
     visit("first_non_finite", apart, s.first_non_finite...);
     visit("band_points", added, s.bands.points...);
     visit("band_clusters", added, s.bands.clusters...);
     visit("clamped_energy", apart, s.clamped_energy...);
-    visit("luminance", added, s.luminance...);
-    visit("photon_energy", added, s.photon_energy...);
-    visit("photon_energy_lost", added, s.photon_energy_lost...);
     visit("direct_points", apart, s.direct_points...);
     visit("indirect_points", apart, s.indirect_points...);
     visit("least_error_scale", apart, s.least_error_scale...);
     visit("largest_error_scale", largest, s.largest_error_scale...);
     visit("mean_error_scale", apart, s.mean_error_scale...);
-    visit("frames_calibrated", added, s.frames_calibrated...);
-    visit("calibrated_pixels", added, s.calibrated_pixels...);
-    visit("calibration_seconds", added, s.calibration_seconds...);
-    visit("sky_seconds", added, s.sky_seconds...);
-    visit("layer_seconds", added, s.layer_seconds...);
     visit("records_created", added, s.cache.created...);
     visit("records_known", added, s.cache.known...);
     visit("records_served", added, s.cache.served...);
@@ -105,42 +65,30 @@ void each_count(Visit&& visit, Counts&... s) {
 }
 
 template <class Visit, class... Sums>
-void each_sum(Visit&& visit, Sums&... l) {
+void each_sum(Visit&& visit, Sums&... s) {
     using enum How;
-    visit("seconds", added, l.seconds...);
-    visit("pass_seconds", added, l.pass_seconds...);
-    visit("wall", added, l.earlier_wall...);
-    visit("cpu", added, l.earlier_cpu...);
-    visit("brightest_luma", largest, l.brightest_luma...);
-    visit("audit_over", added, l.audit.over...);
-    visit("audit_seconds", added, l.audit.seconds...);
+    ROWS(ADDED, seconds, pass_seconds)
+    visit("wall", added, s.earlier_wall...);
+    visit("cpu", added, s.earlier_cpu...);
+    visit("brightest_luma", largest, s.brightest_luma...);
+    visit("audit_over", added, s.audit.over...);
+    visit("audit_seconds", added, s.audit.seconds...);
 }
 
-template <class Sums, class Visit>
-void each_split_sum(Sums& s, Visit&& visit) {
-    visit("pixels", How::added, s.pixels);
-    visit("paths", How::added, s.paths);
-    visit("blocks", How::added, s.blocks);
-    visit("followed", How::added, s.followed);
-    visit("light", How::added, s.light);
-    visit("dark_light", How::added, s.dark_light);
-    for (std::size_t c = 0; c < s.causes.size(); ++c) {
-        auto& cause = s.causes[c];
-        const auto sum = [&](const char* name, auto& value) {
-            visit((std::string(renderer::cause_names[c]) + "_" + name).c_str(), How::added, value);
-        };
-        sum("difference", cause.difference);
-        sum("difference_squares", cause.difference_squares);
-        sum("dark_difference", cause.dark_difference);
-        sum("dark_difference_squares", cause.dark_difference_squares);
-        sum("squares", cause.squares);
-        sum("square_squares", cause.square_squares);
-        sum("block_squares", cause.block_squares);
-        sum("block_square_squares", cause.block_square_squares);
-        sum("flicker_squares", cause.flicker_squares);
-        sum("flicker_square_squares", cause.flicker_square_squares);
+template <class Visit, class... Sums>
+void each_split_sum(Visit&& visit, Sums&... s) {
+    ROWS(ADDED, pixels, paths, blocks, followed, light, dark_light)
+    for (std::size_t c = 0; c < renderer::cause_count; ++c) {
+        const std::string cause(renderer::cause_names[c]);
+#define OF_CAUSE(member) visit((cause + "_" #member).c_str(), How::added, s.causes[c].member...);
+        ROWS(OF_CAUSE, difference, difference_squares, dark_difference, dark_difference_squares, squares)
+        ROWS(OF_CAUSE, square_squares, block_squares, block_square_squares, flicker_squares, flicker_square_squares)
+#undef OF_CAUSE
     }
 }
+
+#undef ROWS
+#undef ADDED
 
 struct Writer {
     json& to;
@@ -213,10 +161,6 @@ double clock_seconds() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-double Audit::share_over() const {
-    return core::divide_or(static_cast<double>(over), static_cast<double>(errors.count()), 0.0);
-}
-
 double RunStatistics::psnr_y() const {
     double sum = 0;
     for (const FrameEntry& entry : frames) sum += entry.mse_y;
@@ -265,16 +209,6 @@ QuantiserRange RunStatistics::quantisers() const {
     return range;
 }
 
-double RunStatistics::mean_direct_cut() const {
-    return core::divide_or(static_cast<double>(rendering.direct_clusters), static_cast<double>(rendering.gather_points),
-                           0.0);
-}
-
-double RunStatistics::mean_indirect_cut() const {
-    return core::divide_or(static_cast<double>(rendering.indirect_clusters),
-                           static_cast<double>(rendering.gather_points), 0.0);
-}
-
 RunStatistics sum_of(const RunStatistics& earlier, const RunStatistics& later) {
     RunStatistics sum = earlier;
     each_sum(Adder{}, sum, later);
@@ -290,9 +224,8 @@ RunStatistics totals_of(const RunStatistics& statistics, const renderer::Rendere
     sum.rendering = sum_of(statistics.rendering, renderer.statistics());
     for (std::size_t i = 0; i < sum.pass_seconds.size(); ++i)
         sum.pass_seconds[i] += renderer.seconds(static_cast<renderer::Pass>(i));
-    sum.pass_seconds[static_cast<std::size_t>(renderer::Pass::develop)] =
-        sum.stage_seconds(Stage::develop) - sum.pass_seconds[static_cast<std::size_t>(renderer::Pass::glare)];
-    sum.pass_seconds[static_cast<std::size_t>(renderer::Pass::encode)] = sum.stage_seconds(Stage::encode);
+    sum.of(renderer::Pass::develop) = sum.of(Stage::develop) - sum.of(renderer::Pass::glare);
+    sum.of(renderer::Pass::encode) = sum.of(Stage::encode);
     return sum;
 }
 
@@ -304,7 +237,7 @@ json json_of(const renderer::Statistics& counts) {
 
 json json_of(const FrameEntry& entry) {
     json written;
-    each_member(entry, Writer{written});
+    each_member(Writer{written}, entry);
     return written;
 }
 
@@ -313,7 +246,7 @@ json json_of(const RunStatistics& statistics) {
     each_sum(Writer{written}, statistics);
     if (statistics.audit.errors.count() > 0) {
         written["audit_errors"] = statistics.audit.errors.counts();
-        each_split_sum(statistics.audit.split.sums(), Writer{written["audit_split"]});
+        each_split_sum(Writer{written["audit_split"]}, statistics.audit.split.sums());
     }
     written["rendering"] = json_of(statistics.rendering);
     for (const FrameEntry& entry : statistics.frames) frames.push_back(json_of(entry));
@@ -325,9 +258,9 @@ void restore(RunStatistics& statistics, const json& written) {
     each_sum(Reader{written}, statistics);
     statistics.audit.errors.restore(written.value("audit_errors", std::vector<std::uint64_t>()));
     if (written.contains("audit_split"))
-        each_split_sum(statistics.audit.split.sums(), Reader{written.at("audit_split")});
+        each_split_sum(Reader{written.at("audit_split")}, statistics.audit.split.sums());
     each_count(Reader{written.at("rendering")}, statistics.rendering);
-    for (const json& frame : written.at("frames")) each_member(statistics.frames.emplace_back(), Reader{frame});
+    for (const json& frame : written.at("frames")) each_member(Reader{frame}, statistics.frames.emplace_back());
 }
 
 }  // namespace render2mpeg::app

@@ -8,8 +8,9 @@
 #include <optional>
 #include <vector>
 
-#include "app/system/error_histogram.h"
 #include "app/system/progress.h"
+#include "core/error_histogram.h"
+#include "core/numeric.h"
 #include "encoder/types.h"
 #include "parallel/lanes.h"
 #include "renderer/renderer.h"
@@ -22,6 +23,12 @@ inline constexpr std::array stage_names{"load",     "exposure", "first_pass", "s
 
 inline constexpr std::array stage_words{"reading",  "measuring the exposure", "first pass", "looking", "a rough look",
                                         "weighing", "gathering light",        "developing", "coding"};
+
+/// Quotient of two counts; 0 without any.
+template <class Part, class Whole>
+double ratio_of(Part part, Whole whole) {
+    return core::divide_or(static_cast<double>(part), static_cast<double>(whole), 0.0);
+}
 
 /// CPU seconds of processes that this one waited for.
 double waited_seconds();
@@ -76,12 +83,12 @@ struct QuantiserRange {
 /// Errors of audited pixels against unclustered light and the truth.
 struct Audit {
     /// Relative errors of luminance, over the absolute tolerance where that is larger.
-    ErrorHistogram errors;
+    core::ErrorHistogram errors;
     std::uint64_t over = 0;  ///< pixels whose error exceeds their tolerance
     renderer::ErrorSplit split;
     double seconds = 0;  ///< CPU
 
-    double share_over() const;
+    double share_over() const { return ratio_of(over, errors.count()); }
 };
 
 struct RunStatistics {
@@ -96,7 +103,10 @@ struct RunStatistics {
     /// CPU by row of the plan; rows without time of their own have 0.
     std::array<double, static_cast<std::size_t>(renderer::Pass::count)> pass_seconds{};
 
-    double stage_seconds(Stage stage) const { return seconds[static_cast<std::size_t>(stage)]; }
+    double& of(Stage stage) { return seconds[static_cast<std::size_t>(stage)]; }
+    double of(Stage stage) const { return seconds[static_cast<std::size_t>(stage)]; }
+    double& of(renderer::Pass pass) { return pass_seconds[static_cast<std::size_t>(pass)]; }
+    double of(renderer::Pass pass) const { return pass_seconds[static_cast<std::size_t>(pass)]; }
     /// Means over the film; PSNR from the mean squared error, +infinity without loss.
     double psnr_y() const;
     double ssim_y() const;
@@ -104,8 +114,8 @@ struct RunStatistics {
     std::optional<double> pumping() const;
     RateOutcome rate_outcome() const;
     QuantiserRange quantisers() const;
-    double mean_direct_cut() const;
-    double mean_indirect_cut() const;
+    double mean_direct_cut() const { return ratio_of(rendering.direct_clusters, rendering.gather_points); }
+    double mean_indirect_cut() const { return ratio_of(rendering.indirect_clusters, rendering.gather_points); }
 };
 
 struct Rendered {
@@ -119,12 +129,10 @@ class StageTimer {
   public:
     explicit StageTimer(double& sum) : sum_(sum) {}
     /// Other processes read files.
-    StageTimer(RunStatistics& statistics, Stage stage)
-        : sum_(statistics.seconds[static_cast<std::size_t>(stage)]), waits_(stage == Stage::load) {
+    StageTimer(RunStatistics& statistics, Stage stage) : sum_(statistics.of(stage)), waits_(stage == Stage::load) {
         tell_activity(stage_words[static_cast<std::size_t>(stage)]);
     }
-    StageTimer(RunStatistics& statistics, renderer::Pass pass)
-        : StageTimer(statistics.pass_seconds[static_cast<std::size_t>(pass)]) {}
+    StageTimer(RunStatistics& statistics, renderer::Pass pass) : StageTimer(statistics.of(pass)) {}
     ~StageTimer() { sum_ += now() - start_; }
     StageTimer(const StageTimer&) = delete;
     StageTimer& operator=(const StageTimer&) = delete;

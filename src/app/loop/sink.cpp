@@ -4,29 +4,19 @@
 #include <cmath>
 #include <system_error>
 
-#include "app/loop/motion_source.h"
+#include "app/files/file_io.h"
 #include "app/options/output_kind.h"
 #include "core/error.h"
 #include "encoder/av/y4m.h"
 #include "encoder/av/y4m_reader.h"
 #include "image/image.h"
 #include "image/layers.h"
+#include "image/motion_file.h"
 #include "perceptual/display.h"
 #include "renderer/view/mattes.h"
 
 namespace render2mpeg::app {
 namespace {
-
-class Y4mSink : public Sink {
-  public:
-    Y4mSink(const RenderJob& film, const std::filesystem::path& output)
-        : writer_(output, film.format.width, film.format.height, film.rate, film.pixel_aspect) {}
-    void lit(const LitFrame& frame) override { writer_.write(frame.picture); }
-    void finish() override { writer_.finish(); }
-
-  private:
-    av::Y4mWriter writer_;
-};
 
 image::FrameFacts facts_of(const RenderJob& film, const LitFrame& frame) {
     const scene::Camera& camera = frame.world.camera;
@@ -50,38 +40,9 @@ std::vector<unsigned char> with_alpha(const perceptual::Display& display, const 
     return codes;
 }
 
-/// Half floats under the names R, G, B, A.
-class ExrSink : public Sink {
-  public:
-    ExrSink(const RenderJob& film, const std::filesystem::path& pattern) : film_(film), pattern_(pattern) {}
-    void lit(const LitFrame& frame) override {
-        image::write_frame(numbered(pattern_, frame.picture.number), frame.lit.radiance.combined,
-                           facts_of(film_, frame),
-                           film_.has_alpha() ? renderer::mattes_of(frame.lit.frame) : core::Mattes());
-    }
-
-  private:
-    const RenderJob& film_;
-    std::filesystem::path pattern_;
-};
-
-class PngSink : public Sink {
-  public:
-    PngSink(const RenderJob& film, const std::filesystem::path& pattern)
-        : film_(film), display_(film.display()), pattern_(pattern) {}
-    void lit(const LitFrame& frame) override {
-        const core::Picture& picture = frame.picture;
-        image::write_png(numbered(pattern_, picture.number), picture.width(), picture.height(),
-                         film_.has_alpha() ? with_alpha(display_, frame.shown, renderer::mattes_of(frame.lit.frame))
-                                           : display_.develop_srgb(frame.shown),
-                         film_.format.pixel_aspect);
-    }
-
-  private:
-    const RenderJob& film_;
-    perceptual::Display display_;
-    std::filesystem::path pattern_;
-};
+core::Mattes mattes_of(const RenderJob& film, const LitFrame& frame) {
+    return film.has_alpha() ? renderer::mattes_of(frame.lit.frame) : core::Mattes();
+}
 
 }  // namespace
 
@@ -98,7 +59,7 @@ void LayersWriter::lit(const LitFrame& frame) {
     const StageTimer timer(statistics_, renderer::Pass::layers);
     image::write_layers(numbered(layers_in(folder_), n), frame.lit.frame.visible, frame.lit.radiance, &before, &after,
                         facts_of(film_, frame), &frame.tolerance, renderer::mattes_of(frame.lit.frame), names_);
-    write_motion_file(numbered(motion_in(folder_), n), before, after, frame.lit.frame.visible.kind);
+    write_whole(numbered(motion_in(folder_), n), image::motion_file(before, after, frame.lit.frame.visible.kind));
 }
 
 void LastFrameWriter::lit(const LitFrame& frame) {
@@ -128,17 +89,24 @@ void join_y4m(const RenderJob& film, const std::vector<std::filesystem::path>& p
 }
 
 std::unique_ptr<Sink> make_sink(const RenderJob& film, const std::filesystem::path& output) {
-    switch (film.kind) {
-        case OutputKind::y4m:
-            return std::make_unique<Y4mSink>(film, output);
-        case OutputKind::exr:
-            return std::make_unique<ExrSink>(film, output);
-        case OutputKind::png:
-            return std::make_unique<PngSink>(film, output);
-        case OutputKind::film:
-            break;
+    if (film.kind == OutputKind::film) return nullptr;
+    if (film.kind == OutputKind::y4m) {
+        const auto writer = std::make_shared<av::Y4mWriter>(output, film.format.width, film.format.height, film.rate,
+                                                            film.pixel_aspect);
+        return std::make_unique<FrameSink>([writer](const LitFrame& frame) { writer->write(frame.picture); },
+                                           [writer] { writer->finish(); });
     }
-    return nullptr;
+    if (film.kind == OutputKind::exr)
+        return std::make_unique<FrameSink>([&film, output](const LitFrame& frame) {
+            image::write_frame(numbered(output, frame.picture.number), frame.lit.radiance.combined,
+                               facts_of(film, frame), mattes_of(film, frame));
+        });
+    return std::make_unique<FrameSink>([&film, output, display = film.display()](const LitFrame& frame) {
+        image::write_png(numbered(output, frame.picture.number), frame.picture.width(), frame.picture.height(),
+                         film.has_alpha() ? with_alpha(display, frame.shown, mattes_of(film, frame))
+                                          : display.develop_srgb(frame.shown),
+                         film.format.pixel_aspect);
+    });
 }
 
 }  // namespace render2mpeg::app

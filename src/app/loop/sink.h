@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -14,10 +15,25 @@
 
 namespace render2mpeg::app {
 
-/// Output of uncoded frames: a Y4M file or numbered images, which appear when they are whole.
+/// An output that frames go to.
 class Sink : public LoopObserver {
   public:
     virtual void finish() {}
+};
+
+/// Output of uncoded frames.
+class FrameSink : public Sink {
+  public:
+    using Lit = std::function<void(const LitFrame&)>;
+    explicit FrameSink(
+        Lit lit, std::function<void()> finish = [] {})
+        : lit_(std::move(lit)), finish_(std::move(finish)) {}
+    void lit(const LitFrame& frame) override { lit_(frame); }
+    void finish() override { finish_(); }
+
+  private:
+    Lit lit_;
+    std::function<void()> finish_;
 };
 
 class ChunkWriter : public LoopObserver {
@@ -54,7 +70,7 @@ class LastFrameWriter : public LoopObserver {
     double written_ = 0;  ///< clock_seconds(); 0: not yet
 };
 
-/// Null for a film. `film` must outlive it.
+/// A Y4M file, or numbered images, which appear when they are whole; null for a film. `film` must outlive it.
 std::unique_ptr<Sink> make_sink(const RenderJob& film, const std::filesystem::path& output);
 
 /// Joins Y4M files of consecutive chunks.

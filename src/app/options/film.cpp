@@ -30,8 +30,7 @@ namespace {
 }  // namespace
 
 const Effort& effort_from(const std::string& name) {
-    const auto found =
-        std::find_if(efforts.begin(), efforts.end(), [&](const Effort& effort) { return name == effort.name; });
+    const auto found = std::ranges::find(efforts, name, &Effort::name);
     if (found == efforts.end()) throw UsageError("--effort " + name + ": expected draft, low, default or high");
     return *found;
 }
@@ -235,11 +234,11 @@ std::vector<Chunk> chunks_of(FrameRange frames, int gop) {
 }
 
 bool Keyframes::begins_at(std::int64_t frame) const {
-    return std::binary_search(frames.begin(), frames.end(), frame);
+    return std::ranges::binary_search(frames, frame);
 }
 
 std::int64_t Keyframes::frames_left(std::int64_t frame, std::int64_t left) const {
-    const auto next = std::upper_bound(frames.begin(), frames.end(), frame);
+    const auto next = std::ranges::upper_bound(frames, frame);
     return next == frames.end() ? left : std::min(left, *next - frame - 1);
 }
 
@@ -256,7 +255,7 @@ Keyframes keyframes_from(const std::string& text) {
         at = list.find_first_not_of(separators, end);
     }
     if (keyframes.frames.empty()) throw UsageError("keyframes " + text + ": no frame numbers");
-    std::sort(keyframes.frames.begin(), keyframes.frames.end());
+    std::ranges::sort(keyframes.frames);
     keyframes.frames.erase(std::unique(keyframes.frames.begin(), keyframes.frames.end()), keyframes.frames.end());
     return keyframes;
 }

@@ -95,7 +95,6 @@ void check_settings(const encoder::Settings& coding);
 
 bool two_passes(const CodingOptions& options);
 
-/// The ending that films of a codec usually have.
 inline const char* usual_ending(encoder::Codec codec) {
     return codec == encoder::Codec::mpeg2 ? ".mpg" : ".mp4";
 }

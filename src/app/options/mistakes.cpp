@@ -38,7 +38,7 @@ std::vector<std::string> names_of(const CLI::App& command) {
 }
 
 bool has(const std::vector<std::string>& names, const std::string& name) {
-    return std::find(names.begin(), names.end(), name) != names.end();
+    return std::ranges::find(names, name) != names.end();
 }
 
 /// Options of other programs, by what is said here instead; no word of ours is near in meaning.
@@ -144,14 +144,14 @@ constexpr const char* kinds =
 
 template <class Endings>
 bool is_one_of(const Endings& endings, const std::filesystem::path& file) {
-    return std::find(endings.begin(), endings.end(), core::ending_of(file)) != endings.end();
+    return std::ranges::find(endings, core::ending_of(file)) != endings.end();
 }
 
 /// Whether it is a scene by its ending; not an animation file.
 bool is_scene(const std::filesystem::path& file) {
     const std::string ending = core::ending_of(file);
-    return std::any_of(core::scene_formats.begin(), core::scene_formats.end(),
-                       [&](const auto& format) { return ending == format.ending && ending != ".json"; });
+    return std::ranges::any_of(core::scene_formats,
+                               [&](const auto& format) { return ending == format.ending && ending != ".json"; });
 }
 
 std::string of_folder(const std::filesystem::path& folder) {
@@ -160,7 +160,7 @@ std::string of_folder(const std::filesystem::path& folder) {
     std::vector<std::string> found;
     for (const auto& entry : std::filesystem::directory_iterator(folder, error))
         if (is_scene(entry.path())) found.push_back(entry.path().filename().string());
-    std::sort(found.begin(), found.end());
+    std::ranges::sort(found);
     if (found.empty()) return std::string("this folder holds neither a film.json nor a scene; ") + kinds;
     return "this folder holds no film.json; give one of its scenes, such as " + (folder / found.front()).string();
 }
@@ -212,7 +212,7 @@ void refuse_unknown_command(const CLI::App& program, const std::vector<std::stri
 std::string mistake_text(const CLI::App& command, const CLI::Error& error) {
     const std::string kind = error.get_name(), help = help_of(command.get_name());
     std::string text = error.what();
-    std::replace(text.begin(), text.end(), '\n', ' ');
+    std::ranges::replace(text, '\n', ' ');
     const std::string first = text.substr(0, text.find(' ')), last = text.substr(text.rfind(' ') + 1);
     const bool is_extra = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
     if (is_extra || kind == "RequiredError") {
@@ -269,8 +269,8 @@ std::vector<std::string> unused_options(const EncodeOptions& options) {
 }
 
 std::string unused_keyframes(const Keyframes& keyframes, const FrameRange& frames) {
-    const auto outside = std::count_if(keyframes.frames.begin(), keyframes.frames.end(),
-                                       [&](std::int64_t frame) { return frame < frames.first || frame > frames.last; });
+    const auto outside = std::ranges::count_if(
+        keyframes.frames, [&](std::int64_t frame) { return frame < frames.first || frame > frames.last; });
     if (outside == 0) return {};
     return fmt::format("--keyframes: {} of {} {} no frame{} of the film, which has {} to {}", outside,
                        keyframes.frames.size(), outside == 1 ? "is" : "are", outside == 1 ? "" : "s", frames.first,

@@ -422,7 +422,7 @@ Rows farm_rows(CommandLine& line) {
 
 Values one_of(const std::vector<std::string>& words) {
     const auto check = [words](std::string& text) {
-        if (std::find(words.begin(), words.end(), text) != words.end()) return std::string();
+        if (std::ranges::find(words, text) != words.end()) return std::string();
         return fmt::format("{}: expected {}{}", text, fmt::join(words, ", "), core::did_you_mean(text, words));
     };
     return {fmt::format("{}", fmt::join(words, "|")), CLI::Validator(check, "")};

@@ -30,6 +30,18 @@ std::optional<double> number_in(const std::string& text, double low, double high
     return fills && value >= low && value <= high ? std::optional(value) : std::nullopt;
 }
 
+/// A number of at least 1, and one of `units` behind it, of "kKMG"; nothing otherwise.
+std::optional<double> number_with_unit(const std::string& text, std::string_view units) {
+    char* end = nullptr;
+    double value = std::strtod(text.c_str(), &end);
+    if (text.empty() || std::isdigit(static_cast<unsigned char>(text[0])) == 0) return {};
+    const std::size_t unit = *end == '\0' ? std::string_view::npos : units.find(*end);
+    if (*end != '\0' && (unit == std::string_view::npos || end[1] != '\0')) return {};
+    constexpr double powers[] = {1e3, 1e3, 1e6, 1e9};
+    if (unit != std::string_view::npos) value *= powers[unit];
+    return value >= 1 ? std::optional(value) : std::nullopt;
+}
+
 /// A share of 1 from a number of per cent with its sign.
 std::optional<float> share_in(const std::string& text, double low, double high) {
     if (!text.ends_with('%')) return {};
@@ -73,7 +85,7 @@ std::optional<double> clock_time(const std::string& text) {
 
 template <class Value, class Order>
 std::vector<Value> in_order(std::vector<Value> values, Order order) {
-    std::sort(values.begin(), values.end(), order);
+    std::ranges::sort(values, order);
     values.erase(std::unique(values.begin(), values.end()), values.end());
     return values;
 }
@@ -147,7 +159,7 @@ float fog_from(const std::string& text) {
 
 GlareRequest glare_from(const std::string& text) {
     const auto colon = text.find(':');
-    const auto name = std::find(core::glare_names.begin(), core::glare_names.end(), text.substr(0, colon));
+    const auto name = std::ranges::find(core::glare_names, text.substr(0, colon));
     if (name == core::glare_names.end())
         throw UsageError("glare " + text + ": expected off, static or temporal, and a strength, e.g. static:0.2");
     GlareRequest glare{static_cast<core::GlareKind>(name - core::glare_names.begin()), {}};
@@ -197,38 +209,25 @@ std::vector<int> quantisers_from(const std::string& text) {
 }
 
 std::int64_t bits_from(const std::string& text, const std::string& what) {
-    char* end = nullptr;
-    double value = std::strtod(text.c_str(), &end);
-    const bool number = end != text.c_str() && std::isdigit(static_cast<unsigned char>(text[0])) != 0;
-    if (number && (*end == 'k' || *end == 'K'))
-        value *= 1e3, ++end;
-    else if (number && *end == 'M')
-        value *= 1e6, ++end;
+    const std::optional<double> value = number_with_unit(text, "kKM");
     // chosen: no level has more than 80 Mb/s; the limit keeps the number whole.
-    if (!number || *end != '\0' || !(value >= 1) || value > 1e12)
+    if (!value || *value > 1e12)
         throw UsageError(what + " " + text + ": expected bits as a number, or with k or M, e.g. 6000k or 1.5M");
     // No film has so few, and `-b 6` is what other programs call 6M. No level has more than 80M.
-    if (value < 400)
+    if (*value < 400)
         throw UsageError(what + " " + text + ": a film has at least 400 bits" +
                          (std::isdigit(static_cast<unsigned char>(text.back())) == 0
                               ? ""
-                              : "; did you mean " + text + (value <= 80 ? "M?" : "k?")));
-    return std::llround(value);
+                              : "; did you mean " + text + (*value <= 80 ? "M?" : "k?")));
+    return std::llround(*value);
 }
 
 double size_in_bytes(const std::string& text) {
-    char* end = nullptr;
-    double value = std::strtod(text.c_str(), &end);
-    const bool number = end != text.c_str() && std::isdigit(static_cast<unsigned char>(text[0])) != 0;
-    std::string unit(end);
-    if (unit.ends_with('B')) unit.pop_back();
-    const std::size_t power = std::string_view("kKMG").find(unit);
-    constexpr double powers[] = {1e3, 1e3, 1e6, 1e9};
-    if (!unit.empty()) value = unit.size() == 1 && power < 4 ? value * powers[power] : -1;
+    const std::optional<double> value = number_with_unit(text.substr(0, text.size() - text.ends_with('B')), "kKMG");
     // chosen: no file system holds more than an exabyte in one file.
-    if (!number || !(value >= 1) || value > 1e18)
+    if (!value || *value > 1e18)
         throw UsageError(text + ": expected bytes as a number, or with k, M or G, e.g. 700M or 4.7G");
-    return value;
+    return *value;
 }
 
 double time_in_seconds(const std::string& text) {

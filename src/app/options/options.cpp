@@ -4,10 +4,8 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
-#include <map>
 #include <memory>
 #include <sstream>
-#include <string>
 
 #include "app/options/mistakes.h"
 #include "app/options/option_table.h"
@@ -59,7 +57,7 @@ class HelpFormat : public CLI::Formatter {
 
     /// Descriptions are wrapped to the terminal.
     static std::string described(std::string text) {
-        std::replace(text.begin(), text.end(), '\n', ' ');
+        std::ranges::replace(text, '\n', ' ');
         return wrapped(text, columns() - name_columns);
     }
 };
@@ -71,7 +69,6 @@ std::shared_ptr<CLI::FormatterBase> help_format() {
 
 /// A command: its own help, and its options in the order of it (option_table.h).
 struct CommandRow {
-    Command command;
     const char *name, *text, *footer;
     std::string options;
 };
@@ -95,36 +92,36 @@ const std::string product_options =
 const std::string trial_options = "--threads --isa --json@trial --report@trial --overwrite --quiet ";
 
 const std::vector<CommandRow> commands{
-    {Command::render, "render", "Render a film",
+    {"render", "Render a film",
      "The ending of OUT chooses what is written: .mpg and .vob (MPEG-2 program streams), .ts, .m2v, .mkv, .mp4, "
      ".mov; .y4m; or numbered images, e.g. frames.%04d.exr or frames.%04d.png.\n"
      "Example: render2mpeg render animations/cornell -o cornell.mpg --quantiser 6",
      scene_options + "--output@render --as --preview --effort " + film_options + sound_options + product_options +
          "--resume --dry-run --within --overwrite --quiet --verbose --progress"},
-    {Command::encode, "encode", "Encode frames and motion of any renderer",
+    {"encode", "Encode frames and motion of any renderer",
      "Motion: OpenEXR files with the number of their frame, as `render --aov` writes them (docs/coding.md).\n"
      "Example: render2mpeg encode shot.%04d.exr -o shot.mpg --motion shot.%04d.exr --exposure 0.5",
      "FRAMES --output@encode --as@encode --fps@encode --frames@encode --display-aspect --pixel-aspect "
      "--exposure@encode --view@encode --motion --motion-convention " +
          coding_options + rate_options + group_options + sound_options +
          "--threads --stats --overwrite --quiet --progress"},
-    {Command::plan, "plan", "Show what a film will take, which passes its scene calls for, and why",
+    {"plan", "Show what a film will take, which passes its scene calls for, and why",
      "Example: render2mpeg plan scene.glb --within 1m",
      scene_options + "--output@plan --effort " + film_options +
          "--audit@plan --aov@plan --within --quiet@plan --threads --memory --chunks-at-once --isa --progress"},
-    {Command::info, "info", "Show how the pictures of a film are coded",
+    {"info", "Show how the pictures of a film are coded",
      "Whose encoder made the file does not matter. Exit status 1 where pictures are damaged "
      "(docs/first-film.md).\n"
      "Example: render2mpeg info film.mpg --summary",
      "FILE --json@info --summary"},
-    {Command::cost, "cost", "Show what accuracy costs in time, and what it buys",
+    {"cost", "Show what accuracy costs in time, and what it buys",
      "Lights a sample of the film with one tolerance after the other, coupled to its coding and by each --effort; "
      "tells what the whole film takes with each, and by unbiased paths, and what one sees of it "
      "(docs/choosing.md). The reference is dear: it comes first, with an estimate.\n"
      "Example: render2mpeg cost scene.glb --size 320x180 --report cost.html",
      scene_options + "--sample@cost --within@cost --tolerances " + picture_options + light_options +
          "--masking --clamp --cache " + coding_options + group_options + trial_options + "--progress"},
-    {Command::tune, "tune", "Find the setting that reaches a quality, rate, size or time",
+    {"tune", "Find the setting that reaches a quality, rate, size or time",
      "Tries a sample of the film, each try a row of a table, then renders the film and tells what became of it "
      "(docs/choosing.md). Exit status 1 where the target is out of reach, or the film missed it.\n"
      "Example: render2mpeg tune scene.glb --target-psnr 40 --dry-run",
@@ -133,7 +130,7 @@ const std::vector<CommandRow> commands{
          "--references@tune " +
          picture_options + light_options + accuracy_options + coding_options + "--quality --maxrate --vbv " +
          group_options + sound_options + trial_options + "--dry-run@tune --progress"},
-    {Command::compare, "compare", "Compare with rendering first and encoding with ffmpeg then",
+    {"compare", "Compare with rendering first and encoding with ffmpeg then",
      "Lights a sample of the film coupled to its coding and by a fixed 2 %, codes the latter by this program, by "
      "ffmpeg as people use it and by its strongest command, and holds all against reference light "
      "(docs/choosing.md). Needs the program ffmpeg. The references are dear: they come first, with an "
@@ -141,33 +138,32 @@ const std::vector<CommandRow> commands{
      "Example: render2mpeg compare scene.glb --size 640x360 --report compare.html",
      scene_options + "--sample@compare --references@compare --quantisers " + picture_options + light_options +
          "--masking --clamp --cache --codec --crf --gop --b-pictures --tune --encoder " + trial_options + "--progress"},
-    {Command::watch, "watch", "Show a draft, and a new one whenever the scene's files change",
+    {"watch", "Show a draft, and a new one whenever the scene's files change",
      "The draft is that of `render --preview` (docs/pictures.md), shown over and over in ffplay or mpv until the "
      "player is closed. A scene that cannot be read is told in one line; what was shown last stays. With --live "
-     "another "
-     "program says what is drawn.\n"
+     "another program says what is drawn.\n"
      "Example: render2mpeg watch scene.glb",
      scene_options + "--output@watch --player --live " + film_options + "--threads --quiet --progress"},
-    {Command::farm, "farm", "Spread a film over many machines",
+    {"farm", "Spread a film over many machines",
      "Settles what is settled once for a film, and writes a plan and job files into OUT.farm. `part` makes a part, "
      "`join` the film: the same bytes as of `render`. Given again, it keeps what is made already "
      "(docs/machines.md).\n"
      "Example: render2mpeg farm scene.glb -o film.mpg --to slurm --parts 8 --submit",
      scene_options + "--output@farm --to --parts --frames-per-part --pack --submit --effort " + film_options +
          sound_options + product_options + "--overwrite --quiet --verbose --progress"},
-    {Command::part, "part", "Make one part of a film that `farm` has planned",
+    {"part", "Make one part of a film that `farm` has planned",
      "Goes on where a try before was ended, and waits while another one makes the same part. Exit status: 0 the "
      "part is whole; 1 it failed, and another try may do better; 3 this machine, this version or the inputs are "
      "not those of the plan: another try here fails alike.\n"
      "Example: render2mpeg part film.mpg.farm 3",
      "PLAN I --frames@part --threads --memory@part --quiet --progress"},
-    {Command::join, "join", "Put the parts of a film together",
+    {"join", "Put the parts of a film together",
      "Proves that all parts are whole and of one film, puts them together, decodes the film to see that it holds "
      "what was made, and writes all that one run would have written beside it.\n"
      "Example: render2mpeg join film.mpg.farm",
      "PLAN --into --threads --quiet"},
-    {Command::farm_status, "farm-status", "Show how far the parts of a film are",
-     "Example: render2mpeg farm-status film.mpg.farm", "PLAN --left"}};
+    {"farm-status", "Show how far the parts of a film are", "Example: render2mpeg farm-status film.mpg.farm",
+     "PLAN --left"}};
 
 /// Adds all commands with their options, which set the members of `line`.
 void add_commands(CLI::App& app, CommandLine& line) {
@@ -219,13 +215,13 @@ std::map<std::string, std::string> said_of(const CLI::App& command) {
 /// Gives the members that commands share to the one that was given.
 void hand_on(CommandLine& line) {
     RenderOptions& render = line.render;
-    if (line.command == Command::watch) render.preview = render.overwrite = true;
+    if (line.command == "watch") render.preview = render.overwrite = true;
     static_cast<FilmOptions&>(line.encode) = line.farm.render = line.trial.render = render;
     line.part.threads = render.threads;
     line.part.memory = render.memory;
     line.part.quiet = render.quiet;
-    if (line.command == Command::render) settle_stream(render.output, render.as);
-    if (line.command == Command::encode) settle_stream(line.encode.output, line.encode.as);
+    if (line.command == "render") settle_stream(render.output, render.as);
+    if (line.command == "encode") settle_stream(line.encode.output, line.encode.as);
 }
 
 }  // namespace
@@ -287,14 +283,11 @@ CommandLine parse(const std::vector<std::string>& words) {
     add_commands(app, line);
     line.exit_code = read(app, without_help_command(line.words));
     if (line.exit_code) return line;
-    for (const CommandRow& command : commands) {
-        const CLI::App* const given = app.get_subcommand(command.name);
-        if (!given->parsed()) continue;
-        line.command = command.command;
-        line.render.said = said_of(*given);
-        // Parts run without a terminal.
-        if (command.command == Command::part && given->get_option("--progress")->empty()) line.progress = "minute";
-    }
+    const CLI::App& given = *app.get_subcommands().front();
+    line.command = given.get_name();
+    line.render.said = said_of(given);
+    // Parts run without a terminal.
+    if (line.command == "part" && given.get_option("--progress")->empty()) line.progress = "minute";
     hand_on(line);
     return line;
 }
@@ -303,7 +296,7 @@ std::vector<std::string> changed_command(const std::vector<std::string>& words, 
                                          const std::vector<std::string>& without, const std::vector<std::string>& flags,
                                          const std::vector<std::pair<std::string, std::string>>& with) {
     const auto among = [](const std::string& word, const std::vector<std::string>& names) {
-        return std::find(names.begin(), names.end(), word.substr(0, word.find('='))) != names.end();
+        return std::ranges::find(names, word.substr(0, word.find('='))) != names.end();
     };
     std::vector<std::string> changed;
     for (std::size_t i = 0; i < words.size(); ++i) {

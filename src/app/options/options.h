@@ -122,11 +122,9 @@ struct PartOptions {
     bool left = false, quiet = false;
 };
 
-enum class Command { render, encode, plan, info, cost, tune, compare, watch, farm, part, join, farm_status, none };
-
 /// A parsed command line. `exit_code` is set after --help and --version.
 struct CommandLine {
-    Command command = Command::none;
+    std::string command;   ///< its name
     RenderOptions render;  ///< also of `plan` and `watch`
     EncodeOptions encode;
     InfoOptions info;

@@ -31,21 +31,6 @@ std::optional<NumberField> number_field(const std::string& name) {
     return NumberField{begin, end + 1 - begin, digits};
 }
 
-struct Overhead {
-    double file = 0;     ///< bytes
-    double picture = 0;  ///< bytes for each
-    double share = 0;    ///< of the pictures' bytes
-};
-
-/// chosen: somewhat more than measured (docs/measurements.md#rates), and the share that headers have of full packs and
-/// packets [H222]. A disc has two sectors of navigation more for each of its units, of some 12 pictures.
-Overhead overhead_of(const std::string& ending, bool disc) {
-    if (ending == ".m2v") return {16, 0, 0};
-    if (ending == ".ts") return {800, 290, 0.024};
-    if (ending == ".mkv" || ending == ".mp4" || ending == ".mov") return {1000, 24, 0.004};
-    return {2048, disc ? 400.0 : 32.0, 0.018};
-}
-
 }  // namespace
 
 OutputKind kind_of(const std::filesystem::path& output) {
@@ -90,7 +75,7 @@ std::vector<std::int64_t> numbers_on_disk(const std::filesystem::path& pattern) 
     std::error_code error;
     for (const auto& entry : std::filesystem::directory_iterator(folder, error))
         if (const auto number = number_in(pattern, entry.path())) numbers.push_back(*number);
-    std::sort(numbers.begin(), numbers.end());
+    std::ranges::sort(numbers);
     return numbers;
 }
 
@@ -127,19 +112,6 @@ std::filesystem::path numbered(const std::filesystem::path& pattern, std::int64_
 
 std::filesystem::path work_folder_of(const std::filesystem::path& output) {
     return std::filesystem::path(output) += ".partial";
-}
-
-double pictures_in_file(double bytes, std::int64_t pictures, const std::filesystem::path& file, bool disc) {
-    const Overhead overhead = overhead_of(core::ending_of(file), disc);
-    // chosen: two passes come within 1 % of a rate, seldom 2 % (docs/measurements.md#rates).
-    constexpr double aim = 0.98;
-    const double fixed = overhead.file + overhead.picture * static_cast<double>(pictures);
-    return std::max(1.0, aim * (bytes - fixed) / (1 + overhead.share));
-}
-
-double file_of_pictures(double bytes, std::int64_t pictures, const std::filesystem::path& file, bool disc) {
-    const Overhead overhead = overhead_of(core::ending_of(file), disc);
-    return overhead.file + overhead.picture * static_cast<double>(pictures) + bytes * (1 + overhead.share);
 }
 
 }  // namespace render2mpeg::app

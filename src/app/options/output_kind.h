@@ -44,10 +44,4 @@ std::filesystem::path motion_in(const std::filesystem::path& folder);
 /// `film.mpg.partial/`
 std::filesystem::path work_folder_of(const std::filesystem::path& output);
 
-/// Bytes for pictures in a file of `bytes`, after the container's share; at least 1.
-double pictures_in_file(double bytes, std::int64_t pictures, const std::filesystem::path& file, bool disc);
-
-/// File size of pictures of `bytes`, about.
-double file_of_pictures(double bytes, std::int64_t pictures, const std::filesystem::path& file, bool disc);
-
 }  // namespace render2mpeg::app

@@ -198,9 +198,8 @@ core::Rational display_for(const ShapeWishes& wishes, const PresetPicture& pictu
 }  // namespace
 
 const PresetPicture* Preset::picture_of(Size size) const {
-    const auto found = std::find_if(pictures.begin(), pictures.end(), [&](const PresetPicture& p) {
-        return p.size.width == size.width && p.size.height == size.height;
-    });
+    const auto found = std::ranges::find_if(
+        pictures, [&](const PresetPicture& p) { return p.size.width == size.width && p.size.height == size.height; });
     return found == pictures.end() ? nullptr : &*found;
 }
 
@@ -218,7 +217,7 @@ int Preset::usual_gop(const core::FrameRate& rate) const {
 
 void Preset::check_output(const std::filesystem::path& output) const {
     if (output.empty() || kind_of(output) != OutputKind::film) return;
-    if (std::find(endings.begin(), endings.end(), core::ending_of(output)) == endings.end())
+    if (std::ranges::find(endings, core::ending_of(output)) == endings.end())
         throw UsageError(fmt::format("--output {}: {} takes {}", output.string(), option(), fmt::join(endings, ", ")));
 }
 

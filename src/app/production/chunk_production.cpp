@@ -38,8 +38,7 @@ std::string chunk_text(const Chunk& chunk, const RunStatistics& statistics) {
 std::vector<Chunk> missing_of(const OpenRender& open) {
     std::vector<Chunk> missing = open.film.chunks();
     std::erase_if(missing, [&](const Chunk& chunk) {
-        return std::any_of(open.files.begin(), open.files.end(),
-                           [&](const ChunkFile& file) { return file.chunk().index == chunk.index; });
+        return std::ranges::find(open.files, chunk.index, index_of) != open.files.end();
     });
     return missing;
 }
@@ -55,8 +54,7 @@ std::vector<std::int64_t> fresh_starts(const RenderJob& film, const std::vector<
             more = 0;
             for (std::size_t k = i; k < std::min(i + at_once, missing.size()); ++k) {
                 if (step >= missing[k].frames()) continue;
-                if (step == 0 || std::binary_search(cuts.begin(), cuts.end(), missing[k].first + step))
-                    starts.push_back(place);
+                if (step == 0 || std::ranges::binary_search(cuts, missing[k].first + step)) starts.push_back(place);
                 ++more, ++place;
             }
         }
@@ -240,10 +238,8 @@ bool ChunkProduction::collect() {
         statistics = sum_of(statistics, made.statistics);
         open_.files.push_back(std::move(*made.file));
     }
-    std::stable_sort(statistics.frames.begin(), statistics.frames.end(),
-                     [](const FrameEntry& a, const FrameEntry& b) { return a.frame < b.frame; });
-    std::sort(open_.files.begin(), open_.files.end(),
-              [](const ChunkFile& a, const ChunkFile& b) { return a.chunk().index < b.chunk().index; });
+    std::ranges::stable_sort(statistics.frames, {}, &FrameEntry::frame);
+    std::ranges::sort(open_.files, {}, index_of);
     if (failure) std::rethrow_exception(failure);
     return whole;
 }

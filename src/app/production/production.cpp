@@ -3,11 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdint>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <span>
-#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -19,7 +16,6 @@
 #include "app/options/output_kind.h"
 #include "app/report/report.h"
 #include "app/report/summary.h"
-#include "app/system/error_collector.h"
 #include "app/system/image_reader.h"
 #include "app/system/interrupt.h"
 #include "app/system/memory_limit.h"
@@ -226,7 +222,7 @@ bool render_chunks(const OpenRender& open) {
     try {
         return make_chunks(open, static_cast<std::size_t>(chunks_at_once(open.film, open.options).count));
     } catch (const core::Error& error) {
-        const bool keeps = std::any_of(open.files.begin(), open.files.end(), &is_whole);
+        const bool keeps = std::ranges::any_of(open.files, &is_whole);
         // Images have their names already: nothing is left to go on from.
         if (!keeps && !is_one_file(open.film.kind)) open.work.remove();
         if (!keeps) throw;
@@ -234,43 +230,30 @@ bool render_chunks(const OpenRender& open) {
     }
 }
 
-namespace {
-
-/// Writes the statistics and the report where they are asked for. Returns whether all was written.
-bool write_about(const OpenRender& open, const RunFacts& facts, ErrorCollector& errors) {
-    const RenderOptions& options = open.options;
-    bool stats = !options.stats, report = !options.report;
-    if (!stats)
-        errors.attempt([&] {
-            write_statistics(*options.stats, open.film, open.statistics, facts);
-            stats = true;
-        });
-    if (!report)
-        errors.attempt([&] {
-            write_report(*options.report, open.film, open.statistics, facts, open.sample_frame.figures());
-            report = true;
-        });
+bool write_about(const RenderJob& film, const RenderOptions& options, const RunStatistics& statistics,
+                 const RunFacts& facts, const SampleFrameObserver& sample, ErrorCollector& errors) {
+    const bool stats =
+        !options.stats || errors.attempt([&] { write_statistics(*options.stats, film, statistics, facts); });
+    const bool report = !options.report || errors.attempt([&] {
+        write_report(*options.report, film, statistics, facts, sample.figures());
+    });
     return stats && report;
 }
-
-}  // namespace
 
 bool publish_all(const OpenRender& open, bool complete, RunFacts& facts, const std::string& again) {
     const bool quiet = open.options.quiet;
     ErrorCollector errors;
-    bool published = false;
-    if (!leading_of(open).empty())
-        errors.attempt([&] {
-            const Published film_file = publish_frames(open, complete);
-            facts.bytes = film_file.bytes;
-            facts.output = film_file.name.string();
-            facts.complete = complete;
-            published = true;
-        });
+    const bool published = !leading_of(open).empty() && errors.attempt([&] {
+        const Published film_file = publish_frames(open, complete);
+        facts.bytes = film_file.bytes;
+        facts.output = film_file.name.string();
+        facts.complete = complete;
+    });
     bool all_written = complete && open.heatmaps.finish() && published;
     errors.attempt([&] { open.heatmaps.rethrow(); });
     open.statistics.wall = open.clock.seconds(open.statistics);
-    all_written = write_about(open, facts, errors) && all_written;
+    all_written =
+        write_about(open.film, open.options, open.statistics, facts, open.sample_frame, errors) && all_written;
     if (all_written && !open.heatmaps.has_lost()) mark_as_whole(open.film, open.options, open.identity);
     if (all_written) open.work.remove();
     if (complete && !all_written && !quiet) print_line(resuming_text(open.film, open.files));

@@ -1,6 +1,5 @@
 #pragma once
 // Makes the frames of a film that is settled, and gives what is whole its name.
-#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -17,6 +16,7 @@
 #include "app/report/frame_view.h"
 #include "app/report/heatmap_film.h"
 #include "app/report/statistics.h"
+#include "app/system/error_collector.h"
 
 namespace render2mpeg::app {
 
@@ -61,13 +61,10 @@ std::unique_ptr<WorkFolder> open_outputs(const RenderJob& film, const RenderOpti
 /// Seconds on the clock of this run, and of those that it goes on from.
 class WallClock {
   public:
-    double seconds(const RunStatistics& statistics) const {
-        return statistics.earlier_wall +
-               std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    }
+    double seconds(const RunStatistics& statistics) const { return statistics.earlier_wall + clock_seconds() - start_; }
 
   private:
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    double start_ = clock_seconds();
 };
 
 /// A render whose film is settled and whose outputs are open.
@@ -100,6 +97,10 @@ bool render_chunks(const OpenRender& open);
 /// ones is among them, incomplete. A failure stops all; throws the first one in the order of the film. Returns whether
 /// all are whole.
 bool make_chunks(const OpenRender& open, std::size_t at_once);
+
+/// Writes the statistics and the report where they are asked for. Returns whether all was written.
+bool write_about(const RenderJob& film, const RenderOptions& options, const RunStatistics& statistics,
+                 const RunFacts& facts, const SampleFrameObserver& sample, ErrorCollector& errors);
 
 /// Publishes complete outputs; leaves incomplete ones beside the target. Stores the outcome in `facts`. `again`: the
 /// command to continue after an interruption. Returns whether all requested outputs are written. A failure does not

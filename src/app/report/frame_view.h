@@ -25,7 +25,6 @@ ViewBox view_of(int width, int height);
 core::Picture part_of(const core::Picture& picture, const ViewBox& box);
 core::Plane<float> part_of(const core::Plane<float>& plane, const ViewBox& box);
 
-/// A picture in a page, with its name.
 struct ShownPicture {
     std::string name;
     core::Picture picture;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "app/files/publish.h"
@@ -44,8 +43,7 @@ const std::vector<SubjectScale>& subjects() {
 }
 
 const SubjectScale& facts_of(HeatSubject subject) {
-    const auto& all = subjects();
-    return *std::find_if(all.begin(), all.end(), [&](const SubjectScale& one) { return one.subject == subject; });
+    return *std::ranges::find(subjects(), subject, &SubjectScale::subject);
 }
 
 }  // namespace
@@ -206,8 +204,7 @@ void HeatmapFilm::show(std::int64_t number, core::Plane<float> values) {
 }
 
 void HeatmapFilm::finish() {
-    std::sort(chunks_.begin(), chunks_.end(),
-              [](const ChunkFile& a, const ChunkFile& b) { return a.chunk().index < b.chunk().index; });
+    std::ranges::sort(chunks_, {}, index_of);
     const std::filesystem::path file = work_.begin(name_);
     assemble(chunks_, film_, file, output_);
     give_name(file, output_);

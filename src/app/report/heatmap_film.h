@@ -81,11 +81,9 @@ class HeatmapFilms : public LoopObserver {
     HeatmapFilms(const RenderOptions& options, const RenderJob& film, WorkFolder& work);
 
     bool empty() const { return films_.empty(); }
-    /// As HeatmapFilm::take_up().
     void take_up(const std::vector<ChunkFile>& chunks) {
         for (const std::unique_ptr<HeatmapFilm>& film : films_) film->take_up(chunks);
     }
-    /// Appends the same films of a part of this film.
     void append(HeatmapFilms& part) {
         for (std::size_t i = 0; i < films_.size(); ++i) films_[i]->append(*part.films_[i]);
     }
@@ -100,10 +98,7 @@ class HeatmapFilms : public LoopObserver {
         for (const std::unique_ptr<HeatmapFilm>& film : films_) {
             if (film == nullptr) continue;
             ++made;
-            failures_.attempt([&] {
-                film->finish();
-                ++named;
-            });
+            if (failures_.attempt([&] { film->finish(); })) ++named;
         }
         return named == made;
     }
@@ -117,12 +112,7 @@ class HeatmapFilms : public LoopObserver {
     void each(Step step, const Arguments&... arguments) {
         for (std::unique_ptr<HeatmapFilm>& film : films_) {
             if (film == nullptr) continue;
-            bool done = false;
-            failures_.attempt([&] {
-                std::invoke(step, *film, arguments...);
-                done = true;
-            });
-            if (done) continue;
+            if (failures_.attempt([&] { std::invoke(step, *film, arguments...); })) continue;
             lost_ = true;
             film->discard();
             film.reset();

@@ -9,7 +9,6 @@
 
 #include "app/files/file_io.h"
 #include "app/report/figures.h"
-#include "app/report/statistics.h"
 #include "app/report/summary.h"
 #include "app/system/progress.h"
 #include "core/error.h"
@@ -31,7 +30,6 @@ std::string kilobits(const json& s) {
     return fmt::format("{:.0f} kb/s", core::divide_or(8e-3 * s.at("bytes").get<double>(), seconds, 0.0));
 }
 
-/// Name of the codec's quantiser scale.
 std::string scale_of(const json& s) {
     for (const encoder::CodecFacts& facts : encoder::all_codecs)
         if (s.at("codec") == facts.word) return std::string(facts.scale);

@@ -5,11 +5,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <initializer_list>
 #include <nlohmann/json.hpp>
-#include <utility>
-#include <vector>
 
 #include "app/files/file_io.h"
 #include "core/numeric.h"
@@ -42,7 +39,7 @@ std::string list_of(const renderer::Plan& plan, std::initializer_list<Named> pas
 std::vector<Effect> effects_of(const RenderJob& film, const RunStatistics& statistics) {
     const renderer::Plan& plan = film.plan;
     const renderer::Statistics& r = statistics.rendering;
-    const auto pass = [&](Pass p) { return statistics.pass_seconds[static_cast<std::size_t>(p)]; };
+    const auto pass = [&](Pass p) { return statistics.of(p); };
     std::vector<Effect> effects;
     const double exposing = pass(Pass::shutter) + pass(Pass::lens);
     // A clock that samples may tell more than the whole it is part of.
@@ -85,16 +82,12 @@ std::vector<Effect> effects_of(const RenderJob& film, const RunStatistics& stati
     if (plan.runs(Pass::alpha) || plan.runs(Pass::glass))
         effects.push_back({"transparent shadows", layers, {}, {}, "about: what layers let through of light"});
     if (film.tolerance.coupled && film.kind == OutputKind::film)
-        effects.push_back({"what the eye misses",
-                           statistics.stage_seconds(Stage::tolerate),
-                           {},
-                           {},
-                           "tolerances from the pictures before"});
+        effects.push_back(
+            {"what the eye misses", statistics.of(Stage::tolerate), {}, {}, "tolerances from the pictures before"});
     if (plan.runs(Pass::air)) effects.push_back({"fog", pass(Pass::air), r.air_rays, {}, "light that air scatters"});
     if (plan.runs(Pass::glare)) effects.push_back({"glare", pass(Pass::glare), {}, {}, ""});
     if (plan.runs(Pass::motion)) effects.push_back({"motion", pass(Pass::motion), {}, {}, ""});
-    if (film.kind == OutputKind::film)
-        effects.push_back({"coding", statistics.stage_seconds(Stage::encode), {}, {}, ""});
+    if (film.kind == OutputKind::film) effects.push_back({"coding", statistics.of(Stage::encode), {}, {}, ""});
     return effects;
 }
 
@@ -114,7 +107,7 @@ json seconds_of(const RunStatistics& statistics) {
 json passes_of(const RenderJob& film, const RunStatistics& statistics) {
     json passes = json::object();
     for (const renderer::PlanRow& row : film.plan.rows()) {
-        const double seconds = statistics.pass_seconds[static_cast<std::size_t>(row.pass)];
+        const double seconds = statistics.of(row.pass);
         if (row.runs && seconds > 0) passes[row.name] = seconds;
     }
     return passes;
@@ -122,7 +115,6 @@ json passes_of(const RenderJob& film, const RunStatistics& statistics) {
 
 json effects_json(const RenderJob& film, const RunStatistics& statistics) {
     json all = json::array();
-    const auto or_null = [](const auto& value) { return value ? json(*value) : json(nullptr); };
     for (const Effect& e : effects_of(film, statistics))
         all.push_back({{"effect", e.name},
                        {"seconds", or_null(e.seconds)},
@@ -134,10 +126,9 @@ json effects_json(const RenderJob& film, const RunStatistics& statistics) {
 
 /// Errors against the truth, by cause.
 json truth_of(const renderer::ErrorSplit& split) {
-    json truth{
-        {"paths", core::divide_or(static_cast<double>(split.sums().paths), static_cast<double>(split.pixels()), 0.0)},
-        {"blocks", split.sums().blocks},
-        {"followed", split.sums().followed}};
+    json truth{{"paths", ratio_of(split.sums().paths, split.pixels())},
+               {"blocks", split.sums().blocks},
+               {"followed", split.sums().followed}};
     const auto with_error = [](renderer::MeanError m) { return json{{"value", m.value}, {"error", m.error}}; };
     constexpr std::array measures{"", "relative_", "code_value_"};
     for (std::size_t c = 0; c < renderer::cause_count; ++c) {
@@ -194,7 +185,7 @@ json rate_of(const Film& film, const RunStatistics& statistics) {
                      {"minimal", outcome.minimal},
                      {"stuffing", outcome.stuffing}});
     const double seconds = static_cast<double>(statistics.frames.size()) / film.coding.rate.hertz.value();
-    rate["average"] = core::divide_or(8.0 * static_cast<double>(outcome.bytes), seconds, 0.0);
+    rate["average"] = ratio_of(8 * outcome.bytes, seconds);
     if (asked.bit_rate > 0) rate["bit_rate"] = asked.bit_rate;
     if (asked.mode == encoder::RateMode::constant_quality) rate["quality"] = asked.quality;
     return rate;
@@ -216,7 +207,7 @@ json tolerance_of(const RenderJob& film) {
     if (film.tolerance.reference) return {{"mode", "reference"}};
     if (!film.tolerance.coupled) return {{"mode", "fixed"}, {"relative", film.tolerance.relative}};
     return {{"mode", "coupled"},
-            {"fraction", film.tolerance.fraction ? json(*film.tolerance.fraction) : json(nullptr)},
+            {"fraction", or_null(film.tolerance.fraction)},
             {"masking", film.coupling.strategy == perceptual::Strategy::quantised ? "quantised" : "warped"}};
 }
 
@@ -248,7 +239,7 @@ json common_of(const Film& film, const RunStatistics& statistics, const RunFacts
             {"counts", json_of(statistics.rendering)},
             {"psnr_y", finite_or_null(statistics.psnr_y())},
             {"ssim_y", statistics.ssim_y()},
-            {"pumping", statistics.pumping() ? json(*statistics.pumping()) : json(nullptr)},
+            {"pumping", or_null(statistics.pumping())},
             {"per_frame", frames}};
 }
 
@@ -323,62 +314,58 @@ struct Row {
     std::string name;
     bool runs;
     std::string reason;
-    std::optional<renderer::Pass> pass;  ///< none: the film's own
+    std::optional<renderer::Pass> pass = {};  ///< none: the film's own
+    std::optional<Stage> stage = {};          ///< whose time it takes
 };
 
 /// CPU seconds of a row; 0 where it has none of its own. The rough look of a preview is part of the rows that light it.
 double seconds_of(const RunStatistics& statistics, const Row& row) {
-    if (row.pass) return statistics.pass_seconds[static_cast<std::size_t>(*row.pass)];
-    if (row.name == "first pass") return statistics.stage_seconds(Stage::first_pass);
-    if (row.name == "load") return statistics.stage_seconds(Stage::load);
-    if (row.name == "exposure") return statistics.stage_seconds(Stage::exposure);
-    if (row.name == "tolerate") return statistics.stage_seconds(Stage::tolerate);
+    if (row.pass) return statistics.of(*row.pass);
+    if (row.stage) return statistics.of(*row.stage);
     return row.name == "audit" ? statistics.audit.seconds : 0;
 }
 
 Row first_pass_row(const RenderJob& film) {
-    if (film.kind != OutputKind::film) return {"first pass", false, "nobody reads it: nothing is coded", {}};
-    if (film.two_passes) return {"first pass", true, "a bit rate is to be shared out among the pictures", {}};
+    const auto row = [](bool runs, const char* reason) {
+        return Row{"first pass", runs, reason, {}, Stage::first_pass};
+    };
+    if (film.kind != OutputKind::film) return row(false, "nobody reads it: nothing is coded");
+    if (film.two_passes) return row(true, "a bit rate is to be shared out among the pictures");
     const bool asked = film.coding.rate_control.bit_rate > 0;
-    return {"first pass", false, asked ? "not wanted: --passes 1" : "no cause: no bit rate is asked for", {}};
-}
-
-/// Whether light is kept on surfaces.
-Row records_row(const RenderJob& film) {
-    return {"records", film.cache.keeps(), film.cache.reason, {}};
+    return row(false, asked ? "not wanted: --passes 1" : "no cause: no bit rate is asked for");
 }
 
 /// The passes in the order of their work: the film's own, and the renderer's.
 std::vector<Row> rows_of(const RenderJob& film) {
     const bool coupled = film.tolerance.coupled && film.kind == OutputKind::film;
     const bool measured = film.measures_exposure;
-    std::vector<Row> rows{{"load", true, "scene, textures", {}},
+    const std::string uncoupled = "no cause: the tolerance is not coupled to coding";
+    std::vector<Row> rows{{"load", true, "scene, textures", {}, Stage::load},
                           {"exposure",
                            measured,
                            measured ? "none is given: a few small frames tell it"
                                     : fmt::format("no cause: {:g} EV are given", film.exposure.value_or(0)),
-                           {}},
+                           {},
+                           Stage::exposure},
                           first_pass_row(film)};
     for (const renderer::PlanRow& row : film.plan.rows()) {
         if (row.pass == renderer::Pass::shade) {
-            rows.push_back(records_row(film));
-            rows.push_back({"preview",
-                            coupled,
-                            coupled ? "first frames of chunks and shots follow no picture that tells tolerances"
-                                    : "no cause: the tolerance is not coupled to coding",
-                            {}});
+            rows.push_back({"records", film.cache.keeps(), film.cache.reason});
+            rows.push_back(
+                {"preview", coupled,
+                 coupled ? "first frames of chunks and shots follow no picture that tells tolerances" : uncoupled});
             rows.push_back({"tolerate",
                             coupled,
-                            coupled ? "what coding and the eye hide is what light may be off by"
-                                    : "no cause: the tolerance is not coupled to coding",
-                            {}});
+                            coupled ? "what coding and the eye hide is what light may be off by" : uncoupled,
+                            {},
+                            Stage::tolerate});
         }
         const bool views = row.pass == renderer::Pass::develop && film.view.name != core::ViewName::neutral;
         rows.push_back(
             {row.name, row.runs, row.reason + (views ? "; view " + core::text_of(film.view) : ""), row.pass});
         if (row.pass == renderer::Pass::shade)
             rows.push_back(
-                {"audit", film.audit > 0, film.audit > 0 ? "--audit asks for it" : "nobody reads it: no --audit", {}});
+                {"audit", film.audit > 0, film.audit > 0 ? "--audit asks for it" : "nobody reads it: no --audit"});
     }
     return rows;
 }

@@ -7,9 +7,7 @@
 #include <vector>
 
 #include "app/report/figures.h"
-#include "app/report/statistics.h"
 #include "app/system/progress.h"
-#include "core/numeric.h"
 #include "core/text.h"
 #include "encoder/cadence.h"
 #include "encoder/codec.h"
@@ -25,7 +23,7 @@ using SummaryLines = std::vector<SummaryLine>;
 
 /// Share of counts as per cent.
 std::string percent_of(std::uint64_t part, std::uint64_t whole) {
-    return percent_text(core::divide_or(static_cast<double>(part), static_cast<double>(whole), 0.0));
+    return percent_text(ratio_of(part, whole));
 }
 std::string count_of(std::uint64_t count) {
     return count_text(static_cast<double>(count));
@@ -61,7 +59,7 @@ void add_time(SummaryLines& lines, const RunStatistics& statistics) {
     std::vector<Seconds> stages;
     for (std::size_t i = 0; i < statistics.seconds.size(); ++i) {
         std::string stage = stage_names[i];
-        std::replace(stage.begin(), stage.end(), '_', ' ');
+        std::ranges::replace(stage, '_', ' ');
         if (statistics.seconds[i] > 0) stages.push_back({stage, statistics.seconds[i]});
     }
     add_seconds(lines, "CPU time", stages);
@@ -93,7 +91,7 @@ void add_rate(SummaryLines& lines, const Film& film, const RunStatistics& statis
     if (wanted <= 0) return;
     const RateOutcome rate = statistics.rate_outcome();
     const double seconds = static_cast<double>(statistics.frames.size()) / film.coding.rate.hertz.value();
-    const double real = core::divide_or(8.0 * static_cast<double>(rate.bytes), seconds, 0.0);
+    const double real = ratio_of(8 * rate.bytes, seconds);
     lines.push_back({"rate", fmt::format("{:.0f} of {:.0f} kb/s wanted ({:+.1f} %)", 1e-3 * real, 1e-3 * wanted,
                                          100.0 * (real / wanted - 1.0))});
     if (rate.stuffing > 0) lines.back().text += ", " + percent_of(rate.stuffing, rate.bytes) + " of it stuffing";
@@ -151,7 +149,7 @@ void add_light(SummaryLines& lines, const RunStatistics& statistics) {
         also(percent_of(r.capped_points, r.gather_points) +
              " of the points stopped at the largest cut, their tolerance not certified");
     if (r.clamped_energy > 0.0005) also(percent_text(r.clamped_energy) + " of the light was clamped near light points");
-    if (const double lost = core::divide_or(r.photon_energy_lost, r.photon_energy, 0.0); lost > 0.0005)
+    if (const double lost = ratio_of(r.photon_energy_lost, r.photon_energy); lost > 0.0005)
         also(percent_text(lost) +
              " of the photons' light ended on surfaces too bright to be real: none reflects over 99 %");
     if (statistics.brightest_luma <= 16) also("every pixel is black: no light reaches what the camera sees");
@@ -207,7 +205,7 @@ std::string film_line(const Film& film, const RunStatistics& statistics, const R
                     film.coding.width, film.coding.height, shape_text(film.coding), rate_text(film.coding), duration);
     if (facts.bytes > 0)
         text += fmt::format(", {}, {:.0f} kb/s", size_text(static_cast<double>(facts.bytes)),
-                            core::divide_or(8e-3 * static_cast<double>(facts.bytes), duration, 0.0));
+                            8e-3 * ratio_of(facts.bytes, duration));
     return text;
 }
 

@@ -7,12 +7,15 @@ namespace render2mpeg::app {
 
 class ErrorCollector {
   public:
+    /// Returns whether the step did not throw.
     template <class Step>
-    void attempt(Step&& step) {
+    bool attempt(Step&& step) {
         try {
             std::forward<Step>(step)();
+            return true;
         } catch (const std::exception&) {
             if (!first_) first_ = std::current_exception();
+            return false;
         }
     }
     void rethrow() const {

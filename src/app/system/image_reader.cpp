@@ -7,15 +7,12 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdint>
 #include <deque>
-#include <filesystem>
 #include <iostream>
 #include <new>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <system_error>
-#include <utility>
 
 #include "app/system/interrupt.h"
 #include "core/error.h"

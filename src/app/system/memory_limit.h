@@ -1,9 +1,7 @@
 #pragma once
+// Limits of memory, and what the allocator keeps.
 #include <cstdint>
 #include <string>
-
-#pragma once
-// Tunes the allocator to keep freed memory.
 
 namespace render2mpeg::app {
 

@@ -39,8 +39,7 @@ void Pace::add(double seconds) {
 }
 
 std::int64_t Pace::firsts_from(std::int64_t frame, std::int64_t total) const {
-    return std::lower_bound(firsts_.begin(), firsts_.end(), total) -
-           std::lower_bound(firsts_.begin(), firsts_.end(), frame);
+    return std::ranges::lower_bound(firsts_, total) - std::ranges::lower_bound(firsts_, frame);
 }
 
 double Pace::later() const {

@@ -1,4 +1,4 @@
-#include "app/loop/coupling.h"
+#include "encoder/prediction.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include "core/sampling.h"
 #include "encoder/encoder.h"
 
-namespace render2mpeg::app {
+namespace render2mpeg::encoder {
 namespace {
 
 /// A rough picture, displaced by half pixels to the left and up.
@@ -67,4 +67,4 @@ TEST(Prediction, IsWhatSkippedAndEmptyMacroblocksDecodeTo) {
 }
 
 }  // namespace
-}  // namespace render2mpeg::app
+}  // namespace render2mpeg::encoder

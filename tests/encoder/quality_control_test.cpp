@@ -1,14 +1,12 @@
-#include "app/loop/picture_coder.h"
+#include "encoder/quality_control.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-namespace render2mpeg::app {
+namespace render2mpeg::encoder {
 namespace {
-
-using encoder::PictureType;
 
 /// PSNR-HVS-M of a film of whole quantisers whose errors are `content` times the wanted one at the usual quantiser,
 /// grow with its power `slope`, and are `bidirectional` times as large in B pictures.
@@ -55,4 +53,4 @@ TEST(QualityControl, BeginsWithTheUsualQuantiserAndForgetsAFilmAtACut) {
 }
 
 }  // namespace
-}  // namespace render2mpeg::app
+}  // namespace render2mpeg::encoder

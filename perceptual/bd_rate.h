@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace render2mpeg::app {
+namespace render2mpeg::perceptual {
 
 struct RatePoint {
     double bits = 0;  ///< > 0; or any other cost
@@ -54,7 +54,7 @@ class Pchip {
 /// NaN without common quality or with fewer than two points. [Bjontegaard2001] with piecewise cubics of log rate.
 inline double bd_rate(std::vector<RatePoint> anchor, std::vector<RatePoint> test) {
     const auto curve = [](std::vector<RatePoint>& points) {
-        std::sort(points.begin(), points.end(), [](const RatePoint& a, const RatePoint& b) { return a.psnr < b.psnr; });
+        std::ranges::sort(points, {}, &RatePoint::psnr);
         std::vector<double> x, y;
         for (const RatePoint& p : points) {
             // Of points of equal quality the cheapest counts.
@@ -83,4 +83,4 @@ inline double bd_rate(std::vector<RatePoint> anchor, std::vector<RatePoint> test
     return 100 * (std::exp(sum / steps) - 1);
 }
 
-}  // namespace render2mpeg::app
+}  // namespace render2mpeg::perceptual
