@@ -73,6 +73,14 @@ float halton(int dimension, std::uint64_t index) {
     return std::min(static_cast<float>(value * unit), below_one);
 }
 
+glm::uvec2 sobol(std::uint32_t index) {
+    glm::uvec2 bits(0);
+    std::uint32_t first = 1u << 31, second = 1u << 31;
+    for (; index != 0; index >>= 1, first >>= 1, second ^= second >> 1)
+        if ((index & 1u) != 0) bits ^= glm::uvec2(first, second);
+    return bits;
+}
+
 glm::vec3 sample_cosine_hemisphere(glm::vec3 normal, glm::vec2 u) {
     glm::vec3 t, b;
     make_frame(normal, t, b);

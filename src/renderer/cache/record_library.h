@@ -10,6 +10,7 @@
 
 #include "core/packed_normal.h"
 #include "renderer/base/light_packing.h"
+#include "renderer/base/stream.h"
 #include "renderer/cache/irradiance_record.h"
 #include "renderer/surface/surface_point.h"
 
@@ -19,7 +20,7 @@ namespace render2mpeg::renderer {
 struct StoredRecord {
     core::SurfaceAddress address;
     std::array<PackedLight, 7> light{};  ///< direct, indirect, the lobe's two parts; by rays, in RayLight's order
-    std::uint64_t seed = 0;
+    Stream numbers;
     glm::vec3 position{0}, outgoing{0};
     core::PackedNormal geometric_normal, shading_normal;
     std::uint32_t near_field = 0;  ///< NearField::key of the frame that it was gathered for

@@ -16,9 +16,7 @@
 #include "parallel/loops.h"
 #include "renderer/base/flush_denormals.h"
 #include "renderer/base/lobe.h"
-#include "renderer/base/purpose.h"
 #include "renderer/base/stopwatch.h"
-#include "renderer/gather/net_points.h"
 #include "renderer/gather/ray_guide.h"
 #include "renderer/gather/ray_sums.h"
 #include "renderer/paths/path_directions.h"
@@ -56,7 +54,7 @@ constexpr float least_cosine = 1e-4f;
 struct FinalGather::Bundle {
     std::uint32_t request = 0, first = 0, count = 0;
     const RayGuide* guide = nullptr;  ///< that they are drawn by; null: evenly
-    std::uint64_t seed = 0;
+    Stream numbers;
 };
 
 /// Requests that know of each other's rays.
@@ -123,7 +121,7 @@ FinalGather::Directions FinalGather::hemisphere(const GatherRequest& request, co
     std::array<std::pair<std::uint32_t, std::uint32_t>, bundle_rays> order;
     for (std::uint32_t i = 0; i < bundle.count; ++i) {
         order[i] = {0, i};
-        const glm::vec2 even = net_point(bundle.first + i, bundle.seed);
+        const glm::vec2 even = bundle.numbers.sobol(bundle.first + i);
         const bool by_lobe = even.x < of_lobe;
         const glm::vec2 rest((by_lobe ? even.x : even.x - of_lobe) / (by_lobe ? of_lobe : 1.0f - of_lobe), even.y);
         auto [u, density] = !by_lobe && bundle.guide != nullptr ? bundle.guide->draw(rest) : RayGuide::Drawn{rest};
@@ -139,7 +137,7 @@ FinalGather::Directions FinalGather::hemisphere(const GatherRequest& request, co
             density = (1.0f - of_lobe) * density +
                       direction_density(p, 1.0f, ray.direction) * of_lobe * std::numbers::pi_v<float> / cosine;
         }
-        order[i].first = interleaved(u);
+        order[i].first = RayGuide::place_of(u);
         ray.cell = RayGuide::cell_of(u);
         ray.density = density;
         const float share = 1.0f / density;
@@ -174,7 +172,7 @@ FinalGather::Directions FinalGather::lobe(const GatherRequest& request, const Bu
     Directions out;
     for (std::uint32_t i = 0; i < bundle.count; ++i) {
         out.order[i] = i;
-        const glm::vec3 half = visible_normal(eye, lobe.alpha, net_point(bundle.first + i, bundle.seed));
+        const glm::vec3 half = visible_normal(eye, lobe.alpha, bundle.numbers.sobol(bundle.first + i));
         const float eye_half = std::max(glm::dot(eye, half), 0.0f);
         const glm::vec3 light = 2.0f * eye_half * half - eye;
         if (!(light.z > 0.0f)) continue;
@@ -219,7 +217,7 @@ void FinalGather::trace(const GatherRequest& request, const Bundle& bundle, Trac
         // A lobe is known in all, whatever of it the surface hides; so is a diffuse surface.
         out.rays[i] = {glm::vec3(0), ray.weight, ray.cell, ray.density};
         if (!counts || !(glm::dot(smooth, ray.direction) > 0.0f)) continue;
-        const auto place = static_cast<std::uint32_t>(core::mix(bundle.seed ^ number) % places);
+        const auto place = static_cast<std::uint32_t>(bundle.numbers.at(number).bits() % places);
         queries[asked] = {place == 0 ? shadow_origin(p) : point.elsewhere[place - 1], ray.direction,
                           std::numeric_limits<float>::infinity()};
         index[asked++] = i;
@@ -235,9 +233,8 @@ void FinalGather::trace(const GatherRequest& request, const Bundle& bundle, Trac
                           : !sky_.importance
                               ? sky_.lobe_brightest
                               : core::divide_or(sky_.lobe_brightest, sky_.importance(ray.direction), 0.0f);
-        out.rays[index[k]].light =
-            gather_rays_.follow(queries[k], hits[k], rules, core::mix(bundle.seed + 8u * (bundle.first + index[k])),
-                                index[k], out.terms, out.traced);
+        out.rays[index[k]].light = gather_rays_.follow(
+            queries[k], hits[k], rules, bundle.numbers.at(bundle.first + index[k]), index[k], out.terms, out.traced);
     }
 }
 
@@ -363,10 +360,9 @@ GatherRequest request_of(const GatherPoint& point, const PointTolerance& toleran
     r.point = &point;
     r.tolerance = tolerance;
     const core::SurfaceAddress& address = point.point.address;
-    r.seed =
-        core::mix(core::mix(core::mix(static_cast<std::uint64_t>(pixel.y) << 32 | static_cast<std::uint32_t>(pixel.x)) ^
-                            (static_cast<std::uint64_t>(address.object) << 8 | point.path)) +
-                  address.primitive);
+    r.numbers = Stream(Purpose::hemisphere_rays, {.pixel = pixel})
+                    .at(static_cast<std::uint64_t>(address.object) << 8 | point.path)
+                    .at(address.primitive);
     const auto on_picture = camera.project(point.point.position);
     r.extent = camera.pixel_size() * (camera.perspective() && on_picture ? on_picture->depth : 1.0f);
     return r;
@@ -437,10 +433,11 @@ void FinalGather::trace_wanted(std::span<const GatherRequest> requests, std::spa
     // Guides stay as they are until all of these rays are traced.
     for (std::uint32_t i = 0; i < requests.size(); ++i) {
         const Pool& pool = pools[sums[i].pool];
-        const std::uint64_t seed = pool.is_guided ? seed_of(Purpose::guided_rays, requests[i].seed) : requests[i].seed;
+        const Stream& own = requests[i].numbers;
+        const Stream numbers = pool.is_guided ? own.with(Purpose::guided_rays) : own;
         for (std::uint32_t first = sums[i].rays; first < wanted[i]; first += bundle_rays)
             bundles.push_back({i, requests[i].from + first, std::min(bundle_rays, wanted[i] - first),
-                               pool.is_guided ? pool.guide.get() : nullptr, seed});
+                               pool.is_guided ? pool.guide.get() : nullptr, numbers});
         rays += wanted[i] - std::min(wanted[i], sums[i].rays);
         if (rays >= rays_at_once) flush();
     }

@@ -8,6 +8,7 @@
 
 #include "renderer/base/allocation.h"
 #include "renderer/base/plan.h"
+#include "renderer/base/stream.h"
 #include "renderer/cut/point_light.h"
 #include "renderer/gather/gather_ray.h"
 #include "renderer/gather/near_light.h"
@@ -30,7 +31,7 @@ class RayGuide;
 struct GatherRequest {
     const GatherPoint* point = nullptr;
     PointTolerance tolerance;  ///< `base` holds the luminance that its pixel has already
-    std::uint64_t seed = 0;    ///< of its rays: the same place of the picture, the same rays
+    Stream numbers;            ///< of its rays: the same place of the picture, the same rays
     float extent = 0;          ///< of a pixel there, world: rays shorter than this are followed as paths
     bool lobe = false;         ///< along the point's narrow lobe (Bsdf::has_narrow_lobe); else over the hemisphere
     std::uint32_t pool = 0;    ///< requests of one pool lie next to each other, on about one surface

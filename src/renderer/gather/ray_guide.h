@@ -15,6 +15,8 @@ class RayGuide {
     static constexpr std::uint32_t side = 16, cells = side * side;
 
     static std::uint32_t cell_of(glm::vec2 u);
+    /// The same in another order: neighbours in the square have numbers near each other.
+    static std::uint32_t place_of(glm::vec2 u);
 
     /// A ray drawn from this cell, any place of it as likely, found so much luminance.
     void add(std::uint32_t cell, double luminance) {

@@ -5,6 +5,7 @@
 
 #include "core/tolerance_map.h"
 #include "renderer/base/plan.h"
+#include "renderer/base/stream.h"
 #include "renderer/gather/gather_ray.h"
 #include "renderer/gather/surface_cache.h"
 #include "renderer/hair/hair_counts.h"
@@ -28,7 +29,7 @@ class HairLight {
   private:
     struct Pixel;
     struct Traced;
-    void trace(const FibreSample& sample, std::uint64_t number, Traced& out) const;
+    void trace(const FibreSample& sample, const Stream& numbers, Traced& out) const;
     void take_rounds(std::span<const FibreTile> tiles, std::span<Pixel> pixels, HairCounts& counts);
     void trace_all(std::span<const FibreTile> tiles, std::span<const std::span<Pixel>> tasks, HairCounts& counts);
     static void add_round(std::span<const FibreTile> tiles, std::span<const glm::vec3> lights, Pixel& pixel);
