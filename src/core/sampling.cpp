@@ -106,6 +106,14 @@ glm::vec3 sample_sphere(glm::vec2 u) {
     return {r * std::cos(phi), r * std::sin(phi), z};
 }
 
+glm::vec3 sample_cone(glm::vec3 axis, float versine, glm::vec2 u) {
+    glm::vec3 t, b;
+    make_frame(axis, t, b);
+    const float down = u.x * versine, phi = 2.0f * std::numbers::pi_v<float> * u.y;
+    const float sine = sqrt_or_zero(down * (2.0f - down));
+    return normalize_or((1.0f - down) * axis + sine * (std::cos(phi) * t + std::sin(phi) * b), axis);
+}
+
 glm::vec2 sample_triangle(glm::vec2 u) {
     const float s = std::sqrt(u.x);
     return {s * (1.0f - u.y), s * u.y};

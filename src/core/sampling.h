@@ -32,6 +32,9 @@ glm::vec2 place_of_cosine(glm::vec3 normal, glm::vec3 direction);
 /// Uniform over the unit sphere.
 glm::vec3 sample_sphere(glm::vec2 u);
 
+/// Uniform over a cone about an axis (unit), by 1 - the cosine of half its angle, which keeps the digits of thin ones.
+glm::vec3 sample_cone(glm::vec3 axis, float versine, glm::vec2 u);
+
 /// Barycentrics (u, v) uniform over a triangle, of the second and third vertex.
 glm::vec2 sample_triangle(glm::vec2 u);
 

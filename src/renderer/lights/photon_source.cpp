@@ -82,16 +82,8 @@ Photon PhotonSource::emit(glm::vec3 numbers) const {
             photon.direction = core::sample_cosine_hemisphere(light.normal, direction);
             break;
         case LightType::punctual:
-            photon.direction = core::sample_sphere(direction);
-            if (light.spot.scale > 0.0f) {
-                const float cosine = 1.0f - direction.x * (1.0f - light.spot.outer_cosine());
-                const float sine = core::sqrt_or_zero(1.0f - cosine * cosine);
-                const float phi = 2.0f * static_cast<float>(pi) * direction.y;
-                glm::vec3 t, b;
-                core::make_frame(light.normal, t, b);
-                photon.direction = sine * std::cos(phi) * t + sine * std::sin(phi) * b + cosine * light.normal;
-                photon.flux *= light.spot.falloff(cosine);
-            }
+            photon.direction = core::sample_cone(light.normal, 1.0f - light.spot.outer_cosine(), direction);
+            photon.flux *= light.spot.falloff(glm::dot(photon.direction, light.normal));
             break;
         case LightType::directional: {
             const Shadow shadow(light.normal, box_);
