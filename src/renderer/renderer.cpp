@@ -293,7 +293,7 @@ bool Renderer::is_sound(KnownLight light) {
     return std::all_of(records.begin(), records.end(), renderer::is_sound);
 }
 
-std::vector<std::byte> Renderer::found_light() {
+std::vector<std::byte> Renderer::found_light() const {
     const std::vector<StoredRecord> found = impl_->cache.found();
     const auto bytes = std::as_bytes(std::span(found));
     return {bytes.begin(), bytes.end()};

@@ -79,8 +79,8 @@ class Renderer {
     /// Forgets everything that was carried over from earlier frames.
     void start_chunk(const scene::Snapshot& first);
 
-    /// Light that the chunk found beyond what was known, at its end.
-    std::vector<std::byte> found_light();
+    /// Light that the chunk found so far beyond what was known.
+    std::vector<std::byte> found_light() const;
 
     /// Primary visibility with antialiasing; no light. May run ahead by some frames of a chunk that was started.
     Frame look(const scene::Snapshot& snapshot);

@@ -30,8 +30,9 @@ SurfacePoint point(float u) {
 /// What a run leaves that notes these.
 std::vector<StoredRecord> left_by(RecordLibrary& run, const std::vector<IrradianceRecord>& records) {
     run.start_chunk();
-    run.note(records, 5);
-    return run.take_noted();
+    std::vector<StoredRecord> noted;
+    run.note(records, 5, noted);
+    return noted;
 }
 
 TEST(RecordLibrary, GivesARecordToThePointInItsPlaceOnce) {

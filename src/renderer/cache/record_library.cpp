@@ -92,7 +92,6 @@ void RecordLibrary::know(std::vector<StoredRecord> records) {
 
 void RecordLibrary::start_chunk() {
     taken_.assign(known_.size(), 0);
-    noted_.clear();
 }
 
 std::optional<IrradianceRecord> RecordLibrary::take(const SurfacePoint& p, std::uint32_t near_field,
@@ -108,14 +107,11 @@ std::optional<IrradianceRecord> RecordLibrary::take(const SurfacePoint& p, std::
     return record_from(*found, frame);
 }
 
-void RecordLibrary::note(std::span<const IrradianceRecord> records, std::uint32_t near_field) {
+void RecordLibrary::note(std::span<const IrradianceRecord> records, std::uint32_t near_field,
+                         std::vector<StoredRecord>& noted) const {
     if (!notes_) return;
     for (const IrradianceRecord& r : records)
-        if (r.next_ray > r.known_rays) noted_.push_back(stored(r, near_field));
-}
-
-std::vector<StoredRecord> RecordLibrary::take_noted() {
-    return std::exchange(noted_, {});
+        if (r.next_ray > r.known_rays) noted.push_back(stored(r, near_field));
 }
 
 }  // namespace render2mpeg::renderer
