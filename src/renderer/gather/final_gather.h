@@ -100,20 +100,23 @@ class FinalGather {
     struct Bundle;
     struct Pool;
     struct Traced;
-
     struct Directions;
+
+    // The estimate.
     Directions hemisphere(const GatherRequest& request, const Bundle& bundle) const;
     Directions lobe(const GatherRequest& request, const Bundle& bundle) const;
     void trace(const GatherRequest& request, const Bundle& bundle, Traced& out) const;
-    static std::vector<Pool> pools_of(std::span<const GatherRequest> requests, std::vector<PointSums>& sums);
     static std::vector<std::size_t> runs_of(std::span<const Bundle> bundles, std::size_t rays);
     void trace_all(std::span<const GatherRequest> requests, std::span<const Bundle> bundles,
                    std::vector<PointSums>& sums, std::vector<Pool>& pools);
     void add_bundle(const GatherRequest& request, Traced& traced, PointSums& s, RayGuide* guide) const;
     void trace_wanted(std::span<const GatherRequest> requests, std::span<const std::uint32_t> wanted,
                       std::vector<PointSums>& sums, std::vector<Pool>& pools);
+    // How many rays.
     void want_rays(std::span<const GatherRequest> requests, std::span<const PointSums> sums, const Pool& pool,
                    bool pilot, Allocation allocation, std::vector<std::uint32_t>& wanted) const;
+    // Where to.
+    static std::vector<Pool> pools_of(std::span<const GatherRequest> requests, std::vector<PointSums>& sums);
     void guide(std::span<const GatherRequest> requests, Allocation allocation, Pool& pool, std::vector<PointSums>& sums,
                std::vector<std::uint32_t>& wanted) const;
 
