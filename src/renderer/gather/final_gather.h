@@ -93,6 +93,8 @@ class FinalGather {
     /// Light of all requests, in their order.
     std::vector<RayLight> gather(std::span<const GatherRequest> requests, Allocation allocation);
 
+    /// Light of surfaces at the posed instant, for whoever asks.
+    SurfaceCache& cache() { return cache_; }
     const FinalGatherCounts& counts() const { return counts_; }
     std::size_t bytes() const { return cache_.bytes(); }
 

@@ -56,8 +56,8 @@ struct HairLight::Traced {
     std::uint64_t rays = 0;
 };
 
-HairLight::HairLight(const PosedScene& posed_scene, const Plan& plan)
-    : posed_scene_(posed_scene), gather_rays_(posed_scene, plan), cache_(posed_scene, plan) {}
+HairLight::HairLight(const PosedScene& posed_scene, const Plan& plan, SurfaceCache& cache)
+    : posed_scene_(posed_scene), gather_rays_(posed_scene, plan), cache_(cache) {}
 
 /// Lights of one sample by next events, and one ray by the fibre's scattering, whose end the cache knows.
 void HairLight::trace(const FibreSample& sample, const Stream& numbers, Traced& out) const {
@@ -228,7 +228,6 @@ void HairLight::add(const Frame& seen, const core::ToleranceMap* tolerance, Unga
     const core::Plane<glm::vec3> black(seen.visible.width(), seen.visible.height(), glm::vec3(0));
     EffectLight hair{black, {}, {}};
     if (!seen.emitted_specular.empty()) hair.specular = black;
-    cache_.forget({});
     for (const Pixel& p : light(seen.fibres, across, tolerance, sum.all(), counts)) {
         const float share = 1.0f / static_cast<float>(p.rounds);
         hair.all.at(p.place.x, p.place.y) = share * p.light;
