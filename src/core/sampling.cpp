@@ -73,6 +73,14 @@ float halton(int dimension, std::uint64_t index) {
     return std::min(static_cast<float>(value * unit), below_one);
 }
 
+glm::uvec2 sobol(std::uint32_t index) {
+    glm::uvec2 bits(0);
+    std::uint32_t first = 1u << 31, second = 1u << 31;
+    for (; index != 0; index >>= 1, first >>= 1, second ^= second >> 1)
+        if ((index & 1u) != 0) bits ^= glm::uvec2(first, second);
+    return bits;
+}
+
 glm::vec3 sample_cosine_hemisphere(glm::vec3 normal, glm::vec2 u) {
     glm::vec3 t, b;
     make_frame(normal, t, b);
@@ -96,6 +104,14 @@ glm::vec3 sample_sphere(glm::vec2 u) {
     const float r = sqrt_or_zero(1.0f - z * z);
     const float phi = 2.0f * std::numbers::pi_v<float> * u.y;
     return {r * std::cos(phi), r * std::sin(phi), z};
+}
+
+glm::vec3 sample_cone(glm::vec3 axis, float versine, glm::vec2 u) {
+    glm::vec3 t, b;
+    make_frame(axis, t, b);
+    const float down = u.x * versine, phi = 2.0f * std::numbers::pi_v<float> * u.y;
+    const float sine = sqrt_or_zero(down * (2.0f - down));
+    return normalize_or((1.0f - down) * axis + sine * (std::cos(phi) * t + std::sin(phi) * b), axis);
 }
 
 glm::vec2 sample_triangle(glm::vec2 u) {

@@ -19,6 +19,10 @@ inline constexpr int halton_dimensions = 64;
 /// for thousands of points. [Halton1960], [Kocis1997]
 float halton(int dimension, std::uint64_t index);
 
+/// Element `index` of Sobol's first two dimensions [Sobol1967], a (0, 2)-sequence, as bits after the point: aligned
+/// runs of 4, 16 and 64 are stratified in both dimensions and jointly.
+glm::uvec2 sobol(std::uint32_t index);
+
 /// A direction about `normal` (unit) with density cos/pi, from two uniform numbers.
 glm::vec3 sample_cosine_hemisphere(glm::vec3 normal, glm::vec2 u);
 
@@ -27,6 +31,9 @@ glm::vec2 place_of_cosine(glm::vec3 normal, glm::vec3 direction);
 
 /// Uniform over the unit sphere.
 glm::vec3 sample_sphere(glm::vec2 u);
+
+/// Uniform over a cone about an axis (unit), by 1 - the cosine of half its angle, which keeps the digits of thin ones.
+glm::vec3 sample_cone(glm::vec3 axis, float versine, glm::vec2 u);
 
 /// Barycentrics (u, v) uniform over a triangle, of the second and third vertex.
 glm::vec2 sample_triangle(glm::vec2 u);

@@ -36,7 +36,7 @@ struct Renderer::Impl {
           lights(posed_scene, plan, settings, statistics, times),
           caustics({s.caustic_photons, plan.rays_see_sky_in_panes()}),
           final_gather(posed_scene, plan),
-          hair_light(posed_scene, plan) {
+          hair_light(posed_scene, plan, final_gather.cache()) {
         begin();
     }
     /// Beside `prepared`.
@@ -47,7 +47,7 @@ struct Renderer::Impl {
           lights(prepared.lights, posed_scene, plan, settings, statistics, times),
           caustics({settings.caustic_photons, plan.rays_see_sky_in_panes()}),
           final_gather(posed_scene, plan),
-          hair_light(posed_scene, plan) {
+          hair_light(posed_scene, plan, final_gather.cache()) {
         begin();
     }
 
@@ -84,7 +84,8 @@ struct Renderer::Impl {
     void update_lights(const scene::Snapshot& snapshot) {
         if (!lights.update(snapshot)) return;
         cache.light_changes();
-        if (!rays_of.empty()) final_gather.forget(lights.sky_of_rays());
+        if (!rays_of.empty() || plan.runs(Pass::hair) || plan.runs(Pass::subsurface))
+            final_gather.forget(lights.sky_of_rays());
     }
 
     /// Parts the time of gathering among the rows of the plan that it serves, by clusters.
@@ -181,6 +182,7 @@ void Renderer::Impl::add_effects(const scene::Snapshot& snapshot, const core::To
         if (tolerance != nullptr) add(counts, statistics);
     }
     if (!frame.fibres.empty()) {
+        update_lights(snapshot);
         const Stopwatch timer(times[plan.runs(Pass::hair) ? Pass::hair : Pass::subsurface]);
         hair_light.add(frame, tolerance, sum, statistics.hair);
     }
@@ -304,7 +306,7 @@ bool Renderer::is_sound(KnownLight light) {
     return std::all_of(records.begin(), records.end(), renderer::is_sound);
 }
 
-std::vector<std::byte> Renderer::found_light() {
+std::vector<std::byte> Renderer::found_light() const {
     const std::vector<StoredRecord> found = impl_->cache.found();
     const auto bytes = std::as_bytes(std::span(found));
     return {bytes.begin(), bytes.end()};

@@ -86,8 +86,8 @@ class Renderer {
     /// Frames have this format from now on. Forgets the light that drafts carry along.
     void resize(const scene::PictureFormat& format);
 
-    /// Light that the chunk found beyond what was known, at its end.
-    std::vector<std::byte> found_light();
+    /// Light that the chunk found so far beyond what was known.
+    std::vector<std::byte> found_light() const;
 
     /// Primary visibility with antialiasing; no light. May run ahead by some frames of a chunk that was started.
     Frame look(const scene::Snapshot& snapshot);

@@ -39,7 +39,7 @@ TEST_P(ClosedRoomsSlow, AreAsBrightAsByPaths) {
     const std::string stats = (folder / "s.json").string();
     const support::Outcome outcome = support::run(
         support::program() + " render -y --hold " + (folder / "room.json").string() +
-        " --frames 0:1 --size 40x40 -q 8 --audit 12 -o " + (folder / "a.m2v").string() + " --stats " + stats);
+        " --frames 0:1 --size 40x40 -q 8 --audit 32 -o " + (folder / "a.m2v").string() + " --stats " + stats);
     ASSERT_EQ(outcome.status, 0) << outcome.output;
     const nlohmann::json bias =
         nlohmann::json::parse(support::contents(stats)).at("audit").at("truth").at("total").at("bias");

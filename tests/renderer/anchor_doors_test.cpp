@@ -37,7 +37,7 @@ TEST(AnchorDoors, LetNoLightThroughWhileTheyAreShut) {
 }
 
 TEST(AnchorDoors, LetThroughWhatPhotonsCarryWhileTheyOpenSlow) {
-    AnchorStage stage(test::rooms_with_a_door(), {1500, 4});
+    AnchorStage stage(test::rooms_with_a_door(), {3000, 4});
     for (const double seconds : {1.2, 1.5, 2.0}) {
         stage.pose(seconds);
         const Anchors::Lit lit = stage.light();

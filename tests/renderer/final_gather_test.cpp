@@ -42,7 +42,12 @@ std::vector<RayLight> light_of(const Stage& stage, const std::vector<GatherPoint
     gather.forget({std::numeric_limits<float>::infinity(), 0.0f, {}});
     std::vector<GatherRequest> requests;
     for (std::size_t i = 0; i < points.size(); ++i)
-        requests.push_back({&points[i], {{tolerance, 0.0f, 0.0f}, 0.0f}, core::mix(i + 1), 1e-3f, false, 0u});
+        requests.push_back({&points[i],
+                            {{tolerance, 0.0f, 0.0f}, 0.0f},
+                            Stream(Purpose::hemisphere_rays, {.index = i}),
+                            1e-3f,
+                            false,
+                            0u});
     return gather.gather(requests, {});
 }
 
@@ -132,7 +137,7 @@ TEST(FinalGather, AgreesWithPathsSlow) {
         constexpr std::uint64_t count = 8000;
         for (std::size_t k = 0; k < points.size(); ++k)
             for (std::uint64_t i = 0; i < count; ++i) {
-                PathNumbers numbers(k, i);
+                PathNumbers numbers(Stream(Purpose::true_paths, {.index = k}), i);
                 truth +=
                     static_cast<double>(core::luminance(paths.scattered(points[k].point, numbers))) / (16.0 * count);
             }
@@ -187,7 +192,7 @@ TEST(FinalGather, RaysThatGoOnAreThoseOfOneRequest) {
     FinalGather gather(stage.posed_scene(), stage.plan());
     gather.forget({std::numeric_limits<float>::infinity(), 0.0f, {}});
     const auto rays_of = [&](std::uint32_t from, std::uint32_t rays) {
-        GatherRequest r{&points[0], {}, 5, 1e-3f};
+        GatherRequest r{&points[0], {}, Stream(Purpose::hemisphere_rays, {.index = 5}), 1e-3f};
         r.from = from;
         r.rays = rays;
         return gather.gather(std::span(&r, 1), {}).front();
@@ -279,7 +284,12 @@ TEST(NearLight, AndRaysTogetherGiveWhatRaysGive) {
         points.push_back(stage.point_at(0, 2, {0.3f + 0.02f * static_cast<float>(i), 0.3f}, {0, 1, 0}));
     std::vector<GatherRequest> requests;
     for (std::size_t i = 0; i < points.size(); ++i)
-        requests.push_back({&points[i], {}, core::mix(i + 1), 1e-3f, false, static_cast<std::uint32_t>(i)});
+        requests.push_back({&points[i],
+                            {},
+                            Stream(Purpose::hemisphere_rays, {.index = i}),
+                            1e-3f,
+                            false,
+                            static_cast<std::uint32_t>(i)});
     const auto by_rays = [&](const NearField& field) {
         FinalGather gather(stage.posed_scene(), plan);
         SkyOfRays sees;

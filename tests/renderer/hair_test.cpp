@@ -272,7 +272,7 @@ TEST(HairLight, OfPathsInAWhiteSkyIsTheSky) {
     double sum = 0;
     constexpr int n = 4000;
     for (int i = 0; i < n; ++i) {
-        PathNumbers numbers(7, static_cast<std::uint64_t>(i));
+        PathNumbers numbers(Stream(Purpose::true_paths, {.index = 7}), static_cast<std::uint64_t>(i));
         sum += static_cast<double>(core::luminance(paths.scattered(p, numbers)));
     }
     EXPECT_NEAR(sum / n, 1.0, 0.01);
@@ -313,7 +313,7 @@ TEST(HairLight, OfCellsThatLightEachOtherIsThatOfPaths) {
         if (!hit.found()) continue;
         std::vector<RayTerm> terms;
         std::uint64_t traced = 0;
-        rays.follow({from, direction, 10}, hit, {}, i, 0, terms, traced);
+        rays.follow({from, direction, 10}, hit, {}, Stream(Purpose::rays_of_view, {.index = i}), 0, terms, traced);
         ASSERT_EQ(terms.size(), 1u);
         cache.learn({{terms[0].place}});
         const auto light = static_cast<double>(core::luminance(cache.radiance(cache.index_of(terms[0].place.key))));
@@ -321,7 +321,7 @@ TEST(HairLight, OfCellsThatLightEachOtherIsThatOfPaths) {
         most = std::max(most, light);
         const SurfacePoint p = stage.posed_scene().surface_at(hit.address, -direction);
         for (std::uint64_t k = 0; k < 8; ++k) {
-            PathNumbers numbers(i, k);
+            PathNumbers numbers(Stream(Purpose::true_paths, {.index = i}), k);
             truth += static_cast<double>(core::luminance(paths.scattered(p, numbers))) / 8;
         }
         count += 1;
@@ -361,11 +361,10 @@ TEST(HairLight, ChoosesAmongDirectionsToLightWithoutBias) {
         constexpr int n = 40000;
         for (std::uint64_t i = 0; i < n; ++i) {
             std::uint64_t traced = 0;
-            const std::uint64_t number = core::mix(i);
-            glm::vec3 direction(0), weight(0), found = light.lamps(at, number, choices, traced);
+            const Stream numbers(Purpose::strands, {.index = i});
+            glm::vec3 direction(0), weight(0), found = light.lamps(at, numbers.at(0), choices, traced);
             const float density =
-                at.sample(core::uniform(number, 16, 0), {core::uniform(number, 16, 1), core::uniform(number, 16, 2)},
-                          direction, weight);
+                at.sample(numbers.uniform(2, 0), {numbers.uniform(2, 1), numbers.uniform(2, 2)}, direction, weight);
             ASSERT_GT(density, 0.0f);
             const AskedLights asked{light.sources(), at.query(), density, choices};
             RayRules rules;
@@ -373,7 +372,7 @@ TEST(HairLight, ChoosesAmongDirectionsToLightWithoutBias) {
             std::vector<RayTerm> terms;
             const glm::vec3 origin = at.origin_of(direction);
             found += weight * rays.follow({origin, direction, 10}, stage.tracer().nearest(origin, direction, 10), rules,
-                                          number, 0, terms, traced);
+                                          numbers.at(3), 0, terms, traced);
             const auto y = static_cast<double>(core::luminance(found));
             sum += y;
             squares += y * y;

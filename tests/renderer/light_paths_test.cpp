@@ -33,7 +33,7 @@ PathMean scattered_at(const Stage& stage, glm::vec3 outgoing, std::uint64_t path
     for (std::uint64_t b = 0; b < batches; ++b) {
         double batch = 0;
         for (std::uint64_t i = 0; i < paths / batches; ++i) {
-            PathNumbers numbers(1000 + b, i);
+            PathNumbers numbers(Stream(Purpose::true_paths, {.index = 1000 + b}), i);
             batch += core::luminance(light.scattered(p, numbers));
         }
         batch /= static_cast<double>(paths / batches);

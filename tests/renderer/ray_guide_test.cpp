@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "renderer/gather/net_points.h"
+#include "renderer/base/stream.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -18,7 +18,7 @@ constexpr double window_mean = 20.0 * 0.09 * 0.11 + (0.05 + 0.025) - 0.09 * 0.11
 RayGuide taught(std::uint32_t rays, double (*light)(glm::vec2)) {
     RayGuide guide;
     for (std::uint32_t i = 0; i < rays; ++i) {
-        const glm::vec2 u = net_point(i, 7);
+        const glm::vec2 u = Stream(Purpose::guided_rays, {.index = 7}).sobol(i);
         guide.add(RayGuide::cell_of(u), light(u));
     }
     guide.learn();
@@ -33,7 +33,7 @@ Moments drawn(const RayGuide& guide, double (*light)(glm::vec2)) {
     Moments m;
     double square = 0;
     for (std::uint32_t i = 0; i < count; ++i) {
-        const auto [u, density] = guide.draw(net_point(i, 11));
+        const auto [u, density] = guide.draw(Stream(Purpose::guided_rays, {.index = 11}).sobol(i));
         EXPECT_TRUE(u.x >= 0.0f && u.x < 1.0f && u.y >= 0.0f && u.y < 1.0f && density > 0.0f);
         m.area += 1.0 / density / count;
         m.mean += light(u) / density / count;
@@ -57,7 +57,7 @@ TEST(RayGuide, LeavesLittleOfTheVarianceOfASmallBrightSpot) {
     // What it draws itself teaches it more.
     RayGuide again = guide;
     for (std::uint32_t i = 0; i < 4096; ++i) {
-        const glm::vec2 u = guide.draw(net_point(i, 13)).u;
+        const glm::vec2 u = guide.draw(Stream(Purpose::guided_rays, {.index = 13}).sobol(i)).u;
         again.add(RayGuide::cell_of(u), window(u));
     }
     again.learn();
@@ -67,7 +67,8 @@ TEST(RayGuide, LeavesLittleOfTheVarianceOfASmallBrightSpot) {
 TEST(RayGuide, SaysThatEvenLightNeedsNone) {
     const RayGuide guide = taught(256, [](glm::vec2) { return 1.0; });
     EXPECT_GT(guide.variance_share(), 0.7);
-    for (std::uint32_t i = 0; i < 64; ++i) EXPECT_NEAR(guide.draw(net_point(i, 3)).density, 1.0f, 0.2f);
+    for (std::uint32_t i = 0; i < 64; ++i)
+        EXPECT_NEAR(guide.draw(Stream(Purpose::guided_rays, {.index = 3}).sobol(i)).density, 1.0f, 0.2f);
 }
 
 TEST(RayGuide, SaysThatDarknessNeedsNone) {

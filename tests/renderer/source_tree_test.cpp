@@ -91,7 +91,7 @@ TEST(SourceTree, BringsAllLightOfManyLamps) {
     double sum = 0;
     constexpr std::uint64_t count = 1u << 16;
     for (std::uint64_t i = 0; i < count; ++i) {
-        PathNumbers numbers(5, i);
+        PathNumbers numbers(Stream(Purpose::true_paths, {.index = 5}), i);
         sum += static_cast<double>(paths.scattered(p, numbers).x);
     }
     EXPECT_NEAR(sum / count / (0.5 / 3.14159265 * expected), 1.0, 0.01);

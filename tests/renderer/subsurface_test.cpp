@@ -33,7 +33,8 @@ glm::dvec3 found_at(const Stage& stage, glm::vec3 from, glm::vec3 to, int n = 20
     p.below = true;
     glm::dvec3 sum(0);
     for (int i = 0; i < n; ++i)
-        if (const auto place = random_walk(stage.posed_scene(), p, core::mix(static_cast<std::uint64_t>(i))))
+        if (const auto place =
+                random_walk(stage.posed_scene(), p, Stream(Purpose::strands).at(static_cast<std::uint64_t>(i))))
             sum += glm::dvec3(place->bsdf.diffuse) / static_cast<double>(n);
     return sum;
 }
@@ -59,7 +60,7 @@ TEST(Subsurface, OfBlackSkinBringsNothing) {
     for (const float albedo : {0.0f, 1e-30f, 1e-8f}) {
         p.bsdf.diffuse = glm::vec3(albedo);
         for (std::uint64_t i = 0; i < 2000; ++i)
-            if (const auto place = random_walk(stage.posed_scene(), p, core::mix(i))) {
+            if (const auto place = random_walk(stage.posed_scene(), p, Stream(Purpose::strands).at(i))) {
                 EXPECT_LT(core::luminance(place->bsdf.diffuse), 10.0f) << albedo;
             }
     }

@@ -62,7 +62,7 @@ std::vector<std::int64_t> fresh_starts(const RenderJob& film, const std::vector<
 }
 
 /// Adds a chunk's light to the film's file. False, and told, where that fails: the film goes on without.
-bool add_light(LightFile& light, renderer::Renderer& renderer, const RenderOptions& options) {
+bool add_light(LightFile& light, const renderer::Renderer& renderer, const RenderOptions& options) {
     try {
         light.add(renderer.found_light());
         return true;

@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "core/numeric.h"
-#include "core/sampling.h"
 #include "parallel/loops.h"
 #include "renderer/cut/gatherer.h"
 
@@ -179,7 +178,7 @@ std::uint64_t AmbientAir::gather(std::span<const Corner> corners, std::size_t fi
             r.tolerance = {{1.0f, 0.0f}, 0.0f};
             r.rays = rays_of_side;
             r.bounces = bounces_;
-            r.seed = core::mix(core::mix(corners[i].key) + requests.size() % normals.size());
+            r.numbers = Stream(Purpose::rays_of_air, {.index = corners[i].key}).at(requests.size() % normals.size());
             r.pool = static_cast<std::uint32_t>(i);
             requests.push_back(r);
         }

@@ -26,7 +26,7 @@ struct Allocation {
     float typical = 0;  ///< ToleranceMap::typical; 0: tolerances are bounds, whatever they cost
     float means = 1;    ///< ToleranceMap::means
 
-    /// N of N_T rays, which would meet the tolerance.
+    /// N of N_T rays, which would meet the tolerance (docs/model/gathering.md, eq. 3).
     double worth(double rays) const;
     /// Mean square error that these leave, over the square of the tolerance's standard error.
     double left(double rays) const;

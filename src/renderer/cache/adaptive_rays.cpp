@@ -106,7 +106,7 @@ void refine_rays(FrameState& frame, std::size_t first) {
                 const IrradianceRecord& record = frame.records[f.record];
                 receivers[k] = plain_receiver(frame.point(f.point));
                 requests[k] = request_of(receivers[k], {}, {0, 0}, frame.camera());
-                requests[k].seed = record.seed;
+                requests[k].numbers = record.numbers;
                 requests[k].rays = more[which[k]];
                 requests[k].from = record.next_ray;
                 requests[k].pool = f.pool;

@@ -132,7 +132,7 @@ void retrace_pilots(FrameState& frame, std::span<const std::uint32_t> which,
     std::vector<GatherRequest> requests(which.size());
     for_each_of(which.size(), [&](std::size_t k) {
         requests[k] = request_of(*receivers[k], {}, {0, 0}, frame.camera());
-        requests[k].seed = frame.records[which[k]].seed;
+        requests[k].numbers = frame.records[which[k]].numbers;
         requests[k].rays = pilot_rays;
     });
     const std::vector<RayLight> found = frame.rays->gather(requests, frame.allocation);

@@ -240,13 +240,13 @@ std::optional<IrradianceRecord> take(FrameState& frame, const GatheredRequests& 
     record->seen_at = frame.middle_of(ref.tile, p);
     record->tolerance = tile.tolerance[ref.index];
     if (ref.record == PointRef::none) {
-        record->seed = request_of(p, {}, frame.pixel_of(ref.tile, p), frame.camera()).seed;
+        record->numbers = request_of(p, {}, frame.pixel_of(ref.tile, p), frame.camera()).numbers;
         return record;
     }
     // Its rays stay what they are.
     const IrradianceRecord& before = frame.records[ref.record];
     record->born = before.born;
-    record->seed = before.seed;
+    record->numbers = before.numbers;
     record->next_ray = before.next_ray;
     record->known_rays = before.known_rays;
     record->pilot = before.pilot;

@@ -14,6 +14,7 @@ namespace render2mpeg::renderer {
 void IrradianceCache::forget() {
     records_.forget();
     library_.start_chunk();
+    left_.clear();
     history_ = {};
 }
 
@@ -27,7 +28,7 @@ void IrradianceCache::cut_to(const Frame& seen, const scene::Snapshot& snapshot)
     history_.tiles.clear();
     RecordGrid grid(seen.visible.width(), seen.visible.height());
     grid.build(records_.all(), snapshot.camera);
-    library_.note(records_.thin(snapshot.frame, grid), near_field_);
+    library_.note(records_.thin(snapshot.frame, grid), near_field_, left_);
 }
 
 std::uint64_t IrradianceCache::take_known(const Frame& seen, std::int64_t frame) {
@@ -40,13 +41,14 @@ std::uint64_t IrradianceCache::take_known(const Frame& seen, std::int64_t frame)
 }
 
 void IrradianceCache::forget_records() {
-    library_.note(records_.all(), near_field_);
+    library_.note(records_.all(), near_field_, left_);
     records_.forget();
 }
 
-std::vector<StoredRecord> IrradianceCache::found() {
-    library_.note(records_.all(), near_field_);
-    return library_.take_noted();
+std::vector<StoredRecord> IrradianceCache::found() const {
+    std::vector<StoredRecord> found = left_;
+    library_.note(records_.all(), near_field_, found);
+    return found;
 }
 
 FrameLight IrradianceCache::light(const LightingContext& context, const scene::Snapshot& snapshot,
@@ -71,7 +73,7 @@ FrameLight IrradianceCache::light(const LightingContext& context, const scene::S
     // ask the cache for the rest, or gather it,
     light_points(frame);
     // and remember.
-    library_.note(records_.thin(snapshot.frame, frame.grid), near_field_);
+    library_.note(records_.thin(snapshot.frame, frame.grid), near_field_, left_);
     FrameLight light = finish(frame, history_);
     frame.counts.live = frame.counts.most = records_.size();
     counts.add(frame.counts);

@@ -29,11 +29,13 @@ class IrradianceCache {
 
     /// Records of earlier runs under the same light, and those for later ones. Of light that never changes.
     RecordLibrary& library() { return library_; }
-    /// Records of the chunk so far that earlier runs did not know. Ends the chunk.
-    std::vector<StoredRecord> found();
+    /// Records of the chunk so far that earlier runs did not know.
+    std::vector<StoredRecord> found() const;
 
     /// Bytes held between frames.
-    std::size_t bytes() const { return records_.bytes() + history_.bytes() + library_.bytes(); }
+    std::size_t bytes() const {
+        return records_.bytes() + history_.bytes() + library_.bytes() + left_.capacity() * sizeof(StoredRecord);
+    }
 
   private:
     /// Another shot: forgets the last frame, and records of surfaces that are so far now that they crowd its pixels.
@@ -44,7 +46,8 @@ class IrradianceCache {
 
     RecordStore records_;
     RecordLibrary library_;
-    std::uint32_t near_field_ = 0;  ///< NearField::key of the last frame
+    std::vector<StoredRecord> left_;  ///< found by records that are no more
+    std::uint32_t near_field_ = 0;    ///< NearField::key of the last frame
     FrameHistory history_;
     bool is_other_light_ = false;
     float last_error_scale_ = 1;  ///< that the last frame was lit with

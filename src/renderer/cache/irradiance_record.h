@@ -11,6 +11,7 @@
 
 #include "core/plane.h"
 #include "core/surface_address.h"
+#include "renderer/base/stream.h"
 #include "renderer/cut/point_light.h"
 #include "renderer/surface/gather_point.h"
 #include "scene/pose/snapshot.h"
@@ -58,7 +59,7 @@ struct IrradianceRecord {
     std::array<glm::vec3, 3> by_rays{};
     std::uint32_t ray_count = 0;  ///< effective number of rays at the last instant
     float batch_variance = 0;
-    std::uint64_t seed = 0;        ///< of its rays
+    Stream numbers;                ///< of its rays
     std::uint32_t next_ray = 0;    ///< number of rays that were traced for it
     std::uint32_t known_rays = 0;  ///< of them in earlier runs
     RecordPilot pilot;

@@ -30,7 +30,7 @@ StoredRecord stored(const IrradianceRecord& r, std::uint32_t near_field) {
     s.batch_variance = r.batch_variance;
     s.error = r.error.value;
     s.clamped = r.clamped;
-    s.seed = r.seed;
+    s.numbers = r.numbers;
     s.ray_count = r.ray_count;
     s.next_ray = r.next_ray;
     s.back_side = r.back_side ? 1 : 0;
@@ -53,7 +53,7 @@ IrradianceRecord record_from(const StoredRecord& s, std::int64_t frame) {
     r.batch_variance = s.batch_variance;
     r.error = {s.error};
     r.clamped = s.clamped;
-    r.seed = s.seed;
+    r.numbers = s.numbers;
     r.ray_count = r.known_rays = s.ray_count;
     r.next_ray = s.next_ray;
     r.back_side = s.back_side != 0;
@@ -92,7 +92,6 @@ void RecordLibrary::know(std::vector<StoredRecord> records) {
 
 void RecordLibrary::start_chunk() {
     taken_.assign(known_.size(), 0);
-    noted_.clear();
 }
 
 std::optional<IrradianceRecord> RecordLibrary::take(const SurfacePoint& p, std::uint32_t near_field,
@@ -108,14 +107,11 @@ std::optional<IrradianceRecord> RecordLibrary::take(const SurfacePoint& p, std::
     return record_from(*found, frame);
 }
 
-void RecordLibrary::note(std::span<const IrradianceRecord> records, std::uint32_t near_field) {
+void RecordLibrary::note(std::span<const IrradianceRecord> records, std::uint32_t near_field,
+                         std::vector<StoredRecord>& noted) const {
     if (!notes_) return;
     for (const IrradianceRecord& r : records)
-        if (r.next_ray > r.known_rays) noted_.push_back(stored(r, near_field));
-}
-
-std::vector<StoredRecord> RecordLibrary::take_noted() {
-    return std::exchange(noted_, {});
+        if (r.next_ray > r.known_rays) noted.push_back(stored(r, near_field));
 }
 
 }  // namespace render2mpeg::renderer

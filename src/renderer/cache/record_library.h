@@ -10,6 +10,7 @@
 
 #include "core/packed_normal.h"
 #include "renderer/base/light_packing.h"
+#include "renderer/base/stream.h"
 #include "renderer/cache/irradiance_record.h"
 #include "renderer/surface/surface_point.h"
 
@@ -19,7 +20,7 @@ namespace render2mpeg::renderer {
 struct StoredRecord {
     core::SurfaceAddress address;
     std::array<PackedLight, 7> light{};  ///< direct, indirect, the lobe's two parts; by rays, in RayLight's order
-    std::uint64_t seed = 0;
+    Stream numbers;
     glm::vec3 position{0}, outgoing{0};
     core::PackedNormal geometric_normal, shading_normal;
     std::uint32_t near_field = 0;  ///< NearField::key of the frame that it was gathered for
@@ -44,14 +45,13 @@ class RecordLibrary {
     void start_chunk();
     /// The known record in the very place of a point, under this near field, the first time that the chunk asks.
     std::optional<IrradianceRecord> take(const SurfacePoint& point, std::uint32_t near_field, std::int64_t frame);
-    /// Notes records that leave a chunk, if `know` was called: those which know more than the known ones.
-    void note(std::span<const IrradianceRecord> records, std::uint32_t near_field);
-    /// All that was noted since the last call.
-    std::vector<StoredRecord> take_noted();
-    std::size_t bytes() const { return (known_.capacity() + noted_.capacity()) * sizeof(StoredRecord); }
+    /// Appends records that leave a chunk, if `know` was called: those which know more than the known ones.
+    void note(std::span<const IrradianceRecord> records, std::uint32_t near_field,
+              std::vector<StoredRecord>& noted) const;
+    std::size_t bytes() const { return known_.capacity() * sizeof(StoredRecord); }
 
   private:
-    std::vector<StoredRecord> known_, noted_;
+    std::vector<StoredRecord> known_;
     bool notes_ = false;
     std::vector<std::uint8_t> taken_;  ///< by known one
 };

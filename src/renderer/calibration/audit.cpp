@@ -7,9 +7,8 @@
 #include "core/color.h"
 #include "core/error.h"
 #include "core/numeric.h"
-#include "core/sampling.h"
 #include "parallel/loops.h"
-#include "renderer/base/purpose.h"
+#include "renderer/base/stream.h"
 #include "renderer/cut/point_light.h"
 #include "renderer/cut/reference_gather.h"
 
@@ -53,10 +52,10 @@ std::vector<LitPixel> lit_pixels(const Frame& seen) {
 std::vector<LitPixel> drawn(std::vector<LitPixel> pixels, std::size_t count, std::int64_t frame) {
     count = std::min(count, pixels.size());
     // The first of a shuffle.
+    const Stream numbers(Purpose::audited_pixels, {.frame = frame});
     for (std::size_t i = 0; i < count; ++i) {
         const auto left = static_cast<float>(pixels.size() - i);
-        const auto step = static_cast<std::size_t>(
-            core::uniform(seed_of(Purpose::audited_pixels), static_cast<std::uint64_t>(frame), i) * left);
+        const auto step = static_cast<std::size_t>(numbers.uniform(i) * left);
         std::swap(pixels[i], pixels[std::min(i + step, pixels.size() - 1)]);
     }
     pixels.resize(count);
@@ -93,10 +92,10 @@ std::vector<LitPixel> drawn_with_blocks(const std::vector<LitPixel>& pixels, std
 std::vector<LitPixel> spread(const std::vector<LitPixel>& pixels, std::size_t count, std::int64_t frame) {
     count = std::min(count, pixels.size());
     std::vector<LitPixel> chosen;
+    const Stream numbers(Purpose::spread_audits, {.frame = frame});
     for (std::size_t i = 0; i < count; ++i) {
         const std::size_t first = i * pixels.size() / count, last = (i + 1) * pixels.size() / count;
-        const float dice = core::uniform(seed_of(Purpose::spread_audits), static_cast<std::uint64_t>(frame), i);
-        const auto step = static_cast<std::size_t>(dice * static_cast<float>(last - first));
+        const auto step = static_cast<std::size_t>(numbers.uniform(i) * static_cast<float>(last - first));
         chosen.push_back(pixels[std::min(first + step, last - 1)]);
     }
     return chosen;

@@ -26,9 +26,6 @@ constexpr double even_share = 0.1;
 /// Lamps with beams of their own; the light points of all others are one lamp. chosen: 16; not tuned.
 constexpr std::size_t most_lamps = 16;
 
-/// A rectangle is seen from a point if it is farther off than this share of its own size; else photons go all around.
-constexpr float least_distance = 0.1f;
-
 /// How far light of a sky's part spreads before it meets a thing, over half of the thing's diagonal. chosen: 2 of 1
 /// to 3: at 1 light beside a ball of glass is mottled; at 3 a ball in a glass shell of twice its size lacks 9 % of its
 /// light, at 2 5 %.
@@ -155,7 +152,7 @@ double Casters::caustic_flux(const Lamp& lamp, const Thing& thing) {
     double light = 0;
     for (int k = 0; k < probes; ++k) {
         const LightPoint& p = lamp.points[lamp.choice.pick((k + 0.5) / probes)];
-        const Rectangle seen = seen_from(p, thing.corners);
+        const SeenBox seen = seen_from(p, thing.corners);
         const bool far = p.is_far();
         const glm::vec3 way = seen.middle - p.position;
         const float distance2 = far ? 1.0f : std::max(glm::dot(way, way), 1e-30f);
@@ -163,46 +160,6 @@ double Casters::caustic_flux(const Lamp& lamp, const Thing& thing) {
         light += static_cast<double>(seen.all_around ? 4.0f * std::numbers::pi_v<float> : beam);
     }
     return light * lamp.choice.total() / probes * static_cast<double>(thing.weight);
-}
-
-Casters::Rectangle Casters::seen_from(const LightPoint& light, const Corners& corners) {
-    Rectangle seen;
-    for (const glm::vec3& corner : corners) seen.middle += corner / 8.0f;
-    const bool far = light.is_far();
-    seen.towards = far ? light.normal : core::normalize_or(seen.middle - light.position, glm::vec3{0, 0, 1});
-    // Lay the rectangle along the box's longest edge, as it is seen.
-    glm::vec3 longest{0.0f};
-    for (const std::size_t axis : {1u, 2u, 4u}) {
-        const glm::vec3 edge = corners[axis] - corners[0];
-        const glm::vec3 across = edge - glm::dot(edge, seen.towards) * seen.towards;
-        if (glm::dot(across, across) > glm::dot(longest, longest)) longest = across;
-    }
-    glm::vec3 right, up;
-    core::make_frame(seen.towards, right, up);
-    seen.right = core::normalize_or(longest, right);
-    seen.up = glm::cross(seen.towards, seen.right);
-    glm::vec2 low(std::numeric_limits<float>::max()), high(std::numeric_limits<float>::lowest());
-    const float distance = far ? 1.0f : glm::distance(seen.middle, light.position);
-    float size = 0;
-    for (const glm::vec3& corner : corners) size = std::max(size, glm::distance(corner, seen.middle));
-    for (const glm::vec3& corner : corners) {
-        glm::vec3 at = corner - seen.middle;
-        if (!far) {
-            const float ahead = glm::dot(corner - light.position, seen.towards);
-            if (!(ahead > least_distance * size)) seen.all_around = true;
-            // As seen in the plane through the middle.
-            at = (corner - light.position) * (distance / std::max(ahead, least_distance * size)) -
-                 distance * seen.towards;
-        }
-        const glm::vec2 q(glm::dot(at, seen.right), glm::dot(at, seen.up));
-        low = glm::min(low, q);
-        high = glm::max(high, q);
-    }
-    const glm::vec2 centre = 0.5f * (low + high);
-    seen.middle += centre.x * seen.right + centre.y * seen.up;
-    // Things without thickness are still met.
-    seen.half = glm::max(0.5f * (high - low), glm::vec2(1e-6f * size));
-    return seen;
 }
 
 const Casters::Beam& Casters::beam_of(std::uint64_t index, std::uint64_t count, std::uint64_t& first,
@@ -219,7 +176,7 @@ const Casters::Beam& Casters::beam_of(std::uint64_t index, std::uint64_t count, 
 }
 
 /// Lets a photon leave for a place of the rectangle; returns the share of the light's intensity that all of them carry.
-float Casters::leave(const LightPoint& light, const Rectangle& seen, glm::vec2 u, AimedPhoton& photon) const {
+float Casters::leave(const LightPoint& light, const SeenBox& seen, glm::vec2 u, AimedPhoton& photon) const {
     const bool far = light.is_far();
     photon.origin = light.position;
     if (seen.all_around) {
@@ -229,8 +186,7 @@ float Casters::leave(const LightPoint& light, const Rectangle& seen, glm::vec2 u
         for (std::size_t k = 0; k < 2; ++k) photon.turn[k] *= std::sqrt(whole);
         return whole * light.emitted(photon.direction, 1.0f);
     }
-    const glm::vec2 q = (2.0f * u - 1.0f) * seen.half;
-    const glm::vec3 at = seen.middle + q.x * seen.right + q.y * seen.up;
+    const glm::vec3 at = seen.at(u);
     // Cells as wide as high.
     const float side = std::sqrt(seen.area());
     if (far) {
@@ -266,7 +222,7 @@ AimedPhoton Casters::aim(std::uint64_t index, std::uint64_t count) const {
     const glm::vec2 u(core::halton(place_dimension, photon.number), core::halton(place_dimension + 1, photon.number));
     const std::size_t l = lamp.choice.pick(static_cast<double>(core::halton(point_dimension, photon.number)));
     const LightPoint& light = lamp.points[l];
-    const Rectangle seen = seen_from(light, thing.at(photon.time));
+    const SeenBox seen = seen_from(light, thing.at(photon.time));
     const float share = leave(light, seen, u, photon);
 
     // Lamp points of surfaces lie side by side; far ones turn.

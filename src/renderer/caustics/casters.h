@@ -8,6 +8,7 @@
 
 #include "renderer/base/discrete_distribution.h"
 #include "renderer/base/light_point.h"
+#include "renderer/lights/photon_source.h"
 #include "renderer/surface/light_ray.h"
 
 namespace render2mpeg::renderer {
@@ -39,8 +40,7 @@ class Casters {
     AimedPhoton aim(std::uint64_t index, std::uint64_t count) const;
 
   private:
-    /// The box about a mesh, as it lies in the world.
-    using Corners = std::array<glm::vec3, 8>;
+    using Corners = BoxCorners;
     struct Thing {
         std::uint32_t object = 0;
         float weight = 0;   ///< share of light that it throws, about
@@ -60,18 +60,9 @@ class Casters {
         double light = 0;  ///< luminance flux that is sent on, about
         double share = 0;  ///< of the photons
     };
-    /// View of a thing from a light point: a rectangle across `towards`, or all directions if it is too near.
-    struct Rectangle {
-        glm::vec3 towards{0}, right{0}, up{0};
-        glm::vec3 middle{0};
-        glm::vec2 half{0};
-        bool all_around = false;
-        float area() const { return 4.0f * half.x * half.y; }
-    };
-    static Rectangle seen_from(const LightPoint& light, const Corners& corners);
     static double caustic_flux(const Lamp& lamp, const Thing& thing);
     const Beam& beam_of(std::uint64_t index, std::uint64_t count, std::uint64_t& first, std::uint64_t& end) const;
-    float leave(const LightPoint& light, const Rectangle& seen, glm::vec2 u, AimedPhoton& photon) const;
+    float leave(const LightPoint& light, const SeenBox& seen, glm::vec2 u, AimedPhoton& photon) const;
 
     std::vector<Thing> things_;
     std::vector<Lamp> lamps_;

@@ -4,22 +4,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/sampling.h"
 #include "renderer/base/isa_clones.h"
 
 namespace render2mpeg::renderer {
 namespace {
-
-/// Element `i` of the (0, 2)-sequence of Sobol: aligned runs of 4, 16 and 64 are stratified in both dimensions and
-/// jointly [Sobol1967].
-glm::vec2 sobol(std::uint32_t i) {
-    std::uint32_t x = 0, y = 0, first = 0x80000000u, second = 0x80000000u;
-    for (; i != 0; i >>= 1, first >>= 1, second ^= second >> 1) {
-        if ((i & 1u) == 0) continue;
-        x ^= first;
-        y ^= second;
-    }
-    return {(static_cast<float>(x >> 8) + 0.5f) * 0x1p-24f, (static_cast<float>(y >> 8) + 0.5f) * 0x1p-24f};
-}
 
 /// A disc of radius 1, evenly, so that strata stay compact [Shirley1997].
 glm::vec2 on_disc(glm::vec2 u) {
@@ -38,7 +27,7 @@ struct Pattern {
 const Pattern pattern = [] {
     Pattern p;
     for (std::uint32_t i = 0; i < p.square.size(); ++i) {
-        p.square[i] = sobol(i);
+        p.square[i] = (glm::vec2(core::sobol(i) >> 8u) + 0.5f) * 0x1p-24f;
         p.disc[i] = on_disc(p.square[i]);
     }
     return p;

@@ -30,12 +30,8 @@ constexpr std::uint64_t candidates = 4;
 /// 2.1 times the rays, which cost a quarter more each; 8 are as good for their time.
 constexpr std::uint32_t peaked_choices = 4;
 
-/// The first four are a place's rays as well.
-enum Number : std::uint64_t { lamp, surface, sky, bounce, side, part };
-
-float uniform(std::uint64_t number, Number use, std::uint64_t which) {
-    return core::uniform(number, use, which);
-}
+/// What a place draws numbers for.
+enum Number : std::uint64_t { lamp, surface, sky, bounce, side, part, onward };
 
 /// One of some candidates, in proportion to their luminance. Resampled importance sampling [Talbot2005].
 class Resampled {
@@ -64,17 +60,17 @@ struct Drawn {
 
 /// One of some directions, in proportion to what the surface throws from there: those below a rough surface are never
 /// chosen, and lobes get no more rays than light.
-Drawn draw(const Scatterer& at, std::uint64_t number) {
+Drawn draw(const Scatterer& at, const Stream& numbers) {
     const std::uint64_t count = at.is_fibre() || !at.point().bsdf.has_lobe() ? 1 : candidates;
     Drawn chosen;
     Resampled of;
     for (std::uint64_t k = 0; k < count; ++k) {
         Drawn c;
         c.density =
-            at.sample(uniform(number, part, 2 * k),
-                      {uniform(number, bounce, 2 * k), uniform(number, bounce, 2 * k + 1)}, c.direction, c.weight);
+            at.sample(numbers.uniform(part, 2 * k),
+                      {numbers.uniform(bounce, 2 * k), numbers.uniform(bounce, 2 * k + 1)}, c.direction, c.weight);
         if (!(c.density > 0.0f) || !at.query().may_see(c.direction)) continue;
-        if (of.takes(core::luminance(c.weight), [&] { return uniform(number, part, 2 * k + 1); })) chosen = c;
+        if (of.takes(core::luminance(c.weight), [&] { return numbers.uniform(part, 2 * k + 1); })) chosen = c;
     }
     if (of.any()) chosen.weight *= of.weight(static_cast<float>(count));
     return chosen;
@@ -90,7 +86,7 @@ struct CellLight::Bounce {
     float density = 0;  ///< of the direction
     glm::vec3 weight{1};
     float share = 0;  ///< NearField::share
-    std::uint64_t number = 0;
+    Stream numbers;
     float near = 0;     ///< RayRules
     float carried = 1;  ///< CellQuery
     CellUpdate* update = nullptr;
@@ -117,7 +113,8 @@ LightChoices CellLight::light_choices() const {
 }
 
 /// Light of lamps, shining surfaces and the image of a sky, by next events.
-glm::vec3 CellLight::lamps(const Scatterer& at, std::uint64_t number, LightChoices choices, std::uint64_t& rays) const {
+glm::vec3 CellLight::lamps(const Scatterer& at, const Stream& numbers, LightChoices choices,
+                           std::uint64_t& rays) const {
     const LightQuery& query = at.query();
     glm::vec3 sum(0);
     // One of the directions has a ray, as likely as the place scatters light from there if nothing is in the way.
@@ -128,7 +125,7 @@ glm::vec3 CellLight::lamps(const Scatterer& at, std::uint64_t number, LightChoic
         glm::vec3 light(0);
         Resampled of;
         for (std::uint32_t k = 0; k < count; ++k) {
-            const auto u = [&](std::uint64_t which) { return uniform(number, use, 4 * k + which); };
+            const auto u = [&](std::uint64_t which) { return numbers.uniform(use, 4 * k + which); };
             const LightSample s = lights.sample(query, (static_cast<float>(k) + u(0)) / n, {u(1), u(2)});
             if (!(core::luminance(s.light) > 0.0f) || !query.may_see(s.direction)) continue;
             const Scattered to = at.scattered(s.direction, s.density > 0.0f);
@@ -158,13 +155,13 @@ glm::vec3 CellLight::lamps(const Scatterer& at, std::uint64_t number, LightChoic
 }
 
 /// Light comes from this side or from beyond, in proportion to what is reflected and let through. Returns its weight.
-glm::vec3 CellLight::choose_side(std::uint64_t number, SurfacePoint& p) const {
+glm::vec3 CellLight::choose_side(const Stream& numbers, SurfacePoint& p) const {
     const float through = core::luminance(p.bsdf.diffuse_transmission);
     glm::vec3 weight(1);
     if (through > 0.0f) {
         const float reflected = core::luminance(p.bsdf.diffuse) + core::luminance(p.bsdf.f0);
         const float chance = through / (through + reflected);
-        const bool beyond = uniform(number, side, 0) < chance;
+        const bool beyond = numbers.uniform(side, 0) < chance;
         weight = glm::vec3(1.0f / (beyond ? chance : 1.0f - chance));
         if (beyond) p = posed_scene_.other_side(p);
     }
@@ -172,12 +169,12 @@ glm::vec3 CellLight::choose_side(std::uint64_t number, SurfacePoint& p) const {
 }
 
 /// Evaluates a place: what lamps send, and one ray whose end sends the rest.
-void CellLight::light_place(const CellQuery& place, std::uint64_t number, CellUpdate& update, Found& out) const {
+void CellLight::light_place(const CellQuery& place, const Stream& numbers, CellUpdate& update, Found& out) const {
     glm::vec3 along, across;
     core::make_frame(place.outgoing, along, across);
     SurfacePoint p = posed_scene_.surface_at(place.address, place.outgoing, {place.size * along, place.size * across});
     if (p.unlit) return;
-    glm::vec3 weight = choose_side(number, p);
+    glm::vec3 weight = choose_side(numbers, p);
     const float cosine = glm::dot(p.shading_normal, p.outgoing);
     const glm::vec3 albedo = diffuse_albedo(p.bsdf, cosine) + glossy_albedo(p.bsdf, cosine);
     const float brightest = p.fibre ? 1.0f : std::max({albedo.x, albedo.y, albedo.z});
@@ -191,14 +188,14 @@ void CellLight::light_place(const CellQuery& place, std::uint64_t number, CellUp
     update.fibres = p.fibre;
     update.albedo += p.fibre ? at.albedo() : scale * weight * albedo;
     const LightChoices choices = p.fibre ? light_choices() : LightChoices{};
-    const glm::vec3 direct = weight * lamps(at, number, choices, out.rays);
+    const glm::vec3 direct = weight * lamps(at, numbers, choices, out.rays);
     const float share = near_field_.share(p.position);
     if (core::is_finite(direct)) {
         update.known += direct;
         update.near += share * direct;
     }
 
-    const Drawn drawn = draw(at, number);
+    const Drawn drawn = draw(at, numbers);
     weight *= drawn.weight;
     if (!(core::luminance(weight) > 0.0f) || !core::is_finite(weight)) return;
     update.drawn += weight;
@@ -209,7 +206,7 @@ void CellLight::light_place(const CellQuery& place, std::uint64_t number, CellUp
                            drawn.density,
                            weight,
                            share,
-                           number,
+                           numbers,
                            place.depth > 0 ? 0.5f * place.size : 0.0f,
                            place.carried,
                            &update,
@@ -233,7 +230,7 @@ void CellLight::follow_bounces(Found& out) const {
         CellUpdate& update = *b.update;
         const auto first = static_cast<std::uint32_t>(out.terms.size());
         const glm::vec3 known =
-            b.weight * gather_rays_.follow(b.ray, hits[i], rules, core::mix(b.number), 0, out.terms, out.rays);
+            b.weight * gather_rays_.follow(b.ray, hits[i], rules, b.numbers.at(onward), 0, out.terms, out.rays);
         if (core::is_finite(known)) {
             update.known += known;
             update.near += b.share * known;
@@ -265,7 +262,8 @@ TaskLight CellLight::evaluate(const ShardUpdates& shard, std::span<CellUpdate> u
     for (CellUpdate& update : updates)
         for (std::uint32_t k = 0; k < update.places; ++k) {
             const CellQuery& place = shard.place(update.first + k);
-            light_place(place, core::mix(place.key) + update.number + k, update, found);
+            light_place(place, Stream(Purpose::places_of_cells, {.index = place.key}).at(update.number + k), update,
+                        found);
         }
     follow_bounces(found);
     TaskLight out;
@@ -281,7 +279,7 @@ TaskLight CellLight::evaluate(const ShardUpdates& shard, std::span<CellUpdate> u
         else if (known > 1)
             out.asked.places.push_back(t.place);
         else
-            starts.push_back({t.place, 0});
+            starts.push_back({t.place, Stream(Purpose::paths_of_cells)});
     }
     for (CellUpdate& update : updates) update.links = out.links.data();
     out.asked.sort();
@@ -329,7 +327,7 @@ void CellLight::follow_paths(std::vector<PathStart> starts, const LightCells& ce
             PathUpdate& path = updates[first + i];
             path.key = starts[i].place.key;
             // A path may come back to a cell, and goes on to elsewhere then.
-            light_place(starts[i].place, core::mix(core::mix(path.key + starts[i].seed) + step), path.update, found);
+            light_place(starts[i].place, starts[i].numbers.at(path.key).at(step), path.update, found);
         }
         follow_bounces(found);
         out.rays += found.rays;
@@ -346,7 +344,7 @@ void CellLight::follow_paths(std::vector<PathStart> starts, const LightCells& ce
             out.path_links[i] = {t.place.key, t.weight, t.near, cell.index};
             if (answers(t.place, cell, 1) || !(t.place.carried > least_carried)) continue;
             updates[i].next = static_cast<std::uint32_t>(next + going_on.size());
-            going_on.push_back({t.place, starts[i - first].seed});
+            going_on.push_back({t.place, starts[i - first].numbers});
         }
         starts = std::move(going_on);
     }

@@ -40,7 +40,7 @@ class CellLight {
 
     /// Light of lamps, shining surfaces and the image of a sky that a place scatters, by next-event estimation: a
     /// shadow ray for each kind, in one of so many directions.
-    glm::vec3 lamps(const Scatterer& at, std::uint64_t number, LightChoices choices, std::uint64_t& rays) const;
+    glm::vec3 lamps(const Scatterer& at, const Stream& numbers, LightChoices choices, std::uint64_t& rays) const;
     /// Those worth choosing among where scattering peaks, as fibres' does.
     LightChoices light_choices() const;
     /// Lights of the posed instant.
@@ -58,8 +58,8 @@ class CellLight {
     struct Bounce;
     struct Found;
 
-    glm::vec3 choose_side(std::uint64_t number, SurfacePoint& p) const;
-    void light_place(const CellQuery& place, std::uint64_t number, CellUpdate& update, Found& out) const;
+    glm::vec3 choose_side(const Stream& numbers, SurfacePoint& p) const;
+    void light_place(const CellQuery& place, const Stream& numbers, CellUpdate& update, Found& out) const;
     void follow_bounces(Found& out) const;
 
     const PosedScene& posed_scene_;

@@ -86,7 +86,7 @@ std::vector<PathStart> starts_of(std::size_t shard, std::span<const AskedPlaces>
     choose_places(shard, asked, most, cells,
                   [&](std::uint64_t key, std::uint32_t known, std::span<const CellQuery* const> chosen) {
                       for (std::size_t i = 0; i < chosen.size(); ++i)
-                          starts.push_back({*chosen[i], core::mix(key + known + i)});
+                          starts.push_back({*chosen[i], Stream(Purpose::paths_of_cells, {.index = key}).at(known + i)});
                   });
     return starts;
 }

@@ -91,7 +91,7 @@ struct AskedPlaces {
 /// A place where a path begins.
 struct PathStart {
     CellQuery place;
-    std::uint64_t seed = 0;  ///< tells it from others of its cell, all along the path
+    Stream numbers;  ///< of the whole path
 };
 
 /// Places where paths are to begin in cells of one shard, chosen as those of a wave.

@@ -16,9 +16,7 @@
 #include "parallel/loops.h"
 #include "renderer/base/flush_denormals.h"
 #include "renderer/base/lobe.h"
-#include "renderer/base/purpose.h"
 #include "renderer/base/stopwatch.h"
-#include "renderer/gather/net_points.h"
 #include "renderer/gather/ray_guide.h"
 #include "renderer/gather/ray_sums.h"
 #include "renderer/paths/path_directions.h"
@@ -56,7 +54,7 @@ constexpr float least_cosine = 1e-4f;
 struct FinalGather::Bundle {
     std::uint32_t request = 0, first = 0, count = 0;
     const RayGuide* guide = nullptr;  ///< that they are drawn by; null: evenly
-    std::uint64_t seed = 0;
+    Stream numbers;
 };
 
 /// Requests that know of each other's rays.
@@ -87,6 +85,28 @@ void for_each_pool(const Pools& pools, const Body& body) {
     });
 }
 
+GatherRequest request_of(const GatherPoint& point, const PointTolerance& tolerance, glm::ivec2 pixel,
+                         const scene::Camera& camera) {
+    GatherRequest r;
+    r.point = &point;
+    r.tolerance = tolerance;
+    const core::SurfaceAddress& address = point.point.address;
+    r.numbers = Stream(Purpose::hemisphere_rays, {.pixel = pixel})
+                    .at(static_cast<std::uint64_t>(address.object) << 8 | point.path)
+                    .at(address.primitive);
+    const auto on_picture = camera.project(point.point.position);
+    r.extent = camera.pixel_size() * (camera.perspective() && on_picture ? on_picture->depth : 1.0f);
+    return r;
+}
+
+void add(const RayLight& rays, const GatherPoint& point, PointLight& light) {
+    const Bsdf& bsdf = point.point.bsdf;
+    light.indirect += rays.light[0];
+    light.glossy += bsdf.f0 * rays.light[1] + bsdf.f90 * rays.light[2];
+    light.indirect_cut += static_cast<float>(rays.rays);
+    light.error += rays.error;
+}
+
 FinalGather::FinalGather(const PosedScene& posed_scene, const Plan& plan)
     : posed_scene_(posed_scene),
       gather_rays_(posed_scene, plan),
@@ -97,6 +117,8 @@ void FinalGather::forget(const SkyOfRays& sky) {
     cache_.forget(sky.near_field);
     sky_ = sky;
 }
+
+// The estimate.
 
 /// Directions of a bundle's rays, and what the sums take of each.
 struct FinalGather::Directions {
@@ -111,7 +133,7 @@ struct FinalGather::Directions {
     std::array<std::uint32_t, bundle_rays> order;  ///< neighbours lie next to each other
 };
 
-/// Cosine-distributed, some by a wide lobe: both take all [Veach1995].
+/// Cosine-distributed, eq. 1 of docs/model/gathering.md, some by a wide lobe: both take all [Veach1995].
 FinalGather::Directions FinalGather::hemisphere(const GatherRequest& request, const Bundle& bundle) const {
     const SurfacePoint& p = request.point->point;
     const bool coated = p.bsdf.has_glossy(), glossy = p.bsdf.has_lobe() && !p.bsdf.has_narrow_lobe();
@@ -123,7 +145,7 @@ FinalGather::Directions FinalGather::hemisphere(const GatherRequest& request, co
     std::array<std::pair<std::uint32_t, std::uint32_t>, bundle_rays> order;
     for (std::uint32_t i = 0; i < bundle.count; ++i) {
         order[i] = {0, i};
-        const glm::vec2 even = net_point(bundle.first + i, bundle.seed);
+        const glm::vec2 even = bundle.numbers.sobol(bundle.first + i);
         const bool by_lobe = even.x < of_lobe;
         const glm::vec2 rest((by_lobe ? even.x : even.x - of_lobe) / (by_lobe ? of_lobe : 1.0f - of_lobe), even.y);
         auto [u, density] = !by_lobe && bundle.guide != nullptr ? bundle.guide->draw(rest) : RayGuide::Drawn{rest};
@@ -139,7 +161,7 @@ FinalGather::Directions FinalGather::hemisphere(const GatherRequest& request, co
             density = (1.0f - of_lobe) * density +
                       direction_density(p, 1.0f, ray.direction) * of_lobe * std::numbers::pi_v<float> / cosine;
         }
-        order[i].first = interleaved(u);
+        order[i].first = RayGuide::place_of(u);
         ray.cell = RayGuide::cell_of(u);
         ray.density = density;
         const float share = 1.0f / density;
@@ -174,7 +196,7 @@ FinalGather::Directions FinalGather::lobe(const GatherRequest& request, const Bu
     Directions out;
     for (std::uint32_t i = 0; i < bundle.count; ++i) {
         out.order[i] = i;
-        const glm::vec3 half = visible_normal(eye, lobe.alpha, net_point(bundle.first + i, bundle.seed));
+        const glm::vec3 half = visible_normal(eye, lobe.alpha, bundle.numbers.sobol(bundle.first + i));
         const float eye_half = std::max(glm::dot(eye, half), 0.0f);
         const glm::vec3 light = 2.0f * eye_half * half - eye;
         if (!(light.z > 0.0f)) continue;
@@ -219,7 +241,7 @@ void FinalGather::trace(const GatherRequest& request, const Bundle& bundle, Trac
         // A lobe is known in all, whatever of it the surface hides; so is a diffuse surface.
         out.rays[i] = {glm::vec3(0), ray.weight, ray.cell, ray.density};
         if (!counts || !(glm::dot(smooth, ray.direction) > 0.0f)) continue;
-        const auto place = static_cast<std::uint32_t>(core::mix(bundle.seed ^ number) % places);
+        const auto place = static_cast<std::uint32_t>(bundle.numbers.at(number).bits() % places);
         queries[asked] = {place == 0 ? shadow_origin(p) : point.elsewhere[place - 1], ray.direction,
                           std::numeric_limits<float>::infinity()};
         index[asked++] = i;
@@ -235,9 +257,8 @@ void FinalGather::trace(const GatherRequest& request, const Bundle& bundle, Trac
                           : !sky_.importance
                               ? sky_.lobe_brightest
                               : core::divide_or(sky_.lobe_brightest, sky_.importance(ray.direction), 0.0f);
-        out.rays[index[k]].light =
-            gather_rays_.follow(queries[k], hits[k], rules, core::mix(bundle.seed + 8u * (bundle.first + index[k])),
-                                index[k], out.terms, out.traced);
+        out.rays[index[k]].light = gather_rays_.follow(
+            queries[k], hits[k], rules, bundle.numbers.at(bundle.first + index[k]), index[k], out.terms, out.traced);
     }
 }
 
@@ -313,8 +334,33 @@ void FinalGather::add_bundle(const GatherRequest& request, Traced& traced, Point
     traced = {};
 }
 
-/// How many rays each request of a pool needs in all. `pilot`: from the pilots, which do not know what guided
-/// rays find.
+void FinalGather::trace_wanted(std::span<const GatherRequest> requests, std::span<const std::uint32_t> wanted,
+                               std::vector<PointSums>& sums, std::vector<Pool>& pools) {
+    std::vector<Bundle> bundles;
+    std::size_t rays = 0;
+    const auto flush = [&] {
+        if (!bundles.empty()) trace_all(requests, bundles, sums, pools);
+        bundles.clear();
+        rays = 0;
+    };
+    // Guides stay as they are until all of these rays are traced.
+    for (std::uint32_t i = 0; i < requests.size(); ++i) {
+        const Pool& pool = pools[sums[i].pool];
+        const Stream& own = requests[i].numbers;
+        const Stream numbers = pool.is_guided ? own.with(Purpose::guided_rays) : own;
+        for (std::uint32_t first = sums[i].rays; first < wanted[i]; first += bundle_rays)
+            bundles.push_back({i, requests[i].from + first, std::min(bundle_rays, wanted[i] - first),
+                               pool.is_guided ? pool.guide.get() : nullptr, numbers});
+        rays += wanted[i] - std::min(wanted[i], sums[i].rays);
+        if (rays >= rays_at_once) flush();
+    }
+    flush();
+}
+
+// How many rays.
+
+/// How many rays each request of a pool needs in all: eq. 2 and 3 of docs/model/gathering.md. `pilot`: from the pilots,
+/// which do not know what guided rays find.
 void FinalGather::want_rays(std::span<const GatherRequest> requests, std::span<const PointSums> sums, const Pool& pool,
                             bool pilot, Allocation allocation, std::vector<std::uint32_t>& wanted) const {
     double all = 0;
@@ -324,61 +370,19 @@ void FinalGather::want_rays(std::span<const GatherRequest> requests, std::span<c
     for (std::size_t i = pool.first; i < pool.last; ++i) {
         if (wanted[i] = requests[i].rays; wanted[i] > 0) continue;
         const PointSums& s = sums[i];
-        const double variance = share * (others > 0 ? (all - s.batch_variance()) / others : s.batch_variance());
+        const double V_8 = share * (others > 0 ? (all - s.batch_variance()) / others : s.batch_variance());
         const double mean = s.batches * batch_rays / s.rays;
-        const double error = requests[i].tolerance.allows_noise(static_cast<float>(mean)) / core::errors_of_noise;
+        const double T = requests[i].tolerance.allows_noise(static_cast<float>(mean)) / core::errors_of_noise;
         // Of points that may not err those that show most get most.
         const double shown = std::min(static_cast<double>(core::luminance(requests[i].point->weight)), 1.0);
-        const double n = error > 0.0
-                             ? allocation.worth(samples_for(error * error, batch_rays, variance, variance_power))
-                             : most_gather_rays * shown;
-        const auto rays = static_cast<std::uint32_t>(std::clamp(n, 1.0 * pilot_rays, 1.0 * most_gather_rays));
+        const double N =
+            T > 0.0 ? allocation.worth(samples_for(T * T, batch_rays, V_8, variance_power)) : most_gather_rays * shown;
+        const auto rays = static_cast<std::uint32_t>(std::clamp(N, 1.0 * pilot_rays, 1.0 * most_gather_rays));
         wanted[i] = (rays + batch_rays - 1) / batch_rays * batch_rays;
     }
 }
 
-/// Draws the rest of a pool's rays by what its pilots found, where that pays; these count no more then.
-void FinalGather::guide(std::span<const GatherRequest> requests, Allocation allocation, Pool& pool,
-                        std::vector<PointSums>& sums, std::vector<std::uint32_t>& wanted) const {
-    want_rays(requests, sums, pool, true, allocation, wanted);
-    if (pool.guide == nullptr) return;
-    double rays = 0, seen = 0;
-    for (std::size_t i = pool.first; i < pool.last; ++i) rays += wanted[i], seen += sums[i].rays;
-    if (rays < worth_guiding * seen) return;
-    pool.guide->learn();
-    if (pool.guide->variance_share() > gain_of_guides) return;
-    pool.is_guided = true;
-    want_rays(requests, sums, pool, true, allocation, wanted);
-    for (std::size_t i = pool.first; i < pool.last; ++i) {
-        sums[i].forget();
-        // Half of them tell more.
-        if (requests[i].rays == 0)
-            wanted[i] = std::clamp(wanted[i] / 2 / batch_rays * batch_rays, pilot_rays, 3 * pilot_rays);
-    }
-}
-
-GatherRequest request_of(const GatherPoint& point, const PointTolerance& tolerance, glm::ivec2 pixel,
-                         const scene::Camera& camera) {
-    GatherRequest r;
-    r.point = &point;
-    r.tolerance = tolerance;
-    const core::SurfaceAddress& address = point.point.address;
-    r.seed =
-        core::mix(core::mix(core::mix(static_cast<std::uint64_t>(pixel.y) << 32 | static_cast<std::uint32_t>(pixel.x)) ^
-                            (static_cast<std::uint64_t>(address.object) << 8 | point.path)) +
-                  address.primitive);
-    const auto on_picture = camera.project(point.point.position);
-    r.extent = camera.pixel_size() * (camera.perspective() && on_picture ? on_picture->depth : 1.0f);
-    return r;
-}
-
-void add(const RayLight& rays, const GatherPoint& point, PointLight& light) {
-    const Bsdf& bsdf = point.point.bsdf;
-    light.indirect += rays.light[0];
-    light.glossy += bsdf.f0 * rays.light[1] + bsdf.f90 * rays.light[2];
-    light.indirect_cut += static_cast<float>(rays.rays);
-    light.error += rays.error;
-}
+// Where to.
 
 namespace {
 
@@ -425,27 +429,27 @@ std::vector<FinalGather::Pool> FinalGather::pools_of(std::span<const GatherReque
     return pools;
 }
 
-void FinalGather::trace_wanted(std::span<const GatherRequest> requests, std::span<const std::uint32_t> wanted,
-                               std::vector<PointSums>& sums, std::vector<Pool>& pools) {
-    std::vector<Bundle> bundles;
-    std::size_t rays = 0;
-    const auto flush = [&] {
-        if (!bundles.empty()) trace_all(requests, bundles, sums, pools);
-        bundles.clear();
-        rays = 0;
-    };
-    // Guides stay as they are until all of these rays are traced.
-    for (std::uint32_t i = 0; i < requests.size(); ++i) {
-        const Pool& pool = pools[sums[i].pool];
-        const std::uint64_t seed = pool.is_guided ? seed_of(Purpose::guided_rays, requests[i].seed) : requests[i].seed;
-        for (std::uint32_t first = sums[i].rays; first < wanted[i]; first += bundle_rays)
-            bundles.push_back({i, requests[i].from + first, std::min(bundle_rays, wanted[i] - first),
-                               pool.is_guided ? pool.guide.get() : nullptr, seed});
-        rays += wanted[i] - std::min(wanted[i], sums[i].rays);
-        if (rays >= rays_at_once) flush();
+/// Draws the rest of a pool's rays by what its pilots found, where that pays; these count no more then.
+void FinalGather::guide(std::span<const GatherRequest> requests, Allocation allocation, Pool& pool,
+                        std::vector<PointSums>& sums, std::vector<std::uint32_t>& wanted) const {
+    want_rays(requests, sums, pool, true, allocation, wanted);
+    if (pool.guide == nullptr) return;
+    double rays = 0, seen = 0;
+    for (std::size_t i = pool.first; i < pool.last; ++i) rays += wanted[i], seen += sums[i].rays;
+    if (rays < worth_guiding * seen) return;
+    pool.guide->learn();
+    if (pool.guide->variance_share() > gain_of_guides) return;
+    pool.is_guided = true;
+    want_rays(requests, sums, pool, true, allocation, wanted);
+    for (std::size_t i = pool.first; i < pool.last; ++i) {
+        sums[i].forget();
+        // Half of them tell more.
+        if (requests[i].rays == 0)
+            wanted[i] = std::clamp(wanted[i] / 2 / batch_rays * batch_rays, pilot_rays, 3 * pilot_rays);
     }
-    flush();
 }
+
+// Order.
 
 std::vector<RayLight> FinalGather::gather(std::span<const GatherRequest> requests, Allocation allocation) {
     const Stopwatch timer(counts_.seconds);

@@ -8,6 +8,7 @@
 
 #include "renderer/base/allocation.h"
 #include "renderer/base/plan.h"
+#include "renderer/base/stream.h"
 #include "renderer/cut/point_light.h"
 #include "renderer/gather/gather_ray.h"
 #include "renderer/gather/near_light.h"
@@ -30,7 +31,7 @@ class RayGuide;
 struct GatherRequest {
     const GatherPoint* point = nullptr;
     PointTolerance tolerance;  ///< `base` holds the luminance that its pixel has already
-    std::uint64_t seed = 0;    ///< of its rays: the same place of the picture, the same rays
+    Stream numbers;            ///< of its rays: the same place of the picture, the same rays
     float extent = 0;          ///< of a pixel there, world: rays shorter than this are followed as paths
     bool lobe = false;         ///< along the point's narrow lobe (Bsdf::has_narrow_lobe); else over the hemisphere
     std::uint32_t pool = 0;    ///< requests of one pool lie next to each other, on about one surface
@@ -92,6 +93,8 @@ class FinalGather {
     /// Light of all requests, in their order.
     std::vector<RayLight> gather(std::span<const GatherRequest> requests, Allocation allocation);
 
+    /// Light of surfaces at the posed instant, for whoever asks.
+    SurfaceCache& cache() { return cache_; }
     const FinalGatherCounts& counts() const { return counts_; }
     std::size_t bytes() const { return cache_.bytes(); }
 
@@ -99,20 +102,23 @@ class FinalGather {
     struct Bundle;
     struct Pool;
     struct Traced;
-
     struct Directions;
+
+    // The estimate.
     Directions hemisphere(const GatherRequest& request, const Bundle& bundle) const;
     Directions lobe(const GatherRequest& request, const Bundle& bundle) const;
     void trace(const GatherRequest& request, const Bundle& bundle, Traced& out) const;
-    static std::vector<Pool> pools_of(std::span<const GatherRequest> requests, std::vector<PointSums>& sums);
     static std::vector<std::size_t> runs_of(std::span<const Bundle> bundles, std::size_t rays);
     void trace_all(std::span<const GatherRequest> requests, std::span<const Bundle> bundles,
                    std::vector<PointSums>& sums, std::vector<Pool>& pools);
     void add_bundle(const GatherRequest& request, Traced& traced, PointSums& s, RayGuide* guide) const;
     void trace_wanted(std::span<const GatherRequest> requests, std::span<const std::uint32_t> wanted,
                       std::vector<PointSums>& sums, std::vector<Pool>& pools);
+    // How many rays.
     void want_rays(std::span<const GatherRequest> requests, std::span<const PointSums> sums, const Pool& pool,
                    bool pilot, Allocation allocation, std::vector<std::uint32_t>& wanted) const;
+    // Where to.
+    static std::vector<Pool> pools_of(std::span<const GatherRequest> requests, std::vector<PointSums>& sums);
     void guide(std::span<const GatherRequest> requests, Allocation allocation, Pool& pool, std::vector<PointSums>& sums,
                std::vector<std::uint32_t>& wanted) const;
 

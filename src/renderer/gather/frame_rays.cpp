@@ -1,8 +1,6 @@
 #include "renderer/gather/frame_rays.h"
 
 #include "core/color.h"
-#include "core/sampling.h"
-#include "renderer/base/purpose.h"
 #include "renderer/cut/gather_groups.h"
 
 namespace render2mpeg::renderer {
@@ -12,7 +10,7 @@ GatherRequest ray_request(const GatherPoint& p, const PointTolerance& allowed, g
                           const scene::Camera& camera, RaysOf which) {
     GatherRequest r = request_of(p, allowed, pixel, camera);
     r.lobe = which == RaysOf::lobes;
-    if (r.lobe) r.seed = seed_of(Purpose::lobe_rays, r.seed);
+    if (r.lobe) r.numbers = r.numbers.with(Purpose::lobe_rays);
     return r;
 }
 
@@ -61,7 +59,7 @@ std::vector<glm::vec3> exact_rays(FinalGather& gather, const scene::Camera& came
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (!wants_rays(points[i].point.bsdf, which)) continue;
         requests.push_back(ray_request(points[i], {}, {0, 0}, camera, which));
-        requests.back().seed = seed_of(Purpose::audited_rays, 2 * i + (which == RaysOf::lobes ? 1 : 0));
+        requests.back().numbers = Stream(Purpose::audited_rays, {.index = 2 * i + (which == RaysOf::lobes ? 1 : 0)});
         requests.back().pool = static_cast<std::uint32_t>(i);
         asked.push_back(i);
     }

@@ -125,19 +125,19 @@ GatherRays::GatherRays(const PosedScene& posed_scene, const Plan& plan)
 /// size is a power of two. Size and place are dithered, so that edges of cells are noise and no pattern. The key's
 /// upper bits are the place in the scene, the lower ones a hash of all.
 CellQuery GatherRays::cell_query(const RayQuery& ray, const Hit& hit, float distance, const RayRules& rules,
-                                 std::uint64_t number) const {
+                                 const Stream& numbers) const {
     CellQuery s;
     s.address = hit.address;
     s.outgoing = -ray.direction;
     const bool is_fibre = !fibre_cells_.empty() && fibre_cells_[hit.address.object] > 0.0f;
     s.fibre = is_fibre;
     if (distance < rules.near && rules.depth < most_own_cells && !is_fibre) {
-        s.key = core::mix(number) | own_cell;
+        s.key = numbers.bits() | own_cell;
         s.size = rules.spread * distance;
         s.depth = static_cast<std::uint8_t>(rules.depth + 1);
         return s;
     }
-    const std::uint64_t dither = core::mix(number);
+    const std::uint64_t dither = numbers.bits();
     const auto part = [&](unsigned shift) { return static_cast<float>(dither >> shift & 0xffffu) * 0x1p-16f - 0.5f; };
     float size = rules.spread * distance;
     if (is_fibre) size = std::max(size, fibre_cell(hit.address.object));
@@ -197,12 +197,12 @@ glm::vec3 GatherRays::sky_in_pane(const SurfacePoint& pane, float solid_angle, s
                                         Bodies::block);
 }
 
-glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, std::uint64_t number, std::uint32_t index,
+glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, const Stream& numbers, std::uint32_t index,
                              std::vector<RayTerm>& terms, std::uint64_t& rays) const {
     const Air* air = posed_scene_.air();
     const AskedLights* asked = rules.asked;
     glm::vec3 passing(1), known(0);
-    TermReservoir chosen(index, core::uniform(number, 0, 0));
+    TermReservoir chosen(index, numbers.uniform(0));
     const auto finished = [&] {
         if (bounces_ && rules.bounces) chosen.put(terms);
         return known;
@@ -225,7 +225,7 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, std::
         }
         distance += hit.distance;
         const auto material = static_cast<std::size_t>(posed_scene_.animation().objects[hit.address.object].material);
-        const CellQuery place = cell_query(ray, hit, distance, rules, number + static_cast<std::uint64_t>(step));
+        const CellQuery place = cell_query(ray, hit, distance, rules, numbers.at(static_cast<std::uint64_t>(step)));
         const bool shines = shines_[material] && (asked != nullptr || !rules.shining.empty());
         if (plain_[material] && !mirrored && !shines) {
             chosen.offer(passing, place);
@@ -247,7 +247,7 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, std::
         if (p.bsdf.has_diffuse() || p.bsdf.has_glossy() || p.bsdf.has_diffuse_transmission() || p.fibre)
             chosen.offer(shown, place);
         behind_body = behind_body || (rules.bodies_block && bends_light(posed_scene_, p));
-        const float choice = core::uniform(number, 1, static_cast<std::uint64_t>(step));
+        const float choice = numbers.uniform(1, static_cast<std::uint64_t>(step));
         if (!go_on(posed_scene_, p, choice, ray.direction, passing, mirrored)) break;
         ray.origin = offset_origin(p, ray.direction);
     }

@@ -8,6 +8,7 @@
 
 #include "core/numeric.h"
 #include "renderer/base/plan.h"
+#include "renderer/base/stream.h"
 #include "renderer/gather/light_cells.h"
 #include "renderer/geometry/ray_tracer.h"
 #include "renderer/paths/light_sources.h"
@@ -85,9 +86,9 @@ class GatherRays {
     GatherRays(const PosedScene& posed_scene, const Plan& plan);
 
     /// Radiance along the ray as far as it is known: of the sky, of lamps that were asked. Appends to `terms` a surface
-    /// whose light is to be asked, if it meets any. `hit`: what the ray meets first. `number` makes keys of own cells.
+    /// whose light is to be asked, if it meets any. `hit`: what the ray meets first. `numbers`: of this ray alone.
     /// `rays` counts those that it takes more.
-    glm::vec3 follow(RayQuery ray, Hit hit, const RayRules& rules, std::uint64_t number, std::uint32_t index,
+    glm::vec3 follow(RayQuery ray, Hit hit, const RayRules& rules, const Stream& numbers, std::uint32_t index,
                      std::vector<RayTerm>& terms, std::uint64_t& rays) const;
 
     const PosedScene& posed_scene() const { return posed_scene_; }
@@ -97,7 +98,7 @@ class GatherRays {
     glm::vec3 sky_in_pane(const SurfacePoint& pane, float solid_angle, std::uint64_t& rays) const;
     float fibre_cell(std::uint32_t object) const;
     CellQuery cell_query(const RayQuery& ray, const Hit& hit, float distance, const RayRules& rules,
-                         std::uint64_t number) const;
+                         const Stream& numbers) const;
 
     const PosedScene& posed_scene_;
     bool sky_light_, bounces_;  ///< passes of the plan

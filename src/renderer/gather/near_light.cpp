@@ -15,6 +15,7 @@
 #include "parallel/loops.h"
 #include "renderer/base/flush_denormals.h"
 #include "renderer/base/lobe.h"
+#include "renderer/base/stream.h"
 #include "renderer/gather/gather_ray.h"
 #include "renderer/gather/surface_cache.h"
 #include "renderer/lights/photon_source.h"
@@ -62,8 +63,8 @@ void thin_out(double strength, std::vector<LightPoint>& points) {
     std::erase_if(points, [&](LightPoint& p) {
         const double own = static_cast<double>(core::luminance(p.intensity));
         const float chance =
-            core::uniform(std::bit_cast<std::uint32_t>(p.position.x), std::bit_cast<std::uint32_t>(p.position.y),
-                          std::bit_cast<std::uint32_t>(p.position.z));
+            Stream(Purpose::near_points, {.index = std::bit_cast<std::uint32_t>(p.position.x)})
+                .uniform(std::bit_cast<std::uint32_t>(p.position.y), std::bit_cast<std::uint32_t>(p.position.z));
         if (!(own > strength * static_cast<double>(chance))) return true;
         const auto stronger = static_cast<float>(std::max(strength / own, 1.0));
         p.intensity *= stronger;
@@ -163,7 +164,8 @@ ViewSample sample_view(const PosedScene& posed_scene, const Plan& plan, const sc
             const RayQuery ray{eye.origin, eye.direction, std::numeric_limits<float>::infinity()};
             const Hit hit = posed_scene.tracer().nearest(ray.origin, ray.direction, ray.far);
             if (hit.found()) of_task[task].places.push_back(ray.origin + hit.distance * ray.direction);
-            rays.follow(ray, hit, {}, i, static_cast<std::uint32_t>(i), of_task[task].terms, traced);
+            rays.follow(ray, hit, {}, Stream(Purpose::rays_of_view, {.index = i}), static_cast<std::uint32_t>(i),
+                        of_task[task].terms, traced);
         }
     });
     std::vector<glm::vec3> places;

@@ -34,7 +34,7 @@ class NearField {
 
     /// Near-field light of a place.
     struct Part {
-        float share = 0;       ///< of what a surface reflects: 1 - d^2 / r^2 at distance d from a source, the largest
+        float share = 0;       ///< of what a surface reflects, the largest: e of docs/model/gathering.md, eq. 6
         float irradiance = 0;  ///< about, of that source, luminance
     };
 

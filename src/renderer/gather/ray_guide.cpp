@@ -22,6 +22,13 @@ std::uint32_t RayGuide::cell_of(glm::vec2 u) {
     return index(u.y) * side + index(u.x);
 }
 
+std::uint32_t RayGuide::place_of(glm::vec2 u) {
+    const std::uint32_t cell = cell_of(u), x = cell % side, y = cell / side;
+    std::uint32_t bits = 0;
+    for (unsigned b = 0; b < 4; ++b) bits |= (x >> b & 1u) << (2 * b) | (y >> b & 1u) << (2 * b + 1);
+    return bits;
+}
+
 void RayGuide::learn() {
     // Mean squares of ever smaller cells, those of few rays drawn towards those of the larger one about them.
     std::array<double, cells> squares{};

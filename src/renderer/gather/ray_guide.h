@@ -7,14 +7,16 @@
 namespace render2mpeg::renderer {
 
 /// A piecewise constant density over the unit square that directions are drawn from: near the best one, which is
-/// proportional to the root of the mean square of what is found [Vorba2019]. Learnt from rays that count no
-/// more, or that were drawn before.
+/// proportional to the root of the mean square of what is found [Vorba2019] (docs/model/gathering.md, eq. 4). Learnt
+/// from rays that count no more, or that were drawn before.
 class RayGuide {
   public:
     /// Cells along one side. chosen: 16 of 4, 8, 16, by the variance left in bathroom and sponza.
     static constexpr std::uint32_t side = 16, cells = side * side;
 
     static std::uint32_t cell_of(glm::vec2 u);
+    /// The same in another order: neighbours in the square have numbers near each other.
+    static std::uint32_t place_of(glm::vec2 u);
 
     /// A ray drawn from this cell, any place of it as likely, found so much luminance.
     void add(std::uint32_t cell, double luminance) {

@@ -47,6 +47,39 @@ void SurfaceCache::forget(NearField near_field) {
     light_.pose(std::move(near_field));
 }
 
+/// Waves, paths, and the equations of all.
+void SurfaceCache::learn(std::vector<std::vector<CellQuery>> wanted) {
+    cells_.forget_own();
+    Learning learning;
+    learning.asked.resize(wanted.size());
+    learning.among.resize(wanted.size());
+    parallel::for_each(wanted.size(), [&](std::size_t part) {
+        std::vector<CellQuery>& places = wanted[part];
+        const auto strands =
+            std::stable_partition(places.begin(), places.end(), [](const CellQuery& place) { return !place.fibre; });
+        learning.among[part].places.assign(strands, places.end());
+        places.erase(strands, places.end());
+        learning.asked[part].places = std::move(places);
+        learning.among[part].sort();
+        learning.asked[part].sort();
+    });
+    // The last of these waves goes on as paths: from where cells have one place, one in three hundred is met by two
+    // rays (Sponza), and nothing is lost by following each ray alone.
+    for (std::uint32_t most = most_places; most > 1; most /= 2) {
+        plan_wave(learning, most);
+        evaluate_wave(learning, most / 2);
+    }
+    add_paths(learning);
+    std::erase_if(learning.among, [](const AskedPlaces& part) { return part.places.empty(); });
+    if (!learning.among.empty())
+        for (const std::uint32_t most : {answering_places, most_places}) follow_paths(learning, most);
+    solve(learning);
+    // Memory of many small things takes its time to go.
+    parallel::for_ranges(learning.found.size(), tasks_at_once, [&](std::size_t first, std::size_t last) {
+        for (std::size_t t = first; t < last; ++t) learning.found[t] = {};
+    });
+}
+
 void SurfaceCache::plan_wave(Learning& learning, std::uint32_t most) {
     for_each_shard([&](std::size_t s) { learning.shards[s].plan(s, learning.asked, most, cells_); });
 }
@@ -85,6 +118,13 @@ void SurfaceCache::evaluate_wave(Learning& learning, std::uint32_t known) {
     }
 }
 
+void SurfaceCache::add_paths(Learning& learning) {
+    std::vector<const ShardUpdates::TaskPaths*> paths;
+    for (std::size_t t = learning.first_of_wave; t < learning.found.size(); ++t)
+        paths.push_back(&learning.found[t].paths);
+    for_each_shard([&](std::size_t s) { learning.shards[s].add_paths(s, paths, cells_); });
+}
+
 /// Follows paths from cells among strands.
 void SurfaceCache::follow_paths(Learning& learning, std::uint32_t most) {
     std::array<std::vector<PathStart>, LightCells::shards> starts;
@@ -103,13 +143,6 @@ void SurfaceCache::follow_paths(Learning& learning, std::uint32_t most) {
     });
     for (std::size_t t = first; t < learning.found.size(); ++t) rays_ += learning.found[t].rays;
     add_paths(learning);
-}
-
-void SurfaceCache::add_paths(Learning& learning) {
-    std::vector<const ShardUpdates::TaskPaths*> paths;
-    for (std::size_t t = learning.first_of_wave; t < learning.found.size(); ++t)
-        paths.push_back(&learning.found[t].paths);
-    for_each_shard([&](std::size_t s) { learning.shards[s].add_paths(s, paths, cells_); });
 }
 
 /// Cells of a shard that learn, by their last updates, from the last wave to the first: they are what the others ask.
@@ -164,8 +197,8 @@ void scale_links(std::span<const CellUpdate> updates, std::uint32_t last, std::u
     links_of(updates, last, [&](CellLink& link) { link.weight *= scale; });
 }
 
-/// Equations of cells whose last updates these are. Rows of cells are in LightCell::update; what is known of others is
-/// put in.
+/// Equations of cells whose last updates these are, eq. 5 of docs/model/gathering.md. Rows of cells are in
+/// LightCell::update; what is known of others is put in.
 EquationBlock block_of(std::span<const CellUpdate> updates, std::span<const std::uint32_t> rows,
                        const LightCells& cells) {
     EquationBlock block;
@@ -236,38 +269,6 @@ void SurfaceCache::solve(Learning& learning) {
             LightCell& cell = cells_.at(updates[l].cell);
             cell.near = sum / static_cast<float>(cell.places);
         }
-    });
-}
-
-void SurfaceCache::learn(std::vector<std::vector<CellQuery>> wanted) {
-    cells_.forget_own();
-    Learning learning;
-    learning.asked.resize(wanted.size());
-    learning.among.resize(wanted.size());
-    parallel::for_each(wanted.size(), [&](std::size_t part) {
-        std::vector<CellQuery>& places = wanted[part];
-        const auto strands =
-            std::stable_partition(places.begin(), places.end(), [](const CellQuery& place) { return !place.fibre; });
-        learning.among[part].places.assign(strands, places.end());
-        places.erase(strands, places.end());
-        learning.asked[part].places = std::move(places);
-        learning.among[part].sort();
-        learning.asked[part].sort();
-    });
-    // The last of these waves goes on as paths: from where cells have one place, one in three hundred is met by two
-    // rays (Sponza), and nothing is lost by following each ray alone.
-    for (std::uint32_t most = most_places; most > 1; most /= 2) {
-        plan_wave(learning, most);
-        evaluate_wave(learning, most / 2);
-    }
-    add_paths(learning);
-    std::erase_if(learning.among, [](const AskedPlaces& part) { return part.places.empty(); });
-    if (!learning.among.empty())
-        for (const std::uint32_t most : {answering_places, most_places}) follow_paths(learning, most);
-    solve(learning);
-    // Memory of many small things takes its time to go.
-    parallel::for_ranges(learning.found.size(), tasks_at_once, [&](std::size_t first, std::size_t last) {
-        for (std::size_t t = first; t < last; ++t) learning.found[t] = {};
     });
 }
 

@@ -8,13 +8,11 @@
 
 #include "core/color.h"
 #include "core/numeric.h"
-#include "core/sampling.h"
 #include "core/standard_error.h"
 #include "parallel/loops.h"
 #include "renderer/base/allocation.h"
 #include "renderer/base/flush_denormals.h"
 #include "renderer/base/lobe.h"
-#include "renderer/base/purpose.h"
 #include "renderer/subsurface/random_walk.h"
 
 namespace render2mpeg::renderer {
@@ -29,6 +27,9 @@ constexpr double worth_rounds = 1.0;
 
 /// Samples of one task, and of those that are traced before what they ask is learnt. chosen: memory of some 60 MB.
 constexpr std::size_t samples_of_task = 512, samples_at_once = std::size_t{1} << 18;
+
+/// What a sample draws numbers for.
+enum Number : std::uint64_t { walk, lamps, scattered, beyond };
 
 }  // namespace
 
@@ -55,24 +56,24 @@ struct HairLight::Traced {
     std::uint64_t rays = 0;
 };
 
-HairLight::HairLight(const PosedScene& posed_scene, const Plan& plan)
-    : posed_scene_(posed_scene), gather_rays_(posed_scene, plan), cache_(posed_scene, plan) {}
+HairLight::HairLight(const PosedScene& posed_scene, const Plan& plan, SurfaceCache& cache)
+    : posed_scene_(posed_scene), gather_rays_(posed_scene, plan), cache_(cache) {}
 
 /// Lights of one sample by next events, and one ray by the fibre's scattering, whose end the cache knows.
-void HairLight::trace(const FibreSample& sample, std::uint64_t number, Traced& out) const {
+void HairLight::trace(const FibreSample& sample, const Stream& numbers, Traced& out) const {
     const auto index = static_cast<std::uint32_t>(out.light.size());
     SurfacePoint point = posed_scene_.surface_at(sample.address, sample.outgoing.unpack());
     if (sample.below) {
         point.below = true;
         point.bsdf.diffuse *= posed_scene_.animation().materials[point.material].subsurface->weight;
-        const std::optional<SurfacePoint> place = random_walk(posed_scene_, point, core::mix(number + 1));
+        const std::optional<SurfacePoint> place = random_walk(posed_scene_, point, numbers.at(walk));
         if (!place) return void(out.light.emplace_back(0.0f));
         point = *place;
     }
     const Scatterer at(posed_scene_, point);
     const LightChoices choices = cache_.light().light_choices();
-    glm::vec3& light = out.light.emplace_back(cache_.light().lamps(at, number, choices, out.rays));
-    const auto u = [&](std::uint64_t which) { return core::uniform(number, 16, which); };
+    glm::vec3& light = out.light.emplace_back(cache_.light().lamps(at, numbers.at(lamps), choices, out.rays));
+    const auto u = [&](std::uint64_t which) { return numbers.uniform(scattered, which); };
     glm::vec3 direction, weight(0);
     const float density = at.sample(u(0), {u(1), u(2)}, direction, weight);
     if (!(density > 0.0f) || !at.query().may_see(direction) || !core::is_finite(weight)) return;
@@ -84,7 +85,7 @@ void HairLight::trace(const FibreSample& sample, std::uint64_t number, Traced& o
     rules.brightest = std::numeric_limits<float>::infinity();
     rules.asked = &asked;
     const std::size_t first = out.terms.size();
-    light += weight * gather_rays_.follow(ray, hit, rules, core::mix(number), index, out.terms, out.rays);
+    light += weight * gather_rays_.follow(ray, hit, rules, numbers.at(beyond), index, out.terms, out.rays);
     ++out.rays;
     for (std::size_t k = first; k < out.terms.size(); ++k) out.terms[k].weight *= weight;
 }
@@ -111,16 +112,13 @@ void HairLight::trace_all(std::span<const FibreTile> tiles, std::span<const std:
                           HairCounts& counts) {
     std::vector<Traced> found(tasks.size());
     std::vector<std::vector<CellQuery>> wanted(tasks.size());
-    const auto frame = static_cast<std::uint64_t>(posed_scene_.posed().frame);
     parallel::for_each(tasks.size(), [&](std::size_t task) {
         const FlushDenormals flushed;
         for (const Pixel& p : tasks[task]) {
-            const std::uint64_t seed = core::mix(
-                seed_of(Purpose::strands, frame) ^
-                (std::uint64_t{static_cast<std::uint32_t>(p.place.y)} << 32 | static_cast<std::uint32_t>(p.place.x)));
+            const Stream numbers(Purpose::strands, {.pixel = p.place, .frame = posed_scene_.posed().frame});
             for (std::uint32_t round = p.rounds; round < p.wanted; ++round)
                 for (std::uint32_t s = p.first; s < p.end; ++s)
-                    trace(tiles[p.tile][s], core::mix(seed + round * 0x10000u + (s - p.first)), found[task]);
+                    trace(tiles[p.tile][s], numbers.at(round).at(s - p.first), found[task]);
         }
         for (const RayTerm& term : found[task].terms)
             if (cache_.find(term.place.key) == LightCells::none) wanted[task].push_back(term.place);
@@ -230,7 +228,6 @@ void HairLight::add(const Frame& seen, const core::ToleranceMap* tolerance, Unga
     const core::Plane<glm::vec3> black(seen.visible.width(), seen.visible.height(), glm::vec3(0));
     EffectLight hair{black, {}, {}};
     if (!seen.emitted_specular.empty()) hair.specular = black;
-    cache_.forget({});
     for (const Pixel& p : light(seen.fibres, across, tolerance, sum.all(), counts)) {
         const float share = 1.0f / static_cast<float>(p.rounds);
         hair.all.at(p.place.x, p.place.y) = share * p.light;

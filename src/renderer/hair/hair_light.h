@@ -5,6 +5,7 @@
 
 #include "core/tolerance_map.h"
 #include "renderer/base/plan.h"
+#include "renderer/base/stream.h"
 #include "renderer/gather/gather_ray.h"
 #include "renderer/gather/surface_cache.h"
 #include "renderer/hair/hair_counts.h"
@@ -17,10 +18,12 @@ namespace render2mpeg::renderer {
 /// Light of fibres and below surfaces, at places where walks end. Every sample of the eye asks lamps by next events,
 /// and sends a ray by its fibre's scattering, whose end a cache on surfaces and among strands knows (surface_cache.h);
 /// again and again, until the standard error of its pixel is below its tolerance or that of the eye samples, as far as
-/// the tile's pixels together tell it. A function of the posed instant and of what is seen, for any number of threads.
+/// the tile's pixels together tell it. A function of the posed instant, of what is seen and of what the cache was
+/// asked, for any number of threads.
 class HairLight {
   public:
-    HairLight(const PosedScene& posed_scene, const Plan& plan);
+    /// `cache`: of the posed instant.
+    HairLight(const PosedScene& posed_scene, const Plan& plan, SurfaceCache& cache);
 
     /// Adds the light of all fibres that a frame shows. `tolerance`: null for a rough look.
     void add(const Frame& seen, const core::ToleranceMap* tolerance, UngatheredLight& light, HairCounts& counts);
@@ -28,7 +31,7 @@ class HairLight {
   private:
     struct Pixel;
     struct Traced;
-    void trace(const FibreSample& sample, std::uint64_t number, Traced& out) const;
+    void trace(const FibreSample& sample, const Stream& numbers, Traced& out) const;
     void take_rounds(std::span<const FibreTile> tiles, std::span<Pixel> pixels, HairCounts& counts);
     void trace_all(std::span<const FibreTile> tiles, std::span<const std::span<Pixel>> tasks, HairCounts& counts);
     static void add_round(std::span<const FibreTile> tiles, std::span<const glm::vec3> lights, Pixel& pixel);
@@ -39,7 +42,7 @@ class HairLight {
 
     const PosedScene& posed_scene_;
     GatherRays gather_rays_;
-    SurfaceCache cache_;
+    SurfaceCache& cache_;
 };
 
 }  // namespace render2mpeg::renderer

@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "core/numeric.h"
-#include "core/sampling.h"
 #include "parallel/loops.h"
+#include "renderer/base/stream.h"
 #include "renderer/lights/light_points.h"
 
 namespace render2mpeg::renderer {
@@ -79,9 +79,10 @@ std::vector<float> EyeImportance::of(const PosedScene& posed_scene, std::span<co
 
     std::vector<Look> looked(places.size() * looks);
     parallel::for_ranges(places.size(), 256, [&](std::size_t first, std::size_t last) {
+        const Stream numbers(Purpose::looks_of_anchors);
         for (std::size_t i = first; i < last; ++i)
             for (std::uint64_t k = 0; k < looks; ++k) {
-                const float choice = core::uniform(1, i, k) * static_cast<float>(seen.size());
+                const float choice = numbers.uniform(i, k) * static_cast<float>(seen.size());
                 const auto index = std::min(seen.size() - 1, static_cast<std::size_t>(choice));
                 looked[i * looks + k] = look(places[i], seen[index], posed_scene.tracer());
             }

@@ -5,7 +5,7 @@
 
 #include "core/sampling.h"
 #include "parallel/loops.h"
-#include "renderer/base/purpose.h"
+#include "renderer/base/stream.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -44,11 +44,11 @@ std::vector<double> still_areas(const scene::Snapshot& now) {
 bool is_open(const PosedScene& posed_scene, const SurfacePoint& p, std::uint64_t index, float farther) {
     constexpr int rays = 8, least = 2;
     const glm::vec3 from = offset_origin(p, p.geometric_normal);
-    const std::uint64_t seed = seed_of(Purpose::open_directions);
+    const Stream numbers(Purpose::open_directions, {.index = index});
     int free = 0;
     for (std::uint64_t k = 0; k < rays && free < least; ++k) {
-        const glm::vec3 way = core::sample_cosine_hemisphere(
-            p.geometric_normal, {core::uniform(seed, index, 2 * k), core::uniform(seed, index, 2 * k + 1)});
+        const glm::vec3 way =
+            core::sample_cosine_hemisphere(p.geometric_normal, {numbers.uniform(2 * k), numbers.uniform(2 * k + 1)});
         free += posed_scene.tracer().meets_static(from, way, farther) ? 0 : 1;
     }
     return free >= least;
@@ -77,8 +77,8 @@ std::vector<SurfacePoint> even_points(const PosedScene& posed_scene, std::size_t
             for (; next < within; next += step, ++index) {
                 const float root = std::sqrt(core::halton(0, index)), v = core::halton(1, index);
                 const glm::vec3 front = posed_scene.front_normal(object, t);
-                const bool is_front = !has_two_sides(*now.animation, object) ||
-                                      core::uniform(seed_of(Purpose::sides_of_faces), index) < 0.5f;
+                const bool is_front =
+                    !has_two_sides(*now.animation, object) || Stream(Purpose::sides_of_faces).uniform(index) < 0.5f;
                 const SurfacePoint p =
                     posed_scene.surface_at({object, t, 1.0f - root, root * v}, is_front ? front : -front);
                 if (p.alpha > 0.0f && !p.unlit && (p.bsdf.has_diffuse() || p.bsdf.has_glossy()) &&

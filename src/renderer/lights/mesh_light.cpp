@@ -1,5 +1,6 @@
 // Light of surfaces that shine: all triangles of an object, and places among them.
 #include "core/box.h"
+#include "renderer/base/stream.h"
 #include "renderer/lights/light_points.h"
 
 #include <algorithm>
@@ -131,19 +132,18 @@ Emitter emitter_of(const PosedScene& posed_scene, const scene::Snapshot& snapsho
 
 /// Stratified points of one emitter: each stands for the same power.
 void place_points(const Emitter& emitter, int count, std::uint64_t seed, std::vector<EmitterPoint>& out) {
-    const double shift = core::uniform(seed, emitter.object, 1);
+    const Stream numbers = Stream(Purpose::lamp_points, {.index = seed}).at(emitter.object);
+    const double shift = numbers.uniform(0);
     double passed = 0;
     int next = 0;
     for (std::size_t c = 0; c < emitter.cells.size() && next < count; ++c) {
         const Cell& cell = emitter.cells[c];
         passed += cell.power();
         const bool last = c + 1 == emitter.cells.size();
-        const glm::vec2 offset{core::uniform(seed, emitter.object, 2 + c, 0),
-                               core::uniform(seed, emitter.object, 2 + c, 1)};
+        const Stream of_cell = numbers.at(1 + c);
         for (std::uint64_t k = 0; next < count && (last || (next + shift) * emitter.power < passed * count);
              ++k, ++next) {
-            const glm::vec2 u = glm::fract(glm::vec2(core::halton(0, k), core::halton(1, k)) + offset);
-            const glm::vec2 place = core::sample_triangle(u);
+            const glm::vec2 place = core::sample_triangle({of_cell.halton(0, k), of_cell.halton(1, k)});
             const glm::vec2 uv = cell.corner + place.x * cell.edge_u + place.y * cell.edge_v;
             const double share = emitter.power / count / core::luminance(cell.radiance) * cell.share / cell.area;
             out.push_back(

@@ -20,30 +20,55 @@ constexpr double pi = std::numbers::pi;
 /// chosen: 0.1 of 0.03..0.3; no photon weighs more than 1 / 0.9 of what it would without.
 constexpr double alike = 0.1;
 
-/// The rectangle across a direction that holds the box's shadow.
-struct Shadow {
-    glm::vec3 tangent, bitangent;
-    glm::vec2 low{std::numeric_limits<float>::max()}, high{-std::numeric_limits<float>::max()};
-    float start = std::numeric_limits<float>::max();  ///< of the box along the direction
-
-    Shadow(glm::vec3 direction, const core::Box& box) {
-        core::make_frame(direction, tangent, bitangent);
-        for (int c = 0; c < 8; ++c) {
-            const glm::vec3 p = box.corner(c);
-            const glm::vec2 q{glm::dot(p, tangent), glm::dot(p, bitangent)};
-            low = glm::min(low, q);
-            high = glm::max(high, q);
-            start = std::min(start, glm::dot(p, direction));
-        }
-    }
-    float area() const { return (high.x - low.x) * (high.y - low.y); }
-};
+/// A rectangle is seen from a point if it is farther off than this share of its own size; else photons go all around.
+constexpr float least_distance = 0.1f;
 
 }  // namespace
 
+SeenBox seen_from(const LightPoint& light, const BoxCorners& corners) {
+    SeenBox seen;
+    for (const glm::vec3& corner : corners) seen.middle += corner / 8.0f;
+    const bool far = light.is_far();
+    seen.towards = far ? light.normal : core::normalize_or(seen.middle - light.position, glm::vec3{0, 0, 1});
+    // Lay the rectangle along the box's longest edge, as it is seen.
+    glm::vec3 longest{0.0f};
+    for (const std::size_t axis : {1u, 2u, 4u}) {
+        const glm::vec3 edge = corners[axis] - corners[0];
+        const glm::vec3 across = edge - glm::dot(edge, seen.towards) * seen.towards;
+        if (glm::dot(across, across) > glm::dot(longest, longest)) longest = across;
+    }
+    glm::vec3 right, up;
+    core::make_frame(seen.towards, right, up);
+    seen.right = core::normalize_or(longest, right);
+    seen.up = glm::cross(seen.towards, seen.right);
+    glm::vec2 low(std::numeric_limits<float>::max()), high(std::numeric_limits<float>::lowest());
+    const float distance = far ? 1.0f : glm::distance(seen.middle, light.position);
+    float size = 0;
+    for (const glm::vec3& corner : corners) size = std::max(size, glm::distance(corner, seen.middle));
+    for (const glm::vec3& corner : corners) {
+        glm::vec3 at = corner - seen.middle;
+        if (!far) {
+            const float ahead = glm::dot(corner - light.position, seen.towards);
+            if (!(ahead > least_distance * size)) seen.all_around = true;
+            // As seen in the plane through the middle.
+            at = (corner - light.position) * (distance / std::max(ahead, least_distance * size)) -
+                 distance * seen.towards;
+        }
+        const glm::vec2 q(glm::dot(at, seen.right), glm::dot(at, seen.up));
+        low = glm::min(low, q);
+        high = glm::max(high, q);
+    }
+    const glm::vec2 centre = 0.5f * (low + high);
+    seen.middle += centre.x * seen.right + centre.y * seen.up;
+    // Things without thickness are still met.
+    seen.half = glm::max(0.5f * (high - low), glm::vec2(1e-6f * size));
+    return seen;
+}
+
 PhotonSource::PhotonSource(std::span<const LightPoint> lights, const core::Box& box,
                            std::span<const LightPoint> planned)
-    : lights_(lights), box_(box) {
+    : lights_(lights), reach_(glm::length(box.size())) {
+    for (std::size_t c = 0; c < box_.size(); ++c) box_[c] = box.corner(static_cast<int>(c));
     EXPECTS(planned.empty() || planned.size() == lights.size());
     std::vector<double> plan;
     std::size_t shining = 0;
@@ -61,13 +86,13 @@ PhotonSource::PhotonSource(std::span<const LightPoint> lights, const core::Box& 
 
 double PhotonSource::power_of(const LightPoint& light) const {
     if (light.is_of_surface()) return pi;
-    if (light.is_far()) return Shadow(light.normal, box_).area();
+    if (light.is_far()) return seen_from(light, box_).area();
     // The cone at full strength: photons carry the falloff.
     return 2.0 * pi * (1.0 - light.spot.outer_cosine());
 }
 
 Photon PhotonSource::emit(glm::vec3 numbers) const {
-    const glm::vec2 direction(numbers.y, numbers.z), &place = direction;
+    const glm::vec2 direction(numbers.y, numbers.z);
     Photon photon;
     if (empty()) return photon;
     const std::size_t index = choice_.pick(static_cast<double>(numbers.x));
@@ -82,26 +107,14 @@ Photon PhotonSource::emit(glm::vec3 numbers) const {
             photon.direction = core::sample_cosine_hemisphere(light.normal, direction);
             break;
         case LightType::punctual:
-            photon.direction = core::sample_sphere(direction);
-            if (light.spot.scale > 0.0f) {
-                const float cosine = 1.0f - direction.x * (1.0f - light.spot.outer_cosine());
-                const float sine = core::sqrt_or_zero(1.0f - cosine * cosine);
-                const float phi = 2.0f * static_cast<float>(pi) * direction.y;
-                glm::vec3 t, b;
-                core::make_frame(light.normal, t, b);
-                photon.direction = sine * std::cos(phi) * t + sine * std::sin(phi) * b + cosine * light.normal;
-                photon.flux *= light.spot.falloff(cosine);
-            }
+            photon.direction = core::sample_cone(light.normal, 1.0f - light.spot.outer_cosine(), direction);
+            photon.flux *= light.spot.falloff(glm::dot(photon.direction, light.normal));
             break;
-        case LightType::directional: {
-            const Shadow shadow(light.normal, box_);
-            const glm::vec2 q = shadow.low + place * (shadow.high - shadow.low);
-            const float before = 0.01f * (shadow.high.x - shadow.low.x + shadow.high.y - shadow.low.y);
-            photon.origin = q.x * shadow.tangent + q.y * shadow.bitangent + (shadow.start - before) * light.normal;
+        case LightType::directional:
+            photon.origin = seen_from(light, box_).at(direction) - reach_ * light.normal;
             photon.direction = light.normal;
             photon.from_far = true;
             break;
-        }
     }
     return photon;
 }

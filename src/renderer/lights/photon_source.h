@@ -1,5 +1,6 @@
 #pragma once
 // Where photons start.
+#include <array>
 #include <glm/glm.hpp>
 #include <span>
 #include <vector>
@@ -10,6 +11,25 @@
 #include "renderer/surface/light_ray.h"
 
 namespace render2mpeg::renderer {
+
+/// The box about a thing, as it lies in the world.
+using BoxCorners = std::array<glm::vec3, 8>;
+
+/// View of a box from a light point: a rectangle across `towards`, or all directions if it is too near.
+struct SeenBox {
+    glm::vec3 towards{0}, right{0}, up{0};
+    glm::vec3 middle{0};
+    glm::vec2 half{0};
+    bool all_around = false;
+
+    float area() const { return 4.0f * half.x * half.y; }
+    /// A place of the rectangle by two numbers in [0, 1).
+    glm::vec3 at(glm::vec2 u) const {
+        const glm::vec2 q = (2.0f * u - 1.0f) * half;
+        return middle + q.x * right + q.y * up;
+    }
+};
+SeenBox seen_from(const LightPoint& light, const BoxCorners& corners);
 
 /// A photon that leaves a light.
 struct Photon : LightRay {
@@ -37,7 +57,8 @@ class PhotonSource {
     double power_of(const LightPoint& light) const;
 
     std::span<const LightPoint> lights_;
-    core::Box box_;
+    BoxCorners box_;
+    float reach_;                ///< directional light comes from so far
     std::vector<double> power_;  ///< of each light of luminance 1
     DiscreteDistribution choice_;
 };

@@ -11,6 +11,7 @@
 #include "core/sampling.h"
 #include "parallel/loops.h"
 #include "renderer/base/lobe.h"
+#include "renderer/base/stream.h"
 #include "renderer/surface/light_ray.h"
 #include "renderer/surface/lobe_albedo.h"
 
@@ -117,9 +118,10 @@ void leave(const SurfacePoint& p, glm::vec3 flux, glm::vec3 landed, PhotonResult
 int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint64_t path,
            const PhotonSettings& settings, PhotonResult& out) {
     // Few paths are so long that the sequence has no more dimensions; they go on with random numbers.
+    const Stream numbers(Purpose::photons, {.index = path});
     const auto number = [&](int dimension) {
         return dimension < core::halton_dimensions ? core::halton(dimension, path)
-                                                   : core::uniform(path, static_cast<std::uint64_t>(dimension));
+                                                   : numbers.uniform(static_cast<std::uint64_t>(dimension));
     };
     Photon photon = source.emit({number(0), number(1), number(2)});
     int rays = 0;

@@ -43,13 +43,7 @@ class SunLight final : public Light, public AreaLamp {
         sample.direction = towards_;
         sample.far = std::numeric_limits<float>::infinity();
         if (sine_ > 0.0f) {
-            const float phi = 2.0f * std::numbers::pi_v<float> * u.y;
-            const float down = u.x * cone_ / (2.0f * std::numbers::pi_v<float>);
-            const float sine = core::sqrt_or_zero(down * (2.0f - down));
-            glm::vec3 t, b;
-            core::make_frame(towards_, t, b);
-            sample.direction =
-                core::normalize_or((1.0f - down) * towards_ + sine * (std::cos(phi) * t + std::sin(phi) * b), towards_);
+            sample.direction = core::sample_cone(towards_, cone_ / (2.0f * std::numbers::pi_v<float>), u);
             sample.density = 1.0f / cone_;
             sample.light = AreaLamp::radiance * cone_;
         }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -10,7 +9,6 @@
 
 #include "core/color.h"
 #include "core/numeric.h"
-#include "core/sampling.h"
 #include "renderer/base/flush_denormals.h"
 #include "renderer/paths/scatterer.h"
 #include "renderer/subsurface/random_walk.h"
@@ -83,7 +81,7 @@ glm::vec3 LightPaths::scattered(const SurfacePoint& point, glm::vec3 origin, Pat
     const FlushDenormals flushed;
     Path path;
     if (point.below) {
-        const auto place = random_walk(posed_scene_, point, core::mix(std::bit_cast<std::uint32_t>(numbers.next())));
+        const auto place = random_walk(posed_scene_, point, numbers.next_stream());
         if (!place) return glm::vec3(0);
         path.stand_on({posed_scene_, *place});
     } else {

@@ -24,8 +24,7 @@ constexpr float least_share = 0.01f;
 /// Numbers of an event, 16 bits each: walks have many.
 struct Numbers {
     float choice, turn, channel, distance;
-    Numbers(std::uint64_t walk, std::uint64_t event) {
-        const std::uint64_t bits = core::mix(walk + 0x9e3779b97f4a7c15u * event);
+    explicit Numbers(std::uint64_t bits) {
         const auto part = [&](unsigned k) { return (static_cast<float>(bits >> k & 0xffffu) + 0.5f) * 0x1p-16f; };
         choice = part(0);
         turn = part(16);
@@ -70,7 +69,7 @@ float scattering_albedo(float albedo) {
 }
 
 std::optional<SurfacePoint> random_walk(const PosedScene& posed_scene, const SurfacePoint& point,
-                                        std::uint64_t number) {
+                                        const Stream& numbers) {
     const scene::Subsurface& below = *posed_scene.animation().materials[point.material].subsurface;
     const glm::vec3 surface = point.bsdf.diffuse / std::max(below.weight, 1e-6f);
     const glm::vec3 albedo(scattering_albedo(surface.x), scattering_albedo(surface.y), scattering_albedo(surface.z));
@@ -79,7 +78,8 @@ std::optional<SurfacePoint> random_walk(const PosedScene& posed_scene, const Sur
 
     glm::vec3 direction, origin, carried(1);
     for (int event = 0; event < most_events; ++event) {
-        const Numbers n(number, static_cast<std::uint64_t>(event));
+        const Stream of_event = numbers.at(static_cast<std::uint64_t>(event));
+        const Numbers n(of_event.bits());
         direction = event == 0 ? core::sample_cosine_hemisphere(-point.geometric_normal, {n.choice, n.turn})
                                : core::sample_sphere({n.choice, n.turn});
         if (event == 0) origin = offset_origin(point, direction);
@@ -102,8 +102,7 @@ std::optional<SurfacePoint> random_walk(const PosedScene& posed_scene, const Sur
         carried *= albedo * passes / path / std::max(glm::dot(chance, passes / path), 1e-30f);
         const float most = std::max({carried.x, carried.y, carried.z});
         if (most < least_carried) {
-            if (!(core::uniform(number, static_cast<std::uint64_t>(event), 1) * least_carried < most))
-                return std::nullopt;
+            if (!(of_event.uniform(0) * least_carried < most)) return std::nullopt;
             carried *= least_carried / most;
         }
         origin += far * direction;

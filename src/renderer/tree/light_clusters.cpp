@@ -11,6 +11,7 @@
 #include "core/numeric.h"
 #include "core/sampling.h"
 #include "parallel/loops.h"
+#include "renderer/base/stream.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -123,8 +124,9 @@ double direction_scale2(const LightTree& tree) {
 /// pixels errs less than that of independent dice. A function of persistent ids: as powers change the dice fall the
 /// same, and a set changes its mind where the share crosses them and nowhere else.
 std::uint16_t draw_first(double share, std::uint64_t seed, std::uint32_t first_id, std::uint32_t second_id) {
-    const double turn = core::uniform(seed, first_id, second_id);
-    std::uint64_t dice = core::mix(core::mix(seed + first_id) + second_id);
+    const Stream numbers = Stream(Purpose::representatives, {.index = seed}).at(first_id).at(second_id);
+    const double turn = numbers.uniform(0);
+    std::uint64_t dice = numbers.at(1).bits();
     unsigned quarter[representative_sets] = {0, 1, 2, 3};
     for (unsigned left = representative_sets; left > 1; dice /= left, --left)
         std::swap(quarter[left - 1], quarter[dice % left]);

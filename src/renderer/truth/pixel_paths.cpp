@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "core/color.h"
-#include "core/sampling.h"
 #include "renderer/base/flush_denormals.h"
 
 namespace render2mpeg::renderer {
@@ -66,7 +65,7 @@ glm::vec3 PixelPaths::shown_by_pattern(const TruthRequest& request) const {
     return sum / static_cast<float>(pattern.size()) + request.known;
 }
 
-PathSums PixelPaths::follow(const TruthRequest& request, std::uint64_t batch, std::uint64_t count) const {
+PathSums PixelPaths::follow(const TruthRequest& request, const Stream& batch, std::uint64_t count) const {
     const FlushDenormals flushed;
     PathSums sums;
     EyeSample sample;
@@ -90,12 +89,6 @@ void PixelPaths::look(glm::vec2 position, float spacing, EyeSample& sample) cons
     const EyeRay ray = eye_ray(posed_scene_.posed().camera, position, spacing, far);
     SeeCounts uncounted;
     eye_.look(ray, far, ray.meet(posed_scene_, far), sample, uncounted);
-}
-
-std::uint64_t batch_seed(std::uint64_t seed, std::int64_t frame, glm::ivec2 place, std::uint64_t batch) {
-    const std::uint64_t pixel =
-        std::uint64_t{static_cast<std::uint32_t>(place.y)} << 32 | static_cast<std::uint32_t>(place.x);
-    return core::mix(core::mix(core::mix(seed) ^ static_cast<std::uint64_t>(frame)) ^ pixel) + core::mix(batch);
 }
 
 double Estimate::luminance_of(std::size_t half) const {

@@ -5,6 +5,7 @@
 #include <glm/glm.hpp>
 #include <span>
 
+#include "renderer/base/stream.h"
 #include "renderer/paths/light_paths.h"
 #include "renderer/surface/gather_point.h"
 #include "renderer/surface/posed_scene.h"
@@ -38,7 +39,7 @@ class PixelPaths {
     glm::vec3 shown_by_pattern(const TruthRequest& request) const;
 
     /// Paths 0 to `count` - 1 of a batch, from the gather points and over the whole pixel; finite.
-    PathSums follow(const TruthRequest& request, std::uint64_t batch, std::uint64_t count) const;
+    PathSums follow(const TruthRequest& request, const Stream& batch, std::uint64_t count) const;
 
   private:
     void look(glm::vec2 position, float spacing, EyeSample& sample) const;
@@ -51,8 +52,10 @@ class PixelPaths {
 /// Independent parts of an estimate, whose spread tells its error. chosen: 16, by which it is known to a fifth.
 inline constexpr std::uint64_t truth_batches = 16;
 
-/// The seed of one of a pixel's batches; batch `truth_batches` is the pilot's.
-std::uint64_t batch_seed(std::uint64_t seed, std::int64_t frame, glm::ivec2 place, std::uint64_t batch);
+/// Numbers of one of a pixel's batches; batch `truth_batches` is the pilot's.
+inline Stream numbers_of_batch(std::uint64_t seed, std::int64_t frame, glm::ivec2 place, std::uint64_t batch) {
+    return Stream(Purpose::true_paths, {place, frame, seed}).at(batch);
+}
 
 /// The mean of two independent halves of equal weight.
 struct Estimate {

@@ -39,7 +39,7 @@ std::vector<PixelTruth> pixel_truth(const PosedScene& posed_scene, const SeeSett
     std::vector<glm::dvec3> shown(requests.size());
     parallel::for_each(requests.size(), [&](std::size_t i) {
         const PathSums pilot = pixel_paths.follow(
-            requests[i], batch_seed(settings.seed, frame, requests[i].place, truth_batches), pilot_paths);
+            requests[i], numbers_of_batch(settings.seed, frame, requests[i].place, truth_batches), pilot_paths);
         paths[i] = paths_of_batch(pilot, requests[i], settings);
         const glm::vec3 sum = pixel_paths.shown_by_pattern(requests[i]);
         shown[i] = core::is_finite(sum) ? glm::dvec3(sum) : glm::dvec3(0);
@@ -49,7 +49,7 @@ std::vector<PixelTruth> pixel_truth(const PosedScene& posed_scene, const SeeSett
     parallel::for_each(requests.size() * truth_batches, [&](std::size_t k) {
         const std::size_t i = k / truth_batches, b = k % truth_batches;
         const PathSums sums =
-            pixel_paths.follow(requests[i], batch_seed(settings.seed, frame, requests[i].place, b), paths[i]);
+            pixel_paths.follow(requests[i], numbers_of_batch(settings.seed, frame, requests[i].place, b), paths[i]);
         at_points[i][b] = sums.at_points / static_cast<double>(paths[i]);
         whole[i][b] = sums.whole / static_cast<double>(paths[i]);
     });

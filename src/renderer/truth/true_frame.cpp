@@ -23,7 +23,7 @@ struct Pilot {
     double mean = 0, variance = 0;  ///< of one path's luminance
 };
 
-Pilot pilot_of(const PixelPaths& paths, const TruthRequest& request, std::uint64_t batch) {
+Pilot pilot_of(const PixelPaths& paths, const TruthRequest& request, const Stream& batch) {
     const PathSums sums = paths.follow(request, batch, frame_pilot_paths);
     constexpr auto n = static_cast<double>(frame_pilot_paths);
     const double mean = glm::dot(glm::dvec3(core::luminance_weights), sums.whole) / n;
@@ -67,15 +67,15 @@ TrueFrame true_frame(const PosedScene& posed_scene, const SeeSettings& see, cons
         r.known = known.values()[i];
         return r;
     };
-    const auto seed_of = [&](const TruthRequest& r, std::uint64_t batch) {
-        return batch_seed(settings.seed, frame, r.place, batch);
+    const auto batch_of = [&](const TruthRequest& r, std::uint64_t batch) {
+        return numbers_of_batch(settings.seed, frame, r.place, batch);
     };
 
     // Ask a few paths everywhere, which are thrown away.
     core::Plane<Pilot> pilots(width, height);
     parallel::for_each(known.size(), [&](std::size_t i) {
         const TruthRequest r = request_of(i);
-        pilots.values()[i] = pilot_of(pixel_paths, r, seed_of(r, truth_batches));
+        pilots.values()[i] = pilot_of(pixel_paths, r, batch_of(r, truth_batches));
     });
     double light = 0;
     for (const Pilot& p : pilots.values()) light += p.mean;
@@ -94,7 +94,7 @@ TrueFrame true_frame(const PosedScene& posed_scene, const SeeSettings& see, cons
         const std::uint64_t count = paths_by(pilot, std::max(pilot.mean, floor), settings);
         std::array<glm::dvec3, truth_batches> means;
         for (std::uint64_t b = 0; b < truth_batches; ++b)
-            means[b] = pixel_paths.follow(r, seed_of(r, b), count).whole / static_cast<double>(count);
+            means[b] = pixel_paths.follow(r, batch_of(r, b), count).whole / static_cast<double>(count);
         const Estimate e = estimate_of(means, glm::dvec3(0));
         radiance.combined.values()[i] = glm::vec3(e.mean());
         radiance.half.values()[i] = glm::vec3(e.halves[0]);

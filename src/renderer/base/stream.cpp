@@ -1,7 +1,10 @@
-#include "renderer/gather/net_points.h"
+#include "renderer/base/stream.h"
 
 namespace render2mpeg::renderer {
 namespace {
+
+/// Keeps shifts apart from numbers that are drawn.
+constexpr std::uint64_t shift_key = ~std::uint64_t{0};
 
 /// Owen's scrambling of bits below each bit by those above, by a hash [Laine2011].
 std::uint32_t scrambled(std::uint32_t bits, std::uint32_t seed) {
@@ -24,23 +27,16 @@ std::uint32_t scrambled(std::uint32_t bits, std::uint32_t seed) {
 
 }  // namespace
 
-glm::vec2 net_point(std::uint32_t index, std::uint64_t seed) {
-    std::uint32_t x = 0, y = 0, first = 1u << 31, second = 1u << 31;
-    for (; index != 0; index >>= 1, first >>= 1, second ^= second >> 1) {
-        if ((index & 1u) == 0) continue;
-        x ^= first;
-        y ^= second;
-    }
-    const glm::uvec2 bits(scrambled(x, static_cast<std::uint32_t>(seed)),
-                          scrambled(y, static_cast<std::uint32_t>(seed >> 32)));
-    return glm::vec2(bits >> 8u) * 0x1p-24f;
+float Stream::halton(int dimension, std::uint64_t index) const {
+    const float sum = core::halton(dimension, index) + uniform(shift_key, static_cast<std::uint64_t>(dimension));
+    return sum < 1.0f ? sum : sum - 1.0f;
 }
 
-std::uint32_t interleaved(glm::vec2 u) {
-    const auto x = static_cast<std::uint32_t>(16.0f * u.x), y = static_cast<std::uint32_t>(16.0f * u.y);
-    std::uint32_t bits = 0;
-    for (unsigned b = 0; b < 4; ++b) bits |= (x >> b & 1u) << (2 * b) | (y >> b & 1u) << (2 * b + 1);
-    return bits;
+glm::vec2 Stream::sobol(std::uint32_t index) const {
+    const glm::uvec2 even = core::sobol(index);
+    const glm::uvec2 bits(scrambled(even.x, static_cast<std::uint32_t>(bits_)),
+                          scrambled(even.y, static_cast<std::uint32_t>(bits_ >> 32)));
+    return glm::vec2(bits >> 8u) * 0x1p-24f;
 }
 
 }  // namespace render2mpeg::renderer
