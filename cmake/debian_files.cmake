@@ -1,0 +1,10 @@
+# What Debian wants of a package's files before they are packed: manual pages are compressed, and the changes, too.
+file(GLOB_RECURSE pages ${CPACK_TEMPORARY_DIRECTORY}/*.1)
+list(FILTER pages INCLUDE REGEX "/man1/")
+file(GLOB_RECURSE changes ${CPACK_TEMPORARY_DIRECTORY}/CHANGELOG.md)
+foreach(file IN LISTS changes)
+  get_filename_component(folder ${file} DIRECTORY)
+  file(COPY_FILE ${file} ${folder}/changelog)
+  list(APPEND pages ${folder}/changelog)
+endforeach()
+execute_process(COMMAND gzip -9nf ${pages} COMMAND_ERROR_IS_FATAL ANY)
