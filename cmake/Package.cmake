@@ -2,8 +2,9 @@
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_CONTACT "The render2mpeg authors <render2mpeg@localhost>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
-set(CPACK_PACKAGE_DESCRIPTION "Light is computed as finely as the film's coding and the eye let it be seen, and motion goes to the encoder as it is.
-Scenes are .blend files, glTF, animation files and what Assimp reads; films are MPEG-2, H.264, HEVC and AV1.")
+set(CPACK_PACKAGE_DESCRIPTION "Light is computed as finely as the film's coding and the eye let it be seen,
+and motion goes to the encoder as it is. Scenes are .blend files, glTF,
+animation files and what Assimp reads; films are MPEG-2, H.264, HEVC and AV1.")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 # The encoder as a library of its own is not in it.

@@ -36,7 +36,7 @@ foreach(path IN ITEMS bin/render2mpeg lib/render2mpeg/render2mpeg_av_module.so l
                       share/man/man1/render2mpeg.1.gz share/man/man1/render2mpeg-render.1.gz share/man/man1/render2mpeg-encode.1.gz
                       share/bash-completion/completions/render2mpeg share/zsh/vendor-completions/_render2mpeg
                       share/fish/vendor_completions.d/render2mpeg.fish share/doc/render2mpeg/copyright
-                      share/doc/render2mpeg/changelog.gz share/doc/render2mpeg/README.md share/render2mpeg/animations/cornell)
+                      share/doc/render2mpeg/changelog.Debian.gz share/doc/render2mpeg/README.md share/render2mpeg/animations/cornell)
   if(NOT EXISTS ${root}/usr/${path})
     message(FATAL_ERROR "the package lacks /usr/${path}")
   endif()
