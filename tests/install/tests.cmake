@@ -34,7 +34,7 @@ mark_as_advanced(RENDER2MPEG_PATCHELF)
 add_test(NAME install.ATarballRunsOnItsOwnLibraries
          COMMAND ${CMAKE_COMMAND} -D BUILD=${PROJECT_BINARY_DIR} -D SOURCE=${PROJECT_SOURCE_DIR} -D PATCHELF=${RENDER2MPEG_PATCHELF}
                  -P ${CMAKE_CURRENT_SOURCE_DIR}/install/tarball.cmake)
-set_tests_properties(install.ATarballRunsOnItsOwnLibraries PROPERTIES LABELS slow TIMEOUT 300 SKIP_REGULAR_EXPRESSION "skipped: ")
+set_tests_properties(install.ATarballRunsOnItsOwnLibraries PROPERTIES LABELS slow TIMEOUT 600 SKIP_REGULAR_EXPRESSION "skipped: ")
 # These install the same build folder, and installing writes there.
 set_tests_properties(install.MovedTreeStillRenders install.TheEncoderIsALibraryOfItsOwn install.ADebianPackageHoldsAllAndRenders
                      install.ATarballRunsOnItsOwnLibraries PROPERTIES RESOURCE_LOCK install)
