@@ -33,14 +33,38 @@ endif()
 
 foreach(path IN ITEMS bin/render2mpeg lib/render2mpeg/render2mpeg_av_module.so lib/render2mpeg/render2mpeg_image_module.so
                       lib/render2mpeg/render2mpeg_exr_module.so lib/render2mpeg/render2mpeg_draco_module.so lib/render2mpeg/blender/export_film.py lib/render2mpeg/extension/index.json
-                      share/man/man1/render2mpeg.1 share/man/man1/render2mpeg-render.1 share/man/man1/render2mpeg-encode.1
+                      share/man/man1/render2mpeg.1.gz share/man/man1/render2mpeg-render.1.gz share/man/man1/render2mpeg-encode.1.gz
                       share/bash-completion/completions/render2mpeg share/zsh/vendor-completions/_render2mpeg
                       share/fish/vendor_completions.d/render2mpeg.fish share/doc/render2mpeg/copyright
-                      share/doc/render2mpeg/README.md share/render2mpeg/animations/cornell)
+                      share/doc/render2mpeg/changelog.Debian.gz share/doc/render2mpeg/README.md share/render2mpeg/animations/cornell)
   if(NOT EXISTS ${root}/usr/${path})
     message(FATAL_ERROR "the package lacks /usr/${path}")
   endif()
 endforeach()
+
+# Every command has its page, and the licences of all that the program holds are told.
+run(${root}/usr/bin/render2mpeg --help)
+string(REGEX MATCHALL "\n  [a-z][a-z-]+  " commands "${output}")
+list(LENGTH commands count)
+if(count LESS 10)
+  message(FATAL_ERROR "--help names ${count} commands")
+endif()
+foreach(command IN LISTS commands)
+  string(STRIP "${command}" command)
+  if(NOT EXISTS ${root}/usr/share/man/man1/render2mpeg-${command}.1.gz)
+    message(FATAL_ERROR "the package lacks a manual page of ${command}")
+  endif()
+endforeach()
+file(READ ${root}/usr/share/doc/render2mpeg/copyright copyright)
+foreach(holder IN ITEMS "render2mpeg authors" G-Truc Lohmann Cincinnati "License: Expat\n Permission" "License: BSD-3-clause\n Redistribution" "version 3")
+  if(NOT copyright MATCHES "${holder}")
+    message(FATAL_ERROR "the copyright file does not mention ${holder}")
+  endif()
+endforeach()
+run(${DPKG_DEB} --field ${package} Version)
+if(NOT output MATCHES "^[0-9]+[.][0-9]+[.][0-9]+-1(~deb[0-9]+)?\n$")
+  message(FATAL_ERROR "the package's version is ${output}")
+endif()
 if(EXISTS ${root}/usr/include)
   message(FATAL_ERROR "the package holds what the encoder's library is built with")
 endif()

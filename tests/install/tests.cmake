@@ -27,6 +27,14 @@ add_test(NAME install.ADebianPackageHoldsAllAndRenders
                  -D DPKG_DEB=${RENDER2MPEG_DPKG_DEB} -D SHLIBDEPS=${RENDER2MPEG_SHLIBDEPS}
                  -P ${CMAKE_CURRENT_SOURCE_DIR}/install/debian_package.cmake)
 set_tests_properties(install.ADebianPackageHoldsAllAndRenders PROPERTIES LABELS slow TIMEOUT 300 SKIP_REGULAR_EXPRESSION "skipped: ")
-# Both install the same build folder, and installing writes there.
+
+# The tarball: unpacked elsewhere, the program runs on the libraries that lie beside it, and their licences are told.
+find_program(RENDER2MPEG_PATCHELF patchelf)
+mark_as_advanced(RENDER2MPEG_PATCHELF)
+add_test(NAME install.ATarballRunsOnItsOwnLibraries
+         COMMAND ${CMAKE_COMMAND} -D BUILD=${PROJECT_BINARY_DIR} -D SOURCE=${PROJECT_SOURCE_DIR} -D PATCHELF=${RENDER2MPEG_PATCHELF}
+                 -P ${CMAKE_CURRENT_SOURCE_DIR}/install/tarball.cmake)
+set_tests_properties(install.ATarballRunsOnItsOwnLibraries PROPERTIES LABELS slow TIMEOUT 600 SKIP_REGULAR_EXPRESSION "skipped: ")
+# These install the same build folder, and installing writes there.
 set_tests_properties(install.MovedTreeStillRenders install.TheEncoderIsALibraryOfItsOwn install.ADebianPackageHoldsAllAndRenders
-                     PROPERTIES RESOURCE_LOCK install)
+                     install.ATarballRunsOnItsOwnLibraries PROPERTIES RESOURCE_LOCK install)
