@@ -11,26 +11,18 @@
 /// A film for farms: eight chunks of ten frames, rendered in a second, and what one run makes of it.
 namespace render2mpeg::test {
 
-/// Lamps and a box change, so that chunks differ.
-inline constexpr const char* farm_scene =
-    R"({ "frames": 80, "camera": { "position": [0, 1.5, 4], "look_at": [0, 0.5, 0] },
-  "lights": [{ "kind": "point", "position": [1, 2, 1], "intensity": 9 },
-             { "kind": "point", "position": [-2, 2, 1], "intensity": 3, "keys": [{ "at": 0, "power": 1 }, { "at": 3, "power": 6 }] }],
-  "objects": [{ "name": "floor", "shape": "plane", "size": [6, 6] },
-              { "name": "box", "shape": "box", "keys": [{ "at": 0, "position": [-1, 0, 0] }, { "at": 3, "position": [1, 0, 0], "rotate": 200 }] }] })";
-
 /// A scene in a folder of its own, and commands on it.
 class FarmFilm {
   public:
     /// `more`: options of the film. `gop` frames, of which chunks of some 60 are made.
     explicit FarmFilm(const std::string& more = "", int frames = 240) : more_(more), frames_(frames) {
-        std::ofstream(folder_ / "scene.json") << farm_scene;
+        std::ofstream(folder_ / "scene.json") << support::travel_scene(80);
     }
     std::string path(const std::string& name) const { return (folder_ / name).string(); }
     std::filesystem::path operator/(const std::string& name) const { return folder_ / name; }
     std::string options() const {
         return " " + path("scene.json") + " --hold --frames 0:" + std::to_string(frames_ - 1) +
-               " --size 32x48 --samples 1 --indirect lightcuts --vpls 8 --gop 30 --overwrite --quiet " + more_ + " ";
+               " --size 16x16 --samples 1 --gop 30 --overwrite --quiet " + more_ + " ";
     }
     /// `names`: of outputs, as options.
     support::Outcome render(const std::string& names) const {

@@ -145,7 +145,7 @@ TEST(Farm, RefusesByNameWhatIsNotThePlans) {
     std::ofstream(plan, std::ios::trunc) << before;
     std::ofstream(scene, std::ios::app) << " ";
     refused("the input " + scene.string() + " has changed since `farm` planned it");
-    std::ofstream(scene, std::ios::trunc) << test::farm_scene;
+    std::ofstream(scene, std::ios::trunc) << support::travel_scene(80);
 
     EXPECT_EQ(run(film.part("f.mpg.farm", 3)).status, 2) << "there are two";
     EXPECT_EQ(run(film.part("g.mpg.farm", 1)).status, 1) << "there is no plan";

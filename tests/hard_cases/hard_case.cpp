@@ -46,12 +46,11 @@ app::RenderJob render_job(const HardCase& hard_case, scene::Animation film, Way 
     p.rendering.format = p.format;
     p.rendering.samples = 1;
     p.rendering.direct_points = 64;
-    // Light points where the way is theirs: all of them, or records of them; else rays.
-    p.rendering.indirect =
-        way == Way::reference || way == Way::records ? renderer::Indirect::lightcuts : renderer::Indirect::rays;
+    const bool rays = way == Way::records || way == Way::coupled;
+    p.rendering.indirect = rays ? renderer::Indirect::rays : renderer::Indirect::lightcuts;
     p.rendering.vpls = 100;
     p.rendering.isa = core::detect_isa();
-    p.rendering.cache = way == Way::records ? renderer::CacheUse::on : renderer::CacheUse::off;
+    p.rendering.cache = rays ? renderer::CacheUse::static_light : renderer::CacheUse::off;
     p.plan = renderer::make_plan(scene::traits_of(film), {});
     p.coding.width = hard_case.size.x;
     p.coding.height = hard_case.size.y;
@@ -66,7 +65,7 @@ app::RenderJob render_job(const HardCase& hard_case, scene::Animation film, Way 
 }  // namespace
 
 const char* name_of(Way way) {
-    constexpr const char* names[] = {"reference", "cut", "records", "coupled"};
+    constexpr const char* names[] = {"reference", "lightcuts", "records", "coupled"};
     return names[static_cast<std::size_t>(way)];
 }
 

@@ -15,9 +15,10 @@
 /// it is about stands in hard_cases_test.cpp; the page hard-cases.md of the build is written from these lists.
 namespace render2mpeg::test {
 
-/// How light is gathered.
-enum class Way { reference, cut, records, coupled };
-inline constexpr Way all_ways[] = {Way::reference, Way::cut, Way::records, Way::coupled};
+/// How light is gathered: by all light points, or cuts of them; by rays and records to 2 %, or as far as the coding
+/// shows, as films are made by default.
+enum class Way { reference, lightcuts, records, coupled };
+inline constexpr Way all_ways[] = {Way::reference, Way::lightcuts, Way::records, Way::coupled};
 const char* name_of(Way way);
 
 template <class T>

@@ -72,7 +72,7 @@ void expect_outcome(const HardCase& hard_case, Way way) {
     if (hard_case.check && !testing::Test::HasFatalFailure()) hard_case.check(film);
 }
 
-/// The way that is tried each time: one of the two that take little, in turn.
+/// The way that is tried each time: one of the two by rays and records, in turn.
 Way usual_way(const HardCase& hard_case) {
     static const std::vector<const HardCase*> cases = all_cases();
     const auto place = std::find(cases.begin(), cases.end(), &hard_case) - cases.begin();
@@ -161,9 +161,9 @@ std::string page() {
     std::ostringstream text;
     text
         << "# Hard cases\n\n"
-           "Scenes in which careless arithmetic fails, and what render2mpeg does with them. Each is lit without "
-           "clustering,\n"
-           "by cuts within 2 %, with the irradiance cache, and coupled to its coding. In each, all "
+           "Scenes in which careless arithmetic fails, and what render2mpeg does with them. Each is lit by rays and "
+           "records\n"
+           "within 2 % and coupled to its coding, by cuts within 2 %, and without clustering. In each, all "
            "radiance is\n"
            "finite and not negative, and libavcodec decodes the film to the encoder's reconstruction, bit for bit.\n\n"
            "`tests/hard_cases` proves this page and writes it. The last three tables name the tests that prove what no "

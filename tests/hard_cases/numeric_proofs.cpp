@@ -196,7 +196,7 @@ std::vector<Proof> film_proofs() {
         {"any number of threads, any instruction set",
          "the same bytes for threads; the encoder's for instruction sets",
          {},
-         {"DeterminismSlow.TheFilmDoesNotDependOnThreads", "Hits.AreTheSameForAnyNumberOfThreadsAtTheBuildSlow",
+         {"Coupled.TheFilmDoesNotDependOnThreadsSlow", "Hits.AreTheSameForAnyNumberOfThreadsAtTheBuildSlow",
           "Kernels.AllVariantsGiveTheSameNumbers"}},
         {"pictures of one pixel, odd and wide ones",
          "coded and shown as they are",

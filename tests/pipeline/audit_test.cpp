@@ -20,7 +20,7 @@ nlohmann::json statistics_of(const std::string& options) {
     const support::Folder folder;
     const std::string stats = (folder / "s.json").string();
     const support::Outcome outcome = support::run(support::program() + " render -y --hold " + support::panel_film() +
-                                                  " --frames 0:1 --size 32x32 --samples 1 --vpls 300 -o " +
+                                                  " --frames 0:1 --size 32x32 --samples 1 -o " +
                                                   (folder / "a.mpg").string() + " --stats " + stats + " " + options);
     EXPECT_EQ(outcome.status, 0) << outcome.output;
     return nlohmann::json::parse(support::contents(stats));

@@ -15,17 +15,10 @@
 namespace render2mpeg::test {
 namespace {
 
-/// Four chunks of 41 frames in which a lamp and a box change, the last of 4.
-constexpr const char* scene_text = R"({ "frames": 127, "camera": { "position": [0, 1.5, 4], "look_at": [0, 0.5, 0] },
-  "lights": [{ "kind": "point", "position": [1, 2, 1], "intensity": 9 },
-             { "kind": "point", "position": [-2, 2, 1], "intensity": 3, "keys": [{ "at": 0, "power": 1 }, { "at": 6, "power": 6 }] }],
-  "objects": [{ "name": "floor", "shape": "plane", "size": [6, 6] },
-              { "name": "wall", "shape": "box", "size": [6, 2, 0.1], "keys": [{ "at": 0, "position": [0, 0, -1] }] },
-              { "name": "box", "shape": "box", "keys": [{ "at": 0, "position": [-1, 0, 0] }, { "at": 6, "position": [1, 0, 0], "rotate": 200 }] }] })";
-
 class ChunksAtOnce : public testing::Test {
   protected:
-    ChunksAtOnce() { std::ofstream(folder_ / "scene.json") << scene_text; }
+    /// Four chunks of 41 frames, the last of 4.
+    ChunksAtOnce() { std::ofstream(folder_ / "scene.json") << support::travel_scene(127); }
 
     std::string start(const std::string& more) const {
         return program() + " render -y " + path(folder_, "scene.json") + " --size 16x16 --samples 1 --gop 41 " + more +
@@ -50,8 +43,6 @@ class ChunksAtOnce : public testing::Test {
     const Folder folder_;
     /// Lit in no time.
     const std::string direct_ = "--vpls 0 --tolerance fixed=10% --exposure 0 ";
-    /// With records and tolerances by the film.
-    const std::string light_ = "--indirect lightcuts --vpls 16 ";
 };
 
 /// Statistics without times, memory and names.
@@ -76,7 +67,7 @@ TEST_F(ChunksAtOnce, ChangeNoByteOfAFilmForAnyNumberOfThreads) {
 }
 
 TEST_F(ChunksAtOnce, ChangeNeitherFilmNorStatisticsOfLightThatIsKeptSlow) {
-    const std::string begin = start(light_ + "--quiet --threads 3 --audit 1 ");
+    const std::string begin = start("--quiet --threads 3 --audit 1 ");
     for (const char* chunks : {"1", "3"})
         make(begin + "--chunks-at-once " + chunks + " -o " + file(std::string(chunks) + ".mpg") + " --stats " +
              file(std::string(chunks) + ".json"));
@@ -105,7 +96,7 @@ TEST_F(ChunksAtOnce, ChangeNoFrameThatIsNotCoded) {
 
 TEST_F(ChunksAtOnce, ResumingKeepsThoseBehindAGap) {
     const std::string begin =
-        start(light_ + "--threads 2 --stats " + file("film.json") + " --chunks-at-once 2 -o " + file("film.mpg"));
+        start("--threads 2 --stats " + file("film.json") + " --chunks-at-once 2 -o " + file("film.mpg"));
     make_unnamed(begin);
     for (const char* lost : {"film.mpg.partial/chunk_00000.json", "film.mpg.partial/chunk_00002.json"})
         ASSERT_TRUE(std::filesystem::remove(folder_ / lost));
@@ -117,7 +108,7 @@ TEST_F(ChunksAtOnce, ResumingKeepsThoseBehindAGap) {
     EXPECT_NE(resumed.output.find("film.mpg with frame 0: 45 of 127 are there"), std::string::npos) << resumed.output;
     EXPECT_EQ(std::filesystem::last_write_time(folder_ / "kept.m2v"), kept) << "it was not made again";
 
-    make(start(light_ + "--quiet --threads 2 --stats " + file("whole.json") + " -o " + file("whole.mpg")));
+    make(start("--quiet --threads 2 --stats " + file("whole.json") + " -o " + file("whole.mpg")));
     EXPECT_TRUE(bytes("film.mpg") == bytes("whole.mpg"));
     json film = lasting(bytes("film.json")), whole = lasting(bytes("whole.json"));
     EXPECT_EQ(film.at("per_frame"), whole.at("per_frame"));

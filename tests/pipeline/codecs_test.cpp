@@ -104,7 +104,7 @@ class CoupledSlow : public testing::TestWithParam<const char*> {
     }
     support::Outcome render(const std::string& name, const std::string& more) const {
         return run(program() + " render -y --hold " + plain_film() +
-                   " --size 64x64 --gop 30 --frames 0:65 --samples 1 --vpls 32 --indirect lightcuts --exposure 0 "
+                   " --size 64x64 --gop 30 --frames 0:65 --samples 1 --exposure 0 "
                    "--quiet --codec " +
                    GetParam() + " -o " + path(folder_, name) + " " + more);
     }

@@ -222,7 +222,7 @@ TEST(Statistics, TellTheRealQuantisersWhereNoneWasAskedFor) {
     const Folder folder;
     const auto file = folder / "s.json";
     ASSERT_EQ(run(program() + " render " + plain_film() +
-                  " --size 32x32 --samples 1 --indirect lightcuts --vpls 16 --frames 0:5 --exposure 0 --quiet "
+                  " --size 32x32 --samples 1 --frames 0:5 --exposure 0 --quiet "
                   "--quality 40 --tolerance "
                   "fixed=5% -o " +
                   (folder / "x.mpg").string() + " --stats " + file.string())

@@ -15,8 +15,7 @@
 namespace render2mpeg::test {
 namespace {
 
-const std::string few_samples =
-    " --size 48x32 --indirect lightcuts --vpls 4000 --samples 1 --exposure 0 --sample 1x4 --references 2";
+const std::string few_samples = " --size 48x32 --samples 1 --exposure 0 --sample 1x4 --references 2";
 
 TEST(Compare, HoldsFourWaysAgainstOneReferenceSlow) {
     const Folder folder;

@@ -19,7 +19,7 @@ namespace render2mpeg::test {
 namespace {
 
 /// Small enough for a test; the room's last second is dear to nobody.
-const std::string brief = " --size 32x32 --indirect lightcuts --vpls 16 --samples 1 --exposure 0 --sample 1x2";
+const std::string brief = " --size 32x32 --samples 1 --exposure 0 --sample 1x2";
 
 json cost_of(const std::string& scene, const std::string& options) {
     const Folder folder;
@@ -122,8 +122,8 @@ TEST(Cost, DependsOnThreadsInItsTimesAloneSlow) {
 
 TEST(Cost, OfWhatIsBlackIsTold) {
     const json found = cost_of(plain_film(),
-                               " --size 16x16 --indirect lightcuts --vpls 16 --samples 1 --exposure -40 --sample 1x1"
-                               " --tolerances 16,8,4");
+                               " --size 16x16 --samples 1 --exposure -40 --sample 1x1"
+                               " --tolerances 16");
     EXPECT_TRUE(found.at("rows")[0].at("psnr_y").is_null()) << "the same to the last bit";
     EXPECT_NE(found.at("summary").get<std::string>().find("none you can see"), std::string::npos);
 }
@@ -194,12 +194,10 @@ TEST(Truth, MendsWhatIsMeasuredAgainstReferenceLight) {
     EXPECT_DOUBLE_EQ(reference.mean_squared_error(luma), 0.0) << "not below";
 }
 
-app::RenderJob tiny_film(const std::string& input = plain_film()) {
+app::RenderJob tiny_film(const std::string& input = plain_film(), const std::string& size = "32x32") {
     app::RenderOptions options;
     options.input = input;
-    options.size = "32x32";
-    options.vpls = 16;
-    options.indirect = "lightcuts";
+    options.size = size;
     options.samples = 1;
     options.exposure = "0";
     return app::prepare(options);
@@ -211,7 +209,7 @@ TEST(Trials, CountPicturesThatABufferHasNoRoomFor) {
         // The smallest buffer that a header can tell.
         film.coding.rate_control.buffer_bits = tight ? 16384 : 0;
         film.coding.rate_control.max_rate = tight ? 12000 : 0;
-        app::Trials trials(film, app::middle_windows(film, 1, 20));
+        app::Trials trials(film, app::middle_windows(film, 1, 10), 0);
         ASSERT_TRUE(trials.light_references([](double) {}, [] { return true; }));
         app::LitWindows lit;
         const app::RenderJob coarse =
@@ -247,7 +245,7 @@ TEST(Trials, TellTheirMemoryBeforeTheyTakeIt) {
 }
 
 TEST(Trials, EndWhenTheyAreToldTo) {
-    const app::RenderJob film = tiny_film();
+    const app::RenderJob film = tiny_film(plain_film(), "8x8");
     app::Trials trials(film, app::middle_windows(film, 2, 2));
     int told = 0, done = 0;
     EXPECT_FALSE(trials.light_references(

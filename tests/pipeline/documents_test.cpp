@@ -26,7 +26,7 @@ std::string page(const char* name) {
 
 TEST(Documents, NameEveryKeyOfStatisticsReportsAndInformationSlow) {
     const Folder folder;
-    const std::string tiny = " --size 16x16 --samples 1 --vpls 16 --exposure 0 --frames 0:2 --quiet ";
+    const std::string tiny = " --size 16x16 --samples 1 --exposure 0 --frames 0:2 --quiet ";
     ASSERT_EQ(run(program() + " render -y --hold " + support::plain_film() + tiny +
                   "--tolerance coupled=4 --audit 2 --bitrate 300k -o " + path(folder, "f.mpg") + " --report " +
                   path(folder, "r.html"))
@@ -47,7 +47,7 @@ TEST(Documents, NameEveryKeyOfStatisticsReportsAndInformationSlow) {
     expect_keys(json::parse(told.output), page("json.md"), "types");
 
     const auto tried = run(program() + " cost " + support::plain_film() +
-                           " --size 16x16 --samples 1 --indirect lightcuts --vpls 16 --exposure 0 --sample 1x1 "
+                           " --size 16x16 --samples 1 --exposure 0 --sample 1x1 "
                            "--tolerances 20" +
                            " --quiet --json " + path(folder, "c.json"));
     ASSERT_EQ(tried.status, 0) << tried.output;

@@ -21,15 +21,11 @@ namespace {
 using app::Chunk;
 using app::RenderJob;
 
-RenderJob small_film(const std::string& scene, const std::string& size = "32x32",
-                     const std::string& indirect = "lightcuts") {
+RenderJob small_film(const std::string& scene, const std::string& size = "32x32") {
     app::RenderOptions options;
     options.input = scene;
     options.output = "film.mpg";
     options.size = size;
-    options.vpls = 16;
-    options.indirect = indirect;
-    options.said["--vpls"] = "16";
     RenderJob film = app::prepare(options);
     film.exposure = 0;
     return film;
@@ -102,7 +98,7 @@ TEST(Forecast, LightsAWindowOfEachShot) {
 }
 
 TEST(Forecast, CountsTheChannelsOfTheSound) {
-    RenderJob film = small_film(support::plain_film(), "32x32");
+    RenderJob film = small_film(support::plain_film(), "16x16");
     film.frames = {0, 1};
     film.sound.file = "not read here";
     const auto bytes = [&](int channels, const char* name) {
@@ -166,7 +162,7 @@ TEST(Effects, AreTheRowsOfThePlanThatRun) {
 }
 
 TEST(Effects, ChangeThePicturesThatTheyAreLeftOutOfSlow) {
-    RenderJob film = small_film(support::film("cornell"), "16x16", "rays");
+    RenderJob film = small_film(support::film("cornell"), "16x16");
     const app::EffectCosts costs =
         app::effect_costs(film, 2, std::numeric_limits<double>::infinity(), true, [](const app::EffectCost&, bool) {});
     EXPECT_EQ(costs.left, 0);

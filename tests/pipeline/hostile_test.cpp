@@ -25,8 +25,7 @@
 namespace render2mpeg::test {
 namespace {
 
-const std::string few_rays =
-    " --size 32x32 --samples 1 --indirect lightcuts --vpls 16 --exposure 0 --tolerance fixed=10% --frames 0:1 ";
+const std::string few_rays = " --size 32x32 --samples 1 --exposure 0 --tolerance fixed=10% --frames 0:1 ";
 
 std::string render_in(const Folder& folder, const std::string& output, const std::string& more = "--quiet") {
     return program() + " render " + plain_film() + few_rays + more + " -o '" + path(folder, output) + "'";

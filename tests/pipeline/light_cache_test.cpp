@@ -190,7 +190,7 @@ TEST(LightCache, ChangesNothingAboutResumingNorPartsSlow) {
 
 TEST(LightCache, AndFilmsAreTheSameForAnyNumberOfLightPointsSinceRaysBringTheLight) {
     const Walk films;
-    const std::string few = "--frames 0:0 --hold --size 24x18 -q 16 ";
+    const std::string few = "--frames 0:0 --hold --size 16x12 -q 16 ";
     ASSERT_EQ(films.render("usual", few + films.with()).status, 0);
     const std::string light = contents(films.place("l.light"));
     std::filesystem::remove(films.place("l.light"));
@@ -207,7 +207,7 @@ TEST(LightCache, AndFilmsAreTheSameForAnyNumberOfLightPointsSinceRaysBringTheLig
 
 TEST(LightCache, IsRefusedByNameOrToldToHaveNoEffect) {
     const Walk films;
-    const std::string few = "--frames 0:0 --hold --size 24x18 -q 16 ";
+    const std::string few = "--frames 0:0 --hold --size 16x12 -q 16 ";
     ASSERT_EQ(films.render("a", few + films.with()).status, 0);
     const auto other = films.render("b", few + "--caustics off " + films.with());
     EXPECT_EQ(other.status, 1);
@@ -245,7 +245,7 @@ void forge(const std::filesystem::path& file, std::size_t place, std::uint32_t b
 
 TEST(LightCache, RefusesLightThatNoRunHasFound) {
     const Walk films;
-    const std::string few = "--frames 0:0 --hold -q 16 --quiet ";
+    const std::string few = "--frames 0:0 --hold --size 16x12 -q 16 --quiet ";
     ASSERT_EQ(films.render("a", few + films.with()).status, 0);
     const std::string light = contents(films.place("l.light"));
     // A place on its triangle, light, a position, an error, and the set of lights, which is looked up in a table.

@@ -27,9 +27,7 @@ TEST(Memory, ThatAFilmWouldTakeBeyondItsLimitIsToldBeforeItIsBegun) {
     EXPECT_TRUE(has(large, "it takes about ") && has(large, "--memory allows 500 MiB: ")) << large.output;
     EXPECT_EQ(std::count(large.output.begin(), large.output.end(), '\n'), 1) << large.output;
     EXPECT_EQ(folder.entries(), 0u);
-    const auto small = run(
-        start +
-        " --size 32x32 --samples 1 --indirect lightcuts --vpls 16 --frames 0:1 --tolerance fixed=10% --memory 500M");
+    const auto small = run(start + " --size 32x32 --samples 1 --frames 0:1 --tolerance fixed=10% --memory 500M");
     EXPECT_EQ(small.status, 0) << small.output;
     const auto nonsense = run(start + " --memory 8");
     EXPECT_TRUE(has(nonsense, "expected a size such as 8G")) << nonsense.output;
@@ -38,10 +36,9 @@ TEST(Memory, ThatAFilmWouldTakeBeyondItsLimitIsToldBeforeItIsBegun) {
 TEST(Memory, ThatAFilmIsReckonedToTakeIsEnough) {
     const Folder folder;
     for (const char* threads : {"1", "4"}) {
-        const std::string start =
-            program() + " render -y --hold " + plain_film() +
-            " --size 32x32 --samples 1 --indirect lightcuts --vpls 16 --frames 0:1 --quiet --threads " + threads +
-            " -o " + path(folder, "f.m2v") + " --memory ";
+        const std::string start = program() + " render -y --hold " + plain_film() +
+                                  " --size 32x32 --samples 1 --frames 0:1 --quiet --threads " + threads + " -o " +
+                                  path(folder, "f.m2v") + " --memory ";
         const auto little = run(start + "16M");
         ASSERT_EQ(little.status, 1) << little.output;
         const std::string words = "it takes about ";
@@ -107,8 +104,8 @@ TEST(Interruption, EndsAFrameThatTakesMinutes) {
 
 TEST(Heatmap, OfTwoRunsIsTheFirstOnes) {
     const Folder folder;
-    const std::string start = program_at_terminal() + " render -y --hold " + plain_film() +
-                              " --size 64x64 --indirect lightcuts --vpls 16 --exposure 0 --quiet ";
+    const std::string start =
+        program_at_terminal() + " render -y --hold " + plain_film() + " --size 64x64 --exposure 0 --quiet ";
     const std::string heat = " --heatmap cut " + path(folder, "heat.mpg");
     const std::string second = start + "--frames 0:1 -o " + path(folder, "b.mpg") + heat;
     const auto outcome =

@@ -12,7 +12,7 @@ namespace render2mpeg::test {
 namespace {
 
 const std::string render_room = support::program() + " render -y --hold " + plain_film() +
-                                " --size 32x24 --samples 1 --vpls 64 --exposure 0 --frames 3:5 -o ";
+                                " --size 32x24 --samples 1 --exposure 0 --frames 3:5 -o ";
 
 const std::string kept = " --cache on";
 

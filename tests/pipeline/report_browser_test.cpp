@@ -188,7 +188,7 @@ TEST_F(ReportInABrowserSlow, ShowsNamesAsTextAndMarksTheChoice) {
     EXPECT_EQ(found.at("bar"), "50%");
 }
 
-const std::string for_browser = " --indirect lightcuts --vpls 16 --samples 1 --exposure 0 --quiet";
+const std::string for_browser = " --samples 1 --exposure 0 --quiet";
 
 TEST_F(ReportInABrowserSlow, OfARenderFitsAPhoneAndADesktop) {
     ASSERT_EQ(run(program() + " render -y --hold " + plain_film() + for_browser + " --size 640x96 --frames 0:4 --aov " +

@@ -12,10 +12,9 @@ namespace {
 TEST(Report, IsOnePageThatStandsAloneAndItsFiguresAreTheStatisticsSlow) {
     const Folder folder;
     const std::string output = "'" + path(folder, "a&b<i>.mpg") + "'";
-    const auto outcome =
-        run(program() + " render -y --hold " + plain_film() +
-            " --size 48x32 --samples 1 --indirect lightcuts --vpls 16 --frames 3:13 --quiet --audit 5 -o " + output +
-            " --report " + path(folder, "r.html") + " --stats " + path(folder, "s.json"));
+    const auto outcome = run(program() + " render -y --hold " + plain_film() +
+                             " --size 48x32 --samples 1 --frames 3:13 --quiet --audit 5 -o " + output + " --report " +
+                             path(folder, "r.html") + " --stats " + path(folder, "s.json"));
     ASSERT_EQ(outcome.status, 0) << outcome.output;
     const std::string html = contents(folder / "r.html");
 
@@ -66,8 +65,8 @@ TEST(Report, IsOnePageThatStandsAloneAndItsFiguresAreTheStatisticsSlow) {
 TEST(Report, OfFramesThatAreNotCodedSpeaksOfLightAlone) {
     const Folder folder;
     ASSERT_EQ(run(program() + " render -y --hold " + plain_film() +
-                  " --size 32x32 --samples 1 --indirect lightcuts --vpls 16 --exposure 0 --frames 0:1 --quiet -o " +
-                  path(folder, "f.%d.exr") + " --report " + path(folder, "r.html"))
+                  " --size 32x32 --samples 1 --exposure 0 --frames 0:1 --quiet -o " + path(folder, "f.%d.exr") +
+                  " --report " + path(folder, "r.html"))
                   .status,
               0);
     const json page = test::page_data(contents(folder / "r.html"));

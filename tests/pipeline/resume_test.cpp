@@ -16,19 +16,12 @@
 namespace render2mpeg::test {
 namespace {
 
-/// Four chunks of 41 frames in which lamps and a box change, as fast as films can be.
-constexpr const char* scene_text = R"({ "frames": 164, "camera": { "position": [0, 1.5, 4], "look_at": [0, 0.5, 0] },
-  "lights": [{ "kind": "point", "position": [1, 2, 1], "intensity": 9 },
-             { "kind": "point", "position": [-2, 2, 1], "intensity": 3, "keys": [{ "at": 0, "power": 1 }, { "at": 6, "power": 6 }] }],
-  "objects": [{ "name": "floor", "shape": "plane", "size": [6, 6] },
-              { "name": "box", "shape": "box", "keys": [{ "at": 0, "position": [-1, 0, 0] }, { "at": 6, "position": [1, 0, 0], "rotate": 200 }] }] })";
-const std::string direct = " --size 16x16 --samples 1 --gop 41 --threads 1 --quiet ",
-                  light = direct + "--indirect lightcuts --vpls 16 ",
-                  // Four chunks of 21 of them.
-    fewer = " --size 16x16 --samples 1 --gop 21 --threads 1 --quiet --indirect lightcuts --vpls 16 --frames 0:83 ";
+const std::string light = " --size 16x16 --samples 1 --gop 41 --threads 1 --quiet ",
+                  direct = light + "--vpls 0 --tolerance fixed=10% --exposure 0 ";
 
+/// Four chunks of 41 frames.
 std::string scene_in(const Folder& folder) {
-    std::ofstream(folder / "scene.json") << scene_text;
+    std::ofstream(folder / "scene.json") << support::travel_scene(164);
     return path(folder, "scene.json");
 }
 
@@ -115,8 +108,7 @@ class Interrupted : public testing::Test {
     const Folder folder_;
     int chunks_ = 0;
     const std::string start_ = program() + " render -y --hold " + scene_in(folder_) + direct +
-                               "--vpls 0 --tolerance fixed=10% --exposure 0 --hold --frames 0:409 -o " +
-                               path(folder_, "film.mpg");
+                               "--hold --frames 0:409 -o " + path(folder_, "film.mpg");
 };
 
 TEST_F(Interrupted, FilmsAreResumedByNoOtherRunThanTheirOwnSlow) {
@@ -204,8 +196,8 @@ TEST(Resume, BeginsAFilmOfWhichNothingIsLeft) {
 
 TEST(Resume, GivesAFilmItsNameThatCouldNotHaveItBeforeSlow) {
     const Folder folder;
-    const std::string start = program() + " render -y --hold " + scene_in(folder) + direct +
-                              "--vpls 0 --tolerance fixed=10% --exposure 0 -o " + path(folder, "film.mpg");
+    const std::string start =
+        program() + " render -y --hold " + scene_in(folder) + direct + "-o " + path(folder, "film.mpg");
     // Somebody takes its name while it is made.
     const auto outcome = run(start + " --stats " + path(folder, "s.json") + " & job=$!; while [ ! -e " +
                              path(folder, "film.mpg.partial/chunk_00000.m2v") +
@@ -241,7 +233,8 @@ TEST(ResumeSlow, EveryKindOfOutputComesOutAsIfNothingHadHappened) {
     const Folder folder;
     const auto render = [&](const std::string& place) {
         std::filesystem::create_directory(folder / place);
-        const std::string start = program() + " render -y --hold " + path(folder, "scene.json") + fewer,
+        const std::string start = program() + " render -y --hold " + path(folder, "scene.json") +
+                                  " --size 16x16 --samples 1 --gop 21 --threads 1 --quiet --frames 0:83 ",
                           to = path(folder, place);
         return std::vector<std::string>{
             start + "--bitrate 200k -o " + to + "/rate.mpg --heatmap tolerance " + to +
@@ -278,8 +271,7 @@ TEST(ResumeSlow, ScenesThatMoveAndDeformComeOutAsIfNothingHadHappened) {
     for (const char* name : {"character", "flash_cut"}) {
         const Folder folder;
         const std::string start = program() + " render -y --hold " + film(name) +
-                                  " --size 16x16 --samples 1 --indirect lightcuts --vpls 64 --gop 21 --hold --frames "
-                                  "0:62 --threads 2 --quiet -o ";
+                                  " --size 16x16 --samples 1 --gop 21 --hold --frames 0:62 --threads 2 --quiet -o ";
         ASSERT_EQ(run(start + path(folder, "whole.mpg")).status, 0);
         render_killed(start + path(folder, "film.mpg"), {"KILL"}, 3, 5, 2);
         EXPECT_TRUE(contents(folder / "film.mpg") == contents(folder / "whole.mpg")) << name;

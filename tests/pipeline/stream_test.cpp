@@ -15,8 +15,10 @@ namespace render2mpeg::test {
 namespace {
 
 std::string small_render() {
-    return program() + " render " + support::plain_film() +
-           " --hold --size 96x80 --samples 1 --indirect lightcuts --vpls 16 --exposure 0.5 --tolerance fixed=10% "
+    static const Folder folder;
+    std::ofstream(folder / "travel.json") << support::travel_scene(60);
+    return program() + " render " + path(folder, "travel.json") +
+           " --hold --size 96x80 --samples 1 --exposure 0.5 --tolerance fixed=10% "
            "--quiet ";
 }
 

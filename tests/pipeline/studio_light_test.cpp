@@ -23,10 +23,7 @@ StudioLuma luma_in_studio(const std::string& objects) {
     app::RenderOptions options;
     options.input = folder / "film.json";
     options.size = "64x48";
-    options.vpls = 64;
-    options.indirect = "lightcuts";
     options.samples = 1;
-    options.said["--vpls"] = "";
     app::RenderJob film = app::prepare(options);
     film.exposure = app::measure_exposure(film);
 

@@ -26,7 +26,8 @@ namespace {
 using app::QualitySearch;
 using app::Target;
 
-const std::string small_search = " --size 32x32 --indirect lightcuts --vpls 16 --samples 1 --exposure 0";
+const std::string small_search = " --samples 1 --exposure 0 --size 32x32",
+                  smallest_search = " --samples 1 --exposure 0 --size 16x16";
 
 /// Probes until nothing is left to be tried or the figure is within `near` of the target; counts them.
 int probes_until(QualitySearch& search, double target, double near, double first,
@@ -159,10 +160,10 @@ TEST(CommandWords, BecomeThoseOfTheRender) {
               "./r render 'a b.glb' --size=32x32 --vpls 16 --quality 63.4 -o f.mpg");
 }
 
-json tuned(const std::string& options, int status = 0) {
+json tuned(const std::string& options, int status = 0, const std::string& search = small_search) {
     const Folder folder;
     const auto outcome =
-        run(program() + " tune " + plain_film() + small_search + options + " --quiet --json " + path(folder, "t.json"));
+        run(program() + " tune " + plain_film() + search + options + " --quiet --json " + path(folder, "t.json"));
     EXPECT_EQ(outcome.status, status) << outcome.output;
     return json::parse(contents(folder / "t.json"));
 }
@@ -213,14 +214,14 @@ TEST(Tune, FindsAQualityAndPrintsTheRenderThatHasItSlow) {
 }
 
 TEST(Tune, SaysWhatIsOutOfReach) {
-    const json fine = tuned(" --sample 1x2 --target-psnr 90 --dry-run", 1);
+    const json fine = tuned(" --sample 1x2 --target-psnr 90 --dry-run", 1, smallest_search);
     EXPECT_EQ(fine.at("found"), "beyond");
     EXPECT_EQ(fine.at("rows").at(fine.at("chosen").get<std::size_t>()).at("setting"), "100.0");
     EXPECT_TRUE(fine.at("render").is_null());
-    const json much = tuned(" --sample 1x2 --tolerance fixed=20% --target-bitrate 90M --dry-run", 0);
+    const json much = tuned(" --sample 1x2 --tolerance fixed=20% --target-bitrate 90M --dry-run", 0, smallest_search);
     EXPECT_EQ(much.at("found"), "between") << "the finest film is delivered";
     EXPECT_EQ(much.at("options").at("quality"), "100.0");
-    const json late = tuned(" --sample 1x1 --max-time 0.001s --dry-run", 1);
+    const json late = tuned(" --sample 1x1 --max-time 0.001s --dry-run", 1, smallest_search);
     EXPECT_EQ(late.at("found"), "beyond");
     EXPECT_EQ(late.at("rows").size(), 2u) << "as asked for, and the least";
 }
@@ -267,7 +268,8 @@ TEST(Tune, HoldsAFileToASizeThatItsSampleDoesNotFill) {
     // Far more than the finest film needs: still a rate, which the whole film keeps whatever its sample is.
     // The sample says nothing of how much more that may need: the size decides, or the highest rate of the level.
     const auto rate_of = [](const std::string& size) {
-        const json found = tuned(" --sample 1x3 --frames 0:29 --tolerance fixed=20% --dry-run --max-size " + size);
+        const json found =
+            tuned(" --sample 1x3 --frames 0:29 --tolerance fixed=20% --dry-run --max-size " + size, 0, smallest_search);
         EXPECT_EQ(found.at("found"), "between");
         EXPECT_EQ(found.at("rows").at(found.at("chosen").get<std::size_t>()).at("setting"), "100.0");
         EXPECT_NE(found.at("summary").get<std::string>().find("the finest film needs no more"), std::string::npos);
@@ -283,11 +285,10 @@ TEST(Tune, HoldsAFileToASizeThatItsSampleDoesNotFill) {
 
 TEST(Tune, SaysWhereNothingIsLostWhateverTheQuality) {
     const Folder folder;
-    const auto outcome =
-        run(program() + " tune " + plain_film() +
-            " --size 32x32 --indirect lightcuts --vpls 16 --samples 1 --exposure -60 --sample 1x2 --target-psnr 40 "
-            "--dry-run --json " +
-            path(folder, "t.json"));
+    const auto outcome = run(program() + " tune " + plain_film() +
+                             " --size 16x16 --samples 1 --exposure -60 --sample 1x2 --target-psnr 40 "
+                             "--dry-run --json " +
+                             path(folder, "t.json"));
     EXPECT_EQ(outcome.status, 0) << outcome.output;
     EXPECT_NE(outcome.output.find("nothing is lost on the sample whatever the quality"), std::string::npos)
         << outcome.output;
@@ -297,7 +298,7 @@ TEST(Tune, SaysWhereNothingIsLostWhateverTheQuality) {
 }
 
 TEST(Tune, LoosensLightUntilItIsInTime) {
-    const json easy = tuned(" --sample 1x1 --max-time 10h --quantiser 8 --dry-run");
+    const json easy = tuned(" --sample 1x1 --max-time 10h --quantiser 8 --dry-run", 0, smallest_search);
     EXPECT_EQ(easy.at("rows").size(), 1u);
     EXPECT_TRUE(easy.at("options").empty()) << "nothing need be loosened";
     EXPECT_LT(easy.at("rows")[0].at("value").get<double>(), 36000);
@@ -308,7 +309,7 @@ TEST(Tune, LoosensLightUntilItIsInTime) {
 TEST(Tune, MakesTheFilmAgainWhereItMissed) {
     std::vector<std::string> words{"render2mpeg", "tune", plain_film(), "--target-psnr", "40",     "--references", "0",
                                    "--frames",    "0:3",  "-o",         "never.mpg",     "--quiet"};
-    const std::string search = small_search.substr(1);
+    const std::string search = smallest_search.substr(1);
     for (const std::string_view word : core::words_in(search)) words.emplace_back(word);
     const app::CommandLine line = app::parse(words);
     std::vector<double> qualities;

@@ -34,12 +34,12 @@ int wanted_paths() {
     return text == nullptr ? 0 : std::max(1, std::atoi(text));
 }
 
-renderer::Settings settings_of(const TruthCase& c) {
+renderer::Settings settings_of(const TruthCase& c, renderer::Indirect indirect) {
     renderer::Settings s;
     s.format = {side, side, 1.0f};
     s.samples = 1;
     s.direct_points = c.direct_points;
-    s.indirect = renderer::Indirect::lightcuts;
+    s.indirect = indirect;
     s.vpls = c.vpls;
     s.specular_depth = c.specular_depth;
     s.isa = core::detect_isa();
@@ -139,13 +139,18 @@ void judge(const NamedCase& named) {
     const TruthCase c = named.make();
     const std::uint64_t paths = c.paths * static_cast<std::uint64_t>(std::max(1, wanted_paths()));
     const Posed posed(c);
-    test::FilmStage stage(c.scene, settings_of(c), c.caustics);
-    const core::Radiance ours = stage.reference();
-    const PathTracer tracer(posed.posed_scene);
-    Found found;
-    compare_patches(ours, tracer.picture(side, side, paths_of(c, false), paths, seed_of(named.name)), c.allowed, found);
-    if (c.closed_form) compare_closed_form(ours, posed.world.camera, c, found);
-    if (wanted_paths() > 0) print_row(named, c, found, paths * side * side);
+    const std::vector<Estimate> truth =
+        PathTracer(posed.posed_scene).picture(side, side, paths_of(c, false), paths, seed_of(named.name));
+    for (const renderer::Indirect indirect : {renderer::Indirect::rays, renderer::Indirect::lightcuts}) {
+        if (indirect == renderer::Indirect::lightcuts && c.vpls == 0) continue;
+        SCOPED_TRACE(indirect == renderer::Indirect::rays ? "by rays" : "by light points");
+        test::FilmStage stage(c.scene, settings_of(c, indirect), c.caustics);
+        const core::Radiance ours = stage.reference();
+        Found found;
+        compare_patches(ours, truth, c.allowed, found);
+        if (c.closed_form) compare_closed_form(ours, posed.world.camera, c, found);
+        if (wanted_paths() > 0) print_row(named, c, found, paths * side * side);
+    }
 }
 
 /// The path tracer's picture of pixels, not of their centres: four times by rays through a place in each of 4 x 4 parts
@@ -183,7 +188,7 @@ std::vector<Estimate> whole_pixels(const Posed& posed, const TruthCase& c, std::
 void judge_paths(const NamedCase& named) {
     const TruthCase c = named.make();
     const Posed posed(c);
-    test::FilmStage stage(c.scene, settings_of(c), c.caustics);
+    test::FilmStage stage(c.scene, settings_of(c, renderer::Indirect::rays), c.caustics);
     const scene::Snapshot world = stage.at(0);
     const core::ToleranceMap none = core::ToleranceMap::reference();
     const renderer::LightOrder by_paths{none, renderer::LightingMode::truth, {}, nullptr, {0.03f, 1u << 14}};

@@ -177,7 +177,7 @@ TEST(ErrorCalibration, StaysWithinItsBounds) {
 constexpr int picture_side = 96;
 
 Settings room_settings(bool calibrate) {
-    Settings settings = test::small_frame(picture_side, picture_side);
+    Settings settings = test::lightcuts_frame(picture_side, picture_side);
     settings.vpls = 1000;
     settings.direct_points = 128;
     settings.max_cut = 1 << 20;
@@ -278,7 +278,7 @@ TEST(Calibration, TypicalSharesAreOfPixelsThatGatherLight) {
 }
 
 TEST(Calibration, LeavesSmallFramesAlone) {
-    FilmStage small(test::furnished_room(), test::small_frame(40, 40));
+    FilmStage small(test::furnished_room(), test::lightcuts_frame(40, 40));
     small.cut(0.1f);
     EXPECT_EQ(small.statistics().mean_error_scale, 1.0);
 }

@@ -14,9 +14,16 @@ renderer::Settings small_frame(int width, int height) {
     s.format = {width, height, 1.0f};
     s.samples = 1;
     s.direct_points = 128;
-    s.indirect = renderer::Indirect::lightcuts;
-    s.vpls = 500;
+    s.cache = renderer::CacheUse::static_light;
+    s.vpls = 500;  // where a test asks for lightcuts
     s.isa = core::detect_isa();
+    return s;
+}
+
+renderer::Settings lightcuts_frame(int width, int height) {
+    renderer::Settings s = small_frame(width, height);
+    s.indirect = renderer::Indirect::lightcuts;
+    s.cache = renderer::CacheUse::off;
     return s;
 }
 

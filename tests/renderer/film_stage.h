@@ -8,8 +8,11 @@
 
 namespace render2mpeg::test {
 
-/// Settings for frames that take milliseconds, of light points: their references have all light.
+/// Settings for small frames as films have them by default: rays that ask records.
 renderer::Settings small_frame(int width = 24, int height = 24);
+
+/// Likewise by cuts alone, the papers' own way, of few light points: references have all their light.
+renderer::Settings lightcuts_frame(int width = 24, int height = 24);
 
 /// A built film with a renderer, for small frames.
 class FilmStage {

@@ -313,7 +313,6 @@ TEST(NearLight, AndRaysTogetherGiveWhatRaysGive) {
 
 TEST(NearLight, IsOfTheViewBehindACut) {
     renderer::Settings settings = test::small_frame(16, 16);
-    settings.indirect = Indirect::rays;
     const auto room_from = [&](glm::vec3 eye, glm::vec3 target) {
         SceneBuilder b = shaded_room();
         b.add_box({3, 0, -2}, {7, 3, 2}, b.add_material(glm::vec3(0.6f)), true);

@@ -65,7 +65,6 @@ core::Radiance ball_by(CacheUse cache) {
     b.film().sky.color = glm::vec3(1);
     b.add_camera({0, 0.5f, 4}, {0, 0, 0}, 0.6f);
     Settings s = test::small_frame(64, 64);
-    s.indirect = Indirect::rays;
     s.cache = cache;
     test::FilmStage stage(b, s);
     return stage.shade(0, core::ToleranceMap::uniform(64, 64, {0.0f, 0.02f}));

@@ -246,7 +246,6 @@ SceneBuilder white_tuft(float distance = 3) {
 
 TEST(HairLight, OfWhiteFibresInAWhiteSkyIsTheSky) {
     Settings settings = test::small_frame();
-    settings.indirect = Indirect::rays;
     double least = 1e9, most = 0, sum = 0, count = 0;
     // A tuft has a hundred cells, whose light scatters by 0.6 % from view to view.
     for (int view = 0; view < 5; ++view) {
@@ -389,7 +388,6 @@ TEST(HairLight, TakesNoMoreRaysThanWhatItsSamplesShowIsWorth) {
     SceneBuilder b = white_tuft();
     b.add_sun({0.3f, -0.5f, -1}, 3.0f);
     Settings settings = test::small_frame();
-    settings.indirect = Indirect::rays;
     settings.samples = 16;
     FilmStage stage(b, settings);
     stage.cut(0.001f);
@@ -401,7 +399,6 @@ TEST(HairLight, HasMoreSamplesWhereStrandsWouldShow) {
     constexpr int side = 24;
     for (const float tolerated : {0.01f, 0.5f}) {
         Settings settings = test::small_frame(side, side);
-        settings.indirect = Indirect::rays;
         settings.samples = 4;
         settings.most_samples = 64;
         FilmStage stage(white_tuft(), settings);

@@ -73,7 +73,6 @@ double teeth(const core::Plane<glm::vec3>& frame, const core::Plane<glm::vec3>& 
 
 TEST_P(HardLightSlow, IsThatOfPaths) {
     Settings settings = test::small_frame(columns, rows);
-    settings.indirect = Indirect::rays;
     settings.cache = CacheUse::on;
     settings.samples = 4;
     settings.direct_points = 1024;

@@ -16,7 +16,6 @@ constexpr int side = 32;
 
 Settings by_rays(CacheUse cache) {
     Settings s = test::small_frame(side, side);
-    s.indirect = Indirect::rays;
     s.cache = cache;
     s.vpls = 800;
     return s;

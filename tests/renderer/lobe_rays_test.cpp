@@ -277,7 +277,6 @@ TEST(LobeRays, AreMissedByNoEdgeOfALobeThatIsJustNotNarrow) {
     b.film().sky.color = {1, 1, 1};
     b.add_camera({0, 0, 5}, {0, 0, 0}, 0.5f);
     Settings settings = test::small_frame(32, 32);
-    settings.indirect = Indirect::rays;
     settings.vpls = 1000;
     settings.samples = 4;
     settings.edge_samples = 16;

@@ -26,7 +26,6 @@ constexpr float dark = 0.01f;
 /// As films are lit by default.
 renderer::Settings by_rays() {
     renderer::Settings s = small_frame();
-    s.indirect = renderer::Indirect::rays;
     s.cache = renderer::CacheUse::static_light;
     return s;
 }

@@ -38,7 +38,6 @@ struct Picture {
 /// Lit by prices, or within bounds, that are luminances.
 Picture look(int samples, float tolerance, bool are_prices) {
     Settings s = test::small_frame(shared_size, shared_size);
-    s.indirect = Indirect::rays;
     s.cache = CacheUse::on;
     s.samples = samples;
     FilmStage stage(slats(), s);

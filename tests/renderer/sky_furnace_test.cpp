@@ -66,7 +66,6 @@ TEST(SkyFurnace, OfAFloorIsWithoutTheSkyThatLiesBelowTheHorizon) {
     b.film().sky.color = glm::vec3(1);
     b.add_camera({0, 3, 0.1f}, {0, 0, 0}, 0.4f);
     Settings settings = test::small_frame(16, 16);
-    settings.indirect = Indirect::rays;
     FilmStage stage(b, settings);
     const core::Radiance lit = stage.cut(0.02f);
     double mean = 0;

@@ -18,7 +18,7 @@ using test::furnished_room;
 using test::SceneBuilder;
 
 Settings stop_settings() {
-    Settings settings = test::small_frame(48, 48);
+    Settings settings = test::lightcuts_frame(48, 48);
     settings.vpls = 2000;
     settings.direct_points = 256;
     settings.max_cut = 1 << 20;

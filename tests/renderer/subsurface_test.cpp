@@ -124,7 +124,6 @@ TEST(Subsurface, LetsLightThroughThinParts) {
         b.add_camera({0, 0, 4}, {0, 0, 0}, 0.2f);
         Settings settings = test::small_frame(12, 12);
         settings.samples = 16;
-        settings.indirect = Indirect::rays;
         FilmStage stage(b, settings);
         return static_cast<double>(core::luminance(stage.cut(0.05f).combined.at(6, 6)));
     };
@@ -144,7 +143,6 @@ TEST(Subsurface, BlursTheEdgeOfAShadowAndKeepsItsMean) {
         b.add_camera({0, 2, 0.01f}, {0, 0, 0}, 0.9f);
         Settings settings = test::small_frame(32, 8);
         settings.samples = 16;
-        settings.indirect = Indirect::rays;
         FilmStage stage(b, settings);
         const core::Radiance r = stage.cut(0.05f);
         std::vector<double> means;

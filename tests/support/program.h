@@ -73,14 +73,26 @@ inline std::string program_at_terminal() {
 inline std::string film(const std::string& name) {
     return (source_folder() / "animations" / name).string();
 }
-/// A box with one lamp, colour and motion but no textures: for tests that need some film, this one is lit in a tenth of
-/// the time.
+/// Boxes on a floor below one lamp, colour and motion but neither walls nor textures: for tests that need some film,
+/// this one is lit by rays in a tenth of the time.
 inline std::string plain_film() {
     return (source_folder() / "tests/support/plain_box").string();
 }
-/// The same below a panel of a thousand light points, which direct light's cuts choose among.
+/// Such boxes in a room, below a panel of a thousand light points, which direct light's cuts choose among.
 inline std::string panel_film() {
     return (source_folder() / "tests/support/panel_box").string();
+}
+
+/// An animation file: the camera travels past a box below two lamps. Chunks of it differ, and light that rays have
+/// found stays for later frames, which take milliseconds.
+inline std::string travel_scene(int frames) {
+    return R"({ "camera": { "look_at": [0, 0.5, 0],
+      "keys": [{ "at": 0, "position": [0, 1.5, 4] }, { "at": 6, "position": [3, 1.5, 3] }] },
+  "lights": [{ "kind": "point", "position": [1, 2, 1], "intensity": 9 },
+             { "kind": "point", "position": [-2, 2, 1], "intensity": 3 }],
+  "objects": [{ "name": "floor", "shape": "plane", "size": [6, 6] }, { "name": "box", "shape": "box" }],
+  "frames": )" +
+           std::to_string(frames) + " }";
 }
 
 }  // namespace render2mpeg::support
