@@ -39,7 +39,7 @@ struct AuditedFrame {
         cut = stage.renderer().light(world, stage.renderer().look(world), {loose});
     }
     static Settings settings(int width, int height) {
-        Settings s = test::small_frame(width, height);
+        Settings s = test::lightcuts_frame(width, height);
         s.samples = 2;
         return s;
     }

@@ -21,7 +21,7 @@ using test::SceneBuilder;
 constexpr int side = 64;
 
 Settings draft_settings() {
-    Settings settings = test::small_frame(side, side);
+    Settings settings = test::lightcuts_frame(side, side);
     settings.samples = 1;
     settings.calibrate = false;
     return settings;

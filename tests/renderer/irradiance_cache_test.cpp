@@ -16,7 +16,7 @@ using test::share_over;
 constexpr int cache_size = 48;
 
 Settings cache_settings(bool cache) {
-    Settings s = test::small_frame(cache_size, cache_size);
+    Settings s = test::lightcuts_frame(cache_size, cache_size);
     s.cache = cache ? CacheUse::on : CacheUse::off;
     return s;
 }

@@ -92,7 +92,7 @@ TEST(Shade, OfAUniformSkyOnAConvexBodyIsReflectanceTimesSky) {
     b.add_sphere({0, 0, 0}, 1, b.add_material(glm::vec3(0.6f)), 32);
     b.film().sky.color = {2, 1, 0.5f};
     b.add_camera({0, 0, 4}, {0, 0, 0}, 0.3f);
-    Settings settings = test::small_frame();
+    Settings settings = test::lightcuts_frame();
     settings.direct_points = 4000;
     settings.vpls = 0;
     FilmStage stage(b, settings);
@@ -135,7 +135,7 @@ TEST(Shade, OfAnEmptySceneIsTheSky) {
 }
 
 TEST(Shade, WithToleranceZeroEqualsTheSumOverAllLights) {
-    Settings settings = test::small_frame();
+    Settings settings = test::lightcuts_frame();
     settings.max_cut = 1 << 20;
     FilmStage stage(furnished_room(), settings);
     const std::vector<double> e = errors(stage.reference(), stage.cut(0.0f));
@@ -145,7 +145,7 @@ TEST(Shade, WithToleranceZeroEqualsTheSumOverAllLights) {
 }
 
 TEST(Shade, GrowsNearerToTheReferenceAsTheToleranceShrinksSlow) {
-    FilmStage stage(furnished_room(), test::small_frame(48, 48));
+    FilmStage stage(furnished_room(), test::lightcuts_frame(48, 48));
     const core::Radiance truth = stage.reference();
     double last_median = 1;
     std::uint64_t last_clusters = 0,
@@ -173,7 +173,7 @@ TEST(Shade, IsBrighterByExactlyWhatTheLightIs) {
 }
 
 TEST(Shade, IsTheSameForAnyNumberOfThreadsSlow) {
-    Settings settings = test::small_frame(40, 36);
+    Settings settings = test::lightcuts_frame(40, 36);
     for (const Indirect indirect : {Indirect::lightcuts, Indirect::rays}) {
         settings.indirect = indirect;
         core::Radiance one, two;
@@ -233,7 +233,7 @@ TEST(Shade, SeesAheadWithoutChangingWhatIsShaded) {
 }
 
 TEST(Shade, CountsPointsWhoseToleranceTheLargestCutMissed) {
-    Settings settings = test::small_frame();
+    Settings settings = test::lightcuts_frame();
     settings.max_cut = 6;
     FilmStage stage(furnished_room(), settings);
     stage.cut(0.0f);
@@ -281,7 +281,7 @@ TEST(Shade, LayersAddUpToThePicture) {
     b.material(mirror).metallic = 1;
     b.material(mirror).roughness = 0;
     b.add_quad({0.5f, 0.2f, 0.1f}, {1, 0, 0}, {0, 1, 0}, mirror);
-    Settings settings = test::small_frame(40, 40);
+    Settings settings = test::lightcuts_frame(40, 40);
     settings.samples = 4;
     FilmStage stage(b, settings);
     const core::Radiance plain = stage.cut(0.02f);
@@ -311,7 +311,7 @@ TEST(Shade, ClustersManyLampsAndGathersFewExactly) {
             b.add_point_light(
                 {-4.5f + 0.6f * static_cast<float>(i % 16), 1.0f, -4.5f + 0.7f * static_cast<float>(i / 16)}, 1.0f);
         b.add_camera({0, 8, 0.01f}, {0, 0, 0}, 0.8f);
-        Settings settings = test::small_frame();
+        Settings settings = test::lightcuts_frame();
         settings.vpls = 0;
         FilmStage stage(b, settings);
         const core::Radiance truth = stage.reference();
