@@ -7,6 +7,7 @@ be, need the whole film: the first question begins it, and each is answered by t
 the film is whole its scene and frames lie in FILM.blender beside it, so that it can be resumed.
 """
 import contextlib
+import glob
 import os
 import shutil
 
@@ -61,22 +62,29 @@ class Film:
             return
         raise Refused(STOPPED if status in INTERRUPTED else self.run.message())
 
+    def is_recorded(self, layers):
+        """Whether the record of a whole chunk may name the layers: resuming makes the chunk anew where they are missing."""
+        written = os.stat(layers).st_mtime_ns
+        return any(os.stat(record).st_mtime_ns >= written for record in glob.glob(glob.escape(self.output) + ".partial/chunk_*.json"))
+
     def image(self, number):
-        """The frame's picture; None while it is not there. Its layers, which are many times as large, go."""
+        """The frame's picture; None while it is not there. Its layers, which are many times as large, go where Blender is
+        as fast as the program."""
         status = self.run.status()
         self.check(status)
         layers, picture = (os.path.join(self.frames, f"{name}_{number:04d}.exr") for name in ("frame", "picture"))
         # An earlier run's frames count only once the program goes on with them.
         if not self.run.began and self.resumed and status is None:
             return None
-        if os.path.isfile(layers):
+        if os.path.isfile(layers) and not os.path.isfile(picture):
             try:
                 take_colours(layers, picture)
             except Damaged as reason:
                 raise Refused(str(reason)) from None
-            os.remove(layers)
-            with contextlib.suppress(FileNotFoundError):
-                os.remove(os.path.join(self.frames, f"frame_{number:04d}.motion"))
+            if not self.is_recorded(layers):
+                os.remove(layers)
+                with contextlib.suppress(FileNotFoundError):
+                    os.remove(os.path.join(self.frames, f"frame_{number:04d}.motion"))
         if os.path.isfile(picture):
             return picture
         if status == 0 and self.run.status() == 0:

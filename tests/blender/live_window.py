@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """xvfb-run -a -s "-screen 0 1024x640x24" blender --factory-startup -noaudio --window-geometry 0 0 1000 600 FILE.blend -P live_window.py -- FOLDER
 
 Shows the viewport in a real window by LiveView, moves the view, then an object, and ends. The program is $RENDER2MPEG_PROGRAM.

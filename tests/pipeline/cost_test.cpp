@@ -75,7 +75,8 @@ TEST(CostOptions, AreReadAndRefused) {
 }
 
 TEST(Cost, RisesAndErrorsFallAsTolerancesTightenSlow) {
-    const json found = cost_of(support::panel_film(), brief + " --tolerances 0.001,2,40 --quantiser 31");
+    const json found = cost_of(support::panel_film(),
+                               brief + " --indirect lightcuts --vpls 16 --tolerances 0.001,2,40 --quantiser 31");
     EXPECT_TRUE(found.at("complete").get<bool>());
     EXPECT_EQ(found.at("windows"), (json{{29, 30}}));
     EXPECT_EQ(found.at("reference").at("frames"), 1);

@@ -128,8 +128,10 @@ double difference_of(const Answer& a, const Answer& b) {
 }
 
 /// The camera of the plain box, and another one.
-const std::string own_camera = R"({"camera": {"matrix": [1,0,0,0, 0,1,0,1, 0,0,1,4.05, 0,0,0,1], "fov": 35.9}})";
-const std::string from_the_left = R"({"camera": {"matrix": [1,0,0,-0.4, 0,1,0,1, 0,0,1,3, 0,0,0,1], "fov": 35.9}})";
+const std::string own_camera =
+    R"({"camera": {"matrix": [1,0,0,0, 0,0.8074,0.59,2.2, 0,-0.59,0.8074,2.6, 0,0,0,1], "fov": 35.9}})";
+const std::string from_the_left =
+    R"({"camera": {"matrix": [1,0,0,-0.8, 0,0.8074,0.59,2.2, 0,-0.59,0.8074,2.6, 0,0,0,1], "fov": 35.9}})";
 
 TEST(LiveView, BeginsQuicklyAndEndsWithThePictureByRays) {
     LiveProgram program(support::plain_film());

@@ -45,7 +45,7 @@ TEST(Report, IsOnePageThatStandsAloneAndItsFiguresAreTheStatisticsSlow) {
         effects += row.at("effect").get<std::string>() + ", ";
         if (row.at("seconds").is_number()) seconds += row.at("seconds").get<double>();
     }
-    EXPECT_EQ(effects, "seeing, direct light, photons, bounced light, what the eye misses, motion, coding, ")
+    EXPECT_EQ(effects, "seeing, direct light, bounced light, what the eye misses, motion, coding, ")
         << "the box has neither mirrors nor glass";
     const double audit = statistics.at("audit").at("seconds").get<double>();
     EXPECT_GT(seconds, 0.2 * (statistics.at("seconds").at("cpu").get<double>() - audit));

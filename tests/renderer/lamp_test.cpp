@@ -121,7 +121,7 @@ std::pair<double, double> against(FilmStage& stage, const core::ToleranceMap& to
 }
 
 Settings without_bounces() {
-    Settings settings = test::small_frame();
+    Settings settings = test::lightcuts_frame();
     settings.vpls = 0;
     return settings;
 }

@@ -12,7 +12,7 @@ using test::share_over;
 constexpr int moving_size = 48;
 
 Settings moving_settings(bool cache) {
-    Settings s = test::small_frame(moving_size, moving_size);
+    Settings s = test::lightcuts_frame(moving_size, moving_size);
     s.cache = cache ? CacheUse::on : CacheUse::off;
     s.vpls = 800;
     return s;

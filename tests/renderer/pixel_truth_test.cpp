@@ -121,7 +121,7 @@ struct JudgedRoom {
         lit = stage.renderer().light(world, stage.renderer().look(world), {tolerance});
     }
     static Settings settings() {
-        Settings s = test::small_frame();
+        Settings s = test::lightcuts_frame();
         s.samples = 4;
         return s;
     }

@@ -209,7 +209,8 @@ SceneBuilder room_with_moving_lamp() {
 }
 
 TEST(Shade, OfAMovedLightIsThatOfAFreshChunkAtTheSameStartSlow) {
-    FilmStage walked(room_with_moving_lamp()), jumped(room_with_moving_lamp());
+    FilmStage walked(room_with_moving_lamp(), test::lightcuts_frame()),
+        jumped(room_with_moving_lamp(), test::lightcuts_frame());
     walked.renderer().start_chunk(walked.at(0));
     jumped.renderer().start_chunk(jumped.at(0));
     walked.cut(0.02f, 0);
