@@ -12,7 +12,7 @@ from . import aims, engine, operators, panels, settings
 bl_info = {
     "name": "render2mpeg",
     "author": "The render2mpeg authors",
-    "version": (0, 2, 0),
+    "version": (0, 3, 0),
     "blender": (3, 4, 0),
     "location": "Render engine; Render menu; render properties",
     "description": "Films with global illumination, rendered straight to MPEG",
