@@ -121,7 +121,7 @@ std::pair<double, double> against(FilmStage& stage, const core::ToleranceMap& to
 }
 
 Settings without_bounces() {
-    Settings settings = test::lightcuts_frame();
+    Settings settings = test::small_frame();
     settings.vpls = 0;
     return settings;
 }
@@ -210,18 +210,22 @@ TEST(SoftSun, HasThePenumbraOfADiscBehindAnEdge) {
     const Frame seen = stage.renderer().look(world);
     for (const auto& tolerance : {core::ToleranceMap::reference(), core::ToleranceMap::uniform(24, 24, {0, 0.02f})}) {
         const core::Radiance r = stage.renderer().light(world, seen, {tolerance}).radiance;
-        int in_part = 0;
+        const double allowed = tolerance.is_reference() ? 0.01 : 0.02;
+        int in_part = 0, over = 0, seen_pixels = 0;
         for (int y = 0; y < 24; ++y)
             for (int x = 0; x < 24; ++x) {
                 const auto p = scene::carry(seen.visible.address.at(x, y), world);
                 if (!p || seen.visible.address.at(x, y).object != 0) continue;
                 const double u = std::clamp(p->x / height / std::tan(half_angle), -1.0, 1.0);
                 const double visible = (std::acos(-u) + u * std::sqrt(1 - u * u)) / pi;
-                EXPECT_NEAR(r.combined.at(x, y).x / (2 * 0.5 / pi), visible, tolerance.is_reference() ? 0.01 : 0.02)
-                    << p->x;
+                const double error = std::abs(r.combined.at(x, y).x / (2 * 0.5 / pi) - visible);
+                EXPECT_LT(error, tolerance.is_reference() ? allowed : 2 * allowed) << p->x;
+                over += error > allowed ? 1 : 0;
+                ++seen_pixels;
                 in_part += visible > 0.05 && visible < 0.95 ? 1 : 0;
             }
         EXPECT_GT(in_part, 20);
+        EXPECT_LE(over, seen_pixels / 100) << "a tolerance holds for 99 of 100 pixels";
     }
 }
 

@@ -70,7 +70,7 @@ struct ClosePicture {
 
 /// Lit after a closer look, where the picture is expected to be what a first look shows.
 ClosePicture look(int most_samples, float tolerated) {
-    Settings settings = test::lightcuts_frame(size, size);
+    Settings settings = test::small_frame(size, size);
     settings.samples = 4;
     settings.vpls = 0;
     settings.most_samples = most_samples;
@@ -141,7 +141,7 @@ SceneBuilder foliage() {
 
 /// Foliage lit with so many samples, and with more where `expected` says that they are wanted.
 core::Plane<glm::vec3> leaves(int samples, int most_samples, const core::Plane<glm::vec3>* expected, float tolerated) {
-    Settings settings = test::lightcuts_frame(size, size);
+    Settings settings = test::small_frame(size, size);
     settings.samples = settings.edge_samples = samples;
     settings.vpls = 0;
     settings.most_samples = most_samples;

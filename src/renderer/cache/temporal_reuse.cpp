@@ -18,6 +18,17 @@ float known_luminance(const PointLight& light, const GatherPoint& p) {
     return std::isfinite(known) ? known : 0.0f;
 }
 
+/// Places within its pixel that a point's shadow rays leave.
+std::uint32_t places_of(const GatherPoint& p) {
+    return p.others + (p.more_places ? static_cast<std::uint32_t>(p.more_places->size()) : 0u);
+}
+
+/// Whether the light was gathered for the very same point, and at least as closely.
+bool is_of(const LitPoint& before, const GatherPoint& p) {
+    return before.address == p.point.address && before.outgoing == p.point.outgoing && before.weight == p.weight &&
+           before.places >= places_of(p);
+}
+
 /// Room for what will be known of a tile.
 TileState empty_tile(const GatherTile& points) {
     TileState tile;
@@ -79,7 +90,7 @@ bool reuse(FrameState& frame, std::size_t t, const FrameHistory& history, float 
     for (std::size_t i = 0; i < points.size(); ++i) {
         const GatherPoint& p = points[i];
         const LitPoint& before = history.tiles[t][i];
-        if (before.address != p.point.address || before.outgoing != p.point.outgoing || before.weight != p.weight) {
+        if (!is_of(before, p)) {
             all = false;
             continue;
         }
@@ -152,8 +163,8 @@ FrameLight finish(FrameState& frame, FrameHistory& history) {
         history.tiles[t].clear();
         for (std::size_t i = 0; i < tile.light.size(); ++i) {
             const GatherPoint& p = frame.seen().tiles[t][i];
-            history.tiles[t].push_back(
-                {p.point.address, p.point.outgoing, p.weight, tile.tolerance[i], tile.exact[i], tile.light[i]});
+            history.tiles[t].push_back({p.point.address, p.point.outgoing, p.weight, places_of(p), tile.tolerance[i],
+                                        tile.exact[i], tile.light[i]});
             add_up(frame, t, i);
         }
         light[t] = std::move(tile.light);

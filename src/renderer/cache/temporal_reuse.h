@@ -11,6 +11,7 @@ namespace render2mpeg::renderer {
 struct LitPoint {
     core::SurfaceAddress address;
     glm::vec3 outgoing{0}, weight{0};
+    std::uint32_t places = 0;  ///< within its pixel that shadow rays left
     PointTolerance tolerance;  ///< that it was within
     PointLight exact, trees;
 };
