@@ -75,12 +75,11 @@ TEST(CostOptions, AreReadAndRefused) {
 }
 
 TEST(Cost, RisesAndErrorsFallAsTolerancesTightenSlow) {
-    const json found = cost_of(support::panel_film(),
-                               brief + " --indirect lightcuts --vpls 16 --tolerances 0.001,2,40 --quantiser 31");
+    const json found = cost_of(support::panel_film(), brief + " --tolerances 0.001,2,40 --quantiser 31");
     EXPECT_TRUE(found.at("complete").get<bool>());
     EXPECT_EQ(found.at("windows"), (json{{29, 30}}));
     EXPECT_EQ(found.at("reference").at("frames"), 1);
-    EXPECT_EQ(found.at("cache"), "off");
+    EXPECT_EQ(found.at("cache"), "static");
     EXPECT_EQ(found.at("masking"), "warped");
     const json& rows = found.at("rows");
     ASSERT_EQ(rows.size(), 7u);
@@ -96,23 +95,29 @@ TEST(Cost, RisesAndErrorsFallAsTolerancesTightenSlow) {
         EXPECT_LT(rows[i].at("error_p95"), rows[i - 1].at("error_p95"));
     }
 
-    // Almost no tolerance leaves almost no error: what is tried and what it is held against are lit by the same points.
-    EXPECT_LT(rows[2].at("error_p95").get<double>(), 1e-3);
-    EXPECT_LT(rows[2].at("error_p99").get<double>(), 6e-3) << "where it is nearly black";
-    EXPECT_LT(rows[2].at("cut").get<double>(), found.at("light_points").get<double>() + 1);
     EXPECT_LT(rows[3].at("rays_per_point").get<double>(), 0.7 * rows[1].at("rays_per_point").get<double>())
         << "coarse coding hides much";
 
-    // Decibels are against the truth, by paths of one pixel in sixteen: what is left is what light points miss.
+    // Decibels are against the truth, by paths of one pixel in sixteen.
     const json& truth = found.at("truth");
     EXPECT_EQ(truth.at("pixels"), 63);
     EXPECT_EQ(truth.at("of_pixels"), 1008);
     EXPECT_GT(decibels(rows[2].at("lit_psnr_y")), truth.at("psnr_y").get<double>() - 0.1);
-    EXPECT_LT(decibels(rows[2].at("lit_psnr_y")), 45.0) << "65 and more against light of the same 16 points";
     EXPECT_GT(truth.at("seconds").get<double>(), 0.0);
     EXPECT_GT(truth.at("psnr_y").get<double>(), 20.0);
     const json& film = found.at("film");
     EXPECT_EQ(std::count_if(film.begin(), film.end(), [](const json& row) { return row.at("value") == "truth"; }), 1);
+}
+
+TEST(Cost, OfAllLightPointsLeavesWhatTheyMissSlow) {
+    const json found =
+        cost_of(support::panel_film(), brief + " --indirect lightcuts --vpls 16 --tolerances 0.001 --quantiser 31");
+    const json& row = found.at("rows")[0];
+    // What is tried and what it is held against are lit by the same points; decibels are against the truth.
+    EXPECT_LT(row.at("error_p95").get<double>(), 1e-3);
+    EXPECT_LT(row.at("error_p99").get<double>(), 6e-3) << "where it is nearly black";
+    EXPECT_LT(row.at("cut").get<double>(), found.at("light_points").get<double>() + 1);
+    EXPECT_LT(decibels(row.at("lit_psnr_y")), 45.0) << "65 and more against light of the same 16 points";
 }
 
 TEST(Cost, DependsOnThreadsInItsTimesAloneSlow) {

@@ -270,10 +270,16 @@ TEST(ResumeSlow, EveryKindOfOutputComesOutAsIfNothingHadHappened) {
 TEST(ResumeSlow, ScenesThatMoveAndDeformComeOutAsIfNothingHadHappened) {
     for (const char* name : {"character", "flash_cut"}) {
         const Folder folder;
+        // Two chunks, the second of 8 frames.
         const std::string start = program() + " render -y --hold " + film(name) +
-                                  " --size 16x16 --samples 1 --gop 21 --hold --frames 0:62 --threads 2 --quiet -o ";
+                                  " --size 16x16 --samples 1 --gop 41 --frames 0:48 --threads 2 --chunks-at-once 1"
+                                  " --quiet -o ";
         ASSERT_EQ(run(start + path(folder, "whole.mpg")).status, 0);
-        render_killed(start + path(folder, "film.mpg"), {"KILL"}, 3, 5, 2);
+        const std::string output = path(folder, "film.mpg"), record = output + ".partial/chunk_00000.json";
+        const auto killed = run(start + output + " & job=$!; while [ ! -s " + record +
+                                " ]; do kill -0 $job || exit 99; sleep 0.01; done; kill -KILL $job; wait $job");
+        ASSERT_EQ(killed.status, 137) << killed.output;
+        ASSERT_EQ(run(start + output + " --resume").status, 0);
         EXPECT_TRUE(contents(folder / "film.mpg") == contents(folder / "whole.mpg")) << name;
     }
 }

@@ -92,7 +92,7 @@ TEST(Shade, OfAUniformSkyOnAConvexBodyIsReflectanceTimesSky) {
     b.add_sphere({0, 0, 0}, 1, b.add_material(glm::vec3(0.6f)), 32);
     b.film().sky.color = {2, 1, 0.5f};
     b.add_camera({0, 0, 4}, {0, 0, 0}, 0.3f);
-    Settings settings = test::lightcuts_frame();
+    Settings settings = test::small_frame();
     settings.direct_points = 4000;
     settings.vpls = 0;
     FilmStage stage(b, settings);
@@ -282,7 +282,7 @@ TEST(Shade, LayersAddUpToThePicture) {
     b.material(mirror).metallic = 1;
     b.material(mirror).roughness = 0;
     b.add_quad({0.5f, 0.2f, 0.1f}, {1, 0, 0}, {0, 1, 0}, mirror);
-    Settings settings = test::lightcuts_frame(40, 40);
+    Settings settings = test::small_frame(40, 40);
     settings.samples = 4;
     FilmStage stage(b, settings);
     const core::Radiance plain = stage.cut(0.02f);
