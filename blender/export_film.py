@@ -6,6 +6,7 @@ file), scene.glb and images beside it, and export.json: {"error": "..."} or {"bl
 "uses": [[path, size, mtime in ns], ...]}, where `uses` names the other files that the scene was made of. Executes nothing
 that a .blend holds.
 """
+import itertools
 import json
 import math
 import os
@@ -401,11 +402,12 @@ def export(path, folder, texture_size, still=False):
 
 
 def used_files(path):
-    """Other files that decided the export, as they are now. Of USD's layers all are that could be, beside it and below."""
+    """Other files that decided the export, as they are now. Of USD's layers all that could be are, among ten
+    thousand files beside it and below."""
     names, out = set(bpy.utils.blend_paths(absolute=True, packed=False, local=False)), []
     if IMPORTERS.get(os.path.splitext(path)[1].lower()) is USD:
-        names |= {os.path.join(folder, name) for folder, _, files in os.walk(os.path.dirname(path)) for name in files
-                  if IMPORTERS.get(os.path.splitext(name)[1].lower()) is USD}
+        below = (os.path.join(folder, name) for folder, _, files in os.walk(os.path.dirname(path)) for name in files)
+        names |= {name for name in itertools.islice(below, 10000) if IMPORTERS.get(os.path.splitext(name)[1].lower()) is USD}
     for name in sorted(names):
         if os.path.realpath(name) != os.path.realpath(path) and os.path.isfile(name):
             state = os.stat(name)

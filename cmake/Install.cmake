@@ -18,11 +18,11 @@ install(DIRECTORY blender DESTINATION ${CMAKE_INSTALL_LIBDIR}/render2mpeg
 # Blender's extension as a zip, in a static repository that a Blender can be told of by its file: address.
 find_package(Python3 3.11 REQUIRED COMPONENTS Interpreter)
 set(extension ${PROJECT_BINARY_DIR}/extension)
-file(GLOB parts CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/blender/render2mpeg/*)
+file(GLOB parts CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/blender/render2mpeg/*.py ${PROJECT_SOURCE_DIR}/blender/render2mpeg/*.toml)
 add_custom_command(OUTPUT ${extension}/index.json
                    COMMAND ${CMAKE_COMMAND} -E rm -rf ${extension}
                    COMMAND Python3::Interpreter ${PROJECT_SOURCE_DIR}/scripts/extension ${extension}
-                   DEPENDS ${parts} ${PROJECT_SOURCE_DIR}/scripts/extension ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/CMakeLists.txt
+                   DEPENDS ${parts} ${PROJECT_SOURCE_DIR}/scripts/extension ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/blender/GPL-3.0-or-later.txt ${PROJECT_SOURCE_DIR}/CMakeLists.txt
                    COMMENT "Writing the extension for Blender" VERBATIM)
 add_custom_target(extension ALL DEPENDS ${extension}/index.json)
 add_dependencies(render2mpeg extension)

@@ -65,7 +65,10 @@ class Film:
     def is_recorded(self, layers):
         """Whether the record of a whole chunk may name the layers: resuming makes the chunk anew where they are missing."""
         written = os.stat(layers).st_mtime_ns
-        return any(os.stat(record).st_mtime_ns >= written for record in glob.glob(glob.escape(self.output) + ".partial/chunk_*.json"))
+        try:
+            return any(os.stat(record).st_mtime_ns >= written for record in glob.glob(glob.escape(self.output) + ".partial/chunk_*.json"))
+        except FileNotFoundError:  # the film is whole
+            return False
 
     def image(self, number):
         """The frame's picture; None while it is not there. Its layers, which are many times as large, go where Blender is

@@ -1,3 +1,4 @@
+# SPDX-FileCopyrightText: The render2mpeg authors
 # SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """The scene in the 3D viewport, drawn by `render2mpeg watch --live`.
 
@@ -32,7 +33,7 @@ class Child:
     """A process that is told by lines, and answers by lines, some with bytes behind them."""
 
     def __init__(self, words, mark=b"", **more):
-        self.answers, self.mark, self.closed = queue.Queue(), mark, False
+        self.answers, self.mark = queue.Queue(), mark
         self.errors = tempfile.TemporaryFile()
         self.process = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self.errors, **more)
         threading.Thread(target=self.read, daemon=True).start()
@@ -138,9 +139,10 @@ def exporter_of(program):
 class Session:
     """What one viewport's engine keeps: a folder, the program, and the Blender that exports."""
 
-    def __init__(self, program):
-        self.program_path, self.program, self.exporter = program, None, None
-        self.folder = tempfile.mkdtemp(prefix="render2mpeg-live-")
+    def __init__(self, engine, program):
+        self.engine, self.program_path, self.program, self.exporter = engine, program, None, None
+        self.place = tempfile.TemporaryDirectory(prefix="render2mpeg-live-", ignore_cleanup_errors=True)
+        self.folder = self.place.name
         self.changed_at, self.exporting, self.saves, self.exports = time.monotonic(), False, False, 0
         self.film, self.kept, self.save_seconds = None, [], 0
         self.wish, self.picture, self.is_new, self.lost = None, None, False, []
@@ -173,13 +175,23 @@ class Session:
         for child in (self.program, self.exporter):
             if child is not None:
                 child.close()
-        shutil.rmtree(self.folder, ignore_errors=True)
+        try:
+            threading.Thread(target=self.clean, daemon=True).start()
+        except RuntimeError:  # Blender itself ends, and the folder with it
+            pass
+
+    def clean(self):
+        """Behind its processes, which write there."""
+        for child in (self.program, self.exporter):
+            if child is not None:
+                child.process.wait()
+        self.place.cleanup()
 
     # What happens by and by, on Blender's main thread.
 
     def tick(self):
         # An engine that Blender has freed may not have told so.
-        if self.closed or not any(viewports()):
+        if self.closed or not any(viewports(self.engine)):
             self.close()
             return None
         try:
@@ -188,7 +200,8 @@ class Session:
             self.error, self.is_new = f"{type(trouble).__name__}: {trouble}", True
         if self.is_new:
             self.is_new = False
-            redraw()
+            for area in viewports(self.engine):
+                area.tag_redraw()
         return BEAT
 
     def step(self):
@@ -207,6 +220,8 @@ class Session:
             script = exporter_of(self.program_path)
             if script is None:
                 raise FileNotFoundError("live_export.py is not where the program has its files")
+            if self.exporter is not None:
+                self.exporter.close()
             words = [bpy.app.binary_path, "-b", "--factory-startup", "--disable-autoexec", "-noaudio", "-P", script]
             self.exporter = Child(words, mark=b"render2mpeg ", env=dict(os.environ, DISPLAY=""))
         self.saves = True
@@ -270,17 +285,12 @@ class Session:
         return text + (f"  ({len(self.lost)} things are not kept)" if self.lost and not self.error else "")
 
 
-def viewports():
-    """Areas that show rendered shading."""
+def viewports(engine):
+    """Areas that show the engine's shading."""
     for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
+        for area in window.screen.areas if window.scene.render.engine == engine else ():
             if area.type == "VIEW_3D" and area.spaces.active.shading.type == "RENDERED":
                 yield area
-
-
-def redraw():
-    for area in viewports():
-        area.tag_redraw()
 
 
 def is_seen(update):
@@ -291,20 +301,17 @@ def is_seen(update):
 
 
 class LiveView:
-    """For bpy.types.RenderEngine: what its viewport shows."""
+    """For bpy.types.RenderEngine: what its viewport shows. live_program() is the engine's: the render2mpeg that is used; None
+    where there is none."""
 
     live_session = None
     live_objects = None
     live_texture = None
 
-    def live_program(self):
-        """The render2mpeg that is used; None where there is none."""
-        return os.environ.get("RENDER2MPEG_PROGRAM") or shutil.which("render2mpeg")
-
     def view_update(self, context, depsgraph):
         names = {thing.name_full for thing in depsgraph.objects}
         if self.live_session is None or self.live_session.closed:
-            self.live_session = Session(self.live_program())
+            self.live_session = Session(self.bl_idname, self.live_program())
         elif names != self.live_objects or any(is_seen(update) for update in depsgraph.updates):
             self.live_session.change()
         self.live_objects = names

@@ -28,9 +28,11 @@ def on_main_thread(function, given_up=lambda: False):
     """Calls where Blender's data may be saved and changed: a render runs in a thread of its own. None where it was given up."""
     if threading.current_thread() is threading.main_thread():
         return function()
-    done, results, errors = threading.Event(), [], []
+    done, gone, results, errors = threading.Event(), threading.Event(), [], []
 
     def call():
+        if gone.is_set():
+            return
         try:
             results.append(function())
         except Exception as error:  # told where it was asked for
@@ -40,6 +42,7 @@ def on_main_thread(function, given_up=lambda: False):
     bpy.app.timers.register(call, first_interval=0)
     while not done.wait(0.05):
         if given_up():
+            gone.set()
             return None
     if errors:
         raise errors[0]
@@ -83,7 +86,13 @@ class Export:
     def __init__(self, scene, frame=None, given_up=lambda: False):
         check_program()
         self.place = new_folder()
-        self.blend = on_main_thread(lambda: write_copy(self.place, scene, frame), given_up)
+        try:
+            self.blend = on_main_thread(lambda: write_copy(self.place, scene, frame), given_up)
+        except Refused:
+            self.remove()
+            raise
+        if self.blend is None:
+            self.remove()
         self.run = Run(["plan", self.blend, "--within", "0"]) if self.blend else None
 
     def folder(self):

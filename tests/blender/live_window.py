@@ -27,6 +27,9 @@ class Engine(live_view.LiveView, bpy.types.RenderEngine):
     bl_idname, bl_label = "RENDER2MPEG_TEST", "render2mpeg"
     bl_use_eevee_viewport = False
 
+    def live_program(self):
+        return os.environ["RENDER2MPEG_PROGRAM"]
+
     def view_update(self, context, depsgraph):
         super().view_update(context, depsgraph)
         if self.live_session not in sessions:
@@ -79,9 +82,12 @@ def story(told):
     for k in range(4):
         before, sent = says()["line"], sessions[-1].program
         space.region_3d.view_rotation = Quaternion((0, 0, 1), 0.1) @ space.region_3d.view_rotation
-        viewport().tag_redraw()  # as the mouse would
         start = time.monotonic()
-        yield from wait("a picture of another view", lambda: says()["line"] > before)
+
+        def is_there():
+            viewport().tag_redraw()  # as the mouse would, again and again
+            return says()["line"] > before
+        yield from wait("a picture of another view", is_there)
         told["views"].append({"clock": time.monotonic() - start, "program": says()["seconds"], "cpu": says()["cpu"], "size": says()["size"]})
         assert sessions[-1].program is sent
         yield 0.3

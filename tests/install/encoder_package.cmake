@@ -2,16 +2,7 @@
 cmake_minimum_required(VERSION 3.25)
 
 set(work ${BUILD}/encoder_package_test)
-file(REMOVE_RECURSE ${work})
-file(MAKE_DIRECTORY ${work})
-
-function(run)
-  execute_process(COMMAND ${ARGN} WORKING_DIRECTORY ${work} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
-  if(NOT status EQUAL 0)
-    message(FATAL_ERROR "${ARGN}: ${status}\n${output}")
-  endif()
-  set(output "${output}" PARENT_SCOPE)
-endfunction()
+include(${CMAKE_CURRENT_LIST_DIR}/work.cmake)
 
 run(${CMAKE_COMMAND} --install ${BUILD} --component encoder --prefix ${work}/first)
 file(RENAME ${work}/first ${work}/moved)

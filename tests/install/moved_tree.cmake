@@ -3,15 +3,7 @@ cmake_minimum_required(VERSION 3.25)
 
 set(work ${BUILD}/install_test)
 set(prefix ${work}/moved)
-file(REMOVE_RECURSE ${work})
-
-function(run)
-  execute_process(COMMAND ${ARGN} WORKING_DIRECTORY ${work} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
-  if(NOT status EQUAL 0)
-    message(FATAL_ERROR "${ARGN}: ${status}\n${output}")
-  endif()
-  set(output "${output}" PARENT_SCOPE)
-endfunction()
+include(${CMAKE_CURRENT_LIST_DIR}/work.cmake)
 
 function(expect_file path)
   if(NOT EXISTS ${path})
@@ -23,7 +15,6 @@ function(expect_file path)
   endif()
 endfunction()
 
-file(MAKE_DIRECTORY ${work})
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${work}/first)
 file(RENAME ${work}/first ${prefix})
 

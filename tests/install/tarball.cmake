@@ -6,16 +6,7 @@ if(NOT PATCHELF)
   return()
 endif()
 set(work ${BUILD}/tarball_test)
-file(REMOVE_RECURSE ${work})
-file(MAKE_DIRECTORY ${work})
-
-function(run)
-  execute_process(COMMAND ${ARGN} WORKING_DIRECTORY ${work} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
-  if(NOT status EQUAL 0)
-    message(FATAL_ERROR "${ARGN}: ${status}\n${output}")
-  endif()
-  set(output "${output}" PARENT_SCOPE)
-endfunction()
+include(${CMAKE_CURRENT_LIST_DIR}/work.cmake)
 
 # Not compressed, which takes minutes and is xz's work.
 run(${CMAKE_COMMAND} -E env RENDER2MPEG_COMPRESS=cat ${SOURCE}/scripts/package tarball ${BUILD} ${work})

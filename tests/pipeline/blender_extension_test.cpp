@@ -133,7 +133,7 @@ TEST(BlenderExtensionSlow, MakesAFilmItsFolderAndTellsMistakesByOperators) {
     const Folder folder;
     make_markers(folder);
     const Outcome used =
-        extended_blender(folder, "markers.blend", "use_addon.py", repository_in(folder) + " " + folder.path().string());
+        extended_blender(folder, "markers.blend", "use_operators.py", repository_in(folder) + " " + folder.path().string());
     EXPECT_EQ(used.status, 0) << used.output;
     EXPECT_NE(used.output.find("ADDON WORKS"), std::string::npos) << used.output;
     // What was written for elsewhere needs no Blender.

@@ -200,6 +200,8 @@ TEST(LiveView, AnswersABadLineByOneLineAndGoesOn) {
         {R"({"camera": {"matrix": [1, 2]}})", "16 numbers"},
         {R"({"camera": {"matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1e99]}})", "a number up to 1e9"},
         {R"({"camera": {"matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1], "fov": 180}})", "between 0 and 180"},
+        {R"({"camera": {"matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1], "fov": 179.999999}})", "between 0 and 180"},
+        {R"({"camera": {"matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1], "height": 1e-60}})", "above 0"},
         {R"({"camera": {"matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1], "clip": [5, 1]}})", "near < far"},
         {R"({"size": [4, 400000]})", "16 to 16384"},
         {R"({"frame": 0.5})", "a whole number"},
@@ -224,6 +226,13 @@ TEST(LiveView, EndsWhereItsInputOrItsReaderGoes) {
     program.answer_with("picture");
     program.end_input();
     EXPECT_EQ(program.status(), 0);
+
+    LiveProgram other(support::plain_film());
+    other.answer_with("picture");
+    other.say(R"({"scene": ")" + support::panel_film() + R"("})");
+    other.end_input();
+    EXPECT_EQ(other.answer_with("scene").says["scene"], support::panel_film()) << "said before the end";
+    EXPECT_EQ(other.status(), 0);
 
     LiveProgram unread(support::plain_film(), "1280x960");
     unread.answer_with("picture");

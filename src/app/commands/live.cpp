@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstdint>
 #include <glm/gtc/packing.hpp>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -104,7 +105,7 @@ class LiveSession {
 
   private:
     void take_lines() {
-        ends_ = lines_.has_ended();
+        const bool are_last = lines_.has_ended();
         for (const LiveLine& line : lines_.take()) {
             came_ = line.came;
             line_ = line.number;
@@ -114,7 +115,12 @@ class LiveSession {
                 answers_.tell_error(error.what(), line.number);
             }
         }
-        if (std::exchange(changed_, false) && view_) view_->show(wish_);
+        ends_ = ends_ || are_last;
+        if (!std::exchange(changed_, false)) return;
+        if (view_)
+            view_->show(wish_);
+        else
+            answers_.tell_error("no scene is shown", line_);
     }
 
     void follow(const LiveCommand& command, std::uint64_t line) {
@@ -137,7 +143,8 @@ class LiveSession {
             if (!options_.memory) film.images->read_ahead(image_probes(false));
             if (wish_.size.width == 0) wish_.size = {film.format.width, film.format.height};
             if (!view_) wish_.frame = film.frames.first;
-            view_.emplace(std::move(film));
+            auto next = std::make_unique<LiveView>(std::move(film));
+            view_ = std::move(next);
         } catch (const core::Error& error) {
             answers_.tell_error(error.what(), line);
             return;
@@ -181,7 +188,7 @@ class LiveSession {
     RenderOptions options_;
     LiveLines lines_{STDIN_FILENO};
     Answers answers_;
-    std::optional<LiveView> view_;
+    std::unique_ptr<LiveView> view_;
     LiveWish wish_{};
     bool changed_ = false, ends_ = false;
     std::uint64_t line_ = 0, pictures_ = 0;  ///< the last line that was followed; pictures sent

@@ -51,15 +51,15 @@ Size size_of(const json& value) {
 
 void read_lens(const std::string& key, const json& value, scene::Viewpoint& view) {
     if (key == "fov") {
-        const double degrees = number_of(value, key);
-        if (!(degrees > 0 && degrees < 180)) refuse(key, "degrees of the picture's height, between 0 and 180");
+        const auto angle = static_cast<float>(glm::radians(number_of(value, key)));
+        if (!(angle > 1e-6f && angle < 3.1415f)) refuse(key, "degrees of the picture's height, between 0 and 180");
         view.lens.perspective = true;
-        view.lens.vertical_fov = static_cast<float>(glm::radians(degrees));
+        view.lens.vertical_fov = angle;
     } else if (key == "height") {
-        const double height = number_of(value, key);
-        if (!(height > 0)) refuse(key, "the height that is seen, above 0");
+        const auto half = static_cast<float>(number_of(value, key) / 2);
+        if (!(half >= 1e-12f)) refuse(key, "the height that is seen, above 0");
         view.lens.perspective = false;
-        view.lens.y_magnification = static_cast<float>(height / 2);
+        view.lens.y_magnification = half;
     } else if (key == "shift") {
         const auto shift = numbers_of(value, key, 2, "two numbers");
         view.lens.shift = {shift[0], shift[1]};
@@ -114,7 +114,6 @@ void LiveLines::read(const std::stop_token& stop) {
         add(buffer.data(), static_cast<std::size_t>(count));
     }
     ended_ = true;
-    any_ = true;
 }
 
 void LiveLines::add(const char* bytes, std::size_t count) {
@@ -132,7 +131,7 @@ void LiveLines::add(const char* bytes, std::size_t count) {
 
 std::vector<LiveLine> LiveLines::take() {
     const std::lock_guard lock(mutex_);
-    if (!ended_) any_ = false;
+    any_ = false;
     return std::exchange(lines_, {});
 }
 

@@ -31,7 +31,7 @@ class LiveLines {
     LiveLines& operator=(const LiveLines&) = delete;
 
     /// Whether a line, or the end, is there.
-    bool any() const { return any_; }
+    bool any() const { return any_ || ended_; }
     /// All lines that are there.
     std::vector<LiveLine> take();
     /// Whether no line will come any more.

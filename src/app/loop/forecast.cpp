@@ -67,7 +67,7 @@ std::string size_text(std::uint64_t bytes) {
 /// chosen: 6 (3 to 9).
 constexpr int window_frames = 6;
 
-/// Windows of a film: one for each shot, so that each counts by its length. chosen: 4 at most (3 to 8).
+/// Windows of a film, spread evenly: as many as shots, so that long ones count more. chosen: 4 at most (3 to 8).
 int windows_of(const RenderJob& film) {
     return std::min(1 + static_cast<int>(cuts_of(film).size()), 4);
 }

@@ -142,11 +142,11 @@ ProbeLimits blender_limits() {
 /// A temporary folder; its parent goes with it where that holds nothing else.
 class NewFolder {
   public:
-    explicit NewFolder(fs::path path) : path_(std::move(path)) { fs::create_directory(path_); }
+    explicit NewFolder(fs::path path) : path_(std::move(path)) { fs::create_directories(path_); }
     ~NewFolder() {
         std::error_code failure;
         fs::remove_all(path_, failure);
-        fs::remove(path_.parent_path(), failure);
+        rmdir(path_.parent_path().c_str());  // no link to a folder, nor a full one
     }
     NewFolder(const NewFolder&) = delete;
     NewFolder& operator=(const NewFolder&) = delete;

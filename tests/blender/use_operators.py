@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
-"""blender -b --factory-startup -noaudio --python-exit-code 1 FILE.blend -P use_addon.py -- REPOSITORY FOLDER
+"""blender -b --factory-startup -noaudio --python-exit-code 1 FILE.blend -P use_operators.py -- REPOSITORY FOLDER
 
 Installs the add-on as a user does and makes a film and a folder with it, at two fifths of the size. The program is
 $RENDER2MPEG_PROGRAM.
