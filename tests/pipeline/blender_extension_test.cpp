@@ -132,8 +132,8 @@ TEST(BlenderExtensionSlow, MakesAFilmItsFolderAndTellsMistakesByOperators) {
     NEEDS_BLENDER_FOR_EXTENSIONS();
     const Folder folder;
     make_markers(folder);
-    const Outcome used =
-        extended_blender(folder, "markers.blend", "use_operators.py", repository_in(folder) + " " + folder.path().string());
+    const Outcome used = extended_blender(folder, "markers.blend", "use_operators.py",
+                                          repository_in(folder) + " " + folder.path().string());
     EXPECT_EQ(used.status, 0) << used.output;
     EXPECT_NE(used.output.find("ADDON WORKS"), std::string::npos) << used.output;
     // What was written for elsewhere needs no Blender.

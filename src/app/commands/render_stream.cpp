@@ -34,12 +34,6 @@ void check_stream(const RenderOptions& options) {
     if (!options.dry_run) check_pipe(STDOUT_FILENO);
 }
 
-av::Sound sound_of(const Film& film) {
-    av::Sound sound = film.sound;
-    sound.seconds = static_cast<double>(film.frame_count()) / film.coding.rate.hertz.value();
-    return sound;
-}
-
 }  // namespace
 
 CodedStream::CodedStream(OutputStream& out, const std::filesystem::path& name, const Film& film)
@@ -47,7 +41,7 @@ CodedStream::CodedStream(OutputStream& out, const std::filesystem::path& name, c
       codec_(film.coding.codec),
       first_frame_(film.frames.first),
       muxer_([&out](std::span<const std::uint8_t> bytes) { return out.put(bytes); }, name, film.coding,
-             sound_of(film)) {}
+             film.sound_beside(film.frame_count())) {}
 
 void CodedStream::pass_on() {
     if (!waiting_) return;

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <system_error>
 
@@ -148,12 +149,10 @@ void assemble(std::span<const ChunkFile> chunks, const Film& film, const std::fi
     for (const ChunkFile& chunk : chunks)
         for (const PictureRecord& picture : chunk.pictures()) largest = std::max<std::size_t>(largest, picture.bytes);
 
-    std::size_t pictures = 0;
-    for (const ChunkFile& chunk : chunks) pictures += chunk.pictures().size();
-    av::Sound sound = film.sound;
-    sound.seconds = static_cast<double>(pictures) / film.coding.rate.hertz.value();
+    std::int64_t pictures = 0;
+    for (const ChunkFile& chunk : chunks) pictures += std::ssize(chunk.pictures());
     av::Muxer muxer(file, name, film.coding, largest, film.disc ? av::ProgramStream::dvd : av::ProgramStream::plain,
-                    sound);
+                    film.sound_beside(pictures));
     std::int64_t coded_before = 0;
     for (const ChunkFile& chunk : chunks) {
         copy_chunk(chunk, muxer, film.coding.codec, film.frames.first, coded_before, &chunk == &chunks.back());

@@ -81,6 +81,13 @@ struct Film {
     av::Sound sound;    ///< without its end, which is the film's
 
     std::int64_t frame_count() const { return frames.count(); }
+
+    /// The sound, as long as this many pictures.
+    av::Sound sound_beside(std::int64_t pictures) const {
+        av::Sound ended = sound;
+        ended.seconds = static_cast<double>(pictures) / coding.rate.hertz.value();
+        return ended;
+    }
 };
 
 /// Null without --for.
