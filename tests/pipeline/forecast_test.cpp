@@ -88,7 +88,7 @@ TEST(Forecast, OfAShortFilmIsWhatItTakes) {
 }
 
 TEST(Forecast, LightsAWindowOfEachShot) {
-    RenderJob film = flash_cut();  // a cut at 36
+    RenderJob film = small_film(support::film("flash_cut"), "16x16");  // a cut at 36
     const auto found = app::forecast(film, "film.mpg", 60, true);
     ASSERT_TRUE(found.has_value());
     EXPECT_EQ(found->sample.windows, 2);

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -75,18 +76,22 @@ TEST(WorkFolder, IsNoOtherRunsMeanwhileSlow) {
 TEST(Pipes, ThatNobodyReadsEndWithTheFirstSignal) {
     const Folder folder;
     test::write_frames(path(folder, "in.y4m"), 32, 32, "25:1", "1:1", 2);
-    for (const char* pipe : {"p.mpg", "p.json"}) ASSERT_EQ(run("mkfifo " + path(folder, pipe)).status, 0);
+    ASSERT_EQ(run("mkfifo " + path(folder, "p.mpg")).status, 0);
     const std::string film = program() + " render " + plain_film() + tiny + " --quiet -y -o ";
-    const std::string commands[] = {
-        film + path(folder, "p.mpg"), film + path(folder, "f.mpg") + " --stats " + path(folder, "p.json"),
-        film + path(folder, "f.mpg") + " --heatmap quantiser " + path(folder, "p.mpg"),
-        program() + " encode " + path(folder, "in.y4m") + " --quiet -y -o " + path(folder, "p.mpg")};
-    for (const std::string& command : commands)
-        for (const auto& [signal, status] : {std::pair{"INT", 130}, {"TERM", 143}}) {
-            const auto outcome = run("env --default-signal=INT timeout --signal=KILL 60 " + command +
-                                     " & job=$!; sleep 2; kill -" + signal + " $job; wait $job");
-            EXPECT_EQ(outcome.status, status) << command << outcome.output;
-        }
+    // All wait at once, each in a folder of its own.
+    const std::string commands[] = {film + "p.mpg", film + "f.mpg --stats p.json",
+                                    film + "f.mpg --heatmap quantiser p.mpg",
+                                    program() + " encode ../in.y4m --quiet -y -o p.mpg"};
+    std::string all = "cd " + folder.path().string() + "; ";
+    for (std::size_t k = 0; k < 8; ++k)
+        all += fmt::format(
+            "(mkdir {0}; cd {0}; mkfifo p.mpg p.json; env --default-signal=INT timeout --signal=KILL 60 {1} & job=$!; "
+            "sleep 4; kill -{2} $job; wait $job; echo $? > status) & ",
+            k, commands[k / 2], k % 2 == 0 ? "INT" : "TERM");
+    const auto outcome = run(all + "wait");
+    for (std::size_t k = 0; k < 8; ++k)
+        EXPECT_EQ(contents(folder / std::to_string(k) / "status"), k % 2 == 0 ? "130\n" : "143\n")
+            << commands[k / 2] << outcome.output;
     // Who comes late gets the film, and who goes early is told.
     const auto late = run(film + path(folder, "p.mpg") + " & job=$!; sleep 1; cat " + path(folder, "p.mpg") + " > " +
                           path(folder, "read.mpg") + "; wait $job");

@@ -163,7 +163,8 @@ TEST(Shade, GrowsNearerToTheReferenceAsTheToleranceShrinksSlow) {
 }
 
 TEST(Shade, IsBrighterByExactlyWhatTheLightIs) {
-    FilmStage one(furnished_room(5.0f)), four(furnished_room(20.0f));
+    const Settings settings = test::small_frame(12, 12);
+    FilmStage one(furnished_room(5.0f), settings), four(furnished_room(20.0f), settings);
     for (const float tolerance : {0.02f, -1.0f}) {
         const core::Radiance a = tolerance < 0 ? one.reference() : one.cut(tolerance);
         const core::Radiance b = tolerance < 0 ? four.reference() : four.cut(tolerance);
