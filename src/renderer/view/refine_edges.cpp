@@ -105,7 +105,7 @@ Frame refine_edges(const PosedScene& posed_scene, const SeeSettings& settings, c
                               1.0f / std::sqrt(static_cast<float>(samples)),
                               true};
         parallel::for_each(seen.tiles.size(), [&](std::size_t t) {
-            PixelMarks marks;
+            PixelMarks marks{};
             if (mark_contrasts(seen, t, tolerance, before, marks)) look_again(looking, t, marks, seen, tile_counts[t]);
         });
         before = samples;
