@@ -175,5 +175,28 @@ TEST(Draft, LeavesNoGhostOfWhatHasMovedOnSlow) {
     EXPECT_GT(psnr_of(cut.back(), film.reference(1)), alone - 1.0) << "without motion nothing is carried";
 }
 
+/// A furnished room whose only lamp is shut in a box in the second 1.
+SceneBuilder shut_lamp() {
+    SceneBuilder b;
+    const int white = b.add_material({0.7f, 0.6f, 0.5f});
+    b.add_box({0, 0, 0}, {5, 3, 5}, white, true);
+    for (int i = 0; i < 12; ++i)
+        b.add_sphere({0.4f + 0.4f * static_cast<float>(i), 0.1f, 1.0f + 0.3f * static_cast<float>(i % 7)}, 0.08f, white,
+                     6);
+    const int shutter = b.add_box({-0.3f, -0.3f, -0.3f}, {0.3f, 0.3f, 0.3f}, b.add_material(glm::vec3(0)));
+    b.move_object(shutter, {{2, -5, 3}, {2, 2.4f, 3}});
+    b.add_point_light({2, 2.4f, 3}, 20.0f, {1, 0.8f, 0.6f});
+    b.add_camera({2.5f, 1.7f, 4.9f}, {2.5f, 1.0f, 0.0f}, 1.1f);
+    return b;
+}
+
+TEST(Draft, OfALampThatGoesOutIsDark) {
+    FilmStage film(shut_lamp(), draft_settings());
+    const auto frames = drafts(film, {0, 0, 1});
+    EXPECT_GT(psnr_of(frames[1], film.reference(0)), 20);
+    for (const glm::vec3& v : frames.back().combined.values()) ASSERT_EQ(v, glm::vec3(0));
+    EXPECT_EQ(film.renderer().statistics().non_finite, 0u);
+}
+
 }  // namespace
 }  // namespace render2mpeg::renderer

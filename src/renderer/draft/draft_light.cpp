@@ -317,15 +317,15 @@ void DraftLight::interpolate(const DraftFrame& frame, const Lattices& lattices, 
                           p.point.address.object == frame.seen.visible.address.at(at.x, at.y).object;
         if (main) last_main = p.pixel;
         const Kept& known = before.at(at.x, at.y);
-        const bool carries_on = main && known.weight > 0;
+        const glm::ivec2 window = glm::min(at / lattice_step, glm::ivec2(trust.width() - 1, trust.height() - 1));
+        const float old = main ? trust.at(window.x, window.y) * known.weight : 0.0f;
+        const bool carries_on = old > 0;
         const float distance = glm::length(p.point.position - frame.eye);
         const Lattice& lattice = lattices.of(p, frame.seen.visible.kind.at(at.x, at.y));
         Lattice::Interpolated found = lattice.at(at, p, carries_on, distance);
         if (found.weight <= 0 && !carries_on) found = lattice.at_from_afar(at, p, distance);
         auto [light, weight, is_empty] = found;
         if (carries_on) {
-            const glm::ivec2 window = glm::min(at / lattice_step, glm::ivec2(trust.width() - 1, trust.height() - 1));
-            const float old = trust.at(window.x, window.y) * known.weight;
             const float sum = weight + old;
             light.irradiance = (weight * light.irradiance + old * known.light.irradiance) / sum;
             light.glossy = (weight * light.glossy + old * known.light.glossy) / sum;
