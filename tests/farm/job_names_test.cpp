@@ -203,7 +203,7 @@ void expect_exact_calls(const Stage& stage, const app::FarmPlan& plan) {
     }
 }
 
-TEST(JobNames, NeverBecomeCommandsOptionsOrOtherPaths) {
+TEST(JobNames, NeverBecomeCommandsOptionsOrOtherPathsSlow) {
     const Stage stage;
     for (const std::string_view scheduler : app::scheduler_names) {
         const app::FarmPlan plain = stage.plan("plain", std::string(scheduler));

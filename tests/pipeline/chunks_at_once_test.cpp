@@ -75,7 +75,7 @@ TEST_F(ChunksAtOnce, ChangeNeitherFilmNorStatisticsOfLightThatIsKeptSlow) {
     EXPECT_EQ(lasting(bytes("3.json")), lasting(bytes("1.json")));
 }
 
-TEST_F(ChunksAtOnce, ChangeNoFrameThatIsNotCoded) {
+TEST_F(ChunksAtOnce, ChangeNoFrameThatIsNotCodedSlow) {
     for (const char* chunks : {"1", "3"}) {
         const std::string name = chunks;
         std::filesystem::create_directory(folder_ / name);
