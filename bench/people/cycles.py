@@ -1,8 +1,9 @@
-"""blender -b --factory-startup FILE.blend -P cycles.py -- FOLDER SAMPLES WxH SEED FRAME...
+"""blender -b --factory-startup FILE.blend -P cycles.py -- FOLDER SAMPLES WxH SEED truth|own|denoised FRAME...
 
-Frames of a .blend, counted from 0 as films count them, by Cycles to FOLDER/NNNN.exr: linear light with all that the scene says but for
-what would make it another light: no clamp, caustics, enough bounces, a box as pixel filter. One thread. FOLDER/seconds.json: CPU
-seconds of each frame. NNNN.png beside it: as the view shows it.
+Frames of a .blend, counted from 0 as films count them, by Cycles to FOLDER/NNNN.exr: linear light, one thread, a box as pixel filter.
+truth: with all that the scene says but for what would make it another light: no clamp, caustics, enough bounces. own: as the scene has
+it, with the layers that denoisers want. denoised: as own, by the denoiser of this Blender. FOLDER/seconds.json: CPU seconds of each
+frame. NNNN.png of truth: as the view shows it.
 """
 import json
 import os
@@ -10,27 +11,34 @@ import sys
 
 import bpy
 
-folder, samples, size, seed, *frames = sys.argv[sys.argv.index("--") + 1:]
+folder, samples, size, seed, kind, *frames = sys.argv[sys.argv.index("--") + 1:]
 scene = bpy.context.scene
 render, cycles = scene.render, scene.cycles
+render.engine = "CYCLES"
 render.resolution_x, render.resolution_y = map(int, size.split("x"))
 render.resolution_percentage, render.threads_mode, render.threads, render.dither_intensity = 100, "FIXED", 1, 0
 cycles.samples, cycles.seed, cycles.use_animated_seed = int(samples), int(seed), True
-cycles.use_adaptive_sampling = cycles.use_denoising = False
-cycles.caustics_reflective = cycles.caustics_refractive = True
-cycles.blur_glossy = cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.light_sampling_threshold = 0
-cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transmission_bounces = cycles.transparent_max_bounces = 24
+cycles.use_adaptive_sampling, cycles.use_denoising = False, kind == "denoised"
+if kind == "truth":
+    cycles.caustics_reflective = cycles.caustics_refractive = True
+    cycles.blur_glossy = cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.light_sampling_threshold = 0
+    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transmission_bounces = cycles.transparent_max_bounces = 24
+if kind == "denoised":
+    cycles.denoiser, cycles.denoising_input_passes, cycles.denoising_prefilter = "OPENIMAGEDENOISE", "RGB_ALBEDO_NORMAL", "ACCURATE"
+bpy.context.view_layer.cycles.denoising_store_passes = kind == "own"
 cycles.pixel_filter_type, cycles.filter_width = "BOX", 1.0
 settings = render.image_settings
 taken = []
 for frame in map(int, frames):
     scene.frame_set(scene.frame_start + frame)
-    settings.file_format, settings.color_depth = "OPEN_EXR", "32"
+    settings.file_format, settings.color_depth = "OPEN_EXR_MULTILAYER" if kind == "own" else "OPEN_EXR", "32"
     render.filepath = os.path.join(folder, f"{frame:04d}.exr")
     before = os.times()
     bpy.ops.render.render(write_still=True)
     after = os.times()
     taken.append(after.user + after.system - before.user - before.system)
+    if kind != "truth":
+        continue
     settings.file_format, settings.color_depth = "PNG", "16"
     bpy.data.images["Render Result"].save_render(os.path.join(folder, f"{frame:04d}.png"))
 with open(os.path.join(folder, "seconds.json"), "w") as file:

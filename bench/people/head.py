@@ -37,7 +37,8 @@ neck = keyed(add("Turn", None), "rotation_euler", (0, 0, -0.45), (0, 0, 0.5))
 skin = texture(material("Skin", (0.72, 0.42, 0.31), roughness=0.42, subsurface=0.3), "Noise", (0.68, 0.37, 0.27), (0.76, 0.47, 0.36),
                0.12, scale=9, detail=6)
 skin.node_tree.nodes["Principled BSDF"].inputs["Subsurface Radius"].default_value = (0.12, 0.04, 0.02)
-skin.node_tree.nodes["Principled BSDF"].inputs["Subsurface Color"].default_value = (0.72, 0.4, 0.3, 1)
+if bpy.app.version < (4, 0, 0):
+    skin.node_tree.nodes["Principled BSDF"].inputs["Subsurface Color"].default_value = (0.72, 0.4, 0.3, 1)
 bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=6)
 head = bpy.context.object
 head.name, head.parent = "Head", neck

@@ -94,14 +94,21 @@ def sky(strength=1.0, **says):
     return world
 
 
+# Inputs of the Principled BSDF in Blender 4, whose coat reflects four times as much.
+LATER_NAMES = {"Clearcoat": ("Coat Weight", 0.25), "Clearcoat Roughness": ("Coat Roughness", 1), "Transmission": ("Transmission Weight", 1),
+               "Subsurface": ("Subsurface Weight", 1), "Sheen": ("Sheen Weight", 1), "Emission": ("Emission Color", 1)}
+
+
 def material(name, color=(0.8, 0.8, 0.8), **inputs):
-    """A Principled BSDF as it is added, but for what is said."""
+    """A Principled BSDF as it is added, but for what is said, in the words of Blender 3."""
     made = bpy.data.materials.new(name)
     made.use_nodes = True
     node = made.node_tree.nodes["Principled BSDF"]
     node.inputs["Base Color"].default_value = (*color, 1)
     for key, value in inputs.items():
-        node.inputs[key.replace("_", " ").title().replace("Ior", "IOR")].default_value = value
+        key = key.replace("_", " ").title().replace("Ior", "IOR")
+        key, share = LATER_NAMES.get(key, (key, 1)) if bpy.app.version >= (4, 0, 0) else (key, 1)
+        node.inputs[key].default_value = value * share
     return made
 
 

@@ -3,3 +3,8 @@ if(NOT TARGET render2mpeg_encoder_rd)
   add_subdirectory(${PROJECT_SOURCE_DIR}/bench/encoder_rd ${PROJECT_BINARY_DIR}/bench/encoder_rd)
 endif()
 render2mpeg_test(bench NOT_SANITIZED LIBS render2mpeg_encoder_rd OPENS_MODULES)
+
+# The denoiser that films are held against.
+find_program(RENDER2MPEG_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH)
+add_test(NAME bench.Denoiser COMMAND ${RENDER2MPEG_PYTHON} -W error ${CMAKE_CURRENT_SOURCE_DIR}/bench/denoise_test.py)
+set_tests_properties(bench.Denoiser PROPERTIES LABELS fast TIMEOUT 60)
