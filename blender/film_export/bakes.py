@@ -9,7 +9,7 @@ from mathutils import Matrix
 
 from .hair import Strands
 from .looks import CHANNELS, Baked, Picture, socket_of
-from .nodes import is_steady
+from .nodes import is_level, is_steady
 from .shapes import BAKE_UV, array_of
 
 SMALLEST = 64
@@ -56,6 +56,7 @@ class Bakes:
         self.jobs = {}      # (mesh's name, material's name) -> (object, slot)
         self.first = {}     # digest -> name of the first mesh that has it
         self.shown_by = {}  # mesh's name -> name of the mesh whose textures it has
+        self.steady = {}    # (material's name, channel) -> pixels that are the same on every mesh
 
     def wanted_of(self, slots):
         """(slot, material) of those that need textures."""
@@ -88,7 +89,7 @@ class Bakes:
         things = {}
         for thing in walk.things.values():
             things.setdefault(thing.shape, []).append(thing)
-        sizes = {}
+        sizes, used = {}, {}
         for key, over in walk.shapes.items():
             if over.shape is None or isinstance(over.shape, Strands) or key not in things or not self.wanted_of(over.materials):
                 continue
@@ -100,8 +101,10 @@ class Bakes:
                 self.bake_shape(over, things[key][0], size)
             else:
                 sizes[over.mesh_name] = max(size, sizes.get(over.mesh_name, 0))
-        for (name, _), (thing, slot) in self.jobs.items():
-            if name in sizes:
+                slots = np.minimum(np.unique(over.shape.slots), len(over.materials) - 1)
+                used.setdefault(over.mesh_name, set()).update(over.materials[slot].name_full for slot in slots if over.materials[slot])
+        for (name, material), (thing, slot) in self.jobs.items():
+            if material in used.get(name, ()):
                 self.bake(name, self.baker.stage(thing.data, thing.matrix_world), slot, thing.material_slots[slot].material, sizes[name])
         self.baker.clear()
 
@@ -142,7 +145,15 @@ class Bakes:
             if channel in {"roughness", "metallic"} and isinstance(source, Picture):
                 wanted = any(isinstance(getattr(look, n), Baked) for n in ("roughness", "metallic"))
             if wanted:
-                socket = socket_of(made.node_tree, source)
-                out[channel] = self.baker.value(copy, slot, made, socket, SMALLEST if is_steady(socket) else size)
-        if look.normal is not None and not isinstance(look.normal, tuple):
+                out[channel] = self.value(copy, slot, (material.name_full, channel), made, socket_of(made.node_tree, source), size)
+        if look.normal is not None and not isinstance(look.normal, tuple) and not is_level(look.normal):
             out["normal"] = self.baker.normal(copy, slot, made, look.normal, size)
+        self.materials.share(name, material)
+
+    def value(self, copy, slot, what, made, socket, size):
+        """What a socket has on one mesh; baked once where it has the same everywhere."""
+        if not is_steady(socket):
+            return self.baker.value(copy, slot, made, socket, size)
+        if what not in self.steady:
+            self.steady[what] = self.baker.value(copy, slot, made, socket, SMALLEST)
+        return self.steady[what]

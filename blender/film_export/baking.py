@@ -76,7 +76,7 @@ class Baker:
 
     def bake(self, copy, slot, material, kind, size):
         """EMIT or NORMAL of one of its materials: rows from the bottom up, linear, four channels. Where no face is, it is the
-        mean of the rest."""
+        mean of the rest; one texel where they all are alike, or none has a face."""
         tree = material.node_tree
         copy.data.uv_layers.active = copy.data.uv_layers[BAKE_UV]
         image = bpy.data.images.new("render2mpeg bake", size, size, alpha=True, float_buffer=True)
@@ -101,7 +101,8 @@ class Baker:
         covered = pixels[..., 3] > 0
         if covered.any():
             pixels[~covered] = pixels[covered].mean(axis=0, dtype=float)
-        return pixels
+        # Half of a code of 8 bits.
+        return pixels if np.max(np.ptp(pixels[..., :3].reshape(-1, 3), axis=0)) >= 0.5 / 255 else pixels.mean(axis=(0, 1), keepdims=True)
 
     def value(self, copy, slot, material, socket, size):
         """What a socket has all over the mesh, shown as light of that colour."""

@@ -48,6 +48,7 @@ class Materials:
         self.glb, self.folder, self.lost = glb, folder, lost
         self.looks, self.made, self.images, self.textures = {}, {}, {}, {}
         self.baked = {}     # (mesh, material) -> channel -> pixels
+        self.alike = {}     # (mesh, material) -> the first mesh on which the material has the same pixels
         self.holes = []     # names of glTF materials
         self.strengths = {} # glTF material's name -> (material, node, input, factor at first)
 
@@ -89,6 +90,18 @@ class Materials:
         sources = [getattr(look, name) for name in CHANNELS]
         return any(isinstance(s, Baked) for s in sources) or (look.normal is not None and not isinstance(look.normal, tuple))
 
+    def share(self, mesh_name, material):
+        """Makes one material of those whose textures came out alike, such as those that have none."""
+        own = self.baked[mesh_name, material.name_full]
+
+        def is_like(other):
+            return own.keys() == other.keys() and all(
+                own[n].shape == other[n].shape and np.max(np.abs(own[n] - other[n])) < 1e-4 for n in own)
+        for mesh, name in self.baked:
+            if name == material.name_full and (mesh == mesh_name or is_like(self.baked[mesh, name])):
+                self.alike[mesh_name, name] = mesh
+                return
+
     # While shapes are written.
 
     def index(self, material, mesh_name, thing, closed, shape):
@@ -106,7 +119,8 @@ class Materials:
         if look.refracts and not closed and not shape.is_sheet():
             self.lost.add_of(material, "refraction: the shape is open, so that its glass is a thin pane; close its holes (Mesh > Clean Up > "
                              "Fill Holes), give it a Solidify modifier, or turn its normals outwards", thing=thing)
-        key = (material.name_full, mesh_name if self.needs_bake(look) else None, sides, body)
+        mesh_name = self.alike.get((mesh_name, material.name_full), mesh_name) if self.needs_bake(look) else None
+        key = (material.name_full, mesh_name, sides, body)
         if key not in self.made:
             self.made[key] = self.make(material, look, baked or {}, not sides, body)
         return self.made[key]
@@ -187,7 +201,7 @@ class Materials:
         if isinstance(look.normal, tuple):
             picture, strength = look.normal
             says["normalTexture"] = {**self.use(self.picture(picture), layers), "scale": strength}
-        elif "normal" in baked:
+        elif "normal" in baked and not self.is_level(baked["normal"]):
             says["normalTexture"] = self.use(self.write(stem + "-normal", baked["normal"][..., :3]), layers)
         if extensions:
             says["extensions"] = extensions
@@ -335,6 +349,10 @@ class Materials:
 
     def is_flat(self, pixels):
         return float(np.max(np.ptp(pixels[..., :3].reshape(-1, 3), axis=0))) < 0.5 / 255 and float(pixels[..., 3].max()) > 0
+
+    def is_level(self, pixels):
+        """Whether all normals are the surface's own, or none is seen."""
+        return float(np.max(np.abs(pixels[..., :3] - (0.5, 0.5, 1.0)))) < 0.5 / 255 or float(pixels[..., 3].max()) == 0
 
     def constant(self, source, pixels):
         return number_of(source.value) if isinstance(source, Constant) else float(pixels[..., :3].mean())

@@ -25,6 +25,15 @@ def is_steady(socket):
     return socket.node.type in STEADY and all(is_steady(s) for s in map(incoming, socket.node.inputs) if s is not None)
 
 
+def is_level(socket):
+    """Whether a socket's normals are the surface's own: a bump of one height."""
+    node = socket.node
+    if node.type != "BUMP" or incoming(node.inputs["Normal"]) is not None:
+        return False
+    height = incoming(node.inputs["Height"])
+    return height is None or is_steady(height)
+
+
 def output_of(tree):
     """The output node that Cycles shows."""
     node = tree.get_output_node("CYCLES")

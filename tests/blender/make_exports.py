@@ -10,7 +10,7 @@ import sys
 import bpy
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from make_blends import add_camera, add_hair, add_lamp, add_matt, add_object, add_particles, add_primitive, link, start, world_of  # noqa: E402
+from make_blends import add_camera, add_hair, add_lamp, add_material, add_matt, add_object, add_particles, add_primitive, link, start, world_of  # noqa: E402
 
 
 def checkered(name, dark, light):
@@ -30,6 +30,16 @@ def mixed(name, a, b):
     mix = material.node_tree.nodes.new("ShaderNodeMixRGB")
     mix.inputs[0].default_value, mix.inputs[1].default_value, mix.inputs[2].default_value = 0.5, (*a, 1), (*b, 1)
     link(material, mix.outputs[0])
+    return material
+
+
+def bumped(name, strength):
+    material = add_material(name, (0.6, 0.4, 0.3))
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    noise, bump = nodes.new("ShaderNodeTexNoise"), nodes.new("ShaderNodeBump")
+    bump.inputs["Strength"].default_value = strength
+    links.new(noise.outputs["Fac"], bump.inputs["Height"])
+    links.new(bump.outputs[0], nodes["Principled BSDF"].inputs["Normal"])
     return material
 
 
@@ -72,6 +82,12 @@ def workshop():
         add_primitive("cube", tiles, name=f"Box {k}", size=1, location=(1.5 * k, 1, 0.5))
     far = add_primitive("cube", tiles, name="Far", size=0.9, location=(0, 60, 0.5))
     far.data.materials[0] = checkered("Far Tiles", (0.1, 0.1, 0.1), (0.7, 0.7, 0.7))
+    for name, strength in (("Worn", 0.0), ("Rough", 1.0)):
+        made = bumped(name, strength)
+        for k, kind in enumerate(("cube", "cone", "plane")):
+            add_primitive(kind, made, name=f"{name} {kind}", location=(4 + 3 * k, 3 + 9 * strength, 0.5))
+    # None of its faces has the second material.
+    bpy.data.objects["Worn cube"].data.materials.append(bpy.data.materials["Rough"])
     add_primitive("plane", mixed("Even", (0.2, 0.4, 0.6), (0.4, 0.2, 0.2)), size=20)
     add_lamp("SPOT", (0, 0, 5), (0, 0.01, 0), name="Spot", energy=400 * math.pi, spot_size=math.radians(120), spot_blend=0.4, shadow_soft_size=0)
     instances_that_change_places()

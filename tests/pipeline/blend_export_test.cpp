@@ -113,6 +113,21 @@ TEST_F(BlendExportSlow, MakesAConstantOfWhatIsTheSameAllOver) {
     for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(says["baseColorFactor"][i].get<double>(), wanted[i], 1e-3);
 }
 
+TEST_F(BlendExportSlow, HasOneMaterialForMeshesOnWhichItsTexturesCameOutAlike) {
+    std::set<json> worn, rough;
+    for (const char* kind : {" cube", " cone", " plane"}) {
+        worn.insert(mesh_of(std::string("Worn") + kind)["material"]);
+        rough.insert(mesh_of(std::string("Rough") + kind)["material"]);
+    }
+    EXPECT_EQ(worn.size(), 1u) << "a bump of no strength is the same on each";
+    EXPECT_FALSE(material("Worn").contains("normalTexture"));
+    EXPECT_EQ(rough.size(), 3u) << "noise in space differs";
+    EXPECT_TRUE(material("Rough").contains("normalTexture"));
+    std::size_t images = 0;
+    for (const json& image : scene_["images"]) images += image["uri"].get<std::string>().starts_with("Worn") ? 1 : 0;
+    EXPECT_EQ(images, 0u);
+}
+
 TEST_F(BlendExportSlow, HasSpotsWithTheFalloffOfTheirBlender) {
     const json spot = film_["lights"][0];
     EXPECT_EQ(spot["kind"], "spot");
