@@ -16,29 +16,153 @@ struct LibraryOffsets {
     int intra = 0, bidirectional = 0, middle = 0;
 };
 
+/// Names that FFmpeg has for what a codec is made with.
+struct LibraryNames {
+    std::string_view stream;         ///< kind of stream: "h264"
+    std::string_view encoder;        ///< "libx264"
+    std::string_view quality, fast;  ///< value of the encoder's option `choice`, by Effort
+    std::string_view choice;         ///< "preset"
+    std::string_view pixels;         ///< pixel format; "yuv420p" where the encoder lacks it
+    std::string_view package;        ///< where it comes from, for builds that lack it
+    std::string_view tag;            ///< name in .mp4 and .mov; empty: libavformat's choice
+};
+
 /// All that differs between codecs: one row each.
 struct CodecFacts {
     Codec codec;
-    std::string_view word;     ///< on the command line: "h264"
-    std::string_view name;     ///< "H.264"
-    std::string_view scale;    ///< name of its quantisers: "QP"
-    std::string_view library;  ///< FFmpeg's encoder: "libx264"
-    int finest, coarsest;      ///< quantisers
-    int most_b_pictures;       ///< in a row
+    std::string_view word;   ///< on the command line: "h264"
+    std::string_view name;   ///< "H.264"
+    std::string_view scale;  ///< name of its quantisers: "QP"
+    int finest, coarsest;    ///< quantisers; one alone where it has none to choose
+    int most_b_pictures;     ///< in a row
     /// Its quantisers beside MPEG-2's q: at_1 + by_doubling * log2(q). fit: docs/measurements.md#codecs
     double at_1, by_doubling;
     /// Share of MPEG-2's error that its coding hides: at equal PSNR-Y its steps are larger by more than what they hide.
     /// fit: docs/measurements.md#codecs
     float hidden;
     LibraryOffsets offsets;  ///< chosen: docs/measurements.md#codecs; SVT-AV1 has its own by layers
+    LibraryNames ffmpeg;
+    std::string_view endings;   ///< of files in which players look for it, the usual one first
+    std::string_view not_on;    ///< devices that do not play it
+    bool master = false;        ///< for editors: each picture alone, at the codec's own rate
+    bool has_srgb = true;       ///< its table of transfer functions has sRGB's
+    bool tells_blocks = false;  ///< libavcodec tells how its macroblocks are predicted
+
+    constexpr bool has_ending(std::string_view ending) const {
+        for (std::size_t at = endings.find(ending); at != std::string_view::npos; at = endings.find(ending, at + 1))
+            if (at + ending.size() == endings.size() || endings[at + ending.size()] == ' ') return !ending.empty();
+        return false;
+    }
+    constexpr std::string_view usual_ending() const { return endings.substr(0, endings.find(' ')); }
 };
 
 /// In the order of their enumeration.
 inline constexpr std::array all_codecs{
-    CodecFacts{Codec::mpeg2, "mpeg2", "MPEG-2", "quantiser", "mpeg2video", 1, 31, 3, 0, 1, 1, {}},
-    CodecFacts{Codec::h264, "h264", "H.264", "QP", "libx264", 1, 51, 3, 14.9, 5.7, 0.72f, {-3, 2, 1}},
-    CodecFacts{Codec::hevc, "hevc", "HEVC", "QP", "libx265", 1, 51, 3, 15.6, 5.4, 0.6f, {-3, 2, 1}},
-    CodecFacts{Codec::av1, "av1", "AV1", "QP", "libsvtav1", 1, 63, 0, 9.4, 11.6, 0.4f, {}}};
+    CodecFacts{.codec = Codec::mpeg2,
+               .word = "mpeg2",
+               .name = "MPEG-2",
+               .scale = "quantiser",
+               .finest = 1,
+               .coarsest = 31,
+               .most_b_pictures = 3,
+               .at_1 = 0,
+               .by_doubling = 1,
+               .hidden = 1,
+               .offsets = {},
+               .ffmpeg = {"mpeg2video", "mpeg2video", "", "", "", "yuv420p", "FFmpeg", ""},
+               .endings = ".mpg .mpeg .vob .ts .m2v .mkv .mp4 .mov",
+               .not_on = "browsers, phones",
+               .has_srgb = false,
+               .tells_blocks = true},
+    CodecFacts{.codec = Codec::h264,
+               .word = "h264",
+               .name = "H.264",
+               .scale = "QP",
+               .finest = 1,
+               .coarsest = 51,
+               .most_b_pictures = 3,
+               .at_1 = 14.9,
+               .by_doubling = 5.7,
+               .hidden = 0.72f,
+               .offsets = {-3, 2, 1},
+               .ffmpeg = {"h264", "libx264", "slow", "veryfast", "preset", "yuv420p", "FFmpeg with libx264", ""},
+               .endings = ".mp4 .mkv .mov .ts",
+               .not_on = "",
+               .tells_blocks = true},
+    CodecFacts{.codec = Codec::hevc,
+               .word = "hevc",
+               .name = "HEVC",
+               .scale = "QP",
+               .finest = 1,
+               .coarsest = 51,
+               .most_b_pictures = 3,
+               .at_1 = 15.6,
+               .by_doubling = 5.4,
+               .hidden = 0.6f,
+               .offsets = {-3, 2, 1},
+               .ffmpeg = {"hevc", "libx265", "slow", "veryfast", "preset", "yuv420p10", "FFmpeg with libx265", "hvc1"},
+               .endings = ".mp4 .mkv .mov .ts",
+               .not_on = "most browsers, devices from before 2016"},
+    CodecFacts{.codec = Codec::av1,
+               .word = "av1",
+               .name = "AV1",
+               .scale = "QP",
+               .finest = 1,
+               .coarsest = 63,
+               .most_b_pictures = 0,
+               .at_1 = 9.4,
+               .by_doubling = 11.6,
+               .hidden = 0.4f,
+               .offsets = {},
+               .ffmpeg = {"av1", "libsvtav1", "6", "10", "preset", "yuv420p10", "FFmpeg with libsvtav1", ""},
+               .endings = ".mp4 .mkv",
+               .not_on = "phones and televisions from before 2021, most editors"},
+    CodecFacts{.codec = Codec::prores,
+               .word = "prores",
+               .name = "ProRes 422 HQ",
+               .scale = "quantiser",
+               .finest = 1,
+               .coarsest = 1,
+               .most_b_pictures = 0,
+               .at_1 = 1,
+               .by_doubling = 1,
+               .hidden = 1,
+               .offsets = {},
+               .ffmpeg = {"prores", "prores_ks", "hq", "hq", "profile", "yuv422p10", "FFmpeg", "apch"},
+               .endings = ".mov",
+               .not_on = "browsers, phones, televisions",
+               .master = true,
+               .has_srgb = false},
+    CodecFacts{.codec = Codec::dnxhr,
+               .word = "dnxhr",
+               .name = "DNxHR HQX",
+               .scale = "quantiser",
+               .finest = 1,
+               .coarsest = 1,
+               .most_b_pictures = 0,
+               .at_1 = 1,
+               .by_doubling = 1,
+               .hidden = 1,
+               .offsets = {},
+               .ffmpeg = {"dnxhd", "dnxhd", "dnxhr_hqx", "dnxhr_hqx", "profile", "yuv422p10", "FFmpeg", "AVdh"},
+               .endings = ".mov",
+               .not_on = "browsers, phones, televisions",
+               .master = true},
+    CodecFacts{.codec = Codec::ffv1,
+               .word = "ffv1",
+               .name = "FFV1",
+               .scale = "quantiser",
+               .finest = 1,
+               .coarsest = 1,
+               .most_b_pictures = 0,
+               .at_1 = 1,
+               .by_doubling = 1,
+               .hidden = 1,
+               .offsets = {},
+               .ffmpeg = {"ffv1", "ffv1", "3", "3", "level", "yuv444p12", "FFmpeg", ""},
+               .endings = ".mkv",
+               .not_on = "browsers, phones, televisions",
+               .master = true}};
 
 constexpr const CodecFacts& facts_of(Codec codec) {
     return all_codecs[static_cast<std::size_t>(codec)];
@@ -57,6 +181,12 @@ double step_of(Codec codec, double quantiser);
 double quantiser_like(Codec codec, double mpeg2_quantiser);
 /// The inverse: MPEG-2's equivalent of a codec's quantiser, not rounded.
 double mpeg2_quantiser_like(Codec codec, double quantiser);
+
+/// The number of a transfer function in a codec's table: sRGB's, or BT.709's; where a table lacks sRGB's, BT.709's is
+/// the nearest.
+constexpr int transfer_number(Codec codec, bool srgb) {
+    return srgb && facts_of(codec).has_srgb ? 13 : 1;
+}
 
 /// End code after the last picture of a film; empty where a codec has none.
 std::vector<std::uint8_t> end_of_stream(Codec codec);

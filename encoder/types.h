@@ -16,7 +16,7 @@ namespace render2mpeg::encoder {
 enum class PictureType : std::uint8_t { intra = 1, predicted = 2, bidirectional = 3 };  ///< picture_coding_type
 
 /// How a film is coded: by our own MPEG-2 encoder, or by one of libavcodec's (encoder/av/coders.h).
-enum class Codec : std::uint8_t { mpeg2, h264, hevc, av1 };
+enum class Codec : std::uint8_t { mpeg2, h264, hevc, av1, prores, dnxhr, ffv1 };
 
 /// How much is tried: one prediction mode per macroblock in full, or several.
 enum class Effort : std::uint8_t { fast, quality };
@@ -63,9 +63,12 @@ struct Settings {
     Effort effort = Effort::quality;
     Tune tune = Tune::psnr;
     RateControl rate_control;
-    int aspect_ratio_code = 1;         ///< aspect_ratio_information [H262, table 6-3]; 1: square pixels
-    int matrix_coefficients = 1;       ///< [H262, table 6-9]; 1: BT.709, 6: BT.601
-    int transfer_characteristics = 1;  ///< [H262, table 6-8]; 1: BT.709's curve, 2: none that the table has
+    int aspect_ratio_code = 1;    ///< aspect_ratio_information [H262, table 6-3]; 1: square pixels
+    int matrix_coefficients = 1;  ///< [H262, table 6-9]; 1: BT.709, 6: BT.601
+    /// [H262, table 6-8]; 1: BT.709's curve, 2: none that the table has. Of libraries' codecs also 13: sRGB's.
+    int transfer_characteristics = 1;
+    int level = 0;       ///< ten times the level of a library's codec: 41 is 4.1; 0: the lowest that holds the pictures
+    int references = 0;  ///< pictures that one may be predicted from in H.264; 0: as its level and effort have it
     std::string user_data;  ///< printable ASCII that stands behind every sequence header [H262, 6.2.2.2.2]; empty: none
 };
 

@@ -49,12 +49,24 @@ void write_chroma(const std::vector<float>& upper, const std::vector<float>& low
         out[i] = code(std::clamp(128.0f + scale * 0.5f * (upper[i] + lower[i]), 16.0f, 240.0f));
 }
 
-core::Picture picture_of(int width, int height, ColorMatrix matrix, const SignalsOfRow& signals_of_row) {
+/// The same at full width, as code values that are not rounded.
+void write_full(const std::vector<float>& differences, float scale, std::span<float> out) {
+    for (std::size_t x = 0; x < out.size(); ++x) out[x] = std::clamp(128.0f + scale * differences[x], 16.0f, 240.0f);
+}
+
+/// A black picture with room for what `chroma` keeps.
+core::Picture empty_picture(int width, int height, Chroma chroma) {
     core::Picture picture;
     picture.y = core::Plane<std::uint8_t>(width, height);
     picture.luma = core::Plane<float>(width, height);
     picture.cb = core::Plane<std::uint8_t>((width + 1) / 2, (height + 1) / 2);
     picture.cr = core::Plane<std::uint8_t>((width + 1) / 2, (height + 1) / 2);
+    if (chroma == Chroma::full) picture.full_cb = picture.full_cr = core::Plane<float>(width, height);
+    return picture;
+}
+
+core::Picture picture_of(int width, int height, ColorMatrix matrix, Chroma chroma, const SignalsOfRow& signals_of_row) {
+    core::Picture picture = empty_picture(width, height, chroma);
     if (picture.y.empty()) return picture;
 
     const glm::vec3 weight = luma_weights(matrix);
@@ -78,6 +90,10 @@ core::Picture picture_of(int width, int height, ColorMatrix matrix, const Signal
             }
             halve(signals.blue, blue[k]);
             halve(signals.red, red[k]);
+            if (chroma == Chroma::halved) continue;
+            const auto row_length = static_cast<std::size_t>(width);
+            write_full(signals.blue, blue_scale, {picture.full_cb.row(y), row_length});
+            write_full(signals.red, red_scale, {picture.full_cr.row(y), row_length});
         }
         write_chroma(blue[0], blue[1], blue_scale, picture.cb.row(pair));
         write_chroma(red[0], red[1], red_scale, picture.cr.row(pair));
@@ -111,8 +127,8 @@ glm::vec3 luma_weights(ColorMatrix matrix) {
     return matrix == ColorMatrix::bt709 ? glm::vec3{0.2126f, 0.7152f, 0.0722f} : glm::vec3{0.299f, 0.587f, 0.114f};
 }
 
-Display::Display(float exposure, ColorMatrix matrix, const core::View& view)
-    : exposure_(exposure), gain_(std::exp2(exposure)), matrix_(matrix) {
+Display::Display(float exposure, ColorMatrix matrix, const core::View& view, Chroma chroma)
+    : exposure_(exposure), gain_(std::exp2(exposure)), matrix_(matrix), chroma_(chroma) {
     EXPECTS(std::abs(exposure) <= max_exposure);
     if (view.name != core::ViewName::neutral) view_ = std::make_shared<const ViewTransform>(view);
 }
@@ -120,17 +136,19 @@ Display::Display(float exposure, ColorMatrix matrix, const core::View& view)
 core::Picture Display::develop(const core::Radiance& radiance) const {
     const SignalCurve& curve = SignalCurve::instance();
     const core::Plane<glm::vec3>& light = radiance.combined;
-    core::Picture picture = picture_of(light.width(), light.height(), matrix_, [&](int y, std::span<glm::vec3> row) {
-        const glm::vec3* from = light.row(y);
-        float finite = 0.0f;
-        for (std::size_t x = 0; x < row.size(); ++x) {
-            const glm::vec3 c = from[x];
-            finite += c.x * 0.0f + c.y * 0.0f + c.z * 0.0f;
-            row[x] = view_ ? view_->signals(c * gain_)
-                           : glm::vec3(curve.signal(c.x * gain_), curve.signal(c.y * gain_), curve.signal(c.z * gain_));
-        }
-        return finite;
-    });
+    core::Picture picture =
+        picture_of(light.width(), light.height(), matrix_, chroma_, [&](int y, std::span<glm::vec3> row) {
+            const glm::vec3* from = light.row(y);
+            float finite = 0.0f;
+            for (std::size_t x = 0; x < row.size(); ++x) {
+                const glm::vec3 c = from[x];
+                finite += c.x * 0.0f + c.y * 0.0f + c.z * 0.0f;
+                row[x] =
+                    view_ ? view_->signals(c * gain_)
+                          : glm::vec3(curve.signal(c.x * gain_), curve.signal(c.y * gain_), curve.signal(c.z * gain_));
+            }
+            return finite;
+        });
     picture.number = radiance.frame;
     return picture;
 }
@@ -143,8 +161,8 @@ float luma_of(const Display& display, glm::vec3 radiance) {
     return 16.0f + 219.0f * glm::dot(luma_weights(display.matrix()), signal);
 }
 
-core::Picture picture_of_signals(const core::Plane<glm::vec3>& signals, ColorMatrix matrix) {
-    return picture_of(signals.width(), signals.height(), matrix, [&](int y, std::span<glm::vec3> row) {
+core::Picture picture_of_signals(const core::Plane<glm::vec3>& signals, ColorMatrix matrix, Chroma chroma) {
+    return picture_of(signals.width(), signals.height(), matrix, chroma, [&](int y, std::span<glm::vec3> row) {
         const glm::vec3* from = signals.row(y);
         float finite = 0.0f;
         for (std::size_t x = 0; x < row.size(); ++x) {
@@ -156,13 +174,13 @@ core::Picture picture_of_signals(const core::Plane<glm::vec3>& signals, ColorMat
     });
 }
 
-core::Picture picture_of_srgb(const core::Plane<glm::vec3>& codes, ColorMatrix matrix) {
+core::Picture picture_of_srgb(const core::Plane<glm::vec3>& codes, ColorMatrix matrix, Chroma chroma) {
     core::Plane<glm::vec3> signals = codes;
     for (glm::vec3& pixel : signals.values())
         for (int c = 0; c < 3; ++c)
             pixel[c] = static_cast<float>(
                 opto_electronic(static_cast<double>(core::srgb_to_linear(std::clamp(pixel[c], 0.0f, 1.0f)))));
-    return picture_of_signals(signals, matrix);
+    return picture_of_signals(signals, matrix, chroma);
 }
 
 std::vector<std::uint8_t> Display::develop_srgb(const core::Radiance& radiance) const {

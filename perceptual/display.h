@@ -17,6 +17,9 @@ namespace render2mpeg::perceptual {
 /// MPEG-2's matrix_coefficients.
 enum class ColorMatrix { bt601 = 6, bt709 = 1 };
 
+/// Whether pictures keep chroma at every pixel, unrounded, beside that of 4:2:0.
+enum class Chroma { halved, full };
+
 /// Weights of R', G', B' in luma: [BT709, 3.2] and [BT601, 2.5.1].
 glm::vec3 luma_weights(ColorMatrix matrix);
 
@@ -28,7 +31,7 @@ class Display {
     static constexpr float max_exposure = 64.0f;
 
     /// `exposure` in EV: radiance is multiplied by 2^exposure. BT.601 is for pictures below 720 lines.
-    Display(float exposure, ColorMatrix matrix, const core::View& view = {});
+    Display(float exposure, ColorMatrix matrix, const core::View& view = {}, Chroma chroma = Chroma::halved);
 
     /// Scene-linear radiance to a picture. Non-finite input is a broken contract; negative light counts as none.
     core::Picture develop(const core::Radiance& radiance) const;
@@ -59,6 +62,7 @@ class Display {
     float exposure_;
     float gain_;
     ColorMatrix matrix_;
+    Chroma chroma_;
     std::shared_ptr<const ViewTransform> view_;
 };
 
@@ -66,11 +70,12 @@ class Display {
 float luma_of(const Display& display, glm::vec3 radiance);
 
 /// A picture of full-range signals R', G', B', clamped to [0, 1], with BT.709's primaries. Finite values.
-core::Picture picture_of_signals(const core::Plane<glm::vec3>& signals, ColorMatrix matrix);
+core::Picture picture_of_signals(const core::Plane<glm::vec3>& signals, ColorMatrix matrix,
+                                 Chroma chroma = Chroma::halved);
 
 /// A picture of sRGB code values in [0, 1], with BT.709's transfer function: inverts develop_srgb but for rounding.
 /// Finite values.
-core::Picture picture_of_srgb(const core::Plane<glm::vec3>& codes, ColorMatrix matrix);
+core::Picture picture_of_srgb(const core::Plane<glm::vec3>& codes, ColorMatrix matrix, Chroma chroma = Chroma::halved);
 
 /// The matrix for a picture with this number of lines.
 inline ColorMatrix matrix_for(int height) {

@@ -18,4 +18,8 @@ struct AccessUnit {
 /// messages, metadata, delimiters) are left out. Throws core::Error for other data. Not for MPEG-2.
 AccessUnit taken_apart(encoder::Codec codec, std::span<const std::uint8_t> bytes);
 
+/// A master's picture with its container's headers before it, which has no byte stream of its own; taken_apart() undoes
+/// it.
+std::vector<std::uint8_t> put_together(std::span<const std::uint8_t> headers, std::span<const std::uint8_t> picture);
+
 }  // namespace render2mpeg::av

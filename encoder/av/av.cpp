@@ -31,6 +31,7 @@ constexpr std::array<std::pair<std::string_view, const char*>, 8> formats{{{".mp
 
 /// Whether a container keeps a stream's headers apart from its pictures. Decoders of MPEG-2 and AV1 want both.
 bool keeps_headers_apart(std::string_view format, encoder::Codec codec) {
+    if (encoder::facts_of(codec).master) return true;
     return (codec == encoder::Codec::h264 || codec == encoder::Codec::hevc) &&
            (format == "matroska" || format == "mp4" || format == "mov");
 }
@@ -72,13 +73,15 @@ const char* container_of(const std::filesystem::path& name, ProgramStream progra
 }  // namespace
 
 void check_container(const std::filesystem::path& name, encoder::Codec codec) {
-    const char* known = format_of(name);
-    const std::string_view format = known != nullptr ? known : "";
-    const bool taken = codec == encoder::Codec::mpeg2 || format == "mp4" || format == "matroska" ||
-                       (codec != encoder::Codec::av1 && (format == "mov" || format == "mpegts"));
-    if (!taken)
-        throw core::Error("writing", name.string(),
-                          "such files have no " + std::string(encoder::facts_of(codec).name) + "; .mp4 and .mkv have");
+    const encoder::CodecFacts& facts = encoder::facts_of(codec);
+    if (facts.has_ending(core::ending_of(name))) return;
+    const std::size_t first = facts.endings.find(' '), second = facts.endings.find(' ', first + 1);
+    const std::string usual(facts.endings.substr(0, first));
+    const bool alone = first == std::string_view::npos;
+    throw core::Error(
+        "writing", name.string(),
+        "such files have no " + std::string(facts.name) + "; " + usual +
+            (alone ? " has" : " and " + std::string(facts.endings.substr(first + 1, second - first - 1)) + " have"));
 }
 
 const Backend& backend() {

@@ -9,6 +9,7 @@
 #include "encoder/av/access_unit.h"
 #include "encoder/av/backend.h"
 #include "encoder/av/coders.h"
+#include "encoder/av/levels.h"
 #include "encoder/codec.h"
 #include "encoder/encoder.h"
 #include "encoder/mpeg2/kernels/frame.h"
@@ -74,12 +75,19 @@ class Budget {
     double bits_ = 0, expected_ = 0, real_ = 0;
 };
 
+encoder::Settings with_level(encoder::Settings settings) {
+    settings.references = references_for(settings);
+    // Only x264 is told what was not asked for: the others find the lowest by themselves.
+    if (settings.codec == encoder::Codec::h264) settings.level = level_for(settings);
+    return settings;
+}
+
 class LibraryCoder final : public encoder::Coder {
   public:
     explicit LibraryCoder(const encoder::Settings& settings)
-        : settings_(settings),
+        : settings_(with_level(settings)),
           facts_(encoder::facts_of(settings.codec)),
-          order_(settings.gop, settings.b_pictures),
+          order_(facts_.master ? 1 : settings.gop, settings.b_pictures),
           columns_((settings.width + 15) / 16),
           rows_((settings.height + 15) / 16) {}
 
@@ -107,7 +115,8 @@ class LibraryCoder final : public encoder::Coder {
                                    std::span<const core::MotionField>, const encoder::Hints& hints) override {
         EXPECTS(!planned_.empty() && plan == planned_.front().plan);
         std::vector<CodedPicture> complete;
-        if (planned_.front().first_of_chunk || (plan.starts_gop && has_one_quantiser(settings_.codec))) {
+        if (planned_.front().first_of_chunk ||
+            (plan.starts_gop && has_one_quantiser(settings_.codec) && !facts_.master)) {
             complete = close();
             encoder::Settings opened = settings_;
             if (has_one_quantiser(settings_.codec)) opened.quantiser = limited(planned_.front().group_base);
@@ -119,7 +128,7 @@ class LibraryCoder final : public encoder::Coder {
         library_->send(picture, order);
         sent_.push_back({plan, planned.chunk, planned.bits, std::move(order.quantisers)});
         // Threads of other libraries decide when their pictures come, and light must not depend on that.
-        if (!has_one_quantiser(settings_.codec)) collect(complete);
+        if (!has_one_quantiser(settings_.codec) || facts_.master) collect(complete);
         return complete;
     }
 
@@ -218,9 +227,13 @@ class LibraryCoder final : public encoder::Coder {
         coded.quantiser = coded.plan.quantiser;
         coded.coding_order = coding_order_++;
         // SVT-AV1's own header within the stream differs from the one that it tells beforehand.
-        AccessUnit unit = taken_apart(settings_.codec, picture.bytes);
-        if (coded.plan.starts_gop) coded.bytes = unit.headers.empty() ? library_->headers() : unit.headers;
-        coded.bytes.insert(coded.bytes.end(), unit.pictures.begin(), unit.pictures.end());
+        if (facts_.master) {
+            coded.bytes = put_together(library_->headers(), picture.bytes);
+        } else {
+            AccessUnit unit = taken_apart(settings_.codec, picture.bytes);
+            if (coded.plan.starts_gop) coded.bytes = unit.headers.empty() ? library_->headers() : unit.headers;
+            coded.bytes.insert(coded.bytes.end(), unit.pictures.begin(), unit.pictures.end());
+        }
         coded.reconstruction = std::move(picture.reconstruction);
         coded.macroblocks = records_of(sent->quantisers, picture);
         coded.tells_vectors = false;
@@ -277,6 +290,9 @@ void check_modes(const encoder::Settings& settings) {
         throw core::Error("bit rate " + std::to_string(rate.bit_rate) + ": must be at least 400 bits per second");
     if (rate.max_rate > 0) refuse("--maxrate");
     if (rate.buffer_bits > 0) refuse("--vbv");
+    if (encoder::facts_of(settings.codec).master && (settings.level > 0 || rate.bit_rate > 0))
+        throw core::Error("coding", name, "a master has its own rate and level; leave --bitrate and --level out");
+    level_for(settings);
     // chosen: what all of these libraries take.
     constexpr int most = 8192;
     const int least = settings.codec == encoder::Codec::av1 ? 64 : 16;

@@ -13,6 +13,9 @@ struct Picture {
     Plane<std::uint8_t> y, cb, cr;
     /// Luma before rounding, in code values: input of the visibility model. Empty for decoded pictures.
     Plane<float> luma;
+    /// Cb and Cr before rounding, code values, at every pixel. Empty unless a codec with more than 4:2:0 asked for
+    /// them.
+    Plane<float> full_cb, full_cr;
 
     int width() const { return y.width(); }
     int height() const { return y.height(); }

@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "encoder/av/module/ffmpeg.h"
 #include "encoder/av/module/sound_track.h"
+#include "encoder/codec.h"
 
 namespace render2mpeg::av {
 namespace {
@@ -57,20 +58,6 @@ AVRational frame_of(const core::FrameRate& rate) {
     return {static_cast<int>(rate.hertz.den), static_cast<int>(rate.hertz.num)};
 }
 
-AVCodecID codec_of(encoder::Codec codec) {
-    switch (codec) {
-        case encoder::Codec::h264:
-            return AV_CODEC_ID_H264;
-        case encoder::Codec::hevc:
-            return AV_CODEC_ID_HEVC;
-        case encoder::Codec::av1:
-            return AV_CODEC_ID_AV1;
-        case encoder::Codec::mpeg2:
-            break;
-    }
-    return AV_CODEC_ID_MPEG2VIDEO;
-}
-
 class File final : public Container {
   public:
     File(const std::filesystem::path& file, const ByteSink& sink, const char* format, const encoder::Settings& settings,
@@ -92,6 +79,9 @@ class File final : public Container {
             av_dict_set(&context->metadata, "service_provider", "render2mpeg", 0);
             av_dict_set(&context->metadata, "service_name", "render2mpeg", 0);
         }
+        // Editors count from the clock time of the first picture.
+        if (std::strcmp(format, "mov") == 0 && encoder::facts_of(settings.codec).master)
+            av_dict_set(&context->metadata, "timecode", "00:00:00:00", 0);
         describe_stream(settings, facts, messages);
         if (!sound.file.empty()) sound_ = std::make_unique<SoundTrack>(sound, *context);
 
@@ -184,11 +174,13 @@ class File final : public Container {
 
         AVCodecParameters& codec = *stream->codecpar;
         codec.codec_type = AVMEDIA_TYPE_VIDEO;
-        codec.codec_id = codec_of(settings.codec);
+        codec.codec_id = id_of(settings.codec);
         if (settings.codec == encoder::Codec::mpeg2) codec.profile = FF_PROFILE_MPEG2_MAIN;
-        // With its parameter sets in the header alone HEVC has this name, the one that Apple's players know.
-        if (settings.codec == encoder::Codec::hevc && is_isom_) codec.codec_tag = MKTAG('h', 'v', 'c', '1');
-        codec.format = AV_PIX_FMT_YUV420P;
+        if (settings.codec == encoder::Codec::dnxhr) codec.profile = FF_PROFILE_DNXHR_HQX;
+        const encoder::LibraryNames& names = encoder::facts_of(settings.codec).ffmpeg;
+        // With its parameter sets in the header alone HEVC is hvc1, the name that Apple's players know.
+        if (is_isom_ && !names.tag.empty()) codec.codec_tag = AV_RL32(names.tag.data());
+        codec.format = av_get_pix_fmt(names.pixels.data());
         codec.width = settings.width;
         codec.height = settings.height;
         codec.sample_aspect_ratio = stream->sample_aspect_ratio;
@@ -248,8 +240,8 @@ void check_container(const std::filesystem::path& name, const char* format, enco
     };
     if (av_guess_format(format, nullptr, nullptr) == nullptr)
         refuse("does not write such files (libavformat lacks the muxer " + std::string(format) + ")");
-    if (avcodec_find_decoder(codec_of(codec)) == nullptr)
-        refuse(std::string("does not decode ") + avcodec_get_name(codec_of(codec)) + ", which would prove the film");
+    if (avcodec_find_decoder(id_of(codec)) == nullptr)
+        refuse(std::string("does not decode ") + avcodec_get_name(id_of(codec)) + ", which would prove the film");
     if (sound.file.empty()) return;
     AVFormatContext* context = nullptr;
     if (avformat_alloc_output_context2(&context, nullptr, format, "check") < 0) refuse("lacks memory");

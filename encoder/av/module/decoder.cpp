@@ -65,9 +65,10 @@ class Film {
     }
 
     void deliver() {
-        if (!is_4_2_0(*frame_)) {
+        if (!is_known(*frame_)) {
             const char* name = av_get_pix_fmt_name(static_cast<AVPixelFormat>(frame_->format));
-            fail(std::string("pixels are ") + (name != nullptr ? name : "of an unknown kind") + ", not 4:2:0");
+            fail(std::string("pixels are ") + (name != nullptr ? name : "of an unknown kind") +
+                 ", not Y'CbCr of 8 to 12 bits");
         }
         picture_(picture_of(*frame_, number_++));
     }

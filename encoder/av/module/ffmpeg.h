@@ -6,6 +6,7 @@ extern "C" {
 #include <libavformat/avformat.h>
 #include <libavutil/audio_fifo.h>
 #include <libavutil/channel_layout.h>
+#include <libavutil/intreadwrite.h>
 #include <libavutil/log.h>
 #include <libavutil/motion_vector.h>
 #include <libavutil/opt.h>
@@ -18,6 +19,8 @@ extern "C" {
 #include <cstdint>
 #include <memory>
 #include <string>
+
+#include "encoder/codec.h"
 
 namespace render2mpeg::av {
 
@@ -106,8 +109,8 @@ inline AVSampleFormat first_sample_format(const AVCodec& codec) {
 #endif
 }
 
-/// Whether an encoder takes 4:2:0 with 10 bits.
-inline bool has_ten_bits(const AVCodec& codec) {
+/// Whether an encoder takes pixels of this format.
+inline bool takes(const AVCodec& codec, AVPixelFormat wanted) {
 #if LIBAVCODEC_VERSION_INT >= AV_VERSION_INT(61, 13, 100)
     const void* formats = nullptr;
     if (avcodec_get_supported_config(nullptr, &codec, AV_CODEC_CONFIG_PIX_FORMAT, 0, &formats, nullptr) < 0)
@@ -116,8 +119,14 @@ inline bool has_ten_bits(const AVCodec& codec) {
 #else
     const AVPixelFormat* format = codec.pix_fmts;
 #endif
-    while (format != nullptr && *format != AV_PIX_FMT_NONE && *format != AV_PIX_FMT_YUV420P10) ++format;
-    return format != nullptr && *format == AV_PIX_FMT_YUV420P10;
+    while (format != nullptr && *format != AV_PIX_FMT_NONE && *format != wanted) ++format;
+    return format != nullptr && *format == wanted;
+}
+
+/// FFmpeg's number of a codec's streams.
+inline AVCodecID id_of(encoder::Codec codec) {
+    const AVCodecDescriptor* known = avcodec_descriptor_get_by_name(encoder::facts_of(codec).ffmpeg.stream.data());
+    return known == nullptr ? AV_CODEC_ID_NONE : known->id;
 }
 
 /// Catches what FFmpeg would print on the terminal, while it lives and on its own thread: FFmpeg is asked for no

@@ -15,18 +15,9 @@ namespace {
 
 /// The codec of a stream; none: films are not made with it.
 std::optional<encoder::Codec> codec_of(AVCodecID id) {
-    switch (id) {
-        case AV_CODEC_ID_MPEG2VIDEO:
-            return encoder::Codec::mpeg2;
-        case AV_CODEC_ID_H264:
-            return encoder::Codec::h264;
-        case AV_CODEC_ID_HEVC:
-            return encoder::Codec::hevc;
-        case AV_CODEC_ID_AV1:
-            return encoder::Codec::av1;
-        default:
-            return {};
-    }
+    for (const encoder::CodecFacts& facts : encoder::all_codecs)
+        if (id_of(facts.codec) == id) return facts.codec;
+    return {};
 }
 
 /// A level that is told as whole and tenth: 31 is "3.1".
@@ -38,7 +29,7 @@ std::string tenths(int level) {
 /// Level codes of profile_and_level_indication [H262, table 8-3], level_idc [H264, A.3.1], thirtieths of a level [H265,
 /// A.4.1], or seq_level_idx [AV1, A.3].
 std::string level_name(encoder::Codec codec, int level) {
-    if (level <= 0) return {};
+    if (level <= 0 || encoder::facts_of(codec).master) return {};
     if (codec == encoder::Codec::h264) return tenths(level);
     if (codec == encoder::Codec::hevc) return tenths(level / 3);
     if (codec == encoder::Codec::av1) return tenths(20 + 10 * (level / 4) + level % 4);
@@ -107,8 +98,7 @@ class Film {
     void open_decoder() {
         const AVCodecID kind = film_.stream->codecpar->codec_id;
         const std::optional<encoder::Codec> known = codec_of(kind);
-        if (!known)
-            refuse(std::string("its video is ") + avcodec_get_name(kind) + ", not mpeg2video, h264, hevc or av1");
+        if (!known) refuse(std::string("its video is ") + avcodec_get_name(kind) + ", which films are not made with");
         codec_ = *known;
         const AVCodec* codec = avcodec_find_decoder(kind);
         if (codec == nullptr) refuse(std::string("libavcodec has no decoder for ") + avcodec_get_name(kind));
@@ -198,6 +188,7 @@ class Film {
         s.height = decoder_->height > 0 ? decoder_->height : parameters.height;
         s.rate = rational(codec_ == encoder::Codec::mpeg2 ? decoder_->framerate : film_.stream->avg_frame_rate);
         s.pixel_aspect = rational(decoder_->sample_aspect_ratio);
+        s.color_primaries = decoder_->color_primaries == AVCOL_PRI_UNSPECIFIED ? 0 : decoder_->color_primaries;
         s.matrix_coefficients = decoder_->colorspace == AVCOL_SPC_UNSPECIFIED ? 0 : decoder_->colorspace;
         s.transfer_characteristics = decoder_->color_trc == AVCOL_TRC_UNSPECIFIED ? 0 : decoder_->color_trc;
         s.bit_rate = decoder_->rc_max_rate;

@@ -21,21 +21,21 @@ namespace render2mpeg::av {
 namespace {
 
 const char* library_of(encoder::Codec codec) {
-    return encoder::facts_of(codec).library.data();
+    return encoder::facts_of(codec).ffmpeg.encoder.data();
 }
 
 const AVCodec& encoder_for(encoder::Codec codec) {
     const AVCodec* found = avcodec_find_encoder_by_name(library_of(codec));
     if (found == nullptr)
         throw core::Error("coding with", library_of(codec),
-                          "this machine's libavcodec does not have it; install one that has, or choose --codec mpeg2");
+                          "this machine's libavcodec does not have it; install " +
+                              std::string(encoder::facts_of(codec).ffmpeg.package) + ", or choose --codec mpeg2");
     return *found;
 }
 
 const AVCodec& decoder_for(encoder::Codec codec) {
-    const AVCodecID ids[] = {AV_CODEC_ID_MPEG2VIDEO, AV_CODEC_ID_H264, AV_CODEC_ID_HEVC, AV_CODEC_ID_AV1};
     const AVCodec* found = codec == encoder::Codec::av1 ? avcodec_find_decoder_by_name("libdav1d") : nullptr;
-    if (found == nullptr) found = avcodec_find_decoder(ids[static_cast<int>(codec)]);
+    if (found == nullptr) found = avcodec_find_decoder(id_of(codec));
     if (found == nullptr)
         throw core::Error("coding with", library_of(codec), "this machine's libavcodec has no decoder for it");
     return *found;
@@ -46,6 +46,7 @@ const AVCodec& decoder_for(encoder::Codec codec) {
 std::string x264_settings(const encoder::Settings& settings) {
     return std::string("qcomp=1:aq-mode=1:aq-strength=0.0001:mbtree=0:rc-lookahead=0:sync-lookahead=0:force-cfr=1:") +
            "ipratio=1:pbratio=1:scenecut=0:keyint=infinite:b-adapt=0:b-pyramid=normal:open-gop=0" +
+           ":level=" + std::to_string(settings.level) + ":ref=" + std::to_string(settings.references) +
            (settings.tune == encoder::Tune::psnr ? ":no-psy=1" : "");
 }
 
@@ -58,7 +59,13 @@ std::string x265_settings(const encoder::Settings& settings) {
            ":pbratio=" + ratio(offsets.bidirectional) + ":scenecut=0:keyint=-1:b-adapt=0:b-pyramid=1:open-gop=0:" +
            "rc-lookahead=" + std::to_string(settings.b_pictures + 1) +
            ":lookahead-slices=0:frame-threads=1:pools=none:wpp=0:info=0:log-level=error" +
+           (settings.level > 0 ? ":level-idc=" + std::to_string(settings.level) : "") +
            (settings.tune == encoder::Tune::psnr ? ":psy-rd=0:psy-rdoq=0" : "");
+}
+
+std::string svt_settings(const encoder::Settings& settings) {
+    return "lp=1:scd=0:keyint=-1:irefresh-type=2" +
+           (settings.level > 0 ? ":level=" + std::to_string(settings.level) : std::string());
 }
 
 AVPictureType type_of(encoder::PictureType type) {
@@ -121,6 +128,11 @@ class Library final : public LibraryEncoder {
         fill(*frame_, picture);
         frame_->pts = picture.number;
         // SVT-AV1 orders its pictures by itself.
+        // ProRes has its colours from here.
+        frame_->color_primaries = encoder_->color_primaries;
+        frame_->color_trc = encoder_->color_trc;
+        frame_->colorspace = encoder_->colorspace;
+        frame_->color_range = encoder_->color_range;
         frame_->pict_type = settings_.codec == encoder::Codec::av1 ? AV_PICTURE_TYPE_NONE : type_of(order.type);
         if (settings_.codec == encoder::Codec::h264) add_offsets(order.quantisers, messages);
         check(avcodec_send_frame(encoder_.get(), frame_.get()), messages);
@@ -164,8 +176,8 @@ class Library final : public LibraryEncoder {
         AVCodecContext& e = *encoder_;
         e.width = settings_.width;
         e.height = settings_.height;
-        e.pix_fmt =
-            settings_.codec != encoder::Codec::h264 && has_ten_bits(codec) ? AV_PIX_FMT_YUV420P10 : AV_PIX_FMT_YUV420P;
+        const AVPixelFormat wanted = av_get_pix_fmt(encoder::facts_of(settings_.codec).ffmpeg.pixels.data());
+        e.pix_fmt = takes(codec, wanted) ? wanted : AV_PIX_FMT_YUV420P;
         e.framerate = {static_cast<int>(settings_.rate.hertz.num), static_cast<int>(settings_.rate.hertz.den)};
         e.time_base = av_inv_q(e.framerate);
         e.sample_aspect_ratio = pixel_aspect(settings_);
@@ -176,7 +188,7 @@ class Library final : public LibraryEncoder {
         e.colorspace = static_cast<AVColorSpace>(settings_.matrix_coefficients);
         e.chroma_sample_location = AVCHROMA_LOC_LEFT;
         e.max_b_frames = settings_.b_pictures;
-        e.gop_size = std::numeric_limits<int>::max();
+        e.gop_size = encoder::facts_of(settings_.codec).master ? 1 : std::numeric_limits<int>::max();
         e.thread_count = 1;  // with more of them, bytes would be others
         e.flags |= AV_CODEC_FLAG_GLOBAL_HEADER | AV_CODEC_FLAG_CLOSED_GOP;
         AVDictionary* options = library_options();
@@ -188,19 +200,19 @@ class Library final : public LibraryEncoder {
 
     AVDictionary* library_options() const {
         AVDictionary* options = nullptr;
+        const encoder::LibraryNames& names = encoder::facts_of(settings_.codec).ffmpeg;
         const bool fast = settings_.effort == encoder::Effort::fast;
+        av_dict_set(&options, names.choice.data(), (fast ? names.fast : names.quality).data(), 0);
+        if (encoder::facts_of(settings_.codec).master) return options;
         if (settings_.codec == encoder::Codec::av1) {
-            av_dict_set(&options, "preset", fast ? "10" : "6", 0);
             av_dict_set_int(&options, "qp", settings_.quantiser, 0);
-            av_dict_set(&options, "svtav1-params", "lp=1:scd=0:keyint=-1:irefresh-type=2", 0);
+            av_dict_set(&options, "svtav1-params", svt_settings(settings_).c_str(), 0);
             return options;
         }
         av_dict_set_int(&options, "forced-idr", 1, 0);
         if (settings_.codec == encoder::Codec::hevc) {
-            av_dict_set(&options, "preset", fast ? "veryfast" : "slow", 0);
             av_dict_set(&options, "x265-params", x265_settings(settings_).c_str(), 0);
         } else {
-            av_dict_set(&options, "preset", fast ? "veryfast" : "slow", 0);
             av_dict_set_int(&options, "crf", settings_.quantiser, 0);
             av_dict_set(&options, "x264-params", x264_settings(settings_).c_str(), 0);
         }

@@ -3,11 +3,22 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 
 #include "core/sampling.h"
 
 namespace render2mpeg::av {
 namespace {
+
+/// A frame's samples: bits, and by how many times two its chroma is smaller.
+struct Layout {
+    int depth = 8, across = 1, down = 1;
+};
+
+Layout layout_of(const AVFrame& frame) {
+    const AVPixFmtDescriptor* format = av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
+    return {format->comp[0].depth, format->log2_chroma_w, format->log2_chroma_h};
+}
 
 template <class Sample>
 const Sample* row_of(const AVFrame& frame, int plane, int y) {
@@ -19,17 +30,46 @@ Sample* row_of(AVFrame& frame, int plane, int y) {
     return reinterpret_cast<Sample*>(frame.data[plane] + static_cast<std::ptrdiff_t>(y) * frame.linesize[plane]);
 }
 
-core::Plane<std::uint8_t> plane_of(const AVFrame& frame, int plane, int width, int height) {
-    core::Plane<std::uint8_t> result(width, height);
-    for (int y = 0; y < height; ++y) {
-        if (frame.format == AV_PIX_FMT_YUV420P) {
-            std::copy_n(row_of<std::uint8_t>(frame, plane, y), width, result.row(y));
+int sample(const AVFrame& frame, int depth, int plane, int x, int y) {
+    return depth == 8 ? row_of<std::uint8_t>(frame, plane, y)[x] : row_of<std::uint16_t>(frame, plane, y)[x];
+}
+
+/// Eight bits of `count` times a value.
+std::uint8_t rounded(int sum, int count, int depth) {
+    const int whole = count << (depth - 8);
+    return static_cast<std::uint8_t>(std::min((sum + whole / 2) / whole, 255));
+}
+
+core::Plane<std::uint8_t> luma_of(const AVFrame& frame, const Layout& layout) {
+    core::Plane<std::uint8_t> result(frame.width, frame.height);
+    for (int y = 0; y < frame.height; ++y) {
+        if (layout.depth == 8) {
+            std::copy_n(row_of<std::uint8_t>(frame, 0, y), frame.width, result.row(y));
         } else {
-            const std::uint16_t* in = row_of<std::uint16_t>(frame, plane, y);
-            for (int x = 0; x < width; ++x)
-                result.at(x, y) = static_cast<std::uint8_t>(std::min((in[x] + 2) >> 2, 255));
+            const std::uint16_t* in = row_of<std::uint16_t>(frame, 0, y);
+            for (int x = 0; x < frame.width; ++x) result.at(x, y) = rounded(in[x], 1, layout.depth);
         }
     }
+    return result;
+}
+
+/// Chroma as 4:2:0 has it: on the even columns by [1 2 1] / 4, and the mean of two rows (perceptual/display.cpp).
+core::Plane<std::uint8_t> chroma_of(const AVFrame& frame, const Layout& layout, int plane) {
+    core::Plane<std::uint8_t> result((frame.width + 1) / 2, (frame.height + 1) / 2);
+    const int last_column = ((frame.width + (1 << layout.across) - 1) >> layout.across) - 1;
+    const int last_row = ((frame.height + (1 << layout.down) - 1) >> layout.down) - 1;
+    const auto across = [&](int x, int y) {
+        const auto at = [&](int column) {
+            return sample(frame, layout.depth, plane, std::clamp(column, 0, last_column), y);
+        };
+        return layout.across == 1 ? 4 * at(x) : at(2 * x - 1) + 2 * at(2 * x) + at(2 * x + 1);
+    };
+    for (int y = 0; y < result.height(); ++y)
+        for (int x = 0; x < result.width(); ++x) {
+            const int sum =
+                layout.down == 1 ? 2 * across(x, y) : across(x, 2 * y) + across(x, std::min(2 * y + 1, last_row));
+            result.at(x, y) = rounded(sum, 8, layout.depth);
+        }
     return result;
 }
 
@@ -47,39 +87,86 @@ void fill_dithered(AVFrame& frame, const core::Picture& picture) {
     }
 }
 
-void fill_plane(AVFrame& frame, int plane, const core::Plane<std::uint8_t>& samples) {
+void fill_plane(AVFrame& frame, int plane, const core::Plane<std::uint8_t>& samples, int depth) {
     for (int y = 0; y < samples.height(); ++y) {
-        if (frame.format == AV_PIX_FMT_YUV420P) {
+        if (depth == 8) {
             std::copy_n(samples.row(y), samples.width(), row_of<std::uint8_t>(frame, plane, y));
         } else {
             std::uint16_t* out = row_of<std::uint16_t>(frame, plane, y);
-            for (int x = 0; x < samples.width(); ++x) out[x] = static_cast<std::uint16_t>(4 * samples.at(x, y));
+            for (int x = 0; x < samples.width(); ++x)
+                out[x] = static_cast<std::uint16_t>(samples.at(x, y) << (depth - 8));
         }
     }
 }
 
+/// A plane of all rows with more than 8 bits, from code values of 8 that are not rounded.
+void fill_exact(AVFrame& frame, int plane, int width, int depth, const std::function<float(int x, int y)>& value_at) {
+    const float scale = static_cast<float>(1 << (depth - 8));
+    for (int y = 0; y < frame.height; ++y) {
+        std::uint16_t* out = row_of<std::uint16_t>(frame, plane, y);
+        for (int x = 0; x < width; ++x) out[x] = static_cast<std::uint16_t>(std::lround(scale * value_at(x, y)));
+    }
+}
+
+/// Chroma of 4:2:0 at the place of a pixel: between its columns and rows, which lie as MPEG-2 has them.
+float between(const core::Plane<std::uint8_t>& plane, int x, int y) {
+    const int left = x / 2, right = std::min(left + x % 2, plane.width() - 1);
+    const int near = y / 2, far = std::clamp(y % 2 == 0 ? near - 1 : near + 1, 0, plane.height() - 1);
+    const auto mean = [&](int row) { return 0.5f * static_cast<float>(plane.at(left, row) + plane.at(right, row)); };
+    return 0.75f * mean(near) + 0.25f * mean(far);
+}
+
+/// Chroma of 4:2:2 or 4:4:4, from full chroma where a picture has it.
+void fill_chroma(AVFrame& frame, int plane, const Layout& layout, const core::Plane<float>& full,
+                 const core::Plane<std::uint8_t>& halved) {
+    const auto at = [&](int x, int y) {
+        return full.empty() ? between(halved, x, y) : full.at(std::clamp(x, 0, full.width() - 1), y);
+    };
+    const bool narrow = layout.across == 1;
+    fill_exact(frame, plane, narrow ? (frame.width + 1) / 2 : frame.width, layout.depth, [&](int x, int y) {
+        if (!narrow) return at(x, y);
+        if (full.empty()) return at(2 * x, y);
+        return 0.25f * (at(2 * x - 1, y) + 2 * at(2 * x, y) + at(2 * x + 1, y));
+    });
+}
+
 }  // namespace
 
-bool is_4_2_0(const AVFrame& frame) {
-    return frame.format == AV_PIX_FMT_YUV420P || frame.format == AV_PIX_FMT_YUV420P10;
+bool is_known(const AVFrame& frame) {
+    const AVPixFmtDescriptor* format = av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
+    if (format == nullptr || format->nb_components < 3 || (format->flags & AV_PIX_FMT_FLAG_RGB) != 0) return false;
+    const bool planar = format->comp[1].plane == 1 && format->comp[2].plane == 2;
+    return planar && format->comp[0].depth >= 8 && format->comp[0].depth <= 12 && format->comp[0].shift == 0 &&
+           format->log2_chroma_w <= 1 && format->log2_chroma_h <= format->log2_chroma_w;
 }
 
 core::Picture picture_of(const AVFrame& frame, std::int64_t number) {
+    const Layout layout = layout_of(frame);
     core::Picture picture;
     picture.number = number;
-    picture.y = plane_of(frame, 0, frame.width, frame.height);
-    picture.cb = plane_of(frame, 1, (frame.width + 1) / 2, (frame.height + 1) / 2);
-    picture.cr = plane_of(frame, 2, (frame.width + 1) / 2, (frame.height + 1) / 2);
+    picture.y = luma_of(frame, layout);
+    picture.cb = chroma_of(frame, layout, 1);
+    picture.cr = chroma_of(frame, layout, 2);
     return picture;
 }
 
 void fill(AVFrame& frame, const core::Picture& picture) {
-    if (frame.format == AV_PIX_FMT_YUV420P10 && !picture.luma.empty())
-        fill_dithered(frame, picture);
-    else
-        fill_plane(frame, 0, picture.y);
-    fill_plane(frame, 1, picture.cb);
-    fill_plane(frame, 2, picture.cr);
+    const Layout layout = layout_of(frame);
+    if (layout.down == 1) {
+        if (layout.depth == 10 && !picture.luma.empty())
+            fill_dithered(frame, picture);
+        else
+            fill_plane(frame, 0, picture.y, layout.depth);
+        fill_plane(frame, 1, picture.cb, layout.depth);
+        fill_plane(frame, 2, picture.cr, layout.depth);
+        return;
+    }
+    fill_exact(frame, 0, frame.width, layout.depth, [&](int x, int y) {
+        return picture.luma.empty() ? static_cast<float>(picture.y.at(x, y))
+                                    : std::clamp(picture.luma.at(x, y), 16.0f, 235.0f);
+    });
+    fill_chroma(frame, 1, layout, picture.full_cb, picture.cb);
+    fill_chroma(frame, 2, layout, picture.full_cr, picture.cr);
 }
 
 }  // namespace render2mpeg::av

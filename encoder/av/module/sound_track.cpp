@@ -11,9 +11,16 @@ namespace {
 
 AVCodecID codec_for(const AVFormatContext& container, bool ac3) {
     const std::string format = container.oformat->name;
+    // Masters' sound is not coded either.
+    for (const encoder::CodecFacts& facts : encoder::all_codecs)
+        if (facts.master && container.nb_streams > 0 && container.streams[0]->codecpar->codec_id == id_of(facts.codec))
+            return AV_CODEC_ID_PCM_S24LE;
     if (format == "matroska" || format == "mp4" || format == "mov") return AV_CODEC_ID_AAC;
     return ac3 || format == "dvd" ? AV_CODEC_ID_AC3 : AV_CODEC_ID_MP2;
 }
+
+/// chosen: samples in a packet of sound that is not coded, as many as AAC has.
+constexpr int pcm_frame = 1024;
 
 }  // namespace
 
@@ -22,9 +29,10 @@ SoundTrack::SoundTrack(const Sound& sound, AVFormatContext& container)
     if (!packet_) check(AVERROR(ENOMEM));
     total_ = std::llround(sound.seconds * SoundSource::rate);
     open_encoder(codec_for(container, sound.ac3));
+    frame_size_ = encoder_->frame_size > 0 ? encoder_->frame_size : pcm_frame;
     const AVSampleFormat format = encoder_->sample_fmt;
     source_.convert_to(format);
-    samples_.reset(av_audio_fifo_alloc(format, source_.channels(), encoder_->frame_size));
+    samples_.reset(av_audio_fifo_alloc(format, source_.channels(), frame_size_));
     if (!samples_) check(AVERROR(ENOMEM));
     const std::int64_t begin = std::llround(sound.offset * SoundSource::rate);
     if (begin > 0) add_silence(std::min(begin, total_));
@@ -90,12 +98,11 @@ void SoundTrack::write_until(double seconds) {
     // chosen: half a second ahead, so that containers find the sound before the pictures it belongs to.
     const double wanted = (seconds + 0.5) * SoundSource::rate;
     while (static_cast<double>(encoded_) < wanted && encoded_ < total_) {
-        read_ahead(encoder_->frame_size);
-        const auto there =
-            std::min<std::int64_t>({av_audio_fifo_size(samples_.get()), encoder_->frame_size, total_ - encoded_});
+        read_ahead(frame_size_);
+        const auto there = std::min<std::int64_t>({av_audio_fifo_size(samples_.get()), frame_size_, total_ - encoded_});
         if (there == 0) return;
         // The last frame is filled up with silence, for encoders that take whole ones only.
-        const Frame frame = silent_frame(encoder_->frame_size);
+        const Frame frame = silent_frame(encoder_->frame_size > 0 ? frame_size_ : static_cast<int>(there));
         check(av_audio_fifo_read(samples_.get(), reinterpret_cast<void**>(frame->extended_data),
                                  static_cast<int>(there)));
         frame->pts = encoded_;

@@ -40,6 +40,7 @@ class SoundTrack {
     std::int64_t skipped_ = 0;  ///< samples of the file's beginning that are still to be left out
     std::int64_t total_ = 0;    ///< samples of the film
     std::int64_t encoded_ = 0;
+    int frame_size_ = 0;  ///< samples of a packet
     bool at_end_ = false;
     Packet packet_{av_packet_alloc()};
 };

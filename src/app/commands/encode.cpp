@@ -130,14 +130,15 @@ Job prepare(const EncodeOptions& options) {
     std::unique_ptr<MotionPipe> motion_pipe;
     if (options.motion && MotionPipe::is_one(*options.motion))
         motion_pipe = std::make_unique<MotionPipe>(*options.motion);
-    job.frames = open_frames(options.input, options.exposure, wanted, {{}, blenders, view}, shared);
+    const FilmSignals signals{{}, blenders, view, chroma_of(codec_of(options.coding, options.output))};
+    job.frames = open_frames(options.input, options.exposure, wanted, signals, shared);
     encoder::Settings& coding = job.film.coding;
     const Preset* preset = preset_of(options.coding);
     if (preset != nullptr) preset->check_output(options.output);
     job.film.frames = job.frames->frames();
     coding = coding_settings(options.coding, settle_shape(wishes_of(options, *job.frames), preset, true),
                              job.film.frames.first, options.output);
-    coding.transfer_characteristics = transfer_of(view);
+    coding.transfer_characteristics = transfer_of(view, coding.codec);
     job.film.keyframes = keyframes_of(options.coding);
     job.film.disc = preset != nullptr && preset->disc;
     check_settings(coding);

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <vector>
@@ -18,6 +19,7 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "encoder/av/inspect.h"
+#include "encoder/av/levels.h"
 #include "encoder/codec.h"
 
 namespace render2mpeg::app {
@@ -124,6 +126,55 @@ std::string shape_text(const av::StreamFacts& stream) {
     return fmt::format(" ({}:{})", whole.num, whole.den);
 }
 
+/// Names of the numbers of [H262, tables 6-7 to 6-9], and sRGB's.
+std::string colour_text(const av::StreamFacts& s) {
+    const auto named = [](int number, int at_srgb) {
+        if (number == 1) return std::string("BT.709");
+        if (number == 5 || number == 6) return std::string("BT.601");
+        if (number == at_srgb) return std::string("sRGB");
+        return number == 0 ? std::string("not said") : fmt::format("number {}", number);
+    };
+    return fmt::format("primaries {}, transfer {}, matrix {}", named(s.color_primaries, -1),
+                       named(s.transfer_characteristics, 13), named(s.matrix_coefficients, -1));
+}
+
+/// The most bits of a second of the film, in the order of its stream.
+double busiest_second(const av::Inspection& film) {
+    std::vector<std::int64_t> bits(film.pictures.size());
+    for (const av::PictureFacts& p : film.pictures)
+        if (p.coded >= 0 && p.coded < std::ssize(bits)) bits[static_cast<std::size_t>(p.coded)] = 8 * p.bytes;
+    const auto length = static_cast<std::size_t>(std::lround(film.stream.rate.value()));
+    if (length == 0) return 0;
+    std::int64_t most = 0, sum = 0;
+    for (std::size_t i = 0; i < bits.size(); ++i) {
+        sum += bits[i] - (i >= length ? bits[i - length] : 0);
+        most = std::max(most, sum);
+    }
+    return static_cast<double>(most);
+}
+
+/// What kind of device does not play the film, and a rate beyond its level.
+std::string device_lines(const av::Inspection& film) {
+    const av::StreamFacts& s = film.stream;
+    std::string not_on(encoder::facts_of(s.codec).not_on);
+    if (s.codec == encoder::Codec::h264) {
+        const bool usual =
+            s.profile.find("Baseline") != std::string::npos || s.profile == "Main" || s.profile == "High";
+        if (!usual)
+            not_on = "browsers, phones, televisions: they play 8 bits of 4:2:0";
+        else if (s.level > "4.1")
+            not_on = "players of up to 1080 lines at 30 Hz, which end at level 4.1 (many televisions, Blu-ray)";
+    }
+    std::string text = fmt::format(
+        "  devices    {}\n",
+        not_on.empty() ? "whatever plays " + std::string(encoder::facts_of(s.codec).name) : "not on " + not_on);
+    const std::int64_t most = av::bits_of_level(s.codec, s.level);
+    if (const double bits = busiest_second(film); most > 0 && bits > static_cast<double>(most))
+        text += fmt::format("  beyond     level {}: a second of it has {:.1f} Mb, the level {:.1f}\n", s.level,
+                            1e-6 * bits, 1e-6 * static_cast<double>(most));
+    return text;
+}
+
 std::string stream_lines(const std::string& name, const av::Inspection& film) {
     const av::StreamFacts& s = film.stream;
     const double seconds = duration_of(film);
@@ -139,6 +190,7 @@ std::string stream_lines(const std::string& name, const av::Inspection& film) {
     if (s.buffer_bits > 0) text += fmt::format(", buffer of {} bits", s.buffer_bits);
     const Groups groups = groups_of(film);
     text += fmt::format("\n  groups     {}, of {} at most\n", groups.count, pictures_text(groups.longest));
+    text += fmt::format("  colours    {}\n", colour_text(s)) + device_lines(film);
     const auto interlaced = std::ranges::count_if(film.pictures, &av::PictureFacts::interlaced);
     if (interlaced > 0) text += fmt::format("  fields     {} interlaced\n", pictures_text(interlaced));
     const auto repeating = std::ranges::count_if(
@@ -171,7 +223,7 @@ std::string heading(const std::string& left) {
 
 /// Decoders of HEVC and AV1 tell no prediction.
 bool tells_prediction(const av::Inspection& film) {
-    return film.stream.codec == encoder::Codec::mpeg2 || film.stream.codec == encoder::Codec::h264;
+    return encoder::facts_of(film.stream.codec).tells_blocks;
 }
 
 std::string row(const std::string& left, const std::string& quantiser, std::optional<double> intra,
@@ -252,6 +304,10 @@ json json_of(const std::string& name, const av::Inspection& film, bool summary) 
                 {"height", s.height},
                 {"fps", or_null(s.rate.value(), s.rate.num > 0)},
                 {"pixel_aspect", or_null(json{s.pixel_aspect.num, s.pixel_aspect.den}, s.pixel_aspect.num > 0)},
+                {"color_primaries", or_null(s.color_primaries, s.color_primaries > 0)},
+                {"transfer_characteristics", or_null(s.transfer_characteristics, s.transfer_characteristics > 0)},
+                {"matrix_coefficients", or_null(s.matrix_coefficients, s.matrix_coefficients > 0)},
+                {"busiest_second", busiest_second(film)},
                 {"max_rate", or_null(s.bit_rate, s.bit_rate > 0)},
                 {"vbv_bits", or_null(s.buffer_bits, s.buffer_bits > 0)},
                 {"pictures", film.pictures.size()},

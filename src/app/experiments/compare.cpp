@@ -97,7 +97,7 @@ std::string ffmpeg_version() {
 /// Usual settings: a fixed quantiser (or crf), two B pictures, default motion search.
 FfmpegWay usual_ffmpeg(encoder::Codec codec) {
     if (codec != encoder::Codec::mpeg2)
-        return {"ffmpeg", by_crf(codec, false) + " -g {g}", std::string(encoder::facts_of(codec).library)};
+        return {"ffmpeg", by_crf(codec, false) + " -g {g}", std::string(encoder::facts_of(codec).ffmpeg.encoder)};
     return {"ffmpeg", "-qscale:v {q} -g {g} -bf 2"};
 }
 
@@ -105,7 +105,8 @@ FfmpegWay usual_ffmpeg(encoder::Codec codec) {
 /// codecs the slowest preset but one.
 FfmpegWay strongest_ffmpeg(encoder::Codec codec) {
     if (codec != encoder::Codec::mpeg2)
-        return {"ffmpeg, strongest", by_crf(codec, true) + " -g {g}", std::string(encoder::facts_of(codec).library)};
+        return {"ffmpeg, strongest", by_crf(codec, true) + " -g {g}",
+                std::string(encoder::facts_of(codec).ffmpeg.encoder)};
     return {"ffmpeg, strongest", strongest};
 }
 
@@ -247,7 +248,7 @@ void Comparing::settle(const std::vector<std::string>& words) {
     options.insert(options.end(), {{"-o", "-"}, {"--as", "y4m"}});
     found_.render = render_command(words, options_.render.input, codec, options) + " | ffmpeg -i - -c:v " +
                     way.ffmpeg->encoder + " " + options_of(*way.ffmpeg, quantiser, film().coding.gop) + " " +
-                    options_.render.input.stem().string() + usual_ending(codec);
+                    options_.render.input.stem().string() + std::string(encoder::facts_of(codec).usual_ending());
 }
 
 void Comparing::write(const std::vector<std::string>& words) const {

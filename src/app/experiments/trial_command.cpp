@@ -8,6 +8,7 @@
 #include "app/files/file_io.h"
 #include "app/files/publish.h"
 #include "app/loop/resume.h"
+#include "app/options/usage_error.h"
 #include "app/report/frame_view.h"
 #include "app/report/heatmap_film.h"
 #include "app/report/report.h"
@@ -18,6 +19,7 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "encoder/av/av.h"
+#include "encoder/codec.h"
 #include "renderer/gather/final_gather.h"
 
 namespace render2mpeg::app {
@@ -128,8 +130,8 @@ std::string render_command(const std::vector<std::string>& words, const std::fil
     if (!named) {
         // Consent was to other files.
         flags.insert(flags.end(), {"-y", "--overwrite"});
-        with.emplace_back("-o",
-                          std::filesystem::absolute(input).lexically_normal().stem().string() + usual_ending(codec));
+        with.emplace_back("-o", std::filesystem::absolute(input).lexically_normal().stem().string() +
+                                    std::string(encoder::facts_of(codec).usual_ending()));
     }
     for (const auto& [name, value] : with) {
         without.push_back(name);
@@ -140,6 +142,9 @@ std::string render_command(const std::vector<std::string>& words, const std::fil
 
 RenderJob prepare_trials(const RenderOptions& render, const TrialOptions& options) {
     RenderJob film = prepare(render);
+    if (encoder::facts_of(film.coding.codec).master)
+        throw UsageError("--codec " + *render.coding.codec +
+                         ": a master has no quantisers to try; choose another codec, or `render`");
     for (const std::string& note : film.animation->notes)
         if (!render.quiet && !note.empty()) print_line(note);
     check_trial_outputs(film, options);

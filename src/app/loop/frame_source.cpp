@@ -103,7 +103,7 @@ class ImageFrames : public FrameSource {
     ImageFrames(const std::filesystem::path& pattern, std::optional<float> exposure,
                 const std::optional<FrameRange>& wanted, const FilmSignals& film,
                 std::shared_ptr<SharedChannels> shared)
-        : pattern_(pattern), keeps_codes_(film.keeps_codes), shared_(std::move(shared)) {
+        : pattern_(pattern), keeps_codes_(film.keeps_codes), chroma_(film.chroma), shared_(std::move(shared)) {
         frames_ = wanted ? *wanted : frames_on_disk(pattern);
         for (std::int64_t n = frames_.first; n <= frames_.last; ++n)
             if (!std::filesystem::exists(numbered(pattern_, n)))
@@ -111,7 +111,7 @@ class ImageFrames : public FrameSource {
         const image::Image first = read_image(frames_.first);
         size_ = {first.pixels.width(), first.pixels.height()};
         matrix_ = film.matrix.value_or(perceptual::matrix_for(size_.height));
-        display_.emplace(exposure.value_or(0.0f), matrix_, film.view);
+        display_.emplace(exposure.value_or(0.0f), matrix_, film.view, chroma_);
         // Files that know no other shape say square pixels.
         if (first.pixel_aspect > 0.001f && first.pixel_aspect < 1000 && first.pixel_aspect != 1)
             pixel_aspect_ = core::product({std::lround(10000 * first.pixel_aspect), 10000}, {1, 1});
@@ -133,8 +133,8 @@ class ImageFrames : public FrameSource {
             radiance.combined = colors;
             picture = display_->develop(radiance);
         } else {
-            picture = keeps_codes_ ? perceptual::picture_of_signals(colors, matrix_)
-                                   : perceptual::picture_of_srgb(colors, matrix_);
+            picture = keeps_codes_ ? perceptual::picture_of_signals(colors, matrix_, chroma_)
+                                   : perceptual::picture_of_srgb(colors, matrix_, chroma_);
         }
         picture.number = frame;
         return picture;
@@ -166,6 +166,7 @@ class ImageFrames : public FrameSource {
     std::filesystem::path pattern_;
     std::optional<perceptual::Display> display_;
     bool keeps_codes_;
+    perceptual::Chroma chroma_;
     perceptual::ColorMatrix matrix_ = perceptual::ColorMatrix::bt709;
     std::shared_ptr<SharedChannels> shared_;
     std::atomic<std::uint64_t> non_finite_ = 0;

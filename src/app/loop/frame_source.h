@@ -48,6 +48,7 @@ struct FilmSignals {
     std::optional<perceptual::ColorMatrix> matrix = {};  ///< none: by the pictures' height
     bool keeps_codes = false;  ///< PNG's code values are the film's R'G'B' as they are, whatever curve they have
     core::View view = {};      ///< of scene-linear images
+    perceptual::Chroma chroma = perceptual::Chroma::halved;
 };
 
 /// Opens `-` (Y4M from standard input), `film.y4m`, `frames.%04d.exr` (scene-linear, developed with `exposure` EV,

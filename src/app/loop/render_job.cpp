@@ -267,17 +267,29 @@ std::shared_ptr<scene::Animation> load(const RenderOptions& options) {
 
 }  // namespace
 
+namespace {
+
+/// Masters are not for the eye alone: they are lit as frames are, twice as finely.
+void settle_tolerance(RenderJob& film, const RenderOptions& options) {
+    const bool coded = film.kind == OutputKind::film;
+    const encoder::CodecFacts& codec = encoder::facts_of(codec_of(options.coding, options.output));
+    const bool master = coded && codec.master;
+    film.tolerance = tolerance_from(options.tolerance.value_or(master ? "fixed=1%" : coded ? "coupled" : "fixed=2%"));
+    film.coupling = coupling_settings(options, film.tolerance);
+    if (film.tolerance.coupled && (!coded || master))
+        throw UsageError(
+            "--tolerance coupled: only films for viewers hide what could be coupled to; choose fixed=P% for " +
+            (master ? std::string(codec.name) : options.output.string()));
+}
+
+}  // namespace
+
 RenderJob prepare(const RenderOptions& wanted) {
     const RenderOptions asked = with_effort(wanted), options = asked.preview ? preview_options(asked) : asked;
     RenderJob film;
     film.preview = options.preview;
     film.kind = options.output.empty() ? OutputKind::film : kind_of(options.output);
-    film.tolerance = tolerance_from(options.tolerance.value_or(film.kind == OutputKind::film ? "coupled" : "fixed=2%"));
-    film.coupling = coupling_settings(options, film.tolerance);
-    if (film.tolerance.coupled && film.kind != OutputKind::film)
-        throw UsageError(
-            "--tolerance coupled: only films are coded, and so have something to couple to; choose fixed=P% for " +
-            options.output.string());
+    settle_tolerance(film, options);
 
     const std::shared_ptr<scene::Animation> loaded = load(options);
     const Preset* preset = preset_of(options.coding);
@@ -312,7 +324,7 @@ RenderJob prepare(const RenderOptions& wanted) {
     film.rendering.mattes = options.layers || film.has_alpha();
 
     film.coding = coding_settings(options.coding, shape, film.frames.first, options.output);
-    film.coding.transfer_characteristics = transfer_of(film.view);
+    film.coding.transfer_characteristics = transfer_of(film.view, film.coding.codec);
     film.keyframes = keyframes_of(options.coding);
     film.two_passes = film.kind == OutputKind::film && two_passes(options.coding);
     film.disc = preset != nullptr && preset->disc;

@@ -87,7 +87,9 @@ struct RenderJob {
     /// Whether images of its frames have alpha.
     bool has_alpha() const;
     /// With 0 EV before the exposure is known.
-    perceptual::Display display() const { return {exposure.value_or(0), perceptual::matrix_for(format.height), view}; }
+    perceptual::Display display() const {
+        return {exposure.value_or(0), perceptual::matrix_for(format.height), view, chroma_of(coding.codec)};
+    }
     Film film() const {
         return {animation->source, frames, coding, keyframes, disc, core::name_of(rendering.isa), sound};
     }

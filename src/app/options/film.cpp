@@ -44,10 +44,11 @@ RenderOptions with_effort(const RenderOptions& options) {
     }
     const Effort& effort = effort_from(*options.effort);
     const bool coded = options.output.empty() || kind_of(options.output) == OutputKind::film;
+    const bool master = coded && encoder::facts_of(codec_of(options.coding, options.output)).master;
     if (!options.tolerance)
-        changed.tolerance = coded
+        changed.tolerance = coded && !master
                                 ? fmt::format("coupled={:g}", effort.fraction * perceptual::default_tolerance_fraction)
-                                : fmt::format("fixed={:g}%", 100 * effort.fixed);
+                                : fmt::format("fixed={:g}%", (master ? 50 : 100) * effort.fixed);
     if (options.is_given("--samples") || options.edge_samples) return changed;
     changed.samples = effort.samples;
     changed.edge_samples = effort.edge_samples;
@@ -196,8 +197,20 @@ encoder::RateControl rate_control(const CodingOptions& options) {
     return rate;
 }
 
+/// Masters have rates of their own.
+void refuse_rates(const CodingOptions& o, const encoder::CodecFacts& facts) {
+    const std::pair<const char*, bool> given[] = {{"--crf", o.crf.has_value()},
+                                                  {"--quantiser", o.quantiser.has_value()},
+                                                  {"--quality", o.quality.has_value()},
+                                                  {"--bitrate", o.bitrate.has_value()},
+                                                  {"--level", o.level.has_value()}};
+    for (const auto& [name, is_given] : given)
+        if (is_given) throw UsageError(fmt::format("{}: {} has its own rate; leave it out", name, facts.name));
+}
+
 int quantiser_of(const CodingOptions& options, encoder::Codec codec) {
     const encoder::CodecFacts facts = encoder::facts_of(codec);
+    if (facts.master) refuse_rates(options, facts);
     if (options.crf) {
         const std::string asked = fmt::format("--crf {}", *options.crf);
         if (codec == encoder::Codec::mpeg2)
@@ -307,6 +320,12 @@ encoder::Settings coding_settings(const CodingOptions& options, const Shape& sha
         std::min(options.b_pictures.value_or(coding.b_pictures), encoder::facts_of(coding.codec).most_b_pictures);
     coding.tune = options.tune == "perceptual" ? encoder::Tune::perceptual : encoder::Tune::psnr;
     coding.effort = options.encoder == "fast" ? encoder::Effort::fast : encoder::Effort::quality;
+    if (options.level) {
+        coding.level = level_from(*options.level);
+        if (coding.codec == encoder::Codec::mpeg2)
+            throw UsageError("--level " + *options.level +
+                             ": MPEG-2's follows from size and rate; choose --codec h264");
+    }
     coding.aspect_ratio_code = shape.aspect_ratio_code;
     coding.matrix_coefficients = static_cast<int>(perceptual::matrix_for(shape.size.height));
     if (const Preset* preset = preset_of(options)) apply(*preset, options, coding);

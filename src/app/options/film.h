@@ -10,7 +10,9 @@
 #include "app/options/shape.h"
 #include "core/view.h"
 #include "encoder/av/sound.h"
+#include "encoder/codec.h"
 #include "encoder/types.h"
+#include "perceptual/display.h"
 
 namespace render2mpeg::app {
 
@@ -102,10 +104,6 @@ void check_settings(const encoder::Settings& coding);
 
 bool two_passes(const CodingOptions& options);
 
-inline const char* usual_ending(encoder::Codec codec) {
-    return codec == encoder::Codec::mpeg2 ? ".mpg" : ".mp4";
-}
-
 /// MPEG-2's quantisers in a codec's own scale.
 std::vector<int> in_scale_of(encoder::Codec codec, std::vector<int> quantisers);
 
@@ -114,9 +112,14 @@ std::vector<int> in_scale_of(encoder::Codec codec, std::vector<int> quantisers);
 encoder::Settings coding_settings(const CodingOptions& options, const Shape& shape, std::int64_t first,
                                   const std::filesystem::path& output);
 
-/// transfer_characteristics of a view; Blender's have no number.
-inline int transfer_of(const core::View& view) {
-    return view.name == core::ViewName::neutral ? 1 : 2;
+/// transfer_characteristics of a view in a codec; Blender's views are sRGB's.
+inline int transfer_of(const core::View& view, encoder::Codec codec) {
+    return encoder::transfer_number(codec, view.name != core::ViewName::neutral);
+}
+
+/// What pictures must keep for a codec.
+inline perceptual::Chroma chroma_of(encoder::Codec codec) {
+    return encoder::facts_of(codec).master ? perceptual::Chroma::full : perceptual::Chroma::halved;
 }
 
 Keyframes keyframes_of(const CodingOptions& options);

@@ -14,6 +14,7 @@
 #include "core/rational.h"
 #include "core/text.h"
 #include "core/view.h"
+#include "encoder/codec.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -194,7 +195,7 @@ Rows light_rows(CommandLine& line) {
          "what they hide at most (default: 0.5), less in pictures that others are predicted from; fixed=P% of its "
          "luminance; `reference`: every light point and 4096 rays a point, slow; `truth`: paths of light instead of "
          "light points, as many as bring each pixel's standard error to 1% of its luminance, or truth=P%, very slow "
-         "(default: coupled for films, fixed=2% for frames)",
+         "(default: coupled for films, fixed=1% for masters, fixed=2% for frames)",
          "coupled|fixed=P%|reference|truth", tolerance_from},
         {"--masking", light, o.masking,
          "What hides errors in coupled films: the picture before, `warped` along motion, or place by place as decoded, "
@@ -212,6 +213,18 @@ Rows light_rows(CommandLine& line) {
     };
 }
 
+/// Words of all codecs, and the other name of HEVC.
+Values codec_words() {
+    std::vector<std::string> words;
+    std::string names;
+    for (const encoder::CodecFacts& facts : encoder::all_codecs) {
+        words.emplace_back(facts.word);
+        names += (names.empty() ? "" : "|") + words.back();
+    }
+    words.emplace_back("h265");
+    return {names, one_of(words).check};
+}
+
 Rows coding_rows(CommandLine& line) {
     CodingOptions& o = line.render.coding;
     return {
@@ -223,8 +236,14 @@ Rows coding_rows(CommandLine& line) {
          "quantiser_scale_code of P pictures: 1 is the finest, 31 the coarsest; what many pictures follow from\nis a "
          "little finer, B pictures are coarser. Other codecs code to about the same quality",
          range(1, 31), ShownAs{"4"}, Idle::uncoded},
-        {"--codec", coding, o.codec, "How pictures are coded (default: h264 in .mp4, .mov and .mkv, else mpeg2)",
-         Values{"mpeg2|h264|hevc|av1", one_of({"mpeg2", "h264", "hevc", "av1", "h265"}).check}, Idle::uncoded},
+        {"--codec", coding, o.codec,
+         "How pictures are coded (default: h264 in .mp4, .mov and .mkv, else mpeg2); the last three are masters for "
+         "editors",
+         codec_words(), Idle::uncoded},
+        {"--level", coding, o.level,
+         "Level of H.264, HEVC or AV1 that the film declares and keeps to in size, rate and references, e.g. 4.1 "
+         "(default: the lowest that holds its pictures)",
+         "LEVEL", level_from, Idle::uncoded},
         {"--crf", coding, o.crf,
          "Instead of --quantiser: QP of P pictures in the codec's own scale, 1 to 51 in H.264 and HEVC, to 63 in AV1; "
          "26, 26 and 33 are like quantiser 4",

@@ -116,6 +116,13 @@ FrameRange contiguous_from(const std::string& text) {
     return frames_from(std::string(text).replace(dash, 1, ":"));
 }
 
+int level_from(const std::string& text) {
+    const bool is_level =
+        text.size() == 3 && text[1] == '.' && text[0] >= '1' && text[0] <= '9' && text[2] >= '0' && text[2] <= '9';
+    if (!is_level) throw UsageError("level " + text + ": expected one such as 4.1");
+    return 10 * (text[0] - '0') + (text[2] - '0');
+}
+
 ToleranceRequest tolerance_from(const std::string& text) {
     const std::size_t equals = text.find('=');
     const std::string kind = text.substr(0, equals), value = equals == std::string::npos ? "" : text.substr(equals + 1);

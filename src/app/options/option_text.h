@@ -15,6 +15,9 @@ FrameRange frames_from(const std::string& text);
 /// "A-B" as in OpenJD's chunks.
 FrameRange contiguous_from(const std::string& text);
 ToleranceRequest tolerance_from(const std::string& text);
+
+/// Ten times a level: "4.1" is 41.
+int level_from(const std::string& text);
 /// "180" or "180:0.25": degrees and frames.
 ShutterRequest shutter_from(const std::string& text);
 /// "off": 0, or visibility from core::least_visibility to core::most_visibility.

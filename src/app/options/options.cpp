@@ -80,7 +80,7 @@ const std::string picture_options =
 const std::string light_options = "--samples --edge-samples --exposure-samples ";
 const std::string accuracy_options = "--tolerance --masking --clamp --cache ";
 /// Of all commands that code; options of rates stand apart, since some commands set them.
-const std::string coding_options = "--for --quantiser --codec --crf ";
+const std::string coding_options = "--for --quantiser --codec --level --crf ";
 const std::string rate_options = "--quality --bitrate --cbr --maxrate --vbv --passes ";
 const std::string group_options = "--gop --b-pictures --tune --encoder --keyframes ";
 const std::string sound_options = "--audio --audio-offset ";

@@ -39,7 +39,8 @@ inline constexpr int usual_gop = 60;
 
 /// Coding options of `render` and `encode`.
 struct CodingOptions {
-    std::optional<std::string> codec, bitrate, maxrate, vbv, preset, display_aspect, pixel_aspect, keyframes, audio;
+    std::optional<std::string> codec, level, bitrate, maxrate, vbv, preset, display_aspect, pixel_aspect, keyframes,
+        audio;
     std::optional<int> quantiser, crf, passes, gop, b_pictures;
     std::optional<double> quality;
     bool constant_rate = false;
