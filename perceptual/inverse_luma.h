@@ -25,6 +25,11 @@ struct PixelLight {
     int height() const { return luma.height(); }
 };
 
+template <class A>
+void archive(A& a, PixelLight& light) {
+    a(light.luma, light.luminance, light.exponent);
+}
+
 /// Distances in luma as distances in light: the inverse of the display for a pixel's own chromaticity
 /// [Render2MPEG, eq. 7.4]. Display::with_luma is exact and slow; this is a table for grey, with its exponent corrected
 /// to the colour's first order: exact for grey, for colours within 1 % of with_luma in the median and 31 % for 99 of

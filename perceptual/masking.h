@@ -15,6 +15,11 @@ struct ThresholdMap {
     core::Plane<core::Block8x8> blocks;
 };
 
+template <class A>
+void archive(A& a, ThresholdMap& map) {
+    a(map.picture, map.blocks);
+}
+
 /// Thresholds by luminance and contrast masking (docs/model/tolerance.md) from unrounded luma, or `y` without it; edges
 /// repeat beyond the picture. The luma is finite.
 ThresholdMap mask(const core::Picture& picture);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "core/archive.h"
 #include "core/motion_field.h"
 #include "core/picture.h"
 #include "core/radiance.h"
@@ -76,6 +77,17 @@ struct TemporalState {
     core::Plane<float> errors;      ///< e_xy (7.4), by the quantisers really used; luminance, > 0
     core::Plane<float> tolerances;  ///< dY_xy(t) (7.5), likewise
 };
+
+/// Every member of what is kept between pictures.
+template <class A>
+void archive(A& a, Observation& o) {
+    a(o.number, o.visible, o.coefficients, o.thresholds, o.light, o.warped);
+}
+template <class A>
+void archive(A& a, TemporalState& s) {
+    a(s.number, s.visible, s.coefficients, s.residual, s.thresholds, s.light, s.intra, s.emphasis, s.plan, s.errors);
+    a(s.tolerances);
+}
 
 /// Errors of a future picture masked by a remembered one: the same for all pictures with the same coding plan.
 struct Requantised {

@@ -98,6 +98,12 @@ struct Renderer::Impl {
         times[Pass::indirect_tree] += seconds - direct_seconds;
     }
 
+    /// What frames learn from those before them; lights follow from instants alone, and a draft keeps nothing.
+    template <class A>
+    void keep(A& a) {
+        a(cache, final_gather.cache(), calibration, caustics, ambient_air);
+    }
+
     std::uint64_t gathered_rays() const { return final_gather.counts().rays + final_gather.counts().cell_rays; }
 
     CutLimits cut_limits() const { return {settings.min_cut, settings.max_cut, 1.0f}; }
@@ -321,6 +327,28 @@ Frame Renderer::look(const scene::Snapshot& snapshot) {
     return frame;
 }
 
+Frame Renderer::look_at_middles(const scene::Snapshot& snapshot) {
+    impl_->pose(snapshot);
+    const Stopwatch timer(impl_->times[Pass::see]);
+    SeeSettings middles = impl_->see_settings();
+    middles.samples = middles.edge_samples = 1;  // the middle is the first of all
+    middles.mattes = false;
+    SeeCounts counts;
+    Frame seen = see(impl_->posed_scene, middles, impl_->plan, counts);
+    Frame frame;
+    frame.visible = std::move(seen.visible);
+    frame.imaged = std::move(seen.imaged);
+    return frame;
+}
+
+void Renderer::save(core::ArchiveWriter& archive) {
+    impl_->keep(archive);
+}
+
+void Renderer::restore(core::ArchiveReader& archive) {
+    impl_->keep(archive);
+}
+
 Lit Renderer::light(const scene::Snapshot& snapshot, Frame frame, const LightOrder& order) {
     return gather(snapshot, place(snapshot, std::move(frame), order), order);
 }
@@ -440,7 +468,11 @@ const Statistics& Renderer::statistics() const {
 }
 
 void Renderer::count_anew() {
+    // Lights that stay what they are have their points still.
+    const std::size_t direct = impl_->statistics.direct_points, indirect = impl_->statistics.indirect_points;
     impl_->statistics = {};
+    impl_->statistics.direct_points = direct;
+    impl_->statistics.indirect_points = indirect;
     impl_->statistics.image_notes = impl_->posed_scene.notes();
     impl_->times = {};
     impl_->earlier_layer_seconds = impl_->posed_scene.layer_seconds();

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/archive.h"
 #include "core/motion_field.h"
 #include "core/radiance.h"
 #include "core/tolerance_map.h"
@@ -91,6 +92,14 @@ class Renderer {
 
     /// Primary visibility with antialiasing; no light. May run ahead by some frames of a chunk that was started.
     Frame look(const scene::Snapshot& snapshot);
+
+    /// What the middles of pixels show, `visible` and `imaged` alone: the same as look() finds, for a part of its time.
+    Frame look_at_middles(const scene::Snapshot& snapshot);
+
+    /// All that the chunk's light so far decides of later frames, between two of them. `restore`: in a chunk that was
+    /// started, for whose frames so far `prepare` was called in order. Throws core::Error.
+    void save(core::ArchiveWriter& archive);
+    void restore(core::ArchiveReader& archive);
 
     /// All light of a frame of this instant: gathers light of the placed frame.
     Lit light(const scene::Snapshot& snapshot, Frame frame, const LightOrder& order);

@@ -5,6 +5,7 @@ option(RENDER2MPEG_FUZZ "Build libFuzzer programs, fuzz_NAME for each door (clan
 
 render2mpeg_test(fuzz OPENS_MODULES LIBS render2mpeg_app PkgConfig::fuzz_libavcodec PkgConfig::fuzz_libmpeg2)
 if(TARGET test_fuzz)
+  add_dependencies(test_fuzz render2mpeg) # reads models for it
   file(GLOB fuzz_targets CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/fuzz/*_target.cpp ${CMAKE_CURRENT_SOURCE_DIR}/fuzz/*_targets.cpp)
   add_library(render2mpeg_fuzz STATIC ${fuzz_targets})
   target_include_directories(render2mpeg_fuzz PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})

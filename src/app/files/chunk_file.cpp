@@ -66,7 +66,8 @@ void ChunkFile::finish(const json& facts) {
     write_whole(record_of(file_), record.dump() + "\n");
 }
 
-void ChunkFile::abandon() {
+void ChunkFile::abandon(std::int64_t lit) {
+    lit_ = lit;
     errno = 0;
     stream_.close();
     if (!stream_) throw core::Error("writing", file_.string(), reason());

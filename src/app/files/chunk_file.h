@@ -34,8 +34,9 @@ class ChunkFile {
     /// Closes the stream and writes its record (`.json`), which marks the chunk as whole and keeps `facts`. Throws
     /// core::Error.
     void finish(const nlohmann::json& facts);
-    /// Closes an unfinished stream, which stays playable.
-    void abandon();
+    /// Closes an unfinished stream, which stays playable. `lit`: its first frames that are kept beside it.
+    void abandon(std::int64_t lit = 0);
+    std::int64_t lit() const { return lit_; }
 
     const Chunk& chunk() const { return chunk_; }
     const std::filesystem::path& file() const { return file_; }
@@ -53,6 +54,7 @@ class ChunkFile {
     std::ofstream stream_;
     std::vector<PictureRecord> pictures_;
     Checksum checksum_;  ///< of the stream
+    std::int64_t lit_ = 0;
 };
 
 inline int index_of(const ChunkFile& file) {

@@ -252,14 +252,22 @@ std::vector<ChunkFile> WorkFolder::finished(const std::vector<Chunk>& chunks, co
     return files;
 }
 
-void WorkFolder::drop_all_but(const std::vector<ChunkFile>& chunks) {
+std::filesystem::path WorkFolder::stream_of(const Chunk& chunk) const {
+    return place(name_of(chunk));
+}
+
+void WorkFolder::drop_all_but(const std::vector<ChunkFile>& chunks, const std::vector<Chunk>& in_the_making) {
     for (const std::filesystem::path& entry : entries_of(folder_)) {
         const std::string name = entry.filename().string();
         const bool own = name == lock_name || name == manifest_name;
         // Streams, records, frames and heatmaps of chunks.
         const bool wanted = std::ranges::any_of(
             chunks, [&](const ChunkFile& chunk) { return name.starts_with(chunk.file().stem().string() + "."); });
-        if (!own && !wanted) std::filesystem::remove_all(entry);
+        const bool lit = std::ranges::any_of(in_the_making, [&](const Chunk& chunk) {
+            const std::string stem = stream_of(chunk).stem().string();
+            return name == stem + ".lit" || name == stem + ".state";
+        });
+        if (!own && !wanted && !lit) std::filesystem::remove_all(entry);
     }
 }
 

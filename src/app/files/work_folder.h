@@ -62,8 +62,10 @@ class WorkFolder {
 
     /// Finished chunks, with gaps; none unless resumed. `of`: of a heatmap's streams, by name; empty: the film's.
     std::vector<ChunkFile> finished(const std::vector<Chunk>& chunks, const std::string& of = {}) const;
-    /// Removes everything else but the folder's own files.
-    void drop_all_but(const std::vector<ChunkFile>& chunks);
+    /// Removes everything else but the folder's own files, and lit frames of chunks in the making.
+    void drop_all_but(const std::vector<ChunkFile>& chunks, const std::vector<Chunk>& in_the_making = {});
+    /// Place of a chunk's stream.
+    std::filesystem::path stream_of(const Chunk& chunk) const;
 
     /// Kept value; null where there is none.
     nlohmann::json kept(const std::string& name) const;

@@ -46,6 +46,13 @@ class Coupling {
     /// Learns what coding left of a picture. Pictures come in coding order.
     void judge(const encoder::CodedPicture& coded);
 
+    /// Its state between two frames.
+    template <class A>
+    friend void archive(A& a, Coupling& c) {
+        a(c.state_, c.kept_, c.reference_);
+        if constexpr (std::is_same_v<A, core::ArchiveReader>) c.requantised_.reset();
+    }
+
   private:
     float fraction_for(const encoder::PicturePlan& plan) const;
     perceptual::CodingPlan steps_of(encoder::PictureType type, int quantiser) const;

@@ -3,6 +3,7 @@
 
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
+#include "core/archive.h"
 #include "core/radiance.h"
 #include "core/tolerance_map.h"
 #include "perceptual/glare.h"
@@ -21,6 +22,11 @@ class GlareFilter {
 
     /// From tolerances of shown light to those of light: the veil's share of the background is taken off.
     void carry_back(core::ToleranceMap& tolerance) const;
+
+    template <class A>
+    friend void archive(A& a, GlareFilter& filter) {
+        a(filter.veil_);
+    }
 
   private:
     std::optional<perceptual::Glare> glare_;

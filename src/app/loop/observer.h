@@ -29,6 +29,8 @@ class LoopObserver {
   public:
     virtual ~LoopObserver() = default;
     virtual void lit(const LitFrame&) {}
+    /// A frame that an earlier run of the chunk lit: world, picture and motion alone.
+    virtual void lit_before(const LitFrame&) {}
     /// A frame from a file in place of a lit one. `motion` leads to the frame before; null: not known.
     virtual void read(const core::Picture& picture, const core::MotionField* motion) {
         static_cast<void>(picture), static_cast<void>(motion);
@@ -46,6 +48,7 @@ class LoopObservers : public LoopObserver {
   public:
     void add(LoopObserver& observer) { all_.push_back(&observer); }
     void lit(const LitFrame& frame) override { tell(&LoopObserver::lit, frame); }
+    void lit_before(const LitFrame& frame) override { tell(&LoopObserver::lit_before, frame); }
     void read(const core::Picture& picture, const core::MotionField* motion) override {
         tell(&LoopObserver::read, picture, motion);
     }

@@ -27,9 +27,13 @@ constexpr float rough_tolerance = 0.3f;
 class ChunkLoop {
   public:
     ChunkLoop(const RenderJob& job, renderer::Renderer& renderer, const Chunk& chunk, LoopObserver& observer,
-              RunStatistics& statistics);
+              RunStatistics& statistics, KeptFrames* kept);
 
     void frame(std::int64_t n);
+    /// A frame that an earlier run lit. The last of them brings the state that they left.
+    void repeat(std::int64_t n);
+    /// Keeps the frames so far for a later run.
+    void keep();
     void finish();
 
   private:
@@ -44,6 +48,13 @@ class ChunkLoop {
     void code(const core::Picture& picture, const core::Radiance& shown, const core::Visible& visible,
               const encoder::PicturePlan& plan, Motion& motion);
     void take(const std::vector<encoder::CodedPicture>& pictures);
+    void repeat_coding(std::int64_t n);
+    void restore();
+    template <class A>
+    void archive_state(A& a) {
+        a(shown_);
+        if (coupling_) a(*coupling_);
+    }
 
     const RenderJob& job_;
     renderer::Renderer& renderer_;
@@ -58,10 +69,11 @@ class ChunkLoop {
     std::optional<PictureCoder> coder_;  ///< none: pictures are not coded
     std::optional<Coupling> coupling_;   ///< none: tolerances are fixed
     core::ToleranceMap tolerance_;       ///< of the frame's light
+    KeptFrames* kept_;                   ///< null: no frames are kept
 };
 
 ChunkLoop::ChunkLoop(const RenderJob& job, renderer::Renderer& renderer, const Chunk& chunk, LoopObserver& observer,
-                     RunStatistics& statistics)
+                     RunStatistics& statistics, KeptFrames* kept)
     : job_(job),
       renderer_(renderer),
       chunk_(chunk),
@@ -70,7 +82,8 @@ ChunkLoop::ChunkLoop(const RenderJob& job, renderer::Renderer& renderer, const C
       shown_(job, statistics),
       posed_(job),
       recorder_(statistics, job.kind == OutputKind::film),
-      auditor_(renderer, display_, job.audit, statistics) {
+      auditor_(renderer, display_, job.audit, statistics),
+      kept_(kept) {
     renderer.start_chunk(*posed_.at(chunk.first));
     if (job.kind == OutputKind::film)
         coder_.emplace(job.film(), chunk, job.allocations, shots_of(*job.animation), statistics,
@@ -103,6 +116,60 @@ void ChunkLoop::frame(std::int64_t n) {
     const parallel::StopWhen never({});
     observers_.lit({*world, lit, tolerance_, shown, picture, motion, before, renderer_.statistics()});
     code(picture, shown, lit.frame.visible, coding, motion);
+    if (kept_ != nullptr && n < chunk_.last) kept_->add(picture);
+}
+
+void ChunkLoop::repeat(std::int64_t n) {
+    repeat_coding(n);
+    if (n - chunk_.first + 1 == kept_->frames()) restore();
+}
+
+/// Lights of every instant follow from those before; of what is seen the coder asks pixels' motion alone.
+void ChunkLoop::repeat_coding(std::int64_t n) {
+    const std::shared_ptr<const scene::Snapshot> world = posed_.at(n);
+    renderer_.prepare(*world);
+    renderer::Lit lit;
+    if (coder_) lit.frame = timed(statistics_, Stage::see, [&] { return renderer_.look_at_middles(*world); });
+    RenderedMotion motion(job_, posed_, lit.frame.visible, *world, statistics_, lit.frame.imaged);
+    encoder::PicturePlan coding;
+    if (coder_) coding = coder_->plan(n, world->cut_before, motion);
+    const core::Picture picture = kept_->next(n);
+    const parallel::StopWhen never({});
+    const renderer::Statistics counts = renderer_.statistics();
+    observers_.lit_before({*world, lit, tolerance_, lit.radiance, picture, motion, counts, counts});
+    if (!coder_) return;
+    statistics_.frames.back().type = "-IPB"[static_cast<int>(coding.type)];
+    take(coder_->code(picture, coding, motion));
+}
+
+void ChunkLoop::restore() {
+    const std::unique_ptr<core::ArchiveReader> state = kept_->state();
+    renderer_.restore(*state);
+    archive_state(*state);
+    // What lighting took is known; the rest of their entries is found again.
+    RunStatistics earlier;
+    app::restore(earlier, kept_->statistics());
+    std::vector<FrameEntry> frames = std::exchange(statistics_.frames, {});
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+        const FrameEntry& lit = earlier.frames.at(i);
+        frames[i].shadow_rays = lit.shadow_rays;
+        frames[i].direct_cut = lit.direct_cut;
+        frames[i].indirect_cut = lit.indirect_cut;
+        frames[i].records = lit.records;
+        frames[i].seconds = lit.seconds;
+    }
+    earlier.frames.clear();
+    statistics_ = sum_of(earlier, statistics_);
+    statistics_.frames = std::move(frames);
+    renderer_.count_anew();
+}
+
+void ChunkLoop::keep() {
+    if (kept_ == nullptr) return;
+    kept_->keep(totals_of(statistics_, renderer_), [&](core::ArchiveWriter& state) {
+        renderer_.save(state);
+        archive_state(state);
+    });
 }
 
 void ChunkLoop::finish() {
@@ -188,15 +255,21 @@ void ChunkLoop::take(const std::vector<encoder::CodedPicture>& pictures) {
 
 bool render_chunk(const RenderJob& job, renderer::Renderer& renderer, const Chunk& chunk, LoopObserver& observer,
                   RunStatistics& statistics, const std::function<bool()>& frame_done,
-                  const std::function<bool()>& stops) {
+                  const std::function<bool()>& stops, KeptFrames* kept) {
     observer.begins(chunk);
+    const std::int64_t lit = kept == nullptr ? 0 : kept->frames();
     std::optional<ChunkLoop> loop;
     bool whole = true;
     try {
         const parallel::StopWhen stop(stops);
-        loop.emplace(job, renderer, chunk, observer, statistics);
+        loop.emplace(job, renderer, chunk, observer, statistics, kept);
         for (std::int64_t n = chunk.first; n <= chunk.last && whole; ++n) {
-            loop->frame(n);
+            if (n - chunk.first < lit) {
+                loop->repeat(n);
+            } else {
+                loop->frame(n);
+                if (n < chunk.last) loop->keep();
+            }
             whole = frame_done() || n == chunk.last;
         }
     } catch (const parallel::Stopped&) {

@@ -11,6 +11,7 @@
 
 #include "app/files/file_io.h"
 #include "app/loop/first_pass.h"
+#include "app/loop/kept_frames.h"
 #include "app/system/interrupt.h"
 #include "app/system/terminal.h"
 #include "scene/preparation/traits.h"
@@ -26,19 +27,6 @@ json options_of(const RenderOptions& options) {
     // Layers already written lie in this folder alone.
     if (options.layers) words["--aov"] = canonical_of(*options.layers).string();
     return words;
-}
-
-/// Images of these frames: the output's, and layers.
-std::vector<std::filesystem::path> images_of(const RenderJob& film, const RenderOptions& options,
-                                             const FrameRange& frames) {
-    std::vector<std::filesystem::path> files;
-    for (std::int64_t n = frames.first; n <= frames.last; ++n) {
-        if (film.kind == OutputKind::exr || film.kind == OutputKind::png) files.push_back(numbered(options.output, n));
-        if (!options.layers) continue;
-        files.push_back(numbered(layers_in(*options.layers), n));
-        files.push_back(numbered(motion_in(*options.layers), n));
-    }
-    return files;
 }
 
 /// Files of a chunk's frames beside the coded stream.
@@ -95,13 +83,16 @@ bool take_in(const RenderJob& film, const RenderOptions& options, const WorkFold
     }
 }
 
-/// First frame of the first chunk that is not whole; behind the last where all are.
-std::int64_t first_missing(const RenderJob& film, const std::vector<ChunkFile>& files) {
+/// First frame that is not there; behind the last where all are. `work`: has lit frames of chunks without a file.
+std::int64_t first_missing(const RenderJob& film, const std::vector<ChunkFile>& files,
+                           const WorkFolder* work = nullptr) {
     const std::vector<Chunk> chunks = film.chunks();
-    for (const Chunk& chunk : chunks)
-        if (std::ranges::none_of(
-                files, [&](const ChunkFile& file) { return file.chunk().index == chunk.index && is_whole(file); }))
-            return chunk.first;
+    for (const Chunk& chunk : chunks) {
+        const auto file = std::ranges::find(files, chunk.index, index_of);
+        if (file != files.end() && is_whole(*file)) continue;
+        if (file != files.end()) return chunk.first + file->lit();
+        return chunk.first + (work == nullptr ? 0 : KeptFrames::left_beside(work->stream_of(chunk)));
+    }
     return chunks.back().last + 1;
 }
 
@@ -181,6 +172,18 @@ std::vector<encoder::BitAllocation> allocations_from(const RenderJob& film, cons
 }
 
 }  // namespace
+
+std::vector<std::filesystem::path> images_of(const RenderJob& film, const RenderOptions& options,
+                                             const FrameRange& frames) {
+    std::vector<std::filesystem::path> files;
+    for (std::int64_t n = frames.first; n <= frames.last; ++n) {
+        if (film.kind == OutputKind::exr || film.kind == OutputKind::png) files.push_back(numbered(options.output, n));
+        if (!options.layers) continue;
+        files.push_back(numbered(layers_in(*options.layers), n));
+        files.push_back(numbered(motion_in(*options.layers), n));
+    }
+    return files;
+}
 
 std::vector<Files> inputs_of(const RenderJob& film, const RenderOptions& options) {
     const std::vector<std::filesystem::path> scene = scene_files_of(film, options);
@@ -264,13 +267,19 @@ std::vector<ChunkFile> take_up(const RenderJob& film, const RenderOptions& optio
     for (std::size_t i = 0; i < statistics.seconds.size(); ++i) earlier.seconds[i] += statistics.seconds[i];
     statistics = std::move(earlier);
     kept(chunks);
-    work.drop_all_but(chunks);
+    std::vector<Chunk> missing = film.chunks();
+    std::erase_if(missing,
+                  [&](const Chunk& chunk) { return std::ranges::find(chunks, chunk.index, index_of) != chunks.end(); });
+    work.drop_all_but(chunks, missing);
+    std::int64_t lit = 0;
+    for (const Chunk& chunk : missing) lit += KeptFrames::left_beside(work.stream_of(chunk));
     if (!options.quiet) {
         const std::string name = options.output.string();
         const std::string text =
-            chunks.empty() ? fmt::format("--resume: no chunk was left of {}, which begins anew", name)
-                           : fmt::format("resuming {} with frame {}: {} of {} are there", name,
-                                         first_missing(film, chunks), statistics.frames.size(), film.frame_count());
+            chunks.empty() && lit == 0
+                ? fmt::format("--resume: no frame was left of {}, which begins anew", name)
+                : fmt::format("resuming {} with frame {}: {} of {} are there", name, first_missing(film, chunks, &work),
+                              static_cast<std::int64_t>(statistics.frames.size()) + lit, film.frame_count());
         print_line(text);
     }
     return chunks;
@@ -302,11 +311,13 @@ void settle(RenderJob& film, const RenderOptions& options, WorkFolder* work, Run
     if (!film.allocations.empty()) keep("allocations", written);
 }
 
+bool is_of_use(const std::vector<ChunkFile>& files) {
+    return std::ranges::any_of(files, [](const ChunkFile& file) { return is_whole(file) || file.lit() > 0; });
+}
+
 std::string resuming_text(const RenderJob& film, const std::vector<ChunkFile>& files, const std::string& command) {
     const std::vector<Chunk> chunks = film.chunks();
-    if (std::ranges::none_of(files, &is_whole))
-        return fmt::format("no chunk of {} frames is whole yet, so that --resume would begin anew",
-                           chunks.front().frames());
+    if (!is_of_use(files)) return "no frame is kept yet, so that --resume would begin anew";
     const std::int64_t next = first_missing(film, files);
     if (next > chunks.back().last) return "with --resume only what comes after the last frame is done again";
     std::int64_t behind = 0;

@@ -36,6 +36,10 @@ std::vector<Files> inputs_of(const RenderJob& film, const RenderOptions& options
 std::filesystem::path frames_of(const RenderJob& film, const RenderOptions& options, const WorkFolder& work,
                                 const Chunk& chunk);
 
+/// Files that a frame has beside the film: images, layers.
+std::vector<std::filesystem::path> images_of(const RenderJob& film, const RenderOptions& options,
+                                             const FrameRange& frames);
+
 /// Record of a chunk: its statistics, and checksums of its files.
 nlohmann::json chunk_record_of(const RenderJob& film, const RenderOptions& options, const WorkFolder& work,
                                const Chunk& chunk, const RunStatistics& statistics);
@@ -59,6 +63,9 @@ void settle(RenderJob& film, const RenderOptions& options, WorkFolder* work, Run
 inline void settle(RenderJob& film, const RenderOptions& options, WorkFolder& work, RunStatistics& statistics) {
     settle(film, options, &work, statistics);
 }
+
+/// Whether a later run goes on from these chunks.
+bool is_of_use(const std::vector<ChunkFile>& files);
 
 /// Effect of `command` with --resume on these chunks, as a part of a sentence.
 std::string resuming_text(const RenderJob& film, const std::vector<ChunkFile>& files,

@@ -94,7 +94,7 @@ std::unique_ptr<Sink> make_sink(const RenderJob& film, const std::filesystem::pa
         const auto writer = std::make_shared<av::Y4mWriter>(output, film.format.width, film.format.height, film.rate,
                                                             film.pixel_aspect);
         return std::make_unique<FrameSink>([writer](const LitFrame& frame) { writer->write(frame.picture); },
-                                           [writer] { writer->finish(); });
+                                           [writer] { writer->finish(); }, true);
     }
     if (film.kind == OutputKind::exr)
         return std::make_unique<FrameSink>([&film, output](const LitFrame& frame) {

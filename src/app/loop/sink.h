@@ -25,15 +25,20 @@ class Sink : public LoopObserver {
 class FrameSink : public Sink {
   public:
     using Lit = std::function<void(const LitFrame&)>;
+    /// `again`: it begins anew with each run of a chunk.
     explicit FrameSink(
-        Lit lit, std::function<void()> finish = [] {})
-        : lit_(std::move(lit)), finish_(std::move(finish)) {}
+        Lit lit, std::function<void()> finish = [] {}, bool again = false)
+        : lit_(std::move(lit)), finish_(std::move(finish)), again_(again) {}
     void lit(const LitFrame& frame) override { lit_(frame); }
+    void lit_before(const LitFrame& frame) override {
+        if (again_) lit_(frame);
+    }
     void finish() override { finish_(); }
 
   private:
     Lit lit_;
     std::function<void()> finish_;
+    bool again_;
 };
 
 class ChunkWriter : public LoopObserver {

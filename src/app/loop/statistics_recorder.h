@@ -26,6 +26,7 @@ class StatisticsRecorder : public LoopObserver {
 
     /// Opens the entry of a frame with what gathering its light took: the growth of the renderer's counts.
     void lit(const LitFrame& frame) override;
+    void lit_before(const LitFrame& frame) override { lit(frame); }
     void read(const core::Picture& picture, const core::MotionField* motion) override;
     /// Completes the entry of a picture that was coded.
     void coded(const encoder::CodedPicture& coded) override;

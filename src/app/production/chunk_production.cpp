@@ -90,6 +90,7 @@ class ChunkProduction {
     bool stops() const { return failed_ || InterruptGuard::requested(); }
     void drive(renderer::Renderer& renderer);
     void make(const Chunk& chunk, renderer::Renderer& renderer, Made& made);
+    std::optional<KeptFrames> kept_of(const Chunk& chunk) const;
     nlohmann::json record_of(const Chunk& chunk, RunStatistics statistics);
     bool frame_done();
     bool collect();
@@ -187,8 +188,10 @@ void ChunkProduction::make(const Chunk& chunk, renderer::Renderer& renderer, Mad
     if (!open_.heatmaps.empty()) products.add(open_.heatmaps);
     const bool has_sample = options_.report && open_.sample_frame.is_in(chunk);
     if (has_sample) products.add(open_.sample_frame);
+    std::optional<KeptFrames> kept = kept_of(chunk);
     made.whole = render_chunk(
-        film_, renderer, chunk, products, made.statistics, [&] { return frame_done(); }, [&] { return stops(); });
+        film_, renderer, chunk, products, made.statistics, [&] { return frame_done(); }, [&] { return stops(); },
+        kept ? &*kept : nullptr);
     if (sink) sink->finish();
     made.statistics = totals_of(made.statistics, renderer);
     renderer.count_anew();
@@ -196,12 +199,36 @@ void ChunkProduction::make(const Chunk& chunk, renderer::Renderer& renderer, Mad
         nlohmann::json record = record_of(chunk, made.statistics);
         if (has_sample) record[sample_frame_name] = open_.sample_frame.figures();
         file->finish(record);
+        if (kept) kept->drop();
         if (light_ && !add_light(*light_, renderer, options_)) light_.reset();
         if (options_.verbose) print_line(chunk_text(chunk, made.statistics));
     } else {
-        file->abandon();
+        file->abandon(kept ? kept->frames() : 0);
     }
     made.file = std::move(file);
+}
+
+/// Lit frames of a chunk in the making. None where what looks on needs more of each frame than its picture, and where
+/// frames cost no more than to keep them.
+std::optional<KeptFrames> ChunkProduction::kept_of(const Chunk& chunk) const {
+    if (!open_.heatmaps.empty() || film_.audit > 0 || film_.preview || options_.as) return {};
+    if (options_.report && open_.sample_frame.is_in(chunk)) return {};
+    KeptChunk of{open_.work.stream_of(chunk), chunk,
+                 open_.identity.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)};
+    of.width = film_.format.width;
+    of.height = film_.format.height;
+    of.needs_pictures = film_.kind == OutputKind::film || film_.kind == OutputKind::y4m;
+    of.products = [this](std::int64_t n) { return images_of(film_, options_, {n, n}); };
+    if (at_once_ == 1)
+        of.add_times = [this](RunStatistics& own) {
+            own.earlier_wall += open_.clock.seconds(open_.statistics) - written_.earlier_wall;
+            own.earlier_cpu += cpu_seconds() - written_.earlier_cpu;
+        };
+    std::optional<KeptFrames> kept(std::in_place, std::move(of));
+    if (!kept->complaint().empty())
+        print_line(open_.work.stream_of(chunk).replace_extension(".state").string() + " " + kept->complaint() +
+                   ": its frames are lit anew");
+    return kept;
 }
 
 /// Times that no chunk has yet are this one's, so that those of all sum up to what the run took.

@@ -222,7 +222,7 @@ bool render_chunks(const OpenRender& open) {
     try {
         return make_chunks(open, static_cast<std::size_t>(chunks_at_once(open.film, open.options).count));
     } catch (const core::Error& error) {
-        const bool keeps = std::ranges::any_of(open.files, &is_whole);
+        const bool keeps = is_of_use(open.files);
         // Images have their names already: nothing is left to go on from.
         if (!keeps && !is_one_file(open.film.kind)) open.work.remove();
         if (!keeps) throw;

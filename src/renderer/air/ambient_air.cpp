@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "core/numeric.h"
 #include "parallel/loops.h"
@@ -94,10 +95,13 @@ void AmbientAir::start(std::int64_t lit_frame, const LightTrees& light_trees, st
     gather_ = gather;
     bounces_ = bounces;
     least_distance_ = std::max(extent, 1e-6f) * finest_cell / cell_of_distance;
-    if (lit_frame == lit_frame_) return;
+    const bool is_known = std::exchange(is_known_, false) && lit_frame == lit_frame_;
+    if (lit_frame == lit_frame_ && !is_known) return;
     lit_frame_ = lit_frame;
-    known_.clear();
-    light_.clear();
+    if (!is_known) {
+        known_.clear();
+        light_.clear();
+    }
     light_trees_ = light_trees;
     light_trees_.exact.clear();
     light_trees_.trees[static_cast<std::size_t>(LightType::punctual)] = {};

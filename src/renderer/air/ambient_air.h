@@ -6,6 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "core/archive.h"
 #include "renderer/base/air.h"
 #include "renderer/gather/final_gather.h"
 #include "renderer/geometry/ray_tracer.h"
@@ -34,6 +35,13 @@ class AmbientAir {
     /// Places nearer to the eye are lit as those at this distance.
     float least_distance() const { return least_distance_; }
 
+    /// What is known, and of which instant's light: `start` does not forget that.
+    template <class A>
+    friend void archive(A& a, AmbientAir& air) {
+        a(air.lit_frame_, air.known_, air.light_);
+        air.is_known_ = true;
+    }
+
   private:
     struct Corner;
 
@@ -42,6 +50,7 @@ class AmbientAir {
     void for_each_corner(glm::vec3 place, float distance, Visit visit) const;
 
     std::int64_t lit_frame_ = -1;
+    bool is_known_ = false;  ///< of `lit_frame_`, but not by which trees
     bool shines_ = false, bounces_ = true;
     float least_distance_ = 1;
     LightTrees light_trees_;

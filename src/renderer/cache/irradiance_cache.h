@@ -37,6 +37,12 @@ class IrradianceCache {
         return records_.bytes() + history_.bytes() + library_.bytes() + left_.capacity() * sizeof(StoredRecord);
     }
 
+    /// All that it knows of the chunk.
+    template <class A>
+    friend void archive(A& a, IrradianceCache& c) {
+        a(c.records_, c.library_, c.left_, c.near_field_, c.history_, c.is_other_light_, c.last_error_scale_);
+    }
+
   private:
     /// Another shot: forgets the last frame, and records of surfaces that are so far now that they crowd its pixels.
     void cut_to(const Frame& seen, const scene::Snapshot& snapshot);

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "core/archive.h"
 #include "core/plane.h"
 #include "core/surface_address.h"
 #include "renderer/base/stream.h"
@@ -75,6 +76,14 @@ struct IrradianceRecord {
     /// Whether it was seen in mirrors or through glass, and lasts for its frame alone.
     bool is_of_frame() const { return path != direct_path; }
 };
+
+/// Every member of a record.
+template <class A>
+void archive(A& a, IrradianceRecord& r) {
+    a(r.address, r.back_side, r.path, r.capped, r.set, r.position, r.geometric_normal, r.shading_normal, r.seen_at);
+    a(r.direct, r.indirect, r.lobe, r.by_rays, r.ray_count, r.batch_variance, r.numbers, r.next_ray, r.known_rays);
+    a(r.pilot, r.is_pilot_now, r.baseline, r.tolerance, r.error, r.clamped, r.born, r.used);
+}
 
 /// A record as it is found from pixels.
 struct SurfaceMark {
@@ -181,6 +190,11 @@ class RecordStore {
     void mark_used(std::uint32_t index, std::int64_t frame);
 
     std::size_t bytes() const { return records_.capacity() * sizeof(IrradianceRecord); }
+
+    template <class A>
+    friend void archive(A& a, RecordStore& store) {
+        a(store.records_);
+    }
 
   private:
     std::vector<IrradianceRecord> records_;

@@ -50,6 +50,12 @@ class RecordLibrary {
               std::vector<StoredRecord>& noted) const;
     std::size_t bytes() const { return known_.capacity() * sizeof(StoredRecord); }
 
+    /// Which of the known ones the chunk took.
+    template <class A>
+    friend void archive(A& a, RecordLibrary& library) {
+        a(library.taken_);
+    }
+
   private:
     std::vector<StoredRecord> known_;
     bool notes_ = false;

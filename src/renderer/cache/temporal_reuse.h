@@ -24,6 +24,11 @@ struct FrameHistory {
     std::size_t bytes() const;
 };
 
+template <class A>
+void archive(A& a, FrameHistory& history) {
+    a(history.tiles, history.frame);
+}
+
 /// Begins a frame: shares out its tolerances among points, reuses the light of points that are the very same as in the
 /// last frame, and gathers the lights that are not clustered where they are not known by that. `reused_error`: factor
 /// of the errors of the last frame, which was lit with another error scale.

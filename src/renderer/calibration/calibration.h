@@ -43,6 +43,11 @@ struct FrameKey {
     bool operator==(const FrameKey&) const = default;
 };
 
+template <class A>
+void archive(A& a, FrameKey& key) {
+    a(key.camera, key.fov, key.magnification, key.lit_frame, key.tolerance);
+}
+
 /// The calibration of a chunk.
 class FilmCalibration {
   public:
@@ -58,6 +63,11 @@ class FilmCalibration {
     /// still films stay as they are to the last bit.
     std::size_t after(const scene::Snapshot& snapshot, std::int64_t lit_frame, const LightingContext& context,
                       float error_scale, const FrameLight& light, const core::Radiance& radiance, std::uint64_t rays);
+
+    template <class A>
+    friend void archive(A& a, FilmCalibration& c) {
+        a(c.calibration_, c.last_, c.share_);
+    }
 
   private:
     ErrorCalibration calibration_;

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "core/archive.h"
 #include "renderer/calibration/audited_pixel.h"
 
 namespace render2mpeg::renderer {
@@ -35,6 +36,11 @@ class ErrorCalibration {
     void settle();
     std::size_t pixels() const { return needed_.size(); }
     bool knows() const { return pixels() >= least_pixels; }
+
+    template <class A>
+    friend void archive(A& a, ErrorCalibration& c) {
+        a(c.needed_, c.next_, c.holds_, c.value_);
+    }
 
   private:
     /// The quantile, before steps; 0 while too few pixels are known.

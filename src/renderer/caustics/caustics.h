@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <span>
 
+#include "core/archive.h"
 #include "core/tolerance_map.h"
 #include "renderer/base/light_point.h"
 #include "renderer/caustics/splat_tree.h"
@@ -48,6 +49,11 @@ class Caustics {
              const Frame& seen, UngatheredLight& light, CausticCounts& counts);
 
     const CausticBudget& budget() const { return budget_; }
+
+    template <class A>
+    friend void archive(A& a, Caustics& caustics) {
+        a(caustics.budget_);
+    }
 
   private:
     CausticSettings settings_;

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/archive.h"
 #include "core/sampling.h"
 
 namespace render2mpeg::renderer {
@@ -26,6 +27,11 @@ class CellTable {
     /// The entry of a key, made with the next index if it is not there yet; until the next call.
     Found& entry(std::uint64_t key);
     std::size_t bytes() const { return slots_.capacity() * sizeof(Slot); }
+
+    template <class A>
+    friend void archive(A& a, CellTable& table) {
+        a(table.slots_, table.used_);
+    }
 
   private:
     struct Slot {
@@ -84,6 +90,12 @@ class LightCells {
     LightCell& at(std::uint32_t index) { return const_cast<LightCell&>(std::as_const(*this).at(index)); }
 
     std::size_t bytes() const;
+
+    /// All but cells of one ray's own.
+    template <class A>
+    friend void archive(A& a, LightCells& cells) {
+        for (Shard& shard : cells.shards_) a(shard.table, shard.cells);
+    }
 
   private:
     /// Indices with this bit are of own cells.

@@ -48,6 +48,12 @@ class SurfaceCache {
     std::size_t bytes() const { return cells_.bytes(); }
     std::uint64_t rays() const { return rays_; }
 
+    /// Cells of the posed instant.
+    template <class A>
+    friend void archive(A& a, SurfaceCache& cache) {
+        a(cache.cells_);
+    }
+
   private:
     /// Places that a cell is evaluated at, at most, if a point asks it; half as many for each bounce that lies between.
     /// chosen: 16 of 4 to 64, which err alike in Sponza.
