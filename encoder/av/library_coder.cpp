@@ -292,6 +292,10 @@ void check_modes(const encoder::Settings& settings) {
     if (rate.buffer_bits > 0) refuse("--vbv");
     if (encoder::facts_of(settings.codec).master && (settings.level > 0 || rate.bit_rate > 0))
         throw core::Error("coding", name, "a master has its own rate and level; leave --bitrate and --level out");
+    if (settings.codec == encoder::Codec::dnxhr && settings.matrix_coefficients != 1)
+        throw core::Error("coding", name,
+                          "it has the matrix of pictures of 720 lines and more alone, these have " +
+                              std::to_string(settings.height) + "; choose --codec prores");
     level_for(settings);
     // chosen: what all of these libraries take.
     constexpr int most = 8192;

@@ -293,6 +293,7 @@ TEST(AccessUnits, OfAv1MustHaveSizes) {
 TEST(Codecs, HaveInverseScales) {
     for (const encoder::CodecFacts& facts : encoder::all_codecs) {
         EXPECT_EQ(encoder::facts_of(facts.codec).word, facts.word);
+        if (facts.master) continue;
         for (const double q : {2.0, 4.0, 8.0}) {
             const double own = encoder::quantiser_like(facts.codec, q);
             EXPECT_NEAR(encoder::mpeg2_quantiser_like(facts.codec, own), q, 1e-9) << facts.word;

@@ -79,11 +79,11 @@ TEST(Decode, SaysWhichFileAndWhy) {
         << "names are files, not addresses";
 }
 
-TEST(Decode, RefusesPixelsThatAreNotEightBit420) {
+TEST(Decode, RefusesPixelsThatAreNoLumaAndChroma) {
     const Folder folder;
-    run("ffmpeg -v error -f lavfi -i testsrc2=size=64x48 -frames:v 3 -pix_fmt yuv422p -c:v mpeg2video " +
+    run("ffmpeg -v error -f lavfi -i testsrc2=size=64x48 -frames:v 3 -pix_fmt bgr0 -c:v ffv1 " +
         (folder / "a.mkv").string());
-    EXPECT_NE(decode(folder / "a.mkv").error.find("yuv422p"), std::string::npos);
+    EXPECT_NE(decode(folder / "a.mkv").error.find("bgr0"), std::string::npos);
 }
 
 /// A damaged stream is an error, not a picture that looks a little odd: every change of a bit either throws or changes

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/browser.h"
 #include "pipeline/fixture.h"
 
 /// Films of all codecs, by whole runs of the program.
@@ -126,12 +127,6 @@ TEST_P(CoupledSlow, FilmsAreTheSameForAnyThreadsAndAfterAKill) {
 
 INSTANTIATE_TEST_SUITE_P(Codecs, CoupledSlow, testing::Values("h264", "hevc", "av1"));
 
-/// The browser's command; empty: there is none.
-std::string film_browser() {
-    const auto found = run("command -v chromium || command -v chromium-browser || command -v google-chrome");
-    return found.status == 0 ? found.output.substr(0, found.output.find('\n')) : "";
-}
-
 constexpr int browser_frames = 25, white_frame = 10;
 
 /// Pictures that get lighter one by one; the right half of one is white, as a click sounds.
@@ -187,29 +182,17 @@ const say = (found) => console.log('FOUND ' + JSON.stringify(found) + ' END');
 look(Uint8Array.from(atob(film), (c) => c.charCodeAt(0)), frames).then(say, (e) => say({failed: String(e)}));
 </script></body></html>)";
 
-/// What the browser saw of a film; the page tells when it is done, and the browser is ended then.
+/// What the browser saw of a film.
 json seen_by_browser(const Folder& folder, const std::string& film) {
-    const std::string page = path(folder, "page.html"), console = path(folder, "console");
-    run("{ printf '<script>const frames = " + std::to_string(browser_frames) + ", film = \"'; base64 -w 0 " + film +
-        "; printf '\"</script>'; } > " + page);
+    const std::string page = path(folder, "page.html");
+    std::ofstream(page) << "<script>const frames = " << browser_frames << ";</script>";
+    put_film(page, "film", film);
     std::ofstream(page, std::ios::app) << player_page;
-    run(film_browser() +
-        " --headless --no-sandbox --disable-gpu --autoplay-policy=no-user-gesture-required --enable-logging=stderr "
-        "--user-data-dir=" +
-        path(folder, "profile") + " file://" + page + " > /dev/null 2> " + console +
-        " & job=$!; for i in $(seq 600); do " + "grep -q FOUND " + console +
-        " && break; kill -0 $job || break; sleep 0.1; done; kill $job; wait $job");
-    const std::string said = contents(console);
-    const std::size_t begin = said.find("FOUND "), end = said.find(" END", begin);
-    if (begin == std::string::npos || end == std::string::npos) {
-        ADD_FAILURE() << "the browser said nothing: " << said.substr(0, 2000);
-        return {};
-    }
-    return json::parse(said.substr(begin + 6, end - begin - 6));
+    return said_by_page(folder, page);
 }
 
 TEST(Codecs, OfMp4PlayInABrowserWithSoundInStepSlow) {
-    if (film_browser().empty()) GTEST_SKIP() << "no chromium or google-chrome is installed";
+    if (browser().empty()) GTEST_SKIP() << "no chromium or google-chrome is installed";
     const Folder folder;
     write_flash(folder);
     const auto made = run(program() + " encode " + path(folder, "f.y4m") + " --quiet --crf 20 --audio " +

@@ -98,7 +98,12 @@ class Film {
     void open_decoder() {
         const AVCodecID kind = film_.stream->codecpar->codec_id;
         const std::optional<encoder::Codec> known = codec_of(kind);
-        if (!known) refuse(std::string("its video is ") + avcodec_get_name(kind) + ", which films are not made with");
+        if (!known) {
+            std::string all;
+            for (const encoder::CodecFacts& facts : encoder::all_codecs)
+                all += (all.empty() ? "" : ", ") + std::string(facts.ffmpeg.stream);
+            refuse(std::string("its video is ") + avcodec_get_name(kind) + ", not " + all);
+        }
         codec_ = *known;
         const AVCodec* codec = avcodec_find_decoder(kind);
         if (codec == nullptr) refuse(std::string("libavcodec has no decoder for ") + avcodec_get_name(kind));

@@ -180,7 +180,9 @@ std::string stream_lines(const std::string& name, const av::Inspection& film) {
     const double seconds = duration_of(film);
     const auto bytes = static_cast<double>(coded_bytes(film));
     std::string text = fmt::format("{}: {}", name, encoder::facts_of(s.codec).name);
-    if (!s.profile.empty() || !s.level.empty())
+    if (encoder::facts_of(s.codec).master)
+        text += s.profile.empty() ? "" : " " + s.profile;
+    else if (!s.profile.empty() || !s.level.empty())
         text += fmt::format(" {}@{}", s.profile.empty() ? "?" : s.profile, s.level.empty() ? "?" : s.level);
     text += fmt::format(", {}x{}{} at {:.5g} Hz, {}, {:.2f} s\n", s.width, s.height, shape_text(s), s.rate.value(),
                         pictures_text(static_cast<std::int64_t>(film.pictures.size())), seconds);

@@ -83,7 +83,8 @@ RenderOptions preview_options(const RenderOptions& options) {
     if (!options.coding.b_pictures) draft.coding.b_pictures = 0;
     const bool has_rate =
         options.coding.quantiser || options.coding.crf || options.coding.quality || options.coding.bitrate;
-    if (!has_rate) draft.coding.quantiser = 6;
+    const bool master = encoder::facts_of(codec_of(options.coding, options.output)).master;
+    if (!has_rate && !master) draft.coding.quantiser = 6;
     if (options.coding.bitrate && !options.coding.passes) draft.coding.passes = 1;
     return draft;
 }
