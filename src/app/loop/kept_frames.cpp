@@ -4,7 +4,9 @@
 #include <system_error>
 #include <utility>
 
+#include "app/files/chunk_file.h"
 #include "app/files/file_io.h"
+#include "app/files/work_folder.h"
 #include "core/error.h"
 
 namespace render2mpeg::app {
@@ -155,6 +157,15 @@ std::int64_t KeptFrames::left_beside(const std::filesystem::path& stream) {
     file.seekg(core::ArchiveReader::header_bytes);
     file.read(reinterpret_cast<char*>(&frames), sizeof frames);
     return file && frames > 0 ? frames : 0;
+}
+
+std::int64_t lit_frames_in(const std::filesystem::path& output, const std::vector<Chunk>& chunks) {
+    std::int64_t lit = 0;
+    for (const Chunk& chunk : chunks) {
+        const std::filesystem::path stream = WorkFolder::stream_of(output, chunk);
+        if (!is_there(ChunkFile::record_of(stream))) lit += KeptFrames::left_beside(stream);
+    }
+    return lit;
 }
 
 }  // namespace render2mpeg::app

@@ -74,4 +74,7 @@ class KeptFrames {
     double due_ = 0;     ///< clock_seconds()
 };
 
+/// Frames that seem to be kept beside these chunks' streams in an output's work folder.
+std::int64_t lit_frames_in(const std::filesystem::path& output, const std::vector<Chunk>& chunks);
+
 }  // namespace render2mpeg::app
