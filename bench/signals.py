@@ -37,7 +37,7 @@ class Kind:
 
     def command(self, folder):
         return ([self.program, "render", str(self.scene), "-o", str(folder / ("film" + self.ending)), "-y", "--resume", "--size",
-                 "48x32", "--gop", str(GOP), "--threads", random.choice("12")]
+                 "64x64" if self.name == "av1" else "48x32", "--samples", "1", "--gop", str(GOP), "--threads", random.choice("12")]
                 + self.options.format(folder=folder).split())
 
     def make(self, name):
@@ -117,6 +117,7 @@ def main():
         for kind in kinds:
             films += 1
             ended += kind.disturb(f"film{films}", 5)
+        print(f"{films} films, {ended} signals", flush=True)
     for kind in kinds:
         print(f"{kind.name:7} a film takes {kind.seconds:.1f} s; {kind.again} runs went on, behind "
               f"{kind.lit / max(1, kind.again):.0f} of {FRAMES} frames")

@@ -156,10 +156,77 @@ TEST_F(Interrupted, ChunksThatAreDamagedAreRenderedAgainSlow) {
     EXPECT_FALSE(std::filesystem::exists(folder_ / "film.mpg.partial"));
 }
 
+/// A film of one chunk, ended behind some of its frames.
+class InAChunk : public testing::Test {
+  protected:
+    void SetUp() override {
+        scene_in(folder_);
+        ASSERT_EQ(run(start_ + "whole.mpg --stats " + path(folder_, "whole.json")).status, 0);
+    }
+    /// Ends it by a signal once frames are kept. Returns how many.
+    std::int64_t end_by(const std::string& signal) {
+        const auto outcome =
+            run("env --default-signal=INT " + start_ + "film.mpg --resume & job=$!; while [ ! -s " + state_ +
+                " ]; do kill -0 $job || exit 99; sleep 0.01; done; sleep 0.2; kill -" + signal + " $job; wait $job");
+        EXPECT_TRUE(outcome.status == 130 || outcome.status == 143 || outcome.status == 137) << outcome.output;
+        std::int64_t lit = 0;
+        std::ifstream state(state_, std::ios::binary);
+        state.seekg(24);
+        state.read(reinterpret_cast<char*>(&lit), sizeof lit);
+        return lit;
+    }
+    /// What a run says that goes on and makes the film.
+    std::string go_on() const {
+        std::string loud = start_ + "film.mpg --resume --stats " + path(folder_, "film.json");
+        loud.erase(loud.find(" --quiet"), 8);
+        const auto outcome = run(loud);
+        EXPECT_EQ(outcome.status, 0) << outcome.output;
+        EXPECT_TRUE(contents(folder_ / "film.mpg") == contents(folder_ / "whole.mpg"));
+        EXPECT_FALSE(std::filesystem::exists(folder_ / "film.mpg.partial"));
+        return outcome.output;
+    }
+
+    const Folder folder_;
+    const std::string state_ = path(folder_, "film.mpg.partial/chunk_00000.state");
+    const std::string start_ = program() + " render -y --hold " + path(folder_, "scene.json") +
+                               " --size 32x32 --gop 164 --threads 1 --quiet -o " + folder_.path().string() + "/";
+};
+
+TEST_F(InAChunk, LitFramesAreKeptWhateverEndsARunSlow) {
+    std::int64_t lit = 0;
+    for (const char* signal : {"INT", "KILL", "TERM"}) {
+        const std::int64_t now = end_by(signal);
+        EXPECT_GT(now, lit) << signal;
+        lit = now;
+    }
+    const std::string said = go_on(), there = std::to_string(lit);
+    EXPECT_NE(said.find("film.mpg with frame " + there + ": " + there + " of 164 are there"), std::string::npos)
+        << said;
+    EXPECT_TRUE(lasting(folder_ / "film.json") == lasting(folder_ / "whole.json"));
+}
+
+TEST_F(InAChunk, LitFramesThatAreDamagedAreLitAnewAndSaidSlow) {
+    EXPECT_GT(end_by("KILL"), 0);
+    std::string state = contents(state_);
+    state[state.size() / 2] = static_cast<char>(state[state.size() / 2] ^ 1);
+    std::ofstream(state_, std::ios::binary | std::ios::trunc) << state;
+    const std::string said = go_on();
+    EXPECT_NE(said.find(state_ + " is damaged, or another film's: its frames are lit anew"), std::string::npos) << said;
+    EXPECT_GT(end_by("KILL"), 0);
+    std::filesystem::resize_file(folder_ / "film.mpg.partial/chunk_00000.lit", 100);
+    EXPECT_NE(go_on().find("has lost its pictures: its frames are lit anew"), std::string::npos);
+}
+
 TEST_F(Interrupted, FilmsSayHowToGoOnAndWhereTheyDo) {
     std::string loud = start_;
     loud.erase(loud.find(" --quiet"), 8);
-    const std::string done = std::to_string(41 * chunks_);
+    // Behind whole chunks lie the lit frames of the next, as its state says behind a header of 24 bytes.
+    std::int64_t lit = 0;
+    std::ifstream state(folder_ / ("film.mpg.partial/chunk_0000" + std::to_string(chunks_) + ".state"),
+                        std::ios::binary);
+    state.seekg(24);
+    state.read(reinterpret_cast<char*>(&lit), sizeof lit);
+    const std::string done = std::to_string(41 * chunks_ + lit);
     const auto said = [&](const std::string& words, const std::string& command) {
         const std::string output = run(command).output;
         return output.find(words) != std::string::npos ? "" : output;
@@ -190,7 +257,7 @@ TEST(Resume, BeginsAFilmOfWhichNothingIsLeft) {
     const auto outcome = run(program() + " render -y --hold " + plain_film() +
                              " --size 16x16 --samples 1 --frames 0:1 --resume -o " + path(folder, "f.mpg"));
     EXPECT_EQ(outcome.status, 0);
-    EXPECT_NE(outcome.output.find("--resume: no chunk was left of "), std::string::npos) << outcome.output;
+    EXPECT_NE(outcome.output.find("--resume: no frame was left of "), std::string::npos) << outcome.output;
     EXPECT_EQ(folder.entries(), 1u);
 }
 

@@ -11,6 +11,7 @@
 #include "app/files/file_io.h"
 #include "app/files/publish.h"
 #include "app/loop/forecast.h"
+#include "app/loop/kept_frames.h"
 #include "app/loop/resume.h"
 #include "app/options/option_text.h"
 #include "app/production/production.h"
@@ -60,6 +61,7 @@ std::string left_text(const RenderJob& film, const RenderOptions& options, const
     const std::vector<Chunk> chunks = film.chunks();
     std::int64_t done = 0;
     for (const Chunk& chunk : WorkFolder::left(options.output, identity, chunks)) done += chunk.frames();
+    if (WorkFolder::is_of(options.output, identity)) done += lit_frames_in(options.output, chunks);
     if (done == 0) return {};
     return fmt::format("{}: {} of {} frames are left of an earlier run, {}", options.output.string(), done,
                        film.frame_count(),

@@ -256,6 +256,10 @@ std::filesystem::path WorkFolder::stream_of(const Chunk& chunk) const {
     return place(name_of(chunk));
 }
 
+std::filesystem::path WorkFolder::stream_of(const std::filesystem::path& output, const Chunk& chunk) {
+    return work_folder_of(output) / name_of(chunk);
+}
+
 void WorkFolder::drop_all_but(const std::vector<ChunkFile>& chunks, const std::vector<Chunk>& in_the_making) {
     for (const std::filesystem::path& entry : entries_of(folder_)) {
         const std::string name = entry.filename().string();

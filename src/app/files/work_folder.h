@@ -66,6 +66,7 @@ class WorkFolder {
     void drop_all_but(const std::vector<ChunkFile>& chunks, const std::vector<Chunk>& in_the_making = {});
     /// Place of a chunk's stream.
     std::filesystem::path stream_of(const Chunk& chunk) const;
+    static std::filesystem::path stream_of(const std::filesystem::path& output, const Chunk& chunk);
 
     /// Kept value; null where there is none.
     nlohmann::json kept(const std::string& name) const;

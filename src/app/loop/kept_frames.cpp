@@ -1,10 +1,14 @@
 #include "app/loop/kept_frames.h"
 
 #include <algorithm>
+#include <array>
+#include <span>
 #include <system_error>
 #include <utility>
 
+#include "app/files/chunk_file.h"
 #include "app/files/file_io.h"
+#include "app/files/work_folder.h"
 #include "core/error.h"
 
 namespace render2mpeg::app {
@@ -16,9 +20,22 @@ using nlohmann::json;
 /// their light, and are all kept; small ones come faster than a disk can take them.
 constexpr double pause_over_writing = 20;
 
-std::uint64_t sum_of(const core::Picture& picture) {
+/// All bytes of a picture's planes; without unrounded luma where that is empty.
+std::array<std::span<std::uint8_t>, 4> bytes_of(core::Picture& picture) {
+    const std::span<float> luma = picture.luma.values();
+    return {picture.y.values(), picture.cb.values(), picture.cr.values(),
+            std::span(reinterpret_cast<std::uint8_t*>(luma.data()), luma.size_bytes())};
+}
+
+std::uint64_t bytes_in(core::Picture& picture) {
+    std::uint64_t sum = 0;
+    for (const std::span<std::uint8_t> plane : bytes_of(picture)) sum += plane.size();
+    return sum;
+}
+
+std::uint64_t sum_of(core::Picture& picture) {
     Checksum sum;
-    for (const auto* plane : {&picture.y, &picture.cb, &picture.cr}) sum.add(plane->values());
+    for (const std::span<std::uint8_t> plane : bytes_of(picture)) sum.add(plane);
     return sum.value();
 }
 
@@ -38,10 +55,8 @@ KeptFrames::KeptFrames(KeptChunk chunk)
     if (!complaint_.empty() || frames_ == 0) drop();
     std::error_code error;
     if (frames_ > 0 && chunk_.needs_pictures) {
-        const auto chroma =
-            static_cast<std::uint64_t>((chunk_.width + 1) / 2) * static_cast<std::uint64_t>((chunk_.height + 1) / 2);
-        const auto luma = static_cast<std::uint64_t>(chunk_.width) * static_cast<std::uint64_t>(chunk_.height);
-        std::filesystem::resize_file(lit_, static_cast<std::uint64_t>(frames_) * (luma + 2 * chroma), error);
+        core::Picture picture = empty();
+        std::filesystem::resize_file(lit_, static_cast<std::uint64_t>(frames_) * bytes_in(picture), error);
         earlier_.clear();
         earlier_.seekg(0);
     }
@@ -68,7 +83,7 @@ std::string KeptFrames::why_not(const std::filesystem::path& state) {
         head_ = parsed_json(text);
         if (frames < 1 || frames >= chunk_.chunk.frames()) return "has other frames";
         earlier_.open(lit_, std::ios::binary);
-        core::Picture picture;
+        core::Picture picture = empty();
         for (std::int64_t i = 0; i < frames; ++i) {
             const auto k = static_cast<std::size_t>(i);
             if (chunk_.needs_pictures && (!read(picture) || head_.at("pictures").at(k) != sum_of(picture)))
@@ -83,19 +98,28 @@ std::string KeptFrames::why_not(const std::filesystem::path& state) {
     }
 }
 
+core::Picture KeptFrames::empty() const {
+    const int width = chunk_.width, height = chunk_.height;
+    core::Picture picture;
+    picture.y = core::Plane<std::uint8_t>(width, height);
+    picture.cb = picture.cr = core::Plane<std::uint8_t>((width + 1) / 2, (height + 1) / 2);
+    if (chunk_.unrounded) picture.luma = core::Plane<float>(width, height);
+    return picture;
+}
+
 bool KeptFrames::read(core::Picture& picture) {
-    const int width = (chunk_.width + 1) / 2, height = (chunk_.height + 1) / 2;
-    picture.y = core::Plane<std::uint8_t>(chunk_.width, chunk_.height);
-    picture.cb = picture.cr = core::Plane<std::uint8_t>(width, height);
-    for (auto* plane : {&picture.y, &picture.cb, &picture.cr})
-        earlier_.read(reinterpret_cast<char*>(plane->values().data()), static_cast<std::streamsize>(plane->size()));
+    for (const std::span<std::uint8_t> plane : bytes_of(picture))
+        earlier_.read(reinterpret_cast<char*>(plane.data()), static_cast<std::streamsize>(plane.size()));
     return static_cast<bool>(earlier_);
 }
 
 core::Picture KeptFrames::next(std::int64_t number) {
     core::Picture picture;
+    if (chunk_.needs_pictures) {
+        picture = empty();
+        if (!read(picture)) throw core::Error("reading", lit_.string(), "it ends too early");
+    }
     picture.number = number;
-    if (chunk_.needs_pictures && !read(picture)) throw core::Error("reading", lit_.string(), "it ends too early");
     return picture;
 }
 
@@ -106,12 +130,12 @@ json KeptFrames::sums_of_products(std::int64_t frame) const {
     return sums;
 }
 
-void KeptFrames::add(const core::Picture& picture) {
+void KeptFrames::add(core::Picture picture) {
     if (ends_) return;
     if (chunk_.needs_pictures) {
-        for (const auto* plane : {&picture.y, &picture.cb, &picture.cr})
-            stream_.write(reinterpret_cast<const char*>(plane->values().data()),
-                          static_cast<std::streamsize>(plane->size()));
+        if (!chunk_.unrounded) picture.luma = {};
+        for (const std::span<std::uint8_t> plane : bytes_of(picture))
+            stream_.write(reinterpret_cast<const char*>(plane.data()), static_cast<std::streamsize>(plane.size()));
         head_["pictures"].push_back(sum_of(picture));
     }
     head_["products"].push_back(sums_of_products(picture.number));
@@ -155,6 +179,15 @@ std::int64_t KeptFrames::left_beside(const std::filesystem::path& stream) {
     file.seekg(core::ArchiveReader::header_bytes);
     file.read(reinterpret_cast<char*>(&frames), sizeof frames);
     return file && frames > 0 ? frames : 0;
+}
+
+std::int64_t lit_frames_in(const std::filesystem::path& output, const std::vector<Chunk>& chunks) {
+    std::int64_t lit = 0;
+    for (const Chunk& chunk : chunks) {
+        const std::filesystem::path stream = WorkFolder::stream_of(output, chunk);
+        if (!is_there(ChunkFile::record_of(stream))) lit += KeptFrames::left_beside(stream);
+    }
+    return lit;
 }
 
 }  // namespace render2mpeg::app

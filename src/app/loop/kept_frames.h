@@ -20,11 +20,12 @@ namespace render2mpeg::app {
 struct KeptChunk {
     std::filesystem::path stream;  ///< beside which the files lie: `.lit`, pictures, and `.state`, the rest
     Chunk chunk;
-    std::string film;                                                          ///< its identity
-    int width = 0, height = 0;                                                 ///< of pictures
-    bool needs_pictures = false;                                               ///< their coding is repeated
-    std::function<std::vector<std::filesystem::path>(std::int64_t)> products;  ///< files that a frame has already
-    std::function<void(RunStatistics&)> add_times = [](RunStatistics&) {};     ///< of the run, to those of the chunk
+    std::string film;             ///< its identity
+    int width = 0, height = 0;    ///< of pictures
+    bool needs_pictures = false;  ///< their coding is repeated
+    bool unrounded = false;       ///< with Picture::luma, which codecs of ten bits take
+    std::function<std::vector<std::filesystem::path>(std::int64_t)> products{};  ///< files that a frame has already
+    std::function<void(RunStatistics&)> add_times = [](RunStatistics&) {};       ///< of the run, to those of the chunk
 };
 
 /// A chunk's frames so far: pictures, which are coded again, and the state in which they left what lights the next one.
@@ -46,7 +47,7 @@ class KeptFrames {
     const nlohmann::json& statistics() const { return head_.at("statistics"); }
 
     /// Takes the picture of a frame that was just lit.
-    void add(const core::Picture& picture);
+    void add(core::Picture picture);
     /// Keeps the frames so far, whose state `save` writes, if that is due. A full disk ends it, and no frame is kept.
     void keep(RunStatistics statistics, const std::function<void(core::ArchiveWriter&)>& save);
 
@@ -59,6 +60,7 @@ class KeptFrames {
   private:
     std::uint64_t mark() const;
     std::string why_not(const std::filesystem::path& state);
+    core::Picture empty() const;
     bool read(core::Picture& picture);
     nlohmann::json sums_of_products(std::int64_t frame) const;
 
@@ -73,5 +75,8 @@ class KeptFrames {
     bool ends_ = false;  ///< the disk is full
     double due_ = 0;     ///< clock_seconds()
 };
+
+/// Frames that seem to be kept beside these chunks' streams in an output's work folder.
+std::int64_t lit_frames_in(const std::filesystem::path& output, const std::vector<Chunk>& chunks);
 
 }  // namespace render2mpeg::app

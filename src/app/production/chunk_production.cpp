@@ -218,6 +218,8 @@ std::optional<KeptFrames> ChunkProduction::kept_of(const Chunk& chunk) const {
     of.width = film_.format.width;
     of.height = film_.format.height;
     of.needs_pictures = film_.kind == OutputKind::film || film_.kind == OutputKind::y4m;
+    of.unrounded = film_.kind == OutputKind::film && film_.coding.codec != encoder::Codec::mpeg2 &&
+                   film_.coding.codec != encoder::Codec::h264;
     of.products = [this](std::int64_t n) { return images_of(film_, options_, {n, n}); };
     if (at_once_ == 1)
         of.add_times = [this](RunStatistics& own) {
