@@ -10,10 +10,10 @@
 
 namespace render2mpeg::encoder {
 
-/// Quantisers of I and of B pictures less those of P pictures that nothing refers to, in libavcodec's encoders.
-/// `middle`: of the B picture that the others of its run refer to (is_middle).
+/// Quantisers of B pictures less those of P pictures that nothing refers to, in libavcodec's encoders. `middle`: of the
+/// B picture that the others of its run refer to (is_middle).
 struct LibraryOffsets {
-    int intra = 0, bidirectional = 0, middle = 0;
+    int bidirectional = 0, middle = 0;
 };
 
 /// All that differs between codecs: one row each.
@@ -36,8 +36,8 @@ struct CodecFacts {
 /// In the order of their enumeration.
 inline constexpr std::array all_codecs{
     CodecFacts{Codec::mpeg2, "mpeg2", "MPEG-2", "quantiser", "mpeg2video", 1, 31, 3, 0, 1, 1, {}},
-    CodecFacts{Codec::h264, "h264", "H.264", "QP", "libx264", 1, 51, 3, 14.9, 5.7, 0.72f, {-3, 2, 1}},
-    CodecFacts{Codec::hevc, "hevc", "HEVC", "QP", "libx265", 1, 51, 3, 15.6, 5.4, 0.6f, {-3, 2, 1}},
+    CodecFacts{Codec::h264, "h264", "H.264", "QP", "libx264", 1, 51, 3, 14.9, 5.7, 0.72f, {2, 1}},
+    CodecFacts{Codec::hevc, "hevc", "HEVC", "QP", "libx265", 1, 51, 3, 15.6, 5.4, 0.6f, {2, 1}},
     CodecFacts{Codec::av1, "av1", "AV1", "QP", "libsvtav1", 1, 63, 0, 9.4, 11.6, 0.4f, {}}};
 
 constexpr const CodecFacts& facts_of(Codec codec) {
@@ -55,7 +55,7 @@ double step_of(Codec codec, double quantiser);
 
 /// The quantiser of a codec, not rounded, for about the PSNR of MPEG-2's `quantiser`, > 0.
 double quantiser_like(Codec codec, double mpeg2_quantiser);
-/// The inverse: MPEG-2's equivalent of a codec's quantiser, not rounded.
+/// The inverse: MPEG-2's equivalent of a codec's quantiser, not rounded; below 1 where MPEG-2 has none as fine.
 double mpeg2_quantiser_like(Codec codec, double quantiser);
 
 /// End code after the last picture of a film; empty where a codec has none.
