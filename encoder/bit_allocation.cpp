@@ -18,13 +18,14 @@ namespace {
 struct Item {
     std::int64_t number;
     PictureType type;
-    double complexity;  ///< bits at quantiser 1
-    double ratio;       ///< of its quantiser to the base
-    double arrivals;    ///< bits that the channel brings between this removal and the next
-    double seconds;     ///< of the same time
-    double least = 1;   ///< quantiser, for the buffer's sake
+    double complexity;        ///< bits at quantiser 1
+    double ratio;             ///< of its quantiser to the base
+    double arrivals;          ///< bits that the channel brings between this removal and the next
+    double seconds;           ///< of the same time
+    double finest, coarsest;  ///< quantisers of the codec
+    double least = finest;    ///< quantiser, for the buffer's sake
 
-    double quantiser(double base) const { return std::clamp(base * ratio, least, 31.0); }
+    double quantiser(double base) const { return std::clamp(base * ratio, least, coarsest); }
     double bits(double base) const { return complexity * std::pow(quantiser(base), -mpeg2::rate_slope(type)); }
 };
 using Items = std::span<Item>;
@@ -35,9 +36,11 @@ double sum_of_bits(Items items, double base) {
     return sum;
 }
 
-/// The quantiser with which the items come to `wanted` bits, 0.5..62: beyond both ends nothing changes.
+/// The quantiser with which the items come to `wanted` bits, as far as half the finest and twice the coarsest: beyond
+/// nothing changes.
 double base_for(Items items, double wanted) {
-    double low = -1, high = std::log2(62.0);
+    if (items.empty()) return 1;
+    double low = std::log2(0.5 * items.front().finest), high = std::log2(2 * items.front().coarsest);
     for (int i = 0; i < 40; ++i) {
         const double middle = 0.5 * (low + high);
         (sum_of_bits(items, std::exp2(middle)) > wanted ? low : high) = middle;
@@ -50,8 +53,8 @@ bool coarsen(Items stretch, double base, double share) {
     bool changed = false;
     for (Item& item : stretch) {
         const double before = item.quantiser(base);
-        item.least = std::min(31.0, before * std::pow(share, -1.0 / mpeg2::rate_slope(item.type)));
-        changed = changed || before < 31;
+        item.least = std::min(item.coarsest, before * std::pow(share, -1.0 / mpeg2::rate_slope(item.type)));
+        changed = changed || before < item.coarsest;
     }
     return changed;
 }
@@ -169,10 +172,13 @@ FirstPassPicture first_pass_picture(const Settings& pass, const CodedPicture& co
 std::vector<BitAllocation> allocate_bits(const Settings& settings, std::span<const FirstPassPicture> film,
                                          double scale) {
     EXPECTS(settings.rate_control.bit_rate > 0 && std::isfinite(scale) && scale > 0);
-    mpeg2::check_film(film);
+    mpeg2::check_film(settings.codec, film);
     const bool buffered = settings.codec == Codec::mpeg2;
     const mpeg2::Channel channel =
         buffered ? mpeg2::channel_for(settings, mpeg2::level_for(settings)) : mpeg2::Channel{};
+    const CodecFacts& facts = facts_of(settings.codec);
+    const double finest = buffered ? 1 : mpeg2_quantiser_like(settings.codec, facts.finest),
+                 coarsest = buffered ? 31 : mpeg2_quantiser_like(settings.codec, facts.coarsest);
     const double field = 0.5 / declared_rate(settings).hertz.value();
     std::vector<Item> items;
     for (std::size_t i = 0; i < film.size(); ++i) {
@@ -180,7 +186,7 @@ std::vector<BitAllocation> allocate_bits(const Settings& settings, std::span<con
         const double seconds = field * mpeg2::fields_after(settings, static_cast<std::int64_t>(i));
         items.push_back({p.number, p.type, scale * p.bits * std::pow(p.quantiser, mpeg2::rate_slope(p.type)),
                          p.ratio.value_or(mpeg2::usual_quantiser_ratio(p.type, settings.gop)),
-                         seconds * static_cast<double>(channel.bit_rate), seconds});
+                         seconds * static_cast<double>(channel.bit_rate), seconds, finest, coarsest});
     }
     const std::vector<Items> chunks = chunks_of(items, film);
 

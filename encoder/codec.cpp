@@ -41,7 +41,7 @@ double quantiser_like(Codec codec, double mpeg2_quantiser) {
 double mpeg2_quantiser_like(Codec codec, double quantiser) {
     if (codec == Codec::mpeg2) return quantiser;
     const CodecFacts& facts = facts_of(codec);
-    return std::clamp(std::exp2((quantiser - facts.at_1) / facts.by_doubling), 1.0, 31.0);
+    return std::exp2((quantiser - facts.at_1) / facts.by_doubling);
 }
 
 std::vector<std::uint8_t> end_of_stream(Codec codec) {

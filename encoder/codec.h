@@ -10,10 +10,10 @@
 
 namespace render2mpeg::encoder {
 
-/// Quantisers of I and of B pictures less those of P pictures that nothing refers to, in libavcodec's encoders.
-/// `middle`: of the B picture that the others of its run refer to (is_middle).
+/// Quantisers of B pictures less those of P pictures that nothing refers to, in libavcodec's encoders. `middle`: of the
+/// B picture that the others of its run refer to (is_middle).
 struct LibraryOffsets {
-    int intra = 0, bidirectional = 0, middle = 0;
+    int bidirectional = 0, middle = 0;
 };
 
 /// Names that FFmpeg has for what a codec is made with.
@@ -84,7 +84,7 @@ inline constexpr std::array all_codecs{
                .at_1 = 14.9,
                .by_doubling = 5.7,
                .hidden = 0.72f,
-               .offsets = {-3, 2, 1},
+               .offsets = {2, 1},
                .ffmpeg = {"h264", "libx264", "slow", "veryfast", "preset", "yuv420p", "FFmpeg with libx264", ""},
                .endings = ".mp4 .mkv .mov .ts",
                .not_on = "",
@@ -99,7 +99,7 @@ inline constexpr std::array all_codecs{
                .at_1 = 15.6,
                .by_doubling = 5.4,
                .hidden = 0.6f,
-               .offsets = {-3, 2, 1},
+               .offsets = {2, 1},
                .ffmpeg = {"hevc", "libx265", "slow", "veryfast", "preset", "yuv420p10", "FFmpeg with libx265", "hvc1"},
                .endings = ".mp4 .mkv .mov .ts",
                .not_on = "most browsers, devices from before 2016"},
@@ -179,7 +179,7 @@ double step_of(Codec codec, double quantiser);
 
 /// The quantiser of a codec, not rounded, for about the PSNR of MPEG-2's `quantiser`, > 0.
 double quantiser_like(Codec codec, double mpeg2_quantiser);
-/// The inverse: MPEG-2's equivalent of a codec's quantiser, not rounded.
+/// The inverse: MPEG-2's equivalent of a codec's quantiser, not rounded; below 1 where MPEG-2 has none as fine.
 double mpeg2_quantiser_like(Codec codec, double quantiser);
 
 /// The number of a transfer function in a codec's table: sRGB's, or BT.709's; where a table lacks sRGB's, BT.709's is

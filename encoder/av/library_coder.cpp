@@ -38,16 +38,15 @@ double offset_of(encoder::Codec codec, const PicturePlan& plan) {
         const bool middle = encoder::is_middle(plan.number - earlier - 1, later - earlier - 1);
         return middle ? offsets.middle : offsets.bidirectional;
     }
-    if (codec != encoder::Codec::h264) return plan.type == PictureType::intra ? offsets.intra : 0;
     const std::int64_t followers = plan.horizon.value_or(plan.number) - plan.number;
     constexpr std::int64_t most_followers = 24;
-    const double strength = 0.5;
+    const double strength = 0.9;  // chosen: of 0.3 to 1.4
     return -strength * std::log2(1.0 + static_cast<double>(std::min(followers, most_followers)));
 }
 
 /// Whether one quantiser is told to an encoder for all its pictures: each group then has its own encoder.
 bool has_one_quantiser(encoder::Codec codec) {
-    return codec != encoder::Codec::h264;
+    return codec == encoder::Codec::av1;
 }
 
 /// Bit budget of a chunk: the remaining bits decide the quantisers of the remaining pictures.
@@ -128,7 +127,7 @@ class LibraryCoder final : public encoder::Coder {
         library_->send(picture, order);
         sent_.push_back({plan, planned.chunk, planned.bits, std::move(order.quantisers)});
         // Threads of other libraries decide when their pictures come, and light must not depend on that.
-        if (!has_one_quantiser(settings_.codec) || facts_.master) collect(complete);
+        if (settings_.codec == encoder::Codec::h264 || facts_.master) collect(complete);
         return complete;
     }
 

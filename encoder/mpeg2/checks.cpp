@@ -56,12 +56,13 @@ void check_facts(std::int64_t number, const PictureFacts& facts) {
     EXPECTS(std::all_of(facts.allocation->left_by_type.begin(), facts.allocation->left_by_type.end(), is_amount));
 }
 
-void check_film(std::span<const FirstPassPicture> film) {
+void check_film(Codec codec, std::span<const FirstPassPicture> film) {
     std::vector<std::int64_t> numbers;
     for (const FirstPassPicture& picture : film) {
         numbers.push_back(picture.number);
         EXPECTS(is_count(picture.number) && is_type(picture.type));
-        EXPECTS(picture.quantiser >= 1 && picture.quantiser <= 31);
+        EXPECTS(is_positive(picture.quantiser));
+        EXPECTS(codec != Codec::mpeg2 || (picture.quantiser >= 1 && picture.quantiser <= 31));
         EXPECTS(is_positive(picture.bits) && is_positive(picture.ratio.value_or(1.0)));
     }
     std::sort(numbers.begin(), numbers.end());

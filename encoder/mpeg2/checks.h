@@ -15,7 +15,7 @@ inline constexpr std::int64_t most_pictures = std::int64_t{1} << 40;
 void check_facts(std::int64_t number, const PictureFacts& facts);
 
 /// Refuses impossible results of a first pass: a number twice, no numbers, values out of range.
-void check_film(std::span<const FirstPassPicture> film);
+void check_film(Codec codec, std::span<const FirstPassPicture> film);
 
 /// Sizes of the planes, and what motion and hints lead to. `plan` is as plan() made it.
 void check_pushed(const Settings& settings, const core::Picture& picture, const PicturePlan& plan,

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <numeric>
@@ -179,25 +180,54 @@ TEST_P(EveryCoder, GivesPicturesByCountAndNotByTime) {
     EXPECT_EQ(std::accumulate(at_once.begin(), at_once.end(), std::size_t{0}), static_cast<std::size_t>(s.gop));
 }
 
-TEST(Coders, OfOneQuantiserCodeGroupsWithTheirOwn) {
-    for (const Codec codec : {Codec::hevc, Codec::av1}) {
-        if (!is_there(codec)) continue;
-        encoder::Settings s = settings_of(codec);
-        s.rate_control.mode = encoder::RateMode::constant_quality;
-        // Between two quantisers, so that groups have now one and now the other.
-        s.rate_control.quality = 100 - 20 * std::log2(encoder::mpeg2_quantiser_like(codec, s.quantiser + 0.7));
-        CodedPictures whole, alone;
-        const auto coder = av::make_coder(s), other = av::make_coder(s);
-        code_chunk(*coder, s, 0, 2 * s.gop - 1, whole);
-        append(whole, coder->flush());
-        code_chunk(*other, s, s.gop, 2 * s.gop - 1, alone);
-        append(alone, other->flush());
-        const auto gop = static_cast<std::size_t>(s.gop);
-        ASSERT_EQ(whole.size(), 2 * gop);
-        EXPECT_NE(whole[0].quantiser, whole[gop].quantiser);
-        for (std::size_t i = 0; i < gop; ++i)
-            EXPECT_TRUE(whole[gop + i].bytes == alone[i].bytes) << encoder::facts_of(codec).word << " " << i;
+/// Sum of squared errors of luma left and right of the middle.
+std::array<double, 2> errors_of_halves(const CodedPictures& coded, const encoder::Settings& s) {
+    std::array<double, 2> sums{};
+    for (const encoder::CodedPicture& picture : coded) {
+        const core::Picture source = textured(s.width, s.height, picture.plan.number);
+        for (int y = 0; y < s.height; ++y)
+            for (int x = 0; x < s.width; ++x) {
+                const double error = source.y.at(x, y) - picture.reconstruction.y.at(x, y);
+                sums[x < s.width / 2 ? 0 : 1] += error * error;
+            }
     }
+    return sums;
+}
+
+TEST(Coders, OfHevcCodeBlocksFinerWhereTheyAreToldTo) {
+    if (!is_there(Codec::hevc)) GTEST_SKIP() << "this libavcodec has no encoder for it";
+    encoder::Settings s = settings_of(Codec::hevc);
+    s.width = 128;
+    core::Plane<float> factors((s.width + 15) / 16, (s.height + 15) / 16, 1.0f);
+    for (int row = 0; row < factors.height(); ++row)
+        for (int column = 0; column < factors.width() / 2; ++column) factors.at(column, row) = 0.5f;
+    encoder::Hints hints;
+    hints.quantiser_factors = &factors;
+    const auto coder = av::make_coder(s);
+    CodedPictures coded;
+    code_chunk(*coder, s, 0, 11, coded, hints);
+    append(coded, coder->flush());
+    const std::array<double, 2> errors = errors_of_halves(coded, s);
+    EXPECT_LT(2 * errors[0], errors[1]) << "half the step has a quarter of the error";
+}
+
+TEST(Coders, OfOneQuantiserCodeGroupsWithTheirOwn) {
+    const Codec codec = Codec::av1;
+    if (!is_there(codec)) GTEST_SKIP() << "this libavcodec has no encoder for it";
+    encoder::Settings s = settings_of(codec);
+    s.rate_control.mode = encoder::RateMode::constant_quality;
+    // Between two quantisers, so that groups have now one and now the other.
+    s.rate_control.quality = 100 - 20 * std::log2(encoder::mpeg2_quantiser_like(codec, s.quantiser + 0.7));
+    CodedPictures whole, alone;
+    const auto coder = av::make_coder(s), other = av::make_coder(s);
+    code_chunk(*coder, s, 0, 2 * s.gop - 1, whole);
+    append(whole, coder->flush());
+    code_chunk(*other, s, s.gop, 2 * s.gop - 1, alone);
+    append(alone, other->flush());
+    const auto gop = static_cast<std::size_t>(s.gop);
+    ASSERT_EQ(whole.size(), 2 * gop);
+    EXPECT_NE(whole[0].quantiser, whole[gop].quantiser);
+    for (std::size_t i = 0; i < gop; ++i) EXPECT_TRUE(whole[gop + i].bytes == alone[i].bytes) << i;
 }
 
 TEST_P(EveryCoder, SaysWhatEveryContainerDecodesTo) {

@@ -44,23 +44,18 @@ const AVCodec& decoder_for(encoder::Codec codec) {
 /// Quantisers are as asked for, whatever else these settings do: complexity counts nothing, no picture is looked at
 /// ahead, types make no difference. Adaptive quantisation is on, else offsets are ignored, but next to nothing.
 std::string x264_settings(const encoder::Settings& settings) {
-    return std::string("qcomp=1:aq-mode=1:aq-strength=0.0001:mbtree=0:rc-lookahead=0:sync-lookahead=0:force-cfr=1:") +
-           "ipratio=1:pbratio=1:scenecut=0:keyint=infinite:b-adapt=0:b-pyramid=normal:open-gop=0" +
-           ":level=" + std::to_string(settings.level) + ":ref=" + std::to_string(settings.references) +
-           (settings.tune == encoder::Tune::psnr ? ":no-psy=1" : "");
+    return "qcomp=1:aq-mode=1:aq-strength=0.0001:mbtree=0:rc-lookahead=0:sync-lookahead=0:force-cfr=1:"
+           "ipratio=1:pbratio=1:scenecut=0:keyint=infinite:b-adapt=0:b-pyramid=normal:open-gop=0:no-psy=1:level=" +
+           std::to_string(settings.level) + ":ref=" + std::to_string(settings.references);
 }
 
-/// One quantiser for each type of picture, told by ratios of steps; nothing is looked at ahead but where B pictures
-/// wait.
+/// The same of x265. Blocks of 32x32 have a quantiser: those of 16x16 cost more bits than they save.
 std::string x265_settings(const encoder::Settings& settings) {
-    const encoder::LibraryOffsets offsets = encoder::facts_of(settings.codec).offsets;
-    const auto ratio = [](double quantisers) { return std::to_string(std::exp2(quantisers / 6)); };
-    return "qp=" + std::to_string(settings.quantiser) + ":ipratio=" + ratio(-offsets.intra) +
-           ":pbratio=" + ratio(offsets.bidirectional) + ":scenecut=0:keyint=-1:b-adapt=0:b-pyramid=1:open-gop=0:" +
-           "rc-lookahead=" + std::to_string(settings.b_pictures + 1) +
-           ":lookahead-slices=0:frame-threads=1:pools=none:wpp=0:info=0:log-level=error" +
-           (settings.level > 0 ? ":level-idc=" + std::to_string(settings.level) : "") +
-           (settings.tune == encoder::Tune::psnr ? ":psy-rd=0:psy-rdoq=0" : "");
+    return "qcomp=1:aq-mode=1:aq-strength=0.0001:qg-size=32:cutree=0:ipratio=1:pbratio=1:scenecut=0:keyint=-1:"
+           "b-adapt=0:b-pyramid=1:open-gop=0:rc-lookahead=" +
+           std::to_string(settings.b_pictures + 1) +
+           ":lookahead-slices=0:frame-threads=1:pools=none:wpp=0:info=0:log-level=error:psy-rd=0:psy-rdoq=0" +
+           (settings.level > 0 ? ":level-idc=" + std::to_string(settings.level) : "");
 }
 
 std::string svt_settings(const encoder::Settings& settings) {
@@ -127,14 +122,15 @@ class Library final : public LibraryEncoder {
         check(av_frame_get_buffer(frame_.get(), 0), messages);
         fill(*frame_, picture);
         frame_->pts = picture.number;
-        // SVT-AV1 orders its pictures by itself.
         // ProRes has its colours from here.
         frame_->color_primaries = encoder_->color_primaries;
         frame_->color_trc = encoder_->color_trc;
         frame_->colorspace = encoder_->colorspace;
         frame_->color_range = encoder_->color_range;
+        // SVT-AV1 orders its pictures by itself.
         frame_->pict_type = settings_.codec == encoder::Codec::av1 ? AV_PICTURE_TYPE_NONE : type_of(order.type);
-        if (settings_.codec == encoder::Codec::h264) add_offsets(order.quantisers, messages);
+        if (settings_.codec == encoder::Codec::h264 || settings_.codec == encoder::Codec::hevc)
+            add_offsets(order.quantisers, messages);
         check(avcodec_send_frame(encoder_.get(), frame_.get()), messages);
         receive(messages);
     }
@@ -210,10 +206,10 @@ class Library final : public LibraryEncoder {
             return options;
         }
         av_dict_set_int(&options, "forced-idr", 1, 0);
+        av_dict_set_int(&options, "crf", settings_.quantiser, 0);
         if (settings_.codec == encoder::Codec::hevc) {
             av_dict_set(&options, "x265-params", x265_settings(settings_).c_str(), 0);
         } else {
-            av_dict_set_int(&options, "crf", settings_.quantiser, 0);
             av_dict_set(&options, "x264-params", x264_settings(settings_).c_str(), 0);
         }
         return options;
@@ -231,8 +227,8 @@ class Library final : public LibraryEncoder {
         check(avcodec_open2(decoder_.get(), &codec, nullptr), messages);
     }
 
-    /// Tells x264 what each macroblock's quantiser is to be, run by run. Of regions that overlap the first one counts;
-    /// these do not.
+    /// Tells x264 or x265 what each macroblock's quantiser is to be, run by run. Of regions that overlap the first one
+    /// counts; these do not.
     void add_offsets(const core::Plane<std::uint8_t>& quantisers, const Messages& messages) {
         constexpr int range = 51;  // libavcodec's unit: all of the scale
         std::vector<AVRegionOfInterest> regions;

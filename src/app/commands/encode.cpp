@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <limits>
 #include <optional>
 #include <span>
 #include <utility>
@@ -256,12 +257,72 @@ double change_of(std::span<const encoder::BitAllocation> allocations, std::span<
     return std::exp(logarithms / static_cast<double>(std::max<std::size_t>(1, film.size())));
 }
 
+/// Adds up what pictures take.
+class BitCounter : public LoopObserver {
+  public:
+    void coded(const encoder::CodedPicture& picture) override {
+        bits_ += 8.0 * static_cast<double>(picture.bytes.size());
+    }
+    double bits() const { return bits_; }
+
+  private:
+    double bits_ = 0;
+};
+
+/// What the film comes to as it is allocated. None after an interruption.
+std::optional<double> rehearsed_bits(Job& job, bool quiet) {
+    Progress progress(job.film.frame_count(), quiet, "first pass", Counted::frames_of_step);
+    BitCounter counter;
+    RunStatistics statistics;
+    for (const Chunk& chunk : chunks_of(job.film.frames, job.film.coding.gop))
+        if (!encode_chunk(job, job.film, chunk, counter, statistics, progress) || InterruptGuard::requested())
+            return {};
+    return counter.bits();
+}
+
+/// Brings the quantisers of another codec than MPEG-2 to the film's rate: by what the whole film comes to with them.
+void settle(Job& job, bool quiet) {
+    // Nothing else is to correct them while the film is coded.
+    for (encoder::BitAllocation& allocation : job.allocations) allocation.bits_left = 0;
+    const encoder::Settings& coding = job.film.coding;
+    const double wanted = static_cast<double>(coding.rate_control.bit_rate) *
+                          static_cast<double>(job.film.frame_count()) / coding.rate.hertz.value();
+    // chosen: a half per cent, or the best of eight: whole quantisers of short films come no nearer.
+    constexpr double near = 0.005;
+    constexpr int rounds = 8;
+    // Logarithms: of a factor on all quantisers, and of the bits that the film comes to over those wanted.
+    struct Tried {
+        double factor, excess;
+    };
+    std::optional<Tried> above, below;
+    double factor = 0, closest = std::numeric_limits<double>::infinity();
+    const std::vector<encoder::BitAllocation> planned = job.allocations;
+    std::vector<encoder::BitAllocation> best;
+    for (int round = 0; round < rounds && closest > near; ++round) {
+        job.allocations = planned;
+        for (encoder::BitAllocation& allocation : job.allocations) allocation.quantiser *= std::exp(factor);
+        const std::optional<double> bits = rehearsed_bits(job, quiet);
+        if (!bits) return;
+        const double excess = std::log(*bits / wanted);
+        if (std::abs(excess) < closest) best = job.allocations;
+        closest = std::min(closest, std::abs(excess));
+        (excess > 0 ? above : below) = {factor, excess};
+        // Between two of them it is nearer to the one that missed by less; beyond them bits fall with the power 0.9.
+        if (above && below)
+            factor = std::lerp(above->factor, below->factor,
+                               std::clamp(above->excess / (above->excess - below->excess), 0.1, 0.9));
+        else
+            factor += excess / 0.9;
+    }
+    job.allocations = std::move(best);
+}
+
 /// Allocates the film's bits by a first pass, which is repeated where its quantiser was far off.
 std::vector<encoder::BitAllocation> first_pass(Job& job, bool quiet) {
     // chosen: again beyond a factor of 1.5, and no more than twice (1.2..3): noise for which 2 was guessed and 18 is
-    // right was 28 % over its rate. Other codecs than MPEG-2 have less to correct it by.
+    // right was 28 % over its rate.
     const bool is_whole = job.film.coding.codec == encoder::Codec::mpeg2;
-    const double far = is_whole ? 1.5 : 1.1;
+    constexpr double far = 1.5;
     double quantiser = usual_quantiser(job.film.coding);
     for (int again = 2;; --again) {
         const std::vector<encoder::FirstPassPicture> film = code_roughly(job, quantiser, quiet);
@@ -269,7 +330,7 @@ std::vector<encoder::BitAllocation> first_pass(Job& job, bool quiet) {
         std::vector<encoder::BitAllocation> allocations = encoder::allocate_bits(job.film.coding, film, 1.0);
         const double change = change_of(allocations, film);
         if (again == 0 || (change < far && change > 1 / far)) return allocations;
-        const double nearer = std::clamp(is_whole ? std::round(quantiser * change) : quantiser * change, 1.0, 31.0);
+        const double nearer = is_whole ? std::clamp(std::round(quantiser * change), 1.0, 31.0) : quantiser * change;
         if (nearer == quantiser) return allocations;
         quantiser = nearer;
     }
@@ -278,7 +339,11 @@ std::vector<encoder::BitAllocation> first_pass(Job& job, bool quiet) {
 /// Makes the first pass where one is wanted. Returns whether nobody interrupted.
 bool allocate(Job& job, const EncodeOptions& options, RunStatistics& statistics) {
     if (two_passes(options.coding) && !job.frames->is_open_ended())
-        job.allocations = timed(statistics, Stage::first_pass, [&] { return first_pass(job, options.quiet); });
+        timed(statistics, Stage::first_pass, [&] {
+            job.allocations = first_pass(job, options.quiet);
+            if (!job.allocations.empty() && job.film.coding.codec != encoder::Codec::mpeg2) settle(job, options.quiet);
+            return true;
+        });
     return !InterruptGuard::requested();
 }
 

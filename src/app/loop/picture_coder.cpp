@@ -5,6 +5,7 @@
 #include "encoder/av/coders.h"
 #include "encoder/bit_allocation.h"
 #include "encoder/codec.h"
+#include "encoder/contrast_masking.h"
 #include "encoder/innovation.h"
 #include "encoder/motion_nonuniformity.h"
 #include "parallel/loops.h"
@@ -150,8 +151,13 @@ std::vector<encoder::CodedPicture> PictureCoder::code(const core::Picture& pictu
     const core::MotionField* onward = plan.horizon ? motion.onward(*plan.horizon) : nullptr;
     const StageTimer timer(statistics_, Stage::encode);
     if (quality_) unjudged_.emplace(plan.number, picture.y);
+    // MPEG-2's matrices follow the eye instead.
+    const bool by_contrast =
+        film_.coding.tune == encoder::Tune::perceptual && film_.coding.codec != encoder::Codec::mpeg2;
+    const core::Plane<float> masking = by_contrast ? encoder::contrast_factors(picture.y) : core::Plane<float>();
     std::vector<encoder::CodedPicture> complete =
-        coder_->push(picture, plan, fields, {onward, innovation.empty() ? nullptr : &innovation});
+        coder_->push(picture, plan, fields,
+                     {onward, innovation.empty() ? nullptr : &innovation, masking.empty() ? nullptr : &masking});
     judge(complete);
     return complete;
 }

@@ -63,7 +63,8 @@ int samples_of_shutter(double quantiser) {
 
 /// Uncoded frames count as quantiser 4.
 double mpeg2_quantiser(const RenderJob& film, int quantiser) {
-    return film.kind == OutputKind::film ? encoder::mpeg2_quantiser_like(film.coding.codec, quantiser) : 4;
+    if (film.kind != OutputKind::film) return 4;
+    return std::clamp(encoder::mpeg2_quantiser_like(film.coding.codec, quantiser), 1.0, 31.0);
 }
 
 void set_f_stop(scene::Animation& animation, const RenderOptions& options) {

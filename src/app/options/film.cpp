@@ -27,6 +27,15 @@ namespace {
     throw UsageError(option + ": with " + (options.effort == "draft" ? "--effort draft " : "--preview ") + why);
 }
 
+/// The eye's, where a codec has quantisers by block: people compare films with its encoders' usual ones.
+encoder::Tune tune_of(const CodingOptions& options, encoder::Codec codec) {
+    const bool has_blocks = codec == encoder::Codec::h264 || codec == encoder::Codec::hevc;
+    if (!options.tune) return has_blocks ? encoder::Tune::perceptual : encoder::Tune::psnr;
+    if (*options.tune == "perceptual" && codec == encoder::Codec::av1)
+        throw UsageError("--tune perceptual: SVT-AV1 takes no quantisers of blocks; choose --codec hevc");
+    return *options.tune == "perceptual" ? encoder::Tune::perceptual : encoder::Tune::psnr;
+}
+
 }  // namespace
 
 const Effort& effort_from(const std::string& name) {
@@ -319,7 +328,7 @@ encoder::Settings coding_settings(const CodingOptions& options, const Shape& sha
     coding.gop = options.gop.value_or(usual_gop);
     coding.b_pictures =
         std::min(options.b_pictures.value_or(coding.b_pictures), encoder::facts_of(coding.codec).most_b_pictures);
-    coding.tune = options.tune == "perceptual" ? encoder::Tune::perceptual : encoder::Tune::psnr;
+    coding.tune = tune_of(options, coding.codec);
     coding.effort = options.encoder == "fast" ? encoder::Effort::fast : encoder::Effort::quality;
     if (options.level) {
         coding.level = level_from(*options.level);

@@ -268,8 +268,11 @@ Rows coding_rows(CommandLine& line) {
         {"--b-pictures", coding, o.b_pictures,
          "Most B pictures in a row, fewer where motion is uneven; with --for, its world's where not given", range(0, 3),
          ShownAs{"3"}, Idle::uncoded},
-        {"--tune", coding, o.tune, "What is kept: `psnr`, all detail alike; `perceptual`, more of what the eye sees",
-         one_of({"psnr", "perceptual"}), Shown(), Idle::uncoded},
+        {"--tune", coding, o.tune,
+         "What is kept: `psnr`, all detail alike; `perceptual`, more of what the eye sees (default: perceptual for "
+         "H.264 "
+         "and HEVC, else psnr)",
+         one_of({"psnr", "perceptual"}), Idle::uncoded},
         {"--encoder", coding, o.encoder, "How much is tried: `fast`, or `quality` for fewer bits",
          one_of({"fast", "quality"}), Shown(), Idle::uncoded},
         {"--keyframes", coding, o.keyframes,

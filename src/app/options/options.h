@@ -44,7 +44,8 @@ struct CodingOptions {
     std::optional<int> quantiser, crf, passes, gop, b_pictures;
     std::optional<double> quality;
     bool constant_rate = false;
-    std::string tune = "psnr", encoder = "quality";
+    std::optional<std::string> tune;  ///< none: as the codec has it
+    std::string encoder = "quality";
     double audio_offset = 0;
 };
 
