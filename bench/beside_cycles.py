@@ -204,7 +204,7 @@ def judged(film, seconds, halves, motion):
 def ours(blend, quantiser, with_layers):
     """(film, CPU seconds, statistics, layers), with an export of its own; what this program has made before is kept."""
     program = hashlib.sha256(pathlib.Path(given.program).read_bytes()).hexdigest()[:8]
-    folder = work_of(blend) / f"ours-{given.size}-{first}-{last}-{given.codec}-{quantiser}-{program}"
+    folder = work_of(blend) / f"ours-{given.size}-{first}-{last}-{given.codec}-{quantiser}-{program}{'-layers' if with_layers else ''}"
     copy, film, statistics, layers, taken = (folder / n for n in ("own.blend", "film.mp4", "film.json", "layers", "taken.json"))
     if not taken.exists():
         shutil.rmtree(folder, ignore_errors=True)

@@ -25,10 +25,9 @@ double step_of(Codec codec, double quantiser) {
             return 0.625 * std::exp2(quantiser / 6);
         case Codec::av1:
             return av1_step(4 * quantiser);  // of SVT-AV1's 64 quantisers
-        case Codec::mpeg2:
-            break;
+        default:
+            return 2 * quantiser;
     }
-    return 2 * quantiser;
 }
 
 double quantiser_like(Codec codec, double mpeg2_quantiser) {

@@ -155,5 +155,8 @@ class Bakes:
         if not is_steady(socket):
             return self.baker.value(copy, slot, made, socket, size)
         if what not in self.steady:
-            self.steady[what] = self.baker.value(copy, slot, made, socket, SMALLEST)
+            found = self.baker.value(copy, slot, made, socket, SMALLEST)
+            if not found[..., 3].any():  # all faces are smaller than a texel
+                return self.baker.value(copy, slot, made, socket, size)
+            self.steady[what] = found
         return self.steady[what]

@@ -101,8 +101,9 @@ class Baker:
         covered = pixels[..., 3] > 0
         if covered.any():
             pixels[~covered] = pixels[covered].mean(axis=0, dtype=float)
-        # Half of a code of 8 bits.
-        return pixels if np.max(np.ptp(pixels[..., :3].reshape(-1, 3), axis=0)) >= 0.5 / 255 else pixels.mean(axis=(0, 1), keepdims=True)
+        # Half of a code of 8 bits; what is no number is not even.
+        even = np.max(np.ptp(pixels[..., :3].reshape(-1, 3), axis=0)) < 0.5 / 255
+        return pixels.mean(axis=(0, 1), keepdims=True) if even else pixels
 
     def value(self, copy, slot, material, socket, size):
         """What a socket has all over the mesh, shown as light of that colour."""

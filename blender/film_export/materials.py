@@ -49,6 +49,7 @@ class Materials:
         self.looks, self.made, self.images, self.textures = {}, {}, {}, {}
         self.baked = {}     # (mesh, material) -> channel -> pixels
         self.alike = {}     # (mesh, material) -> the first mesh on which the material has the same pixels
+        self.first = {}     # (material, hash of rounded pixels) -> that mesh
         self.holes = []     # names of glTF materials
         self.strengths = {} # glTF material's name -> (material, node, input, factor at first)
 
@@ -92,15 +93,9 @@ class Materials:
 
     def share(self, mesh_name, material):
         """Makes one material of those whose textures came out alike, such as those that have none."""
-        own = self.baked[mesh_name, material.name_full]
-
-        def is_like(other):
-            return own.keys() == other.keys() and all(
-                own[n].shape == other[n].shape and np.max(np.abs(own[n] - other[n])) < 1e-4 for n in own)
-        for mesh, name in self.baked:
-            if name == material.name_full and (mesh == mesh_name or is_like(self.baked[mesh, name])):
-                self.alike[mesh_name, name] = mesh
-                return
+        name, own = material.name_full, self.baked[mesh_name, material.name_full]
+        looks = tuple((n, own[n].shape, (np.round(own[n] * 4096) + 0.0).tobytes()) for n in sorted(own))
+        self.alike[mesh_name, name] = self.first.setdefault((name, hash(looks)), mesh_name)
 
     # While shapes are written.
 

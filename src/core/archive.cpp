@@ -107,8 +107,12 @@ void ArchiveReader::bytes(void* to, std::size_t count) {
 std::size_t ArchiveReader::count(std::size_t least) {
     std::uint64_t count = 0;
     (*this)(count);
-    if (count > left_ / least) throw Error("reading", file_.string(), "it ends too early");
+    expect(count, least);
     return static_cast<std::size_t>(count);
+}
+
+void ArchiveReader::expect(std::uint64_t values, std::size_t bytes) const {
+    if (values > left_ / bytes) throw Error("reading", file_.string(), "it ends too early");
 }
 
 }  // namespace render2mpeg::core

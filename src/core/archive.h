@@ -79,6 +79,8 @@ class ArchiveReader : public ArchiveBlocks {
     void bytes(void* to, std::size_t count);
     /// The number of the values that follow, of so many bytes each at least.
     std::size_t count(std::size_t least);
+    /// Throws core::Error where fewer than so many values of so many bytes follow.
+    void expect(std::uint64_t values, std::size_t bytes) const;
 
     template <class... Values>
     void operator()(Values&... values) {
@@ -116,6 +118,10 @@ template <class Value>
 void ArchiveReader::one(Value& value) {
     if constexpr (Archived<ArchiveReader, Value>) {
         archive(*this, value);
+    } else if constexpr (std::is_same_v<Value, bool>) {
+        std::uint8_t byte = 0;
+        bytes(&byte, 1);
+        value = byte != 0;
     } else {
         static_assert(std::is_trivially_copyable_v<Value> && !std::is_pointer_v<Value>);
         bytes(static_cast<void*>(&value), sizeof(Value));
@@ -142,8 +148,13 @@ void archive(ArchiveWriter& a, std::vector<T>& values) {
 template <class T>
 void archive(ArchiveReader& a, std::vector<T>& values) {
     values.clear();
-    values.resize(a.count(std::is_trivially_copyable_v<T> ? sizeof(T) : 1));
-    archive_all(a, values);
+    const std::size_t count = a.count(std::is_trivially_copyable_v<T> ? sizeof(T) : 1);
+    if constexpr (std::is_trivially_copyable_v<T>) {
+        values.resize(count);
+        archive_all(a, values);
+    } else {
+        for (std::size_t i = 0; i < count; ++i) a(values.emplace_back());
+    }
 }
 
 template <class A, class T>
@@ -152,6 +163,8 @@ void archive(A& a, Plane<T>& plane) {
     a(width, height);
     if constexpr (std::is_same_v<A, ArchiveReader>) {
         if (width < 0 || height < 0) throw Error("reading a plane: it has no size");
+        a.expect(static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height),
+                 std::is_trivially_copyable_v<T> ? sizeof(T) : 1);
         plane = Plane<T>(width, height);
     }
     archive_all(a, plane.values());

@@ -331,6 +331,7 @@ Frame Renderer::look_at_middles(const scene::Snapshot& snapshot) {
     impl_->pose(snapshot);
     const Stopwatch timer(impl_->times[Pass::see]);
     SeeSettings middles = impl_->see_settings();
+    middles.spaced_as = middles.samples;
     middles.samples = middles.edge_samples = 1;  // the middle is the first of all
     middles.mattes = false;
     SeeCounts counts;

@@ -173,7 +173,8 @@ class Library final : public LibraryEncoder {
         e.width = settings_.width;
         e.height = settings_.height;
         const AVPixelFormat wanted = av_get_pix_fmt(encoder::facts_of(settings_.codec).ffmpeg.pixels.data());
-        e.pix_fmt = takes(codec, wanted) ? wanted : AV_PIX_FMT_YUV420P;
+        const bool is_master = encoder::facts_of(settings_.codec).master;
+        e.pix_fmt = is_master || takes(codec, wanted) ? wanted : AV_PIX_FMT_YUV420P;
         e.framerate = {static_cast<int>(settings_.rate.hertz.num), static_cast<int>(settings_.rate.hertz.den)};
         e.time_base = av_inv_q(e.framerate);
         e.sample_aspect_ratio = pixel_aspect(settings_);
@@ -184,7 +185,7 @@ class Library final : public LibraryEncoder {
         e.colorspace = static_cast<AVColorSpace>(settings_.matrix_coefficients);
         e.chroma_sample_location = AVCHROMA_LOC_LEFT;
         e.max_b_frames = settings_.b_pictures;
-        e.gop_size = encoder::facts_of(settings_.codec).master ? 1 : std::numeric_limits<int>::max();
+        e.gop_size = is_master ? 1 : std::numeric_limits<int>::max();
         e.thread_count = 1;  // with more of them, bytes would be others
         e.flags |= AV_CODEC_FLAG_GLOBAL_HEADER | AV_CODEC_FLAG_CLOSED_GOP;
         AVDictionary* options = library_options();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <string_view>
 
 #include "core/sampling.h"
 
@@ -134,7 +135,9 @@ void fill_chroma(AVFrame& frame, int plane, const Layout& layout, const core::Pl
 
 bool is_known(const AVFrame& frame) {
     const AVPixFmtDescriptor* format = av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
-    if (format == nullptr || format->nb_components < 3 || (format->flags & AV_PIX_FMT_FLAG_RGB) != 0) return false;
+    constexpr auto others = AV_PIX_FMT_FLAG_RGB | AV_PIX_FMT_FLAG_BE;
+    if (format == nullptr || format->nb_components < 3 || (format->flags & others) != 0) return false;
+    if (frame.color_range == AVCOL_RANGE_JPEG || std::string_view(format->name).starts_with("yuvj")) return false;
     const bool planar = format->comp[1].plane == 1 && format->comp[2].plane == 2;
     return planar && format->comp[0].depth >= 8 && format->comp[0].depth <= 12 && format->comp[0].shift == 0 &&
            format->log2_chroma_w <= 1 && format->log2_chroma_h <= format->log2_chroma_w;

@@ -168,7 +168,9 @@ std::string device_lines(const av::Inspection& film) {
     std::string text = fmt::format(
         "  devices    {}\n",
         not_on.empty() ? "whatever plays " + std::string(encoder::facts_of(s.codec).name) : "not on " + not_on);
-    const std::int64_t most = av::bits_of_level(s.codec, s.level);
+    // High profile's bits are a fourth more than those of the profiles below.
+    const bool is_low = s.codec == encoder::Codec::h264 && s.profile != "High";
+    const std::int64_t most = av::bits_of_level(s.codec, s.level) * (is_low ? 4 : 5) / 5;
     if (const double bits = busiest_second(film); most > 0 && bits > static_cast<double>(most))
         text += fmt::format("  beyond     level {}: a second of it has {:.1f} Mb, the level {:.1f}\n", s.level,
                             1e-6 * bits, 1e-6 * static_cast<double>(most));

@@ -20,11 +20,14 @@ using nlohmann::json;
 /// their light, and are all kept; small ones come faster than a disk can take them.
 constexpr double pause_over_writing = 20;
 
-/// All bytes of a picture's planes; without unrounded luma where that is empty.
-std::array<std::span<std::uint8_t>, 4> bytes_of(core::Picture& picture) {
-    const std::span<float> luma = picture.luma.values();
-    return {picture.y.values(), picture.cb.values(), picture.cr.values(),
-            std::span(reinterpret_cast<std::uint8_t*>(luma.data()), luma.size_bytes())};
+/// All bytes of a picture's planes, of which those unrounded may be empty.
+std::array<std::span<std::uint8_t>, 6> bytes_of(core::Picture& picture) {
+    const auto bytes = [](core::Plane<float>& plane) {
+        const std::span<float> values = plane.values();
+        return std::span(reinterpret_cast<std::uint8_t*>(values.data()), values.size_bytes());
+    };
+    return {picture.y.values(),  picture.cb.values(),    picture.cr.values(),
+            bytes(picture.luma), bytes(picture.full_cb), bytes(picture.full_cr)};
 }
 
 std::uint64_t bytes_in(core::Picture& picture) {
@@ -104,6 +107,7 @@ core::Picture KeptFrames::empty() const {
     picture.y = core::Plane<std::uint8_t>(width, height);
     picture.cb = picture.cr = core::Plane<std::uint8_t>((width + 1) / 2, (height + 1) / 2);
     if (chunk_.unrounded) picture.luma = core::Plane<float>(width, height);
+    if (chunk_.full_chroma) picture.full_cb = picture.full_cr = core::Plane<float>(width, height);
     return picture;
 }
 
@@ -134,6 +138,7 @@ void KeptFrames::add(core::Picture picture) {
     if (ends_) return;
     if (chunk_.needs_pictures) {
         if (!chunk_.unrounded) picture.luma = {};
+        if (!chunk_.full_chroma) picture.full_cb = picture.full_cr = {};
         for (const std::span<std::uint8_t> plane : bytes_of(picture))
             stream_.write(reinterpret_cast<const char*>(plane.data()), static_cast<std::streamsize>(plane.size()));
         head_["pictures"].push_back(sum_of(picture));
@@ -141,9 +146,9 @@ void KeptFrames::add(core::Picture picture) {
     head_["products"].push_back(sums_of_products(picture.number));
 }
 
-void KeptFrames::keep(RunStatistics statistics, const std::function<void(core::ArchiveWriter&)>& save) {
+void KeptFrames::keep(RunStatistics statistics, bool at_once, const std::function<void(core::ArchiveWriter&)>& save) {
     const double begin = clock_seconds();
-    if (ends_ || begin < due_) return;
+    if (ends_ || (begin < due_ && !at_once)) return;
     chunk_.add_times(statistics);
     head_["statistics"] = json_of(statistics);
     auto frames = static_cast<std::int64_t>(head_.at("products").size());
@@ -168,24 +173,27 @@ void KeptFrames::drop() {
     std::error_code ignored;
     std::filesystem::remove(state_file_, ignored);
     std::filesystem::remove(lit_, ignored);
+    // An open file would keep its place on the disk.
+    stream_.close();
+    earlier_.close();
     frames_ = 0;
     head_ = {{"pictures", json::array()}, {"products", json::array()}};
     state_.reset();
 }
 
-std::int64_t KeptFrames::left_beside(const std::filesystem::path& stream) {
+std::int64_t KeptFrames::left_beside(const std::filesystem::path& stream, const Chunk& chunk) {
     std::ifstream file(std::filesystem::path(stream).replace_extension(".state"), std::ios::binary);
     std::int64_t frames = 0;
     file.seekg(core::ArchiveReader::header_bytes);
     file.read(reinterpret_cast<char*>(&frames), sizeof frames);
-    return file && frames > 0 ? frames : 0;
+    return file && frames > 0 && frames < chunk.frames() ? frames : 0;
 }
 
 std::int64_t lit_frames_in(const std::filesystem::path& output, const std::vector<Chunk>& chunks) {
     std::int64_t lit = 0;
     for (const Chunk& chunk : chunks) {
         const std::filesystem::path stream = WorkFolder::stream_of(output, chunk);
-        if (!is_there(ChunkFile::record_of(stream))) lit += KeptFrames::left_beside(stream);
+        if (!is_there(ChunkFile::record_of(stream))) lit += KeptFrames::left_beside(stream, chunk);
     }
     return lit;
 }

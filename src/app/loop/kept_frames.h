@@ -24,12 +24,14 @@ struct KeptChunk {
     int width = 0, height = 0;    ///< of pictures
     bool needs_pictures = false;  ///< their coding is repeated
     bool unrounded = false;       ///< with Picture::luma, which codecs of ten bits take
+    bool full_chroma = false;     ///< with Picture::full_cb and full_cr, which masters take
     std::function<std::vector<std::filesystem::path>(std::int64_t)> products{};  ///< files that a frame has already
     std::function<void(RunStatistics&)> add_times = [](RunStatistics&) {};       ///< of the run, to those of the chunk
 };
 
 /// A chunk's frames so far: pictures, which are coded again, and the state in which they left what lights the next one.
-/// Both are written while frames are lit, so that an end of any kind costs little more than a frame.
+/// Both are written while frames are lit: a signal costs the frame at hand, a kill what is lit in twenty times as long
+/// as they took to write.
 class KeptFrames {
   public:
     /// Takes over what an earlier run left, if it is whole, of this film, and its products are unchanged.
@@ -48,14 +50,15 @@ class KeptFrames {
 
     /// Takes the picture of a frame that was just lit.
     void add(core::Picture picture);
-    /// Keeps the frames so far, whose state `save` writes, if that is due. A full disk ends it, and no frame is kept.
-    void keep(RunStatistics statistics, const std::function<void(core::ArchiveWriter&)>& save);
+    /// Keeps the frames so far, whose state `save` writes, if that is due or wanted at once. A full disk ends it, and
+    /// no frame is kept.
+    void keep(RunStatistics statistics, bool at_once, const std::function<void(core::ArchiveWriter&)>& save);
 
     /// Removes the files: the chunk is whole, or they are of no use.
     void drop();
 
     /// Frames that seem to be kept beside a chunk's stream.
-    static std::int64_t left_beside(const std::filesystem::path& stream);
+    static std::int64_t left_beside(const std::filesystem::path& stream, const Chunk& chunk);
 
   private:
     std::uint64_t mark() const;

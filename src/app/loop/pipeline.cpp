@@ -33,7 +33,7 @@ class ChunkLoop {
     /// A frame that an earlier run lit. The last of them brings the state that they left.
     void repeat(std::int64_t n);
     /// Keeps the frames so far for a later run.
-    void keep();
+    void keep(bool at_once);
     void finish();
 
   private:
@@ -121,7 +121,14 @@ void ChunkLoop::frame(std::int64_t n) {
 
 void ChunkLoop::repeat(std::int64_t n) {
     repeat_coding(n);
-    if (n - chunk_.first + 1 == kept_->frames()) restore();
+    if (n - chunk_.first + 1 < kept_->frames()) return;
+    try {
+        restore();
+    } catch (const std::exception& error) {
+        kept_->drop();
+        throw core::Error("lit frames of an earlier run are damaged (" + std::string(error.what()) +
+                          "); they are removed, and --resume lights them anew");
+    }
 }
 
 /// Lights of every instant follow from those before; of what is seen the coder asks pixels' motion alone.
@@ -164,9 +171,9 @@ void ChunkLoop::restore() {
     renderer_.count_anew();
 }
 
-void ChunkLoop::keep() {
+void ChunkLoop::keep(bool at_once) {
     if (kept_ == nullptr) return;
-    kept_->keep(totals_of(statistics_, renderer_), [&](core::ArchiveWriter& state) {
+    kept_->keep(totals_of(statistics_, renderer_), at_once, [&](core::ArchiveWriter& state) {
         renderer_.save(state);
         archive_state(state);
     });
@@ -264,13 +271,13 @@ bool render_chunk(const RenderJob& job, renderer::Renderer& renderer, const Chun
         const parallel::StopWhen stop(stops);
         loop.emplace(job, renderer, chunk, observer, statistics, kept);
         for (std::int64_t n = chunk.first; n <= chunk.last && whole; ++n) {
-            if (n - chunk.first < lit) {
-                loop->repeat(n);
-            } else {
+            const bool is_new = n - chunk.first >= lit;
+            if (is_new)
                 loop->frame(n);
-                if (n < chunk.last) loop->keep();
-            }
+            else
+                loop->repeat(n);
             whole = frame_done() || n == chunk.last;
+            if (is_new && n < chunk.last) loop->keep(!whole);
         }
     } catch (const parallel::Stopped&) {
         whole = false;

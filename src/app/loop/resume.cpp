@@ -91,7 +91,7 @@ std::int64_t first_missing(const RenderJob& film, const std::vector<ChunkFile>& 
         const auto file = std::ranges::find(files, chunk.index, index_of);
         if (file != files.end() && is_whole(*file)) continue;
         if (file != files.end()) return chunk.first + file->lit();
-        return chunk.first + (work == nullptr ? 0 : KeptFrames::left_beside(work->stream_of(chunk)));
+        return chunk.first + (work == nullptr ? 0 : KeptFrames::left_beside(work->stream_of(chunk), chunk));
     }
     return chunks.back().last + 1;
 }
@@ -272,7 +272,7 @@ std::vector<ChunkFile> take_up(const RenderJob& film, const RenderOptions& optio
                   [&](const Chunk& chunk) { return std::ranges::find(chunks, chunk.index, index_of) != chunks.end(); });
     work.drop_all_but(chunks, missing);
     std::int64_t lit = 0;
-    for (const Chunk& chunk : missing) lit += KeptFrames::left_beside(work.stream_of(chunk));
+    for (const Chunk& chunk : missing) lit += KeptFrames::left_beside(work.stream_of(chunk), chunk);
     if (!options.quiet) {
         const std::string name = options.output.string();
         const std::string text =

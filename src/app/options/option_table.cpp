@@ -241,7 +241,8 @@ Rows coding_rows(CommandLine& line) {
          "editors",
          codec_words(), Idle::uncoded},
         {"--level", coding, o.level,
-         "Level of H.264, HEVC or AV1 that the film declares and keeps to in size, rate and references, e.g. 4.1 "
+         "Level of H.264, HEVC or AV1 that the film declares and keeps to in size, pictures per second and references, "
+         "e.g. 4.1 "
          "(default: the lowest that holds its pictures)",
          "LEVEL", level_from, Idle::uncoded},
         {"--crf", coding, o.crf,

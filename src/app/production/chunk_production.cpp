@@ -189,9 +189,17 @@ void ChunkProduction::make(const Chunk& chunk, renderer::Renderer& renderer, Mad
     const bool has_sample = options_.report && open_.sample_frame.is_in(chunk);
     if (has_sample) products.add(open_.sample_frame);
     std::optional<KeptFrames> kept = kept_of(chunk);
-    made.whole = render_chunk(
-        film_, renderer, chunk, products, made.statistics, [&] { return frame_done(); }, [&] { return stops(); },
-        kept ? &*kept : nullptr);
+    try {
+        made.whole = render_chunk(
+            film_, renderer, chunk, products, made.statistics, [&] { return frame_done(); }, [&] { return stops(); },
+            kept ? &*kept : nullptr);
+    } catch (...) {
+        if (kept && kept->frames() > 0) {
+            file->abandon(kept->frames());
+            made.file = std::move(file);
+        }
+        throw;
+    }
     if (sink) sink->finish();
     made.statistics = totals_of(made.statistics, renderer);
     renderer.count_anew();
@@ -220,6 +228,7 @@ std::optional<KeptFrames> ChunkProduction::kept_of(const Chunk& chunk) const {
     of.needs_pictures = film_.kind == OutputKind::film || film_.kind == OutputKind::y4m;
     of.unrounded = film_.kind == OutputKind::film && film_.coding.codec != encoder::Codec::mpeg2 &&
                    film_.coding.codec != encoder::Codec::h264;
+    of.full_chroma = film_.kind == OutputKind::film && encoder::facts_of(film_.coding.codec).master;
     of.products = [this](std::int64_t n) { return images_of(film_, options_, {n, n}); };
     if (at_once_ == 1)
         of.add_times = [this](RunStatistics& own) {
@@ -227,7 +236,7 @@ std::optional<KeptFrames> ChunkProduction::kept_of(const Chunk& chunk) const {
             own.earlier_cpu += cpu_seconds() - written_.earlier_cpu;
         };
     std::optional<KeptFrames> kept(std::in_place, std::move(of));
-    if (!kept->complaint().empty())
+    if (!kept->complaint().empty() && !options_.quiet)
         print_line(open_.work.stream_of(chunk).replace_extension(".state").string() + " " + kept->complaint() +
                    ": its frames are lit anew");
     return kept;

@@ -39,7 +39,7 @@ class AmbientAir {
     template <class A>
     friend void archive(A& a, AmbientAir& air) {
         a(air.lit_frame_, air.known_, air.light_);
-        air.is_known_ = true;
+        air.is_known_ = air.is_known_ || std::is_same_v<A, core::ArchiveReader>;
     }
 
   private:

@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "core/error.h"
 #include "core/packed_normal.h"
 #include "renderer/base/light_packing.h"
 #include "renderer/base/stream.h"
@@ -54,6 +55,7 @@ class RecordLibrary {
     template <class A>
     friend void archive(A& a, RecordLibrary& library) {
         a(library.taken_);
+        if (library.taken_.size() != library.known_.size()) throw core::Error("the light file has other records now");
     }
 
   private:

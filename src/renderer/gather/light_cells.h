@@ -1,6 +1,8 @@
 #pragma once
 // Cells of the surface cache, found by their keys.
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -8,6 +10,7 @@
 #include <vector>
 
 #include "core/archive.h"
+#include "core/error.h"
 #include "core/sampling.h"
 
 namespace render2mpeg::renderer {
@@ -31,6 +34,10 @@ class CellTable {
     template <class A>
     friend void archive(A& a, CellTable& table) {
         a(table.slots_, table.used_);
+        const auto taken = std::ranges::count_if(table.slots_, [](const Slot& s) { return s.found.index != none; });
+        if (!std::has_single_bit(std::max<std::size_t>(table.slots_.size(), 1)) ||
+            static_cast<std::size_t>(taken) != table.used_ || 2 * table.used_ > table.slots_.size())
+            throw core::Error("a table of cells is damaged");
     }
 
   private:

@@ -129,8 +129,9 @@ Frame see(const PosedScene& posed_scene, const SeeSettings& settings, const Plan
     // Look tile by tile, then again at edges; counts are summed in the tiles' order.
     const EyePaths paths(posed_scene, settings, plan);
     const auto looking = [&](const std::vector<glm::vec2>& pattern) {
-        return Looking{posed_scene.tracer(), paths, snapshot.camera, pattern,
-                       1.0f / std::sqrt(static_cast<float>(pattern.size()))};
+        return Looking{
+            posed_scene.tracer(), paths, snapshot.camera, pattern,
+            1.0f / std::sqrt(static_cast<float>(std::max(settings.spaced_as, static_cast<int>(pattern.size()))))};
     };
     const std::vector<glm::vec2> pattern = sample_pattern(settings.samples);
     std::vector<SeeCounts> tile_counts(seen.tiles.size());
