@@ -99,6 +99,20 @@ TEST(Archive, IsNotBelievedWhereItIsTornChangedOrAnothers) {
     }
 }
 
+TEST(Archive, HoldsNoMoreThanItsBytes) {
+    const support::Folder folder;
+    {
+        ArchiveWriter writer(folder / "a", 5);
+        int side = 1 << 20;
+        writer(side, side, side);
+        writer.finish();
+    }
+    const auto read = [&](auto value) { (*ArchiveReader::open(folder / "a", 5))(value); };
+    EXPECT_THROW(read(Plane<float>()), Error);
+    EXPECT_THROW(read(std::vector<double>()), Error);
+    EXPECT_THROW(read(std::vector<std::vector<int>>()), Error);
+}
+
 TEST(Archive, ThatIsNotFinishedLeavesNothing) {
     const support::Folder folder;
     {
