@@ -77,7 +77,7 @@ bool can_code(const std::string& codec) {
                .status == 0;
 }
 
-TEST(Colours, AreTaggedAndComeBackWithinTwoCodesInFfmpeg) {
+TEST(Colours, AreTaggedAndComeBackWithinTwoCodesInFfmpegSlow) {
     const Folder folder;
     for (const PatchSize size : {PatchSize{176, 144}, PatchSize{256, 720}}) {
         write_patches(folder, size);

@@ -51,7 +51,7 @@ std::string x264_settings(const encoder::Settings& settings) {
 }
 
 /// One quantiser for each type of picture, told by ratios of steps; nothing is looked at ahead but where B pictures
-/// wait.
+/// wait. The lowest level is declared: x265 takes no other with known quantisers.
 std::string x265_settings(const encoder::Settings& settings) {
     const encoder::LibraryOffsets offsets = encoder::facts_of(settings.codec).offsets;
     const auto ratio = [](double quantisers) { return std::to_string(std::exp2(quantisers / 6)); };
@@ -59,7 +59,6 @@ std::string x265_settings(const encoder::Settings& settings) {
            ":pbratio=" + ratio(offsets.bidirectional) + ":scenecut=0:keyint=-1:b-adapt=0:b-pyramid=1:open-gop=0:" +
            "rc-lookahead=" + std::to_string(settings.b_pictures + 1) +
            ":lookahead-slices=0:frame-threads=1:pools=none:wpp=0:info=0:log-level=error" +
-           (settings.level > 0 ? ":level-idc=" + std::to_string(settings.level) : "") +
            (settings.tune == encoder::Tune::psnr ? ":psy-rd=0:psy-rdoq=0" : "");
 }
 
