@@ -77,7 +77,7 @@ bool can_code(const std::string& codec) {
                .status == 0;
 }
 
-TEST(Colours, AreTaggedAndComeBackWithinTwoCodesInFfmpeg) {
+TEST(Colours, AreTaggedAndComeBackWithinTwoCodesInFfmpegSlow) {
     const Folder folder;
     for (const PatchSize size : {PatchSize{176, 144}, PatchSize{256, 720}}) {
         write_patches(folder, size);
@@ -124,7 +124,11 @@ async function colours(film) {
   canvas.width = video.videoWidth;
   canvas.height = video.videoHeight;
   const pen = canvas.getContext('2d', {willReadFrequently: true});
-  pen.drawImage(video, 0, 0);
+  // On a busy machine a decoder has nothing to show at first.
+  for (let i = 0; i < 200 && pen.getImageData(0, 0, 1, 1).data[3] === 0; ++i) {
+    pen.drawImage(video, 0, 0);
+    await new Promise((done) => setTimeout(done, 20));
+  }
   return [...Array(8).keys()].map((i) => [...pen.getImageData(
       Math.floor((2 * i + 1) * canvas.width / 16), Math.floor(canvas.height / 2), 1, 1).data.slice(0, 3)]);
 }
@@ -162,11 +166,13 @@ TEST(Colours, ComeBackInABrowserSlow) {
             const auto at = [&](std::size_t c) {
                 return static_cast<double>(wanted(patches[i], c, name.back() == 's'));
             };
+            const double blue = size.height >= 720 ? at(2) - (0.2126 * at(0) + 0.7152 * at(1) + 0.0722 * at(2))
+                                                   : at(2) - (0.299 * at(0) + 0.587 * at(1) + 0.114 * at(2));
             for (std::size_t c = 0; c < 3; ++c) {
-                // Without a graphics card Chromium multiplies Cb by 2 where BT.709 says 2.112 (its constants are of 8
-                // bits): of blue, 6 % of the colour difference is missing. Nothing that a film says changes that.
-                const double blue = at(2) - (0.2126 * at(0) + 0.7152 * at(1) + 0.0722 * at(2));
-                const double lost = c == 2 && size.height >= 720 ? 0.053 * blue : 0;
+                // Without a graphics card Chromium multiplies Cb by 2 where BT.709 says 2.112 and BT.601 2.018, its
+                // constants being of 8 bits: of blue, so much of the colour difference is missing, whatever a film
+                // says.
+                const double lost = c == 2 ? (size.height >= 720 ? 0.053 : 0.009) * blue : 0;
                 EXPECT_NEAR(seen.at(name).at(i).at(c).get<double>(), at(c) - lost, 2.01) << "patch " << i << ", " << c;
             }
         }

@@ -50,12 +50,12 @@ std::string x264_settings(const encoder::Settings& settings) {
 }
 
 /// The same of x265. Blocks of 32x32 have a quantiser: those of 16x16 cost more bits than they save.
+/// The lowest level is declared: x265 takes no other with known quantisers.
 std::string x265_settings(const encoder::Settings& settings) {
     return "qcomp=1:aq-mode=1:aq-strength=0.0001:qg-size=32:cutree=0:ipratio=1:pbratio=1:scenecut=0:keyint=-1:"
            "b-adapt=0:b-pyramid=1:open-gop=0:rc-lookahead=" +
            std::to_string(settings.b_pictures + 1) +
-           ":lookahead-slices=0:frame-threads=1:pools=none:wpp=0:info=0:log-level=error:psy-rd=0:psy-rdoq=0" +
-           (settings.level > 0 ? ":level-idc=" + std::to_string(settings.level) : "");
+           ":lookahead-slices=0:frame-threads=1:pools=none:wpp=0:info=0:log-level=error:psy-rd=0:psy-rdoq=0";
 }
 
 std::string svt_settings(const encoder::Settings& settings) {
