@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""bench/estimates.py OUT_FOLDER [--within TIME] [NAME...]
+"""bench/estimates.py OUT_FOLDER [--within TIME] [NAME... | NAME=SCENE,OPTIONS...]
 
 What `render --dry-run` says that films take, held against the films: a row for each of twelve, as docs/measurements.md#estimates has them.
 Films that OUT_FOLDER has are taken from there, each with what its making took, so that only dry runs are made anew. Films
@@ -67,10 +67,12 @@ def main():
         within, wanted = wanted[:2], wanted[2:]
     out = pathlib.Path(out)
     out.mkdir(parents=True, exist_ok=True)
+    films = [f for f in FILMS if not wanted or f[0] in wanted]
+    for name, own, said in (w.partition("=") for w in wanted):
+        scene, _, options = said.partition(",")
+        films += [(name, str(pathlib.Path(scene).resolve()), options)] if own else []
     print("| film | CPU, s: told, true | | size, kB: told, true | | dry run: CPU, clock, s |\n|---|---|---|---|---|---|")
-    for name, scene, options in FILMS:
-        if wanted and name not in wanted:
-            continue
+    for name, scene, options in films:
         scene = str(ANIMATIONS / scene)
         true = film_of(out, name, scene, options)
         text, cpu, clock = run(["render", "--dry-run", scene, *options.split(), *within, "-o", str(out / "none.m2v")])

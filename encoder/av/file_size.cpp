@@ -38,4 +38,21 @@ double file_of_pictures(double bytes, std::int64_t pictures, const std::filesyst
     return overhead.file + overhead.picture * static_cast<double>(pictures) + bytes * (1 + overhead.share);
 }
 
+double likely_file(double bytes, double sound, std::int64_t pictures, const std::filesystem::path& file, bool disc) {
+    const std::string ending = core::ending_of(file);
+    const auto count = static_cast<double>(pictures);
+    const auto as = [&](const Overhead& o) { return o.file + o.picture * count + (bytes + sound) * (1 + o.share); };
+    // fit: docs/measurements.md#rates
+    if (ending == ".m2v") return as({16, 0, 0});
+    if (ending == ".ts") return as({800, 290, 0.024});
+    if (ending == ".mkv" || ending == ".mp4" || ending == ".mov") return as({785, 13, 0.001});
+    // Each stream fills packs of its own [H222, 2.5], the last of several by half.
+    constexpr double pack = 2048, headers = 1.018;
+    const auto packs = [](double stream) {
+        const double full = headers * stream / pack;
+        return stream <= 0 ? 0 : full <= 1 ? pack : pack * (full + 0.5);
+    };
+    return 4 + packs(bytes) + packs(sound) + (disc ? 2 * pack / 12 * count : 0);
+}
+
 }  // namespace render2mpeg::av

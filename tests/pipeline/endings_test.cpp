@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "encoder/av/file_size.h"
@@ -43,6 +44,26 @@ TEST(Endings, InCapitalsHaveTheSameContainer) {
     for (const auto& [small, large] : {std::pair("a.ts", "a.TS"), {"a.m2v", "a.M2V"}, {"a.mkv", "a.MKV"}})
         EXPECT_EQ(av::pictures_in_file(1e6, 100, small, false), av::pictures_in_file(1e6, 100, large, false)) << large;
     EXPECT_LT(av::pictures_in_file(1e6, 100, "a.TS", false), av::pictures_in_file(1e6, 100, "a.MPG", false));
+}
+
+TEST(Containers, AddWhatWasMeasured) {
+    struct Film {
+        const char* name;
+        int frames;
+        double pictures, sound, file;
+    };
+    for (const Film& f : {Film{"godot.mpg", 12, 1772, 0, 2052},
+                          {"cornell.mpg", 16, 6085, 0, 8196},
+                          {"dear_cut.mpg", 42, 13876, 0, 14340},
+                          {"vc.mpg", 24, 46641, 0, 49156},
+                          {"sound.mpg", 24, 14674, 30720, 49156},
+                          {"engine.mp4", 24, 2373, 0, 3471},
+                          {"brainstem.mp4", 24, 10660, 0, 11758},
+                          {"lamps.mp4", 6, 1550, 0, 2413}}) {
+        // The last pack of a stream is full or not.
+        const double off = std::string_view(f.name).ends_with(".mpg") ? (f.sound > 0 ? 2 : 1) * 1100 : 0.01 * f.file;
+        EXPECT_NEAR(av::likely_file(f.pictures, f.sound, f.frames, f.name, false), f.file, off) << f.name;
+    }
 }
 
 TEST(TransportStreams, OfAPictureOrTwoAreKnownByTheirContents) {

@@ -55,12 +55,37 @@ TEST(Forecast, GrowsByItsPowers) {
     app::FrameSample sample;
     sample.first = {8, 1000};
     sample.later = {1, 100};
-    const app::FrameSample grown = sample.grown(4, 0.5);
+    const app::Growth growth{{0.5, 0.8}, {0.7, 0.8}};
+    const app::FrameSample grown = sample.grown(4, growth);
     EXPECT_NEAR(grown.first.seconds, 16, 1e-9);
+    EXPECT_NEAR(grown.later.seconds, std::pow(4, 0.7), 1e-9);
     // 32 rows of macroblocks for 16, and detail by its power.
     sample.size = {256, 256};
     sample.later.bytes = 1000;
-    EXPECT_NEAR(sample.grown(4, 0.5).later.bytes, 16 + 8 * 32 + (1000 - 16 - 8 * 16) * std::pow(4, 0.8), 1e-9);
+    EXPECT_NEAR(sample.grown(4, growth).later.bytes, 16 + 8 * 32 + (1000 - 16 - 8 * 16) * std::pow(4, 0.8), 1e-9);
+    // Pictures of other codecs have one slice.
+    sample.codec = encoder::Codec::h264;
+    sample.later.bytes = 13;
+    EXPECT_NEAR(sample.grown(4, growth).later.bytes, 12 + std::pow(4, 0.8), 1e-9);
+}
+
+TEST(Forecast, LearnsItsPowersFromTwoSizes) {
+    app::FrameSample small, large;
+    small.size = {64, 64};
+    large.size = {128, 128};
+    const double headers = 16 + 8 * 4, larger_headers = 16 + 8 * 8;
+    small.first = {1, headers + 100};
+    large.first = {4, larger_headers + 400};
+    small.later = {1, headers + 100};
+    large.later = {1, larger_headers + 100};
+    const app::Growth growth = app::growth_between(&small, large);
+    EXPECT_NEAR(growth.first.seconds, 1, 1e-9) << "as measured";
+    EXPECT_NEAR(growth.first.bytes, 0.9, 1e-9) << "half of what is usual, half as measured";
+    EXPECT_NEAR(growth.later.seconds, 0.15, 1e-9) << "no film takes less";
+    EXPECT_NEAR(growth.later.bytes, 0.65, 1e-9);
+    large.size = {64, 64};
+    EXPECT_NEAR(app::growth_between(&small, large).later.seconds, 0.5, 1e-9) << "one size tells nothing";
+    EXPECT_NEAR(app::growth_between(nullptr, large).later.bytes, 0.8, 1e-9);
 }
 
 TEST(Forecast, TakesWindowsFromTheMiddlesOfEqualParts) {
@@ -82,7 +107,7 @@ TEST(Forecast, OfAShortFilmIsWhatItTakes) {
     // All of its frames were lit and coded.
     double bytes = 0;
     for (const app::FrameEntry& entry : found->sample.statistics.frames) bytes += static_cast<double>(entry.bytes);
-    EXPECT_NEAR(found->bytes, bytes * 1.009 + 1024 + 6 * 16, 0.15 * found->bytes);
+    EXPECT_NEAR(found->bytes, bytes * 1.018 <= 2048 ? 2052 : bytes * 1.018 + 1028, 0.15 * bytes);
     EXPECT_GT(found->memory, std::uint64_t{1} << 20);
     EXPECT_DOUBLE_EQ(found->disk, 2 * found->bytes);
 }
@@ -106,16 +131,55 @@ TEST(Forecast, CountsTheChannelsOfTheSound) {
         return app::forecast(film, name, 1, true).value().bytes;
     };
     const double seconds = 2 / film.rate.hertz.value();
-    EXPECT_NEAR(bytes(2, "film.mpg") - bytes(1, "film.mpg"), 128e3 / 8 * seconds, 1);
+    EXPECT_NEAR(bytes(2, "film.mpg") - bytes(1, "film.mpg"), 128e3 / 8 * seconds, 400) << "in packs of 2048";
     EXPECT_NEAR(bytes(2, "film.mp4") - bytes(1, "film.mp4"), 96e3 / 8 * seconds, 1);
 }
 
-TEST(Forecast, StopsInTheMidstOfAFrame) {
+TEST(Forecast, StopsInTheMidstOfAFrameAndTellsTheLeast) {
     RenderJob film = small_film(support::plain_film(), "64x64");
     app::LoopObserver nobody;
     app::Progress progress(1, true);
-    EXPECT_FALSE(app::sample_frames(film, {{0, 0, 3}}, nobody, progress, [] { return true; }).has_value())
-        << "its time was over";
+    const auto sample = app::sample_frames(film, {{0, 0, 3}}, nobody, progress, [] { return true; });
+    ASSERT_TRUE(sample.has_value());
+    EXPECT_EQ(sample->frames, 0) << "its time was over";
+    EXPECT_GT(sample->cpu, 0);
+    const auto found = app::forecast(film, "film.mpg", 1e-9, true);
+    ASSERT_TRUE(found.has_value());
+    ASSERT_TRUE(found->is_least);
+    EXPECT_GT(found->cpu, found->sample.cpu) << "there are other frames";
+    const std::string said = app::text_of(*found);
+    EXPECT_TRUE(said.starts_with("Takes more than ")) << said;
+    EXPECT_NE(said.find(" not one frame of 48x48 was lit"), std::string::npos) << said;
+    EXPECT_EQ(said.find("the film has"), std::string::npos) << said;
+}
+
+TEST(Forecast, NeedsOneFrameOnly) {
+    struct Coded : app::LoopObserver {
+        void coded(const encoder::CodedPicture&) override { any = true; }
+        bool any = false;
+    } observer;
+    app::Progress progress(1, true);
+    const RenderJob film = small_film(support::plain_film(), "64x64");
+    const auto sample = app::sample_frames(film, {{0, 0, 3}}, observer, progress, [&] { return observer.any; });
+    ASSERT_TRUE(sample.has_value());
+    ASSERT_EQ(sample->frames, 1);
+    EXPECT_NEAR(sample->later.seconds, 0.7 * sample->first.seconds, 1e-9);
+    EXPECT_NEAR(sample->later.bytes, 0.2 * sample->first.bytes, 1e-9);
+}
+
+TEST(Windows, StandForTheirShotsByTheirLengths) {
+    RenderJob film = flash_cut();  // a cut at 36
+    film.frames = {20, 71};
+    const app::SampleWindows two = app::sample_windows(film, 4, 6);
+    ASSERT_EQ(two.all.size(), 2u);
+    EXPECT_EQ(two.all[0].first, 25);
+    EXPECT_EQ(two.all[1].last, 56);
+    EXPECT_EQ(two.weights, (std::vector<double>{16, 36}));
+    // As many windows as there may be, where shots are more: none has a cut in it.
+    const app::SampleWindows one = app::sample_windows(film, 1, 30);
+    ASSERT_EQ(one.all.size(), 1u);
+    EXPECT_EQ(one.all[0].first, 36) << "the longer part";
+    EXPECT_EQ(one.all[0].last, 60);
 }
 
 TEST(Windows, LieInEachShot) {

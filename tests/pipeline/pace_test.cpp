@@ -113,6 +113,23 @@ TEST(Pace, CountsTheFirstFramesOfChunksApart) {
     EXPECT_DOUBLE_EQ(*resumed.left(30), 7);
 }
 
+TEST(Pace, KnowsWhatShotsCostBesideEachOther) {
+    // Ten frames of a cheap shot, ten of one that takes three times as long.
+    std::vector<double> prices(10, 0.1);
+    prices.resize(20, 0.3);
+    Pace pace({0, 10}, prices);
+    pace.add(2);
+    EXPECT_NEAR(*pace.left(20), 9 * 0.6 * 2 + 6 + 9 * 0.6 * 6, 1e-9);
+    pace.add(1);
+    EXPECT_NEAR(*pace.left(20), 8 + 6 + 9 * 3, 1e-9) << "early in the cheap shot, the dear one is known";
+    EXPECT_NEAR(pace.per_second(), 1, 1e-9);
+    for (int k = 2; k < 10; ++k) pace.add(1);
+    pace.add(6);
+    EXPECT_NEAR(*pace.left(20), 9 * 3, 1e-9);
+    EXPECT_NEAR(pace.per_second(), 1.0 / 3, 1e-9);
+    EXPECT_NEAR(*pace.left(22), 9 * 3 + 2 * 2, 1e-9) << "frames that nobody expected are like the mean";
+}
+
 TEST(Pace, NeverSaysThatNothingIsLeftWhileAFrameIs) {
     Pace pace({0});
     pace.add(8);

@@ -25,17 +25,24 @@ std::string browser() {
 constexpr const char* probe = R"(<script>
 addEventListener('load', () => {
   const at = (s) => getComputedStyle(s.closest('figure').querySelector('.upon img + img')).clipPath;
-  const sliders = [...document.querySelectorAll('input[type=range]')].map((s) => {
+  const images = [...document.images].map((i) => i.complete && i.naturalWidth > 0);
+  const choice = document.querySelector('input.choice'), taken = document.querySelector('.answer .taken'), said = () =>
+    document.querySelector('.said').textContent + document.querySelector('.seen').textContent;
+  const begins = choice && {picture: choice.closest('figure').querySelector('.upon img').src, said: said(), at: choice.value,
+                            isTaken: taken.classList.contains('seen'), wide: choice.getBoundingClientRect().width};
+  if (choice) { choice.value = choice.value === '0' ? 1 : 0; choice.dispatchEvent(new Event('input', {bubbles: true})); }
+  const goesOn = choice && {picture: choice.closest('figure').querySelector('.upon img').src, said: said(),
+                            isTaken: taken.classList.contains('seen')};
+  const sliders = [...document.querySelectorAll('input[type=range]:not(.choice)')].map((s) => {
     const before = at(s);
     s.value = 20;
     s.dispatchEvent(new Event('input', {bubbles: true}));
     return {before, after: at(s), wide: s.getBoundingClientRect().width};
   });
-  const images = [...document.images].map((i) => i.complete && i.naturalWidth > 0);
   const outside = [...document.querySelectorAll('body *')].filter(
     (e) => !e.closest('.wide') && e.getBoundingClientRect().right > innerWidth + 0.5).map((e) => e.tagName);
   const broken = /\[object|undefined|NaN|Infinity/.exec(document.querySelector('main').textContent);
-  parent.postMessage({width: innerWidth, broken: broken && broken[0], across: document.documentElement.scrollWidth, sliders, images, outside,
+  parent.postMessage({width: innerWidth, broken: broken && broken[0], across: document.documentElement.scrollWidth, sliders, images, outside, begins, goesOn,
                       charts: document.querySelectorAll('svg').length}, '*');
 });
 </script>)";
@@ -203,6 +210,16 @@ TEST_F(ReportInABrowserSlow, OfCostFitsAPhoneAndADesktop) {
                   " --size 48x32 --sample 1x2 --tolerances 32,8,2 --report " + path(folder_, "c.html"))
                   .status,
               0);
+    std::string console;
+    for (const json& look : looked_at(folder_, "c.html", console)) {
+        const json begins = look.at("begins"), goes_on = look.at("goesOn");
+        EXPECT_TRUE(begins.at("isTaken")) << "the recommended row is the first to be shown";
+        EXPECT_NE(begins.at("said").get<std::string>().find("take this"), std::string::npos);
+        EXPECT_GT(begins.at("wide"), 300) << "a finger's width for each row";
+        EXPECT_FALSE(goes_on.at("isTaken"));
+        EXPECT_NE(goes_on.at("said"), begins.at("said"));
+        EXPECT_NE(goes_on.at("picture"), begins.at("picture"));
+    }
     expect_sound(folder_, "c.html", 3);
 }
 

@@ -38,12 +38,9 @@ int interrupted_before_frames(const RenderOptions& options) {
 std::string plan_text(RenderJob& film, const RenderOptions& options) {
     const double within = within_from(options.within);
     const auto found = within > 0 ? forecast(film, options.output, within, options.quiet) : std::nullopt;
-    const std::string reason = within > 0 && !InterruptGuard::requested()
-                                   ? "No times and sizes: --within " + options.within +
-                                         " is over before two frames are lit, however small; give more\n"
-                                   : "";
-    return film_text(film) + "\n" + (found ? text_of(*found) : reason) + text_of(chunks_at_once(film, options)) +
-           "\n\n" + plan_table(film, found ? &found->sample : nullptr);
+    const bool is_lit = found && !found->is_least;
+    return film_text(film) + "\n" + (found ? text_of(*found) : "") + text_of(chunks_at_once(film, options)) + "\n\n" +
+           plan_table(film, is_lit ? &found->sample : nullptr);
 }
 
 std::string dry_run_text(RenderJob& film, const RenderOptions& options) {

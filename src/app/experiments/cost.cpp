@@ -86,6 +86,7 @@ std::optional<CostSample> first_answer(const TrialOptions& options, RenderJob& f
     const auto effects = static_cast<double>(left_out_of(film).size()) + 1;
     CostSample chosen{{1, 1}, 1, 2, std::move(found)};
     fit_sample(options, film, first, frame, 0.6 * within, chosen);
+    if (chosen.forecast->is_least) chosen.forecast.reset();
     if (effects * (first + 2 * frame) < 0.3 * within) chosen.effect_frames = 3;
     return chosen;
 }

@@ -167,6 +167,32 @@ Base base_of(const Sweep& sweep, double frames) {
             core::divide_or(f.clock, f.cpu, 1.0)};
 }
 
+/// The trial of a film's row; null for paths.
+const TrialRow* row_of(const Sweep& sweep, const FilmCost& cost) {
+    const auto found = std::ranges::find_if(sweep.rows, [&](const TrialRow& row) {
+        return row.name == cost.value && (row.group == Sweep::effort) == (cost.option == "--effort");
+    });
+    return found == sweep.rows.end() ? nullptr : &*found;
+}
+
+/// One frame by each row of the film's table, null where there is none, beside exact light; null without references.
+json accuracies_json(const Sweep& sweep, const std::vector<FilmCost>& costs, perceptual::ColorMatrix matrix) {
+    json sources = json::array(), shown = nullptr;
+    for (const FilmCost& cost : costs) {
+        const TrialRow* const row = row_of(sweep, cost);
+        sources.push_back(nullptr);
+        if (row == nullptr || !row->trial.sample_frame) continue;
+        const SampleFrame& frame = *row->trial.sample_frame;
+        sources.back() = source_of(cost.name(), frame.lit, matrix);
+        if (shown.is_null())
+            shown = {{"frame", frame.frame},
+                     {"width", shown_width(frame.lit.width())},
+                     {"exact", source_of("exact", frame.reference, matrix)}};
+    }
+    if (!shown.is_null()) shown["sources"] = sources;
+    return shown;
+}
+
 json film_json(const std::vector<FilmCost>& costs) {
     json film = json::array();
     const std::optional<std::size_t> taken = recommended(costs);
@@ -285,15 +311,10 @@ json cost_json(const Sweep& sweep, const std::vector<FilmCost>& costs, std::int6
 
 json cost_page(const RenderJob& film, const Sweep& sweep, const std::vector<FilmCost>& costs) {
     const perceptual::ColorMatrix matrix = perceptual::matrix_for(film.format.height);
-    // The recommended one, as the table has it.
     const std::optional<std::size_t> taken = recommended(costs);
-    const auto shown =
-        std::ranges::find_if(sweep.rows, [&](const TrialRow& row) { return taken && row.name == costs[*taken].value; });
-    const TrialRow& row = shown == sweep.rows.end() ? sweep.rows.front() : *shown;
-    json pictures = json::array(), without = json::array(), wholes = json::object();
-    if (const auto& own = row.trial.sample_frame)
-        pictures.push_back(pair_of(fmt::format("Frame {}, before coding: {} beside exact light", own->frame, row.name),
-                                   {row.name, own->lit}, {"exact", own->reference}, matrix, true));
+    const TrialRow* own = taken ? row_of(sweep, costs[*taken]) : nullptr;
+    const TrialRow& row = own != nullptr ? *own : sweep.rows.front();
+    json without = json::array(), wholes = json::object();
     for (const EffectCost& cost : sweep.effects.rows) {
         without.push_back({{"source", source_of("without " + cost.name, cost.without, matrix)},
                            {"width", shown_width(cost.without.width())},
@@ -302,7 +323,7 @@ json cost_page(const RenderJob& film, const Sweep& sweep, const std::vector<Film
     }
     return {{"threads", parallel::thread_count()},
             {"truth", truth_text(sweep.truth)},
-            {"pictures", pictures},
+            {"accuracies", accuracies_json(sweep, costs, matrix)},
             {"without", without},
             {"wholes", wholes},
             {"sample", sample_frame_figures(row.name, row.trial, film)}};

@@ -82,19 +82,10 @@ double ReferenceFrame::mean_squared_error(const core::Plane<std::uint8_t>& luma)
 }
 
 std::vector<Chunk> windows_by_shot(const RenderJob& film, const Sample& sample) {
-    std::vector<std::int64_t> begins = cuts_of(film);
+    const std::size_t cuts = cuts_of(film).size();
     // chosen: eight shots are sampled one by one (4 to 16); of more the parts tell enough.
-    if (begins.empty() || begins.size() >= 8) return middle_windows(film, sample.windows, sample.frames);
-    begins.insert(begins.begin(), film.frames.first);
-    std::vector<Chunk> windows;
-    for (std::size_t k = 0; k < begins.size(); ++k) {
-        const std::int64_t end = k + 1 < begins.size() ? begins[k + 1] : film.frames.last + 1;
-        RenderJob shot = film;
-        shot.frames = {begins[k], end - 1};
-        windows.push_back(middle_windows(shot, 1, sample.frames).front());
-        windows.back().index = static_cast<int>(k);
-    }
-    return windows;
+    if (cuts == 0 || cuts >= 8) return middle_windows(film, sample.windows, sample.frames);
+    return windows_of_shots(film, sample.frames);
 }
 
 RenderJob at_quantiser(RenderJob film, int quantiser) {

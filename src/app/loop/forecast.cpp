@@ -4,73 +4,28 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <map>
+#include <memory>
 #include <span>
 
 #include "app/loop/pipeline.h"
-#include "app/loop/scene_settings.h"
 #include "app/options/output_kind.h"
 #include "app/system/image_reader.h"
-#include "app/system/memory_limit.h"
-#include "core/error.h"
 #include "core/numeric.h"
 #include "core/text.h"
 #include "encoder/av/file_size.h"
-#include "encoder/codec.h"
-#include "image/image.h"
 #include "parallel/loops.h"
-#include "renderer/lights/anchors.h"
 #include "scene/preparation/traits.h"
 
 namespace render2mpeg::app {
 namespace {
 
-/// Bytes of one, beside the scene as it was read: what was measured and 10 to 30 % more. fit:
-/// docs/measurements.md#memory
-constexpr std::uint64_t per_triangle = 135;
-constexpr std::uint64_t per_lamp = 1300;
-constexpr std::uint64_t per_candidate = 400;  ///< of the places that anchors are chosen from
-constexpr std::uint64_t per_pixel = 250, per_sample = 60;
-constexpr std::uint64_t per_pixel_looked_at_closer = 500;
-constexpr std::uint64_t per_exposed_sample = 40;
-constexpr std::uint64_t per_followed_pixel = 1600;      ///< where light changes and records follow
-constexpr std::uint64_t samples_of_blurred_lamps = 32;  ///< of a pixel on the average, where a lens blurs
-constexpr std::uint64_t per_decoded_pixel = 48;
-constexpr std::uint64_t always = std::uint64_t{24} << 20;
-
-/// Triangles and segments of strands in Embree: rigid objects share their mesh's, others have their own.
-std::uint64_t triangles_of(const scene::Animation& film) {
-    std::uint64_t count = 0;
-    std::set<int> shared;
-    for (const scene::Object& object : film.objects)
-        if (object.mobility != scene::Mobility::rigid || shared.insert(object.mesh).second)
-            count += film.meshes[static_cast<std::size_t>(object.mesh)].primitives();
-    return count;
-}
-
-/// Samples over shutter and lens of a pixel of the finest picture; 0: none.
-std::uint64_t most_exposure_samples(const RenderJob& film) {
-    if (!film.plan.runs(renderer::Pass::shutter) && !film.plan.runs(renderer::Pass::lens)) return 0;
-    const bool fixed = film.coding.rate_control.mode == encoder::RateMode::constant_quantiser;
-    return static_cast<std::uint64_t>(
-               exposure_samples(film, fixed ? film.coding.quantiser : encoder::facts_of(film.coding.codec).finest)
-                   .most) +
-           (film.plan.runs(renderer::Pass::lens) ? samples_of_blurred_lamps : 0);
-}
-
-std::string size_text(std::uint64_t bytes) {
-    const double mib = static_cast<double>(bytes) / (1 << 20);
-    return mib < 1000 ? fmt::format("{:.0f} MiB", mib) : fmt::format("{:.1f} GiB", mib / 1024);
-}
-
 /// Frames of a window: a first picture, and P and B pictures behind it in about the shares that a film has.
 /// chosen: 6 (3 to 9).
 constexpr int window_frames = 6;
 
-/// Windows of a film, spread evenly: as many as shots, so that long ones count more. chosen: 4 at most (3 to 8).
-int windows_of(const RenderJob& film) {
-    return std::min(1 + static_cast<int>(cuts_of(film).size()), 4);
-}
+/// Windows of a film: one for each shot. chosen: 4 at most (3 to 8).
+constexpr int most_windows = 4;
 
 /// Longest side of the smallest pictures; each size after it has four times the pixels. chosen: 48 (32 to 96).
 constexpr double least_side = 48;
@@ -86,6 +41,17 @@ constexpr double kept_later = 0.93, bytes_later = 1.1;
 /// CPU and bytes grow with these powers of the pixels where one size alone is known. fit: bench/fits/forecast.jsonl
 constexpr double time_power = 0.5, bits_power = 0.8;
 
+/// What two sizes tell of bytes holds for larger ones by half: small pictures have hardly a predicted block of detail.
+/// fit: bench/fits/forecast.jsonl
+constexpr double bits_share = 0.5, least_bits_power = 0.5, most_bits_power = 1.2;
+
+/// chosen: no film takes less than a fifth more in four times the pixels, or more than they are (0 to 1.1).
+constexpr double least_power = 0.15;
+
+/// Later frames of a window over its first, where none was lit in time. fit: bench/fits/forecast.jsonl (median 0.75,
+/// 0.17 to 1.07; bytes 0.19, 0.04 to 0.45); the least of seconds.
+constexpr double later_over_first = 0.7, later_bytes_over_first = 0.2, least_later_over_first = 0.15;
+
 /// A first pass's share of the film's time. chosen: a sixteenth of the pixels, roughly lit.
 constexpr double first_pass_share = 0.05;
 
@@ -100,9 +66,9 @@ Size size_of(const RenderJob& film) {
 /// A mean with a default.
 struct Mean {
     double sum = 0, count = 0;
-    void add(double value) {
-        sum += value;
-        ++count;
+    void add(double value, double weight = 1) {
+        sum += weight * value;
+        count += weight;
     }
     double or_else(double instead) const { return core::divide_or(sum, count, instead); }
 };
@@ -121,6 +87,12 @@ double groups_of(const RenderJob& film, const std::vector<std::int64_t>& cuts) {
         add(chunk.last + 1);
     }
     return groups;
+}
+
+/// Frames that begin light anew.
+double starts_of(const RenderJob& film) {
+    const auto starts = chunks_of(film.frames, film.coding.gop).size() + cuts_of(film).size();
+    return std::min(static_cast<double>(film.frame_count()), static_cast<double>(starts));
 }
 
 /// Mean cost of later frames, by the film's shares of P and B pictures.
@@ -149,17 +121,19 @@ bool settle(RenderJob& film) {
     return !InterruptGuard::requested();
 }
 
-/// Exponent of seconds over pixels between two samples.
-double power_between(double smaller, double larger, double times) {
-    if (!(smaller > 0 && larger > 0 && times > 1.5)) return time_power;
-    // chosen: no film takes less than a fifth more in four times the pixels, or more than they are (0 to 1.1).
-    return std::clamp(std::log(larger / smaller) / std::log(times), 0.15, 1.0);
+/// Bytes of a picture of no detail: headers of it and of its slices. fit: bench/fits/forecast.jsonl
+double least_bytes(encoder::Codec codec, double rows) {
+    return codec == encoder::Codec::mpeg2 ? 16 + 8 * rows : 12;
 }
 
-/// A window of the largest pictures that there was time for, and how their time grows with their pixels.
+double detail_of(const FrameSample& sample, double bytes) {
+    return bytes - least_bytes(sample.codec, std::ceil(sample.size.height / 16.0));
+}
+
+/// The largest pictures that there was time for, and how their costs grow with the pixels.
 struct Sampled {
     FrameSample largest;
-    double power = time_power;
+    Growth growth;
 };
 
 /// Seconds on the clock, or of CPU where a busy machine gives fewer.
@@ -171,31 +145,42 @@ class SpentTime {
     double clock_ = clock_seconds(), cpu_ = cpu_seconds();
 };
 
+/// The next scale, for which `seconds` are left where the last took `took`; none where that is hardly larger. chosen:
+/// twice at most, as costs are not alike far away, and a quarter more at least (1.1 to 1.5).
+std::optional<double> next_scale(double scale, double took, double seconds, double power) {
+    if (scale >= 1 || seconds <= 0) return {};
+    // chosen: a tenth is kept, since a window that time ends is lost.
+    const double times = std::pow(0.9 * seconds / std::max(took, 1e-3), 1 / std::max(power, time_power));
+    const double next = std::min({1.0, 2 * scale, scale * std::sqrt(times)});
+    if (next < std::min(1.0, 1.25 * scale)) return {};
+    return next;
+}
+
 /// Larger and larger pictures, as long as there is time. None without a first one.
 std::optional<Sampled> sample_sizes(const RenderJob& film, const SpentTime& spent, double limit, bool quiet) {
     std::optional<Sampled> found;
-    double scale = std::min(1.0, least_side / std::max(film.format.width, film.format.height));
-    for (;; scale = std::min(1.0, 2 * scale)) {
+    std::optional<double> scale = std::min(1.0, least_side / std::max(film.format.width, film.format.height));
+    while (scale) {
         const double began = spent.seconds();
-        const RenderJob job = resized(film, scale);
-        const std::vector<Chunk> windows = middle_windows(job, windows_of(film), window_frames);
-        Progress progress(static_cast<std::int64_t>(windows.size()) * windows.front().frames(), quiet, "sample",
-                          Counted::parts_of_step);
+        const RenderJob job = resized(film, *scale);
+        const SampleWindows windows = sample_windows(job, most_windows, window_frames);
+        std::int64_t frames = 0;
+        for (const Chunk& window : windows.all) frames += window.frames();
+        Progress progress(frames, quiet, "sample", Counted::parts_of_step);
         LoopObserver nobody;
-        // The first sample is needed, and may take three times as long.
+        // The first sample is needed, and may take three times as long; its first frame tells the most.
         const double end = found ? limit : limit + 2 * (limit - began);
-        const std::optional<FrameSample> sample =
-            sample_frames(job, windows, nobody, progress, [&] { return spent.seconds() > end; });
+        const std::optional<FrameSample> sample = sample_frames(
+            job, windows.all, nobody, progress, [&] { return spent.seconds() > end; }, windows.weights);
         if (!sample) return InterruptGuard::requested() ? std::nullopt : found;
-        // Times of some shots are not those of all.
-        if (found && sample->windows < static_cast<int>(windows.size())) return found;
-        const double times = found ? pixels_of(sample->size) / pixels_of(found->largest.size) : 1;
-        const double power =
-            found ? power_between(found->largest.later.seconds, sample->later.seconds, times) : time_power;
-        found = {*sample, power};
-        const double next = std::min(1.0, 2 * scale) / scale, now = spent.seconds();
-        if (scale >= 1 || (now - began) * std::pow(next * next, time_power) > limit - now) return found;
+        // Times of some frames are not those of all.
+        if (found && sample->frames < found->largest.frames) return found;
+        found = {*sample, growth_between(found ? &found->largest : nullptr, *sample)};
+        if (sample->frames == 0) return found;
+        const double now = spent.seconds();
+        scale = next_scale(*scale, now - began, limit - now, found->growth.later.seconds);
     }
+    return found;
 }
 
 double sound_bytes(const av::Sound& sound, const std::filesystem::path& output, double seconds) {
@@ -214,9 +199,8 @@ double file_bytes(const RenderJob& film, const std::filesystem::path& output, do
     if (film.kind == OutputKind::y4m) return 1.5 * pixels * frames;
     const std::int64_t rate = film.coding.rate_control.bit_rate;
     const double bytes = rate > 0 ? static_cast<double>(rate) / 8 * frames / film.rate.hertz.value() : pictures;
-    // chosen: what containers take is told for films that must not be larger; half of it is usual.
-    return bytes + 0.5 * (av::file_of_pictures(bytes, film.frame_count(), output, film.disc) - bytes) +
-           sound_bytes(film.sound, output, frames / film.rate.hertz.value());
+    return av::likely_file(bytes, sound_bytes(film.sound, output, frames / film.rate.hertz.value()), film.frame_count(),
+                           output, film.disc);
 }
 
 std::string range_text(const std::string& middle, const std::string& low, const std::string& high) {
@@ -224,61 +208,42 @@ std::string range_text(const std::string& middle, const std::string& low, const 
 }
 
 std::string bytes_text(double bytes) {
-    return bytes < 1e6 ? fmt::format("{:.0f} kB", 1e-3 * bytes) : fmt::format("{:.3g} MB", 1e-6 * bytes);
+    return bytes < 1e4   ? fmt::format("{:.1f} kB", 1e-3 * bytes)
+           : bytes < 1e6 ? fmt::format("{:.0f} kB", 1e-3 * bytes)
+                         : fmt::format("{:.3g} MB", 1e-6 * bytes);
 }
 
 }  // namespace
 
-MemoryNeed memory_need(const RenderJob& film) {
-    const scene::Animation& scene = *film.animation;
-    MemoryNeed need;
-    need.held = own_memory().resident;
-    need.triangles = per_triangle * triangles_of(scene);
-    for (const scene::Object& object : scene.objects)
-        if (object.mobility == scene::Mobility::deforming)
-            need.moving += per_triangle * scene.meshes[static_cast<std::size_t>(object.mesh)].primitives();
-    for (const auto& [image, header] : film.images->headers()) {
-        const std::uint64_t pixels =
-            static_cast<std::uint64_t>(header.width) * static_cast<std::uint64_t>(header.height);
-        // Mip levels take a third more.
-        need.textures += pixels * (header.bytes ? 4 : 16) * 4 / 3;
-        need.decoding = std::max(need.decoding, per_decoded_pixel * pixels);
-    }
-    need.lights = per_lamp * (static_cast<std::uint64_t>(film.rendering.direct_points) + scene.lights.size()) +
-                  per_candidate * renderer::candidates_for(static_cast<std::uint64_t>(film.rendering.vpls));
-    const std::uint64_t closer = film.rendering.most_samples > 0 ? per_pixel_looked_at_closer : 0;
-    const bool follows = film.rendering.indirect == renderer::Indirect::rays &&
-                         film.rendering.cache != renderer::CacheUse::off && scene::traits_of(scene).changes_light();
-    need.frames = always + (per_pixel + closer + (follows ? per_followed_pixel : 0) +
-                            per_sample * static_cast<std::uint64_t>(film.rendering.samples) +
-                            per_exposed_sample * most_exposure_samples(film)) *
-                               static_cast<std::uint64_t>(film.format.width) *
-                               static_cast<std::uint64_t>(film.format.height);
-    return need;
-}
-
-bool may_decode_at_once(const RenderJob& film, const MemoryNeed& need, std::uint64_t limit, int threads) {
-    if (need.total() + need.decoding * static_cast<std::uint64_t>(std::max(threads - 1, 0)) <= limit) return true;
-    if (need.total() <= limit) return false;
-    throw core::Error(
-        "rendering", film.animation->source,
-        fmt::format(
-            "it takes about {}, and --memory allows {}: {} for what was read, {} for triangles, {} for textures, "
-            "{} to read the largest of them, {} for lights, {} for frames",
-            size_text(need.total()), size_text(limit), size_text(need.held), size_text(need.triangles),
-            size_text(need.textures), size_text(need.decoding), size_text(need.lights), size_text(need.frames)));
-}
-
-FrameSample FrameSample::grown(double times, double power) const {
+FrameSample FrameSample::grown(double times, const Growth& growth) const {
     FrameSample grown = *this;
-    // Headers of a picture and its slices. fit: bench/fits/forecast.jsonl
-    const auto headers = [](double rows) { return 16 + 8 * rows; };
-    const double rows = std::ceil(size.height / 16.0), least = headers(rows), most = headers(rows * std::sqrt(times));
-    for (FrameCost* cost : {&grown.first, &grown.later}) {
-        cost->seconds *= std::pow(times, power);
-        if (cost->bytes > 0) cost->bytes = most + std::max(0.0, cost->bytes - least) * std::pow(times, bits_power);
-    }
+    const double least = least_bytes(codec, std::ceil(size.height / 16.0) * std::sqrt(times));
+    const auto grow = [&](FrameCost& cost, const FrameCost& power) {
+        cost.seconds *= std::pow(times, power.seconds);
+        if (cost.bytes > 0)
+            cost.bytes = least + std::max(0.0, detail_of(*this, cost.bytes)) * std::pow(times, power.bytes);
+    };
+    grow(grown.first, growth.first);
+    grow(grown.later, growth.later);
     return grown;
+}
+
+Growth growth_between(const FrameSample* smaller, const FrameSample& larger) {
+    const FrameCost usual{time_power, bits_power};
+    const double times = smaller != nullptr ? pixels_of(larger.size) / pixels_of(smaller->size) : 1;
+    if (times <= 1) return {usual, usual};
+    // Sizes that are hardly apart tell little.
+    const double share = std::min(1.0, std::log(times) / std::log(4.0));
+    const auto power = [&](double small, double large, double low, double high, double weight, double instead) {
+        if (!(small > 0 && large > 0)) return instead;
+        return (1 - weight) * instead + weight * std::clamp(std::log(large / small) / std::log(times), low, high);
+    };
+    const auto kind = [&](const FrameCost& small, const FrameCost& large) -> FrameCost {
+        return {power(small.seconds, large.seconds, least_power, 1.0, share, time_power),
+                power(detail_of(*smaller, small.bytes), detail_of(larger, large.bytes), least_bits_power,
+                      most_bits_power, bits_share * share, bits_power)};
+    };
+    return {kind(smaller->first, larger.first), kind(smaller->later, larger.later)};
 }
 
 std::optional<FrameSample> light_windows(RenderJob film, renderer::Renderer& renderer,
@@ -287,6 +252,7 @@ std::optional<FrameSample> light_windows(RenderJob film, renderer::Renderer& ren
                                          const std::function<bool()>& stops) {
     FrameSample found;
     found.size = size_of(film);
+    found.codec = film.coding.codec;
     const double began = clock_seconds(), cpu_before = cpu_seconds();
     const std::size_t frames_before = statistics.frames.size();
     // Frames behind cuts within a window are of neither kind.
@@ -307,17 +273,17 @@ std::optional<FrameSample> light_windows(RenderJob film, renderer::Renderer& ren
             },
             stops);
         if (!goes_on || InterruptGuard::requested()) return {};
-        if (statistics.frames.size() == before) break;
+        if (statistics.frames.size() == before) break;  // `stops` ended its first frame
         fresh.push_back(window.first);
         ++found.windows;
         seconds.add(first);
         bytes.add(static_cast<double>(statistics.frames[before].bytes));
         if (stops()) break;
     }
-    if (found.windows == 0) return {};
     found.frames = static_cast<int>(statistics.frames.size() - frames_before);
     found.cpu = cpu_seconds() - cpu_before;
     found.clock = clock_seconds() - began;
+    if (found.windows == 0) return found;
     found.first = {seconds.or_else(0), bytes.or_else(0)};
     found.later = found.frames > found.windows ? later_of(std::span(statistics.frames).subspan(frames_before), fresh)
                                                : found.first;
@@ -326,34 +292,79 @@ std::optional<FrameSample> light_windows(RenderJob film, renderer::Renderer& ren
 
 std::optional<FrameSample> sample_frames(const RenderJob& job, const std::vector<Chunk>& windows,
                                          LoopObserver& observer, Progress& progress,
-                                         const std::function<bool()>& is_over) {
+                                         const std::function<bool()>& is_over, const std::vector<double>& weights) {
     const double cpu_before = cpu_seconds();
     renderer::Renderer renderer = renderer_of(job);
-    const double built = cpu_seconds() - cpu_before;
+    FrameSample all;
+    all.built = cpu_seconds() - cpu_before;
     RunStatistics statistics;
-    std::optional<FrameSample> found = light_windows(
-        job, renderer, windows, observer, statistics,
-        [&] {
-            progress.advance();
-            return !InterruptGuard::requested();
-        },
-        [&] { return InterruptGuard::requested() || is_over(); });
-    const bool is_enough = found && (found->frames > found->windows || windows.front().frames() == 1);
-    if (!is_enough) return {};
-    found->built = built;
-    found->statistics = totals_of(statistics, renderer);
-    return found;
+    Mean first_seconds, first_bytes, later_seconds, later_bytes;
+    for (std::size_t k = 0; k < windows.size() && (k == 0 || !is_over()); ++k) {
+        const std::optional<FrameSample> found = light_windows(
+            job, renderer, {windows[k]}, observer, statistics,
+            [&] {
+                progress.advance();
+                return !InterruptGuard::requested();
+            },
+            [&] { return InterruptGuard::requested() || is_over(); });
+        if (!found) return {};
+        all.size = found->size;
+        all.codec = found->codec;
+        all.frames += found->frames;
+        all.windows += found->windows;
+        all.cpu += found->cpu;
+        all.clock += found->clock;
+        if (found->frames == 0) break;
+        // Windows that were to have more than a first frame.
+        const bool is_short = found->frames == 1 && windows[k].frames() > 1;
+        const FrameCost later =
+            is_short ? FrameCost{later_over_first * found->first.seconds, later_bytes_over_first * found->first.bytes}
+                     : found->later;
+        const double weight = weights.empty() ? 1 : weights[k];
+        first_seconds.add(found->first.seconds);
+        first_bytes.add(found->first.bytes);
+        later_seconds.add(later.seconds, weight);
+        later_bytes.add(later.bytes, weight);
+    }
+    all.first = {first_seconds.or_else(0), first_bytes.or_else(0)};
+    all.later = {later_seconds.or_else(0), later_bytes.or_else(0)};
+    all.statistics = totals_of(statistics, renderer);
+    return all;
 }
 
-std::vector<std::int64_t> cuts_of(const RenderJob& film) {
-    std::vector<std::int64_t> cuts;
-    int camera = -1;
-    for (const scene::Shot& shot : film.animation->shots) {
-        if (shot.frame > film.frames.first && shot.frame <= film.frames.last && shot.camera != camera)
-            cuts.push_back(shot.frame);
-        camera = shot.camera;
+std::vector<double> prices_of(const RenderJob& film, renderer::Renderer& renderer) {
+    // chosen: pictures of 32 pixels, in which shots' times are in proportion to a fifth or so (24 to 48), two frames of
+    // each camera, and a thirtieth of the film's time at most; one of several minutes loses a hundredth of that.
+    constexpr double side = 32, most_share = 1.0 / 30;
+    constexpr std::int64_t length = 2;
+    std::vector<std::int64_t> begins = cuts_of(film);
+    if (begins.empty()) return {};
+    begins.insert(begins.begin(), film.frames.first);
+    const RenderJob small = resized(film, std::min(1.0, side / std::max(film.format.width, film.format.height)));
+    const double times = std::pow(pixels_of(size_of(film)) / pixels_of(size_of(small)), time_power);
+    std::map<int, double> of_cameras;
+    for (const std::int64_t begin : begins) of_cameras.emplace(camera_at(film, begin), 0);
+    if (static_cast<double>(length * std::ssize(of_cameras)) >
+        most_share * times * static_cast<double>(film.frame_count()))
+        return {};
+    const std::unique_ptr<renderer::Renderer> own = renderer.beside(film.snapshot(film.frames.first));
+    own->resize(small.format);
+    std::vector<double> prices;
+    for (std::size_t k = 0; k < begins.size(); ++k) {
+        const std::int64_t end = k + 1 < begins.size() ? begins[k + 1] : film.frames.last + 1;
+        double& price = of_cameras.at(camera_at(film, begins[k]));
+        if (price == 0) {
+            LoopObserver nobody;
+            RunStatistics statistics;
+            const std::int64_t first = begins[k] + std::max<std::int64_t>(0, end - begins[k] - length) / 2;
+            const auto sample = light_windows(small, *own, {{0, first, std::min(first + length, end) - 1}}, nobody,
+                                              statistics, [] { return !InterruptGuard::requested(); });
+            if (!sample) return {};
+            price = std::max(sample->cpu / sample->frames, 1e-6);
+        }
+        prices.resize(static_cast<std::size_t>(end - film.frames.first), price);
     }
-    return cuts;
+    return prices;
 }
 
 RenderJob resized(const RenderJob& film, double scale) {
@@ -371,22 +382,10 @@ RenderJob resized(const RenderJob& film, double scale) {
     return job;
 }
 
-std::vector<Chunk> middle_windows(const RenderJob& film, int count, int length) {
-    const std::int64_t all = film.frame_count();
-    if (all <= static_cast<std::int64_t>(count) * length) return {{0, film.frames.first, film.frames.last}};
-    std::vector<Chunk> windows;
-    for (int i = 0; i < count; ++i) {
-        const std::int64_t first = film.frames.first + (2 * i + 1) * all / (2 * count) - length / 2;
-        windows.push_back({i, first, first + length - 1});
-    }
-    return windows;
-}
-
 FrameCost film_by(const RenderJob& film, const FrameSample& sample) {
     const std::vector<std::int64_t> cuts = cuts_of(film);
     const auto frames = static_cast<double>(film.frame_count());
-    const auto starts =
-        std::min(frames, static_cast<double>(chunks_of(film.frames, film.coding.gop).size() + cuts.size()));
+    const double starts = starts_of(film);
     const double groups = std::min(frames, groups_of(film, cuts));
     // Frames far behind a short window differ from it.
     const double length = sample.windows > 0 ? static_cast<double>(sample.frames) / sample.windows : window_frames,
@@ -396,16 +395,36 @@ FrameCost film_by(const RenderJob& film, const FrameSample& sample) {
             groups * sample.first.bytes + (frames - groups) * more * sample.later.bytes};
 }
 
+namespace {
+
+/// What a film takes at the least, in which the first frame of a sample was not lit in time.
+Forecast least_forecast(const RenderJob& film, const FrameSample& unlit) {
+    Forecast least;
+    least.is_least = true;
+    least.sample = unlit;
+    const double first = unlit.cpu * std::pow(pixels_of(size_of(film)) / pixels_of(unlit.size), least_power);
+    least.first = {first, 0};
+    least.later = {least_later_over_first * first, 0};
+    const double frames = static_cast<double>(film.frame_count()), starts = starts_of(film);
+    least.cpu = starts * least.first.seconds + (frames - starts) * least.later.seconds + unlit.built;
+    least.clock = least.cpu * core::divide_or(unlit.clock, unlit.cpu, 1.0);
+    least.memory = memory_need(film).total();
+    return least;
+}
+
+}  // namespace
+
 std::optional<Forecast> forecast(RenderJob& film, const std::filesystem::path& output, double within, bool quiet) {
     const SpentTime spent;
     if (!settle(film)) return {};
     const double once = cpu_seconds();
     const std::optional<Sampled> sampled = sample_sizes(film, spent, within, quiet);
     if (!sampled) return {};
+    if (sampled->largest.frames == 0) return least_forecast(film, sampled->largest);
     Forecast forecast;
     forecast.sample = sampled->largest;
     const FrameSample grown =
-        sampled->largest.grown(pixels_of(size_of(film)) / pixels_of(sampled->largest.size), sampled->power);
+        sampled->largest.grown(pixels_of(size_of(film)) / pixels_of(sampled->largest.size), sampled->growth);
     const FrameCost whole = film_by(film, grown);
     forecast.first = grown.first;
     forecast.later = grown.later;
@@ -423,9 +442,7 @@ std::optional<Forecast> forecast(RenderJob& film, const std::filesystem::path& o
 std::string film_text(const RenderJob& film) {
     const scene::Animation& scene = *film.animation;
     const scene::Traits traits = scene::traits_of(scene);
-    int camera = 0;
-    for (const scene::Shot& shot : scene.shots)
-        if (shot.frame <= film.frames.first) camera = shot.camera;
+    const int camera = camera_at(film, film.frames.first);
     std::string lights;
     const auto add = [&](const std::string& text) { lights += (lights.empty() ? "" : ", ") + text; };
     if (!scene.lights.empty()) add(core::counted(scene.lights.size(), "lamp"));
@@ -442,14 +459,21 @@ std::string film_text(const RenderJob& film) {
 }
 
 std::string text_of(const Forecast& f) {
+    const std::string memory = fmt::format("Memory: about {:.0f} MiB.", static_cast<double>(f.memory) / (1 << 20));
+    if (f.is_least)
+        return fmt::format(
+            "Takes more than {} on this machine's {}, {:.0f} s of CPU time: in {} not one frame of {}x{} was lit. More "
+            "time (--within) tells more.\n{}\n",
+            clock_text(f.clock), core::counted(parallel::thread_count(), "thread"), f.cpu, clock_text(f.sample.clock),
+            f.sample.size.width, f.sample.size.height, memory);
     const auto range = [&](double value, auto&& text) {
         return range_text(text(value), text(value * (1 - f.spread)), text(value * (1 + f.spread)));
     };
     return fmt::format(
-        "Takes about {} on this machine's {} thread{}, {:.0f} s of CPU time; the film has about {}.\n"
-        "Memory: about {:.0f} MiB. Disk while it is made: about {}. From {} frames lit at {}x{}.\n",
-        range(f.clock, clock_text), parallel::thread_count(), parallel::thread_count() == 1 ? "" : "s", f.cpu,
-        range(f.bytes, bytes_text), static_cast<double>(f.memory) / (1 << 20), bytes_text(f.disk), f.sample.frames,
+        "Takes about {} on this machine's {}, {:.0f} s of CPU time; the film has about {}.\n"
+        "{} Disk while it is made: about {}. From {} lit at {}x{}.\n",
+        range(f.clock, clock_text), core::counted(parallel::thread_count(), "thread"), f.cpu,
+        range(f.bytes, bytes_text), memory, bytes_text(f.disk), core::counted(f.sample.frames, "frame"),
         f.sample.size.width, f.sample.size.height);
 }
 

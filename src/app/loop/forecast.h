@@ -1,5 +1,5 @@
 #pragma once
-// Time, size, memory and disk of a film, by a sample of its frames.
+// Time and size of a film, by a sample of its frames.
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -7,40 +7,25 @@
 #include <string>
 #include <vector>
 
+#include "app/loop/memory_need.h"
 #include "app/loop/observer.h"
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
+#include "app/loop/shots.h"
 #include "app/options/film.h"
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"
 
 namespace render2mpeg::app {
 
-/// Estimated memory in bytes, before anything is allocated (docs/measurements.md#memory).
-struct MemoryNeed {
-    std::uint64_t held = 0;       ///< by this process now: program, scene as it was read
-    std::uint64_t triangles = 0;  ///< trees of rays, and what chooses anchors
-    std::uint64_t textures = 0;   ///< with their smaller copies
-    std::uint64_t decoding = 0;   ///< of the largest image, while it is read
-    std::uint64_t lights = 0;     ///< light points and their trees
-    std::uint64_t frames = 0;     ///< visibility, light and pictures in flight
-    std::uint64_t moving = 0;     ///< of `triangles`, those with trees of their own in each chunk at work
-
-    std::uint64_t total() const { return held + triangles + textures + decoding + lights + frames; }
-    /// Of another chunk that is made beside the first.
-    std::uint64_t of_chunk() const { return moving + lights + frames; }
-};
-
-/// Reads the headers of all images. Throws core::Error.
-MemoryNeed memory_need(const RenderJob& film);
-
-/// Whether `threads` may decode images at once within `limit`, else one after the other. Throws core::Error where even
-/// that is too much.
-bool may_decode_at_once(const RenderJob& film, const MemoryNeed& need, std::uint64_t limit, int threads);
-
 /// CPU seconds and coded bytes of one frame, by its place in a film.
 struct FrameCost {
     double seconds = 0, bytes = 0;
+};
+
+/// Exponents by which seconds and bytes grow with the pixels.
+struct Growth {
+    FrameCost first, later;
 };
 
 /// Sample of lit and coded frames: the first of each window, with a chunk's start, and later ones.
@@ -48,33 +33,36 @@ struct FrameSample {
     FrameCost first, later;
     int frames = 0, windows = 0;
     Size size;
+    encoder::Codec codec = encoder::Codec::mpeg2;
     double cpu = 0, clock = 0;  ///< seconds of all of it
     double built = 0;           ///< CPU of a run's one-time construction
     RunStatistics statistics;   ///< of sample_frames() alone
 
-    /// The same with the pixels multiplied by `times`; seconds grow by `power`.
-    FrameSample grown(double times, double power) const;
+    /// The same with the pixels multiplied by `times`.
+    FrameSample grown(double times, const Growth& growth) const;
 };
 
-/// Lights and codes windows of a film as films of their own. None where `frame_done` said false, or `stops` ended the
-/// first window within a frame.
+/// What two samples of a film's windows tell, together with what is usual of others; what one tells alone is usual.
+Growth growth_between(const FrameSample* smaller, const FrameSample& larger);
+
+/// Lights and codes windows of a film as films of their own. None where `frame_done` said false; without frames where
+/// `stops` ended the first one.
 std::optional<FrameSample> light_windows(RenderJob film, renderer::Renderer& renderer,
                                          const std::vector<Chunk>& windows, LoopObserver& observer,
                                          RunStatistics& statistics, const std::function<bool()>& frame_done,
                                          const std::function<bool()>& stops = &InterruptGuard::requested);
 
-/// The same with its own renderer until `is_over` or an interrupt; none with less than one frame of each kind.
+/// The same with its own renderer until `is_over`; none after an interrupt. Without a later frame these are reckoned.
+/// `weights` of the windows' later frames; empty: all alike.
 std::optional<FrameSample> sample_frames(
     const RenderJob& job, const std::vector<Chunk>& windows, LoopObserver& observer, Progress& progress,
-    const std::function<bool()>& is_over = [] { return false; });
+    const std::function<bool()>& is_over = [] { return false; }, const std::vector<double>& weights = {});
 
-/// Frames where another camera begins; they begin a group of pictures and find light anew.
-std::vector<std::int64_t> cuts_of(const RenderJob& film);
+/// CPU seconds of each of the film's frames beside others, by what its camera sees in small pictures, lit beside
+/// `renderer`. Empty where one camera sees all, or where that takes too much of the film's time.
+std::vector<double> prices_of(const RenderJob& film, renderer::Renderer& renderer);
 
 RenderJob resized(const RenderJob& film, double scale);
-
-/// The middles of `count` equal parts, or the whole film if it is no longer.
-std::vector<Chunk> middle_windows(const RenderJob& film, int count, int length);
 
 /// CPU seconds and bytes of the whole film by its sample, without one-time work.
 FrameCost film_by(const RenderJob& film, const FrameSample& sample);
@@ -86,6 +74,7 @@ struct Forecast {
     double disk = 0;            ///< bytes that are taken while it is made
     double spread = 0;          ///< time and size are within this share of them in nine of ten films
     std::uint64_t memory = 0;   ///< bytes
+    bool is_least = false;      ///< no frame was lit in time: it takes more, and its size is not known
     FrameSample sample;         ///< as it was lit
     FrameCost first, later;     ///< a frame of each kind, in the film's size
 };

@@ -43,22 +43,26 @@ std::vector<Chunk> missing_of(const OpenRender& open) {
     return missing;
 }
 
-/// Frames that begin light anew, those of chunks and after cuts, by their place in the order in which frames get done:
-/// first those that are there, then chunks in step with each other.
-std::vector<std::int64_t> fresh_starts(const RenderJob& film, const std::vector<Chunk>& missing, std::size_t at_once,
-                                       std::int64_t place) {
+/// What is known ahead of the frames by their place in the order in which they get done, first those that are there,
+/// then chunks in step with each other: which begin light anew, those of chunks and after cuts, and `prices`, by film
+/// frame.
+Pace pace_of(const RenderJob& film, const std::vector<Chunk>& missing, std::size_t at_once, std::int64_t place,
+             const std::vector<double>& prices) {
     const std::vector<std::int64_t> cuts = cuts_of(film);
     std::vector<std::int64_t> starts;
+    std::vector<double> in_order(prices.empty() ? 0 : static_cast<std::size_t>(place), 1.0);
     for (std::size_t i = 0; i < missing.size(); i += at_once)
         for (std::int64_t step = 0, more = 1; more > 0; ++step) {
             more = 0;
             for (std::size_t k = i; k < std::min(i + at_once, missing.size()); ++k) {
                 if (step >= missing[k].frames()) continue;
-                if (step == 0 || std::ranges::binary_search(cuts, missing[k].first + step)) starts.push_back(place);
+                const std::int64_t frame = missing[k].first + step;
+                if (step == 0 || std::ranges::binary_search(cuts, frame)) starts.push_back(place);
+                if (!prices.empty()) in_order.push_back(prices[static_cast<std::size_t>(frame - film.frames.first)]);
                 ++more, ++place;
             }
         }
-    return starts;
+    return Pace(std::move(starts), in_order);
 }
 
 /// Adds a chunk's light to the film's file. False, and told, where that fails: the film goes on without.
@@ -129,10 +133,6 @@ bool ChunkProduction::run() {
     tell_activity("building");
     std::int64_t frames = done_;
     for (const Chunk& chunk : missing_) frames += chunk.frames();
-    progress_.emplace(frames, options_.quiet, "frame", Counted::frames, open_.clock.seconds(open_.statistics),
-                      fresh_starts(film_, missing_, at_once_, done_));
-    if (done_ > 0) progress_->advance_to(done_, frames);
-
     // Those beside the first share with it what never moves.
     light_ = light_file_of(film_, options_);
     std::vector<std::byte> known;
@@ -148,6 +148,10 @@ bool ChunkProduction::run() {
         const scene::Snapshot instant = film_.snapshot(missing_.front().first);
         while (others.size() + 1 < at_once_) others.push_back(first.beside(instant));
     }
+    progress_.emplace(
+        frames, options_.quiet, "frame", Counted::frames, open_.clock.seconds(open_.statistics),
+        pace_of(film_, missing_, at_once_, done_, options_.quiet ? std::vector<double>{} : prices_of(film_, first)));
+    if (done_ > 0) progress_->advance_to(done_, frames);
     parallel::run_lanes(at_once_, [&](std::size_t lane) { drive(lane == 0 ? first : *others[lane - 1]); });
     progress_.reset();
     return collect();

@@ -27,19 +27,47 @@ constexpr double later_over_first = 0.6;
 
 }  // namespace
 
+Pace::Pace(std::vector<std::int64_t> firsts, const std::vector<double>& prices) : firsts_(std::move(firsts)) {
+    if (prices.empty()) return;
+    for (std::vector<double>& sums : sums_) sums.assign(1, 0.0);
+    for (std::size_t k = 0; k < prices.size(); ++k) {
+        const bool first = is_first(static_cast<std::int64_t>(k));
+        sums_[0].push_back(sums_[0].back() + (first ? 0 : prices[k]));
+        sums_[1].push_back(sums_[1].back() + (first ? prices[k] : 0));
+    }
+}
+
 void Pace::add(double seconds) {
-    if (firsts_from(done_, done_ + 1) > 0) {
-        first_seconds_ += seconds;
+    const bool first = is_first(done_);
+    const double alike = seconds / prices(done_, done_ + 1, first);
+    if (first) {
+        first_seconds_ += alike;
         ++first_count_;
     } else {
-        recent_.push_back(seconds);
+        recent_.push_back(alike);
         if (recent_.size() > recent) recent_.pop_front();
     }
     ++done_;
 }
 
-std::int64_t Pace::firsts_from(std::int64_t frame, std::int64_t total) const {
-    return std::ranges::lower_bound(firsts_, total) - std::ranges::lower_bound(firsts_, frame);
+bool Pace::is_first(std::int64_t frame) const {
+    return std::ranges::binary_search(firsts_, frame);
+}
+
+double Pace::prices(std::int64_t frame, std::int64_t total, bool of_firsts) const {
+    const std::vector<double>& sums = sums_[of_firsts ? 1 : 0];
+    if (!sums.empty()) {
+        const auto up_to = [&](std::int64_t k) {
+            return sums[static_cast<std::size_t>(std::clamp<std::int64_t>(k, 0, std::ssize(sums) - 1))];
+        };
+        // Frames beyond those that were expected are like the mean.
+        const std::int64_t expected = std::ssize(sums) - 1,
+                           beyond = std::max<std::int64_t>(0, total - std::max(frame, expected));
+        const double mean = (sums_[0].back() + sums_[1].back()) / static_cast<double>(expected);
+        return up_to(total) - up_to(frame) + (of_firsts ? 0 : static_cast<double>(beyond) * mean);
+    }
+    const auto firsts = std::ranges::lower_bound(firsts_, total) - std::ranges::lower_bound(firsts_, frame);
+    return static_cast<double>(of_firsts ? firsts : total - frame - firsts);
 }
 
 double Pace::later() const {
@@ -49,20 +77,21 @@ double Pace::later() const {
 
 std::optional<double> Pace::left(std::int64_t total, double spent) const {
     if (done_ >= total) return 0.0;
-    const auto firsts = firsts_from(done_, total);
+    const bool at_first = is_first(done_);
+    const double price = prices(done_, done_ + 1, at_first);
     const double known = core::divide_or(first_seconds_, static_cast<double>(first_count_), 0.0);
     // Of a first frame half is done, as likely as not.
-    const double first = known > 0 ? known : later() > 0 ? later() : 2 * spent;
+    const double first = known > 0 ? known : later() > 0 ? later() : 2 * spent / price;
     if (first <= 0) return {};
     const double rest = later() > 0 ? later() : firsts_.empty() ? first : later_over_first * first;
-    const double all = static_cast<double>(firsts) * first + static_cast<double>(total - done_ - firsts) * rest;
+    const double all = prices(done_, total, true) * first + prices(done_, total, false) * rest;
     // A slow frame is not done at once.
-    const double at_hand = firsts_from(done_, done_ + 1) > 0 ? first : rest;
+    const double at_hand = price * (at_first ? first : rest);
     return all - at_hand + std::max(at_hand - spent, 0.2 * std::max(at_hand, spent));
 }
 
 double Pace::per_second() const {
-    return core::divide_or(1.0, later(), 0.0);
+    return core::divide_or(1.0, later() * prices(done_, done_ + 1, is_first(done_)), 0.0);
 }
 
 namespace {
@@ -169,9 +198,9 @@ bool shows_steps() {
 }
 
 Progress::Progress(std::int64_t total, bool quiet, const std::string& work, Counted counted, double seconds_ago,
-                   std::vector<std::int64_t> firsts)
+                   Pace pace)
     : standing_{work, 0, total, 0, seconds_ago, counted != Counted::parts_of_step, {}, ""},
-      pace_(std::move(firsts)),
+      pace_(std::move(pace)),
       quiet_(quiet || style == ProgressStyle::none),
       terminal_(style == ProgressStyle::line && can_rewrite_errors()),
       stays_(counted == Counted::frames),

@@ -15,8 +15,9 @@ namespace render2mpeg::app {
 /// Time to go: frames that begin light anew as all of these so far, others as the last few of them.
 class Pace {
   public:
-    /// `firsts`: frames that begin light anew, ascending: those of chunks, and after cuts.
-    explicit Pace(std::vector<std::int64_t> firsts = {}) : firsts_(std::move(firsts)) {}
+    /// `firsts`: frames that begin light anew, ascending: those of chunks, and after cuts. `prices`: of each frame
+    /// beside others, > 0; empty: all cost alike.
+    explicit Pace(std::vector<std::int64_t> firsts = {}, const std::vector<double>& prices = {});
 
     void add(double seconds);
     /// Frames done before.
@@ -29,11 +30,14 @@ class Pace {
     double per_second() const;
 
   private:
-    std::int64_t firsts_from(std::int64_t frame, std::int64_t total) const;
-    /// Mean of recent later frames; 0: unknown.
+    bool is_first(std::int64_t frame) const;
+    /// Prices of the frames from `frame` on below `total`, those of firsts or of others.
+    double prices(std::int64_t frame, std::int64_t total, bool of_firsts) const;
+    /// Mean of recent later frames, over their prices; 0: unknown.
     double later() const;
 
     std::vector<std::int64_t> firsts_;
+    std::vector<double> sums_[2];  ///< of prices up to each frame, of others and of firsts; empty: each is 1
     std::int64_t done_ = 0;
     double first_seconds_ = 0;
     int first_count_ = 0;
@@ -80,9 +84,9 @@ enum class Counted { frames, frames_of_step, parts_of_step };
 /// Progress on standard error: a rewritten line on terminals, lines every ten per cent or minute, or JSON.
 class Progress {
   public:
-    /// `total` of `work`, which began `seconds_ago`. `firsts`: as in Pace.
+    /// `total` of `work`, which began `seconds_ago`. `pace` knows of frames that cost more than others.
     Progress(std::int64_t total, bool quiet, const std::string& work = "frame", Counted counted = Counted::frames,
-             double seconds_ago = 0, std::vector<std::int64_t> firsts = {});
+             double seconds_ago = 0, Pace pace = Pace());
     ~Progress();
 
     void advance();

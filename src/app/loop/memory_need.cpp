@@ -1,0 +1,100 @@
+#include "app/loop/memory_need.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <string>
+
+#include "app/loop/scene_settings.h"
+#include "app/system/memory_limit.h"
+#include "core/error.h"
+#include "encoder/codec.h"
+#include "image/image.h"
+#include "renderer/lights/anchors.h"
+#include "scene/preparation/traits.h"
+
+namespace render2mpeg::app {
+namespace {
+
+/// Bytes of one, beside the scene as it was read: what was measured and 10 to 30 % more. fit:
+/// docs/measurements.md#memory
+constexpr std::uint64_t per_triangle = 135;
+constexpr std::uint64_t per_lamp = 1300;
+constexpr std::uint64_t per_candidate = 400;  ///< of the places that anchors are chosen from
+constexpr std::uint64_t per_pixel = 250, per_sample = 60;
+constexpr std::uint64_t per_pixel_looked_at_closer = 500;
+constexpr std::uint64_t per_exposed_sample = 40;
+constexpr std::uint64_t per_followed_pixel = 1600;      ///< where light changes and records follow
+constexpr std::uint64_t samples_of_blurred_lamps = 32;  ///< of a pixel on the average, where a lens blurs
+constexpr std::uint64_t per_decoded_pixel = 48;
+constexpr std::uint64_t always = std::uint64_t{24} << 20;
+
+/// Triangles and segments of strands in Embree: rigid objects share their mesh's, others have their own.
+std::uint64_t triangles_of(const scene::Animation& film) {
+    std::uint64_t count = 0;
+    std::set<int> shared;
+    for (const scene::Object& object : film.objects)
+        if (object.mobility != scene::Mobility::rigid || shared.insert(object.mesh).second)
+            count += film.meshes[static_cast<std::size_t>(object.mesh)].primitives();
+    return count;
+}
+
+/// Samples over shutter and lens of a pixel of the finest picture; 0: none.
+std::uint64_t most_exposure_samples(const RenderJob& film) {
+    if (!film.plan.runs(renderer::Pass::shutter) && !film.plan.runs(renderer::Pass::lens)) return 0;
+    const bool fixed = film.coding.rate_control.mode == encoder::RateMode::constant_quantiser;
+    return static_cast<std::uint64_t>(
+               exposure_samples(film, fixed ? film.coding.quantiser : encoder::facts_of(film.coding.codec).finest)
+                   .most) +
+           (film.plan.runs(renderer::Pass::lens) ? samples_of_blurred_lamps : 0);
+}
+
+std::string size_text(std::uint64_t bytes) {
+    const double mib = static_cast<double>(bytes) / (1 << 20);
+    return mib < 1000 ? fmt::format("{:.0f} MiB", mib) : fmt::format("{:.1f} GiB", mib / 1024);
+}
+
+}  // namespace
+
+MemoryNeed memory_need(const RenderJob& film) {
+    const scene::Animation& scene = *film.animation;
+    MemoryNeed need;
+    need.held = own_memory().resident;
+    need.triangles = per_triangle * triangles_of(scene);
+    for (const scene::Object& object : scene.objects)
+        if (object.mobility == scene::Mobility::deforming)
+            need.moving += per_triangle * scene.meshes[static_cast<std::size_t>(object.mesh)].primitives();
+    for (const auto& [image, header] : film.images->headers()) {
+        const std::uint64_t pixels =
+            static_cast<std::uint64_t>(header.width) * static_cast<std::uint64_t>(header.height);
+        // Mip levels take a third more.
+        need.textures += pixels * (header.bytes ? 4 : 16) * 4 / 3;
+        need.decoding = std::max(need.decoding, per_decoded_pixel * pixels);
+    }
+    need.lights = per_lamp * (static_cast<std::uint64_t>(film.rendering.direct_points) + scene.lights.size()) +
+                  per_candidate * renderer::candidates_for(static_cast<std::uint64_t>(film.rendering.vpls));
+    const std::uint64_t closer = film.rendering.most_samples > 0 ? per_pixel_looked_at_closer : 0;
+    const bool follows = film.rendering.indirect == renderer::Indirect::rays &&
+                         film.rendering.cache != renderer::CacheUse::off && scene::traits_of(scene).changes_light();
+    need.frames = always + (per_pixel + closer + (follows ? per_followed_pixel : 0) +
+                            per_sample * static_cast<std::uint64_t>(film.rendering.samples) +
+                            per_exposed_sample * most_exposure_samples(film)) *
+                               static_cast<std::uint64_t>(film.format.width) *
+                               static_cast<std::uint64_t>(film.format.height);
+    return need;
+}
+
+bool may_decode_at_once(const RenderJob& film, const MemoryNeed& need, std::uint64_t limit, int threads) {
+    if (need.total() + need.decoding * static_cast<std::uint64_t>(std::max(threads - 1, 0)) <= limit) return true;
+    if (need.total() <= limit) return false;
+    throw core::Error(
+        "rendering", film.animation->source,
+        fmt::format(
+            "it takes about {}, and --memory allows {}: {} for what was read, {} for triangles, {} for textures, "
+            "{} to read the largest of them, {} for lights, {} for frames",
+            size_text(need.total()), size_text(limit), size_text(need.held), size_text(need.triangles),
+            size_text(need.textures), size_text(need.decoding), size_text(need.lights), size_text(need.frames)));
+}
+
+}  // namespace render2mpeg::app

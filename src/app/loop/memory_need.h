@@ -1,0 +1,31 @@
+#pragma once
+// Memory that a film takes, before it is allocated.
+#include <cstdint>
+
+#include "app/loop/render_job.h"
+
+namespace render2mpeg::app {
+
+/// Estimated memory in bytes, before anything is allocated (docs/measurements.md#memory).
+struct MemoryNeed {
+    std::uint64_t held = 0;       ///< by this process now: program, scene as it was read
+    std::uint64_t triangles = 0;  ///< trees of rays, and what chooses anchors
+    std::uint64_t textures = 0;   ///< with their smaller copies
+    std::uint64_t decoding = 0;   ///< of the largest image, while it is read
+    std::uint64_t lights = 0;     ///< light points and their trees
+    std::uint64_t frames = 0;     ///< visibility, light and pictures in flight
+    std::uint64_t moving = 0;     ///< of `triangles`, those with trees of their own in each chunk at work
+
+    std::uint64_t total() const { return held + triangles + textures + decoding + lights + frames; }
+    /// Of another chunk that is made beside the first.
+    std::uint64_t of_chunk() const { return moving + lights + frames; }
+};
+
+/// Reads the headers of all images. Throws core::Error.
+MemoryNeed memory_need(const RenderJob& film);
+
+/// Whether `threads` may decode images at once within `limit`, else one after the other. Throws core::Error where even
+/// that is too much.
+bool may_decode_at_once(const RenderJob& film, const MemoryNeed& need, std::uint64_t limit, int threads);
+
+}  // namespace render2mpeg::app
