@@ -207,13 +207,14 @@ std::vector<encoder::FirstPassPicture> try_first(Job& job, const Film& film, con
     return trial.film();
 }
 
-/// Codes one chunk, also where it ends early. Returns whether it is whole.
-bool encode_chunk(Job& job, const Film& film, const Chunk& chunk, LoopObserver& observer, RunStatistics& statistics,
-                  Progress& progress) {
+/// Codes one chunk, also where it ends early. `allocations`: of the film's frames; empty: there are none. Returns
+/// whether it is whole.
+bool encode_chunk(Job& job, const Film& film, const Chunk& chunk, std::span<const encoder::BitAllocation> allocations,
+                  LoopObserver& observer, RunStatistics& statistics, Progress& progress) {
     observer.begins(chunk);
     FramesAhead ahead(*job.frames, chunk, film.coding);
-    PictureCoder coder(film, chunk, job.allocations, {}, statistics, false, &ahead.look());
-    if (film.coding.rate_control.bit_rate > 0 && job.allocations.empty())
+    PictureCoder coder(film, chunk, allocations, {}, statistics, false, &ahead.look());
+    if (film.coding.rate_control.bit_rate > 0 && allocations.empty())
         coder.expect(try_first(job, film, chunk, ahead, statistics));
 
     bool whole = true;
@@ -237,15 +238,17 @@ bool encode_chunk(Job& job, const Film& film, const Chunk& chunk, LoopObserver& 
     return whole;
 }
 
-/// Codes all frames with one quantiser (of MPEG-2, or its like) to learn their sizes. Empty after an interruption.
-std::vector<encoder::FirstPassPicture> code_roughly(Job& job, double quantiser, bool quiet) {
+/// Codes chunks with one quantiser (of MPEG-2, or its like) to learn their sizes. Empty after an interruption.
+std::vector<encoder::FirstPassPicture> code_roughly(Job& job, std::span<const Chunk> chunks, double quantiser,
+                                                    bool quiet) {
     Film fast = job.film;
     fast.coding = rough(fast.coding, quantiser);
-    Progress progress(job.film.frame_count(), quiet, "first pass", Counted::frames_of_step);
+    Progress progress(chunks.back().last - chunks.front().first + 1, quiet, "first pass", Counted::frames_of_step);
     FirstPassCollector collector(fast.coding);
     RunStatistics statistics;
-    for (const Chunk& chunk : chunks_of(job.film.frames, fast.coding.gop))
-        if (!encode_chunk(job, fast, chunk, collector, statistics, progress) || InterruptGuard::requested()) return {};
+    for (const Chunk& chunk : chunks)
+        if (!encode_chunk(job, fast, chunk, {}, collector, statistics, progress) || InterruptGuard::requested())
+            return {};
     return collector.film();
 }
 
@@ -257,27 +260,18 @@ double change_of(std::span<const encoder::BitAllocation> allocations, std::span<
     return std::exp(logarithms / static_cast<double>(std::max<std::size_t>(1, film.size())));
 }
 
-/// Adds up what pictures take.
-class BitCounter : public LoopObserver {
-  public:
-    void coded(const encoder::CodedPicture& picture) override {
-        bits_ += 8.0 * static_cast<double>(picture.bytes.size());
-    }
-    double bits() const { return bits_; }
-
-  private:
-    double bits_ = 0;
-};
-
 /// What the film comes to as it is allocated. None after an interruption.
 std::optional<double> rehearsed_bits(Job& job, bool quiet) {
     Progress progress(job.film.frame_count(), quiet, "first pass", Counted::frames_of_step);
-    BitCounter counter;
+    FirstPassCollector counter(job.film.coding);
     RunStatistics statistics;
     for (const Chunk& chunk : chunks_of(job.film.frames, job.film.coding.gop))
-        if (!encode_chunk(job, job.film, chunk, counter, statistics, progress) || InterruptGuard::requested())
+        if (!encode_chunk(job, job.film, chunk, job.allocations, counter, statistics, progress) ||
+            InterruptGuard::requested())
             return {};
-    return counter.bits();
+    double bits = 0;
+    for (const encoder::FirstPassPicture& picture : counter.film()) bits += picture.bits;
+    return bits;
 }
 
 /// Brings the quantisers of another codec than MPEG-2 to the film's rate: by what the whole film comes to with them.
@@ -317,15 +311,15 @@ void settle(Job& job, bool quiet) {
     job.allocations = std::move(best);
 }
 
-/// Allocates the film's bits by a first pass, which is repeated where its quantiser was far off.
-std::vector<encoder::BitAllocation> first_pass(Job& job, bool quiet) {
+/// Allocates the bits of chunks by a first pass, which is repeated where its quantiser was far off.
+std::vector<encoder::BitAllocation> first_pass(Job& job, std::span<const Chunk> chunks, bool quiet) {
     // chosen: again beyond a factor of 1.5, and no more than twice (1.2..3): noise for which 2 was guessed and 18 is
     // right was 28 % over its rate.
     const bool is_whole = job.film.coding.codec == encoder::Codec::mpeg2;
     constexpr double far = 1.5;
     double quantiser = usual_quantiser(job.film.coding);
     for (int again = 2;; --again) {
-        const std::vector<encoder::FirstPassPicture> film = code_roughly(job, quantiser, quiet);
+        const std::vector<encoder::FirstPassPicture> film = code_roughly(job, chunks, quantiser, quiet);
         if (film.empty()) return {};
         std::vector<encoder::BitAllocation> allocations = encoder::allocate_bits(job.film.coding, film, 1.0);
         const double change = change_of(allocations, film);
@@ -340,11 +334,29 @@ std::vector<encoder::BitAllocation> first_pass(Job& job, bool quiet) {
 bool allocate(Job& job, const EncodeOptions& options, RunStatistics& statistics) {
     if (two_passes(options.coding) && !job.frames->is_open_ended())
         timed(statistics, Stage::first_pass, [&] {
-            job.allocations = first_pass(job, options.quiet);
+            job.allocations = first_pass(job, chunks_of(job.film.frames, job.film.coding.gop), options.quiet);
             if (!job.allocations.empty() && job.film.coding.codec != encoder::Codec::mpeg2) settle(job, options.quiet);
             return true;
         });
     return !InterruptGuard::requested();
+}
+
+/// Allocates the bits of one pass from a chunk on: some chunks are there to be looked through before they are coded,
+/// and share their bits. False after an interruption.
+bool look_through(Job& job, const Chunk& first, RunStatistics& statistics) {
+    // chosen: four, some 240 pictures: cuts come more often than that. By single chunks, half of the loss beside two
+    // passes is left.
+    constexpr std::int64_t together = 4;
+    if (first.index % together != 0) return true;
+    std::vector<Chunk> chunks{first};
+    while (std::ssize(chunks) < together && chunks.back().last < job.film.frames.last)
+        chunks.push_back(*chunk_after(job.film, chunks.back()));
+    const std::vector<encoder::BitAllocation> allocated =
+        timed(statistics, Stage::first_pass, [&] { return first_pass(job, chunks, true); });
+    if (allocated.empty()) return false;
+    job.allocations.resize(static_cast<std::size_t>(job.film.frame_count()));
+    std::copy(allocated.begin(), allocated.end(), job.allocations.begin() + (first.first - job.film.frames.first));
+    return true;
 }
 
 /// Codes the film and sets its last frame. Returns whether it is whole.
@@ -352,6 +364,7 @@ bool encode_chunks(Job& job, const EncodeOptions& options, LoopObserver& sink, R
     const bool open_ended = job.frames->is_open_ended();
     // The source alone knows how many frames will come.
     Progress progress(job.film.frame_count(), options.quiet || open_ended);
+    const bool by_chunk = job.film.coding.rate_control.bit_rate > 0 && job.allocations.empty() && !open_ended;
     bool whole = true;
     for (auto chunk = chunk_after(job.film, {}); chunk && whole; chunk = chunk_after(job.film, chunk)) {
         StatisticsRecorder recorder(statistics, true);
@@ -359,7 +372,8 @@ bool encode_chunks(Job& job, const EncodeOptions& options, LoopObserver& sink, R
         both.add(recorder);
         both.add(sink);
         const std::size_t before = statistics.frames.size();
-        whole = encode_chunk(job, job.film, *chunk, both, statistics, progress);
+        whole = (!by_chunk || look_through(job, *chunk, statistics)) &&
+                encode_chunk(job, job.film, *chunk, job.allocations, both, statistics, progress);
         if (open_ended && whole && statistics.frames.size() < before + static_cast<std::size_t>(chunk->frames())) break;
         whole = whole && (chunk->last == job.film.frames.last || !InterruptGuard::requested());
     }
