@@ -11,6 +11,7 @@
 #include "app/files/file_io.h"
 #include "app/files/publish.h"
 #include "app/loop/forecast.h"
+#include "app/loop/hire.h"
 #include "app/loop/resume.h"
 #include "app/options/option_text.h"
 #include "app/production/production.h"
@@ -41,8 +42,8 @@ std::string plan_text(RenderJob& film, const RenderOptions& options) {
                                    ? "No times and sizes: --within " + options.within +
                                          " is over before two frames are lit, however small; give more\n"
                                    : "";
-    return film_text(film) + "\n" + (found ? text_of(*found) : reason) + text_of(chunks_at_once(film, options)) +
-           "\n\n" + plan_table(film, found ? &found->sample : nullptr);
+    return film_text(film) + "\n" + (found ? text_of(*found) + hire_text(film, *found, options.hire) : reason) +
+           text_of(chunks_at_once(film, options)) + "\n\n" + plan_table(film, found ? &found->sample : nullptr);
 }
 
 std::string dry_run_text(RenderJob& film, const RenderOptions& options) {

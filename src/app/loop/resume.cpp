@@ -28,19 +28,6 @@ json options_of(const RenderOptions& options) {
     return words;
 }
 
-/// Images of these frames: the output's, and layers.
-std::vector<std::filesystem::path> images_of(const RenderJob& film, const RenderOptions& options,
-                                             const FrameRange& frames) {
-    std::vector<std::filesystem::path> files;
-    for (std::int64_t n = frames.first; n <= frames.last; ++n) {
-        if (film.kind == OutputKind::exr || film.kind == OutputKind::png) files.push_back(numbered(options.output, n));
-        if (!options.layers) continue;
-        files.push_back(numbered(layers_in(*options.layers), n));
-        files.push_back(numbered(motion_in(*options.layers), n));
-    }
-    return files;
-}
-
 /// Files of a chunk's frames beside the coded stream.
 std::vector<std::filesystem::path> products_of(const RenderJob& film, const RenderOptions& options,
                                                const WorkFolder& work, const Chunk& chunk) {
@@ -181,6 +168,18 @@ std::vector<encoder::BitAllocation> allocations_from(const RenderJob& film, cons
 }
 
 }  // namespace
+
+std::vector<std::filesystem::path> images_of(const RenderJob& film, const RenderOptions& options,
+                                             const FrameRange& frames) {
+    std::vector<std::filesystem::path> files;
+    for (std::int64_t n = frames.first; n <= frames.last; ++n) {
+        if (film.kind == OutputKind::exr || film.kind == OutputKind::png) files.push_back(numbered(options.output, n));
+        if (!options.layers) continue;
+        files.push_back(numbered(layers_in(*options.layers), n));
+        files.push_back(numbered(motion_in(*options.layers), n));
+    }
+    return files;
+}
 
 std::vector<Files> inputs_of(const RenderJob& film, const RenderOptions& options) {
     const std::vector<std::filesystem::path> scene = scene_files_of(film, options);
