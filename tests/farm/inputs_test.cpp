@@ -44,7 +44,7 @@ TEST(FarmInputs, NeedBlenderOnlyWhereAFilmIsPlannedSlow) {
     }
 }
 
-TEST(FarmInputs, ArePackedWithTheSoundThatAnAnimationNames) {
+TEST(FarmInputs, ArePackedWithTheSoundThatAnAnimationNamesSlow) {
     test::FarmFilm film("", 60);
     std::ofstream(film / "scene.json") << R"({ "sound": "beep.wav", "frames": 60, "camera": { "position": [0, 1, 4] },
         "objects": [{ "name": "box", "shape": "box" }], "lights": [{ "kind": "point", "position": [1, 2, 1], "intensity": 9 }] })";

@@ -154,7 +154,7 @@ TEST(Pieces, AreRefusedByNameWhereTornChangedForeignOrSwappedSlow) {
     EXPECT_TRUE(std::filesystem::exists(film / "f.mpg"));
 }
 
-TEST(Pieces, LeadToNoFileOutsideTheirPart) {
+TEST(Pieces, LeadToNoFileOutsideTheirPartSlow) {
     FarmFilm film("", 60);
     const Machines machines(film, "", "--parts 1");
     ASSERT_EQ(run(machines.part("a", 1)).status, 0);
