@@ -27,10 +27,6 @@ void choose_camera(Animation& animation, const std::string& wanted) {
 Animation load_by_blender(const std::filesystem::path& file, const LoadOptions& options) {
     const BlenderExport exported = export_by_blender(file);
     Animation animation = load_animation_file(exported.film, options, load_as_is);
-    // Blender bends light at every glass; open meshes are thin.
-    for (Material& material : animation.materials)
-        if (material.transmission > 0 && material.thickness == Thickness::thin)
-            material.thickness = Thickness::solid_where_closed;
     animation.files.insert(animation.files.begin(), file);
     animation.notes.insert(animation.notes.begin(), exported.notes.begin(), exported.notes.end());
     return animation;

@@ -51,7 +51,7 @@ TEST_F(JobFiles, AreScriptsThatAShellReads) {
             EXPECT_EQ(contents(entry.path()).find("{{"), std::string::npos) << entry.path();
             ++scripts;
         }
-    EXPECT_EQ(scripts, 11);
+    EXPECT_EQ(scripts, 12);
 }
 
 /// What a job template of version 2023-09 may have [OpenJD, 1.1, 2, 3].

@@ -76,10 +76,37 @@ const std::vector<Name>& hostile_names() {
     return names;
 }
 
+/// What PyOutline would send to Cuebot, as JSON beside the notes: commands are joined by blanks.
+constexpr const char* outline_stand_in = R"py(
+import json, os, types, sys
+class Shell:
+    def __init__(self, name, command, range, env, **more):
+        self.says = {"name": name, "command": " ".join(command), "range": range, "env": env, "after": []}
+    def depend_all(self, other):
+        self.says["after"].append(other.says["name"])
+class Outline:
+    def __init__(self, name, shot, show, user):
+        self.name, self.layers = name, []
+    def add_layer(self, layer):
+        self.layers.append(layer)
+def launch(job, use_pycuerun):
+    assert not use_pycuerun
+    with open(os.environ["NOTES"] + ".json", "w") as file:
+        json.dump({"name": job.name, "layers": [layer.says for layer in job.layers]}, file)
+for name, more in {"cuerun": {"launch": launch}, "modules": {}, "modules.shell": {"Shell": Shell}}.items():
+    module = sys.modules["outline." + name] = types.ModuleType("outline." + name)
+    module.__dict__.update(more, __path__=[])
+import outline
+outline.cuerun, outline.modules = sys.modules["outline.cuerun"], sys.modules["outline.modules"]
+outline.modules.shell = sys.modules["outline.modules.shell"]
+)py";
+
 /// A place with programs of schedulers that only note how they are called.
 class Stage {
   public:
     Stage() {
+        std::filesystem::create_directories(folder_ / "python/outline");
+        std::ofstream(folder_ / "python/outline/__init__.py") << outline_stand_in;
         std::filesystem::create_directory(folder_ / "bin");
         for (const char* program :
              {"render2mpeg", "sbatch", "qsub", "kubectl", "curl", "openjd", "parallel", "snakemake"}) {
@@ -112,6 +139,8 @@ class Stage {
                                      "SLURM_ARRAY_TASK_ID=2",
                                      "SGE_TASK_ID=2",
                                      "JOB_COMPLETION_INDEX=1",
+                                     "PYTHONPATH=" + (folder_ / "python").string(),
+                                     "PYTHONDONTWRITEBYTECODE=1",
                                      "RENDER2MPEG=" + (folder_ / "bin/render2mpeg").string()};
         if (own) all.push_back("PATH=" + (folder_ / "bin").string() + ":" + std::getenv("PATH"));
         all.insert(all.end(), words.begin(), words.end());
@@ -163,6 +192,30 @@ std::string called(const std::string& command, const std::string& plan, const st
     return "render2mpeg\n" + command + "\n" + plan + "\n" + more;
 }
 
+/// What was sent to OpenCue, run as its hosts would: by a shell, after Cuebot has replaced its own names.
+void expect_exact_layers(const Stage& stage, const app::FarmPlan& plan) {
+    const json job = json::parse(contents(stage / "notes.json"));
+    EXPECT_EQ(job["name"].get<std::string>().find_first_not_of(
+                  "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_"),
+              std::string::npos)
+        << job["name"];
+    ASSERT_EQ(job["layers"].size(), 2u);
+    for (const json& layer : job["layers"]) {
+        const bool is_join = layer["name"] == "join";
+        EXPECT_EQ(layer["after"], is_join ? json::array({"parts"}) : json::array());
+        EXPECT_EQ(layer["range"], is_join ? "1-1" : "1") << "the stand-in says that one part is left";
+        std::string command = layer["command"];
+        EXPECT_EQ(command.find(plan.folder.string()), std::string::npos);
+        if (const std::size_t at = command.find("#IFRAME#"); at != command.npos) command.replace(at, 8, "2");
+        EXPECT_EQ(command.find('#'), std::string::npos) << command;
+        std::vector<std::string> words{"env"};
+        for (const auto& [name, value] : layer["env"].items()) words.push_back(name + "=" + value.get<std::string>());
+        for (const std::string& word : {std::string("sh"), std::string("-c"), command}) words.push_back(word);
+        EXPECT_EQ(stage.notes_of("/", words),
+                  called(is_join ? "join" : "part", plan.folder.string(), is_join ? "" : "2\n"));
+    }
+}
+
 /// Runs all that a scheduler would run.
 void expect_exact_calls(const Stage& stage, const app::FarmPlan& plan) {
     const std::string folder = plan.folder.string();
@@ -198,6 +251,7 @@ void expect_exact_calls(const Stage& stage, const app::FarmPlan& plan) {
     if (plan.scheduler == "flamenco") {
         EXPECT_EQ(in("job.json")["settings"]["plan"], folder);
     }
+    if (plan.scheduler == "opencue") expect_exact_layers(stage, plan);
     if (plan.scheduler == "snakemake") {
         EXPECT_EQ(contents(plan.folder / "Snakefile").find(folder), std::string::npos);
     }

@@ -1,4 +1,6 @@
 render2mpeg_test(farm STARTS_PROGRAMS OPENS_MODULES LIBS render2mpeg_app nlohmann_json::nlohmann_json)
 if(TARGET test_farm)
-  add_dependencies(test_farm render2mpeg)
+  add_executable(refuse_locks ${CMAKE_CURRENT_SOURCE_DIR}/farm/refuse_locks.cpp)
+  set_target_properties(refuse_locks PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
+  add_dependencies(test_farm render2mpeg refuse_locks)
 endif()

@@ -11,6 +11,7 @@
 #include "app/files/file_io.h"
 #include "app/files/publish.h"
 #include "app/loop/forecast.h"
+#include "app/loop/hire.h"
 #include "app/loop/kept_frames.h"
 #include "app/loop/resume.h"
 #include "app/options/option_text.h"
@@ -39,7 +40,8 @@ std::string plan_text(RenderJob& film, const RenderOptions& options) {
     const double within = within_from(options.within);
     const auto found = within > 0 ? forecast(film, options.output, within, options.quiet) : std::nullopt;
     const bool is_lit = found && !found->is_least;
-    return film_text(film) + "\n" + (found ? text_of(*found) : "") + text_of(chunks_at_once(film, options)) + "\n\n" +
+    return film_text(film) + "\n" + (found ? text_of(*found) : "") +
+           (is_lit ? hire_text(film, *found, options.hire) : "") + text_of(chunks_at_once(film, options)) + "\n\n" +
            plan_table(film, is_lit ? &found->sample : nullptr);
 }
 

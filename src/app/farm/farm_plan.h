@@ -37,6 +37,7 @@ struct FarmPlan {
     std::shared_ptr<nlohmann::json> facts;
 
     std::int64_t most_frames() const;  ///< of a part
+    std::int64_t frames() const { return parts.back().frames.last - parts.front().frames.first + 1; }
     std::filesystem::path inputs() const { return folder / "inputs"; }
     /// Says that the film is joined, and its parts gone.
     std::filesystem::path joined_mark() const { return folder / "joined"; }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "app/farm/farm_plan.h"
+#include "app/farm/pieces.h"
 #include "app/files/file_io.h"
 #include "app/files/publish.h"
 #include "app/files/work_folder.h"
@@ -41,40 +43,72 @@ RenderOptions moved_into(const std::filesystem::path& folder, const RenderOption
     return moved;
 }
 
-/// A finished part, with its results.
+/// What there is of a part, with its results.
 struct MadePart {
-    RenderOptions options;  ///< that it was made by
     std::vector<ChunkFile> chunks;
     RunStatistics statistics;
 };
 
-/// Reads the results of a part: all of its chunks, verified by their checksums. None where it is not whole.
-std::optional<MadePart> made_part(const FarmPlan& plan, const FilmPart& part, const RenderJob& film,
-                                  const RenderOptions& options, HeatmapFilms& heatmaps) {
+/// Reads the results of a part: its whole chunks, verified by their checksums.
+MadePart made_part(const FarmPlan& plan, const FilmPart& part, const RenderJob& job, const RenderOptions& options,
+                   HeatmapFilms& heatmaps) {
     const json& identity = plan.facts->at("identity");
-    MadePart made{part_options(plan, part, options), {}, {}};
-    made.options.quiet = true;
-    if (!WorkFolder::is_of(made.options.output, identity)) return {};
-    RenderJob job = film;
-    job.part = part.chunks;
-    WorkFolder work(made.options.output, identity, WorkFolder::Earlier::resumed);
-    HeatmapFilms shown(made.options, job, work);
+    MadePart made;
+    RenderOptions own = part_options(plan, part, options);
+    own.quiet = true;
+    if (!WorkFolder::is_of(own.output, identity)) return made;
+    WorkFolder work(own.output, identity, WorkFolder::Earlier::resumed, Locking::where_possible);
+    HeatmapFilms shown(own, job, work);
     made.chunks = take_up(
-        job, made.options, work, [](const std::vector<ChunkFile>&) {}, made.statistics);
-    if (made.chunks.size() < part.chunks.count()) return {};
+        job, own, work, [](const std::vector<ChunkFile>&) {}, made.statistics);
     shown.take_up(made.chunks);
     heatmaps.append(shown);
     return made;
 }
 
-void place_images(const RenderJob& film, const RenderOptions& from, const RenderOptions& to, const FrameRange& frames) {
-    const bool images = film.kind == OutputKind::exr || film.kind == OutputKind::png;
-    for (std::int64_t n = frames.first; n <= frames.last; ++n) {
-        if (images) place(numbered(from.output, n), numbered(to.output, n));
-        if (!to.layers) continue;
-        place(numbered(layers_in(*from.layers), n), numbered(layers_in(*to.layers), n));
-        place(numbered(motion_in(*from.layers), n), numbered(motion_in(*to.layers), n));
+/// The chunks that are missing, by the part and frames: "part 2 (frames 60-179)".
+class Missing {
+  public:
+    void look(const FilmPart& part, const std::vector<Chunk>& chunks, const std::vector<ChunkFile>& made) {
+        std::string frames;
+        std::optional<FrameRange> gap;
+        const auto end_gap = [&] {
+            if (gap) frames += fmt::format("{}{}-{}", frames.empty() ? "" : ", ", gap->first, gap->last);
+            gap.reset();
+        };
+        for (const Chunk& chunk : chunks) {
+            const bool there = std::ranges::find(made, chunk.index, index_of) != made.end();
+            if (there)
+                end_gap();
+            else
+                gap = {gap ? gap->first : chunk.first, chunk.last};
+        }
+        end_gap();
+        if (frames.empty()) return;
+        parts_.push_back(part.number);
+        // chosen: a line that can be read.
+        if (parts_.size() <= 8)
+            text_ += fmt::format("{}part {} (frames {})", text_.empty() ? "" : ", ", part.number, frames);
     }
+    /// Throws core::Error where there are some.
+    void refuse(const FarmPlan& plan) const {
+        if (parts_.empty()) return;
+        throw core::Error(
+            "joining", plan.folder.string(),
+            fmt::format(
+                "{} of {} parts are not whole: {}; there is no {}; `render2mpeg part {} {}` goes on with the first",
+                parts_.size(), plan.parts.size(), part_list(parts_), text_ + (parts_.size() > 8 ? " and more" : ""),
+                quoted(plan.folder.string()), parts_.front()));
+    }
+
+  private:
+    std::vector<int> parts_;
+    std::string text_;
+};
+
+void place_images(const RenderJob& film, const RenderOptions& from, const RenderOptions& to, const FrameRange& frames) {
+    const std::vector<std::filesystem::path> made = images_of(film, from, frames), named = images_of(film, to, frames);
+    for (std::size_t i = 0; i < made.size(); ++i) place(made[i], named[i]);
 }
 
 /// All parts of the film, proved and placed: its chunks, what was counted, and its heatmaps. Throws core::Error, naming
@@ -82,22 +116,16 @@ void place_images(const RenderJob& film, const RenderOptions& from, const Render
 std::vector<ChunkFile> gather(const FarmPlan& plan, const RenderJob& film, const RenderOptions& options,
                               HeatmapFilms& heatmaps, RunStatistics& statistics) {
     std::vector<ChunkFile> chunks;
-    std::vector<int> missing;
+    Missing missing;
     for (const FilmPart& part : plan.parts) {
-        std::optional<MadePart> made = made_part(plan, part, film, options, heatmaps);
-        if (!made) {
-            missing.push_back(part.number);
-            continue;
-        }
-        statistics = sum_of(statistics, made->statistics);
-        for (ChunkFile& chunk : made->chunks) chunks.push_back(std::move(chunk));
+        RenderJob job = film;
+        job.part = part.chunks;
+        MadePart made = made_part(plan, part, job, options, heatmaps);
+        missing.look(part, job.chunks(), made.chunks);
+        statistics = sum_of(statistics, made.statistics);
+        for (ChunkFile& chunk : made.chunks) chunks.push_back(std::move(chunk));
     }
-    if (!missing.empty())
-        throw core::Error(
-            "joining", plan.folder.string(),
-            fmt::format("{} of {} parts are not whole: {}; `render2mpeg part {} {}` goes on with the first",
-                        missing.size(), plan.parts.size(), part_list(missing), quoted(plan.folder.string()),
-                        missing.front()));
+    missing.refuse(plan);
     for (const FilmPart& part : plan.parts) place_images(film, part_options(plan, part, options), options, part.frames);
     return chunks;
 }
@@ -128,6 +156,8 @@ int join(const PartOptions& wish) {
         if (!wish.quiet) print_line(plan.folder.string() + ": the film is joined already: nothing is to be done");
         return 0;
     }
+    if (wish.pieces)
+        for (const std::string& line : take_pieces(plan, plan.parts, *wish.pieces)) print_line(line);
     std::error_code error;
     const std::filesystem::path into = wish.folder ? std::filesystem::absolute(*wish.folder, error) : "";
     refuse_other_machine(plan);

@@ -25,6 +25,7 @@
 #include "app/system/interrupt.h"
 #include "app/system/program.h"
 #include "core/error.h"
+#include "core/scene_formats.h"
 #include "core/text.h"
 #include "parallel/loops.h"
 
@@ -37,6 +38,7 @@ std::string needed_by(const std::string& scheduler) {
     if (scheduler == "sge") return "qsub";
     if (scheduler == "kubernetes") return "kubectl";
     if (scheduler == "flamenco") return "curl";
+    if (scheduler == "opencue") return "python3";
     return scheduler;  // parallel, openjd, snakemake
 }
 
@@ -92,22 +94,43 @@ class PackedNames {
     int copied_ = 0;
 };
 
-/// Copies a scene with all its files, their places beside each other kept. Returns the scene's new name.
+/// Whether Blender has to export a scene.
+bool is_exported(const RenderOptions& options) {
+    return core::scene_reader_of(options.input) == core::SceneReader::blender;
+}
+
+/// Copies a scene with all its files, their places beside each other kept. Returns the scene's new name: of what
+/// Blender exported, where it did.
 std::filesystem::path copy_scene(const RenderJob& film, const RenderOptions& options,
                                  const std::filesystem::path& inputs) {
     std::vector<std::filesystem::path> files;
     for (const std::filesystem::path& file : film.animation->files) files.push_back(file);
     for (const scene::ImageSource& image : film.animation->images) files.push_back(image.path);
+    if (film.animation->sound) files.push_back(*film.animation->sound);
     if (is_file(options.input)) files.push_back(options.input);
     std::erase_if(files, [&](const std::filesystem::path& file) {
-        return !is_file(file) || (options.sky && canonical_of(file) == canonical_of(*options.sky));
+        return !is_file(file) || (options.sky && canonical_of(file) == canonical_of(*options.sky)) ||
+               (is_exported(options) && canonical_of(file) == canonical_of(options.input));
     });
-    const std::filesystem::path input = canonical_of(options.input);
+    // What was read first behind the .blend is the export's animation file.
+    EXPECTS(!is_exported(options) || !files.empty());
+    const std::filesystem::path input = canonical_of(is_exported(options) ? files.front() : options.input);
     std::filesystem::path folder = is_file(input) ? input.parent_path() : input;
     for (const std::filesystem::path& file : files) folder = common_folder(folder, canonical_of(file).parent_path());
     for (const std::filesystem::path& file : files)
         copy_input(file, inputs / "scene" / canonical_of(file).lexically_relative(folder));
     return std::filesystem::path("scene") / input.lexically_relative(folder);
+}
+
+/// Copies what Blender exported into the plan's folder, and changes `words` so that they name it: parts need neither
+/// Blender nor its cache. Throws core::Error.
+void keep_export(FarmPlan& plan, const RenderJob& film, const RenderOptions& options) {
+    std::error_code error;
+    std::filesystem::remove_all(plan.inputs(), error);
+    const auto place = std::find(plan.words.begin() + 2, plan.words.end(), options.input.string());
+    if (place == plan.words.end())
+        throw core::Error("packing", options.input.string(), "it is not in the command line");
+    *place = (plan.inputs() / copy_scene(film, options, plan.inputs())).string();
 }
 
 /// Copies all inputs of a film into the plan's folder, and changes `words` and `start` so that they name the copies,
@@ -251,8 +274,8 @@ std::string plan_line(const FarmPlan& plan, const FarmOptions& options, std::siz
                               plan.most_frames());
 }
 
-/// The plan of a film, not settled yet. With --pack, its inputs are copied, and the film and the options are those of
-/// the copies.
+/// The plan of a film, not settled yet. With --pack, its inputs are copied, of a .blend always its export, and the film
+/// and the options are those of the copies.
 FarmPlan begin_plan(const FarmOptions& options, const std::vector<std::string>& words, RenderJob& film,
                     RenderOptions& render) {
     FarmPlan plan;
@@ -264,8 +287,11 @@ FarmPlan begin_plan(const FarmOptions& options, const std::vector<std::string>& 
     plan.output_name = render.output.filename().string();
     plan.packed = options.pack;
     check_job_files(plan);
-    if (options.pack) {
-        pack_inputs(plan, film, render);
+    if (options.pack || is_exported(render)) {
+        if (options.pack)
+            pack_inputs(plan, film, render);
+        else
+            keep_export(plan, film, render);
         std::filesystem::current_path(plan.start);
         render = parse(plan.words).render;
         render.quiet = options.render.quiet;

@@ -49,6 +49,11 @@ bool is_plain(int descriptor) {
     return fstat(descriptor, &opened) == 0 && S_ISREG(opened.st_mode) && opened.st_nlink <= 1;
 }
 
+/// Whether a lock failed since the file system has none.
+bool has_no_locks(int failure) {
+    return failure == ENOLCK || failure == EOPNOTSUPP || failure == ENOSYS || failure == EINVAL;
+}
+
 std::string why_not_opened(int failure) {
     return failure == ELOOP ? "it is a link, which is not followed" : std::strerror(failure);
 }
@@ -117,7 +122,7 @@ std::string difference_of(const json& before, const json& now) {
     return {};
 }
 
-OutputLock::OutputLock(const std::filesystem::path& file, const std::filesystem::path& output) {
+OutputLock::OutputLock(const std::filesystem::path& file, const std::filesystem::path& output, Locking locking) {
     // chosen: a dry run looks at the lock for some microseconds, and a run that ends removes its folder in
     // milliseconds; tries for 0.2 s bridge both.
     constexpr int tries = 20;
@@ -131,11 +136,12 @@ OutputLock::OutputLock(const std::filesystem::path& file, const std::filesystem:
         if (descriptor_ < 0 && errno == ENOENT && left > 0) continue;  // the folder went with the run before
         if (descriptor_ < 0) throw core::Error("writing", file.string(), why_not_opened(errno));
         const int failure = flock(descriptor_, LOCK_EX | LOCK_NB) == 0 ? 0 : errno;
-        if (failure == 0 && is_current(descriptor_, file)) break;
+        const bool taken = failure == 0 || (locking == Locking::where_possible && has_no_locks(failure));
+        if (taken && is_current(descriptor_, file)) break;
         close(descriptor_);
         descriptor_ = -1;
-        if (left > 0 && (failure == 0 || failure == EWOULDBLOCK)) continue;
-        if (failure == 0 || failure == EWOULDBLOCK) refuse(file, output);
+        if (left > 0 && (taken || failure == EWOULDBLOCK)) continue;
+        if (taken || failure == EWOULDBLOCK) refuse(file, output);
         throw core::Error("writing", output.string(), std::string("it cannot be locked: ") + std::strerror(failure));
     }
 
@@ -161,9 +167,10 @@ void OutputLock::check(const std::filesystem::path& file, const std::filesystem:
     if (held) refuse(file, output);
 }
 
-WorkFolder::WorkFolder(const std::filesystem::path& output, const json& identity, Earlier earlier)
+WorkFolder::WorkFolder(const std::filesystem::path& output, const json& identity, Earlier earlier, Locking locking)
     : folder_((check(output), work_folder_of(output))),
-      lock_(folder_ / lock_name, output),
+      locking_(locking),
+      lock_(folder_ / lock_name, output, locking),
       manifest_(std::make_unique<json>(json{{"identity", as_written(identity)}})) {
     if (earlier == Earlier::resumed) refuse_other(output, (*manifest_)["identity"]);
     try {
@@ -193,7 +200,7 @@ void WorkFolder::hold(const std::filesystem::path& output) {
     const std::string name = std::filesystem::absolute(output).lexically_normal().string();
     if (std::find(held.begin(), held.end(), name) == held.end()) held.push_back(name);
     write_manifest();
-    held_.push_back(std::make_unique<WorkFolder>(output, nullptr));
+    held_.push_back(std::make_unique<WorkFolder>(output, nullptr, Earlier::removed, locking_));
 }
 
 WorkFolder::~WorkFolder() {
@@ -232,10 +239,13 @@ std::vector<Chunk> WorkFolder::left(const std::filesystem::path& output, const j
                                     const std::vector<Chunk>& chunks) {
     std::vector<Chunk> left;
     if (!is_of(output, identity)) return left;
-    const std::filesystem::path folder = work_folder_of(output);
     for (const Chunk& chunk : chunks)
-        if (is_there(ChunkFile::record_of(folder / name_of(chunk)))) left.push_back(chunk);
+        if (is_there(record_of(output, chunk))) left.push_back(chunk);
     return left;
+}
+
+std::filesystem::path WorkFolder::record_of(const std::filesystem::path& output, const Chunk& chunk) {
+    return ChunkFile::record_of(work_folder_of(output) / name_of(chunk));
 }
 
 bool WorkFolder::is_of(const std::filesystem::path& output, const json& identity) {
@@ -246,7 +256,7 @@ bool WorkFolder::is_of(const std::filesystem::path& output, const json& identity
 std::vector<ChunkFile> WorkFolder::finished(const std::vector<Chunk>& chunks, const std::string& of) const {
     std::vector<ChunkFile> files;
     for (const Chunk& chunk : chunks) {
-        std::optional<ChunkFile> file = resumed_ ? ChunkFile::reopened(place(name_of(chunk, of)), chunk) : std::nullopt;
+        std::optional<ChunkFile> file = ChunkFile::reopened(place(name_of(chunk, of)), chunk);
         if (file) files.push_back(std::move(*file));
     }
     return files;
@@ -305,7 +315,7 @@ void WorkFolder::remove() {
     }
     for (const std::string& output : names) try {
             // One that is held still is another run's.
-            if (is_of(output, nullptr)) WorkFolder(output, nullptr).remove();
+            if (is_of(output, nullptr)) WorkFolder(output, nullptr, Earlier::removed, locking_).remove();
         } catch (const std::exception&) {
         }
     // The lock comes last, since the rest may be the next run's without it. A leftover folder is harmless.

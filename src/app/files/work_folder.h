@@ -19,12 +19,16 @@ class OutputInUse : public core::Error {
     using core::Error::Error;
 };
 
+/// Whether a folder is refused where its file system has no locks: only without another run it may do without.
+enum class Locking { needed, where_possible };
+
 /// Lock of an output; the system releases it with the process.
 class OutputLock {
   public:
     /// Locks `file`, made with its folder if missing; `output` is for messages. Throws OutputInUse, naming the process,
     /// where another run holds it for 0.2 s, and core::Error where it is a link or has several names.
-    OutputLock(const std::filesystem::path& file, const std::filesystem::path& output);
+    OutputLock(const std::filesystem::path& file, const std::filesystem::path& output,
+               Locking locking = Locking::needed);
     ~OutputLock();
     OutputLock(const OutputLock&) = delete;
     OutputLock& operator=(const OutputLock&) = delete;
@@ -44,7 +48,8 @@ class WorkFolder {
     /// Creates the folder, or takes it over. `identity`: the film (resume.h). Earlier content is removed, or
     /// resumed if it is of the same film. Throws core::Error, and removes nothing, where it is another film's, in use,
     /// or not ours to empty (a link, another user's).
-    WorkFolder(const std::filesystem::path& output, const nlohmann::json& identity, Earlier earlier = Earlier::removed);
+    WorkFolder(const std::filesystem::path& output, const nlohmann::json& identity, Earlier earlier = Earlier::removed,
+               Locking locking = Locking::needed);
     /// Removes an unused folder.
     ~WorkFolder();
     WorkFolder(const WorkFolder&) = delete;
@@ -58,9 +63,12 @@ class WorkFolder {
     static std::vector<Chunk> left(const std::filesystem::path& output, const nlohmann::json& identity,
                                    const std::vector<Chunk>& chunks);
 
+    /// Place of a finished chunk's record.
+    static std::filesystem::path record_of(const std::filesystem::path& output, const Chunk& chunk);
+
     static bool is_of(const std::filesystem::path& output, const nlohmann::json& identity);
 
-    /// Finished chunks, with gaps; none unless resumed. `of`: of a heatmap's streams, by name; empty: the film's.
+    /// Finished chunks, with gaps. `of`: of a heatmap's streams, by name; empty: the film's.
     std::vector<ChunkFile> finished(const std::vector<Chunk>& chunks, const std::string& of = {}) const;
     /// Removes everything else but the folder's own files, and lit frames of chunks in the making.
     void drop_all_but(const std::vector<ChunkFile>& chunks, const std::vector<Chunk>& in_the_making = {});
@@ -87,6 +95,7 @@ class WorkFolder {
     void write_manifest();
 
     std::filesystem::path folder_;
+    Locking locking_;
     OutputLock lock_;
     std::unique_ptr<nlohmann::json> manifest_;  ///< `identity`, `kept`, `held`
     std::vector<std::unique_ptr<WorkFolder>> held_;

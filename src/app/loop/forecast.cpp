@@ -429,6 +429,7 @@ std::optional<Forecast> forecast(RenderJob& film, const std::filesystem::path& o
     forecast.first = grown.first;
     forecast.later = grown.later;
     forecast.cpu = whole.seconds * (film.two_passes ? 1 + first_pass_share : 1) + once + grown.built;
+    forecast.once = once + grown.built;
     forecast.clock = forecast.cpu * core::divide_or(grown.clock, grown.cpu + grown.built, 1.0);
     forecast.bytes = file_bytes(film, output, whole.bytes);
     forecast.disk = is_one_file(film.kind) ? 2 * forecast.bytes : forecast.bytes;

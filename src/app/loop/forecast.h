@@ -70,6 +70,7 @@ FrameCost film_by(const RenderJob& film, const FrameSample& sample);
 /// Times are of this machine under its load while the sample was lit.
 struct Forecast {
     double cpu = 0, clock = 0;  ///< seconds of all threads, and on the clock
+    double once = 0;            ///< of `cpu`, what every process begins with
     double bytes = 0;           ///< of the file, its sound included; of all images where it is not coded
     double disk = 0;            ///< bytes that are taken while it is made
     double spread = 0;          ///< time and size are within this share of them in nine of ten films

@@ -33,14 +33,17 @@ Values range(Number low, Number high) {
 /// One of these words, of which mistakes name the nearest.
 Values one_of(const std::vector<std::string>& words);
 
-/// Marks of rows: the default is part of the help, or this text is; the option must be given; not with another one; it
-/// takes no more than its own two words.
+/// Marks of rows: the default is part of the help, or this text is; the option must be given; not with another one, or
+/// only with it; it takes no more than its own two words.
 struct Shown {};
 struct ShownAs {
     std::string text;
 };
 struct Required {};
 struct NotWith {
+    std::string other;
+};
+struct With {
     std::string other;
 };
 struct TwoWords {};
@@ -84,6 +87,8 @@ struct OptionRow {
             option.required();
         } else if constexpr (std::is_same_v<Part, NotWith>) {
             option.excludes(command.get_option(part.other));
+        } else if constexpr (std::is_same_v<Part, With>) {
+            option.needs(command.get_option(part.other));
         } else if constexpr (std::is_same_v<Part, TwoWords>) {
             option.allow_extra_args(false);
         } else if constexpr (std::is_same_v<Part, CLI::Validator>) {

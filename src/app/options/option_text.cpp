@@ -123,6 +123,37 @@ int level_from(const std::string& text) {
     return 10 * (text[0] - '0') + (text[2] - '0');
 }
 
+Price price_from(const std::string& text) {
+    const std::size_t slash = text.find('/');
+    const std::string unit = slash == std::string::npos ? "" : text.substr(slash + 1);
+    const std::optional<double> amount = number_in(text.substr(0, slash), 0, 1e9);
+    if (!amount || (unit != "core-hour" && unit != "machine-hour"))
+        throw UsageError("price " + text + ": expected an amount and what it is for, as 0.04/core-hour or " +
+                         "0.60/machine-hour");
+    return {*amount, unit == "core-hour"};
+}
+
+std::vector<std::string> command_from(const std::string& text) {
+    std::vector<std::string> words;
+    bool within = false;  // a word
+    char quote = '\0';
+    for (const char c : text) {
+        const bool blank = quote == '\0' && (c == ' ' || c == '\t' || c == '\n');
+        if (!blank && !std::exchange(within, true)) words.emplace_back();
+        if (blank)
+            within = false;
+        else if (c == quote)
+            quote = '\0';
+        else if (quote == '\0' && (c == '\'' || c == '"'))
+            quote = c;
+        else
+            words.back() += c;
+    }
+    if (quote != '\0') throw UsageError(text + ": a quotation that begins with " + quote + " does not end");
+    if (words.empty() || words[0].empty()) throw UsageError("there is no command in '" + text + "'");
+    return words;
+}
+
 ToleranceRequest tolerance_from(const std::string& text) {
     const std::size_t equals = text.find('=');
     const std::string kind = text.substr(0, equals), value = equals == std::string::npos ? "" : text.substr(equals + 1);

@@ -14,6 +14,20 @@ Size size_from(const std::string& text);
 FrameRange frames_from(const std::string& text);
 /// "A-B" as in OpenJD's chunks.
 FrameRange contiguous_from(const std::string& text);
+
+/// "0.04/core-hour" or "0.60/machine-hour", in any currency.
+struct Price {
+    double amount = 0;
+    bool of_core = true;  ///< for each core and hour; else for each machine
+
+    double of_core_hour(int cores) const { return of_core ? amount : amount / cores; }
+};
+/// Throws UsageError.
+Price price_from(const std::string& text);
+
+/// Words of a command as a shell would part them: by blanks, but not within '...' and "..."; nothing else has a
+/// meaning. Throws UsageError where there are none, or a quotation does not end.
+std::vector<std::string> command_from(const std::string& text);
 ToleranceRequest tolerance_from(const std::string& text);
 
 /// Ten times a level: "4.1" is 41.

@@ -108,7 +108,9 @@ const std::vector<CommandRow> commands{
     {"plan", "Show what a film will take, which passes its scene calls for, and why",
      "Example: render2mpeg plan scene.glb --within 1m",
      scene_options + "--output@plan --effort " + film_options +
-         "--audit@plan --aov@plan --within --quiet@plan --threads --memory --chunks-at-once --isa --progress"},
+         "--audit@plan --aov@plan --within --price --machines --cores --quiet@plan --threads --memory --chunks-at-once "
+         "--isa "
+         "--progress"},
     {"info", "Show how the pictures of a film are coded",
      "Whose encoder made the file does not matter. Exit status 1 where pictures are damaged "
      "(docs/first-film.md).\n"
@@ -156,14 +158,14 @@ const std::vector<CommandRow> commands{
      "part is whole; 1 it failed, and another try may do better; 3 this machine, this version or the inputs are "
      "not those of the plan: another try here fails alike.\n"
      "Example: render2mpeg part film.mpg.farm 3",
-     "PLAN I --frames@part --threads --memory@part --quiet --progress"},
+     "PLAN I --frames@part --into@part --after-chunk --threads --memory@part --quiet --progress"},
     {"join", "Put the parts of a film together",
      "Proves that all parts are whole and of one film, puts them together, decodes the film to see that it holds "
      "what was made, and writes all that one run would have written beside it.\n"
      "Example: render2mpeg join film.mpg.farm",
-     "PLAN --into --threads --quiet"},
+     "PLAN --from --into --threads --quiet"},
     {"farm-status", "Show how far the parts of a film are", "Example: render2mpeg farm-status film.mpg.farm",
-     "PLAN --left"}};
+     "PLAN --from --price@farm-status --left"}};
 
 /// Adds all commands with their options, which set the members of `line`.
 void add_commands(CLI::App& app, CommandLine& line) {

@@ -63,6 +63,12 @@ struct FilmOptions {
     bool is_given(const std::string& name) const { return said.contains(name); }
 };
 
+/// Machines to be had for a film, and what they cost.
+struct Hire {
+    std::optional<std::string> price;
+    std::optional<int> machines, cores;
+};
+
 /// What is given wins over the animation file.
 struct RenderOptions : FilmOptions {
     std::optional<std::string> size, tolerance, shutter, f_stop, focus, fog, glare, transparent, sky, camera, animation,
@@ -74,6 +80,7 @@ struct RenderOptions : FilmOptions {
     std::optional<std::filesystem::path> light_cache, report, layers, last_frame;
     std::vector<std::pair<std::string, std::string>> heatmaps;  ///< subject, file
     bool preview = false, dry_run = false, resume = false, hold = false, verbose = false, live = false;
+    Hire hire;
 };
 
 struct EncodeOptions : FilmOptions {
@@ -103,8 +110,8 @@ struct TrialOptions {
 };
 
 /// Schedulers of `farm --to`.
-inline constexpr std::array<std::string_view, 7> scheduler_names{"slurm",  "parallel",  "sge",     "kubernetes",
-                                                                 "openjd", "snakemake", "flamenco"};
+inline constexpr std::array<std::string_view, 8> scheduler_names{"slurm",  "parallel",  "sge",      "kubernetes",
+                                                                 "openjd", "snakemake", "flamenco", "opencue"};
 
 struct FarmOptions {
     RenderOptions render;  ///< as they were read; parts read them again from the plan
@@ -118,8 +125,10 @@ struct FarmOptions {
 struct PartOptions {
     std::filesystem::path plan;
     std::optional<int> number;
-    std::optional<std::string> frames, memory;
-    std::optional<std::filesystem::path> folder;
+    std::optional<std::string> frames, memory, after_chunk, price;
+    std::optional<std::filesystem::path> folder;  ///< of the film
+    std::optional<std::filesystem::path> pieces;  ///< their folder
+    std::filesystem::path from;                   ///< where `after_chunk` runs
     int threads = 0;
     bool left = false, quiet = false;
 };

@@ -212,6 +212,7 @@ void ChunkProduction::make(const Chunk& chunk, renderer::Renderer& renderer, Mad
         if (has_sample) record[sample_frame_name] = open_.sample_frame.figures();
         file->finish(record);
         if (kept) kept->drop();
+        if (open_.chunk_done) open_.chunk_done(*file);
         if (light_ && !add_light(*light_, renderer, options_)) light_.reset();
         if (options_.verbose) print_line(chunk_text(chunk, made.statistics));
     } else {

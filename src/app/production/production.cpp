@@ -10,6 +10,7 @@
 
 #include "app/files/file_io.h"
 #include "app/loop/forecast.h"
+#include "app/loop/hire.h"
 #include "app/loop/resume.h"
 #include "app/loop/sink.h"
 #include "app/options/mistakes.h"
@@ -29,10 +30,6 @@
 
 namespace render2mpeg::app {
 namespace {
-
-/// Threads for each chunk. chosen: 4 of 4 and 16: a frame of 320x180 is lit 3.3 to 3.8 times as fast by 4 threads, by
-/// 16 7.5 to 12 times (docs/measurements.md#many-cores), and a further chunk takes little memory.
-constexpr int threads_of_chunk = 4;
 
 /// Why chunks follow each other, or nothing.
 std::string why_in_order(const RenderJob& film, const RenderOptions& options) {

@@ -77,8 +77,9 @@ struct OpenRender {
     HeatmapFilms& heatmaps;
     SampleFrameObserver& sample_frame;
     RunStatistics& statistics;
-    std::vector<ChunkFile>& files;                       ///< of whole chunks, and of the one behind them, by index
-    std::function<void(std::int64_t)> frames_done = {};  ///< told of the frames that are whole, after each; or empty
+    std::vector<ChunkFile>& files;                          ///< of whole chunks, and of the one behind them, by index
+    std::function<void(std::int64_t)> frames_done = {};     ///< told of the frames that are whole, after each; or empty
+    std::function<void(const ChunkFile&)> chunk_done = {};  ///< told of each chunk that is whole now; or empty
 };
 
 /// In a chunk's record: figures for the report of the frame that it shows.

@@ -123,10 +123,12 @@ HeatSubject heat_subject_from(const std::string& name) {
     throw UsageError("--heatmap " + name + ": expected tolerance, cut, error, quantiser, records, age or reuse");
 }
 
-/// Of chunks: another for each output.
-std::string name_of(HeatSubject subject, const std::filesystem::path& output) {
+/// Of chunks: another for each output, by its place beside the film's work folder, which may lie elsewhere on another
+/// machine.
+std::string name_of(HeatSubject subject, const std::filesystem::path& output, const WorkFolder& work) {
+    const auto normal = [](const std::filesystem::path& p) { return std::filesystem::absolute(p).lexically_normal(); };
     core::Checksum sum;
-    sum.add(std::filesystem::absolute(output).lexically_normal().string());
+    sum.add(normal(output).lexically_relative(normal(work.place("x")).parent_path()).string());
     return fmt::format("{}-{}", facts_of(subject).name, core::checksum_text(sum.value()));
 }
 
@@ -137,7 +139,7 @@ HeatmapFilm::HeatmapFilm(HeatSubject subject, const std::filesystem::path& outpu
     : subject_(subject),
       output_(output),
       work_(work),
-      name_(name_of(subject, output)),
+      name_(name_of(subject, output, work)),
       film_(film.film()),
       codec_(film.coding.codec),
       matrix_(perceptual::matrix_for(film.format.height)),

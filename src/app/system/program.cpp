@@ -53,7 +53,7 @@ std::vector<std::string> words_of(const std::string& program, const std::string&
 
 /// Starts a program with its standard input, or both outputs, at these descriptors (below 0: as they are), and then
 /// without interrupts of the terminal. 127 where there is none; below 0 without a process.
-pid_t started(std::vector<std::string>& words, int input, int outputs) {
+pid_t started(std::vector<std::string>& words, int input, int outputs, const std::filesystem::path& folder = {}) {
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
@@ -65,7 +65,7 @@ pid_t started(std::vector<std::string>& words, int input, int outputs) {
         if (outputs >= 0) dup2(outputs, own);
     for (const int ignored : {SIGPIPE, SIGXFSZ, SIGINT, SIGTERM, SIGHUP})
         if (input >= 0) signal(ignored, SIG_DFL);
-    execvp(arguments[0], arguments.data());
+    if (folder.empty() || chdir(folder.c_str()) == 0) execvp(arguments[0], arguments.data());
     _exit(127);
 }
 
@@ -80,12 +80,12 @@ bool is_installed(const std::string& program) {
     return false;
 }
 
-Finished run_program(std::vector<std::string> words, Output output) {
+Finished run_program(std::vector<std::string> words, Output output, const std::filesystem::path& folder) {
     const bool caught = output == Output::caught;
     int ends[2] = {-1, -1};
     if (caught && pipe2(ends, O_CLOEXEC) != 0) throw core::Error("running", words[0], std::strerror(errno));
     Finished finished;
-    const pid_t child = started(words, -1, ends[1]);
+    const pid_t child = started(words, -1, ends[1], folder);
     if (caught) close(ends[1]);
     char buffer[4096];
     while (caught) {

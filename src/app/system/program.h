@@ -2,6 +2,7 @@
 // Runs other programs.
 #include <sys/types.h>
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -17,9 +18,9 @@ bool is_installed(const std::string& program);
 
 enum class Output { passed_on, caught };
 
-/// Runs a program without a shell. `caught`: both outputs together, and no interrupts of the terminal. Throws
-/// core::Error without a process.
-Finished run_program(std::vector<std::string> words, Output output);
+/// Runs a program without a shell, in a folder (empty: the current one). `caught`: both outputs together, and no
+/// interrupts of the terminal. Throws core::Error without a process.
+Finished run_program(std::vector<std::string> words, Output output, const std::filesystem::path& folder = {});
 
 class Player {
   public:

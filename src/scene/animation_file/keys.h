@@ -10,7 +10,8 @@ namespace render2mpeg::scene::animation_file_keys {
 
 using Keys = std::vector<std::string_view>;
 inline const Keys film = core::words_in(
-    "$schema title scene size display_aspect frame_rate frames seconds times sky exposure camera cameras shots "
+    "$schema title scene closed_glass_is_solid size display_aspect frame_rate frames seconds times sky exposure camera "
+    "cameras shots "
     "lights objects materials change sound view shutter shutter_phase rolling_shutter glare fog transparent");
 inline const Keys fog = core::words_in("visibility color anisotropy height falloff bounces");
 inline const Keys glare = core::words_in("kind strength size seed");

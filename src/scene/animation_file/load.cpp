@@ -205,6 +205,10 @@ Animation load_animation_file(const fs::path& given, const LoadOptions& options,
     if (const auto v = value.find("sky")) looks.read_sky(*v);
     focus_on_objects(value, film);
     if (const auto v = value.find("shots")) read_shots(*v, film, clock);
+    if (const auto v = value.find("closed_glass_is_solid"); v && v->boolean())
+        for (Material& material : film.materials)
+            if (material.transmission > 0 && material.thickness == Thickness::thin)
+                material.thickness = Thickness::solid_where_closed;
     if (const auto v = value.find("sound")) film.sound = Looks::file_below(folder, *v);
     looks.refuse_unused();
     return film;

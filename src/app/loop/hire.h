@@ -1,0 +1,28 @@
+#pragma once
+// Time and money of a film on machines that may be had.
+#include <string>
+#include <vector>
+
+#include "app/loop/forecast.h"
+#include "app/loop/render_job.h"
+#include "app/options/options.h"
+
+namespace render2mpeg::app {
+
+/// Threads for each chunk. chosen: 4 of 4 and 16: a frame of 320x180 is lit 3.3 to 3.8 times as fast by 4 threads, by
+/// 16 7.5 to 12 times (docs/measurements.md#many-cores), and a further chunk takes little memory.
+inline constexpr int threads_of_chunk = 4;
+
+/// How many times as fast one chunk is made by so many threads.
+double speed_up(int threads);
+
+/// CPU seconds of each chunk of a film, without what every process begins with.
+std::vector<double> chunk_costs(const RenderJob& film, const Forecast& forecast);
+
+/// Seconds from the first part to the last, where each goes to the first machine that is free, longest first.
+double farm_seconds(std::vector<double> parts, int machines);
+
+/// Lines that tell hours, cost and the longest part, for one machine and for all; empty where nothing was asked.
+std::string hire_text(const RenderJob& film, const Forecast& forecast, const Hire& hire);
+
+}  // namespace render2mpeg::app
