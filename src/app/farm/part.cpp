@@ -19,6 +19,7 @@
 #include "app/farm/pieces.h"
 #include "app/files/file_io.h"
 #include "app/files/work_folder.h"
+#include "app/loop/kept_frames.h"
 #include "app/loop/resume.h"
 #include "app/options/option_text.h"
 #include "app/options/usage_error.h"
@@ -102,9 +103,11 @@ int render_part(const FarmPlan& plan, const FilmPart& part, const PartOptions& w
     std::vector<ChunkFile> files = take_up(
         film, silent, *work, [&](const std::vector<ChunkFile>& kept) { heatmaps.take_up(kept); }, statistics);
     settle(film, silent, *work, statistics);
+    const std::int64_t there =
+        static_cast<std::int64_t>(statistics.frames.size()) + lit_frames_in(options.output, film.chunks());
     if (!options.quiet)
         print_line(fmt::format("part {}: frames {} to {}{}", part.number, part.frames.first, part.frames.last,
-                               files.empty() ? "" : fmt::format(", {} are there", statistics.frames.size())));
+                               there == 0 ? "" : fmt::format(", {} are there", there)));
     reporter.advance_to(static_cast<std::int64_t>(statistics.frames.size()));
     std::optional<PieceSender> sender;
     if (wish.pieces) sender.emplace(plan, part, film, options, wish).begin(files);
