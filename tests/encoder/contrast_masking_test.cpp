@@ -36,8 +36,7 @@ TEST(ContrastFactors, TakeAMacroblockWithASmoothPartForSmootherThanOneWithout) {
 
 TEST(ContrastFactors, ChangeNothingInAPictureOfOneColour) {
     const core::Plane<float> factors = encoder::contrast_factors(core::Plane<std::uint8_t>(33, 17, 16));
-    for (const float factor : factors.values())
-        EXPECT_FLOAT_EQ(factor, 1.0f);
+    for (const float factor : factors.values()) EXPECT_FLOAT_EQ(factor, 1.0f);
 }
 
 }  // namespace

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
+#include <fstream>
 #include <string>
 
 #include "pipeline/fixture.h"
@@ -25,6 +27,30 @@ nlohmann::json rendered(const Folder& folder, const std::string& options, const 
 double error_of(const nlohmann::json& statistics) {
     const auto& rate = statistics.at("rate");
     return std::abs(rate.at("average").get<double>() / rate.at("bit_rate").get<double>() - 1);
+}
+
+/// 60 grey pictures, then 60 of noise.
+void write_calm_and_noise(const std::string& file) {
+    std::ofstream frames(file, std::ios::binary);
+    frames << "YUV4MPEG2 W64 H64 F25:1 Ip A1:1 C420mpeg2\n";
+    std::uint32_t random = 1;
+    for (int n = 0; n < 120; ++n) {
+        std::string picture(64 * 64 * 3 / 2, static_cast<char>(128));
+        for (std::size_t i = 0; n >= 60 && i < 64 * 64; ++i) {
+            random = random * 1664525u + 1013904223u;
+            picture[i] = static_cast<char>(64 + (random >> 25));
+        }
+        frames << "FRAME\n" << picture;
+    }
+}
+
+TEST(Rates, OfOnePassSpendOnNoiseWhatACalmShotBeforeItLeaves) {
+    const Folder folder;
+    write_calm_and_noise(path(folder, "f.y4m"));
+    const auto outcome = run(program() + " encode " + path(folder, "f.y4m") + " --quiet --bitrate 400k --passes 1 -o " +
+                             path(folder, "f.m2v") + " --stats " + path(folder, "s.json"));
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    EXPECT_LT(error_of(nlohmann::json::parse(contents(folder / "s.json"))), 0.05);
 }
 
 TEST(RatesSlow, OnePassAndTwoComeNearAndStatisticsSayHow) {
