@@ -37,7 +37,7 @@ TEST(FarmInputs, NeedBlenderOnlyWhereAFilmIsPlannedSlow) {
         const auto joined = run(alone + " join --threads 1 --quiet " + path("film.mpg.farm"));
         EXPECT_EQ(joined.status, 0) << joined.output;
         EXPECT_TRUE(support::contents(folder / "one.mpg") == support::contents(folder / "film.mpg"))
-            << "glass bends light as in the .blend itself";
+            << "as of the .blend itself";
         std::filesystem::rename(folder / "hidden", folder / "glass_and_emission.blend");
         std::filesystem::rename(folder / "hidden.export", folder / "glass_and_emission.blend.export");
         std::filesystem::remove_all(folder / "film.mpg.farm");

@@ -195,6 +195,20 @@ TEST_F(AnimationFile, AllowsCommentsAndSaysFormatRangeAndExposure) {
     expect_complaint(R"({"display_aspect": "16:0"})", {"display_aspect", "16:0", "16:9"});
 }
 
+TEST_F(AnimationFile, SaysWhetherGlassIsSolidWhereItIsClosed) {
+    const auto thickness = [&](const std::string& key, const std::string& look) {
+        return film("{" + key + R"("objects": [{"shape": "box", "material": {)" + look + "}}]}")
+            .materials.front()
+            .thickness;
+    };
+    const std::string closed = R"("closed_glass_is_solid": true, )", glass = R"("transmission": 1)";
+    EXPECT_EQ(thickness(closed, glass), Thickness::solid_where_closed);
+    EXPECT_EQ(thickness("", glass), Thickness::thin);
+    EXPECT_EQ(thickness(R"("closed_glass_is_solid": false, )", glass), Thickness::thin);
+    EXPECT_EQ(thickness(closed, glass + R"(, "solid": true)"), Thickness::solid);
+    EXPECT_EQ(thickness(closed, R"("roughness": 0.5)"), Thickness::thin) << "it is no glass";
+}
+
 TEST_F(AnimationFile, CameraPathsHitTheirKeys) {
     for (const char* passage : {"smooth", "ease", "linear", "step"}) {
         Animation a = film(std::string(R"({"objects": [{"shape": "box"}], "camera": {"interpolation": ")") + passage +

@@ -30,13 +30,13 @@ struct PartStanding {
 };
 
 /// What the records of a part's finished chunks count.
-struct Counted {
+struct Spent {
     std::int64_t frames = 0;
     double cpu = 0;  ///< seconds
 };
 
-Counted counted_of(const FarmPlan& plan, const FilmPart& part) {
-    Counted counted;
+Spent spent_of(const FarmPlan& plan, const FilmPart& part) {
+    Spent counted;
     const std::filesystem::path output = plan.folder_of(part) / plan.output_name;
     if (!WorkFolder::is_of(output, plan.facts->at("identity"))) return counted;
     for (std::size_t i = part.chunks.first; i <= part.chunks.last; ++i) {
@@ -52,7 +52,7 @@ Counted counted_of(const FarmPlan& plan, const FilmPart& part) {
     return counted;
 }
 
-PartStanding standing_of(const FarmPlan& plan, const FilmPart& part, const Counted& counted) {
+PartStanding standing_of(const FarmPlan& plan, const FilmPart& part, const Spent& counted) {
     const std::int64_t frames = part.frames.count();
     const std::optional<PartNews> news = news_in(plan.folder_of(part));
     if (plan.is_made(part)) return {"done", news ? news->machine : "", frames, news ? news->seconds : 0};
@@ -73,7 +73,7 @@ PartStanding standing_of(const FarmPlan& plan, const FilmPart& part, const Count
 }
 
 /// CPU spent on what is finished, that of the plan too, and what is left of as many seconds a frame.
-std::string money_text(const FarmPlan& plan, const Counted& counted, const std::optional<std::string>& price) {
+std::string money_text(const FarmPlan& plan, const Spent& counted, const std::optional<std::string>& price) {
     if (counted.frames == 0) return {};
     const double planned = plan.facts->at("cost").at("cpu").get<double>(),
                  left = counted.cpu / static_cast<double>(counted.frames) *
@@ -90,9 +90,9 @@ std::string status_text(const FarmPlan& plan, const std::optional<std::string>& 
     std::vector<std::string> words;
     std::int64_t done = 0, total = 0;
     double seconds = 0, timed_frames = 0;
-    Counted all;
+    Spent all;
     for (const FilmPart& part : plan.parts) {
-        const Counted made = counted_of(plan, part);
+        const Spent made = spent_of(plan, part);
         const PartStanding standing = standing_of(plan, part, made);
         all = {all.frames + made.frames, all.cpu + made.cpu};
         const std::int64_t frames = part.frames.count();

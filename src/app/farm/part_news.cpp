@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "app/files/file_io.h"
+#include "app/system/progress.h"
 
 namespace render2mpeg::app {
 

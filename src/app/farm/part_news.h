@@ -8,7 +8,7 @@
 #include <string>
 #include <thread>
 
-#include "app/system/progress.h"
+#include "app/loop/run_statistics.h"
 
 namespace render2mpeg::app {
 
