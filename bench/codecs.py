@@ -84,9 +84,9 @@ def ssim(a, b):
     return -10 * np.log10(1 - values.mean())
 
 
-def point(source, stream):
-    """Bits and the three qualities of a stream."""
-    film = luma_of_film(stream, source)
+def point(source, file, stream):
+    """Bits of a stream, and the three qualities of a file that holds it."""
+    film = luma_of_film(file, source)
     error = ((source.astype(float) - film) ** 2).mean()
     return stream.stat().st_size * 8, 10 * np.log10(65025 / error), ssim(source, film), hvs_m(source, film)
 
@@ -99,14 +99,14 @@ def ours(program, folder, work, quantiser, options):
     kind, ending = {"hevc": ("hevc", "hevc"), "av1": ("obu", "obu"), "mpeg2": ("mpeg2video", "m2v")}.get(codec, ("h264", "h264"))
     stream = work / f"film.{ending}"
     subprocess.run(["ffmpeg", "-v", "error", "-y", "-i", film, "-c", "copy", "-f", kind, stream], check=True)
-    return stream
+    return film, stream
 
 
 def theirs(folder, work, factor, tune):
     stream = work / "film.h264"
     subprocess.run(["ffmpeg", "-v", "error", "-y", "-i", folder / "frames.y4m", "-c:v", "libx264", "-threads", "1", "-preset", "medium",
                     *tune, "-crf", str(factor), "-bsf:v", "filter_units=remove_types=6", "-f", "h264", stream], check=True)
-    return stream
+    return stream, stream
 
 
 def cubic(x, y):
@@ -145,10 +145,10 @@ def main():
         work = Path(name)
         for folder in folders:
             source = luma_of_y4m(folder / "frames.y4m")
-            mine = [point(source, ours(program, folder, work, q, options)) for q in QUANTISERS]
+            mine = [point(source, *ours(program, folder, work, q, options)) for q in QUANTISERS]
             row = []
             for tune in ([], ["-tune", "psnr"]):
-                curve = [point(source, theirs(folder, work, f, tune)) for f in FACTORS]
+                curve = [point(source, *theirs(folder, work, f, tune)) for f in FACTORS]
                 row += [difference(mine, curve, quality) for quality in (1, 2, 3)]
             rows.append(row)
             print(folder.name, *(f"{v:.1f}" for v in row), sep=",", flush=True)

@@ -211,6 +211,18 @@ TEST(Coders, OfHevcCodeBlocksFinerWhereTheyAreToldTo) {
     EXPECT_LT(2 * errors[0], errors[1]) << "half the step has a quarter of the error";
 }
 
+TEST_P(EveryCoder, CodesWithTheFinestAndTheCoarsestQuantiser) {
+    for (const int quantiser : {encoder::facts_of(GetParam()).finest, encoder::facts_of(GetParam()).coarsest}) {
+        encoder::Settings s = settings_of(GetParam());
+        s.quantiser = quantiser;
+        const auto coder = av::make_coder(s);
+        CodedPictures coded;
+        code_chunk(*coder, s, 0, 11, coded);
+        append(coded, coder->flush());
+        EXPECT_EQ(coded.size(), 12u) << quantiser;
+    }
+}
+
 TEST(Coders, OfOneQuantiserCodeGroupsWithTheirOwn) {
     const Codec codec = Codec::av1;
     if (!is_there(codec)) GTEST_SKIP() << "this libavcodec has no encoder for it";

@@ -237,7 +237,6 @@ class Library final : public LibraryEncoder {
             for (int column = 0; column < quantisers.width();) {
                 const int first = column, quantiser = quantisers.at(column, row);
                 while (column < quantisers.width() && quantisers.at(column, row) == quantiser) ++column;
-                if (quantiser == settings_.quantiser) continue;
                 AVRegionOfInterest region{};
                 region.self_size = sizeof region;
                 region.top = 16 * row;
@@ -247,7 +246,7 @@ class Library final : public LibraryEncoder {
                 region.qoffset = {quantiser - settings_.quantiser, range};
                 regions.push_back(region);
             }
-        if (regions.empty()) return;
+        // Every picture has some: x265 crashes where one has and another before it had none.
         const std::size_t bytes = regions.size() * sizeof(AVRegionOfInterest);
         AVFrameSideData* data = av_frame_new_side_data(frame_.get(), AV_FRAME_DATA_REGIONS_OF_INTEREST, bytes);
         if (data == nullptr) check(AVERROR(ENOMEM), messages);
