@@ -14,10 +14,10 @@ struct SeeSettings {
     scene::PictureFormat format;
     int samples = 4;           ///< eye samples per pixel, >= 1
     int edge_samples = 0;      ///< of pixels with edges; 0 or `samples`: no more
-    int spaced_as = 0;         ///< textures are seen as by so many samples; 0: as by `samples`
     int specular_depth = 6;    ///< mirrors after one another; 0: none
     bool mattes = false;       ///< mattes are looked for
     bool transparent = false;  ///< the eye sees no sky but in mirrors and through glass
+    int spaced_as = 0;         ///< textures are seen as by so many samples; 0: as by `samples`
 };
 
 /// Rays that `see` shot, for the statistics.
