@@ -237,13 +237,11 @@ Rows coding_rows(CommandLine& line) {
          "little finer, B pictures are coarser. Other codecs code to about the same quality",
          range(1, 31), ShownAs{"4"}, Idle::uncoded},
         {"--codec", coding, o.codec,
-         "How pictures are coded (default: h264 in .mp4, .mov and .mkv, else mpeg2); the last three are masters for "
-         "editors",
+         "How pictures are coded (default: h264 in .mp4, .mov, .mkv, else mpeg2); the last three: for editors",
          codec_words(), Idle::uncoded},
         {"--level", coding, o.level,
-         "Level of H.264, HEVC or AV1 that the film declares and keeps to in size, pictures per second and references, "
-         "e.g. 4.1 "
-         "(default: the lowest that holds its pictures)",
+         "Level of H.264 or AV1 that the film keeps to in size, pictures per second and references, e.g. 4.1 "
+         "(default: the lowest)",
          "LEVEL", level_from, Idle::uncoded},
         {"--crf", coding, o.crf,
          "Instead of --quantiser: QP of P pictures in the codec's own scale, 1 to 51 in H.264 and HEVC, to 63 in AV1; "
@@ -270,9 +268,7 @@ Rows coding_rows(CommandLine& line) {
          "Most B pictures in a row, fewer where motion is uneven; with --for, its world's where not given", range(0, 3),
          ShownAs{"3"}, Idle::uncoded},
         {"--tune", coding, o.tune,
-         "What is kept: `psnr`, all detail alike; `perceptual`, more of what the eye sees (default: perceptual for "
-         "H.264 "
-         "and HEVC, else psnr)",
+         "What is kept: `psnr`, all detail alike; `perceptual`, what the eye sees (default: for H.264 and HEVC)",
          one_of({"psnr", "perceptual"}), Idle::uncoded},
         {"--encoder", coding, o.encoder, "How much is tried: `fast`, or `quality` for fewer bits",
          one_of({"fast", "quality"}), Shown(), Idle::uncoded},

@@ -33,7 +33,7 @@ class HelpFormat : public CLI::Formatter {
         if (option->get_type_size() != 0 && !option->get_type_name().empty() && !option->get_positional())
             text += " " + option->get_type_name();
         if (!option->get_default_str().empty()) text += " [=" + option->get_default_str() + "]";
-        if (option->get_required() && !option->get_positional()) text += " (required)";
+        if (option->get_required() && !option->get_positional()) text += " (needed)";
         return text;
     }
 
