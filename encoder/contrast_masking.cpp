@@ -15,11 +15,11 @@ constexpr double masking_strength = 0.15;
 /// Variance, squared code values, below which contrast hides nothing. chosen: docs/measurements.md#codecs
 constexpr double unseen_variance = 12;
 
-constexpr int side = 8;
+constexpr int block_side = 8;
 
 /// Variance of the block that begins at (x, y), as far as it lies in the picture.
 double variance_at(const core::Plane<std::uint8_t>& luma, int x, int y) {
-    const int right = std::min(x + side, luma.width()), below = std::min(y + side, luma.height());
+    const int right = std::min(x + block_side, luma.width()), below = std::min(y + block_side, luma.height());
     int sum = 0, squares = 0;
     for (int j = y; j < below; ++j)
         for (int i = x; i < right; ++i) {
@@ -35,8 +35,8 @@ double variance_at(const core::Plane<std::uint8_t>& luma, int x, int y) {
 double contrast_at(const core::Plane<std::uint8_t>& luma, int column, int row) {
     double sum = 0;
     int blocks = 0;
-    for (int y = 16 * row; y < std::min(16 * row + 16, luma.height()); y += side)
-        for (int x = 16 * column; x < std::min(16 * column + 16, luma.width()); x += side, ++blocks)
+    for (int y = 16 * row; y < std::min(16 * row + 16, luma.height()); y += block_side)
+        for (int x = 16 * column; x < std::min(16 * column + 16, luma.width()); x += block_side, ++blocks)
             sum += std::log2(variance_at(luma, x, y) + unseen_variance);
     return sum / blocks;
 }
