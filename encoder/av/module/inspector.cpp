@@ -1,5 +1,6 @@
 #include "encoder/av/module/inspector.h"
 
+#include <cstring>
 #include <optional>
 #include <string>
 #include <utility>
@@ -193,9 +194,15 @@ class Film {
         s.height = decoder_->height > 0 ? decoder_->height : parameters.height;
         s.rate = rational(codec_ == encoder::Codec::mpeg2 ? decoder_->framerate : film_.stream->avg_frame_rate);
         s.pixel_aspect = rational(decoder_->sample_aspect_ratio);
-        s.color_primaries = decoder_->color_primaries == AVCOL_PRI_UNSPECIFIED ? 0 : decoder_->color_primaries;
-        s.matrix_coefficients = decoder_->colorspace == AVCOL_SPC_UNSPECIFIED ? 0 : decoder_->colorspace;
-        s.transfer_characteristics = decoder_->color_trc == AVCOL_TRC_UNSPECIFIED ? 0 : decoder_->color_trc;
+        // Damaged streams have numbers that libavcodec's enumerations lack.
+        const auto number = [](const auto& value, int unspecified) {
+            int is = 0;
+            std::memcpy(&is, &value, sizeof is);
+            return is == unspecified ? 0 : is;
+        };
+        s.color_primaries = number(decoder_->color_primaries, AVCOL_PRI_UNSPECIFIED);
+        s.matrix_coefficients = number(decoder_->colorspace, AVCOL_SPC_UNSPECIFIED);
+        s.transfer_characteristics = number(decoder_->color_trc, AVCOL_TRC_UNSPECIFIED);
         s.bit_rate = decoder_->rc_max_rate;
         s.buffer_bits = decoder_->rc_buffer_size;
     }

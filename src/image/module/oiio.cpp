@@ -6,6 +6,7 @@
 #include <cmath>
 #include <memory>
 #include <new>
+#include <string>
 
 #include "core/error.h"
 #include "image/format.h"
@@ -26,6 +27,10 @@ std::string one_line(const std::string& message) {
 void check_header(const OIIO::ImageSpec& spec, std::size_t file_bytes, Format format, const std::string& name) {
     if (spec.width <= 0 || spec.height <= 0 || spec.nchannels <= 0)
         throw core::Error("reading", name, "it has no pixels");
+    // OpenImageIO makes room for all of them at once.
+    constexpr int most_channels = 1024;
+    if (spec.nchannels > most_channels)
+        throw core::Error("reading", name, "it has " + std::to_string(spec.nchannels) + " channels");
     if (spec.depth > 1 || spec.deep) throw core::Error("reading", name, "volumes and deep images are not read");
     check_size(spec.width, spec.height, file_bytes, format, name);
 }
