@@ -169,16 +169,16 @@ FirstPassPicture first_pass_picture(const Settings& pass, const CodedPicture& co
             mpeg2::ratio_of(coded.plan)};
 }
 
-std::vector<BitAllocation> allocate_bits(const Settings& settings, std::span<const FirstPassPicture> film,
-                                         double scale) {
+std::vector<BitAllocation> allocate_bits(const Settings& settings, std::span<const FirstPassPicture> film, double scale,
+                                         bool film_ends) {
     EXPECTS(settings.rate_control.bit_rate > 0 && std::isfinite(scale) && scale > 0);
     mpeg2::check_film(settings.codec, film);
     const bool buffered = settings.codec == Codec::mpeg2;
     const mpeg2::Channel channel =
         buffered ? mpeg2::channel_for(settings, mpeg2::level_for(settings)) : mpeg2::Channel{};
     const CodecFacts& facts = facts_of(settings.codec);
-    const double finest = buffered ? 1 : mpeg2_quantiser_like(settings.codec, facts.finest),
-                 coarsest = buffered ? 31 : mpeg2_quantiser_like(settings.codec, facts.coarsest);
+    const double finest = mpeg2_quantiser_like(settings.codec, facts.finest),
+                 coarsest = mpeg2_quantiser_like(settings.codec, facts.coarsest);
     const double field = 0.5 / declared_rate(settings).hertz.value();
     std::vector<Item> items;
     for (std::size_t i = 0; i < film.size(); ++i) {
@@ -202,12 +202,12 @@ std::vector<BitAllocation> allocate_bits(const Settings& settings, std::span<con
     // A constant rate gives every chunk its own share; else all have one.
     std::vector<BitAllocation> allocated(items.size());
     const Solution common = channel.constant || items.empty() ? Solution{}
-                            : buffered                        ? solve(items, chunks, channel, true)
+                            : buffered                        ? solve(items, chunks, channel, film_ends)
                                                               : solve_freely(items, settings.rate_control.bit_rate);
     for (std::size_t c = 0; c < chunks.size(); ++c) {
         const Items chunk = chunks[c];
         const auto [base, affordable] =
-            channel.constant ? solve(chunk, {&chunks[c], 1}, channel, c + 1 == chunks.size()) : common;
+            channel.constant ? solve(chunk, {&chunks[c], 1}, channel, film_ends && c + 1 == chunks.size()) : common;
         double left = 0;
         std::array<double, 3> left_by_type{};
         std::vector<const Item*> shown;

@@ -18,7 +18,8 @@ FirstPassPicture first_pass_picture(const Settings& pass, const CodedPicture& co
 /// real pictures' bits are over the first pass's at the same quantiser (a first pass may be smaller). Gives one
 /// allocation per picture in display order: gaps between numbers do not count. Settings: `variable` or `constant` rate.
 /// Other codecs than MPEG-2 have no buffer here, and one quantiser for all.
-std::vector<BitAllocation> allocate_bits(const Settings& settings, std::span<const FirstPassPicture> film,
-                                         double scale);
+/// `film_ends`: nothing follows that a full buffer is left for.
+std::vector<BitAllocation> allocate_bits(const Settings& settings, std::span<const FirstPassPicture> film, double scale,
+                                         bool film_ends = true);
 
 }  // namespace render2mpeg::encoder

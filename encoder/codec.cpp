@@ -25,9 +25,13 @@ double step_of(Codec codec, double quantiser) {
             return 0.625 * std::exp2(quantiser / 6);
         case Codec::av1:
             return av1_step(4 * quantiser);  // of SVT-AV1's 64 quantisers
-        default:
-            return 2 * quantiser;
+        case Codec::mpeg2:
+        case Codec::prores:
+        case Codec::dnxhr:
+        case Codec::ffv1:  // light of masters does not follow their steps
+            break;
     }
+    return 2 * quantiser;
 }
 
 double quantiser_like(Codec codec, double mpeg2_quantiser) {

@@ -30,31 +30,47 @@ struct LibraryNames {
 /// All that differs between codecs: one row each.
 struct CodecFacts {
     Codec codec;
-    std::string_view word;   ///< on the command line: "h264"
-    std::string_view name;   ///< "H.264"
-    std::string_view scale;  ///< name of its quantisers: "QP"
-    int finest, coarsest;    ///< quantisers; one alone where it has none to choose
-    int most_b_pictures;     ///< in a row
+    std::string_view word;         ///< on the command line: "h264"
+    std::string_view name;         ///< "H.264"
+    std::string_view scale;        ///< name of its quantisers: "QP"
+    int finest = 1, coarsest = 1;  ///< quantisers; one alone where it has none to choose
+    int most_b_pictures = 0;       ///< in a row
     /// Its quantisers beside MPEG-2's q: at_1 + by_doubling * log2(q). fit: docs/measurements.md#codecs
-    double at_1, by_doubling;
+    double at_1 = 1, by_doubling = 1;
     /// Share of MPEG-2's error that its coding hides: at equal PSNR-Y its steps are larger by more than what they hide.
     /// fit: docs/measurements.md#codecs
-    float hidden;
-    LibraryOffsets offsets;  ///< chosen: docs/measurements.md#codecs; SVT-AV1 has its own by layers
-    LibraryNames ffmpeg;
-    std::string_view endings;   ///< of files in which players look for it, the usual one first
-    std::string_view not_on;    ///< devices that do not play it
-    bool master = false;        ///< for editors: each picture alone, at the codec's own rate
-    bool has_srgb = true;       ///< its table of transfer functions has sRGB's
-    bool tells_blocks = false;  ///< libavcodec tells how its macroblocks are predicted
+    float hidden = 1;
+    LibraryOffsets offsets{};  ///< chosen: docs/measurements.md#codecs; SVT-AV1 has its own by layers
+    LibraryNames ffmpeg{};
+    std::string_view endings{};  ///< of files in which players look for it, the usual one first
+    std::string_view not_on{};   ///< devices that do not play it
+    bool master = false;         ///< for editors: each picture alone, at the codec's own rate
+    bool has_srgb = true;        ///< its table of transfer functions has sRGB's
+    bool tells_blocks = false;   ///< libavcodec tells how its macroblocks are predicted
 
     constexpr bool has_ending(std::string_view ending) const {
         for (std::size_t at = endings.find(ending); at != std::string_view::npos; at = endings.find(ending, at + 1))
             if (at + ending.size() == endings.size() || endings[at + ending.size()] == ' ') return !ending.empty();
         return false;
     }
+    constexpr bool has_more_than_8_bits() const {
+        return ffmpeg.pixels.ends_with("10") || ffmpeg.pixels.ends_with("12");
+    }
     constexpr std::string_view usual_ending() const { return endings.substr(0, endings.find(' ')); }
 };
+
+constexpr CodecFacts master_facts(Codec codec, std::string_view word, std::string_view name, std::string_view ending,
+                                  bool has_srgb, const LibraryNames& ffmpeg) {
+    return {.codec = codec,
+            .word = word,
+            .name = name,
+            .scale = "quantiser",
+            .ffmpeg = ffmpeg,
+            .endings = ending,
+            .not_on = "browsers, phones, televisions",
+            .master = true,
+            .has_srgb = has_srgb};
+}
 
 /// In the order of their enumeration.
 inline constexpr std::array all_codecs{
@@ -62,13 +78,9 @@ inline constexpr std::array all_codecs{
                .word = "mpeg2",
                .name = "MPEG-2",
                .scale = "quantiser",
-               .finest = 1,
                .coarsest = 31,
                .most_b_pictures = 3,
                .at_1 = 0,
-               .by_doubling = 1,
-               .hidden = 1,
-               .offsets = {},
                .ffmpeg = {"mpeg2video", "mpeg2video", "", "", "", "yuv420p", "FFmpeg", ""},
                .endings = ".mpg .mpeg .vob .ts .m2v .mkv .mp4 .mov",
                .not_on = "browsers, phones",
@@ -78,7 +90,6 @@ inline constexpr std::array all_codecs{
                .word = "h264",
                .name = "H.264",
                .scale = "QP",
-               .finest = 1,
                .coarsest = 51,
                .most_b_pictures = 3,
                .at_1 = 14.9,
@@ -87,13 +98,11 @@ inline constexpr std::array all_codecs{
                .offsets = {2, 1},
                .ffmpeg = {"h264", "libx264", "slow", "veryfast", "preset", "yuv420p", "FFmpeg with libx264", ""},
                .endings = ".mp4 .mkv .mov .ts",
-               .not_on = "",
                .tells_blocks = true},
     CodecFacts{.codec = Codec::hevc,
                .word = "hevc",
                .name = "HEVC",
                .scale = "QP",
-               .finest = 1,
                .coarsest = 51,
                .most_b_pictures = 3,
                .at_1 = 15.6,
@@ -107,62 +116,19 @@ inline constexpr std::array all_codecs{
                .word = "av1",
                .name = "AV1",
                .scale = "QP",
-               .finest = 1,
                .coarsest = 63,
-               .most_b_pictures = 0,
                .at_1 = 9.4,
                .by_doubling = 11.6,
                .hidden = 0.4f,
-               .offsets = {},
                .ffmpeg = {"av1", "libsvtav1", "6", "10", "preset", "yuv420p10", "FFmpeg with libsvtav1", ""},
                .endings = ".mp4 .mkv",
                .not_on = "phones and televisions from before 2021, most editors"},
-    CodecFacts{.codec = Codec::prores,
-               .word = "prores",
-               .name = "ProRes",
-               .scale = "quantiser",
-               .finest = 1,
-               .coarsest = 1,
-               .most_b_pictures = 0,
-               .at_1 = 1,
-               .by_doubling = 1,
-               .hidden = 1,
-               .offsets = {},
-               .ffmpeg = {"prores", "prores_ks", "hq", "hq", "profile", "yuv422p10", "FFmpeg", "apch"},
-               .endings = ".mov",
-               .not_on = "browsers, phones, televisions",
-               .master = true,
-               .has_srgb = false},
-    CodecFacts{.codec = Codec::dnxhr,
-               .word = "dnxhr",
-               .name = "DNxHR",
-               .scale = "quantiser",
-               .finest = 1,
-               .coarsest = 1,
-               .most_b_pictures = 0,
-               .at_1 = 1,
-               .by_doubling = 1,
-               .hidden = 1,
-               .offsets = {},
-               .ffmpeg = {"dnxhd", "dnxhd", "dnxhr_hqx", "dnxhr_hqx", "profile", "yuv422p10", "FFmpeg", "AVdh"},
-               .endings = ".mov",
-               .not_on = "browsers, phones, televisions",
-               .master = true},
-    CodecFacts{.codec = Codec::ffv1,
-               .word = "ffv1",
-               .name = "FFV1",
-               .scale = "quantiser",
-               .finest = 1,
-               .coarsest = 1,
-               .most_b_pictures = 0,
-               .at_1 = 1,
-               .by_doubling = 1,
-               .hidden = 1,
-               .offsets = {},
-               .ffmpeg = {"ffv1", "ffv1", "3", "3", "level", "yuv444p12", "FFmpeg", ""},
-               .endings = ".mkv",
-               .not_on = "browsers, phones, televisions",
-               .master = true}};
+    master_facts(Codec::prores, "prores", "ProRes", ".mov", false,
+                 {"prores", "prores_ks", "hq", "hq", "profile", "yuv422p10", "FFmpeg", "apch"}),
+    master_facts(Codec::dnxhr, "dnxhr", "DNxHR", ".mov", true,
+                 {"dnxhd", "dnxhd", "dnxhr_hqx", "dnxhr_hqx", "profile", "yuv422p10", "FFmpeg", "AVdh"}),
+    master_facts(Codec::ffv1, "ffv1", "FFV1", ".mkv", true,
+                 {"ffv1", "ffv1", "3", "3", "level", "yuv444p12", "FFmpeg", ""})};
 
 constexpr const CodecFacts& facts_of(Codec codec) {
     return all_codecs[static_cast<std::size_t>(codec)];

@@ -29,9 +29,15 @@ double quantisers_for_doubling(encoder::Codec codec) {
     return codec == encoder::Codec::av1 ? 9.6 : 6.0;  // of AV1 where qindex is above 95 (encoder/codec.cpp)
 }
 
+/// Whether one quantiser is told to an encoder for all its pictures: each group then has its own encoder.
+bool has_one_quantiser(encoder::Codec codec) {
+    return codec == encoder::Codec::av1;
+}
+
 /// The quantiser of a picture less that of a P picture that nothing refers to.
 /// chosen: docs/measurements.md#codecs
 double offset_of(encoder::Codec codec, const PicturePlan& plan) {
+    if (has_one_quantiser(codec)) return 0;
     const encoder::LibraryOffsets offsets = encoder::facts_of(codec).offsets;
     if (plan.type == PictureType::bidirectional) {
         const std::int64_t earlier = plan.references.front(), later = plan.references.back();
@@ -42,11 +48,6 @@ double offset_of(encoder::Codec codec, const PicturePlan& plan) {
     constexpr std::int64_t most_followers = 24;
     const double strength = 0.9;  // chosen: of 0.3 to 1.4
     return -strength * std::log2(1.0 + static_cast<double>(std::min(followers, most_followers)));
-}
-
-/// Whether one quantiser is told to an encoder for all its pictures: each group then has its own encoder.
-bool has_one_quantiser(encoder::Codec codec) {
-    return codec == encoder::Codec::av1;
 }
 
 /// Bit budget of a chunk: the remaining bits decide the quantisers of the remaining pictures.
@@ -114,8 +115,7 @@ class LibraryCoder final : public encoder::Coder {
                                    std::span<const core::MotionField>, const encoder::Hints& hints) override {
         EXPECTS(!planned_.empty() && plan == planned_.front().plan);
         std::vector<CodedPicture> complete;
-        if (planned_.front().first_of_chunk ||
-            (plan.starts_gop && has_one_quantiser(settings_.codec) && !facts_.master)) {
+        if (planned_.front().first_of_chunk || (plan.starts_gop && has_one_quantiser(settings_.codec))) {
             complete = close();
             encoder::Settings opened = settings_;
             if (has_one_quantiser(settings_.codec)) opened.quantiser = limited(planned_.front().group_base);

@@ -239,6 +239,7 @@ TEST(Coders, OfOneQuantiserCodeGroupsWithTheirOwn) {
     const auto gop = static_cast<std::size_t>(s.gop);
     ASSERT_EQ(whole.size(), 2 * gop);
     EXPECT_NE(whole[0].quantiser, whole[gop].quantiser);
+    for (std::size_t i = 0; i < gop; ++i) EXPECT_EQ(whole[i].plan.quantiser, whole[0].plan.quantiser) << i;
     for (std::size_t i = 0; i < gop; ++i) EXPECT_TRUE(whole[gop + i].bytes == alone[i].bytes) << i;
 }
 

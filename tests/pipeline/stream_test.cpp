@@ -168,6 +168,19 @@ TEST(EncodePipe, TakesMotionFromASecondPipe) {
     EXPECT_LE(contents(folder / "known.m2v").size(), contents(folder / "found.m2v").size() * 101 / 100);
 }
 
+TEST(EncodePipe, AllocatesNoBitsByMotionThatIsReadOnce) {
+    const Folder folder;
+    write(folder, "pan.y4m", pan_y4m(70));
+    write(folder, "pan.motion", pan_motion(70));
+    const std::string film = "timeout 60 " + program() + " encode " + named(folder, "pan.y4m") + " -y --quiet -o " +
+                             named(folder, "pan.m2v") + " --bitrate 900k --motion " + named(folder, "pan.motion");
+    EXPECT_EQ(run(film).status, 0);
+    EXPECT_EQ(run(film + " --passes 1").status, 0);
+    const auto twice = run(film + " --passes 2");
+    EXPECT_EQ(twice.status, 2);
+    EXPECT_NE(twice.output.find("pan.motion is read once; choose --passes 1"), std::string::npos) << twice.output;
+}
+
 TEST(EncodePipe, RunsBesideAProgramThatWritesBothInTurn) {
     const Folder folder;
     write(folder, "turns.py", R"(import os, sys

@@ -50,6 +50,9 @@ struct Job {
     std::unique_ptr<MotionSource> motion;  ///< null: not given
     Film film;
     std::vector<encoder::BitAllocation> allocations;  ///< one per frame, where there is a first pass
+
+    /// Whether its frames and their motion can be read again.
+    bool is_there() const { return !frames->is_open_ended() && (motion == nullptr || !motion->is_read_once()); }
 };
 
 /// The first chunk, or the one after `before`; none behind the last. An open-ended film has chunks of usual length.
@@ -117,20 +120,20 @@ Job prepare(const EncodeOptions& options) {
     const core::View view{options.view ? core::view_from(*options.view) : core::ViewName::neutral};
     if (options.view && (options.input == "-" || core::ending_of(options.input) == ".y4m"))
         throw core::Error("view: the frames of " + options.input.string() + " are a film's signals already");
-    if (options.input == "-" && options.coding.passes == 2)
-        throw UsageError("--passes 2: standard input is read once; choose --passes 1, or encode a file");
-    if (options.input == "-" && options.coding.bitrate &&
-        codec_of(options.coding, options.output) != encoder::Codec::mpeg2)
-        throw UsageError("--bitrate: standard input is read once, but this codec needs two passes; encode a file");
+    const bool has_pipe = options.motion && MotionPipe::is_one(*options.motion);
+    if (options.input == "-" || has_pipe) {
+        const std::string once = (options.input == "-" ? "standard input" : options.motion->string()) + " is read once";
+        if (options.coding.passes == 2)
+            throw UsageError("--passes 2: " + once + "; choose --passes 1, or encode a file");
+        if (options.coding.bitrate && codec_of(options.coding, options.output) != encoder::Codec::mpeg2)
+            throw UsageError("--bitrate: " + once + ", but this codec needs two passes; encode a file");
+    }
     if (options.input == "-" && options.as && options.coding.audio && *options.coding.audio != "none")
-        throw UsageError(
-            "--audio: where standard input is encoded to standard output nobody knows where sound ends; "
-            "add it when the film is there");
+        throw UsageError("--audio: between two pipes nobody knows where sound ends; add it when the film is there");
     const bool blenders = view.name != core::ViewName::neutral;
     // The writer of both may open this one first.
     std::unique_ptr<MotionPipe> motion_pipe;
-    if (options.motion && MotionPipe::is_one(*options.motion))
-        motion_pipe = std::make_unique<MotionPipe>(*options.motion);
+    if (has_pipe) motion_pipe = std::make_unique<MotionPipe>(*options.motion);
     const FilmSignals signals{{}, blenders, view, chroma_of(codec_of(options.coding, options.output))};
     job.frames = open_frames(options.input, options.exposure, wanted, signals, shared);
     encoder::Settings& coding = job.film.coding;
@@ -275,21 +278,20 @@ std::optional<double> rehearsed_bits(Job& job, bool quiet) {
 }
 
 /// Brings the quantisers of another codec than MPEG-2 to the film's rate: by what the whole film comes to with them.
-void settle(Job& job, bool quiet) {
+void reach_rate(Job& job, bool quiet) {
     // Nothing else is to correct them while the film is coded.
     for (encoder::BitAllocation& allocation : job.allocations) allocation.bits_left = 0;
     const encoder::Settings& coding = job.film.coding;
     const double wanted = static_cast<double>(coding.rate_control.bit_rate) *
                           static_cast<double>(job.film.frame_count()) / coding.rate.hertz.value();
     // chosen: a half per cent, or the best of eight: whole quantisers of short films come no nearer.
-    constexpr double near = 0.005;
-    constexpr int rounds = 8;
+    constexpr double near = 0.005, rounds = 8;
     // Logarithms: of a factor on all quantisers, and of the bits that the film comes to over those wanted.
     struct Tried {
         double factor, excess;
     };
     std::optional<Tried> above, below;
-    double factor = 0, closest = std::numeric_limits<double>::infinity();
+    double factor = 0, last = std::numeric_limits<double>::infinity(), closest = last;
     const std::vector<encoder::BitAllocation> planned = job.allocations;
     std::vector<encoder::BitAllocation> best;
     for (int round = 0; round < rounds && closest > near; ++round) {
@@ -298,6 +300,8 @@ void settle(Job& job, bool quiet) {
         const std::optional<double> bits = rehearsed_bits(job, quiet);
         if (!bits) return;
         const double excess = std::log(*bits / wanted);
+        if (excess == last) break;  // the scale of quantisers ends
+        last = excess;
         if (std::abs(excess) < closest) best = job.allocations;
         closest = std::min(closest, std::abs(excess));
         (excess > 0 ? above : below) = {factor, excess};
@@ -321,7 +325,8 @@ std::vector<encoder::BitAllocation> first_pass(Job& job, std::span<const Chunk> 
     for (int again = 2;; --again) {
         const std::vector<encoder::FirstPassPicture> film = code_roughly(job, chunks, quantiser, quiet);
         if (film.empty()) return {};
-        std::vector<encoder::BitAllocation> allocations = encoder::allocate_bits(job.film.coding, film, 1.0);
+        std::vector<encoder::BitAllocation> allocations =
+            encoder::allocate_bits(job.film.coding, film, 1.0, chunks.back().last == job.film.frames.last);
         const double change = change_of(allocations, film);
         if (again == 0 || (change < far && change > 1 / far)) return allocations;
         const double nearer = is_whole ? std::clamp(std::round(quantiser * change), 1.0, 31.0) : quantiser * change;
@@ -332,18 +337,17 @@ std::vector<encoder::BitAllocation> first_pass(Job& job, std::span<const Chunk> 
 
 /// Makes the first pass where one is wanted. Returns whether nobody interrupted.
 bool allocate(Job& job, const EncodeOptions& options, RunStatistics& statistics) {
-    if (two_passes(options.coding) && !job.frames->is_open_ended())
-        timed(statistics, Stage::first_pass, [&] {
-            job.allocations = first_pass(job, chunks_of(job.film.frames, job.film.coding.gop), options.quiet);
-            if (!job.allocations.empty() && job.film.coding.codec != encoder::Codec::mpeg2) settle(job, options.quiet);
-            return true;
-        });
+    if (two_passes(options.coding) && job.is_there()) {
+        const StageTimer timer(statistics, Stage::first_pass);
+        job.allocations = first_pass(job, chunks_of(job.film.frames, job.film.coding.gop), options.quiet);
+        if (!job.allocations.empty() && job.film.coding.codec != encoder::Codec::mpeg2) reach_rate(job, options.quiet);
+    }
     return !InterruptGuard::requested();
 }
 
 /// Allocates the bits of one pass from a chunk on: some chunks are there to be looked through before they are coded,
 /// and share their bits. False after an interruption.
-bool look_through(Job& job, const Chunk& first, RunStatistics& statistics) {
+bool look_through(Job& job, const Chunk& first, bool quiet, RunStatistics& statistics) {
     // chosen: four, some 240 pictures: cuts come more often than that. By single chunks, half of the loss beside two
     // passes is left.
     constexpr std::int64_t together = 4;
@@ -352,7 +356,7 @@ bool look_through(Job& job, const Chunk& first, RunStatistics& statistics) {
     while (std::ssize(chunks) < together && chunks.back().last < job.film.frames.last)
         chunks.push_back(*chunk_after(job.film, chunks.back()));
     const std::vector<encoder::BitAllocation> allocated =
-        timed(statistics, Stage::first_pass, [&] { return first_pass(job, chunks, true); });
+        timed(statistics, Stage::first_pass, [&] { return first_pass(job, chunks, quiet); });
     if (allocated.empty()) return false;
     job.allocations.resize(static_cast<std::size_t>(job.film.frame_count()));
     std::copy(allocated.begin(), allocated.end(), job.allocations.begin() + (first.first - job.film.frames.first));
@@ -364,7 +368,7 @@ bool encode_chunks(Job& job, const EncodeOptions& options, LoopObserver& sink, R
     const bool open_ended = job.frames->is_open_ended();
     // The source alone knows how many frames will come.
     Progress progress(job.film.frame_count(), options.quiet || open_ended);
-    const bool by_chunk = job.film.coding.rate_control.bit_rate > 0 && job.allocations.empty() && !open_ended;
+    const bool by_chunk = job.film.coding.rate_control.bit_rate > 0 && job.allocations.empty() && job.is_there();
     bool whole = true;
     for (auto chunk = chunk_after(job.film, {}); chunk && whole; chunk = chunk_after(job.film, chunk)) {
         StatisticsRecorder recorder(statistics, true);
@@ -372,7 +376,7 @@ bool encode_chunks(Job& job, const EncodeOptions& options, LoopObserver& sink, R
         both.add(recorder);
         both.add(sink);
         const std::size_t before = statistics.frames.size();
-        whole = (!by_chunk || look_through(job, *chunk, statistics)) &&
+        whole = (!by_chunk || look_through(job, *chunk, options.quiet, statistics)) &&
                 encode_chunk(job, job.film, *chunk, job.allocations, both, statistics, progress);
         if (open_ended && whole && statistics.frames.size() < before + static_cast<std::size_t>(chunk->frames())) break;
         whole = whole && (chunk->last == job.film.frames.last || !InterruptGuard::requested());

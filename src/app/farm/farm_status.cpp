@@ -13,6 +13,7 @@
 #include "app/farm/pieces.h"
 #include "app/files/file_io.h"
 #include "app/files/work_folder.h"
+#include "app/loop/hire.h"
 #include "app/options/option_text.h"
 #include "app/options/usage_error.h"
 #include "app/system/progress.h"
@@ -78,11 +79,8 @@ std::string money_text(const FarmPlan& plan, const Spent& counted, const std::op
     const double planned = plan.facts->at("cost").at("cpu").get<double>(),
                  left = counted.cpu / static_cast<double>(counted.frames) *
                         static_cast<double>(plan.frames() - counted.frames);
-    const auto text = [&](double seconds) {
-        const std::string hours = fmt::format("{:.3g} core-hours", seconds / 3600);
-        return price ? hours + fmt::format(", {:.2f}", seconds / 3600 * price_from(*price).amount) : hours;
-    };
-    return fmt::format("spent {}; left about {}\n", text(planned + counted.cpu), text(left));
+    return fmt::format("spent {}; left about {}\n", cost_text(price, 1, (planned + counted.cpu) / 3600),
+                       cost_text(price, 1, left / 3600));
 }
 
 std::string status_text(const FarmPlan& plan, const std::optional<std::string>& price) {
@@ -125,7 +123,7 @@ int farm_status(const PartOptions& options) {
     const FarmPlan plan = read_plan(options.plan);
     if (options.price && !price_from(*options.price).of_core)
         throw UsageError("--price " + *options.price + ": what was spent is counted in core-hours");
-    if (options.pieces)
+    if (options.pieces && !plan.is_joined())
         for (const std::string& line : take_pieces(plan, plan.parts, *options.pieces)) print_line(line);
     if (options.left) {
         std::vector<int> left;

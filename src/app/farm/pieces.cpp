@@ -214,9 +214,13 @@ std::vector<std::string> take_pieces(const FarmPlan& plan, std::span<const FilmP
             for (const std::filesystem::path& file : at->second) {
                 Piece piece(file);
                 std::string flaw = flaw_of(piece, plan, at->first);
-                if (flaw.empty() && !work)
-                    work.emplace(plan.folder_of(part) / plan.output_name, plan.facts->at("identity"),
-                                 WorkFolder::Earlier::resumed, Locking::where_possible);
+                try {
+                    if (flaw.empty() && !work)
+                        work.emplace(plan.folder_of(part) / plan.output_name, plan.facts->at("identity"),
+                                     WorkFolder::Earlier::resumed, Locking::where_possible);
+                } catch (const OutputInUse& in_use) {
+                    flaw = in_use.what();
+                }
                 if (flaw.empty()) flaw = take(piece, plan, part, *work);
                 if (!flaw.empty()) refused.push_back(core::Error("taking", file.string(), flaw).what());
             }

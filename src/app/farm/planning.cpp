@@ -125,8 +125,6 @@ std::filesystem::path copy_scene(const RenderJob& film, const RenderOptions& opt
 /// Copies what Blender exported into the plan's folder, and changes `words` so that they name it: parts need neither
 /// Blender nor its cache. Throws core::Error.
 void keep_export(FarmPlan& plan, const RenderJob& film, const RenderOptions& options) {
-    std::error_code error;
-    std::filesystem::remove_all(plan.inputs(), error);
     const auto place = std::find(plan.words.begin() + 2, plan.words.end(), options.input.string());
     if (place == plan.words.end())
         throw core::Error("packing", options.input.string(), "it is not in the command line");
@@ -140,8 +138,6 @@ void pack_inputs(FarmPlan& plan, const RenderJob& film, const RenderOptions& opt
         throw core::Error("packing", options.light_cache->string(),
                           "a light file cannot be packed; leave --light-cache out");
     const std::filesystem::path inputs = plan.inputs();
-    std::error_code error;
-    std::filesystem::remove_all(inputs, error);
     PackedNames names(inputs);
     std::vector<std::string> words(plan.words.begin(), plan.words.begin() + 2);
     bool named = false;
@@ -262,6 +258,32 @@ std::optional<json> settle_once(RenderJob& film, const RenderOptions& options, c
         {"cost", {{"seconds", statistics.seconds}, {"wall", clock.seconds(statistics)}, {"cpu", cpu_seconds()}}}};
 }
 
+/// What an earlier plan has of its inputs, which goes when a new one is agreed to, and comes back else.
+class EarlierInputs {
+  public:
+    explicit EarlierInputs(const FarmPlan& plan) : inputs_(plan.inputs()), aside_(inputs_) {
+        aside_ += ".earlier";
+        std::error_code none;
+        std::filesystem::rename(inputs_, aside_, none);
+        std::filesystem::remove_all(inputs_, none);
+    }
+    EarlierInputs(const EarlierInputs&) = delete;
+    EarlierInputs& operator=(const EarlierInputs&) = delete;
+    ~EarlierInputs() {
+        if (!is_there(aside_)) return;
+        std::error_code ignored;
+        std::filesystem::remove_all(inputs_, ignored);
+        std::filesystem::rename(aside_, inputs_, ignored);
+    }
+    void drop() {
+        std::error_code ignored;
+        std::filesystem::remove_all(aside_, ignored);
+    }
+
+  private:
+    std::filesystem::path inputs_, aside_;
+};
+
 std::string plan_line(const FarmPlan& plan, const FarmOptions& options, std::size_t chunks) {
     const FilmPart& first = plan.parts.front();
     const std::string parts = core::counted(plan.parts.size(), "part");
@@ -277,7 +299,7 @@ std::string plan_line(const FarmPlan& plan, const FarmOptions& options, std::siz
 /// The plan of a film, not settled yet. With --pack, its inputs are copied, of a .blend always its export, and the film
 /// and the options are those of the copies.
 FarmPlan begin_plan(const FarmOptions& options, const std::vector<std::string>& words, RenderJob& film,
-                    RenderOptions& render) {
+                    RenderOptions& render, std::optional<EarlierInputs>& earlier) {
     FarmPlan plan;
     std::error_code error;
     plan.words = render_words(words);
@@ -288,6 +310,7 @@ FarmPlan begin_plan(const FarmOptions& options, const std::vector<std::string>& 
     plan.packed = options.pack;
     check_job_files(plan);
     if (options.pack || is_exported(render)) {
+        earlier.emplace(plan);
         if (options.pack)
             pack_inputs(plan, film, render);
         else
@@ -318,9 +341,11 @@ int farm(const FarmOptions& options, const std::vector<std::string>& words) {
     if (!render.memory) film.images->read_ahead(image_probes(false));
     const std::filesystem::path before = std::filesystem::current_path();
     check_writable(farm_folder_of(render.output) / plan_name);
-    FarmPlan plan = begin_plan(options, words, film, render);
+    std::optional<EarlierInputs> inputs;
+    FarmPlan plan = begin_plan(options, words, film, render, inputs);
     const json earlier = take_over(plan, render.overwrite);
     if (earlier.is_null() || plan.is_joined()) require_consent(written_by(film, render), render.overwrite);
+    if (inputs) inputs->drop();
     std::error_code ignored;
     std::filesystem::remove(plan.joined_mark(), ignored);
     if (earlier.is_null()) {

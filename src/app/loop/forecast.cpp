@@ -332,7 +332,7 @@ std::optional<FrameSample> sample_frames(const RenderJob& job, const std::vector
     return all;
 }
 
-std::vector<double> prices_of(const RenderJob& film, renderer::Renderer& renderer) {
+std::vector<double> prices_of(const RenderJob& film, std::int64_t frames, renderer::Renderer& renderer) {
     // chosen: pictures of 32 pixels, in which shots' times are in proportion to a fifth or so (24 to 48), two frames of
     // each camera, and a thirtieth of the film's time at most; one of several minutes loses a hundredth of that.
     constexpr double side = 32, most_share = 1.0 / 30;
@@ -344,8 +344,7 @@ std::vector<double> prices_of(const RenderJob& film, renderer::Renderer& rendere
     const double times = std::pow(pixels_of(size_of(film)) / pixels_of(size_of(small)), time_power);
     std::map<int, double> of_cameras;
     for (const std::int64_t begin : begins) of_cameras.emplace(camera_at(film, begin), 0);
-    if (static_cast<double>(length * std::ssize(of_cameras)) >
-        most_share * times * static_cast<double>(film.frame_count()))
+    if (static_cast<double>(length * std::ssize(of_cameras)) > most_share * times * static_cast<double>(frames))
         return {};
     const std::unique_ptr<renderer::Renderer> own = renderer.beside(film.snapshot(film.frames.first));
     own->resize(small.format);

@@ -59,8 +59,9 @@ std::optional<FrameSample> sample_frames(
     const std::function<bool()>& is_over = [] { return false; }, const std::vector<double>& weights = {});
 
 /// CPU seconds of each of the film's frames beside others, by what its camera sees in small pictures, lit beside
-/// `renderer`. Empty where one camera sees all, or where that takes too much of the film's time.
-std::vector<double> prices_of(const RenderJob& film, renderer::Renderer& renderer);
+/// `renderer`. Empty where one camera sees all, or where that takes too much of the time of `frames` that are to be
+/// lit.
+std::vector<double> prices_of(const RenderJob& film, std::int64_t frames, renderer::Renderer& renderer);
 
 RenderJob resized(const RenderJob& film, double scale);
 

@@ -59,13 +59,14 @@ Spreading best_spreading(const std::vector<double>& chunks, double once, int cor
     return best;
 }
 
-std::string cost_text(const Hire& hire, int cores, double core_hours) {
-    const std::string hours = fmt::format("{:.3g} core-hours", core_hours);
-    if (!hire.price) return hours;
-    return fmt::format("{}, {:.2f}", hours, core_hours * price_from(*hire.price).of_core_hour(cores));
-}
-
 }  // namespace
+
+std::string cost_text(const std::optional<std::string>& price, int cores, double core_hours) {
+    const std::string hours = fmt::format("{:.3g} core-hours", core_hours);
+    if (!price) return hours;
+    const double cost = core_hours * price_from(*price).of_core_hour(cores);
+    return hours + (cost < 1 ? fmt::format(", {:.2g}", cost) : fmt::format(", {:.2f}", cost));
+}
 
 double speed_up(int threads) {
     // Amdahl's law.
@@ -110,7 +111,7 @@ std::string hire_text(const RenderJob& film, const Forecast& f, const Hire& hire
                  one = once + join + work / speed_up_of(cores, costs.size());
     std::string text =
         fmt::format("One machine of {}: about {}, {}.\n", core::counted(static_cast<std::size_t>(cores), "core"),
-                    clock_text(one), cost_text(hire, cores, one * cores / 3600));
+                    clock_text(one), cost_text(hire.price, cores, one * cores / 3600));
     const std::string trust = fmt::format(
         "These are within {:.0f} % in nine of ten films, but for what cores gain, a mean of two scenes "
         "(docs/machines.md).\n",
@@ -121,7 +122,8 @@ std::string hire_text(const RenderJob& film, const Forecast& f, const Hire& hire
     const double busy = once + join + std::reduce(best.parts.begin(), best.parts.end());
     text += fmt::format("A farm of {} such machines, --parts {}: about {}, the longest part {}; {} while they work.\n",
                         *hire.machines, best.parts.size(), clock_text(once + join + best.seconds),
-                        clock_text(*std::ranges::max_element(best.parts)), cost_text(hire, cores, busy * cores / 3600));
+                        clock_text(*std::ranges::max_element(best.parts)),
+                        cost_text(hire.price, cores, busy * cores / 3600));
     return text + trust;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 // Time and money of a film on machines that may be had.
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,10 @@ namespace render2mpeg::app {
 /// Threads for each chunk. chosen: 4 of 4 and 16: a frame of 320x180 is lit 3.3 to 3.8 times as fast by 4 threads, by
 /// 16 7.5 to 12 times (docs/measurements.md#many-cores), and a further chunk takes little memory.
 inline constexpr int threads_of_chunk = 4;
+
+/// "12.3 core-hours, 0.49": without an amount where no price is known, as that of a core-hour or a machine of so many
+/// cores.
+std::string cost_text(const std::optional<std::string>& price, int cores, double core_hours);
 
 /// How many times as fast one chunk is made by so many threads.
 double speed_up(int threads);

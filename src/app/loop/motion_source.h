@@ -50,6 +50,9 @@ class MotionSource {
     /// The frames differ. Throws core::Error.
     core::MotionField between(std::int64_t picture, std::int64_t reference);
 
+    /// Whether frames that were asked for may not be asked for again.
+    virtual bool is_read_once() const { return false; }
+
     /// Longest motion onward, over frames that are read anyway.
     static constexpr std::int64_t reach_onward = encoder::LookAhead::depth;
 
@@ -94,6 +97,7 @@ class MotionPipe : public MotionSource {
     explicit MotionPipe(const std::filesystem::path& name);
     /// Waits for the header, first of all calls. Throws core::Error.
     void start(int width, int height);
+    bool is_read_once() const override { return true; }
     ~MotionPipe() override;
 
   private:

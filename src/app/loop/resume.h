@@ -32,10 +32,6 @@ std::optional<LightFile> light_file_of(const RenderJob& film, const RenderOption
 
 std::vector<Files> inputs_of(const RenderJob& film, const RenderOptions& options);
 
-/// Images of these frames: the output's, and layers.
-std::vector<std::filesystem::path> images_of(const RenderJob& film, const RenderOptions& options,
-                                             const FrameRange& frames);
-
 /// Place of a chunk's uncoded frames: its Y4M part in the work folder, or numbered images.
 std::filesystem::path frames_of(const RenderJob& film, const RenderOptions& options, const WorkFolder& work,
                                 const Chunk& chunk);

@@ -434,7 +434,8 @@ Rows farm_rows(CommandLine& line) {
          "it: for machines that share no folder. Needs no locks; chunks that lie there are not made again",
          "DIR"},
         {"--after-chunk", run, line.part.after_chunk,
-         "Run this after each of them, e.g. 'rclone copy {} remote:film/', with the file's name for {} or behind: no "
+         "Run this after each chunk's file, e.g. 'rclone copy {} remote:film/', with the file's name for {} or behind: "
+         "no "
          "shell reads it. What fails is tried again, at the end thrice; then the exit status is 1",
          "COMMAND", command_from, With{"--into"}},
         {"--from", run, line.part.pieces,

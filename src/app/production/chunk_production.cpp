@@ -148,9 +148,9 @@ bool ChunkProduction::run() {
         const scene::Snapshot instant = film_.snapshot(missing_.front().first);
         while (others.size() + 1 < at_once_) others.push_back(first.beside(instant));
     }
-    progress_.emplace(
-        frames, options_.quiet, "frame", Counted::frames, open_.clock.seconds(open_.statistics),
-        pace_of(film_, missing_, at_once_, done_, options_.quiet ? std::vector<double>{} : prices_of(film_, first)));
+    progress_.emplace(frames, options_.quiet, "frame", Counted::frames, open_.clock.seconds(open_.statistics),
+                      pace_of(film_, missing_, at_once_, done_,
+                              options_.quiet ? std::vector<double>{} : prices_of(film_, frames - done_, first)));
     if (done_ > 0) progress_->advance_to(done_, frames);
     parallel::run_lanes(at_once_, [&](std::size_t lane) { drive(lane == 0 ? first : *others[lane - 1]); });
     progress_.reset();
@@ -212,13 +212,13 @@ void ChunkProduction::make(const Chunk& chunk, renderer::Renderer& renderer, Mad
         if (has_sample) record[sample_frame_name] = open_.sample_frame.figures();
         file->finish(record);
         if (kept) kept->drop();
-        if (open_.chunk_done) open_.chunk_done(*file);
         if (light_ && !add_light(*light_, renderer, options_)) light_.reset();
         if (options_.verbose) print_line(chunk_text(chunk, made.statistics));
     } else {
         file->abandon(kept ? kept->frames() : 0);
     }
     made.file = std::move(file);
+    if (made.whole && open_.chunk_done) open_.chunk_done(*made.file);
 }
 
 /// Lit frames of a chunk in the making. None where what looks on needs more of each frame than its picture, and where
@@ -226,14 +226,13 @@ void ChunkProduction::make(const Chunk& chunk, renderer::Renderer& renderer, Mad
 std::optional<KeptFrames> ChunkProduction::kept_of(const Chunk& chunk) const {
     if (!open_.heatmaps.empty() || film_.audit > 0 || film_.preview || options_.as) return {};
     if (options_.report && open_.sample_frame.is_in(chunk)) return {};
-    KeptChunk of{open_.work.stream_of(chunk), chunk,
-                 open_.identity.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)};
+    KeptChunk of{open_.work.stream_of(chunk), chunk, json_text(open_.identity)};
     of.width = film_.format.width;
     of.height = film_.format.height;
     of.needs_pictures = film_.kind == OutputKind::film || film_.kind == OutputKind::y4m;
-    of.unrounded = film_.kind == OutputKind::film && film_.coding.codec != encoder::Codec::mpeg2 &&
-                   film_.coding.codec != encoder::Codec::h264;
-    of.full_chroma = film_.kind == OutputKind::film && encoder::facts_of(film_.coding.codec).master;
+    const encoder::CodecFacts& codec = encoder::facts_of(film_.coding.codec);
+    of.unrounded = film_.kind == OutputKind::film && codec.has_more_than_8_bits();
+    of.full_chroma = film_.kind == OutputKind::film && codec.master;
     of.products = [this](std::int64_t n) { return images_of(film_, options_, {n, n}); };
     if (at_once_ == 1)
         of.add_times = [this](RunStatistics& own) {

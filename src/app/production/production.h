@@ -25,7 +25,7 @@ struct ChunksAtOnce {
     std::string reason;
 };
 
-/// One for every 16 threads, or as many as --chunks-at-once asks for; no more than --memory allows, else half of the
+/// One for every 4 threads, or as many as --chunks-at-once asks for; no more than --memory allows, else half of the
 /// machine's memory where none are asked for; one where outputs go on from chunk to chunk. The film's bytes do not
 /// depend on it. Images' headers are read where memory may be the limit.
 ChunksAtOnce chunks_at_once(const RenderJob& film, const RenderOptions& options);
