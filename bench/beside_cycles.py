@@ -4,11 +4,12 @@
 beside_cycles.py [--size 320x180] [--frames A:B] [--spp 8,32,128] [--most-spp 512] [--truth-spp N] [--quantisers 4,8,16]
                  [--work FOLDER] [--page F.html] [--json F] PROGRAM FILM...
 
-FILM: a .blend, a folder of them, or a script of people/ by its name. Each film is rendered by PROGRAM as it is by default, on one thread,
-at every quantiser; and by Cycles as the scene sets it up, at every count of samples (and four times as many, up to --most-spp, where ours
-is better than that), a seed a frame, in two halves, denoised by people/denoise.py (--denoiser blender: by the OpenImageDenoise of that
-Blender, where it has one). Cycles' pictures are coded by `encode` with the same quantisers. Truth is Cycles without clamps in two more halves, as the scene's view shows it: errors against both
-halves are multiplied, so that their noise drops out. What was made is kept in the work folder.
+FILM: a .blend, a folder of them, or a script of people/ by its name. Each film is rendered by PROGRAM as it is by default, on one
+thread, at every quantiser; and by Cycles as the scene sets it up, at every count of samples (and four times as many, up to --most-spp,
+where ours is better than that), a seed a frame, in two halves, denoised by people/denoise.py (--denoiser blender: by the
+OpenImageDenoise of that Blender, where it has one). Cycles' pictures are coded by `encode` with the same quantisers. Truth is Cycles
+without clamps in two more halves, as the scene's view shows it: errors against both halves are multiplied, so that their noise drops
+out: not of SSIM, and not where it is so large that the view bends it. What was made is kept in the work folder.
 
 Columns of the first table: CPU seconds (user and system, of all processes) a frame, with export, loading and first frames; of Cycles
 without the denoiser's own time. PSNR-Y and SSIM of decoded films against the truth, kB, and flicker: what of the error changes from a
