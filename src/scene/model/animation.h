@@ -19,6 +19,7 @@
 #include "scene/model/reflection.h"
 #include "scene/model/shutter.h"
 #include "scene/model/track.h"
+#include "scene/model/volume.h"
 
 namespace render2mpeg::scene {
 
@@ -76,6 +77,7 @@ struct Animation {
     std::vector<ImageSource> images;
     std::vector<CameraLens> cameras;  ///< at least one after loading
     std::vector<Light> lights;
+    std::vector<Volume> volumes;
     std::vector<Reflection> reflections;  ///< edits of reflections in mirrors
     Sky sky;
     int stage = -1;  ///< object: the floor that default light adds, which exposure looks past; -1: none

@@ -46,6 +46,13 @@ struct LightState {
     bool is_distant() const { return kind == LightKind::directional; }
 };
 
+/// A volume at one instant.
+struct VolumeState {
+    glm::dmat4 world_from_object{1};
+    bool present = true;   ///< false: scale 0 or switched off
+    std::size_t file = 0;  ///< of Volume::files
+};
+
 struct Sweep;
 
 /// The whole animation at one instant. Keeps a reference to the animation, which must outlive it.
@@ -62,6 +69,7 @@ struct Snapshot {
     bool cut_before = false;                         ///< the camera is another one than in the frame before
     std::shared_ptr<const Sweep> sweep{};            ///< motion while the shutter is open (sweep.h); null: none
     std::shared_ptr<const BentReflections> bends{};  ///< edits of reflections in mirrors; null: none
+    std::vector<VolumeState> volumes{};              ///< as the animation has them
 };
 
 /// Format of the pictures that a snapshot's camera is made for.
