@@ -64,9 +64,13 @@ struct Settings {
     Tune tune = Tune::psnr;
     RateControl rate_control;
     int aspect_ratio_code = 1;    ///< aspect_ratio_information [H262, table 6-3]; 1: square pixels
-    int matrix_coefficients = 1;  ///< [H262, table 6-9]; 1: BT.709, 6: BT.601
-    /// [H262, table 6-8]; 1: BT.709's curve, 2: none that the table has. Of libraries' codecs also 13: sRGB's.
+    int matrix_coefficients = 1;  ///< [H262, table 6-9]; 1: BT.709, 6: BT.601; of libraries' codecs also 9: BT.2020
+    int color_primaries = 1;      ///< [H262, table 6-7]; 1: BT.709's; of libraries' codecs also 9: BT.2020's
+    /// [H262, table 6-8]; 1: BT.709's curve, 2: none that the table has. Of libraries' codecs also 13: sRGB's, 16: PQ,
+    /// 18: HLG.
     int transfer_characteristics = 1;
+    float peak = 0;          ///< cd/m^2 of the display that the film is made for, where its signals say so; 0: not said
+    core::LightLevel light;  ///< of the whole film, where a container is told it
     int level = 0;       ///< ten times the level of a library's codec: 41 is 4.1; 0: the lowest that holds the pictures
     int references = 0;  ///< pictures that one may be predicted from in H.264; 0: as its level and effort have it
     std::string user_data;  ///< printable ASCII that stands behind every sequence header [H262, 6.2.2.2.2]; empty: none

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
 
 #include "core/color.h"
 #include "core/error.h"
@@ -102,6 +103,13 @@ core::Picture picture_of(int width, int height, ColorMatrix matrix, Chroma chrom
     return picture;
 }
 
+/// The view `neutral` with sRGB's curve.
+glm::vec3 neutral_srgb(glm::vec3 exposed) {
+    glm::vec3 signal;
+    for (int c = 0; c < 3; ++c) signal[c] = core::linear_to_srgb(Display::tone_curve(std::max(exposed[c], 0.0f)));
+    return signal;
+}
+
 float largest(glm::vec3 v) {
     return std::max({v.x, v.y, v.z});
 }
@@ -124,6 +132,7 @@ float chroma_at(const core::Plane<std::uint8_t>& plane, int x, int y) {
 }  // namespace
 
 glm::vec3 luma_weights(ColorMatrix matrix) {
+    if (matrix == ColorMatrix::bt2020) return {0.2627f, 0.6780f, 0.0593f};
     return matrix == ColorMatrix::bt709 ? glm::vec3{0.2126f, 0.7152f, 0.0722f} : glm::vec3{0.299f, 0.587f, 0.114f};
 }
 
@@ -131,6 +140,7 @@ Display::Display(float exposure, ColorMatrix matrix, const core::View& view, Chr
     : exposure_(exposure), gain_(std::exp2(exposure)), matrix_(matrix), chroma_(chroma) {
     EXPECTS(std::abs(exposure) <= max_exposure);
     if (view.name != core::ViewName::neutral) view_ = std::make_shared<const ViewTransform>(view);
+    has_srgb_ = view.is_blenders();
 }
 
 core::Picture Display::develop(const core::Radiance& radiance) const {
@@ -150,7 +160,20 @@ core::Picture Display::develop(const core::Radiance& radiance) const {
             return finite;
         });
     picture.number = radiance.frame;
+    if (view_ && view_->view().name == core::ViewName::pq) picture.level = level_of(light);
     return picture;
+}
+
+core::LightLevel Display::level_of(const core::Plane<glm::vec3>& light) const {
+    core::LightLevel level;
+    double sum = 0;
+    for (const glm::vec3& c : light.values()) {
+        const float brightest = largest(view_->luminances(c * gain_));
+        level.most = std::max(level.most, brightest);
+        sum += static_cast<double>(brightest);
+    }
+    level.mean = static_cast<float>(core::divide_or(sum, static_cast<double>(light.size()), 0.0));
+    return level;
 }
 
 float luma_of(const Display& display, glm::vec3 radiance) {
@@ -188,9 +211,8 @@ std::vector<std::uint8_t> Display::develop_srgb(const core::Radiance& radiance) 
     codes.reserve(3 * radiance.combined.size());
     for (const glm::vec3& c : radiance.combined.values()) {
         EXPECTS(core::is_finite(c));
-        const glm::vec3 signal = view_ ? view_->signals(c * gain_) : glm::vec3(0);
-        for (int i = 0; i < 3; ++i)
-            codes.push_back(code(255.0f * (view_ ? signal[i] : core::linear_to_srgb(tone_curve(c[i] * gain_)))));
+        const glm::vec3 signal = has_srgb_ ? view_->signals(c * gain_) : neutral_srgb(c * gain_);
+        for (int i = 0; i < 3; ++i) codes.push_back(code(255.0f * signal[i]));
     }
     return codes;
 }
@@ -285,9 +307,11 @@ float auto_exposure(std::span<const float> surfaces, std::span<const float> sky)
     return std::clamp(exposure, -Display::max_exposure, Display::max_exposure);
 }
 
-std::vector<std::uint8_t> shown_rgb(const core::Picture& picture, ColorMatrix matrix) {
+std::vector<std::uint8_t> shown_rgb(const core::Picture& picture, const PictureColors& colors) {
+    std::optional<ViewTransform> hdr;
+    if (colors.view.is_hdr()) hdr.emplace(colors.view);
     // [BT709, 3.4] and [BT601, 2.5.3], turned around.
-    const glm::vec3 weight = luma_weights(matrix);
+    const glm::vec3 weight = luma_weights(colors.matrix);
     const float blue_scale = (1 - weight.z) / 112, red_scale = (1 - weight.x) / 112;
     std::vector<std::uint8_t> codes;
     codes.reserve(3 * picture.y.size());
@@ -297,8 +321,9 @@ std::vector<std::uint8_t> shown_rgb(const core::Picture& picture, ColorMatrix ma
             const float blue = luma + blue_scale * chroma_at(picture.cb, x, y);
             const float red = luma + red_scale * chroma_at(picture.cr, x, y);
             const float green = (luma - weight.x * red - weight.z * blue) / weight.y;
-            for (const float signal : {red, green, blue})
-                codes.push_back(static_cast<std::uint8_t>(std::lround(255 * std::clamp(signal, 0.0f, 1.0f))));
+            glm::vec3 signals = glm::clamp(glm::vec3(red, green, blue), 0.0f, 1.0f);
+            if (hdr) signals = neutral_srgb(hdr->light_behind(signals));
+            for (int c = 0; c < 3; ++c) codes.push_back(static_cast<std::uint8_t>(std::lround(255 * signals[c])));
         }
     return codes;
 }

@@ -14,13 +14,19 @@
 
 namespace render2mpeg::perceptual {
 
-/// MPEG-2's matrix_coefficients.
-enum class ColorMatrix { bt601 = 6, bt709 = 1 };
+/// Codecs' matrix_coefficients.
+enum class ColorMatrix { bt601 = 6, bt709 = 1, bt2020 = 9 };
+
+/// What a picture's values mean.
+struct PictureColors {
+    ColorMatrix matrix = ColorMatrix::bt709;
+    core::View view{};
+};
 
 /// Whether pictures keep chroma at every pixel, unrounded, beside that of 4:2:0.
 enum class Chroma { halved, full };
 
-/// Weights of R', G', B' in luma: [BT709, 3.2] and [BT601, 2.5.1].
+/// Weights of R', G', B' in luma: [BT709, 3.2], [BT601, 2.5.1], and [BT2020, table 4] without constant luminance.
 glm::vec3 luma_weights(ColorMatrix matrix);
 
 /// Exposure, view (tone curve and transfer function) and matrix, each with an inverse (docs/model/display.md).
@@ -30,13 +36,14 @@ class Display {
     /// Exposures beyond +-`max_exposure` EV are a broken contract.
     static constexpr float max_exposure = 64.0f;
 
-    /// `exposure` in EV: radiance is multiplied by 2^exposure. BT.601 is for pictures below 720 lines.
+    /// `exposure` in EV: radiance is multiplied by 2^exposure. `matrix`: as matrix_for() says.
     Display(float exposure, ColorMatrix matrix, const core::View& view = {}, Chroma chroma = Chroma::halved);
 
     /// Scene-linear radiance to a picture. Non-finite input is a broken contract; negative light counts as none.
     core::Picture develop(const core::Radiance& radiance) const;
 
-    /// The same to sRGB code values 0..255, 3 per pixel; Blender's views have their own signals.
+    /// The same to sRGB code values 0..255, 3 per pixel; Blender's views have their own signals, those of high dynamic
+    /// range are shown as `neutral`.
     std::vector<std::uint8_t> develop_srgb(const core::Radiance& radiance) const;
 
     /// Monotone tone curve from exposed light >= 0 to [0, 1], and its inverse below `tone_curve(infinity)`.
@@ -58,11 +65,14 @@ class Display {
   private:
     /// Luma from 0 to 1 of exposed light, and its derivative by the logarithm of the light.
     SignalCurve::Point luma_at(glm::vec3 exposed) const;
+    /// Of the view `pq`.
+    core::LightLevel level_of(const core::Plane<glm::vec3>& light) const;
 
     float exposure_;
     float gain_;
     ColorMatrix matrix_;
     Chroma chroma_;
+    bool has_srgb_ = false;  ///< the view's signals are sRGB code values
     std::shared_ptr<const ViewTransform> view_;
 };
 
@@ -77,8 +87,9 @@ core::Picture picture_of_signals(const core::Plane<glm::vec3>& signals, ColorMat
 /// Finite values.
 core::Picture picture_of_srgb(const core::Plane<glm::vec3>& codes, ColorMatrix matrix, Chroma chroma = Chroma::halved);
 
-/// The matrix for a picture with this number of lines.
-inline ColorMatrix matrix_for(int height) {
+/// The matrix for a picture with this number of lines in this view.
+inline ColorMatrix matrix_for(int height, const core::View& view = {}) {
+    if (view.is_hdr()) return ColorMatrix::bt2020;
     return height < 720 ? ColorMatrix::bt601 : ColorMatrix::bt709;
 }
 
@@ -92,7 +103,7 @@ inline ColorMatrix matrix_for(int height) {
 float auto_exposure(std::span<const float> surfaces, std::span<const float> sky = {});
 
 /// Full-range R'G'B' code values 0..255, 3 per pixel, with linearly interpolated chroma: inverts picture_of_signals()
-/// but for rounding and lost chroma detail.
-std::vector<std::uint8_t> shown_rgb(const core::Picture& picture, ColorMatrix matrix);
+/// but for rounding and lost chroma detail. Views of high dynamic range are shown as `neutral`, in sRGB.
+std::vector<std::uint8_t> shown_rgb(const core::Picture& picture, const PictureColors& colors);
 
 }  // namespace render2mpeg::perceptual

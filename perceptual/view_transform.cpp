@@ -89,18 +89,59 @@ double inverse_srgb(double signal) {
     return signal <= 12.92 * 0.0031308 ? signal / 12.92 : std::pow((signal + 0.055) / 1.055, 2.4);
 }
 
+/// Light that the curves of high dynamic range take for infinite: their tables end there.
+constexpr double hdr_brightest = 4096;
+
+/// What exposed light of 1 is shown as: the reference white of [BT2408, table 1], in cd/m^2 and as HLG's scene light.
+constexpr double pq_white = core::least_peak, hlg_white = 0.264963;
+
+/// [BT2100, table 4]: signal of a display's light, 1 being 10,000 cd/m^2, and back.
+constexpr double pq_m1 = 2610.0 / 16384, pq_m2 = 2523.0 / 32, pq_c1 = 107.0 / 128, pq_c2 = 2413.0 / 128,
+                 pq_c3 = 2392.0 / 128, pq_brightest = 10000;
+double pq(double light) {
+    const double y = std::pow(light, pq_m1);
+    return std::pow((pq_c1 + pq_c2 * y) / (1 + pq_c3 * y), pq_m2);
+}
+double inverse_pq(double signal) {
+    const double v = std::pow(signal, 1 / pq_m2);
+    return std::pow(std::max(v - pq_c1, 0.0) / (pq_c2 - pq_c3 * v), 1 / pq_m1);
+}
+
+/// [BT2100, table 5]: signal of a scene's light, and back.
+constexpr double hlg_a = 0.17883277, hlg_b = 0.28466892, hlg_c = 0.55991073;
+double hlg(double light) {
+    return light <= 1.0 / 12 ? std::sqrt(3 * light) : hlg_a * std::log(12 * light - hlg_b) + hlg_c;
+}
+double inverse_hlg(double signal) {
+    return signal <= 0.5 ? signal * signal / 3 : (std::exp((signal - hlg_c) / hlg_a) + hlg_b) / 12;
+}
+
 /// The curve of one channel; AgX's gives a display's light, which is still to mix.
-double curve(core::ViewName name, double light) {
+double curve(const core::View& view, double light) {
+    const core::ViewName name = view.name;
     if (name == core::ViewName::standard) return srgb(light);
+    if (name == core::ViewName::pq) return pq(tone_curve(light * pq_white / view.peak) * view.peak / pq_brightest);
+    if (name == core::ViewName::hlg) return hlg(tone_curve(light * hlg_white));
     const double place = (std::log2(light) - darkest_stop) / (brightest_stop - darkest_stop);
     const double shown = raised(sigmoid_of(name), std::clamp(place, 0.0, 1.0));
     return name == core::ViewName::agx ? std::pow(shown, agx_power) : shown;
 }
-double inverse_curve(core::ViewName name, double signal) {
+double inverse_curve(const core::View& view, double signal) {
+    const core::ViewName name = view.name;
     if (name == core::ViewName::standard) return inverse_srgb(signal);
+    if (view.is_hdr()) {
+        const bool is_pq = name == core::ViewName::pq;
+        const double shown = is_pq ? inverse_pq(signal) * pq_brightest / view.peak : inverse_hlg(signal);
+        const double white = is_pq ? pq_white / view.peak : hlg_white;
+        return shown < 1 ? std::min(inverse_tone_curve(shown) / white, hdr_brightest) : hdr_brightest;
+    }
     if (name == core::ViewName::agx) signal = std::pow(inverse_srgb(signal), 1 / agx_power);
     return std::exp2(darkest_stop + (brightest_stop - darkest_stop) * lowered(sigmoid_of(name), signal));
 }
+
+/// BT.709's primaries in those of [BT2020]: [BT2087, table 4].
+const glm::mat3 bt2020_of_bt709{
+    {0.627404f, 0.069097f, 0.016391f}, {0.329283f, 0.919540f, 0.088013f}, {0.043313f, 0.011362f, 0.895595f}};
 
 // Filmic moves channels towards the largest one where that is next to white: by the share a M^p - b of their distance.
 // fit: docs/measurements.md#views
@@ -115,6 +156,12 @@ const glm::mat3 agx_inset{
     {0.58678f, 0.12191f, 0.09952f}, {0.31511f, 0.75954f, 0.20582f}, {0.09811f, 0.11855f, 0.69466f}};
 const glm::mat3 agx_outset{
     {1.81007f, -0.22760f, -0.20082f}, {-0.63384f, 1.28860f, -0.33440f}, {-0.17623f, -0.06100f, 1.53522f}};
+
+/// Of the line below the table, which ends at 2^-24.
+float slope_at_black(const core::View& view) {
+    if (view.name == core::ViewName::standard) return 12.92f;
+    return view.is_hdr() ? static_cast<float>(std::exp2(24) * curve(view, std::exp2(-24))) : 0.0f;
+}
 
 /// Signal of one channel of a display's light.
 struct Signal {
@@ -136,17 +183,19 @@ float cut(float light) {
 
 ViewTransform::ViewTransform(const core::View& view)
     : view_(view),
-      white_(view.name == core::ViewName::standard ? 1.0 : std::exp2(brightest_stop)),
-      table_([&](double light) { return curve(view.name, light); },
-             view.name == core::ViewName::standard ? 12.92f : 0.0f) {
+      white_(view.is_hdr()                           ? hdr_brightest
+             : view.name == core::ViewName::standard ? 1.0
+                                                     : std::exp2(brightest_stop)),
+      table_([&](double light) { return curve(view, light); }, slope_at_black(view)) {
     EXPECTS(view.name != core::ViewName::neutral && view.gamma >= core::least_gamma &&
-            view.gamma <= core::largest_gamma);
+            view.gamma <= core::largest_gamma && view.peak >= core::least_peak && view.peak <= core::largest_peak);
     end_slope_ = table_.point(static_cast<float>(white_ * 0.99)).log_slope;
 }
 
 ShownLight ViewTransform::mix(glm::vec3 exposed) const {
     const glm::vec3 light{cut(exposed.x), cut(exposed.y), cut(exposed.z)};
     if (view_.name == core::ViewName::standard) return {light, glm::vec3(1)};
+    if (view_.is_hdr()) return {bt2020_of_bt709 * light, glm::vec3(1)};
     if (view_.name == core::ViewName::agx) return {agx_inset * light, glm::vec3(1)};
     const float largest = std::max({light.x, light.y, light.z});
     if (largest <= desaturated_from) return {light, glm::vec3(1)};
@@ -207,7 +256,24 @@ ShownLight ViewTransform::show(glm::vec3 exposed) const {
 }
 
 double ViewTransform::grey_light(double signal) const {
-    return inverse_curve(view_.name, std::pow(std::clamp(signal, 0.0, 1.0), static_cast<double>(view_.gamma)));
+    return inverse_curve(view_, std::pow(std::clamp(signal, 0.0, 1.0), static_cast<double>(view_.gamma)));
+}
+
+glm::vec3 ViewTransform::luminances(glm::vec3 exposed) const {
+    EXPECTS(view_.name == core::ViewName::pq);
+    const glm::vec3 light = mix(exposed).signal;
+    glm::vec3 shown;
+    for (int c = 0; c < 3; ++c)
+        shown[c] = static_cast<float>(tone_curve(static_cast<double>(light[c]) * pq_white / view_.peak) * view_.peak);
+    return shown;
+}
+
+glm::vec3 ViewTransform::light_behind(glm::vec3 signals) const {
+    EXPECTS(view_.is_hdr());
+    static const glm::mat3 bt709_of_bt2020 = glm::inverse(bt2020_of_bt709);
+    glm::vec3 light;
+    for (int c = 0; c < 3; ++c) light[c] = static_cast<float>(grey_light(static_cast<double>(signals[c])));
+    return bt709_of_bt2020 * light;
 }
 
 }  // namespace render2mpeg::perceptual

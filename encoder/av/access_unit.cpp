@@ -11,22 +11,27 @@ namespace {
 
 enum class UnitKind { header, picture, comment };
 
-/// By nal_unit_type. [H264, table 7-1], [H265, table 7-1]
-UnitKind kind_of_nal(encoder::Codec codec, std::uint8_t first) {
+/// By nal_unit_type. [H264, table 7-1], [H265, table 7-1] The display that a film is made for belongs to the headers
+/// [H265, D.2.28].
+UnitKind kind_of_nal(encoder::Codec codec, std::span<const std::uint8_t> unit) {
     if (codec == encoder::Codec::h264) {
-        const int type = first & 31;
+        const int type = unit[0] & 31;
         if (type >= 1 && type <= 5) return UnitKind::picture;
         return type == 7 || type == 8 ? UnitKind::header : UnitKind::comment;
     }
-    const int type = (first >> 1) & 63;
+    const int type = (unit[0] >> 1) & 63;
     if (type < 32) return UnitKind::picture;
+    constexpr int prefix_sei = 39, mastering_display = 137;
+    if (type == prefix_sei && unit.size() > 2 && unit[2] == mastering_display) return UnitKind::header;
     return type <= 34 ? UnitKind::header : UnitKind::comment;
 }
 
-/// By obu_type. [AV1, 6.2.2]
-UnitKind kind_of_obu(std::uint8_t first) {
+/// By obu_type. [AV1, 6.2.2] The display that a film is made for belongs to the headers [AV1, 6.7.4].
+UnitKind kind_of_obu(std::uint8_t first, std::span<const std::uint8_t> content) {
     const int type = (first >> 3) & 15;
     if (type == 1) return UnitKind::header;
+    constexpr int metadata = 5, mastering_display = 2;
+    if (type == metadata && !content.empty() && content[0] == mastering_display) return UnitKind::header;
     return type == 3 || type == 4 || type == 6 || type == 7 ? UnitKind::picture : UnitKind::comment;
 }
 
@@ -52,7 +57,10 @@ AccessUnit nal_units_apart(encoder::Codec codec, std::span<const std::uint8_t> b
         std::size_t end = start;
         // A unit ends with a bit that is set: zeros belong to the next start code.
         while (end > begin && bytes[end - 1] == 0) --end;
-        if (end > begin) put(unit, kind_of_nal(codec, bytes[begin]), bytes.subspan(begin, end - begin), true);
+        if (end > begin) {
+            const auto nal = bytes.subspan(begin, end - begin);
+            put(unit, kind_of_nal(codec, nal), nal, true);
+        }
     }
     return unit;
 }
@@ -68,7 +76,7 @@ AccessUnit obus_apart(std::span<const std::uint8_t> bytes) {
         }
         if (!has_size || size > bytes.size() - std::min(place, bytes.size()))
             throw core::Error("AV1: a unit of the stream has no size that fits");
-        put(unit, kind_of_obu(bytes[at]), bytes.subspan(at, place + size - at), false);
+        put(unit, kind_of_obu(bytes[at], bytes.subspan(place, size)), bytes.subspan(at, place + size - at), false);
         at = place + size;
     }
     return unit;

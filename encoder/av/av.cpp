@@ -48,7 +48,7 @@ SequenceFacts sequence_of(const encoder::Settings& settings, std::span<const std
     facts.progressive = true;
     // B pictures that others refer to stand in the middle of two or more (encoder/codec.h).
     facts.decoding_delay = std::min(settings.b_pictures, 2);
-    facts.color_primaries = 1;
+    facts.color_primaries = settings.color_primaries;
     facts.transfer_characteristics = settings.transfer_characteristics;
     facts.matrix_coefficients = settings.matrix_coefficients;
     return facts;

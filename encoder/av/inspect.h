@@ -22,10 +22,12 @@ struct StreamFacts {
     core::Rational rate{0, 1};          ///< pictures per second as declared; 0: not said
     core::Rational pixel_aspect{0, 1};  ///< width by height of a pixel; 0: not said
     int color_primaries = 0;            ///< as declared: 1 BT.709, ...; 0: not said
-    int matrix_coefficients = 0;        ///< as declared: 1 BT.709, 5 and 6 BT.601, ...; 0: not said
-    int transfer_characteristics = 0;   ///< as declared: 1 and 6 BT.709's curve, 13 sRGB's, ...; 0: not said
-    std::int64_t bit_rate = 0;          ///< as declared, bits per second; 0: not said
-    std::int64_t buffer_bits = 0;       ///< of the decoder's buffer as declared; 0: not said
+    int matrix_coefficients = 0;        ///< as declared: 1 BT.709, 5 and 6 BT.601, 9 BT.2020; 0: not said
+    int transfer_characteristics = 0;   ///< as declared: 1 and 6 BT.709's curve, 13 sRGB's, 16 PQ, 18 HLG; 0: not said
+    double peak = 0;               ///< cd/m^2 of the display that it is made for, as the container says; 0: not said
+    core::LightLevel light;        ///< likewise
+    std::int64_t bit_rate = 0;     ///< as declared, bits per second; 0: not said
+    std::int64_t buffer_bits = 0;  ///< of the decoder's buffer as declared; 0: not said
 };
 
 /// Vectors of one picture in one direction of time.

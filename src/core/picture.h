@@ -1,10 +1,23 @@
 #pragma once
 // The border type of pictures: Y'CbCr 4:2:0 in display order.
+#include <algorithm>
 #include <cstdint>
 
 #include "core/plane.h"
 
 namespace render2mpeg::core {
+
+/// How bright pictures are on a display that shows them with known light, cd/m^2: [CTA861, annex P].
+struct LightLevel {
+    float most = 0;  ///< of the largest channel over pixels, of pictures over them (MaxCLL); 0: not known
+    float mean = 0;  ///< its mean over a picture, of pictures the largest (MaxFALL)
+
+    bool operator==(const LightLevel&) const = default;
+    void operator+=(const LightLevel& other) {
+        most = std::max(most, other.most);
+        mean = std::max(mean, other.mean);
+    }
+};
 
 /// A picture in display order: 8-bit Y'CbCr 4:2:0, limited range (luma 16..235, chroma 16..240), chroma sited as in
 /// MPEG-2; chroma planes have (w + 1) / 2 by (h + 1) / 2 samples.
@@ -16,6 +29,7 @@ struct Picture {
     /// Cb and Cr before rounding, code values, at every pixel. Empty unless a codec with more than 4:2:0 asked for
     /// them.
     Plane<float> full_cb, full_cr;
+    LightLevel level;  ///< of views that say how much light is shown
 
     int width() const { return y.width(); }
     int height() const { return y.height(); }

@@ -18,6 +18,8 @@ ViewName view_from(const std::string& name) {
 
 std::string text_of(const View& view) {
     std::string text(view_names[static_cast<std::size_t>(view.name)]);
+    if (view.name == ViewName::pq && view.peak != usual_peak)
+        return text + ", peak " + std::to_string(static_cast<int>(view.peak)) + " cd/m2";
     if (view.gamma == 1) return text;
     std::string gamma = std::to_string(view.gamma);
     gamma.erase(gamma.find_last_not_of('0') + 1);

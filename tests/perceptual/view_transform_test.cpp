@@ -23,7 +23,8 @@ using core::ViewName;
 /// All of Blender's views, and some with a gamma.
 std::vector<View> blender_views() {
     std::vector<View> views;
-    for (std::size_t i = 1; i < core::view_names.size(); ++i) views.push_back({static_cast<ViewName>(i)});
+    for (std::size_t i = 1; i < core::view_names.size(); ++i)
+        if (View{static_cast<ViewName>(i)}.is_blenders()) views.push_back({static_cast<ViewName>(i)});
     for (const ViewName name : {ViewName::standard, ViewName::filmic, ViewName::agx})
         for (const float gamma : {0.7f, 1.4f}) views.push_back({name, gamma});
     return views;
@@ -168,6 +169,31 @@ TEST(ViewTransform, KnowsItsOwnSlopeAndTheGreyBehindASignal) {
             EXPECT_EQ(here.signal, view.signals(color));
         }
     }
+}
+
+TEST(ViewTransform, OfHighDynamicRangeKnowsItsSlopeAndTheLightBehindSignals) {
+    for (const View& named : {View{ViewName::pq}, View{ViewName::pq, 1, 4000}, View{ViewName::hlg}}) {
+        const ViewTransform view(named);
+        for (std::uint64_t i = 0; i < 4000; ++i) {
+            const glm::vec3 color = some_color(i);
+            constexpr float step = 2e-3f;
+            const ShownLight here = view.show(color);
+            const glm::vec3 back = view.light_behind(here.signal);
+            const float most = std::max({color.x, color.y, color.z});
+            for (int c = 0; c < 3; ++c) {
+                const float slope =
+                    (view.signals(color * std::exp(step))[c] - view.signals(color * std::exp(-step))[c]) / (2 * step);
+                EXPECT_NEAR(here.log_slope[c], slope, 0.01f * slope + 2e-4f) << text_of(named) << " " << i << " " << c;
+            }
+            if (most >= 3) continue;  // bent: a small step of signal is much light
+            for (int c = 0; c < 3; ++c) EXPECT_NEAR(back[c], color[c], 2e-3f * most) << text_of(named) << " " << i;
+        }
+        EXPECT_EQ(view.signals(glm::vec3(0)), glm::vec3(0));
+        EXPECT_TRUE(
+            glm::all(glm::lessThanEqual(view.signals(glm::vec3(std::numeric_limits<float>::max())), glm::vec3(1))));
+    }
+    EXPECT_NEAR(ViewTransform({ViewName::pq}).luminances(glm::vec3(1)).y, 203.0f, 0.1f);
+    EXPECT_LT(ViewTransform({ViewName::pq}).luminances(glm::vec3(1e6f)).y, 1000.5f);
 }
 
 TEST(ViewTransform, LampsSlopesAreThoseOfTheirFading) {

@@ -1,6 +1,7 @@
 #include "encoder/av/module/container.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <string>
@@ -197,6 +198,36 @@ class File final : public Container {
         std::copy(facts.headers.begin(), facts.headers.end(), codec.extradata);
         codec.extradata_size = static_cast<int>(facts.headers.size());
         describe_buffer(*stream, facts, messages);
+        if (settings.peak > 0) describe_light(*stream, settings, messages);
+    }
+
+    /// The display that the film is made for (library_encoder.cpp), and how bright it is.
+    void describe_light(AVStream& stream, const encoder::Settings& settings, const Messages& messages) {
+        AVMasteringDisplayMetadata* display = av_mastering_display_metadata_alloc();
+        if (display == nullptr) check(AVERROR(ENOMEM), messages);
+        constexpr int primaries[3][2] = {{32000, 16500}, {15000, 30000}, {7500, 3000}}, white[2] = {15635, 16450};
+        for (int k = 0; k < 2; ++k) {
+            for (int c = 0; c < 3; ++c) display->display_primaries[c][k] = {primaries[c][k], 50000};
+            display->white_point[k] = {white[k], 50000};
+        }
+        display->has_primaries = display->has_luminance = 1;
+        display->min_luminance = {1, 10000};
+        display->max_luminance = {static_cast<int>(std::lround(10000 * settings.peak)), 10000};
+        add(stream, AV_PKT_DATA_MASTERING_DISPLAY_METADATA, display, sizeof *display, messages);
+        if (settings.light.most <= 0) return;
+        std::size_t size = 0;
+        AVContentLightMetadata* level = av_content_light_metadata_alloc(&size);
+        if (level == nullptr) check(AVERROR(ENOMEM), messages);
+        level->MaxCLL = static_cast<unsigned>(std::lround(settings.light.most));
+        level->MaxFALL = static_cast<unsigned>(std::lround(settings.light.mean));
+        add(stream, AV_PKT_DATA_CONTENT_LIGHT_LEVEL, level, size, messages);
+    }
+
+    /// Hands over what av_malloc() gave.
+    void add(AVStream& stream, AVPacketSideDataType type, void* data, std::size_t size, const Messages& messages) {
+        const int result = add_side_data(stream, type, data, size);
+        if (result < 0) av_free(data);
+        check(result, messages);
     }
 
     /// The decoder's buffer: the stream's own, but never less than two of the largest pictures, one that is being
@@ -212,9 +243,7 @@ class File final : public Container {
                     : std::max(facts.buffer_bits, static_cast<std::int64_t>(facts.largest_picture) * 16);
         buffer->buffer_size = (bits + 8191) / 8192 * 8192;
         buffer->vbv_delay = std::numeric_limits<std::uint64_t>::max();
-        const int result = add_side_data(stream, AV_PKT_DATA_CPB_PROPERTIES, buffer, size);
-        if (result < 0) av_free(buffer);
-        check(result, messages);
+        add(stream, AV_PKT_DATA_CPB_PROPERTIES, buffer, size, messages);
     }
 
     std::string file_;

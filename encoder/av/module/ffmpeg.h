@@ -8,6 +8,7 @@ extern "C" {
 #include <libavutil/channel_layout.h>
 #include <libavutil/intreadwrite.h>
 #include <libavutil/log.h>
+#include <libavutil/mastering_display_metadata.h>
 #include <libavutil/motion_vector.h>
 #include <libavutil/opt.h>
 #include <libavutil/pixdesc.h>
@@ -83,6 +84,24 @@ inline std::int64_t number_of(const AVFrame& frame) {
 #else
     return frame.reordered_opaque;
 #endif
+}
+
+/// Null where a stream has none of a type.
+template <class Content>
+const Content* side_data_of(const AVStream& stream, AVPacketSideDataType type) {
+    const std::uint8_t* data = nullptr;
+    std::size_t size = 0;
+#if LIBAVCODEC_VERSION_INT >= AV_VERSION_INT(60, 31, 100)
+    const AVPacketSideData* found =
+        av_packet_side_data_get(stream.codecpar->coded_side_data, stream.codecpar->nb_coded_side_data, type);
+    if (found != nullptr) {
+        data = found->data;
+        size = found->size;
+    }
+#else
+    data = av_stream_get_side_data(&stream, type, &size);
+#endif
+    return size >= sizeof(Content) ? reinterpret_cast<const Content*>(data) : nullptr;
 }
 
 /// Gives the stream `data`, which av_malloc made, and which the caller keeps if the result is negative.

@@ -203,6 +203,12 @@ class Film {
         s.color_primaries = number(decoder_->color_primaries, AVCOL_PRI_UNSPECIFIED);
         s.matrix_coefficients = number(decoder_->colorspace, AVCOL_SPC_UNSPECIFIED);
         s.transfer_characteristics = number(decoder_->color_trc, AVCOL_TRC_UNSPECIFIED);
+        if (const auto* display =
+                side_data_of<AVMasteringDisplayMetadata>(*film_.stream, AV_PKT_DATA_MASTERING_DISPLAY_METADATA);
+            display != nullptr && display->has_luminance != 0 && display->max_luminance.den != 0)
+            s.peak = av_q2d(display->max_luminance);
+        if (const auto* level = side_data_of<AVContentLightMetadata>(*film_.stream, AV_PKT_DATA_CONTENT_LIGHT_LEVEL))
+            s.light = {static_cast<float>(level->MaxCLL), static_cast<float>(level->MaxFALL)};
         s.bit_rate = decoder_->rc_max_rate;
         s.buffer_bits = decoder_->rc_buffer_size;
     }

@@ -41,6 +41,20 @@ const AVCodec& decoder_for(encoder::Codec codec) {
     return *found;
 }
 
+/// Display that the film is made for: BT.709's colours, which are all that a renderer of three channels has, black as
+/// dark as PQ's first code values, white. [CTA861, annex P] in x265's units, 0.00002 and 0.0001 cd/m^2.
+std::string mastering_x265(const encoder::Settings& settings) {
+    if (settings.peak <= 0) return {};
+    return ":master-display=G(15000,30000)B(7500,3000)R(32000,16500)WP(15635,16450)L(" +
+           std::to_string(std::lround(10000 * settings.peak)) + ",1)";
+}
+/// The same in SVT-AV1's.
+std::string mastering_svt(const encoder::Settings& settings) {
+    if (settings.peak <= 0) return {};
+    return ":mastering-display=G(0.3,0.6)B(0.15,0.06)R(0.64,0.33)WP(0.3127,0.329)L(" +
+           std::to_string(std::lround(settings.peak)) + ",0.0001)";
+}
+
 /// Quantisers are as asked for, whatever else these settings do: complexity counts nothing, no picture is looked at
 /// ahead, types make no difference. Adaptive quantisation is on, else offsets are ignored, but next to nothing.
 std::string x264_settings(const encoder::Settings& settings) {
@@ -54,12 +68,12 @@ std::string x264_settings(const encoder::Settings& settings) {
 std::string x265_settings(const encoder::Settings& settings) {
     return "qcomp=1:aq-mode=1:aq-strength=0.0001:qg-size=32:cutree=0:ipratio=1:pbratio=1:scenecut=0:keyint=-1:"
            "b-adapt=0:b-pyramid=1:open-gop=0:rc-lookahead=" +
-           std::to_string(settings.b_pictures + 1) +
+           std::to_string(settings.b_pictures + 1) + mastering_x265(settings) +
            ":lookahead-slices=0:frame-threads=1:pools=none:wpp=0:info=0:log-level=error:psy-rd=0:psy-rdoq=0";
 }
 
 std::string svt_settings(const encoder::Settings& settings) {
-    return "lp=1:scd=0:keyint=-1:irefresh-type=2" +
+    return "lp=1:scd=0:keyint=-1:irefresh-type=2" + mastering_svt(settings) +
            (settings.level > 0 ? ":level=" + std::to_string(settings.level) : std::string());
 }
 
@@ -175,12 +189,15 @@ class Library final : public LibraryEncoder {
         const AVPixelFormat wanted = av_get_pix_fmt(encoder::facts_of(settings_.codec).ffmpeg.pixels.data());
         const bool is_master = encoder::facts_of(settings_.codec).master;
         e.pix_fmt = is_master || takes(codec, wanted) ? wanted : AV_PIX_FMT_YUV420P;
+        if (settings_.color_primaries == AVCOL_PRI_BT2020 && e.pix_fmt == AV_PIX_FMT_YUV420P)
+            throw core::Error("coding with", library_of(settings_.codec),
+                              "this machine's takes 8 bits alone, high dynamic range needs 10");
         e.framerate = {static_cast<int>(settings_.rate.hertz.num), static_cast<int>(settings_.rate.hertz.den)};
         e.time_base = av_inv_q(e.framerate);
         e.sample_aspect_ratio = pixel_aspect(settings_);
         e.color_range = AVCOL_RANGE_MPEG;
-        e.color_primaries = AVCOL_PRI_BT709;
         // MPEG-2's numbers for these are FFmpeg's.
+        e.color_primaries = static_cast<AVColorPrimaries>(settings_.color_primaries);
         e.color_trc = static_cast<AVColorTransferCharacteristic>(settings_.transfer_characteristics);
         e.colorspace = static_cast<AVColorSpace>(settings_.matrix_coefficients);
         e.chroma_sample_location = AVCHROMA_LOC_LEFT;

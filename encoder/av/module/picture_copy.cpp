@@ -100,10 +100,11 @@ void fill_plane(AVFrame& frame, int plane, const core::Plane<std::uint8_t>& samp
     }
 }
 
-/// A plane of all rows with more than 8 bits, from code values of 8 that are not rounded.
-void fill_exact(AVFrame& frame, int plane, int width, int depth, const std::function<float(int x, int y)>& value_at) {
+/// A plane with more than 8 bits, from code values of 8 that are not rounded.
+void fill_exact(AVFrame& frame, int plane, int width, int height, int depth,
+                const std::function<float(int x, int y)>& value_at) {
     const float scale = static_cast<float>(1 << (depth - 8));
-    for (int y = 0; y < frame.height; ++y) {
+    for (int y = 0; y < height; ++y) {
         std::uint16_t* out = row_of<std::uint16_t>(frame, plane, y);
         for (int x = 0; x < width; ++x) out[x] = static_cast<std::uint16_t>(std::lround(scale * value_at(x, y)));
     }
@@ -117,17 +118,24 @@ float between(const core::Plane<std::uint8_t>& plane, int x, int y) {
     return 0.75f * mean(near) + 0.25f * mean(far);
 }
 
-/// Chroma of 4:2:2 or 4:4:4, from full chroma where a picture has it.
+/// Chroma from full chroma where a picture has it; without it, of 4:2:2 or 4:4:4. Sited as perceptual/display.cpp has
+/// it.
 void fill_chroma(AVFrame& frame, int plane, const Layout& layout, const core::Plane<float>& full,
                  const core::Plane<std::uint8_t>& halved) {
     const auto at = [&](int x, int y) {
         return full.empty() ? between(halved, x, y) : full.at(std::clamp(x, 0, full.width() - 1), y);
     };
     const bool narrow = layout.across == 1;
-    fill_exact(frame, plane, narrow ? (frame.width + 1) / 2 : frame.width, layout.depth, [&](int x, int y) {
+    const auto across = [&](int x, int y) {
         if (!narrow) return at(x, y);
         if (full.empty()) return at(2 * x, y);
         return 0.25f * (at(2 * x - 1, y) + 2 * at(2 * x, y) + at(2 * x + 1, y));
+    };
+    const bool low = layout.down == 1;
+    const int width = narrow ? (frame.width + 1) / 2 : frame.width,
+              height = low ? (frame.height + 1) / 2 : frame.height;
+    fill_exact(frame, plane, width, height, layout.depth, [&](int x, int y) {
+        return low ? 0.5f * (across(x, 2 * y) + across(x, std::min(2 * y + 1, frame.height - 1))) : across(x, y);
     });
 }
 
@@ -160,14 +168,17 @@ void fill(AVFrame& frame, const core::Picture& picture) {
             fill_dithered(frame, picture);
         else
             fill_plane(frame, 0, picture.y, layout.depth);
-        fill_plane(frame, 1, picture.cb, layout.depth);
-        fill_plane(frame, 2, picture.cr, layout.depth);
-        return;
+        if (layout.depth == 8 || picture.full_cb.empty()) {
+            fill_plane(frame, 1, picture.cb, layout.depth);
+            fill_plane(frame, 2, picture.cr, layout.depth);
+            return;
+        }
+    } else {
+        fill_exact(frame, 0, frame.width, frame.height, layout.depth, [&](int x, int y) {
+            return picture.luma.empty() ? static_cast<float>(picture.y.at(x, y))
+                                        : std::clamp(picture.luma.at(x, y), 16.0f, 235.0f);
+        });
     }
-    fill_exact(frame, 0, frame.width, layout.depth, [&](int x, int y) {
-        return picture.luma.empty() ? static_cast<float>(picture.y.at(x, y))
-                                    : std::clamp(picture.luma.at(x, y), 16.0f, 235.0f);
-    });
     fill_chroma(frame, 1, layout, picture.full_cb, picture.cb);
     fill_chroma(frame, 2, layout, picture.full_cr, picture.cr);
 }

@@ -117,7 +117,7 @@ Job prepare(const EncodeOptions& options) {
     // Frames and their motion are often the same files.
     const auto shared =
         options.motion && *options.motion == options.input ? std::make_shared<SharedChannels>() : nullptr;
-    const core::View view{options.view ? core::view_from(*options.view) : core::ViewName::neutral};
+    const core::View view = view_of(options, {});
     if (options.view && (options.input == "-" || core::ending_of(options.input) == ".y4m"))
         throw core::Error("view: the frames of " + options.input.string() + " are a film's signals already");
     const bool has_pipe = options.motion && MotionPipe::is_one(*options.motion);
@@ -130,19 +130,17 @@ Job prepare(const EncodeOptions& options) {
     }
     if (options.input == "-" && options.as && options.coding.audio && *options.coding.audio != "none")
         throw UsageError("--audio: between two pipes nobody knows where sound ends; add it when the film is there");
-    const bool blenders = view.name != core::ViewName::neutral;
     // The writer of both may open this one first.
     std::unique_ptr<MotionPipe> motion_pipe;
     if (has_pipe) motion_pipe = std::make_unique<MotionPipe>(*options.motion);
-    const FilmSignals signals{{}, blenders, view, chroma_of(codec_of(options.coding, options.output))};
+    const FilmSignals signals{{}, view.is_blenders(), view, chroma_of(codec_of(options.coding, options.output), view)};
     job.frames = open_frames(options.input, options.exposure, wanted, signals, shared);
     encoder::Settings& coding = job.film.coding;
     const Preset* preset = preset_of(options.coding);
     if (preset != nullptr) preset->check_output(options.output);
     job.film.frames = job.frames->frames();
     coding = coding_settings(options.coding, settle_shape(wishes_of(options, *job.frames), preset, true),
-                             job.film.frames.first, options.output);
-    coding.transfer_characteristics = transfer_of(view, coding.codec);
+                             job.film.frames.first, options.output, view);
     job.film.keyframes = keyframes_of(options.coding);
     job.film.disc = preset != nullptr && preset->disc;
     check_settings(coding);
@@ -451,6 +449,7 @@ RunFacts encode_to_file(Job& job, const EncodeOptions& options, const std::strin
     const std::vector<ChunkFile>& files = chunks.close();
     if (files.empty()) throw core::Error("reading", input_name(options), "it holds no pictures");
 
+    job.film.coding.light = statistics.light;
     const Published published = publish(files, job.film, work, options.output, complete);
     if (complete) work.remove();
     return {command, input_name(options), published.name.string(), published.bytes, complete};

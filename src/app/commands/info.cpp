@@ -126,16 +126,24 @@ std::string shape_text(const av::StreamFacts& stream) {
     return fmt::format(" ({}:{})", whole.num, whole.den);
 }
 
-/// Names of the numbers of [H262, tables 6-7 to 6-9], and sRGB's.
+/// Names of the numbers of [H262, tables 6-7 to 6-9], sRGB's and those of high dynamic range.
 std::string colour_text(const av::StreamFacts& s) {
-    const auto named = [](int number, int at_srgb) {
+    const auto named = [](int number, bool is_curve) {
         if (number == 1) return std::string("BT.709");
         if (number == 5 || number == 6) return std::string("BT.601");
-        if (number == at_srgb) return std::string("sRGB");
+        if (number == 9 && !is_curve) return std::string("BT.2020");
+        if (number == 13 && is_curve) return std::string("sRGB");
+        if (number == 16 && is_curve) return std::string("PQ");
+        if (number == 18 && is_curve) return std::string("HLG");
         return number == 0 ? std::string("not said") : fmt::format("number {}", number);
     };
-    return fmt::format("primaries {}, transfer {}, matrix {}", named(s.color_primaries, -1),
-                       named(s.transfer_characteristics, 13), named(s.matrix_coefficients, -1));
+    std::string text = fmt::format("primaries {}, transfer {}, matrix {}", named(s.color_primaries, false),
+                                   named(s.transfer_characteristics, true), named(s.matrix_coefficients, false));
+    if (s.peak > 0) text += fmt::format("; made for white of {:.0f} cd/m2", s.peak);
+    if (s.light.most > 0)
+        text +=
+            fmt::format(", brightest {:.0f} (MaxCLL), on average at most {:.0f} (MaxFALL)", s.light.most, s.light.mean);
+    return text;
 }
 
 /// The most bits of a second of the film, in the order of its stream.
@@ -165,6 +173,9 @@ std::string device_lines(const av::Inspection& film) {
         else if (s.level > "4.1")
             not_on = "players of up to 1080 lines at 30 Hz, which end at level 4.1 (many televisions, Blu-ray)";
     }
+    const bool is_hdr = s.transfer_characteristics == 16 || s.transfer_characteristics == 18;
+    if (is_hdr)
+        not_on += std::string(not_on.empty() ? "" : ", ") + "displays without high dynamic range as it is meant";
     std::string text = fmt::format(
         "  devices    {}\n",
         not_on.empty() ? "whatever plays " + std::string(encoder::facts_of(s.codec).name) : "not on " + not_on);
@@ -311,6 +322,9 @@ json json_of(const std::string& name, const av::Inspection& film, bool summary) 
                 {"color_primaries", or_null(s.color_primaries, s.color_primaries > 0)},
                 {"transfer_characteristics", or_null(s.transfer_characteristics, s.transfer_characteristics > 0)},
                 {"matrix_coefficients", or_null(s.matrix_coefficients, s.matrix_coefficients > 0)},
+                {"peak", or_null(s.peak, s.peak > 0)},
+                {"max_cll", or_null(s.light.most, s.light.most > 0)},
+                {"max_fall", or_null(s.light.mean, s.light.most > 0)},
                 {"busiest_second", busiest_second(film)},
                 {"max_rate", or_null(s.bit_rate, s.bit_rate > 0)},
                 {"vbv_bits", or_null(s.buffer_bits, s.buffer_bits > 0)},

@@ -191,9 +191,9 @@ json compare_page(const RenderJob& film, const Comparison& found) {
                                  {"recommended", taken == i}});
     const Way& other = found.ways[usual_way];
     if (row < other.rows.size() && rows[row].sample_frame && other.rows[row].sample_frame)
-        page["pictures"].push_back(pair_of(
-            fmt::format("Quantiser {}: decoded", rows[row].quantiser), {"coupled", rows[row].sample_frame->decoded},
-            {other.name, other.rows[row].sample_frame->decoded}, perceptual::matrix_for(film.format.height), true));
+        page["pictures"].push_back(pair_of(fmt::format("Quantiser {}: decoded", rows[row].quantiser),
+                                           {"coupled", rows[row].sample_frame->decoded},
+                                           {other.name, other.rows[row].sample_frame->decoded}, film.colors(), true));
     return page;
 }
 

@@ -176,18 +176,18 @@ const TrialRow* row_of(const Sweep& sweep, const FilmCost& cost) {
 }
 
 /// One frame by each row of the film's table, null where there is none, beside exact light; null without references.
-json accuracies_json(const Sweep& sweep, const std::vector<FilmCost>& costs, perceptual::ColorMatrix matrix) {
+json accuracies_json(const Sweep& sweep, const std::vector<FilmCost>& costs, const perceptual::PictureColors& colors) {
     json sources = json::array(), shown = nullptr;
     for (const FilmCost& cost : costs) {
         const TrialRow* const row = row_of(sweep, cost);
         sources.push_back(nullptr);
         if (row == nullptr || !row->trial.sample_frame) continue;
         const SampleFrame& frame = *row->trial.sample_frame;
-        sources.back() = source_of(cost.name(), frame.lit, matrix);
+        sources.back() = source_of(cost.name(), frame.lit, colors);
         if (shown.is_null())
             shown = {{"frame", frame.frame},
                      {"width", shown_width(frame.lit.width())},
-                     {"exact", source_of("exact", frame.reference, matrix)}};
+                     {"exact", source_of("exact", frame.reference, colors)}};
     }
     if (!shown.is_null()) shown["sources"] = sources;
     return shown;
@@ -310,20 +310,20 @@ json cost_json(const Sweep& sweep, const std::vector<FilmCost>& costs, std::int6
 }
 
 json cost_page(const RenderJob& film, const Sweep& sweep, const std::vector<FilmCost>& costs) {
-    const perceptual::ColorMatrix matrix = perceptual::matrix_for(film.format.height);
+    const perceptual::PictureColors colors = film.colors();
     const std::optional<std::size_t> taken = recommended(costs);
     const TrialRow* own = taken ? row_of(sweep, costs[*taken]) : nullptr;
     const TrialRow& row = own != nullptr ? *own : sweep.rows.front();
     json without = json::array(), wholes = json::object();
     for (const EffectCost& cost : sweep.effects.rows) {
-        without.push_back({{"source", source_of("without " + cost.name, cost.without, matrix)},
+        without.push_back({{"source", source_of("without " + cost.name, cost.without, colors)},
                            {"width", shown_width(cost.without.width())},
                            {"frame", cost.whole.number}});
-        wholes.emplace(std::to_string(cost.whole.number), source_of("all effects", cost.whole, matrix));
+        wholes.emplace(std::to_string(cost.whole.number), source_of("all effects", cost.whole, colors));
     }
     return {{"threads", parallel::thread_count()},
             {"truth", truth_text(sweep.truth)},
-            {"accuracies", accuracies_json(sweep, costs, matrix)},
+            {"accuracies", accuracies_json(sweep, costs, colors)},
             {"without", without},
             {"wholes", wholes},
             {"sample", sample_frame_figures(row.name, row.trial, film)}};

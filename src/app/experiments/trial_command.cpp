@@ -309,8 +309,7 @@ nlohmann::json sample_frame_figures(const std::string& name, const Trial& trial,
     perceptual::HeatScale error = scale_of(HeatSubject::tolerance);
     error.title = "TRUE ERROR / LUMINANCE";
     all.push_back(pair_of(fmt::format("Frame {}: {} decoded, beside reference light, not coded", own.frame, name),
-                          {name, own.decoded}, {"reference light", own.reference},
-                          perceptual::matrix_for(film.format.height), false));
+                          {name, own.decoded}, {"reference light", own.reference}, film.colors(), false));
     all.push_back(heat_of("What each pixel's light may be off by", own.tolerance, scale_of(HeatSubject::tolerance)));
     all.push_back(heat_of("What it is off by", own.error, error));
     return all;

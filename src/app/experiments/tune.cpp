@@ -196,7 +196,7 @@ json tune_page(const RenderJob& film, const Tuning& tuning) {
     if (const auto& own = taken.trial.sample_frame)
         page["pictures"].push_back(pair_of(fmt::format("Frame {}: decoded, beside exact light", own->frame),
                                            {"decoded", own->decoded}, {"exact, not coded", own->reference},
-                                           perceptual::matrix_for(film.format.height), true));
+                                           film.colors(), true));
     return page;
 }
 

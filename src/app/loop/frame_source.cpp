@@ -110,11 +110,14 @@ class ImageFrames : public FrameSource {
                 throw core::Error("reading", numbered(pattern_, n).string(), "no such file");
         const image::Image first = read_image(frames_.first);
         size_ = {first.pixels.width(), first.pixels.height()};
-        matrix_ = film.matrix.value_or(perceptual::matrix_for(size_.height));
+        matrix_ = film.matrix.value_or(perceptual::matrix_for(size_.height, film.view));
         display_.emplace(exposure.value_or(0.0f), matrix_, film.view, chroma_);
         // Files that know no other shape say square pixels.
         if (first.pixel_aspect > 0.001f && first.pixel_aspect < 1000 && first.pixel_aspect != 1)
             pixel_aspect_ = core::product({std::lround(10000 * first.pixel_aspect), 10000}, {1, 1});
+        if (film.view.is_hdr() && !first.high_range)
+            throw core::Error("view " + core::text_of(film.view) + ": the frames of " + pattern.string() +
+                              " are as a display shows them; only scene-linear ones (EXR) have brighter light");
         if (exposure && !first.high_range)
             throw core::Error("exposure: the frames of " + pattern.string() +
                               " are as a display shows them; only scene-linear ones (EXR) are exposed");

@@ -125,7 +125,10 @@ std::optional<float> exposure_of(const RenderOptions& options, const scene::Anim
 void settle_display(RenderJob& film, const RenderOptions& options) {
     film.exposure = exposure_of(options, *film.animation);
     film.measures_exposure = !film.exposure;
-    film.view = options.view ? core::View{core::view_from(*options.view)} : film.animation->view.value_or(core::View());
+    film.view = view_of(options, film.animation->view.value_or(core::View()));
+    if (film.view.is_hdr() && film.kind == OutputKind::y4m)
+        throw UsageError("--view " + core::text_of(film.view) +
+                         ": such a stream has 8 bits; choose a film, .mp4 or .mkv");
 }
 
 scene::DefaultLight light_of(const std::string& word) {
@@ -323,8 +326,7 @@ RenderJob prepare(const RenderOptions& wanted) {
     film.rendering.transparent = animation->transparent;
     film.rendering.mattes = options.layers || film.has_alpha();
 
-    film.coding = coding_settings(options.coding, shape, film.frames.first, options.output);
-    film.coding.transfer_characteristics = transfer_of(film.view, film.coding.codec);
+    film.coding = coding_settings(options.coding, shape, film.frames.first, options.output, film.view);
     film.keyframes = keyframes_of(options.coding);
     film.two_passes = film.kind == OutputKind::film && two_passes(options.coding);
     film.disc = preset != nullptr && preset->disc;

@@ -88,8 +88,9 @@ struct RenderJob {
     bool has_alpha() const;
     /// With 0 EV before the exposure is known.
     perceptual::Display display() const {
-        return {exposure.value_or(0), perceptual::matrix_for(format.height), view, chroma_of(coding.codec)};
+        return {exposure.value_or(0), colors().matrix, view, chroma_of(coding.codec, view)};
     }
+    perceptual::PictureColors colors() const { return {perceptual::matrix_for(format.height, view), view}; }
     Film film() const {
         return {animation->source, frames, coding, keyframes, disc, core::name_of(rendering.isa), sound};
     }

@@ -71,6 +71,8 @@ void each_sum(Visit&& visit, Sums&... s) {
     visit("wall", added, s.earlier_wall...);
     visit("cpu", added, s.earlier_cpu...);
     visit("brightest_luma", largest, s.brightest_luma...);
+    visit("max_cll", largest, s.light.most...);
+    visit("max_fall", largest, s.light.mean...);
     visit("audit_over", added, s.audit.over...);
     visit("audit_seconds", added, s.audit.seconds...);
 }

@@ -98,6 +98,7 @@ struct RunStatistics {
     std::array<double, static_cast<std::size_t>(Stage::count)> earlier_seconds{};  ///< likewise, in `seconds`
     std::vector<FrameEntry> frames;
     int brightest_luma = 0;  ///< code value
+    core::LightLevel light;
     renderer::Statistics rendering;
     Audit audit;
     /// CPU by row of the plan; rows without time of their own have 0.

@@ -24,6 +24,7 @@ void StatisticsRecorder::lit(const LitFrame& frame) {
     statistics_.frames.push_back(entry);
     for (const std::uint8_t luma : frame.picture.y.values())
         statistics_.brightest_luma = std::max<int>(statistics_.brightest_luma, luma);
+    statistics_.light += frame.picture.level;
     if (!coded_) return;
     const bool continues = !first && !frame.world.cut_before;
     keep(frame.picture, continues, continues ? frame.motion.to(entry.frame - 1) : nullptr);
@@ -33,6 +34,7 @@ void StatisticsRecorder::read(const core::Picture& picture, const core::MotionFi
     FrameEntry entry;
     entry.frame = picture.number;
     statistics_.frames.push_back(entry);
+    statistics_.light += picture.level;
     keep(picture, motion != nullptr, motion);
 }
 

@@ -218,7 +218,7 @@ void refuse_rates(const CodingOptions& o, const encoder::CodecFacts& facts) {
         if (is_given) throw UsageError(fmt::format("{}: {} has its own rate; leave it out", name, facts.name));
 }
 
-int quantiser_of(const CodingOptions& options, encoder::Codec codec) {
+int quantiser_of(const CodingOptions& options, encoder::Codec codec, const core::View& view) {
     const encoder::CodecFacts facts = encoder::facts_of(codec);
     if (facts.master) refuse_rates(options, facts);
     if (options.crf) {
@@ -229,7 +229,26 @@ int quantiser_of(const CodingOptions& options, encoder::Codec codec) {
             throw UsageError(fmt::format("{}: {} has {} to {}", asked, facts.name, facts.finest, facts.coarsest));
         return *options.crf;
     }
-    return static_cast<int>(std::lround(encoder::quantiser_like(codec, options.quantiser.value_or(4))));
+    // A code value of PQ is twice as much light.
+    const int usual = view.name == core::ViewName::pq ? 2 : 4;
+    return static_cast<int>(std::lround(encoder::quantiser_like(codec, options.quantiser.value_or(usual))));
+}
+
+/// Declares how a view's signals are to be shown.
+void declare_colors(encoder::Settings& coding, const core::View& view) {
+    coding.transfer_characteristics = encoder::transfer_number(coding.codec, view.is_blenders());
+    if (!view.is_hdr()) return;
+    const encoder::CodecFacts& facts = encoder::facts_of(coding.codec);
+    if (!facts.has_more_than_8_bits() || coding.codec == encoder::Codec::dnxhr)
+        throw UsageError(
+            fmt::format("--view {}: {} films are not of high dynamic range; choose --codec hevc, av1, "
+                        "prores or ffv1",
+                        core::text_of(view), facts.name));
+    // [BT2100, table 2] in the numbers of ISO/IEC 23091-2
+    coding.color_primaries = 9;
+    coding.matrix_coefficients = static_cast<int>(perceptual::ColorMatrix::bt2020);
+    coding.transfer_characteristics = view.name == core::ViewName::pq ? 16 : 18;
+    coding.peak = view.name == core::ViewName::pq ? view.peak : 0;
 }
 
 }  // namespace
@@ -311,8 +330,15 @@ std::vector<int> in_scale_of(encoder::Codec codec, std::vector<int> quantisers) 
     return quantisers;
 }
 
+core::View view_of(const FilmOptions& options, const core::View& own) {
+    core::View view = options.view ? core::View{core::view_from(*options.view)} : own;
+    if (options.peak && view.name != core::ViewName::pq) throw UsageError("--peak: goes with --view pq");
+    view.peak = options.peak.value_or(view.peak);
+    return view;
+}
+
 encoder::Settings coding_settings(const CodingOptions& options, const Shape& shape, std::int64_t first,
-                                  const std::filesystem::path& output) {
+                                  const std::filesystem::path& output, const core::View& view) {
     encoder::Settings coding;
     coding.codec = codec_of(options, output);
     coding.width = shape.size.width;
@@ -320,7 +346,7 @@ encoder::Settings coding_settings(const CodingOptions& options, const Shape& sha
     coding.rate = shape.rate;
     coding.first_number = first;
     if (av::is_film(output)) refuse_as_usage([&] { av::check_container(output, coding.codec); });
-    coding.quantiser = quantiser_of(options, coding.codec);
+    coding.quantiser = quantiser_of(options, coding.codec, view);
     coding.rate_control = rate_control(options);
     if (coding.codec != encoder::Codec::mpeg2 && options.bitrate && !two_passes(options))
         throw UsageError(
@@ -338,6 +364,7 @@ encoder::Settings coding_settings(const CodingOptions& options, const Shape& sha
     }
     coding.aspect_ratio_code = shape.aspect_ratio_code;
     coding.matrix_coefficients = static_cast<int>(perceptual::matrix_for(shape.size.height));
+    if (output.empty() || av::is_film(output)) declare_colors(coding, view);
     if (const Preset* preset = preset_of(options)) apply(*preset, options, coding);
     return coding;
 }

@@ -108,19 +108,17 @@ bool two_passes(const CodingOptions& options);
 std::vector<int> in_scale_of(encoder::Codec codec, std::vector<int> quantisers);
 
 /// Encoder settings for this shape; `first` frame, `output` may be empty. Throws core::Error where an option
-/// contradicts preset or codec.
+/// contradicts preset or codec, UsageError where a film in this view does.
 encoder::Settings coding_settings(const CodingOptions& options, const Shape& shape, std::int64_t first,
-                                  const std::filesystem::path& output);
-
-/// transfer_characteristics of a view in a codec; Blender's views are sRGB's.
-inline int transfer_of(const core::View& view, encoder::Codec codec) {
-    return encoder::transfer_number(codec, view.name != core::ViewName::neutral);
-}
+                                  const std::filesystem::path& output, const core::View& view = {});
 
 /// What pictures must keep for a codec.
-inline perceptual::Chroma chroma_of(encoder::Codec codec) {
-    return encoder::facts_of(codec).master ? perceptual::Chroma::full : perceptual::Chroma::halved;
+inline perceptual::Chroma chroma_of(encoder::Codec codec, const core::View& view) {
+    return encoder::facts_of(codec).master || view.is_hdr() ? perceptual::Chroma::full : perceptual::Chroma::halved;
 }
+
+/// The view that options ask for, else this one. Throws UsageError.
+core::View view_of(const FilmOptions& options, const core::View& own);
 
 Keyframes keyframes_of(const CodingOptions& options);
 

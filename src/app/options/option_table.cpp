@@ -154,12 +154,15 @@ Rows picture_rows(CommandLine& line) {
          "0.5 (default: the animation file's, or off)",
          "KIND[:STRENGTH]", glare_from, Idle::undeveloped},
         {"--view", picture, o.view,
-         "What bright light becomes: `neutral`, or as in Blender, also `filmic-high-contrast` and so on (default: the "
-         "animation file's or the .blend's, or neutral)",
-         "neutral|standard|filmic|agx", core::view_from, Idle::undeveloped},
+         "What bright light becomes: `neutral`; as in Blender, also `filmic-high-contrast` and so on; or high dynamic "
+         "range, pq or hlg in BT.2020 (default: the animation file's or the .blend's, or neutral)",
+         "neutral|standard|filmic|agx|pq|hlg", core::view_from, Idle::undeveloped},
         {"--view@encode", picture, o.view,
          "As for render; PNG frames of Blender's views keep their code values (default: neutral)",
-         "neutral|standard|filmic|agx", core::view_from},
+         "neutral|standard|filmic|agx|pq|hlg", core::view_from},
+        {"--peak", picture, o.peak, "White of --view pq, cd/m2 (default: 1000)",
+         range(core::least_peak, core::largest_peak), Idle::undeveloped},
+        {"--peak@encode", picture, o.peak, "As for render", range(core::least_peak, core::largest_peak)},
         {"--transparent", picture, o.transparent,
          "Whether the camera does not see the sky, which shines all the same: frames have alpha, films black there "
          "(default: the animation file's or the .blend's, or off)",

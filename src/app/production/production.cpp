@@ -86,7 +86,11 @@ Published publish_frames(const OpenRender& open, bool complete) {
     const RenderJob& film = open.film;
     const RenderOptions& options = open.options;
     const std::span<const ChunkFile> files = leading_of(open);
-    if (film.kind == OutputKind::film) return publish(files, film.film(), open.work, options.output, complete);
+    if (film.kind == OutputKind::film) {
+        Film coded = film.film();
+        coded.coding.light = open.statistics.light;
+        return publish(files, coded, open.work, options.output, complete);
+    }
     if (film.kind == OutputKind::y4m) {
         std::vector<std::filesystem::path> parts;
         for (const ChunkFile& chunk : files)

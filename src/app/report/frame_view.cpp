@@ -84,21 +84,21 @@ int shown_width(int width) {
     return width * std::max(1, (least + width - 1) / width);
 }
 
-std::string source_of(const std::string& name, const core::Picture& picture, perceptual::ColorMatrix matrix) {
-    const std::vector<std::uint8_t> rgb = perceptual::shown_rgb(picture, matrix);
+std::string source_of(const std::string& name, const core::Picture& picture, const perceptual::PictureColors& colors) {
+    const std::vector<std::uint8_t> rgb = perceptual::shown_rgb(picture, colors);
     return "data:image/png;base64," + base64(image::png_bytes(picture.width(), picture.height(), rgb, name));
 }
 
 json pair_of(const std::string& title, const ShownPicture& left, const ShownPicture& right,
-             perceptual::ColorMatrix matrix, bool with_difference) {
+             const perceptual::PictureColors& colors, bool with_difference) {
     EXPECTS(left.picture.width() == right.picture.width() && left.picture.height() == right.picture.height());
     json pair{{"title", title},
               {"width", shown_width(left.picture.width())},
               {"names", {left.name, right.name}},
-              {"sources", {source_of(left.name, left.picture, matrix), source_of(right.name, right.picture, matrix)}}};
+              {"sources", {source_of(left.name, left.picture, colors), source_of(right.name, right.picture, colors)}}};
     if (!with_difference) return pair;
     pair["names"].push_back("difference");
-    pair["sources"].push_back(source_of("difference", difference_of(left.picture, right.picture), matrix));
+    pair["sources"].push_back(source_of("difference", difference_of(left.picture, right.picture), {colors.matrix}));
     pair["gain"] = difference_gain;
     return pair;
 }
@@ -107,13 +107,11 @@ json heat_of(const std::string& title, const core::Plane<float>& values, const p
     // Full-range colours need no film's matrix.
     const perceptual::ColorMatrix matrix = perceptual::ColorMatrix::bt709;
     const core::Picture picture = perceptual::heatmap(values, scale, matrix);
-    return {{"title", title}, {"width", shown_width(picture.width())}, {"source", source_of(title, picture, matrix)}};
+    return {{"title", title}, {"width", shown_width(picture.width())}, {"source", source_of(title, picture, {matrix})}};
 }
 
 SampleFrameObserver::SampleFrameObserver(const RenderJob& film)
-    : frame_(film.frames.first + (film.frame_count() - 1) / 2),
-      codec_(film.coding.codec),
-      matrix_(perceptual::matrix_for(film.format.height)) {}
+    : frame_(film.frames.first + (film.frame_count() - 1) / 2), codec_(film.coding.codec), colors_(film.colors()) {}
 
 void SampleFrameObserver::lit(const LitFrame& frame) {
     if (frame.world.frame != frame_) return;
@@ -148,7 +146,7 @@ nlohmann::json SampleFrameObserver::figures() const {
     nlohmann::json all = nlohmann::json::array();
     if (decoded_)
         all.push_back(pair_of(fmt::format("Frame {}: {}", frame_, coding_), {"decoded", *decoded_},
-                              {"as it was lit", *lit_}, matrix_, true));
+                              {"as it was lit", *lit_}, colors_, true));
     if (!tolerance_.empty())
         all.push_back(heat_of("What each pixel's light may be off by", tolerance_, scale_of(HeatSubject::tolerance)));
     if (!error_.empty())

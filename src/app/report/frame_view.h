@@ -35,12 +35,12 @@ struct ShownPicture {
 int shown_width(int width);
 
 /// A picture as a PNG file within the page.
-std::string source_of(const std::string& name, const core::Picture& picture, perceptual::ColorMatrix matrix);
+std::string source_of(const std::string& name, const core::Picture& picture, const perceptual::PictureColors& colors);
 
 /// Two pictures of one size that a page shows upon each other, with a slider; `with_difference`: and a switch to the
 /// difference of the two, amplified, on grey.
 nlohmann::json pair_of(const std::string& title, const ShownPicture& left, const ShownPicture& right,
-                       perceptual::ColorMatrix matrix, bool with_difference);
+                       const perceptual::PictureColors& colors, bool with_difference);
 
 /// Values in false colours with their legend.
 nlohmann::json heat_of(const std::string& title, const core::Plane<float>& values, const perceptual::HeatScale& scale);
@@ -66,7 +66,7 @@ class SampleFrameObserver : public LoopObserver {
   private:
     std::int64_t frame_;
     encoder::Codec codec_;
-    perceptual::ColorMatrix matrix_;
+    perceptual::PictureColors colors_;
     std::optional<core::Picture> lit_, decoded_;
     core::Plane<float> tolerance_, error_;  ///< over luminance; empty: not known
     nlohmann::json earlier_;                ///< of an earlier run

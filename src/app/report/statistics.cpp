@@ -271,6 +271,8 @@ double peak_memory_mib() {
 json statistics_of(const RenderJob& film, const RunStatistics& statistics, const RunFacts& facts) {
     const bool coded = film.kind == OutputKind::film;
     json written = common_of(film.film(), statistics, facts);
+    if (statistics.light.most > 0)
+        written.update({{"max_cll", statistics.light.most}, {"max_fall", statistics.light.mean}});
     written.update({
         {"exposure", film.exposure.value_or(0)},
         {"view", core::text_of(film.view)},

@@ -49,7 +49,7 @@ core::View view_of(const JsonValue& value) {
     view.name = static_cast<core::ViewName>(name->word(core::view_names));
     if (const auto gamma = value.find("gamma")) {
         view.gamma = static_cast<float>(gamma->number(core::least_gamma, core::largest_gamma));
-        if (view.name == core::ViewName::neutral && view.gamma != 1) gamma->fail("is for Blender's views");
+        if (!view.is_blenders() && view.gamma != 1) gamma->fail("is for Blender's views");
     }
     return view;
 }
