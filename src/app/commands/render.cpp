@@ -17,7 +17,7 @@
 #include "app/options/option_text.h"
 #include "app/production/production.h"
 #include "app/report/frame_view.h"
-#include "app/report/heatmap_film.h"
+#include "app/report/side_film.h"
 #include "app/report/statistics.h"
 #include "app/report/summary.h"
 #include "app/system/image_reader.h"
@@ -103,9 +103,9 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
     if (InterruptGuard::requested()) return interrupted_before_frames(options);
     if (!options.quiet && !options.resume && !left.empty()) print_line(left);
     const std::unique_ptr<WorkFolder> work = open_outputs(film, options, identity);
-    HeatmapFilms heatmaps(options, film, *work);
+    SideFilms side_films(options, film, *work);
     std::vector<ChunkFile> files = take_up(
-        film, options, *work, [&](const std::vector<ChunkFile>& kept) { heatmaps.take_up(kept); }, statistics);
+        film, options, *work, [&](const std::vector<ChunkFile>& kept) { side_films.take_up(kept); }, statistics);
     settle(film, options, *work, statistics);
     if (InterruptGuard::requested()) return interrupted_before_frames(options);
 
@@ -113,7 +113,7 @@ int render(const RenderOptions& options, const std::string& command, Rendered* r
         print(film_text(film) + "\n" + text_of(chunks_at_once(film, options)) + "\n" + plan_table(film));
     SampleFrameObserver sample_frame(film);
     if (options.report) take_up(sample_frame, files);
-    const OpenRender open{film, options, identity, clock, *work, heatmaps, sample_frame, statistics, files};
+    const OpenRender open{film, options, identity, clock, *work, side_films, sample_frame, statistics, files};
     const bool complete = render_chunks(open);
 
     RunFacts facts{command, options.input.string(), options.output.string(), 0, false};

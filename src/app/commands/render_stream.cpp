@@ -30,7 +30,8 @@ void check_stream(const RenderOptions& options) {
     if (options.resume) refuse("--resume", "nothing is left that a later run could go on with");
     if (options.light_cache) refuse("--light-cache", "no light is kept; render to a file");
     if (options.layers) refuse("--aov", "only the film is written; render to a file for layers");
-    if (!options.heatmaps.empty()) refuse("--heatmap", "only the film is written; render to a file for heatmaps");
+    if (!options.side_films.empty())
+        refuse(options.also.empty() ? "--heatmap" : "--also", "only the film is written; render to a file for others");
     if (!options.dry_run) check_pipe(STDOUT_FILENO);
 }
 

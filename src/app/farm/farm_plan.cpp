@@ -171,9 +171,9 @@ RenderOptions part_options(const FarmPlan& plan, const FilmPart& part, const Ren
     options.stats.reset();
     if (options.report) options.report = folder / "report.html";
     if (options.layers) options.layers = folder / "layers";
-    for (std::size_t i = 0; i < options.heatmaps.size(); ++i) {
-        std::string& name = options.heatmaps[i].second;
-        name = (folder / fmt::format("heatmap_{}{}", i + 1, std::filesystem::path(name).extension().string())).string();
+    for (std::size_t i = 0; i < options.side_films.size(); ++i) {
+        std::string& name = options.side_films[i].second;
+        name = (folder / fmt::format("beside_{}{}", i + 1, std::filesystem::path(name).extension().string())).string();
     }
     options.resume = true;
     options.overwrite = true;

@@ -21,7 +21,7 @@
 #include "app/options/output_kind.h"
 #include "app/production/production.h"
 #include "app/report/frame_view.h"
-#include "app/report/heatmap_film.h"
+#include "app/report/side_film.h"
 #include "app/system/interrupt.h"
 #include "app/system/terminal.h"
 #include "core/error.h"
@@ -39,7 +39,7 @@ RenderOptions moved_into(const std::filesystem::path& folder, const RenderOption
     if (options.stats) moved.stats = folder / options.stats->filename();
     if (options.report) moved.report = folder / options.report->filename();
     if (options.layers) moved.layers = folder / options.layers->lexically_normal().filename();
-    for (auto& [subject, name] : moved.heatmaps) name = (folder / std::filesystem::path(name).filename()).string();
+    for (auto& [subject, name] : moved.side_films) name = (folder / std::filesystem::path(name).filename()).string();
     return moved;
 }
 
@@ -51,18 +51,18 @@ struct MadePart {
 
 /// Reads the results of a part: its whole chunks, verified by their checksums.
 MadePart made_part(const FarmPlan& plan, const FilmPart& part, const RenderJob& job, const RenderOptions& options,
-                   HeatmapFilms& heatmaps) {
+                   SideFilms& side_films) {
     const json& identity = plan.facts->at("identity");
     MadePart made;
     RenderOptions own = part_options(plan, part, options);
     own.quiet = true;
     if (!WorkFolder::is_of(own.output, identity)) return made;
     WorkFolder work(own.output, identity, WorkFolder::Earlier::resumed, Locking::where_possible);
-    HeatmapFilms shown(own, job, work);
+    SideFilms shown(own, job, work);
     made.chunks = take_up(
         job, own, work, [](const std::vector<ChunkFile>&) {}, made.statistics);
     shown.take_up(made.chunks);
-    heatmaps.append(shown);
+    side_films.append(shown);
     return made;
 }
 
@@ -111,16 +111,16 @@ void place_images(const RenderJob& film, const RenderOptions& from, const Render
     for (std::size_t i = 0; i < made.size(); ++i) place(made[i], named[i]);
 }
 
-/// All parts of the film, proved and placed: its chunks, what was counted, and its heatmaps. Throws core::Error, naming
-/// the parts that are not whole.
+/// All parts of the film, proved and placed: its chunks, what was counted, and its side_films. Throws core::Error,
+/// naming the parts that are not whole.
 std::vector<ChunkFile> gather(const FarmPlan& plan, const RenderJob& film, const RenderOptions& options,
-                              HeatmapFilms& heatmaps, RunStatistics& statistics) {
+                              SideFilms& side_films, RunStatistics& statistics) {
     std::vector<ChunkFile> chunks;
     Missing missing;
     for (const FilmPart& part : plan.parts) {
         RenderJob job = film;
         job.part = part.chunks;
-        MadePart made = made_part(plan, part, job, options, heatmaps);
+        MadePart made = made_part(plan, part, job, options, side_films);
         missing.look(part, job.chunks(), made.chunks);
         statistics = sum_of(statistics, made.statistics);
         for (ChunkFile& chunk : made.chunks) chunks.push_back(std::move(chunk));
@@ -175,11 +175,11 @@ int join(const PartOptions& wish) {
     const std::unique_ptr<WorkFolder> work = open_outputs(film, options, identity);
     for (const auto& [name, value] : plan.facts->at("settled").items()) work->keep(name, value);
     settle(film, options, *work, statistics);
-    HeatmapFilms heatmaps(options, film, *work);
-    std::vector<ChunkFile> files = gather(plan, film, options, heatmaps, statistics);
+    SideFilms side_films(options, film, *work);
+    std::vector<ChunkFile> files = gather(plan, film, options, side_films, statistics);
     SampleFrameObserver sample_frame(film);
     if (options.report) take_up(sample_frame, files);
-    const OpenRender open{film, options, identity, clock, *work, heatmaps, sample_frame, statistics, files};
+    const OpenRender open{film, options, identity, clock, *work, side_films, sample_frame, statistics, files};
     RunFacts facts{command, options.input.string(), options.output.string(), 0, false};
     if (publish_all(open, true, facts, "the same command")) remove_parts(plan, options.output);
     return 0;

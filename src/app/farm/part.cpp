@@ -25,7 +25,7 @@
 #include "app/options/usage_error.h"
 #include "app/production/production.h"
 #include "app/report/frame_view.h"
-#include "app/report/heatmap_film.h"
+#include "app/report/side_film.h"
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"
 #include "app/system/terminal.h"
@@ -97,11 +97,11 @@ int render_part(const FarmPlan& plan, const FilmPart& part, const PartOptions& w
     film.part = part.chunks;
     keep_settled(plan, *work);
 
-    HeatmapFilms heatmaps(options, film, *work);
+    SideFilms side_films(options, film, *work);
     RenderOptions silent = options;
     silent.quiet = true;
     std::vector<ChunkFile> files = take_up(
-        film, silent, *work, [&](const std::vector<ChunkFile>& kept) { heatmaps.take_up(kept); }, statistics);
+        film, silent, *work, [&](const std::vector<ChunkFile>& kept) { side_films.take_up(kept); }, statistics);
     settle(film, silent, *work, statistics);
     const std::int64_t there =
         static_cast<std::int64_t>(statistics.frames.size()) + lit_frames_in(options.output, film.chunks());
@@ -117,7 +117,7 @@ int render_part(const FarmPlan& plan, const FilmPart& part, const PartOptions& w
                           plan.facts->at("identity"),
                           clock,
                           *work,
-                          heatmaps,
+                          side_films,
                           sample_frame,
                           statistics,
                           files,
@@ -127,7 +127,7 @@ int render_part(const FarmPlan& plan, const FilmPart& part, const PartOptions& w
                           }};
     const bool complete = render_chunks(open);
     try {
-        heatmaps.rethrow();
+        side_films.rethrow();
     } catch (...) {
         // Nothing goes on from a heatmap that broke off.
         work->remove();

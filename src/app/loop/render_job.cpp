@@ -150,8 +150,8 @@ void decide_passes(RenderJob& film, const RenderOptions& options) {
     wanted.developed = film.kind == OutputKind::y4m || film.kind == OutputKind::png;
     wanted.layers = options.layers.has_value();
     // Heatmaps of cuts, errors and records need layers.
-    for (const auto& heatmap : options.heatmaps)
-        wanted.layers = wanted.layers || (heatmap.first != "tolerance" && heatmap.first != "quantiser");
+    for (const auto& [subject, file] : options.side_films)
+        wanted.layers = wanted.layers || (subject != "tolerance" && subject != "quantiser" && !view_and_codec(subject));
     wanted.indirect = options.vpls > 0;
     wanted.by_rays = options.indirect == "rays" && !film.preview;
     wanted.caustics = options.caustics == "on";
@@ -170,8 +170,8 @@ void refuse_beside_truth(const RenderJob& film, const RenderOptions& options) {
     if (film.plan.runs(renderer::Pass::shutter)) refuse("--shutter", "every frame is an instant; say --shutter 0");
     if (film.plan.runs(renderer::Pass::lens)) refuse("--f-stop", "all is in focus; say --f-stop off");
     if (options.audit > 0) refuse("--audit", "there is nothing truer to hold the picture against");
-    for (const auto& [subject, file] : options.heatmaps)
-        if (subject != "quantiser" && subject != "error")
+    for (const auto& [subject, file] : options.side_films)
+        if (subject != "quantiser" && subject != "error" && !view_and_codec(subject))
             refuse("--heatmap " + subject, "there are neither cuts nor records");
 }
 

@@ -104,7 +104,7 @@ std::pair<std::filesystem::path, std::string> mark_of(const RenderJob& film, con
                                                       const json& identity) {
     std::vector<std::filesystem::path> files = images_of(film, options, film.frames);
     if (is_one_file(film.kind)) files.insert(files.begin(), options.output);
-    for (const auto& [subject, file] : options.heatmaps) files.emplace_back(file);
+    for (const auto& [subject, file] : options.side_films) files.emplace_back(file);
     for (const auto& file : {options.stats, options.report})
         if (file) files.push_back(*file);
     std::string text = json_text(identity);

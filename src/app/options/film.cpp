@@ -76,8 +76,9 @@ RenderOptions preview_options(const RenderOptions& options) {
     if (options.layers) refuse_preview(options, "--aov", "there are no layers");
     if (options.cache == "on")
         refuse_preview(options, "--cache on", "light is carried by pixels, not kept on surfaces");
-    for (const auto& [subject, file] : options.heatmaps)
-        if (subject != "quantiser") refuse_preview(options, "--heatmap " + subject, "only `quantiser` is known");
+    for (const auto& [subject, file] : options.side_films)
+        if (subject != "quantiser" && !view_and_codec(subject))
+            refuse_preview(options, "--heatmap " + subject, "only `quantiser` is known");
 
     // fit: docs/measurements.md#drafts, by PSNR for CPU time.
     if (!options.tolerance) draft.tolerance = "fixed=30%";
@@ -335,6 +336,25 @@ core::View view_of(const FilmOptions& options, const core::View& own) {
     if (options.peak && view.name != core::ViewName::pq) throw UsageError("--peak: goes with --view pq");
     view.peak = options.peak.value_or(view.peak);
     return view;
+}
+
+std::optional<ViewAndCodec> view_and_codec(const std::string& word) {
+    const std::size_t colon = word.find(':');
+    const std::string view = word.substr(0, colon);
+    if (std::ranges::find(core::view_names, view) == core::view_names.end()) return {};
+    ViewAndCodec result{{core::view_from(view)}, {}};
+    if (colon == std::string::npos) return result;
+    const std::string codec = word.substr(colon + 1);
+    const auto known = std::ranges::find(encoder::all_codecs, codec, &encoder::CodecFacts::word);
+    if (known == encoder::all_codecs.end()) throw UsageError("--also " + word + ": " + codec + " is no codec");
+    result.codec = known->codec;
+    return result;
+}
+
+encoder::Codec ViewAndCodec::codec_in(const std::filesystem::path& output) const {
+    if (codec) return *codec;
+    const encoder::Codec usual = codec_of({}, output);
+    return view.is_hdr() && !encoder::facts_of(usual).has_more_than_8_bits() ? encoder::Codec::hevc : usual;
 }
 
 encoder::Settings coding_settings(const CodingOptions& options, const Shape& shape, std::int64_t first,

@@ -107,6 +107,18 @@ bool two_passes(const CodingOptions& options);
 /// MPEG-2's quantisers in a codec's own scale.
 std::vector<int> in_scale_of(encoder::Codec codec, std::vector<int> quantisers);
 
+/// A film of `--also`: "pq", "neutral:prores".
+struct ViewAndCodec {
+    core::View view;
+    std::optional<encoder::Codec>
+        codec;  ///< none: by the file's ending, HEVC for high dynamic range where that has 8 bits
+
+    encoder::Codec codec_in(const std::filesystem::path& output) const;
+};
+
+/// None where the word names no view. Throws UsageError for a codec that is none.
+std::optional<ViewAndCodec> view_and_codec(const std::string& word);
+
 /// Encoder settings for this shape; `first` frame, `output` may be empty. Throws core::Error where an option
 /// contradicts preset or codec, UsageError where a film in this view does.
 encoder::Settings coding_settings(const CodingOptions& options, const Shape& shape, std::int64_t first,

@@ -182,11 +182,12 @@ void refuse_unknown_options(const CLI::App& program, const CLI::App& command, co
             for (const CLI::Option* option : command.get_options())
                 if (option->check_name(name) && option->get_expected_max() == 0)
                     throw UsageError(words[i] + ": " + name + " takes no value" + help_of(command.get_name()));
-        if (name == "--heatmap" &&
+        if ((name == "--heatmap" || name == "--also") &&
             (i + 2 >= words.size() || is_option_word(words[i + 1]) || is_option_word(words[i + 2])))
-            throw UsageError(
-                "--heatmap" + (i + 1 < words.size() && !is_option_word(words[i + 1]) ? " " + words[i + 1] : "") +
-                ": expected what to show and a file, e.g. --heatmap tolerance heat.mpg" + help_of(command.get_name()));
+            throw UsageError(name + (i + 1 < words.size() && !is_option_word(words[i + 1]) ? " " + words[i + 1] : "") +
+                             ": expected what to show and a file, e.g. " +
+                             (name == "--also" ? "--also pq film_hdr.mp4" : "--heatmap tolerance heat.mpg") +
+                             help_of(command.get_name()));
     }
 }
 

@@ -15,8 +15,8 @@ class Error;
 
 namespace render2mpeg::app {
 
-/// Refuses unknown options, with the nearest name, and --heatmap without two values. `words` follow the command's name.
-/// Throws UsageError.
+/// Refuses unknown options, with the nearest name, and --heatmap and --also without two values. `words` follow the
+/// command's name. Throws UsageError.
 void refuse_unknown_options(const CLI::App& program, const CLI::App& command, const std::vector<std::string>& words);
 
 /// Refuses an unknown command. Throws UsageError.

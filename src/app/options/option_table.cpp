@@ -308,7 +308,12 @@ Rows product_rows(CommandLine& line) {
          "Show the frame lit last in this picture, in place of the one before, once a second", "FILE.png"},
         {"--aov", run, o.layers, "Write one multilayer OpenEXR per frame into this folder (docs/pictures.md)", "DIR"},
         {"--aov@plan", run, o.layers, "Folder of multilayer OpenEXR files", "DIR"},
-        {"--heatmap", run, o.heatmaps,
+        {"--also", run, o.also,
+         "Write another film of the same light, in a view of its own (--view), by a codec or as its ending says, HEVC "
+         "for "
+         "pq and hlg: one for the web, one for editors, one of high dynamic range; may be given several times",
+         TwoWords(), "VIEW[:CODEC] FILE", Idle::always},
+        {"--heatmap", run, o.side_films,
          "Write a film in false colours beside: what each pixel's light may be off by (`tolerance`), clusters (`cut`), "
          "the standard error of its light (`error`), each macroblock's `quantiser`, or, where `--cache` keeps light, "
          "how many `records` lie in each pixel, the `age` of its light in frames, and its `reuse`, the share of its "

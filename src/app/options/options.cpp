@@ -87,7 +87,7 @@ const std::string sound_options = "--audio --audio-offset ";
 const std::string film_options =
     picture_options + light_options + accuracy_options + coding_options + rate_options + group_options;
 const std::string product_options =
-    "--threads --isa --stats --report --audit --last-frame --aov --heatmap --memory "
+    "--threads --isa --stats --report --audit --last-frame --aov --also --heatmap --memory "
     "--chunks-at-once --light-cache ";
 const std::string trial_options = "--threads --isa --json@trial --report@trial --overwrite --quiet ";
 
@@ -288,6 +288,10 @@ CommandLine parse(const std::vector<std::string>& words) {
     const CLI::App& given = *app.get_subcommands().front();
     line.command = given.get_name();
     line.render.said = said_of(given);
+    for (const auto& film : line.render.also) {
+        if (!view_and_codec(film.first)) refuse_as_usage([&] { core::view_from(film.first); });
+        line.render.side_films.push_back(film);
+    }
     // Parts run without a terminal.
     if (line.command == "part" && given.get_option("--progress")->empty()) line.progress = "minute";
     hand_on(line);

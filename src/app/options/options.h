@@ -79,7 +79,9 @@ struct RenderOptions : FilmOptions {
     std::string indirect = "rays", caustics = "on", masking = "warped", exposure = "auto", clamp = "bounded",
                 cache = "auto", light = "studio", player, within = "10s";
     std::optional<std::filesystem::path> light_cache, report, layers, last_frame;
-    std::vector<std::pair<std::string, std::string>> heatmaps;  ///< subject, file
+    /// Films beside the film: what a heatmap is about, or a view; and its file.
+    std::vector<std::pair<std::string, std::string>> side_films;
+    std::vector<std::pair<std::string, std::string>> also;  ///< of these, as said; `side_films` has them
     bool preview = false, dry_run = false, resume = false, hold = false, verbose = false, live = false;
     Hire hire;
 };

@@ -189,7 +189,7 @@ void ChunkProduction::make(const Chunk& chunk, renderer::Renderer& renderer, Mad
     if (sink) products.add(*sink);
     if (layers) products.add(*layers);
     if (last_frame_) products.add(*last_frame_);
-    if (!open_.heatmaps.empty()) products.add(open_.heatmaps);
+    if (!open_.side_films.empty()) products.add(open_.side_films);
     const bool has_sample = options_.report && open_.sample_frame.is_in(chunk);
     if (has_sample) products.add(open_.sample_frame);
     std::optional<KeptFrames> kept = kept_of(chunk);
@@ -224,7 +224,7 @@ void ChunkProduction::make(const Chunk& chunk, renderer::Renderer& renderer, Mad
 /// Lit frames of a chunk in the making. None where what looks on needs more of each frame than its picture, and where
 /// frames cost no more than to keep them.
 std::optional<KeptFrames> ChunkProduction::kept_of(const Chunk& chunk) const {
-    if (!open_.heatmaps.empty() || film_.audit > 0 || film_.preview || options_.as) return {};
+    if (!open_.side_films.empty() || film_.audit > 0 || film_.preview || options_.as) return {};
     if (options_.report && open_.sample_frame.is_in(chunk)) return {};
     KeptChunk of{open_.work.stream_of(chunk), chunk, json_text(open_.identity)};
     of.width = film_.format.width;

@@ -35,7 +35,7 @@ namespace {
 std::string why_in_order(const RenderJob& film, const RenderOptions& options) {
     if (film.chunks().size() < 2) return "the film has no other";
     if (options.as) return "standard output takes pictures in order";
-    if (!options.heatmaps.empty()) return "--heatmap is made in order";
+    if (!options.side_films.empty()) return "films beside it (--also, --heatmap) are made in order";
     if (light_file_of(film, options)) return "--light-cache grows from chunk to chunk";
     return {};
 }
@@ -137,7 +137,7 @@ void check_before_reading(const RenderOptions& options) {
     const OutputKind kind = kind_of(options.output);
     Wishes wishes;
     if (is_one_file(kind)) wishes.dear.emplace_back(options.output);
-    for (const auto& [subject, file] : options.heatmaps) wishes.dear.emplace_back(file);
+    for (const auto& [subject, file] : options.side_films) wishes.dear.emplace_back(file);
     for (const Files& film : wishes.dear) check_reachable(film.name);
     for (const auto& file : {options.stats, options.report, options.last_frame, options.light_cache})
         if (file) check_reachable(*file);
@@ -159,7 +159,7 @@ Files film_files(const RenderJob& film, const RenderOptions& options) {
 std::vector<Files> outputs_of(const RenderJob& film, const RenderOptions& options) {
     std::vector<Files> outputs{film_files(film, options), options.stats.value_or(""), options.last_frame.value_or(""),
                                options.light_cache.value_or("")};
-    for (const auto& [subject, file] : options.heatmaps) outputs.emplace_back(file);
+    for (const auto& [subject, file] : options.side_films) outputs.emplace_back(file);
     if (options.report) {
         outputs.emplace_back(*options.report);
         outputs.emplace_back(report_json_of(*options.report));
@@ -176,7 +176,10 @@ void open_writers(const RenderJob& film, const RenderOptions& options) {
     if (film.kind == OutputKind::film)
         av::check_film(options.output, film.coding.codec, film.sound,
                        film.disc ? av::ProgramStream::dvd : av::ProgramStream::plain);
-    for (const auto& [subject, file] : options.heatmaps) av::check_film(file, codec_of({}, file));
+    for (const auto& [subject, file] : options.side_films) {
+        const std::optional<ViewAndCodec> other = view_and_codec(subject);
+        av::check_film(file, other ? other->codec_in(file) : codec_of({}, file));
+    }
     if (film.kind == OutputKind::png || options.last_frame || options.report) image::open_writer(".png");
     if (film.kind == OutputKind::exr || options.layers) image::open_writer(".exr");
 }
@@ -188,7 +191,7 @@ void check_outputs(const RenderJob& film, const RenderOptions& options) {
         if (!output.name.empty()) check_reachable(output.name);
     if (const auto light = light_file_of(film, options)) static_cast<void>(light->extent());
     if (options.report) check_report(*options.report);
-    check_heatmaps(options, film);
+    check_side_films(options, film);
     open_writers(film, options);
     WorkFolder::check(options.output);
 }
@@ -196,7 +199,7 @@ void check_outputs(const RenderJob& film, const RenderOptions& options) {
 Wishes written_by(const RenderJob& film, const RenderOptions& options) {
     Wishes wishes;
     wishes.dear.push_back(film_files(film, options));
-    for (const auto& [subject, file] : options.heatmaps) wishes.dear.emplace_back(file);
+    for (const auto& [subject, file] : options.side_films) wishes.dear.emplace_back(file);
     if (options.stats) wishes.dear.emplace_back(*options.stats);
     wishes.beside.push_back(options.report.value_or(""));
     // This folder is made, but not those that it is in.
@@ -250,12 +253,12 @@ bool publish_all(const OpenRender& open, bool complete, RunFacts& facts, const s
         facts.output = film_file.name.string();
         facts.complete = complete;
     });
-    bool all_written = complete && open.heatmaps.finish() && published;
-    errors.attempt([&] { open.heatmaps.rethrow(); });
+    bool all_written = complete && open.side_films.finish() && published;
+    errors.attempt([&] { open.side_films.rethrow(); });
     open.statistics.wall = open.clock.seconds(open.statistics);
     all_written =
         write_about(open.film, open.options, open.statistics, facts, open.sample_frame, errors) && all_written;
-    if (all_written && !open.heatmaps.has_lost()) mark_as_whole(open.film, open.options, open.identity);
+    if (all_written && !open.side_films.has_lost()) mark_as_whole(open.film, open.options, open.identity);
     if (all_written) open.work.remove();
     if (complete && !all_written && !quiet) print_line(resuming_text(open.film, open.files));
     if (!quiet && published) errors.attempt([&] { print(summary(open.film, open.statistics, facts)); });

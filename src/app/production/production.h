@@ -14,7 +14,7 @@
 #include "app/loop/run_statistics.h"
 #include "app/options/options.h"
 #include "app/report/frame_view.h"
-#include "app/report/heatmap_film.h"
+#include "app/report/side_film.h"
 #include "app/report/statistics.h"
 #include "app/system/error_collector.h"
 
@@ -74,7 +74,7 @@ struct OpenRender {
     const nlohmann::json& identity;
     const WallClock& clock;
     WorkFolder& work;
-    HeatmapFilms& heatmaps;
+    SideFilms& side_films;
     SampleFrameObserver& sample_frame;
     RunStatistics& statistics;
     std::vector<ChunkFile>& files;                          ///< of whole chunks, and of the one behind them, by index

@@ -6,10 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "app/files/publish.h"
 #include "app/options/output_kind.h"
-#include "app/options/usage_error.h"
-#include "core/checksum.h"
 #include "core/color.h"
 #include "core/error.h"
 #include "core/numeric.h"
@@ -117,39 +114,20 @@ encoder::Settings heatmap_settings(const RenderJob& film, const std::filesystem:
     return settings;
 }
 
-HeatSubject heat_subject_from(const std::string& name) {
-    for (const SubjectScale& known : subjects())
-        if (name == known.name) return known.subject;
-    throw UsageError("--heatmap " + name + ": expected tolerance, cut, error, quantiser, records, age or reuse");
-}
-
-/// Of chunks: another for each output, by its place beside the film's work folder, which may lie elsewhere on another
-/// machine.
-std::string name_of(HeatSubject subject, const std::filesystem::path& output, const WorkFolder& work) {
-    const auto normal = [](const std::filesystem::path& p) { return std::filesystem::absolute(p).lexically_normal(); };
-    core::Checksum sum;
-    sum.add(normal(output).lexically_relative(normal(work.place("x")).parent_path()).string());
-    return fmt::format("{}-{}", facts_of(subject).name, core::checksum_text(sum.value()));
-}
-
 }  // namespace
+
+std::optional<HeatSubject> heat_subject_of(const std::string& word) {
+    const auto found = std::ranges::find(subjects(), word, &SubjectScale::name);
+    return found == subjects().end() ? std::nullopt : std::optional(found->subject);
+}
 
 HeatmapFilm::HeatmapFilm(HeatSubject subject, const std::filesystem::path& output, const RenderJob& film,
                          WorkFolder& work)
-    : subject_(subject),
-      output_(output),
-      work_(work),
-      name_(name_of(subject, output, work)),
-      film_(film.film()),
+    : SideFilm(facts_of(subject).name, output, film, heatmap_settings(film, output), work),
+      subject_(subject),
       codec_(film.coding.codec),
       matrix_(perceptual::matrix_for(film.format.height)),
-      scale_(scale_of(subject)) {
-    film_.coding = heatmap_settings(film, output);
-    film_.disc = false;
-    work_.hold(output);
-}
-
-HeatmapFilm::~HeatmapFilm() = default;
+      scale_(scale_of(subject)) {}
 
 void HeatmapFilm::lit(const LitFrame& frame) {
     if (subject_ != HeatSubject::quantiser) show(frame.world.frame, values_of(subject_, frame));
@@ -159,93 +137,50 @@ void HeatmapFilm::coded(const encoder::CodedPicture& coded) {
     if (subject_ == HeatSubject::quantiser) show(coded.plan.number, quantisers_of(codec_, coded));
 }
 
-void HeatmapFilm::take_up(const std::vector<ChunkFile>& chunks) {
-    std::vector<Chunk> wanted;
-    for (const ChunkFile& chunk : chunks) wanted.push_back(chunk.chunk());
-    chunks_ = work_.finished(wanted, name_);
-    if (chunks_.size() < wanted.size())
-        throw core::Error("resuming", output_.string(),
-                          "there is no heatmap of the frames that are there; leave out --heatmap, or begin the film "
-                          "anew without --resume");
-}
-
-void HeatmapFilm::append(HeatmapFilm& part) {
-    for (ChunkFile& chunk : part.chunks_) chunks_.push_back(std::move(chunk));
-    part.chunks_.clear();
-}
-
-void HeatmapFilm::begins(const Chunk& chunk) {
-    chunks_.push_back(work_.open(chunk, name_));
-    encoder_ = av::make_coder(film_.coding);
+void HeatmapFilm::open(const Chunk& chunk) {
+    encoder_ = av::make_coder(film().coding);
     next_ = chunk.first;
     early_.clear();
 }
 
-void HeatmapFilm::ends(const Chunk&) {
+std::vector<encoder::CodedPicture> HeatmapFilm::close(core::LightLevel&) {
     EXPECTS(early_.empty());
-    for (const encoder::CodedPicture& coded : encoder_->flush()) chunks_.back().append(coded);
-    chunks_.back().finish({});
+    return encoder_->flush();
 }
 
 void HeatmapFilm::show(std::int64_t number, core::Plane<float> values) {
-    const Chunk& chunk = chunks_.back().chunk();
     early_.emplace(number, std::move(values));
     for (auto next = early_.find(next_); next != early_.end(); next = early_.find(next_)) {
         core::Picture picture = perceptual::heatmap(
-            next->second.width() == film_.coding.width ? next->second : widened(next->second, film_.coding.width),
+            next->second.width() == film().coding.width ? next->second : widened(next->second, film().coding.width),
             scale_, matrix_);
         picture.number = next_;
         encoder::PictureFacts facts;
-        facts.left_in_chunk = chunk.last - next_;
-        facts.last_chunk = chunk.last == film_.frames.last;
-        const encoder::PicturePlan plan = encoder_->plan(next_, facts, next_ == chunk.first);
-        for (const encoder::CodedPicture& coded : encoder_->push(picture, plan, {})) chunks_.back().append(coded);
+        facts.left_in_chunk = chunk().last - next_;
+        facts.last_chunk = chunk().last == film().frames.last;
+        const encoder::PicturePlan plan = encoder_->plan(next_, facts, next_ == chunk().first);
+        append(encoder_->push(picture, plan, {}));
         early_.erase(next);
         ++next_;
     }
 }
 
-void HeatmapFilm::finish() {
-    std::ranges::sort(chunks_, {}, index_of);
-    const std::filesystem::path file = work_.begin(name_);
-    assemble(chunks_, film_, file, output_);
-    give_name(file, output_);
-}
-
-void HeatmapFilm::discard() {
-    std::error_code ignored;
-    for (const ChunkFile& chunk : chunks_)
-        for (const auto& file : {chunk.file(), ChunkFile::record_of(chunk.file())})
-            std::filesystem::remove(file, ignored);
-}
-
-void check_heatmaps(const RenderOptions& options, const RenderJob& film) {
-    for (const auto& [name, output] : options.heatmaps) {
-        const HeatSubject subject = heat_subject_from(name);
-        if (kind_of(output) != OutputKind::film)
-            throw core::Error(fmt::format("heatmap {}: {} is no film; choose an ending such as .mpg", name, output));
-        if (subject == HeatSubject::quantiser && film.kind != OutputKind::film)
-            throw core::Error("heatmap quantiser: only films have one");
-        if (facts_of(subject).of_records &&
-            (film.rendering.cache == renderer::CacheUse::off || film.tolerance.reference))
-            throw core::Error("heatmap " + name + ": there are no records without `--cache on`, nor with " +
-                              "`--tolerance reference`");
-        if (subject == HeatSubject::tolerance && film.tolerance.reference)
-            throw core::Error("heatmap tolerance: `--tolerance reference` has none");
-        try {
-            av::check(heatmap_settings(film, output));
-        } catch (const core::Error& error) {
-            throw core::Error("heatmap " + name + ": the film with a legend of " +
-                              std::to_string(perceptual::legend_height) +
-                              " lines below cannot be coded: " + error.what());
-        }
-        WorkFolder::check(output);
+void check_heatmap(HeatSubject subject, const std::filesystem::path& output, const RenderJob& film) {
+    const SubjectScale& facts = facts_of(subject);
+    const std::string name = facts.name;
+    if (subject == HeatSubject::quantiser && film.kind != OutputKind::film)
+        throw core::Error("heatmap quantiser: only films have one");
+    if (facts.of_records && (film.rendering.cache == renderer::CacheUse::off || film.tolerance.reference))
+        throw core::Error("heatmap " + name + ": there are no records without `--cache on`, nor with " +
+                          "`--tolerance reference`");
+    if (subject == HeatSubject::tolerance && film.tolerance.reference)
+        throw core::Error("heatmap tolerance: `--tolerance reference` has none");
+    try {
+        av::check(heatmap_settings(film, output));
+    } catch (const core::Error& error) {
+        throw core::Error("heatmap " + name + ": the film with a legend of " +
+                          std::to_string(perceptual::legend_height) + " lines below cannot be coded: " + error.what());
     }
-}
-
-HeatmapFilms::HeatmapFilms(const RenderOptions& options, const RenderJob& film, WorkFolder& work) {
-    for (const auto& [name, output] : options.heatmaps)
-        films_.push_back(std::make_unique<HeatmapFilm>(heat_subject_from(name), output, film, work));
 }
 
 }  // namespace render2mpeg::app

@@ -1,0 +1,74 @@
+#include "app/report/view_film.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/error.h"
+#include "encoder/av/coders.h"
+#include "encoder/codec.h"
+
+namespace render2mpeg::app {
+namespace {
+
+encoder::Settings settings_of(const std::string& word, const std::filesystem::path& output, const RenderJob& film) {
+    const ViewAndCodec asked = view_and_codec(word).value();
+    const core::View& view = asked.view;
+    const encoder::Codec codec = asked.codec_in(output);
+    CodingOptions options;
+    options.codec = std::string(encoder::facts_of(codec).word);
+    options.gop = film.coding.gop;
+    // Views differ in how much light a code value is, codecs in their scale.
+    if (!encoder::facts_of(codec).master) {
+        const double finer =
+            (view.name == core::ViewName::pq ? 2 : 1) / (film.view.name == core::ViewName::pq ? 2.0 : 1.0);
+        const double quantiser = encoder::mpeg2_quantiser_like(film.coding.codec, film.coding.quantiser) / finer;
+        options.quantiser = std::max(1, static_cast<int>(std::lround(quantiser)));
+    }
+    Shape shape;
+    shape.size = {film.format.width, film.format.height};
+    shape.rate = film.rate;
+    shape.pixel_aspect = film.pixel_aspect;
+    shape.aspect_ratio_code = film.coding.aspect_ratio_code;
+    return coding_settings(options, shape, film.frames.first, output, view);
+}
+
+}  // namespace
+
+void check_view_film(const std::string& view, const std::filesystem::path& output, const RenderJob& film) {
+    try {
+        av::check(settings_of(view, output, film));
+    } catch (const core::Error& error) {
+        throw core::Error("also " + view + ": " + output.string() + " cannot be coded: " + error.what());
+    }
+}
+
+ViewFilm::ViewFilm(const std::string& view, const std::filesystem::path& output, const RenderJob& film,
+                   WorkFolder& work)
+    : SideFilm(view, output, film, settings_of(view, output, film), work),
+      view_(view_and_codec(view).value().view),
+      display_(film.exposure.value_or(0), perceptual::matrix_for(film.format.height, view_), view_,
+               chroma_of(this->film().coding.codec, view_)),
+      shots_(shots_of(*film.animation)) {}
+
+void ViewFilm::open(const Chunk& chunk) {
+    coder_ = std::make_unique<PictureCoder>(film(), chunk, std::span<const encoder::BitAllocation>(), shots_,
+                                            statistics_, false);
+    light_ = {};
+}
+
+void ViewFilm::lit(const LitFrame& frame) {
+    core::Picture picture = display_.develop(frame.shown);
+    picture.number = frame.world.frame;
+    light_ += picture.level;
+    const std::array<const core::Picture*, 1> shown{&picture};
+    const encoder::PicturePlan plan = coder_->plan(picture.number, frame.world.cut_before, frame.motion, shown);
+    append(coder_->code(picture, plan, frame.motion));
+}
+
+std::vector<encoder::CodedPicture> ViewFilm::close(core::LightLevel& light) {
+    light = light_;
+    return coder_->flush();
+}
+
+}  // namespace render2mpeg::app
