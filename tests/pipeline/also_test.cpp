@@ -47,6 +47,16 @@ TEST(AlsoFilms, OfFarmsAreThoseOfOneRunSlow) {
     EXPECT_EQ(contents(path(folder, "b.mp4")), contents(path(folder, "d.mp4")));
 }
 
+TEST(AlsoFilms, HaveTheFilmsSoundAndHeatmapsNone) {
+    const Folder folder;
+    ASSERT_EQ(run("ffmpeg -v error -f lavfi -i sine=d=1 " + path(folder, "s.wav")).status, 0);
+    const auto made = run(rendering(folder, "a.mp4",
+                                    "--audio " + path(folder, "s.wav") + " --also neutral " + path(folder, "b.mp4") +
+                                        " --heatmap tolerance " + path(folder, "h.m2v")));
+    ASSERT_EQ(made.status, 0) << made.output;
+    EXPECT_EQ(contents(path(folder, "a.mp4")), contents(path(folder, "b.mp4")));
+}
+
 TEST(AlsoFilms, AreRefusedInOneLine) {
     const Folder folder;
     const auto refused = [&](const std::string& words, const std::string& why) {
@@ -59,6 +69,8 @@ TEST(AlsoFilms, AreRefusedInOneLine) {
     refused("--also pq:vvc " + path(folder, "b.mp4"), "vvc is no codec");
     refused("--also pq:h264 " + path(folder, "b.mp4"), "H.264 films are not of high dynamic range");
     refused("--also neutral " + path(folder, "a.mp4"), "two outputs have this name");
+    ASSERT_EQ(run("ffmpeg -v error -f lavfi -i sine=d=1 " + path(folder, "s.wav")).status, 0);
+    refused("--audio " + path(folder, "s.wav") + " --also neutral " + path(folder, "b.m2v"), "has no sound");
     refused("--also neutral", "expected what to show and a file");
 }
 

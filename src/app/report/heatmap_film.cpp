@@ -127,7 +127,9 @@ HeatmapFilm::HeatmapFilm(HeatSubject subject, const std::filesystem::path& outpu
       subject_(subject),
       codec_(film.coding.codec),
       matrix_(perceptual::matrix_for(film.format.height)),
-      scale_(scale_of(subject)) {}
+      scale_(scale_of(subject)) {
+    be_silent();
+}
 
 void HeatmapFilm::lit(const LitFrame& frame) {
     if (subject_ != HeatSubject::quantiser) show(frame.world.frame, values_of(subject_, frame));

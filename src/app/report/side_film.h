@@ -36,6 +36,7 @@ class SideFilm : public LoopObserver {
     const Film& film() const { return film_; }
     const Chunk& chunk() const { return chunks_.back().chunk(); }
     void append(const std::vector<encoder::CodedPicture>& pictures);
+    void be_silent() { film_.sound = {}; }
 
   private:
     virtual void open(const Chunk& chunk) = 0;

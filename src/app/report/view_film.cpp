@@ -38,6 +38,8 @@ encoder::Settings settings_of(const std::string& word, const std::filesystem::pa
 void check_view_film(const std::string& view, const std::filesystem::path& output, const RenderJob& film) {
     try {
         av::check(settings_of(view, output, film));
+        if (!film.sound.file.empty() && !av::can_have_sound(output))
+            throw core::Error("an elementary stream has no sound; choose another ending");
     } catch (const core::Error& error) {
         throw core::Error("also " + view + ": " + output.string() + " cannot be coded: " + error.what());
     }
