@@ -56,6 +56,7 @@ struct CodecFacts {
     constexpr bool has_more_than_8_bits() const {
         return ffmpeg.pixels.ends_with("10") || ffmpeg.pixels.ends_with("12");
     }
+    constexpr bool has_alpha() const { return ffmpeg.pixels.starts_with("yuva"); }
     constexpr std::string_view usual_ending() const { return endings.substr(0, endings.find(' ')); }
 };
 
@@ -125,6 +126,8 @@ inline constexpr std::array all_codecs{
                .not_on = "phones and televisions from before 2021, most editors"},
     master_facts(Codec::prores, "prores", "ProRes", ".mov", false,
                  {"prores", "prores_ks", "hq", "hq", "profile", "yuv422p10", "FFmpeg", "apch"}),
+    master_facts(Codec::prores4444, "prores4444", "ProRes 4444", ".mov", false,
+                 {"prores", "prores_ks", "4444", "4444", "profile", "yuva444p10", "FFmpeg", "ap4h"}),
     master_facts(Codec::dnxhr, "dnxhr", "DNxHR", ".mov", true,
                  {"dnxhd", "dnxhd", "dnxhr_hqx", "dnxhr_hqx", "profile", "yuv422p10", "FFmpeg", "AVdh"}),
     master_facts(Codec::ffv1, "ffv1", "FFV1", ".mkv", true,

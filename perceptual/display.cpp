@@ -164,6 +164,22 @@ core::Picture Display::develop(const core::Radiance& radiance) const {
     return picture;
 }
 
+core::Picture Display::develop(const core::Radiance& radiance, const core::Mattes& mattes) const {
+    core::Picture picture = develop(unmultiplied(radiance, mattes));
+    picture.alpha = core::Plane<float>(picture.width(), picture.height());
+    for (std::size_t i = 0; i < picture.alpha.size(); ++i) picture.alpha.values()[i] = mattes.alpha(i);
+    return picture;
+}
+
+core::Radiance unmultiplied(const core::Radiance& radiance, const core::Mattes& mattes) {
+    core::Radiance whole;
+    whole.frame = radiance.frame;
+    whole.combined = radiance.combined;
+    for (std::size_t i = 0; i < whole.combined.size(); ++i)
+        whole.combined.values()[i] /= std::max(mattes.alpha(i), 1.0f / 255);
+    return whole;
+}
+
 core::LightLevel Display::level_of(const core::Plane<glm::vec3>& light) const {
     core::LightLevel level;
     double sum = 0;

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/mattes.h"
 #include "core/picture.h"
 #include "core/radiance.h"
 #include "core/view.h"
@@ -41,6 +42,9 @@ class Display {
 
     /// Scene-linear radiance to a picture. Non-finite input is a broken contract; negative light counts as none.
     core::Picture develop(const core::Radiance& radiance) const;
+
+    /// The same with alpha, which `radiance` is multiplied by and the picture is not.
+    core::Picture develop(const core::Radiance& radiance, const core::Mattes& mattes) const;
 
     /// The same to sRGB code values 0..255, 3 per pixel; Blender's views have their own signals, those of high dynamic
     /// range are shown as `neutral`.
@@ -78,6 +82,9 @@ class Display {
 
 /// Unrounded luma in code values, 16..235, of one radiance: the value of a pixel from Display::develop.
 float luma_of(const Display& display, glm::vec3 radiance);
+
+/// Light that is multiplied by alpha, without that; where alpha is 0 it is black.
+core::Radiance unmultiplied(const core::Radiance& radiance, const core::Mattes& mattes);
 
 /// A picture of full-range signals R', G', B', clamped to [0, 1], with BT.709's primaries. Finite values.
 core::Picture picture_of_signals(const core::Plane<glm::vec3>& signals, ColorMatrix matrix,

@@ -29,7 +29,8 @@ struct Picture {
     /// Cb and Cr before rounding, code values, at every pixel. Empty unless a codec with more than 4:2:0 asked for
     /// them.
     Plane<float> full_cb, full_cr;
-    LightLevel level;  ///< of views that say how much light is shown
+    Plane<float> alpha;  ///< coverage, 0..1, which colours are not multiplied by; empty: 1 throughout
+    LightLevel level;    ///< of views that say how much light is shown
 
     int width() const { return y.width(); }
     int height() const { return y.height(); }

@@ -55,6 +55,26 @@ TEST_F(Alpha, OfFramesIsWhatCoversThem) {
     EXPECT_EQ(shown.pixels.at(40, 8).w, 0);
 }
 
+TEST_F(Alpha, OfProRes4444IsThatOfPng) {
+    render("m.mov", "--codec prores4444");
+    render("n.mp4", "--also neutral:prores4444 " + path(folder_, "o.mov"));
+    render("p.%04d.png", "--frames 0:0");
+    const auto rgba = [&](const std::string& name) {
+        return run("ffmpeg -v error -err_detect explode -i " + path(folder_, name) +
+                   " -frames:v 1 -f rawvideo -pix_fmt rgba -")
+            .output;
+    };
+    const std::string png = rgba("p.%04d.png");
+    ASSERT_EQ(png.size(), 4u * 48 * 16);
+    for (const char* name : {"m.mov", "o.mov"}) {
+        const std::string film = rgba(name);
+        ASSERT_EQ(film.size(), png.size());
+        for (std::size_t i = 3; i < png.size(); i += 4)
+            ASSERT_NEAR(static_cast<unsigned char>(film[i]), static_cast<unsigned char>(png[i]), 1) << name << i;
+        EXPECT_GT(static_cast<unsigned char>(film[4 * (8 * 48 + 8)]), 100) << "the wall is not multiplied by alpha";
+    }
+}
+
 TEST_F(Alpha, IsOneWhereTheSkyIsSeenAndHolesStay) {
     render("b.%04d.exr", "--frames 0:0 --transparent off");
     const image::Image lit = read("b.0000.exr");

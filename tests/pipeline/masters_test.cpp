@@ -145,6 +145,7 @@ TEST_P(Masters, AreTheSameForAnyThreadsAfterAKillAndOfPartsSlow) {
 
 INSTANTIATE_TEST_SUITE_P(Codecs, Masters,
                          testing::Values(Master{"prores", ".mov", "yuv422p10le", "apch", "64x48", 0.3},
+                                         Master{"prores4444", ".mov", "yuva444p12le", "ap4h", "64x48", 0.3},
                                          Master{"dnxhr", ".mov", "yuv422p10le", "AVdh", "256x720", 0.5},
                                          Master{"ffv1", ".mkv", "yuv444p12le", "", "64x48", 0.001}),
                          [](const auto& tested) { return std::string(tested.param.codec); });

@@ -14,11 +14,15 @@
 namespace render2mpeg::av {
 namespace {
 
-/// The codec of a stream; none: films are not made with it.
-std::optional<encoder::Codec> codec_of(AVCodecID id) {
-    for (const encoder::CodecFacts& facts : encoder::all_codecs)
-        if (id_of(facts.codec) == id) return facts.codec;
-    return {};
+/// The codec of a stream, of several of one kind the one that its container names; none: films are not made with it.
+std::optional<encoder::Codec> codec_of(const AVCodecParameters& stream) {
+    std::optional<encoder::Codec> found;
+    for (const encoder::CodecFacts& facts : encoder::all_codecs) {
+        const std::string_view tag = facts.ffmpeg.tag;
+        const bool named = !tag.empty() && stream.codec_tag == AV_RL32(tag.data());
+        if (id_of(facts.codec) == stream.codec_id && (!found || named)) found = facts.codec;
+    }
+    return found;
 }
 
 /// A level that is told as whole and tenth: 31 is "3.1".
@@ -98,11 +102,12 @@ class Film {
 
     void open_decoder() {
         const AVCodecID kind = film_.stream->codecpar->codec_id;
-        const std::optional<encoder::Codec> known = codec_of(kind);
+        const std::optional<encoder::Codec> known = codec_of(*film_.stream->codecpar);
         if (!known) {
             std::string all;
             for (const encoder::CodecFacts& facts : encoder::all_codecs)
-                all += (all.empty() ? "" : ", ") + std::string(facts.ffmpeg.stream);
+                if (all.find(facts.ffmpeg.stream) == std::string::npos)
+                    all += (all.empty() ? "" : ", ") + std::string(facts.ffmpeg.stream);
             refuse(std::string("its video is ") + avcodec_get_name(kind) + ", not " + all);
         }
         codec_ = *known;

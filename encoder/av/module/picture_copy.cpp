@@ -181,6 +181,11 @@ void fill(AVFrame& frame, const core::Picture& picture) {
     }
     fill_chroma(frame, 1, layout, picture.full_cb, picture.cb);
     fill_chroma(frame, 2, layout, picture.full_cr, picture.cr);
+    if (frame.data[3] == nullptr) return;
+    // Alpha has all of its range.
+    const float scale = static_cast<float>((1 << layout.depth) - 1) / static_cast<float>(1 << (layout.depth - 8));
+    fill_exact(frame, 3, frame.width, frame.height, layout.depth,
+               [&](int x, int y) { return scale * (picture.alpha.empty() ? 1.0f : picture.alpha.at(x, y)); });
 }
 
 }  // namespace render2mpeg::av

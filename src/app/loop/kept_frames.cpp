@@ -21,13 +21,13 @@ using nlohmann::json;
 constexpr double pause_over_writing = 20;
 
 /// All bytes of a picture's planes, of which those unrounded may be empty.
-std::array<std::span<std::uint8_t>, 6> bytes_of(core::Picture& picture) {
+std::array<std::span<std::uint8_t>, 7> bytes_of(core::Picture& picture) {
     const auto bytes = [](core::Plane<float>& plane) {
         const std::span<float> values = plane.values();
         return std::span(reinterpret_cast<std::uint8_t*>(values.data()), values.size_bytes());
     };
-    return {picture.y.values(),  picture.cb.values(),    picture.cr.values(),
-            bytes(picture.luma), bytes(picture.full_cb), bytes(picture.full_cr)};
+    return {picture.y.values(),     picture.cb.values(),    picture.cr.values(), bytes(picture.luma),
+            bytes(picture.full_cb), bytes(picture.full_cr), bytes(picture.alpha)};
 }
 
 std::uint64_t bytes_in(core::Picture& picture) {
@@ -108,6 +108,7 @@ core::Picture KeptFrames::empty() const {
     picture.cb = picture.cr = core::Plane<std::uint8_t>((width + 1) / 2, (height + 1) / 2);
     if (chunk_.unrounded) picture.luma = core::Plane<float>(width, height);
     if (chunk_.full_chroma) picture.full_cb = picture.full_cr = core::Plane<float>(width, height);
+    if (chunk_.alpha) picture.alpha = core::Plane<float>(width, height);
     return picture;
 }
 

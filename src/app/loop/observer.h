@@ -24,6 +24,9 @@ struct LitFrame {
     const renderer::Statistics& after;   ///< and after it
 };
 
+/// Alpha of a frame whose renderer looked for mattes.
+core::Mattes mattes_of(const LitFrame& frame);
+
 /// Observes a chunk in the making. Frames come in order, pictures in coding order.
 class LoopObserver {
   public:

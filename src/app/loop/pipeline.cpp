@@ -12,6 +12,7 @@
 #include "app/loop/statistics_recorder.h"
 #include "parallel/loops.h"
 #include "perceptual/display.h"
+#include "renderer/view/mattes.h"
 #include "scene/preparation/traits.h"
 
 namespace render2mpeg::app {
@@ -43,7 +44,7 @@ class ChunkLoop {
     /// Rough light, for the tolerances of a frame without a picture before it.
     void look_roughly(const scene::Snapshot& world, const renderer::Frame& frame, const encoder::PicturePlan& plan);
     renderer::Lit light(const scene::Snapshot& world, renderer::Frame frame, int quantiser, RenderedMotion& motion);
-    core::Picture develop(const core::Radiance& radiance, std::int64_t n);
+    core::Picture develop(const core::Radiance& radiance, const renderer::Frame& seen, std::int64_t n);
     /// Codes the frame, and keeps it for the coupling until it is coded.
     void code(const core::Picture& picture, const core::Radiance& shown, const core::Visible& visible,
               const encoder::PicturePlan& plan, Motion& motion);
@@ -110,7 +111,7 @@ void ChunkLoop::frame(std::int64_t n) {
     const renderer::Statistics before = renderer_.statistics();
     const renderer::Lit lit = light(*world, std::move(frame), coding.quantiser, motion);
     const core::Radiance& shown = shown_.of(lit.radiance, world->time);
-    const core::Picture picture = develop(shown, n);
+    const core::Picture picture = develop(shown, lit.frame, n);
 
     // Keep it, whatever stops, and code it with exact motion.
     const parallel::StopWhen never({});
@@ -233,9 +234,11 @@ renderer::Lit ChunkLoop::light(const scene::Snapshot& world, renderer::Frame fra
     return renderer_.light(world, std::move(frame), order);
 }
 
-core::Picture ChunkLoop::develop(const core::Radiance& radiance, std::int64_t n) {
+core::Picture ChunkLoop::develop(const core::Radiance& radiance, const renderer::Frame& seen, std::int64_t n) {
     const StageTimer timer(statistics_, Stage::develop);
-    core::Picture picture = display_.develop(radiance);
+    const bool has_alpha = job_.kind == OutputKind::film && job_.has_alpha();
+    core::Picture picture =
+        has_alpha ? display_.develop(radiance, renderer::mattes_of(seen)) : display_.develop(radiance);
     picture.number = n;
     return picture;
 }

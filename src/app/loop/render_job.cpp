@@ -208,10 +208,23 @@ core::ToleranceMap RenderJob::tolerance_map() const {
     return core::ToleranceMap::uniform(format.width, format.height, {floor, tolerance.relative});
 }
 
-bool RenderJob::has_alpha() const {
-    if (kind != OutputKind::png && kind != OutputKind::exr) return false;
+bool RenderJob::is_transparent() const {
     const auto& materials = animation->materials;
     return animation->transparent || std::ranges::any_of(materials, &scene::Material::holdout);
+}
+
+bool RenderJob::has_alpha() const {
+    const bool can = kind == OutputKind::film ? encoder::facts_of(coding.codec).has_alpha()
+                                              : kind == OutputKind::png || kind == OutputKind::exr;
+    return can && is_transparent();
+}
+
+/// Whether a film beside the film has alpha.
+bool has_alpha_beside(const RenderJob& film, const RenderOptions& options) {
+    return film.is_transparent() && std::ranges::any_of(options.side_films, [](const auto& beside) {
+               const std::optional<ViewAndCodec> other = view_and_codec(beside.first);
+               return other && encoder::facts_of(other->codec_in(beside.second)).has_alpha();
+           });
 }
 
 RenderJob without(const RenderJob& film, renderer::Pass effect) {
@@ -324,9 +337,9 @@ RenderJob prepare(const RenderOptions& wanted) {
     film.audit = options.audit;
 
     film.rendering.transparent = animation->transparent;
-    film.rendering.mattes = options.layers || film.has_alpha();
 
     film.coding = coding_settings(options.coding, shape, film.frames.first, options.output, film.view);
+    film.rendering.mattes = options.layers || film.has_alpha() || has_alpha_beside(film, options);
     film.keyframes = keyframes_of(options.coding);
     film.two_passes = film.kind == OutputKind::film && two_passes(options.coding);
     film.disc = preset != nullptr && preset->disc;

@@ -84,7 +84,9 @@ struct RenderJob {
                                                   : scene::ShutterInterval();
     }
     core::ToleranceMap tolerance_map() const;
-    /// Whether images of its frames have alpha.
+    /// Whether something is seen through the picture: its world, or holes.
+    bool is_transparent() const;
+    /// Whether images of its frames, or its pictures, have alpha.
     bool has_alpha() const;
     /// With 0 EV before the exposure is known.
     perceptual::Display display() const {

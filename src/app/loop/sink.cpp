@@ -27,24 +27,20 @@ image::FrameFacts facts_of(const RenderJob& film, const LitFrame& frame) {
 /// sRGB code values with an alpha that they are not multiplied by.
 std::vector<unsigned char> with_alpha(const perceptual::Display& display, const core::Radiance& shown,
                                       const core::Mattes& mattes) {
-    core::Radiance whole;
-    whole.combined = shown.combined;
-    for (std::size_t i = 0; i < whole.combined.size(); ++i)
-        whole.combined.values()[i] /= std::max(mattes.alpha(i), 1.0f / 255);
-    const std::vector<std::uint8_t> colors = display.develop_srgb(whole);
+    const std::vector<std::uint8_t> colors = display.develop_srgb(perceptual::unmultiplied(shown, mattes));
     std::vector<unsigned char> codes;
-    for (std::size_t i = 0; i < whole.combined.size(); ++i) {
+    for (std::size_t i = 0; i < shown.combined.size(); ++i) {
         codes.insert(codes.end(), {colors[3 * i], colors[3 * i + 1], colors[3 * i + 2]});
         codes.push_back(static_cast<unsigned char>(std::lround(255 * mattes.alpha(i))));
     }
     return codes;
 }
 
-core::Mattes mattes_of(const RenderJob& film, const LitFrame& frame) {
-    return film.has_alpha() ? renderer::mattes_of(frame.lit.frame) : core::Mattes();
-}
-
 }  // namespace
+
+core::Mattes mattes_of(const LitFrame& frame) {
+    return renderer::mattes_of(frame.lit.frame);
+}
 
 LayersWriter::LayersWriter(std::filesystem::path folder, const RenderJob& film, RunStatistics& statistics)
     : folder_(std::move(folder)), film_(film), statistics_(statistics) {
@@ -99,13 +95,13 @@ std::unique_ptr<Sink> make_sink(const RenderJob& film, const std::filesystem::pa
     if (film.kind == OutputKind::exr)
         return std::make_unique<FrameSink>([&film, output](const LitFrame& frame) {
             image::write_frame(numbered(output, frame.picture.number), frame.lit.radiance.combined,
-                               facts_of(film, frame), mattes_of(film, frame));
+                               facts_of(film, frame), film.has_alpha() ? mattes_of(frame) : core::Mattes());
         });
     return std::make_unique<FrameSink>([&film, output, display = film.display()](const LitFrame& frame) {
-        image::write_png(numbered(output, frame.picture.number), frame.picture.width(), frame.picture.height(),
-                         film.has_alpha() ? with_alpha(display, frame.shown, mattes_of(film, frame))
-                                          : display.develop_srgb(frame.shown),
-                         film.format.pixel_aspect);
+        image::write_png(
+            numbered(output, frame.picture.number), frame.picture.width(), frame.picture.height(),
+            film.has_alpha() ? with_alpha(display, frame.shown, mattes_of(frame)) : display.develop_srgb(frame.shown),
+            film.format.pixel_aspect);
     });
 }
 

@@ -48,6 +48,7 @@ void check_view_film(const std::string& view, const std::filesystem::path& outpu
 ViewFilm::ViewFilm(const std::string& view, const std::filesystem::path& output, const RenderJob& film,
                    WorkFolder& work)
     : SideFilm(view, output, film, settings_of(view, output, film), work),
+      render_(film),
       view_(view_and_codec(view).value().view),
       display_(film.exposure.value_or(0), perceptual::matrix_for(film.format.height, view_), view_,
                chroma_of(this->film().coding.codec, view_)),
@@ -60,7 +61,8 @@ void ViewFilm::open(const Chunk& chunk) {
 }
 
 void ViewFilm::lit(const LitFrame& frame) {
-    core::Picture picture = display_.develop(frame.shown);
+    const bool has_alpha = encoder::facts_of(film().coding.codec).has_alpha() && render_.is_transparent();
+    core::Picture picture = has_alpha ? display_.develop(frame.shown, mattes_of(frame)) : display_.develop(frame.shown);
     picture.number = frame.world.frame;
     light_ += picture.level;
     const std::array<const core::Picture*, 1> shown{&picture};

@@ -28,6 +28,7 @@ class ViewFilm : public SideFilm {
     void open(const Chunk& chunk) override;
     std::vector<encoder::CodedPicture> close(core::LightLevel& light) override;
 
+    const RenderJob& render_;
     core::View view_;
     perceptual::Display display_;
     std::vector<std::int64_t> shots_;
