@@ -122,7 +122,8 @@ TEST(RateErrorsSlow, PicturesMayBeOfOtherTypesInTheSecondPass) {
         for (const int then : {0, 1, 3}) {
             const Coding two = code_twice(s, Content::calm, 60, then);
             EXPECT_LT(std::abs(error_of(two)), 0.02) << then << " then " << now;
-            EXPECT_NEAR(two.quantisers, alike, 0.12 * alike) << then << " then " << now;
+            // Whole quantisers of 2 and 3 lie far apart.
+            EXPECT_NEAR(two.quantisers, alike, 0.15 * alike) << then << " then " << now;
         }
     }
 }

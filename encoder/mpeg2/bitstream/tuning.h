@@ -61,6 +61,10 @@ inline constexpr float lambda_motion = 3.5f;
 /// chosen: 1.1 of 1.05 to 1.2, with at most three vectors.
 inline constexpr float shortlist_reach = 1.1f;
 
+/// Weight of a macroblock's cost to go (CostToGo) in B pictures, where the next one may use only one direction.
+/// chosen: 0.5 of 0.25 to 1.
+inline constexpr float cost_to_go_bidirectional = 0.5f;
+
 /// Effort::fast tries no more vectors for a macroblock whose Hadamard sum is at most this times q.
 /// chosen: 300 of 200 to 640: time against bits.
 inline constexpr int enough_fast = 300;

@@ -214,6 +214,18 @@ int vector_bits(const PictureCoding& picture, const SliceState& state, const Pre
     return bits;
 }
 
+float cost_to_go(const PictureCoding& picture, const SliceState& state, const PredictionMode& mode,
+                 const CostToGo* const (&to_go)[2]) {
+    const bool intra = !mode.uses[0] && !mode.uses[1];
+    float bits = 0.0f;
+    for (int d = 0; d < 2; ++d) {
+        if (!picture.bits[d] || !to_go[d]) continue;
+        const Vector left = mode.uses[d] ? mode.vector[d] : intra ? Vector{} : state.mode.vector[d];
+        bits += (*to_go[d])(left, *picture.bits[d]);
+    }
+    return picture.type == PictureType::bidirectional ? cost_to_go_bidirectional * bits : bits;
+}
+
 float luma_distortion(const PictureCoding& picture, int column, int row, const Prediction& prediction) {
     const std::ptrdiff_t stride = stride_of(picture.source, 0);
     if (!picture.weights)

@@ -45,6 +45,7 @@ struct PictureCoding {
     const core::Plane<std::uint8_t>* intra_due = nullptr;  ///< 1: intra or skipped; null: none
     const core::Plane<Force>* forced = nullptr;            ///< null: nothing
     const FastMotionSearch* fast_search = nullptr;         ///< null: vectors are chosen beforehand
+    const VectorBits* bits[2] = {};                        ///< by `f_code`; null: no costs to go are known
 };
 
 /// How one macroblock is coded, ready to be written.
@@ -105,6 +106,11 @@ const PredictionMode* skip_mode(const PictureCoding& picture, int column, int ro
 
 /// Bits of the vectors that a mode uses.
 int vector_bits(const PictureCoding& picture, const SliceState& state, const PredictionMode& mode);
+
+/// Bits of the macroblocks behind, by the vectors that `mode` leaves as their predictors (advance()). `to_go`: of each
+/// direction, null where it has no reference.
+float cost_to_go(const PictureCoding& picture, const SliceState& state, const PredictionMode& mode,
+                 const CostToGo* const (&to_go)[2]);
 
 /// Squared error of the macroblock as its prediction, weighted like any other.
 float luma_distortion(const PictureCoding& picture, int column, int row, const Prediction& prediction);

@@ -106,18 +106,21 @@ class RowDecision {
             try_inter_modes(column, quantiser, lambda);
         }
         const float address = lambda * static_cast<float>(address_increment_bits(state_.skipped));
-        const float inter_cost = inter_->rd.cost(lambda) + address;
+        const float inter_cost = inter_->rd.cost(lambda) + address + lambda * to_go(column, inter_->mode);
+        const float intra_to_go = lambda * to_go(column, PredictionMode{{}, {false, false}});
 
         // Try intra where it is due or may win.
         bool intra = intra_due;
         if (intra_due || intra_may_win(column, inter_cost, lambda)) {
             try_intra(picture_, column, row_, quantiser, state_, *intra_);
-            intra = intra_due || intra_->rd.cost(lambda) + address < inter_cost;
+            intra = intra_due || intra_->rd.cost(lambda) + address + intra_to_go < inter_cost;
         }
 
         // Choose: skip where that costs no more. It makes the next address increment longer.
-        const float best = intra ? intra_->rd.cost(lambda) : inter_cost;
-        if (skip.leaves_at_most(best - lambda * static_cast<float>(address_increment_bits(state_.skipped + 1))))
+        const float best = intra ? intra_->rd.cost(lambda) + intra_to_go : inter_cost;
+        const float skip_bits = static_cast<float>(address_increment_bits(state_.skipped + 1)) +
+                                (skip.mode() ? to_go(column, *skip.mode()) : 0.0f);
+        if (skip.leaves_at_most(best - lambda * skip_bits))
             keep_skipped(column, skip);
         else
             keep(column, intra ? *intra_ : *inter_);
@@ -125,10 +128,13 @@ class RowDecision {
 
     /// Effort::quality: leaves the best of the likeliest inter modes in inter_.
     void try_inter_modes(int column, int quantiser, float lambda) {
-        int tried = 0;
+        float least = std::numeric_limits<float>::max();
         const auto try_mode = [&](const PredictionMode& mode) {
-            try_inter(picture_, column, row_, mode, quantiser, state_, tried == 0 ? *inter_ : *other_);
-            if (tried++ > 0 && other_->rd.cost(lambda) < inter_->rd.cost(lambda)) std::swap(inter_, other_);
+            try_inter(picture_, column, row_, mode, quantiser, state_, *other_);
+            const float cost = other_->rd.cost(lambda) + lambda * to_go(column, mode);
+            if (cost >= least) return;
+            least = cost;
+            std::swap(inter_, other_);
         };
         const BestVectors& forward = vectors_[0][column];
         if (picture_.type == PictureType::predicted) {
@@ -139,6 +145,12 @@ class RowDecision {
                                                           lambda_motion * static_cast<float>(quantiser));
         code_.evaluations += static_cast<std::uint64_t>(choice.evaluations);
         for (const PredictionMode& mode : choice.modes) try_mode(mode);
+    }
+
+    /// Bits behind this macroblock, by the vectors that it leaves in a mode.
+    float to_go(int column, const PredictionMode& mode) const {
+        const auto of = [&](int d) { return vectors_[d] ? &vectors_[d][column].to_go : nullptr; };
+        return cost_to_go(picture_, state_, mode, {of(0), of(1)});
     }
 
     /// Intra costs at least its type, six DC sizes and six ends of block, and its distortion is hardly below what

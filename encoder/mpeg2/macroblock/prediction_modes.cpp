@@ -81,15 +81,17 @@ class Means {
 ModeChoice choose_prediction_modes(const PictureCoding& picture, int column, int row, const SliceState& state,
                                    const BestVectors& forward, const BestVectors& backward, float cost_per_bit) {
     ModeChoice choice;
-    const auto add = [&](const PredictionMode& mode, std::uint32_t difference) {
-        choice.modes.add(mode, static_cast<float>(difference) + cost_per_bit * bits_of(picture, state, mode));
+    const auto cost_of = [&](const PredictionMode& mode, std::uint32_t difference) {
+        const float bits =
+            bits_of(picture, state, mode) + cost_to_go(picture, state, mode, {&forward.to_go, &backward.to_go});
+        return static_cast<float>(difference) + cost_per_bit * bits;
     };
     for (int d = 0; d < 2; ++d) {
         const BestVectors& vectors = d == 0 ? forward : backward;
         for (int i = 0; i < vectors.count; ++i) {
             PredictionMode one{{}, {d == 0, d == 1}};
             one.vector[d] = vectors.vector[i];
-            add(one, vectors.difference[i]);
+            choice.modes.add(one, cost_of(one, vectors.difference[i]));
         }
     }
 
@@ -101,7 +103,7 @@ ModeChoice choose_prediction_modes(const PictureCoding& picture, int column, int
         const PredictionMode mean{{first, second}, {true, true}};
         const std::optional<std::uint32_t> difference = means.difference(mean);
         if (!difference) return;
-        const float cost = static_cast<float>(*difference) + cost_per_bit * bits_of(picture, state, mean);
+        const float cost = cost_of(mean, *difference);
         choice.modes.add(mean, cost);
         if (cost >= least) return;
         least = cost;

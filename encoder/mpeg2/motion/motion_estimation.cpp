@@ -56,6 +56,7 @@ class MotionEstimator {
           columns_(sources.picture.columns()),
           rows_(sources.picture.rows()),
           first_(columns_, rows_),
+          climbed_(columns_, rows_),
           chosen_(columns_, rows_),
           trials_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)),
           work_(static_cast<std::size_t>(rows_)) {}
@@ -122,7 +123,7 @@ class MotionEstimator {
         bits_ = VectorBits(f_code_for(low.x, high.x), f_code_for(low.y, high.y), s_.zero_is_implicit);
     }
 
-    /// Second pass: the neighbours' vectors, then half pixels about the best.
+    /// Second pass: the neighbours' vectors, half pixels about the best, then the row's choice from its end.
     void refine(int row) {
         Vector left;  // prediction of the vector in the stream
         for (int column = 0; column < columns_; ++column) {
@@ -134,11 +135,29 @@ class MotionEstimator {
                 evaluate(column, row, allowed.clamp(v), VectorSource::predicted);
 
             const TriedVectors& t = trials(column, row);
-            const TriedVectors::Trial best = climb(column, row, cheapest(t, left), left);
-            chosen_.at(column, row) = shortlist(t, left);
-            work_[static_cast<std::size_t>(row)].chosen.of(best.source) += 1;
-            left = best.vector();
+            left = climb(column, row, cheapest(t, left), left).vector();
+            climbed_.at(column, row) = left;
         }
+        for (int column = columns_ - 1; column > 0; --column) set_cost_to_go(column - 1, row);
+        left = {};
+        for (int column = 0; column < columns_; ++column) {
+            const TriedVectors& t = trials(column, row);
+            shortlist(t, left, chosen_.at(column, row));
+            left = chosen_.at(column, row).vector[0];
+            work_[static_cast<std::size_t>(row)].chosen.of(t.find(left)->source) += 1;
+        }
+    }
+
+    /// The cost behind a macroblock, by the likeliest vectors of the next one.
+    void set_cost_to_go(int column, int row) {
+        core::Smallest<const TriedVectors::Trial*, CostToGo::most> likeliest;
+        for (const TriedVectors::Trial& trial : trials(column + 1, row))
+            likeliest.add(&trial, cost_of(trial, climbed_.at(column, row)));
+        const CostToGo& beyond = chosen_.at(column + 1, row).to_go;
+        for (const TriedVectors::Trial* trial : likeliest)
+            chosen_.at(column, row)
+                .to_go.add(trial->vector(),
+                           static_cast<float>(trial->difference) / s_.cost_per_bit + beyond(trial->vector(), bits_));
     }
 
     /// At most two rounds of half-pel neighbours, each about the cheapest one so far; returns that.
@@ -171,18 +190,17 @@ class MotionEstimator {
         });
     }
 
-    /// The cheapest ones that come within reach of the best.
-    BestVectors shortlist(const TriedVectors& t, Vector prediction) const {
+    /// The cheapest ones, with what is behind them, that come within reach of the best.
+    void shortlist(const TriedVectors& t, Vector prediction, BestVectors& vectors) const {
         core::Smallest<const TriedVectors::Trial*, BestVectors::most> best;
-        for (const TriedVectors::Trial& trial : t) best.add(&trial, cost_of(trial, prediction));
+        for (const TriedVectors::Trial& trial : t)
+            best.add(&trial, cost_of(trial, prediction) + s_.cost_per_bit * vectors.to_go(trial.vector(), bits_));
         best.drop_above(shortlist_reach * best.key(0));
-        BestVectors vectors;
         vectors.count = best.size();
         for (int i = 0; i < best.size(); ++i) {
             vectors.vector[i] = best[i]->vector();
             vectors.difference[i] = best[i]->difference;
         }
-        return vectors;
     }
 
     float cost_of(const TriedVectors::Trial& trial, Vector prediction) const {
@@ -199,7 +217,7 @@ class MotionEstimator {
 
     const MotionSources& s_;
     int columns_, rows_;
-    core::Plane<Vector> first_;
+    core::Plane<Vector> first_, climbed_;  ///< the best so far, after each pass's search
     core::Plane<BestVectors> chosen_;
     std::vector<TriedVectors> trials_;
     std::vector<MotionWork> work_;  ///< of each row

@@ -1,8 +1,11 @@
 #pragma once
 // Chooses vectors among exact motion, neighbours and zero.
+#include <algorithm>
 #include <cstdint>
+#include <limits>
 
 #include "core/plane.h"
+#include "core/smallest.h"
 #include "encoder/mpeg2/bitstream/vector.h"
 #include "encoder/mpeg2/kernels/frame.h"
 #include "encoder/mpeg2/motion/candidates.h"
@@ -42,12 +45,34 @@ class VectorBits {
     bool zero_is_implicit_;
 };
 
+/// The cost of a row's macroblocks behind one, by the vector that predicts theirs: the cost-to-go of dynamic
+/// programming from the row's end [Chen1998]. In bits; Hadamard sums count as the bits that they are worth.
+class CostToGo {
+  public:
+    static constexpr int most = 4;  ///< chosen: 4; vectors beyond are hardly ever taken
+
+    /// Adds a vector that the next macroblock may have. `bits`: all that it costs but for its own bits.
+    void add(Vector v, float bits) { next_.add(v, bits); }
+    /// Least cost, less what is common to all predictions; 0 at the row's end.
+    float operator()(Vector prediction, const VectorBits& bits) const {
+        if (next_.size() == 0) return 0.0f;
+        float least = std::numeric_limits<float>::max();
+        for (int i = 0; i < next_.size(); ++i)
+            least = std::min(least, next_.key(i) + static_cast<float>(bits(next_[i], prediction)));
+        return least - next_.key(0);
+    }
+
+  private:
+    core::Smallest<Vector, most> next_;
+};
+
 /// The best vectors of a macroblock, best first.
 struct BestVectors {
     static constexpr int most = 3;
     Vector vector[most];
     std::uint32_t difference[most] = {};  ///< Hadamard sum
     int count = 1;
+    CostToGo to_go;  ///< behind the macroblock, in this direction
 };
 
 struct MotionEstimate {
@@ -66,7 +91,8 @@ static_assert(2 * evaluation_limit_per_direction + evaluation_limit_of_means + e
 /// Chooses a vector for every macroblock by Hadamard difference plus the price of the vector's bits: among the
 /// renderer's exact vectors, predictors (left, above, above right, their median, the picture before) and zero; where
 /// none of the exact vectors, zero, left and the picture before is good enough, among those of a sparse search about
-/// the best of them; then among half-pel neighbours of the best, in at most two rounds.
+/// the best of them; then among half-pel neighbours of the best, in at most two rounds. At last vectors of a row are
+/// chosen together: their price counts what they cost the macroblocks behind.
 MotionEstimate estimate_motion(const MotionSources& sources);
 
 }  // namespace render2mpeg::encoder::mpeg2

@@ -100,6 +100,10 @@ std::vector<RowCode> decide(const PictureTask& task, const Vectors& vectors, con
             for (int i = 0; i < choice.count; ++i) extent.include(choice.vector[i]);
         set_f_codes(picture.f_code[d], extent);
     }
+    const VectorBits bits[2] = {{picture.f_code[0][0], picture.f_code[0][1], task.type == PictureType::predicted},
+                                {picture.f_code[1][0], picture.f_code[1][1], false}};
+    for (std::size_t d = 0; d < 2; ++d)
+        if (!vectors[d].empty()) picture.bits[d] = &bits[d];
     const core::Plane<std::uint8_t> quantisers = quantisers_of(task);
     std::vector<RowCode> rows(static_cast<std::size_t>(task.source.rows()));
     parallel::for_each(rows.size(), [&](std::size_t row) {
