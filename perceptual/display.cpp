@@ -338,7 +338,7 @@ std::vector<std::uint8_t> shown_rgb(const core::Picture& picture, const PictureC
             const float red = luma + red_scale * chroma_at(picture.cr, x, y);
             const float green = (luma - weight.x * red - weight.z * blue) / weight.y;
             glm::vec3 signals = glm::clamp(glm::vec3(red, green, blue), 0.0f, 1.0f);
-            if (hdr) signals = neutral_srgb(hdr->light_behind(signals));
+            if (hdr) signals = neutral_srgb(hdr->shown_light(signals));
             for (int c = 0; c < 3; ++c) codes.push_back(static_cast<std::uint8_t>(std::lround(255 * signals[c])));
         }
     return codes;

@@ -89,7 +89,8 @@ double inverse_srgb(double signal) {
     return signal <= 12.92 * 0.0031308 ? signal / 12.92 : std::pow((signal + 0.055) / 1.055, 2.4);
 }
 
-/// Light that the curves of high dynamic range take for infinite: their tables end there.
+/// Light that the curves of high dynamic range take for infinite: their tables end there. chosen: 12 stops above
+/// white, 0.04 % below the display's.
 constexpr double hdr_brightest = 4096;
 
 /// What exposed light of 1 is shown as: the reference white of [BT2408, table 1], in cd/m^2 and as HLG's scene light.
@@ -268,11 +269,16 @@ glm::vec3 ViewTransform::luminances(glm::vec3 exposed) const {
     return shown;
 }
 
-glm::vec3 ViewTransform::light_behind(glm::vec3 signals) const {
+glm::vec3 ViewTransform::shown_light(glm::vec3 signals) const {
     EXPECTS(view_.is_hdr());
     static const glm::mat3 bt709_of_bt2020 = glm::inverse(bt2020_of_bt709);
+    const bool is_pq = view_.name == core::ViewName::pq;
     glm::vec3 light;
-    for (int c = 0; c < 3; ++c) light[c] = static_cast<float>(grey_light(static_cast<double>(signals[c])));
+    for (int c = 0; c < 3; ++c) {
+        const auto signal = static_cast<double>(signals[c]);
+        light[c] =
+            static_cast<float>(is_pq ? inverse_pq(signal) * pq_brightest / pq_white : inverse_hlg(signal) / hlg_white);
+    }
     return bt709_of_bt2020 * light;
 }
 

@@ -34,9 +34,10 @@ class ViewTransform {
 
     /// What a display of the view `pq` shows, in cd/m^2 by channel. Of other views a broken contract.
     glm::vec3 luminances(glm::vec3 exposed) const;
-    /// The exposed light behind signals in [0, 1] of `pq` and `hlg`, with BT.709's primaries: some of it may be
-    /// negative by what was rounded. Of other views a broken contract.
-    glm::vec3 light_behind(glm::vec3 signals) const;
+    /// What signals in [0, 1] of `pq` and `hlg` make a display show, over reference white, with BT.709's primaries: the
+    /// exposed light but for what the tone curve bent. Some of it may be negative by what was rounded. Of other views a
+    /// broken contract.
+    glm::vec3 shown_light(glm::vec3 signals) const;
 
   private:
     // chosen: 2^-24 of white is 1e-5 cd/m^2 in `pq`, a tenth of a code value above black

@@ -26,8 +26,8 @@ struct Picture {
     Plane<std::uint8_t> y, cb, cr;
     /// Luma before rounding, in code values: input of the visibility model. Empty for decoded pictures.
     Plane<float> luma;
-    /// Cb and Cr before rounding, code values, at every pixel. Empty unless a codec with more than 4:2:0 asked for
-    /// them.
+    /// Cb and Cr before rounding, code values, at every pixel. Empty unless a codec with more than 4:2:0, or
+    /// high dynamic range, asked for them.
     Plane<float> full_cb, full_cr;
     Plane<float> alpha;  ///< coverage, 0..1, which colours are not multiplied by; empty: 1 throughout
     LightLevel level;    ///< of views that say how much light is shown

@@ -35,7 +35,7 @@ TEST(AlsoFilms, OfFarmsAreThoseOfOneRunSlow) {
               0);
     const std::string farm = path(folder, "c.mp4.farm");
     const auto planned = run(program() + " farm " + what + path(folder, "c.mp4") + " --also pq " +
-                             path(folder, "d.mp4") + " --to parallel --parts 2");
+                             path(folder, "d.mp4") + " --to parallel --parts 2 --pack");
     ASSERT_EQ(planned.status, 0) << planned.output;
     for (const char* part : {"1", "2"}) {
         const auto made = run(program() + " part " + farm + " " + part);
@@ -45,6 +45,22 @@ TEST(AlsoFilms, OfFarmsAreThoseOfOneRunSlow) {
     ASSERT_EQ(joined.status, 0) << joined.output;
     EXPECT_EQ(contents(path(folder, "a.mp4")), contents(path(folder, "c.mp4")));
     EXPECT_EQ(contents(path(folder, "b.mp4")), contents(path(folder, "d.mp4")));
+}
+
+TEST(AlsoFilms, HaveTheExposureThatIsMeasuredAndThePeakThatIsAskedFor) {
+    const Folder folder;
+    const std::string what = program() + " render " + plain_film() + " --frames 0:2 --size 64x48 --quiet ";
+    const auto made = run(what + "-o " + path(folder, "a.mp4") + " --also neutral " + path(folder, "b.mp4") +
+                          " --also pq " + path(folder, "c.mp4") + " --peak 700");
+    ASSERT_EQ(made.status, 0) << made.output;
+    EXPECT_EQ(contents(path(folder, "a.mp4")), contents(path(folder, "b.mp4")));
+    EXPECT_NE(run(program() + " info " + path(folder, "c.mp4")).output.find("white of 700 cd/m2"), std::string::npos);
+    const auto other = run(what + "-o " + path(folder, "a.mp4") + " --also neutral " + path(folder, "b.mp4") +
+                           " --also hlg " + path(folder, "c.mp4") + " --resume");
+    EXPECT_NE(other.status, 0) << "another film beside it is another film: " << other.output;
+    const auto usual = run(what + "--view pq -o " + path(folder, "d.mp4"));
+    ASSERT_EQ(usual.status, 0) << usual.output;
+    EXPECT_EQ(ffprobe(path(folder, "d.mp4")).value("codec_name", ""), "hevc");
 }
 
 TEST(AlsoFilms, HaveTheFilmsSoundAndHeatmapsNone) {

@@ -152,7 +152,7 @@ TEST_F(HighDynamicRange, IsRefusedWhereItCannotBe) {
         EXPECT_NE(outcome.output.find(why), std::string::npos) << outcome.output;
         EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
     };
-    refused("--view pq", "f.mp4", "H.264 films are not of high dynamic range; choose --codec hevc, av1");
+    refused("--view pq --codec h264", "f.mp4", "H.264 films are not of high dynamic range; choose --codec hevc, av1");
     refused("--view pq", "f.mpg", "MPEG-2 films are not");
     refused("--view filmic --peak 500 --codec hevc", "f.mp4", "--peak: goes with --view pq");
     refused("--view pq --peak 50 --codec hevc", "f.mp4", "--peak");

@@ -118,6 +118,7 @@ Job prepare(const EncodeOptions& options) {
     const auto shared =
         options.motion && *options.motion == options.input ? std::make_shared<SharedChannels>() : nullptr;
     const core::View view = view_of(options, {});
+    check_peak(options, view);
     if (options.view && (options.input == "-" || core::ending_of(options.input) == ".y4m"))
         throw core::Error("view: the frames of " + options.input.string() + " are a film's signals already");
     const bool has_pipe = options.motion && MotionPipe::is_one(*options.motion);

@@ -111,7 +111,7 @@ void place_images(const RenderJob& film, const RenderOptions& from, const Render
     for (std::size_t i = 0; i < made.size(); ++i) place(made[i], named[i]);
 }
 
-/// All parts of the film, proved and placed: its chunks, what was counted, and its side_films. Throws core::Error,
+/// All parts of the film, proved and placed: its chunks, what was counted, and its films beside. Throws core::Error,
 /// naming the parts that are not whole.
 std::vector<ChunkFile> gather(const FarmPlan& plan, const RenderJob& film, const RenderOptions& options,
                               SideFilms& side_films, RunStatistics& statistics) {

@@ -129,7 +129,7 @@ int render_part(const FarmPlan& plan, const FilmPart& part, const PartOptions& w
     try {
         side_films.rethrow();
     } catch (...) {
-        // Nothing goes on from a heatmap that broke off.
+        // Nothing goes on from a film beside that broke off.
         work->remove();
         throw;
     }

@@ -147,7 +147,7 @@ void pack_inputs(FarmPlan& plan, const RenderJob& film, const RenderOptions& opt
         const std::size_t equals = word.find('=');
         if (word.starts_with("--") && equals != std::string::npos)
             words.push_back(word.substr(0, equals + 1) + names.of(word.substr(0, equals), word.substr(equals + 1)));
-        else if (i >= 2 && plan.words[i - 2] == "--heatmap")
+        else if (i >= 2 && (plan.words[i - 2] == "--heatmap" || plan.words[i - 2] == "--also"))
             words.push_back(PackedNames::full_name(word));
         else if (!named && word == options.input.string() && !before.starts_with("-"))
             named = true, words.push_back(copy_scene(film, options, inputs).string());

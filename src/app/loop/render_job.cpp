@@ -126,6 +126,11 @@ void settle_display(RenderJob& film, const RenderOptions& options) {
     film.exposure = exposure_of(options, *film.animation);
     film.measures_exposure = !film.exposure;
     film.view = view_of(options, film.animation->view.value_or(core::View()));
+    const bool beside = std::ranges::any_of(options.side_films, [](const auto& other) {
+        const std::optional<ViewAndCodec> named = view_and_codec(other.first);
+        return named && named->view.name == core::ViewName::pq;
+    });
+    if (!beside) check_peak(options, film.view);
     if (film.view.is_hdr() && film.kind == OutputKind::y4m)
         throw UsageError("--view " + core::text_of(film.view) +
                          ": such a stream has 8 bits; choose a film, .mp4 or .mkv");

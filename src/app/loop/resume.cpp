@@ -104,10 +104,13 @@ std::pair<std::filesystem::path, std::string> mark_of(const RenderJob& film, con
                                                       const json& identity) {
     std::vector<std::filesystem::path> files = images_of(film, options, film.frames);
     if (is_one_file(film.kind)) files.insert(files.begin(), options.output);
-    for (const auto& [subject, file] : options.side_films) files.emplace_back(file);
+    std::string text = json_text(identity);
+    for (const auto& [subject, file] : options.side_films) {
+        files.emplace_back(file);
+        text += subject + "\n";
+    }
     for (const auto& file : {options.stats, options.report})
         if (file) files.push_back(*file);
-    std::string text = json_text(identity);
     for (const std::filesystem::path& file : files) {
         std::error_code error;
         const auto bytes = std::filesystem::file_size(file, error);

@@ -230,7 +230,7 @@ int quantiser_of(const CodingOptions& options, encoder::Codec codec, const core:
             throw UsageError(fmt::format("{}: {} has {} to {}", asked, facts.name, facts.finest, facts.coarsest));
         return *options.crf;
     }
-    // A code value of PQ is twice as much light.
+    // chosen: a code value of PQ is 2.2 times as much light as one of `neutral` at mid grey (docs/model/display.md).
     const int usual = view.name == core::ViewName::pq ? 2 : 4;
     return static_cast<int>(std::lround(encoder::quantiser_like(codec, options.quantiser.value_or(usual))));
 }
@@ -242,7 +242,7 @@ void declare_colors(encoder::Settings& coding, const core::View& view) {
     const encoder::CodecFacts& facts = encoder::facts_of(coding.codec);
     if (!facts.has_more_than_8_bits() || coding.codec == encoder::Codec::dnxhr)
         throw UsageError(
-            fmt::format("--view {}: {} films are not of high dynamic range; choose --codec hevc, av1, "
+            fmt::format("view {}: {} films are not of high dynamic range; choose --codec hevc, av1, "
                         "prores or ffv1",
                         core::text_of(view), facts.name));
     // [BT2100, table 2] in the numbers of ISO/IEC 23091-2
@@ -333,9 +333,12 @@ std::vector<int> in_scale_of(encoder::Codec codec, std::vector<int> quantisers) 
 
 core::View view_of(const FilmOptions& options, const core::View& own) {
     core::View view = options.view ? core::View{core::view_from(*options.view)} : own;
-    if (options.peak && view.name != core::ViewName::pq) throw UsageError("--peak: goes with --view pq");
-    view.peak = options.peak.value_or(view.peak);
+    view.peak = static_cast<float>(options.peak.value_or(static_cast<int>(view.peak)));
     return view;
+}
+
+void check_peak(const FilmOptions& options, const core::View& view) {
+    if (options.peak && view.name != core::ViewName::pq) throw UsageError("--peak: goes with --view pq");
 }
 
 std::optional<ViewAndCodec> view_and_codec(const std::string& word) {
@@ -354,13 +357,15 @@ std::optional<ViewAndCodec> view_and_codec(const std::string& word) {
 encoder::Codec ViewAndCodec::codec_in(const std::filesystem::path& output) const {
     if (codec) return *codec;
     const encoder::Codec usual = codec_of({}, output);
-    return view.is_hdr() && !encoder::facts_of(usual).has_more_than_8_bits() ? encoder::Codec::hevc : usual;
+    const bool can = output.empty() || encoder::facts_of(encoder::Codec::hevc).has_ending(core::ending_of(output));
+    return view.is_hdr() && can && !encoder::facts_of(usual).has_more_than_8_bits() ? encoder::Codec::hevc : usual;
 }
 
 encoder::Settings coding_settings(const CodingOptions& options, const Shape& shape, std::int64_t first,
                                   const std::filesystem::path& output, const core::View& view) {
     encoder::Settings coding;
     coding.codec = codec_of(options, output);
+    if (!options.codec && preset_of(options) == nullptr) coding.codec = ViewAndCodec{view, {}}.codec_in(output);
     coding.width = shape.size.width;
     coding.height = shape.size.height;
     coding.rate = shape.rate;

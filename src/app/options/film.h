@@ -129,8 +129,10 @@ inline perceptual::Chroma chroma_of(encoder::Codec codec, const core::View& view
     return encoder::facts_of(codec).master || view.is_hdr() ? perceptual::Chroma::full : perceptual::Chroma::halved;
 }
 
-/// The view that options ask for, else this one. Throws UsageError.
+/// The view that options ask for, else this one.
 core::View view_of(const FilmOptions& options, const core::View& own);
+/// Refuses a --peak that no film in this view has. Throws UsageError.
+void check_peak(const FilmOptions& options, const core::View& view);
 
 Keyframes keyframes_of(const CodingOptions& options);
 

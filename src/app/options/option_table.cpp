@@ -160,9 +160,10 @@ Rows picture_rows(CommandLine& line) {
         {"--view@encode", picture, o.view,
          "As for render; PNG frames of Blender's views keep their code values (default: neutral)",
          "neutral|standard|filmic|agx|pq|hlg", core::view_from},
-        {"--peak", picture, o.peak, "White of --view pq, cd/m2 (default: 1000)",
-         range(core::least_peak, core::largest_peak), Idle::undeveloped},
-        {"--peak@encode", picture, o.peak, "As for render", range(core::least_peak, core::largest_peak)},
+        {"--peak", picture, o.peak, "White of films in pq, cd/m2 (default: 1000)",
+         range(static_cast<int>(core::least_peak), static_cast<int>(core::largest_peak)), Idle::undeveloped},
+        {"--peak@encode", picture, o.peak, "As for render",
+         range(static_cast<int>(core::least_peak), static_cast<int>(core::largest_peak))},
         {"--transparent", picture, o.transparent,
          "Whether the camera does not see the sky, which shines all the same: frames have alpha, films black there "
          "(default: the animation file's or the .blend's, or off)",

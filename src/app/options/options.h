@@ -53,7 +53,7 @@ struct CodingOptions {
 struct FilmOptions {
     std::filesystem::path input, output;  ///< `output` is "-.ts" where `as` is "ts"
     std::optional<std::string> as, rate, frames, view;
-    std::optional<float> peak;  ///< cd/m^2
+    std::optional<int> peak;  ///< white of films in PQ, cd/m^2; none: core::usual_peak
     CodingOptions coding;
     int threads = 0;  ///< 0: all
     std::optional<std::filesystem::path> stats;

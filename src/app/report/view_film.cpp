@@ -11,19 +11,30 @@
 namespace render2mpeg::app {
 namespace {
 
+core::View view_of(const std::string& word, const RenderJob& film) {
+    core::View view = view_and_codec(word).value().view;
+    view.peak = film.view.peak;
+    return view;
+}
+
+/// Light of a code value of the view PQ over that of others.
+double coarseness(const core::View& view) {
+    return view.name == core::ViewName::pq ? 2 : 1;
+}
+
 encoder::Settings settings_of(const std::string& word, const std::filesystem::path& output, const RenderJob& film) {
-    const ViewAndCodec asked = view_and_codec(word).value();
-    const core::View& view = asked.view;
-    const encoder::Codec codec = asked.codec_in(output);
+    const core::View view = view_of(word, film);
+    const encoder::CodecFacts &facts = encoder::facts_of(view_and_codec(word).value().codec_in(output)),
+                              &render = encoder::facts_of(film.coding.codec);
     CodingOptions options;
-    options.codec = std::string(encoder::facts_of(codec).word);
+    options.codec = std::string(facts.word);
     options.gop = film.coding.gop;
-    // Views differ in how much light a code value is, codecs in their scale.
-    if (!encoder::facts_of(codec).master) {
-        const double finer =
-            (view.name == core::ViewName::pq ? 2 : 1) / (film.view.name == core::ViewName::pq ? 2.0 : 1.0);
-        const double quantiser = encoder::mpeg2_quantiser_like(film.coding.codec, film.coding.quantiser) / finer;
-        options.quantiser = std::max(1, static_cast<int>(std::lround(quantiser)));
+    options.encoder = film.coding.effort == encoder::Effort::fast ? "fast" : "quality";
+    if (render.most_b_pictures > 0) options.b_pictures = film.coding.b_pictures;
+    if (!facts.master && film.kind == OutputKind::film && !render.master) {
+        const double quantiser = encoder::mpeg2_quantiser_like(film.coding.codec, film.coding.quantiser) *
+                                 coarseness(film.view) / coarseness(view);
+        options.quantiser = static_cast<int>(std::clamp(std::lround(quantiser), 1L, 31L));
     }
     Shape shape;
     shape.size = {film.format.width, film.format.height};
@@ -49,12 +60,13 @@ ViewFilm::ViewFilm(const std::string& view, const std::filesystem::path& output,
                    WorkFolder& work)
     : SideFilm(view, output, film, settings_of(view, output, film), work),
       render_(film),
-      view_(view_and_codec(view).value().view),
-      display_(film.exposure.value_or(0), perceptual::matrix_for(film.format.height, view_), view_,
-               chroma_of(this->film().coding.codec, view_)),
+      view_(view_of(view, film)),
       shots_(shots_of(*film.animation)) {}
 
 void ViewFilm::open(const Chunk& chunk) {
+    // The exposure may be measured after the side films are made.
+    display_.emplace(render_.exposure.value_or(0), perceptual::matrix_for(render_.format.height, view_), view_,
+                     chroma_of(film().coding.codec, view_));
     coder_ = std::make_unique<PictureCoder>(film(), chunk, std::span<const encoder::BitAllocation>(), shots_,
                                             statistics_, false);
     light_ = {};
@@ -62,7 +74,8 @@ void ViewFilm::open(const Chunk& chunk) {
 
 void ViewFilm::lit(const LitFrame& frame) {
     const bool has_alpha = encoder::facts_of(film().coding.codec).has_alpha() && render_.is_transparent();
-    core::Picture picture = has_alpha ? display_.develop(frame.shown, mattes_of(frame)) : display_.develop(frame.shown);
+    core::Picture picture =
+        has_alpha ? display_->develop(frame.shown, mattes_of(frame)) : display_->develop(frame.shown);
     picture.number = frame.world.frame;
     light_ += picture.level;
     const std::array<const core::Picture*, 1> shown{&picture};

@@ -2,6 +2,7 @@
 // Writes the films of `--also`.
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,7 +18,7 @@ void check_view_film(const std::string& view, const std::filesystem::path& outpu
 
 /// Another film of the render's light, in a view and codec of its own: one for the web, one for editors, one of high
 /// dynamic range. Its codec is that of the file's ending, HEVC for high dynamic range; its quantiser is as fine as the
-/// render's.
+/// render's, its effort the same.
 class ViewFilm : public SideFilm {
   public:
     ViewFilm(const std::string& view, const std::filesystem::path& output, const RenderJob& film, WorkFolder& work);
@@ -30,7 +31,7 @@ class ViewFilm : public SideFilm {
 
     const RenderJob& render_;
     core::View view_;
-    perceptual::Display display_;
+    std::optional<perceptual::Display> display_;
     std::vector<std::int64_t> shots_;
     RunStatistics statistics_;             ///< its own; nobody reads them
     std::unique_ptr<PictureCoder> coder_;  ///< of a chunk
