@@ -200,7 +200,7 @@ def holes_in(scene):
     return names
 
 
-def write_nodes(glb, walk, materials, times, film, lost):
+def write_nodes(glb, walk, materials, volumes, times, film, lost):
     """Every object and instance as a node of its own below one that turns Blender's z up to the film's y. Returns the
     names of the nodes that have objects' shapes."""
     import numpy as np
@@ -214,8 +214,9 @@ def write_nodes(glb, walk, materials, times, film, lost):
     for key, thing in walk.things.items():
         if thing.kind == "LIGHT":
             continue
-        over = walk.shapes[thing.shape]
-        if thing.shape not in meshes:
+        over = walk.shapes.get(thing.shape)
+        filled = thing.kind == "VOLUME" or volumes.is_volume_alone(over)
+        if not filled and thing.shape not in meshes:
             offsets, weights = over.bending.result() if over.bending else ([], None)
             closed = over.shape.is_closed()
 
@@ -225,8 +226,8 @@ def write_nodes(glb, walk, materials, times, film, lost):
                 return index, [over.shape.main_uv if layer is None else layer for layer in layers]
             add = add_strands if isinstance(over.shape, Strands) else add_mesh
             meshes[thing.shape] = (add(glb, over.object_name, over.shape, offsets, slot), weights)
-        mesh, weights = meshes[thing.shape]
-        if mesh is None:
+        mesh, weights = (None, None) if filled else meshes[thing.shape]
+        if mesh is None and not filled:
             continue
         name, number = thing.name, numbers.get(thing.name, 1)
         while name in names:
@@ -234,13 +235,16 @@ def write_nodes(glb, walk, materials, times, film, lost):
             name = f"{thing.name} {number}"
         numbers[thing.name] = number
         names.add(name)
-        node = glb.node({"name": name, "mesh": mesh})
+        node = glb.node({"name": name} if filled else {"name": name, "mesh": mesh})
         if weights is not None and weights.shape[1]:
             needed = thinned(times, weights, 1e-4)
             glb.document["nodes"][node]["weights"] = [float(w) for w in weights[needed[0]]]
             if len(needed) > 1:
                 glb.channel(node, "weights", [times[k] for k in needed], weights[needed].ravel())
         place_node(glb, node, thing, times, Matrix, TO_FILM, np, thinned, lost)
+        if filled:
+            volumes.add(glb.document["nodes"][-1]["name"], thing, over)
+            continue
         if key[0] == "object":
             shaped[key[1]] = name if "mesh" in glb.document["nodes"][node] else name + " (shape)"
         shown = [m is not None for m in thing.matrices]
@@ -284,7 +288,9 @@ def place_sheared(glb, node, at, matrices, Matrix, np):
     """What its parents shear while it moves: a turn and a scale above another turn, right on every frame, with steps
     between them."""
     says = glb.document["nodes"][node]
-    child = glb.node({"name": says["name"] + " (shape)", "mesh": says.pop("mesh")}, parent=node)
+    child = glb.node({"name": says["name"] + " (shape)"}, parent=node)
+    if "mesh" in says:
+        glb.document["nodes"][child]["mesh"] = says.pop("mesh")
     if "weights" in says:
         glb.document["nodes"][child]["weights"] = says.pop("weights")
     for channel in glb.channels:
@@ -348,6 +354,7 @@ def export(path, folder, texture_size, still=False):
     from film_export.lost import Lost
     from film_export.materials import Materials
     from film_export.reflections import Reflections
+    from film_export.volumes import Volumes
     from film_export.walk import Walk
 
     scene, lost, glb = bpy.context.scene, Lost(), Glb()
@@ -377,16 +384,18 @@ def export(path, folder, texture_size, still=False):
     window.scene = scene
 
     cameras, strengths, reflections = Cameras(scene, frames, times, lost), Strengths(materials), Reflections(scene, times, lost)
+    volumes = Volumes(scene, frames, own_rate, film, folder, materials, lost)
 
     def watch(number, depsgraph):
         cameras.watch(number, depsgraph)
         strengths.watch(number, depsgraph)
         reflections.watch(number, depsgraph)
+        volumes.watch(number, depsgraph)
     walk = Walk(scene, frames, watch, lost)
     walk.run()
     bakes.run(walk, cameras)
     window.scene = scene
-    reflections.write(film, write_nodes(glb, walk, materials, times, film, lost))
+    reflections.write(film, write_nodes(glb, walk, materials, volumes, times, film, lost))
     cameras.write(film)
     lights = [lamps.described(thing, times, lost) for thing in walk.things.values()
               if thing.kind == "LIGHT" and not (far and thing.light.type == "SUN")]
@@ -399,13 +408,13 @@ def export(path, folder, texture_size, still=False):
     glb.save(os.path.join(folder, "scene.glb"))
     with open(os.path.join(folder, "film.json"), "w") as file:
         json.dump(film, file, indent=1)
-    return {"blender": bpy.app.version_string, "lost": lost.lines, "uses": used_files(path)}
+    return {"blender": bpy.app.version_string, "lost": lost.lines, "uses": used_files(path, volumes.uses)}
 
 
-def used_files(path):
+def used_files(path, more):
     """Other files that decided the export, as they are now. Of USD's layers all that could be are, among ten
     thousand files beside it and below."""
-    names, out = set(bpy.utils.blend_paths(absolute=True, packed=False, local=False)), []
+    names, out = set(bpy.utils.blend_paths(absolute=True, packed=False, local=False)) | set(more), []
     if IMPORTERS.get(os.path.splitext(path)[1].lower()) is USD:
         below = (os.path.join(folder, name) for folder, _, files in os.walk(os.path.dirname(path)) for name in files)
         names |= {name for name in itertools.islice(below, 10000) if IMPORTERS.get(os.path.splitext(name)[1].lower()) is USD}

@@ -30,9 +30,9 @@ SHADERS = [
     ("BSDF_HAIR", "Hair BSDF", LOST, "matt"),
 ]
 OTHERS = [
-    ("VOLUME_ABSORPTION", "Volume Absorption", KEPT, "in closed glass"),
-    ("PRINCIPLED_VOLUME", "Principled Volume", KEPT, "in closed glass, if it only absorbs"),
-    ("VOLUME_SCATTER", "Volume Scatter", LOST, "of the world: fog"),
+    ("VOLUME_ABSORPTION", "Volume Absorption", KEPT, "volumes; in closed glass"),
+    ("PRINCIPLED_VOLUME", "Principled Volume", KEPT, "volumes; in closed glass, if it only absorbs"),
+    ("VOLUME_SCATTER", "Volume Scatter", KEPT, "volumes; of the world: fog"),
     ("DISPLACEMENT", "Displacement", LOST, "smooth"),
     ("TEX_IMAGE", "Image Texture", KEPT, "the file, on a UV map; else baked"),
     ("NORMAL_MAP", "Normal Map", KEPT, "likewise"),

@@ -597,8 +597,6 @@ def look_of(material, tree, lost):
         reader.tell(raised.node, "displacement of the surface; it stays smooth")
     surface = incoming(end.inputs["Surface"])
     if surface is None:
-        if volume is not None:
-            reader.tell(volume.node, "volume without a surface; nothing is there in the film, fog is made of the world's")
         return Look(base=Constant((0.0, 0.0, 0.0)), ior=1.0, alpha=Constant(0.0 if end.inputs["Volume"].is_linked else 1.0), nowhere=volume is not None)
     look = reader.shader(surface)
     look.attenuation = attenuation_of(reader, volume.node, look) if volume is not None else None

@@ -152,8 +152,10 @@ class Walk:
                 if seen is not None and instance.is_instance and not instance.show_particles and thing.type in SHAPED and \
                         not self.shapes[seen.shape].bending:
                     self.row.things[place] = seen
-            elif thing.type in {"VOLUME", "POINTCLOUD", "GPENCIL", "GREASEPENCIL"}:
-                self.lost.add(thing.original, {"VOLUME": "volume", "POINTCLOUD": "point cloud"}.get(thing.type, "grease pencil"))
+            elif thing.type == "VOLUME":
+                self.meet_volume(number, instance, thing)
+            elif thing.type in {"POINTCLOUD", "GPENCIL", "GREASEPENCIL"}:
+                self.lost.add(thing.original, {"POINTCLOUD": "point cloud"}.get(thing.type, "grease pencil"))
         self.row.things.update(known)
         for seen in self.things.values():
             seen.matrices += [None] * (number + 1 - len(seen.matrices))
@@ -163,6 +165,15 @@ class Walk:
                 if shape.bending.rows:
                     shape.bending.rows.append(list(shape.bending.rows[-1]))
         self.watch(number, depsgraph)
+
+    def meet_volume(self, number, instance, thing):
+        original = thing.original
+        of = (instance.parent.original.name_full, *instance.persistent_id) if instance.is_instance else ()
+        seen = self.things.get(("volume", original.name_full, *of))
+        if seen is None:
+            seen = self.things["volume", original.name_full, *of] = Thing(original.name, "VOLUME", number)
+            seen.original = original
+        seen.matrices.append(np.array(instance.matrix_world, dtype=float))
 
     def meet_hair(self, number, instance, thing, depsgraph, bent):
         """Strands of an object's particle systems, or of a Curves object."""

@@ -17,6 +17,7 @@
 #include "scene/blender/export.h"
 #include "scene/gltf/load.h"
 #include "scene/isolation/probe.h"
+#include "scene/volumes/volume_reader.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -78,6 +79,8 @@ void probe(int argc, char** argv) {
                          {{"scene", read_scene},
                           {"gltf", read_gltf},
                           {"images", read_probed_images},
+                          {"volume", scene::read_probed_volume},
+                          {"boxes", scene::read_probed_boxes},
                           {"film", read_film},
                           {"sound", read_sound},
                           {"info", read_facts},

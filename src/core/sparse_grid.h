@@ -42,6 +42,8 @@ class SparseGrid {
         return bricks_[entry];
     }
 
+    void reserve(std::size_t bricks) { bricks_.reserve(bricks); }
+
     /// Null: absent, or beyond the grid.
     const Brick* find(glm::ivec3 place) const {
         const glm::ivec3 at = place - low_;

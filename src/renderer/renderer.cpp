@@ -8,6 +8,7 @@
 #include "core/numeric.h"
 #include "parallel/lanes.h"
 #include "renderer/air/airlight.h"
+#include "renderer/air/volume_lighting.h"
 #include "renderer/cache/irradiance_cache.h"
 #include "renderer/calibration/audit.h"
 #include "renderer/calibration/calibration.h"
@@ -70,6 +71,7 @@ struct Renderer::Impl {
                                                      !scene::traits_of(posed_scene.animation()).changes_light());
         caustics.forget();
         ambient_air = {};
+        volumes_lit_at = -1;
         cache.forget();
         calibration.forget();
         draft_light.forget();
@@ -123,6 +125,7 @@ struct Renderer::Impl {
     Frame refined(Frame frame, const core::ToleranceMap& tolerance);
     Frame exposed(Frame frame, const ExposureSamples& samples);
     void add_effects(const scene::Snapshot& snapshot, const core::ToleranceMap* tolerance, PlacedFrame& placed);
+    void light_volumes(const AirInstant& instant);
     FrameLight gather_film(const scene::Snapshot& snapshot, const LightingContext& context, CutLimits& limits,
                            ShadeCounts& counts);
     FrameLight gather_all(const scene::Snapshot& snapshot, const LightingContext& context, const CutLimits& limits,
@@ -147,6 +150,7 @@ struct Renderer::Impl {
     bool caches = false;  ///< light is cached in this chunk
     Caustics caustics;
     AmbientAir ambient_air;
+    std::int64_t volumes_lit_at = -1;  ///< FilmLights::lit_frame
     FinalGather final_gather;
     HairLight hair_light;
     IrradianceCache cache;
@@ -192,13 +196,23 @@ void Renderer::Impl::add_effects(const scene::Snapshot& snapshot, const core::To
         const Stopwatch timer(times[plan.runs(Pass::hair) ? Pass::hair : Pass::subsurface]);
         hair_light.add(frame, tolerance, sum, statistics.hair);
     }
-    if (plan.runs(Pass::air)) {
-        update_lights(snapshot);
-        const Stopwatch timer(times[Pass::air]);
-        statistics.air_rays += add_airlight({posed_scene, lights.points(), lights.trees(),
-                                             lights.by_rays() ? &final_gather : nullptr, lights.lit_frame()},
-                                            ambient_air, tolerance, frame, sum);
-    }
+    if (posed_scene.air() == nullptr) return;
+    update_lights(snapshot);
+    const AirInstant instant{posed_scene, lights.points(), lights.trees(), lights.by_rays() ? &final_gather : nullptr,
+                             lights.lit_frame()};
+    light_volumes(instant);
+    const Stopwatch timer(times[plan.runs(Pass::air) ? Pass::air : Pass::volumes]);
+    statistics.air_rays += add_airlight(instant, ambient_air, tolerance, frame, sum);
+}
+
+/// Light within volumes, where it is not known yet. Surfaces that were asked for it did not see it.
+void Renderer::Impl::light_volumes(const AirInstant& instant) {
+    const Air& air = *posed_scene.air();
+    if (air.volumes().empty() || (!air.lights().empty() && volumes_lit_at == instant.lit_frame)) return;
+    const Stopwatch timer(times[Pass::volumes]);
+    posed_scene.light_volumes(light_within_volumes(instant, statistics.air_rays));
+    volumes_lit_at = instant.lit_frame;
+    if (lights.by_rays()) final_gather.forget(lights.sky_of_rays());
 }
 
 /// Light of all points of a frame, by light trees and rays; no cache.

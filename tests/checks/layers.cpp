@@ -53,6 +53,7 @@ const std::vector<Library>& libraries() {
         {"TBB", {"tbb/", "oneapi/"}, "src/parallel/", 2},
         {"Assimp", {"assimp/"}, "src/scene/assimp/", 3},
         {"Draco", {"draco/"}, "src/scene/module/", 1},
+        {"OpenVDB", {"openvdb/"}, "src/scene/module/", 1},
         {"meshoptimizer", {"meshoptimizer.h"}, "src/scene/gltf/", 1},
         {"kissfft", {"kiss_fft"}, "perceptual/", 1},
         {"CLI11", {"CLI/"}, "src/app/options/", 2},

@@ -44,9 +44,10 @@ TEST(FarmInputs, NeedBlenderOnlyWhereAFilmIsPlannedSlow) {
     }
 }
 
-TEST(FarmInputs, ArePackedWithTheSoundThatAnAnimationNamesSlow) {
+TEST(FarmInputs, ArePackedWithTheSoundAndTheVolumesThatAnAnimationNamesSlow) {
     test::FarmFilm film("", 60);
-    std::ofstream(film / "scene.json") << R"({ "sound": "beep.wav", "frames": 60, "camera": { "position": [0, 1, 4] },
+    std::ofstream(film / "scene.json")
+        << R"({ "sound": "beep.wav", "frames": 60, "volumes": [{ "file": "v%d.vdb", "frames": [1, 2] }], "camera": { "position": [0, 1, 4] },
         "objects": [{ "name": "box", "shape": "box" }], "lights": [{ "kind": "point", "position": [1, 2, 1], "intensity": 9 }] })";
     std::string wave = "RIFF....WAVEfmt ";
     const auto add = [&](std::uint32_t value, int bytes) {
@@ -57,11 +58,14 @@ TEST(FarmInputs, ArePackedWithTheSoundThatAnAnimationNamesSlow) {
     add(32000, 4);
     for (int i = 0; i < 16000; ++i) add(i % 40 < 20 ? 8000 : 57536, 2);
     std::ofstream(film / "beep.wav", std::ios::binary) << wave;
+    for (const char* const volume : {"v1.vdb", "v2.vdb"})
+        std::filesystem::copy_file(support::source_folder() / "tests/fuzz/corpus/volume/even.vdb", film / volume);
     const auto planned = film.farm("-o " + film.path("f.mpg"), "--to parallel --pack");
     ASSERT_EQ(planned.status, 0) << planned.output;
-    EXPECT_TRUE(std::filesystem::exists(film / "f.mpg.farm/inputs/scene/beep.wav"));
-    std::filesystem::remove(film / "beep.wav");
-    std::filesystem::remove(film / "scene.json");
+    for (const char* const input : {"beep.wav", "scene.json", "v1.vdb", "v2.vdb"}) {
+        EXPECT_TRUE(std::filesystem::exists(film / ("f.mpg.farm/inputs/scene/" + std::string(input)))) << input;
+        std::filesystem::remove(film / input);
+    }
     EXPECT_EQ(run(film.part("f.mpg.farm", 1)).status, 0);
     const auto joined = film.join("f.mpg.farm");
     EXPECT_EQ(joined.status, 0) << joined.output;

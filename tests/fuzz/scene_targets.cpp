@@ -13,6 +13,7 @@
 #include "scene/pose/snapshot.h"
 #include "scene/preparation/complete.h"
 #include "scene/preparation/traits.h"
+#include "scene/volumes/volume_reader.h"
 #include "tests/support/scene_builder.h"
 
 namespace render2mpeg::fuzz {
@@ -42,6 +43,39 @@ void expect_sound(const scene::Animation& film) {
         for (const scene::LightState& light : world.lights)
             if (!core::is_finite(light.position) || !core::is_finite(light.intensity))
                 throw std::logic_error("a light is nowhere, or endless");
+    }
+}
+
+template <class T, class Sound>
+void expect_sound(const core::SparseGrid<T>& grid, const Sound& is_sound) {
+    for (int z = 0; z < grid.size().z; ++z)
+        for (int y = 0; y < grid.size().y; ++y)
+            for (int x = 0; x < grid.size().x; ++x)
+                if (const auto* brick = grid.find(grid.low() + glm::ivec3(x, y, z)))
+                    if (!std::all_of(brick->begin(), brick->end(), is_sound))
+                        throw std::logic_error("a voxel that no medium has");
+}
+
+void expect_sound(const scene::VolumeGrids& grids) {
+    const auto amount = [](float v) { return v >= 0 && std::isfinite(v); };
+    expect_sound(grids.density, amount);
+    expect_sound(grids.temperature, amount);
+    expect_sound(grids.velocity, [](glm::vec3 v) { return core::is_finite(v); });
+    expect_sound(grids.color, [](glm::vec3 v) {
+        return std::min({v.x, v.y, v.z}) >= 0 && std::max({v.x, v.y, v.z}) <= 1;
+    });
+    const double size = glm::determinant(glm::dmat3(grids.object_from_index));
+    if (!std::isfinite(size) || size == 0) throw std::logic_error("a volume without a place");
+}
+
+bool loads(const scene::Volume& volume) {
+    try {
+        std::vector<std::string> notes;
+        scene::box_of(volume);
+        expect_sound(*scene::read_volume(volume, 0, notes));
+        return true;
+    } catch (const core::Error&) {
+        return false;
     }
 }
 
@@ -75,6 +109,17 @@ bool model(Input input) {
     // A crash of Assimp's must end another process, as it does in the program.
     if (!scene::Probe::is_possible()) throw std::logic_error("there is no program that reads models");
     return loads(input_file().write("model." + ending, input.subspan(ending.size() + 1)));
+}
+
+bool volume(Input input) {
+    // A crash of OpenVDB's must end another process, too.
+    if (!scene::Probe::is_possible()) throw std::logic_error("there is no program that reads volumes");
+    scene::Volume dense, burning;
+    dense.files = burning.files = {input_file().write("volume.vdb", input)};
+    burning.blackbody_intensity = 1;
+    burning.color_grid = "color";
+    burning.velocity_grid = "velocity";
+    return loads(burning) || loads(dense);
 }
 
 bool tracks(Input input) {

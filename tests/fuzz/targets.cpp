@@ -5,9 +5,10 @@
 namespace render2mpeg::fuzz {
 
 std::span<const NamedTarget> targets() {
-    static constexpr std::array<NamedTarget, 13> all{{{"gltf", gltf, 400},
+    static constexpr std::array<NamedTarget, 14> all{{{"gltf", gltf, 400},
                                                       {"animation", animation, 300},
                                                       {"model", model, 25},
+                                                      {"volume", volume, 8},
                                                       {"tracks", tracks, 20000},
                                                       {"image", image, 400},
                                                       {"sky", sky, 300},

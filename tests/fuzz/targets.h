@@ -26,6 +26,7 @@ std::span<const NamedTarget> targets();
 bool gltf(Input);       ///< a .gltf or .glb file
 bool animation(Input);  ///< an animation file
 bool model(Input);      ///< any format of Assimp: a line with its ending, then the file
+bool volume(Input);     ///< a file of OpenVDB's
 bool tracks(Input);     ///< keys of every kind on a film of ours
 bool image(Input);      ///< a texture
 bool sky(Input);        ///< an image as a sky

@@ -13,7 +13,7 @@ run(${CPACK} -G DEB --config ${BUILD}/CPackConfig.cmake -B ${work})
 file(GLOB package ${work}/render2mpeg_*.deb)
 run(${DPKG_DEB} --extract ${package} ${root})
 run(${DPKG_DEB} --field ${package} Depends)
-foreach(library IN ITEMS libc6 libstdc\\+\\+6 libembree libtbb libassimp libdraco libmeshoptimizer libfmt libopenimageio libopenexr libavcodec libavformat)
+foreach(library IN ITEMS libc6 libstdc\\+\\+6 libembree libtbb libassimp libdraco libopenvdb libmeshoptimizer libfmt libopenimageio libopenexr libavcodec libavformat)
   if(NOT output MATCHES "${library}")
     message(FATAL_ERROR "the package does not depend on ${library}: ${output}")
   endif()
@@ -23,7 +23,7 @@ if(output MATCHES "-dev")
 endif()
 
 foreach(path IN ITEMS bin/render2mpeg lib/render2mpeg/render2mpeg_av_module.so lib/render2mpeg/render2mpeg_image_module.so
-                      lib/render2mpeg/render2mpeg_exr_module.so lib/render2mpeg/render2mpeg_draco_module.so lib/render2mpeg/blender/export_film.py lib/render2mpeg/extension/index.json
+                      lib/render2mpeg/render2mpeg_exr_module.so lib/render2mpeg/render2mpeg_draco_module.so lib/render2mpeg/render2mpeg_vdb_module.so lib/render2mpeg/blender/export_film.py lib/render2mpeg/extension/index.json
                       share/man/man1/render2mpeg.1.gz share/man/man1/render2mpeg-render.1.gz share/man/man1/render2mpeg-encode.1.gz
                       share/bash-completion/completions/render2mpeg share/zsh/vendor-completions/_render2mpeg
                       share/fish/vendor_completions.d/render2mpeg.fish share/doc/render2mpeg/copyright

@@ -27,8 +27,8 @@ core::Fog layered(float visibility, float height, float falloff) {
     return fog;
 }
 
-Air air_of(const core::Fog& fog) {
-    return Air(fog, glm::vec3(-10), glm::vec3(10));
+FogMedium air_of(const core::Fog& fog) {
+    return FogMedium(fog, glm::vec3(-10), glm::vec3(10));
 }
 
 /// Optical depth by the middles of so many steps.
@@ -61,7 +61,7 @@ TEST(Air, ThatHardlyThinsOutIsHomogeneous) {
 }
 
 TEST(Air, EndsSomewhereAboveAndNowhereBelow) {
-    const Air air = air_of(layered(30, 0, 2));
+    const FogMedium air = air_of(layered(30, 0, 2));
     EXPECT_NEAR(air.optical_depth({0, 1, 0}, {0, 1, 0}, endless_way), 0.1 * std::exp(-0.5) * 2, 1e-6);
     EXPECT_TRUE(std::isinf(air.optical_depth({0, 1, 0}, {0, -1, 0}, endless_way)));
     EXPECT_TRUE(std::isinf(air.optical_depth({0, 1, 0}, {1, 0, 0}, endless_way)));
@@ -74,22 +74,23 @@ TEST(Air, EndsSomewhereAboveAndNowhereBelow) {
 TEST(Air, IsFiniteFarFromItsHeight) {
     for (const float y : {-1e6f, -100.0f, 100.0f, 1e6f})
         for (const float slope : {-1.0f, 0.0f, 1.0f}) {
-            const Air air = air_of(layered(30, 0, 0.01f));
+            const FogMedium air = air_of(layered(30, 0, 0.01f));
             const glm::vec3 from(0, y, 0), direction(std::sqrt(1 - slope * slope), slope, 0);
             EXPECT_FALSE(std::isnan(air.optical_depth(from, direction, 5)));
             EXPECT_FALSE(std::isnan(air.optical_depth(from, direction, endless_way)));
             EXPECT_FALSE(std::isnan(air.depth_to_sky(from, direction)));
             EXPECT_FALSE(std::isnan(air.distance_at(from, direction, 0.5f)));
         }
-    EXPECT_EQ(air_of(layered(core::least_visibility, 0, 0)).transmittance({0, 0, 0}, {1, 0, 0}, 1), 0);
-    EXPECT_NEAR(air_of(layered(core::most_visibility, 0, 0)).transmittance({0, 0, 0}, {1, 0, 0}, 1), 1, 1e-6);
+    EXPECT_EQ(Air(air_of(layered(core::least_visibility, 0, 0)), {}).transmittance({0, 0, 0}, {1, 0, 0}, 1).x, 0);
+    EXPECT_NEAR(Air(air_of(layered(core::most_visibility, 0, 0)), {}).transmittance({0, 0, 0}, {1, 0, 0}, 1).x, 1,
+                1e-6);
 }
 
 TEST(Air, TellsHowFarADepthReaches) {
     for (const float falloff : {0.0f, 0.7f, 5.0f})
         for (const float slope : {-1.0f, -0.3f, 0.0f, 0.02f, 0.6f})
             for (const float distance : {0.01f, 1.0f, 4.0f}) {
-                const Air air = air_of(layered(20, 1, falloff));
+                const FogMedium air = air_of(layered(20, 1, falloff));
                 const glm::vec3 from(0.5f, 2, 0), direction(std::sqrt(1 - slope * slope), slope, 0);
                 const float depth = air.optical_depth(from, direction, distance);
                 EXPECT_NEAR(air.distance_at(from, direction, depth), distance, 1e-3f * distance) << falloff << slope;
@@ -97,7 +98,7 @@ TEST(Air, TellsHowFarADepthReaches) {
 }
 
 TEST(Air, LeavesFivePercentOfContrastAtItsVisibility) {
-    EXPECT_NEAR(air_of(layered(40, 0, 0)).transmittance({0, 0, 0}, {0, 0, 1}, 40), 0.05, 0.0003);
+    EXPECT_NEAR(Air(air_of(layered(40, 0, 0)), {}).transmittance({0, 0, 0}, {0, 0, 1}, 40).x, 0.05, 0.0003);
 }
 
 TEST(Air, ScattersAllOfWhatItScatters) {
@@ -170,7 +171,8 @@ TEST(Airlight, OfAPointLampIsTheSumOverSteps) {
                 lamp.intensity = glm::vec3(1);
                 for (const float far : {2.0f, 9.0f}) {
                     const double wanted = summed_light(fog, place, along, 0, far);
-                    EXPECT_NEAR(empty.scattered(air_of(fog), lamp, glm::vec3(0), along, far), wanted, 0.02 * wanted)
+                    EXPECT_NEAR(empty.scattered(Air(air_of(fog), {}), lamp, glm::vec3(0), along, far), wanted,
+                                0.02 * wanted)
                         << visibility << " " << g << " " << place.x << " " << far;
                 }
             }
@@ -184,7 +186,7 @@ TEST(Airlight, OfASunIsTheClosedForm) {
     sun.normal = {0, -1, 0};
     sun.intensity = glm::vec3(3);
     // Beyond the box light comes undimmed.
-    const Air air(fog, glm::vec3(0), glm::vec3(0));
+    const Air air(FogMedium(fog, glm::vec3(0), glm::vec3(0)), {});
     for (const float far : {1.0f, 40.0f})
         EXPECT_NEAR(empty.scattered(air, sun, {0, 50, 0}, {1, 0, 0}, far),
                     3 / (4 * pi) * (1 - std::exp(-0.2 * static_cast<double>(far))), 1e-4);
@@ -206,7 +208,7 @@ TEST(Airlight, IsDarkBehindABar) {
     // The bar is half way: lamp + 2 (bar - lamp).
     const double dark = summed_light(fog, lamp.position, along, 1.5, 2.75),
                  all = summed_light(fog, lamp.position, along, 0, 9);
-    EXPECT_NEAR(scene.scattered(air_of(fog), lamp, glm::vec3(0), along, 9), all - dark, 0.01 * all);
+    EXPECT_NEAR(scene.scattered(Air(air_of(fog), {}), lamp, glm::vec3(0), along, 9), all - dark, 0.01 * all);
     EXPECT_GT(dark, 0.05 * all);
 }
 
@@ -225,7 +227,7 @@ TEST(Airlight, OfARoundLampIsThatOfAPointOfItsIntensity) {
     ASSERT_EQ(lamps.size(), 1u);
     const glm::vec3 along(0, 0, -1);
     const double wanted = summed_light(fog, place, along, 0, 9);
-    EXPECT_NEAR(scene.scattered(air_of(fog), lamps[0], glm::vec3(0), along, 9), wanted, 0.02 * wanted);
+    EXPECT_NEAR(scene.scattered(Air(air_of(fog), {}), lamps[0], glm::vec3(0), along, 9), wanted, 0.02 * wanted);
 }
 
 TEST(Airlight, OfASpotIsThatOfItsCone) {
@@ -246,7 +248,7 @@ TEST(Airlight, OfASpotIsThatOfItsCone) {
         const double s = -half + 2 * half * (i + 0.5) / steps, r = std::hypot(s, 2.0);
         wanted += sigma / (4 * pi) * std::exp(-sigma * (3 + s + r)) / (r * r) * 2 * half / steps;
     }
-    EXPECT_NEAR(empty.scattered(air_of(fog), lamp, glm::vec3(0), {0, 0, -1}, 9), wanted, 0.02 * wanted);
+    EXPECT_NEAR(empty.scattered(Air(air_of(fog), {}), lamp, glm::vec3(0), {0, 0, -1}, 9), wanted, 0.02 * wanted);
 }
 
 /// Light of fog before a black wall, over a floor of this grey that a lamp lights.

@@ -25,7 +25,7 @@ Traits all_traits() {
     t.has_alpha_mask = t.has_alpha_blend = t.has_normal_maps = t.has_textures = true;
     t.camera_moves = t.objects_move = t.objects_deform = t.lights_change = t.has_cuts = true;
     t.has_open_shutter = t.has_aperture = t.has_glare = t.has_fog = t.has_hair = t.has_subsurface = true;
-    t.has_edited_reflections = true;
+    t.has_edited_reflections = t.has_volumes = true;
     return t;
 }
 

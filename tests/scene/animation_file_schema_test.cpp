@@ -117,6 +117,8 @@ TEST(AnimationFileSchema, HasTheKeysThatTheReaderKnows) {
     expect_same_keys("view", keys::view);
     expect_same_keys("fog", keys::fog);
     expect_same_keys("glare", keys::glare);
+    expect_same_keys("volume", keys::volume);
+    expect_same_keys("volume_key", keys::volume_key);
 }
 
 TEST(AnimationFileSchema, AcceptsEveryFilmOfOurs) {
@@ -156,6 +158,7 @@ TEST(AnimationFileSchema, RefusesWhatTheReaderRefusesAndAcceptsWhatItAccepts) {
          R"({"fog": {"visibility": 40, "color": [1, 0.9, 0.8], "anisotropy": -0.3, "height": 2, "falloff": 4}})",
          R"({"fog": {"visibility": 40, "anisotropy": 0.95}})", R"({"fog": {"visibility": 40, "anisotropy": -0.95}})",
          R"({"glare": {"kind": "static", "strength": 0.5, "size": 1, "seed": 7}})",
+         R"({"volumes": [{"size": [1, 2, 3], "density": 0, "anisotropy": 0.95, "keys": [{"at": 0, "scale": 2}]}]})",
          R"({"objects": [{"shape": "quad", "reflections": [{"at": [0, 0, 0], "see": [1, 2, 3], "radius": 1, "border": 2}]}]})",
          R"({"sky": {"zenith": [0, 0, 1], "horizon": 2}})", R"({"sky": "#102030"})",
          R"({"objects": [{"shape": "box", "material": {"alpha": "mask", "texture": {"checker": [0, 1]}, "texture_scale": [1, 2]}}]})"})
@@ -195,6 +198,10 @@ TEST(AnimationFileSchema, RefusesWhatTheReaderRefusesAndAcceptsWhatItAccepts) {
                             R"({"fog": {"visibility": -1}})",
                             R"({"fog": {"visibility": 1, "anisotropy": 1}})",
                             R"({"fog": {"visibility": 1, "falloff": 0}})",
+                            R"({"volumes": [{"density": 1}]})",
+                            R"({"volumes": [{"size": 1, "density": -1}]})",
+                            R"({"volumes": [{"size": 1, "blackbody": 2}]})",
+                            R"({"volumes": [{"size": 1, "keys": [{"at": 0, "reflections": []}]}]})",
                             R"({"glare": "bright"})",
                             R"({"glare": {"strength": 0.1}})",
                             R"({"glare": {"kind": "static", "strength": 0.6}})",

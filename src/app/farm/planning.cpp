@@ -106,6 +106,8 @@ std::filesystem::path copy_scene(const RenderJob& film, const RenderOptions& opt
     std::vector<std::filesystem::path> files;
     for (const std::filesystem::path& file : film.animation->files) files.push_back(file);
     for (const scene::ImageSource& image : film.animation->images) files.push_back(image.path);
+    for (const scene::Volume& volume : film.animation->volumes)
+        for (const auto& own : {volume.files, volume.more_files}) files.insert(files.end(), own.begin(), own.end());
     if (film.animation->sound) files.push_back(*film.animation->sound);
     if (is_file(options.input)) files.push_back(options.input);
     std::erase_if(files, [&](const std::filesystem::path& file) {

@@ -448,14 +448,15 @@ std::string film_text(const RenderJob& film) {
     if (!scene.lights.empty()) add(core::counted(scene.lights.size(), "lamp"));
     if (traits.has_emissive_surfaces) add("surfaces that shine");
     if (traits.has_shining_sky) add("the sky");
+    const std::string volumes = scene.volumes.empty() ? "" : "; " + core::counted(scene.volumes.size(), "volume");
     const std::string name = scene.cameras[static_cast<std::size_t>(camera)].name;
     const auto shots = scene.shots.size();
-    return core::printable(
-        fmt::format("{}: {} frames ({} to {}; {:.2f} s) of {}x{} at {} Hz; camera {}{}; light: {}", scene.source,
-                    film.frame_count(), film.frames.first, film.frames.last,
-                    static_cast<double>(film.frame_count()) / film.rate.hertz.value(), film.format.width,
-                    film.format.height, film.rate.name, name.empty() ? std::to_string(camera) : "\"" + name + "\"",
-                    shots > 1 ? fmt::format(" first, {} shots", shots) : "", lights.empty() ? "none" : lights));
+    return core::printable(fmt::format(
+        "{}: {} frames ({} to {}; {:.2f} s) of {}x{} at {} Hz; camera {}{}; light: {}{}", scene.source,
+        film.frame_count(), film.frames.first, film.frames.last,
+        static_cast<double>(film.frame_count()) / film.rate.hertz.value(), film.format.width, film.format.height,
+        film.rate.name, name.empty() ? std::to_string(camera) : "\"" + name + "\"",
+        shots > 1 ? fmt::format(" first, {} shots", shots) : "", lights.empty() ? "none" : lights, volumes));
 }
 
 std::string text_of(const Forecast& f) {

@@ -46,6 +46,8 @@ std::vector<std::filesystem::path> scene_files_of(const RenderJob& film, const R
     std::vector<std::filesystem::path> files{options.input};
     for (const std::filesystem::path& file : film.animation->files) files.push_back(file);
     for (const scene::ImageSource& image : film.animation->images) files.push_back(image.path);
+    for (const scene::Volume& volume : film.animation->volumes)
+        for (const auto& own : {volume.files, volume.more_files}) files.insert(files.end(), own.begin(), own.end());
     return files;
 }
 

@@ -35,7 +35,7 @@ constexpr int halvings = 5;
 /// light lost.
 class LampSegment {
   public:
-    LampSegment(const Air& air, const LightPoint& lamp, const AirRay& ray) : air_(air), lamp_(lamp), ray_(ray) {
+    LampSegment(const FogMedium& air, const LightPoint& lamp, const AirRay& ray) : air_(air), lamp_(lamp), ray_(ray) {
         const float end = std::min(ray.ends.back(), air.distance_at(ray.origin, ray.direction, deepest));
         if (lamp.is_far()) {
             phase_ = air.phase(glm::dot(lamp.normal, -ray.direction));
@@ -115,6 +115,15 @@ class LampSegment {
         packet.far[i] = lamp_.is_far() ? endless : std::clamp(1.0f - before, 0.0f, shadow_ray_end);
     }
 
+    /// Share that volumes leave of light from the lamp to a place, and from there to the ray's origin.
+    glm::vec3 left_by_volumes(const Air& air, float parameter) const {
+        const float far = distance(parameter);
+        const glm::vec3 x = place(far), way = lamp_.is_far() ? -lamp_.normal : lamp_.position - x;
+        const float length = glm::length(way);
+        return glm::exp(-air.depth_of_volumes(ray_.origin, ray_.direction, far) -
+                        air.depth_of_volumes(x, way / std::max(length, 1e-20f), lamp_.is_far() ? endless : length));
+    }
+
   private:
     /// Leaves of [from, to] what lies in the cone of a spot.
     void clip_to_cone(float& from, float& to) const {
@@ -149,7 +158,7 @@ class LampSegment {
         }
     }
 
-    const Air& air_;
+    const FogMedium& air_;
     const LightPoint& lamp_;
     const AirRay& ray_;
     float nearest_ = 0, apart_ = 1;  ///< the place nearest to the lamp, and its distance from it
@@ -204,6 +213,7 @@ class LitRuns {
         for (std::size_t i = 0; i < count; ++i) {
             lit_[i] = (dark >> i & 1u) == 0;
             passes_[i] = passes[i];
+            if (lit_[i] && !scene.air.volumes().empty()) passes_[i] *= segment_.left_by_volumes(scene.air, at_[i]);
         }
         rays_ += count;
     }
@@ -288,11 +298,11 @@ std::vector<LightPoint> air_lamps(std::span<const LightPoint> points, const Ligh
 
 std::uint64_t add_scattered(const AirScene& scene, const LightPoint& lamp, const AirRay& ray, int cells,
                             glm::vec3* sums) {
-    const LampSegment whole(scene.air, lamp, ray);
+    const LampSegment whole(*scene.air.fog(), lamp, ray);
     if (whole.is_dark()) return 0;
     std::vector<float> ends;
     for (const float end : ray.ends) ends.push_back(whole.parameter(end));
-    const glm::vec3 strength = lamp.intensity * scene.air.albedo();
+    const glm::vec3 strength = lamp.intensity * scene.air.fog()->albedo();
     const int parts = lamp.is_far() ? sun_parts : 1;
     std::uint64_t rays = 0;
     for (int p = 0; p < parts; ++p) {

@@ -1,5 +1,5 @@
 #pragma once
-// In-scattering of one lamp's light along a ray through air, shadows included.
+// In-scattering of one lamp's light along a ray through fog, shadows included.
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
@@ -25,7 +25,7 @@ struct AirRay {
 
 /// Surroundings of a query of light: air, geometry, and the treatment of bodies of glass.
 struct AirScene {
-    const Air& air;
+    const Air& air;  ///< it has fog
     const RayTracer& tracer;
     Bodies bodies;
 };

@@ -85,6 +85,45 @@ std::uint64_t corner_key(int level, glm::ivec3 cell) {
 
 }  // namespace
 
+SmoothAirLight::SmoothAirLight(const LightTrees& light_trees, std::span<const LightPoint> points, bool bounces)
+    : trees(light_trees) {
+    trees.exact.clear();
+    trees.trees[static_cast<std::size_t>(LightType::punctual)] = {};
+    trees.trees[static_cast<std::size_t>(LightType::punctual)].type = LightType::punctual;
+    if (!bounces)
+        for (int tree = LightTrees::direct_trees; tree < LightTrees::tree_count; ++tree)
+            trees.trees[static_cast<std::size_t>(tree)] = {};
+    // Suns that are clustered among points of the sky count by themselves.
+    std::vector<LightPoint> sky;
+    bool suns = false;
+    for (const LightPoint& p : points) {
+        if (!p.is_far()) continue;
+        suns = suns || !p.is_of_sky();
+        if (p.is_of_sky()) sky.push_back(p);
+    }
+    if (suns)
+        trees.trees[static_cast<std::size_t>(LightType::directional)] =
+            build_light_tree(LightType::directional, sky, 1);
+    std::erase_if(trees.lamps, [](const auto& lamp) { return lamp->is_round(); });
+    shines = !trees.lamps.empty() ||
+             std::any_of(trees.trees.begin(), trees.trees.end(), [](const LightTree& tree) { return !tree.empty(); });
+}
+
+std::vector<glm::vec3> SmoothAirLight::at(const RayTracer& tracer, std::span<const glm::vec3> places,
+                                          std::uint64_t& rays) const {
+    std::vector<glm::vec3> light(places.size());
+    const std::vector<glm::vec3> normals = sides();
+    constexpr std::size_t grain = 32;
+    std::vector<std::uint64_t> task_rays((places.size() + grain - 1) / grain, 0);
+    parallel::for_ranges(places.size(), grain, [&](std::size_t from, std::size_t to) {
+        Gatherer gatherer(trees, tracer);
+        for (std::size_t i = from; i < to; ++i)
+            light[i] = gather_at(places[i], normals, gatherer, task_rays[from / grain]);
+    });
+    for (const std::uint64_t r : task_rays) rays += r;
+    return light;
+}
+
 struct AmbientAir::Corner {
     std::uint64_t key;
     glm::vec3 place;
@@ -102,28 +141,8 @@ void AmbientAir::start(std::int64_t lit_frame, const LightTrees& light_trees, st
         known_.clear();
         light_.clear();
     }
-    light_trees_ = light_trees;
-    light_trees_.exact.clear();
-    light_trees_.trees[static_cast<std::size_t>(LightType::punctual)] = {};
-    light_trees_.trees[static_cast<std::size_t>(LightType::punctual)].type = LightType::punctual;
-    if (!bounces)
-        for (int tree = LightTrees::direct_trees; tree < LightTrees::tree_count; ++tree)
-            light_trees_.trees[static_cast<std::size_t>(tree)] = {};
-    // Suns that are clustered among points of the sky count by themselves.
-    std::vector<LightPoint> sky;
-    bool suns = false;
-    for (const LightPoint& p : points) {
-        if (!p.is_far()) continue;
-        suns = suns || !p.is_of_sky();
-        if (p.is_of_sky()) sky.push_back(p);
-    }
-    if (suns)
-        light_trees_.trees[static_cast<std::size_t>(LightType::directional)] =
-            build_light_tree(LightType::directional, sky, 1);
-    std::erase_if(light_trees_.lamps, [](const auto& lamp) { return lamp->is_round(); });
-    shines_ = gather != nullptr || !light_trees_.lamps.empty() ||
-              std::any_of(light_trees_.trees.begin(), light_trees_.trees.end(),
-                          [](const LightTree& tree) { return !tree.empty(); });
+    smooth_ = SmoothAirLight(light_trees, points, bounces);
+    shines_ = gather != nullptr || smooth_.shines;
 }
 
 /// Calls visit(key, corner, weight) for the corners about a place in the two lattices that its distance lies between.
@@ -153,17 +172,11 @@ std::uint64_t AmbientAir::learn(const RayTracer& tracer, std::span<const glm::ve
                 wanted.push_back({key, place});
         });
     const std::size_t first = light_.size();
-    light_.resize(first + wanted.size());
-    const std::vector<glm::vec3> normals = sides();
-    constexpr std::size_t grain = 32;
-    std::vector<std::uint64_t> rays((wanted.size() + grain - 1) / grain, 0);
-    parallel::for_ranges(wanted.size(), grain, [&](std::size_t from, std::size_t to) {
-        Gatherer gatherer(light_trees_, tracer);
-        for (std::size_t i = from; i < to; ++i)
-            light_[first + i] = gather_at(wanted[i].place, normals, gatherer, rays[from / grain]);
-    });
+    std::vector<glm::vec3> corners;
+    for (const Corner& c : wanted) corners.push_back(c.place);
     std::uint64_t sum = 0;
-    for (const std::uint64_t r : rays) sum += r;
+    const std::vector<glm::vec3> found = smooth_.at(tracer, corners, sum);
+    light_.insert(light_.end(), found.begin(), found.end());
     return sum + gather(wanted, first);
 }
 

@@ -14,6 +14,20 @@
 
 namespace render2mpeg::renderer {
 
+/// Light trees, some of them, for light that is smooth in air.
+struct SmoothAirLight {
+    /// Of these light trees and direct light points without points, spots, suns and round lamps; `bounces`: with
+    /// bounced light.
+    SmoothAirLight() = default;
+    SmoothAirLight(const LightTrees& light_trees, std::span<const LightPoint> points, bool bounces);
+
+    LightTrees trees;
+    bool shines = false;
+
+    /// Mean radiance over all directions at places. `rays` counts shadow rays.
+    std::vector<glm::vec3> at(const RayTracer& tracer, std::span<const glm::vec3> places, std::uint64_t& rays) const;
+};
+
 /// Light from all directions at places of air, on lattices that are fixed in the world, the finer the nearer to the
 /// eye: it is smooth, and what is still stays still. Known as long as light stays the same.
 class AmbientAir {
@@ -53,7 +67,7 @@ class AmbientAir {
     bool is_known_ = false;  ///< of `lit_frame_`, but not by which trees
     bool shines_ = false, bounces_ = true;
     float least_distance_ = 1;
-    LightTrees light_trees_;
+    SmoothAirLight smooth_;
     FinalGather* gather_ = nullptr;
     std::unordered_map<std::uint64_t, std::uint32_t> known_;  ///< by corner
     std::vector<glm::vec3> light_;

@@ -28,7 +28,7 @@ std::vector<const SeenAir*> all_air(const Frame& seen) {
 }  // namespace
 
 AmbientColumns::AmbientColumns(const PosedScene& posed_scene, const Frame& seen, AmbientAir& ambient)
-    : air_(*posed_scene.air()),
+    : air_(*posed_scene.air()->fog()),
       ambient_(ambient),
       eye_(posed_scene.posed().camera.position()),
       across_(seen.tiles_across() + 1) {

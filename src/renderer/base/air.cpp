@@ -3,94 +3,125 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "core/numeric.h"
 
 namespace render2mpeg::renderer {
 namespace {
 
-constexpr float without_end = std::numeric_limits<float>::infinity();
+/// Behind this optical depth nothing is looked for: a share of 6e-6.
+constexpr float deepest = 12.0f;
 
-/// Fog far below its height is so many times as dense at most. chosen: 2^20, in which nothing is seen of anything.
-constexpr float most_density = 0x1p20f;
+/// A volume that a ray meets.
+struct Met {
+    std::size_t index;
+    BrickWalk walk;
+};
 
-/// (1 - e^-k) / k for k >= 0.
-float mean_falloff(float k) {
-    return k < 1e-6f ? 1.0f : -std::expm1(-k) / k;
+std::vector<Met> met_by(const std::vector<VolumeMedium>& volumes, glm::vec3 from, glm::vec3 direction,
+                        std::size_t but) {
+    std::vector<Met> met;
+    for (std::size_t i = 0; i < volumes.size(); ++i) {
+        if (i == but) continue;
+        const BrickWalk walk(volumes[i], from, direction);
+        if (!walk.misses()) met.push_back({i, walk});
+    }
+    return met;
 }
 
-/// How far a ray goes in a box.
-float way_in_box(glm::vec3 from, glm::vec3 direction, glm::vec3 low, glm::vec3 high) {
-    float near = 0, far = without_end;
-    for (int c = 0; c < 3; ++c) {
-        if (direction[c] == 0.0f) {
-            if (from[c] < low[c] || from[c] > high[c]) return 0;
-            continue;
+/// Calls step(middle, length, met) along the ray as far as `far`, wherever some volume is met, each step within one
+/// brick of each; ends where it returns false.
+template <class Step>
+void march(std::vector<Met>& met, float from, float far, bool coarse, Step step) {
+    while (from < far) {
+        float end = far, length = std::numeric_limits<float>::infinity();
+        for (Met& m : met) {
+            while (m.walk.end() <= from) m.walk.advance();
+            end = std::min(end, m.walk.end());
+            if (m.walk.is_inside()) length = std::min(length, m.walk.step(coarse));
         }
-        const float a = (low[c] - from[c]) / direction[c], b = (high[c] - from[c]) / direction[c];
-        near = std::max(near, std::min(a, b));
-        far = std::min(far, std::max(a, b));
+        if (std::isinf(end) && std::isinf(length)) return;
+        if (!std::isinf(length) && end > from) {
+            const float steps = std::clamp(std::ceil((end - from) / length), 1.0f, 1024.0f),
+                        part = (end - from) / steps;
+            for (float i = 0.5f; i < steps; ++i)
+                if (!step(from + i * part, part)) return;
+        }
+        from = end;
     }
-    return std::max(far - near, 0.0f);
 }
 
 }  // namespace
 
-Air::Air(const core::Fog& fog, glm::vec3 low, glm::vec3 high) : fog_(fog), low_(low), high_(high) {
-    // Contrast falls with the transmittance [Koschmieder1924], to 5 % = e^-3.
-    extinction_ = 3.0f / std::max(fog.visibility, core::least_visibility);
+glm::vec3 Air::depth_of_volumes(glm::vec3 from, glm::vec3 direction, float distance, std::size_t but) const {
+    glm::vec3 depth(0);
+    if (volumes_.empty()) return depth;
+    std::vector<Met> met = met_by(volumes_, from, direction, but);
+    if (met.empty()) return depth;
+    march(met, 0.0f, distance, true, [&](float at, float length) {
+        for (const Met& m : met)
+            if (m.walk.is_inside()) depth += length * volumes_[m.index].extinction(m.walk.place(at));
+        return std::min({depth.x, depth.y, depth.z}) < deepest;
+    });
+    return depth;
 }
 
-float Air::density(float y) const {
-    return std::min(std::exp((fog_.height - y) / fog_.falloff), most_density);
+glm::vec3 Air::transmittance(glm::vec3 from, glm::vec3 direction, float distance) const {
+    const float by_fog = fog_ ? std::exp(-fog_->optical_depth(from, direction, distance)) : 1.0f;
+    return volumes_.empty() ? glm::vec3(by_fog) : by_fog * glm::exp(-depth_of_volumes(from, direction, distance));
 }
 
-float Air::extinction(float y) const {
-    return fog_.falloff > 0.0f ? extinction_ * density(y) : extinction_;
+glm::vec3 Air::transmittance_to_sky(glm::vec3 from, glm::vec3 direction) const {
+    const float by_fog = fog_ ? std::exp(-fog_->depth_to_sky(from, direction)) : 1.0f;
+    return volumes_.empty()
+               ? glm::vec3(by_fog)
+               : by_fog * glm::exp(-depth_of_volumes(from, direction, std::numeric_limits<float>::infinity()));
 }
 
-float Air::optical_depth(glm::vec3 from, glm::vec3 direction, float distance) const {
-    if (!(distance > 0.0f)) return 0.0f;
-    if (!(fog_.falloff > 0.0f)) return extinction_ * distance;
-    // From the lower end up, so that nothing overflows.
-    const float rise = std::abs(direction.y);
-    if (std::isinf(distance)) {
-        if (direction.y > 0.0f) return extinction_ * density(from.y) * (fog_.falloff / rise);
-        return direction.y < 0.0f || density(from.y) > 0.0f ? without_end : 0.0f;
+void Air::add_light(glm::vec3 from, glm::vec3 direction, VolumeView view, const float* ends, std::size_t count,
+                    glm::vec3* sums) const {
+    if (lights_.empty() || count == 0) return;
+    std::vector<Met> met = met_by(volumes_, from, direction, static_cast<std::size_t>(-1));
+    if (met.empty()) return;
+    glm::vec3 light(0), depth(0);
+    float begin = 0;
+    for (std::size_t e = 0; e < count; ++e) {
+        bool dark = false;
+        march(met, begin, ends[e], view == VolumeView::rough, [&](float at, float length) {
+            glm::vec3 extinction(0), source(0);
+            for (const Met& m : met) {
+                if (!m.walk.is_inside()) continue;
+                const VolumeMedium& medium = volumes_[m.index];
+                const glm::vec3 place = m.walk.place(at);
+                const MediumPoint point = medium.at(place);
+                extinction += point.extinction;
+                if (point.scattering != glm::vec3(0))
+                    source += point.scattering * lights_[m.index].scattered(medium, place, -direction);
+                if (view == VolumeView::eye) source += point.emission;
+            }
+            // The mean of what is left within the step.
+            const glm::vec3 taken = length * extinction;
+            glm::vec3 mean(length);
+            for (int c = 0; c < 3; ++c)
+                if (taken[c] > 1e-4f) mean[c] = -std::expm1(-taken[c]) / extinction[c];
+            glm::vec3 left = glm::exp(-depth) * mean;
+            if (fog_) left *= std::exp(-fog_->optical_depth(from, direction, at));
+            light += left * source;
+            depth += taken;
+            dark = std::min({depth.x, depth.y, depth.z}) >= deepest;
+            return !dark;
+        });
+        begin = ends[e];
+        sums[e] += light;
+        if (!dark) continue;
+        for (++e; e < count; ++e) sums[e] += light;
     }
-    const float lowest = std::min(from.y, from.y + distance * direction.y);
-    return extinction_ * density(lowest) * distance * mean_falloff(distance * rise / fog_.falloff);
 }
 
-float Air::depth_to_sky(glm::vec3 from, glm::vec3 direction) const {
-    if (fog_.falloff > 0.0f && direction.y > 0.0f) return optical_depth(from, direction, without_end);
-    const float way = way_in_box(from, direction, low_, high_);
-    return optical_depth(from, direction, std::min(way, std::numeric_limits<float>::max()));
-}
-
-float Air::distance_at(glm::vec3 from, glm::vec3 direction, float depth) const {
-    if (!(depth > 0.0f)) return 0.0f;
-    if (!(fog_.falloff > 0.0f)) return depth / extinction_;
-    const float here = extinction_ * density(from.y), k = direction.y / fog_.falloff;
-    if (!(here > 0.0f) && !(direction.y < 0.0f)) return without_end;
-    // depth = here (1 - e^(-k s)) / k
-    const float x = here > 0.0f ? k * depth / here : -without_end;
-    if (std::abs(x) < 1e-6f) return depth / here;
-    if (x >= 1.0f) return without_end;
-    if (x > -1e30f) return -std::log1p(-x) / k;
-    // Far above: only what is near the height counts, whence log(1 - x) = log(-x).
-    return -(std::log(-direction.y * depth / (fog_.falloff * extinction_)) + (from.y - fog_.height) / fog_.falloff) / k;
-}
-
-float Air::transmittance(glm::vec3 from, glm::vec3 direction, float distance) const {
-    return std::exp(-optical_depth(from, direction, distance));
-}
-
-float Air::phase(float cosine) const {
-    const float g = fog_.anisotropy;
-    const float base = std::max(1.0f + g * g - 2.0f * g * cosine, 1e-6f);
-    return (1.0f - g * g) / (4.0f * std::numbers::pi_v<float> * base * std::sqrt(base));
+glm::vec3 Air::light_of_volumes(glm::vec3 from, glm::vec3 direction, float distance, VolumeView view) const {
+    glm::vec3 sum(0);
+    add_light(from, direction, view, &distance, 1, &sum);
+    return sum;
 }
 
 }  // namespace render2mpeg::renderer

@@ -1,41 +1,49 @@
 #pragma once
-// Air that dims and scatters light: closed forms of homogeneous fog and of fog that thins out with height.
+// All that dims and scatters light on its way between surfaces: fog and volumes.
+#include <cstddef>
 #include <glm/glm.hpp>
+#include <optional>
+#include <vector>
 
-#include "core/fog.h"
+#include "renderer/base/fog_medium.h"
+#include "renderer/base/volume_light.h"
+#include "renderer/base/volume_medium.h"
 
 namespace render2mpeg::renderer {
 
-/// Air that dims and scatters light (docs/model/fog.md): homogeneous, or exponential in y. Directions are unit vectors,
-/// distances >= 0 and may be infinite; so may optical depths.
+/// How a ray looks at volumes. `rough`: longer steps, and no flames: light points send their light to surfaces.
+enum class VolumeView { eye, rough };
+
+/// Air of an instant. Directions are unit vectors, distances >= 0 and may be infinite.
 class Air {
   public:
-    /// `fog` shows; [low, high]: a box about the scene, at whose border light from infinitely far begins to be dimmed
-    /// where the fog is homogeneous.
-    Air(const core::Fog& fog, glm::vec3 low, glm::vec3 high);
+    Air(std::optional<FogMedium> fog, std::vector<VolumeMedium> volumes)
+        : fog_(std::move(fog)), volumes_(std::move(volumes)) {}
 
-    /// Share of light that is lost by unit of way, per scene unit.
-    float extinction(float y) const;
-    /// Integral of the extinction along a way. Exact but for rounding.
-    float optical_depth(glm::vec3 from, glm::vec3 direction, float distance) const;
+    const FogMedium* fog() const { return fog_ ? &*fog_ : nullptr; }
+    const std::vector<VolumeMedium>& volumes() const { return volumes_; }
+
+    /// Share of light that is left of a way.
+    glm::vec3 transmittance(glm::vec3 from, glm::vec3 direction, float distance) const;
     /// Of light from infinitely far in that direction.
-    float depth_to_sky(glm::vec3 from, glm::vec3 direction) const;
-    /// How far a way goes whose optical depth is `depth`; infinite where none is so long.
-    float distance_at(glm::vec3 from, glm::vec3 direction, float depth) const;
-    float transmittance(glm::vec3 from, glm::vec3 direction, float distance) const;
+    glm::vec3 transmittance_to_sky(glm::vec3 from, glm::vec3 direction) const;
+    /// Optical depth of volumes, but one of them.
+    glm::vec3 depth_of_volumes(glm::vec3 from, glm::vec3 direction, float distance,
+                               std::size_t but = static_cast<std::size_t>(-1)) const;
 
-    /// Share of what is scattered that goes on by this cosine to where it went, per steradian [Henyey1941].
-    float phase(float cosine) const;
-    /// Share of what is dimmed that is scattered.
-    glm::vec3 albedo() const { return fog_.color; }
-    bool is_lit_by_bounces() const { return fog_.bounces; }
+    /// Light within `volumes`, as many. Until then they are black.
+    void light(std::vector<VolumeLight> lights) { lights_ = std::move(lights); }
+    const std::vector<VolumeLight>& lights() const { return lights_; }
+    /// Adds the radiance that volumes before each of `count` distances, which rise, send to the origin.
+    void add_light(glm::vec3 from, glm::vec3 direction, VolumeView view, const float* ends, std::size_t count,
+                   glm::vec3* sums) const;
+    /// The same as far as one distance.
+    glm::vec3 light_of_volumes(glm::vec3 from, glm::vec3 direction, float distance, VolumeView view) const;
 
   private:
-    float density(float y) const;
-
-    core::Fog fog_;
-    float extinction_;  ///< at its height
-    glm::vec3 low_, high_;
+    std::optional<FogMedium> fog_;
+    std::vector<VolumeMedium> volumes_;
+    std::vector<VolumeLight> lights_;
 };
 
 }  // namespace render2mpeg::renderer

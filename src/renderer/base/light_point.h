@@ -40,6 +40,8 @@ inline Spot spot_of(const scene::LightState& lamp) {
 
 /// First ids of the sky's direct light points, and of those of lamps without a surface; below are surfaces'.
 inline constexpr std::uint32_t first_sky_id = 1u << 26, first_lamp_id = 1u << 27;
+/// Of them, of the flames of volumes.
+inline constexpr std::uint32_t first_flame_id = 1u << 30;
 
 /// One light point. Lit point x receives intensity x emit(direction) / distance^2 (docs/model/lights.md).
 struct LightPoint {
@@ -61,6 +63,7 @@ struct LightPoint {
     /// Of points of direct light:
     bool is_of_sky() const { return id >= first_sky_id && id < first_lamp_id; }
     bool is_of_lamp() const { return id >= first_lamp_id; }
+    bool is_of_flame() const { return id >= first_flame_id; }
     /// Radiant intensity in a direction (unit) over that along the normal, as it is so far off.
     float emitted(glm::vec3 direction, float distance2) const {
         const float cosine = glm::dot(normal, direction);

@@ -14,8 +14,8 @@ using scene::Traits;
 constexpr std::size_t pass_count = static_cast<std::size_t>(Pass::count);
 
 /// A set of passes, one bit each.
-using PassSet = std::uint32_t;
-static_assert(pass_count <= 32);
+using PassSet = std::uint64_t;
+static_assert(pass_count < 64);
 
 constexpr PassSet bit(Pass pass) {
     return PassSet{1} << static_cast<unsigned>(pass);
@@ -147,6 +147,9 @@ constexpr Rule rules[] = {
     {air, "air", "the film has fog", "the air is clear", [](const Traits& t) { return t.has_fog; },
      set_of({shade, layers}), never, "fog (film), lights, cells of light, depth (n)",
      "light that air scatters, dimmed light (n)", "fog"},
+    {volumes, "volumes", "there are volumes", "there are no volumes", [](const Traits& t) { return t.has_volumes; },
+     set_of({shade, layers}), never, "grids, lights, cells of light, depth (n)", "light of volumes, dimmed light (n)",
+     "smoke, clouds and fire"},
     {shade, "shade", "pictures are wanted", "", always, set_of({layers, glare, develop}),
      [](const Wanted& w) { return w.picture; }, "gather points, light trees, tolerance (n)", "radiance (n)"},
     {layers, "layers", "layers are wanted", "", always, 0, [](const Wanted& w) { return w.layers; },

@@ -37,6 +37,7 @@ enum class Pass {
     indirect_tree,
     glossy,
     air,
+    volumes,
     shade,
     layers,
     glare,

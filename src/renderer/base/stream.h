@@ -28,6 +28,7 @@ enum class Purpose : std::uint64_t {
     looks_of_anchors,
     photons,
     true_paths,
+    rays_of_volumes,
 };
 
 /// Whose numbers a stream has. What is alike for all pixels, or in all frames, names none.

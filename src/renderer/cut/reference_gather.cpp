@@ -84,8 +84,8 @@ void gather_all(const LightTrees& light_trees, const RayTracer& tracer, const Ga
             if (packet.active == 0) continue;
             packet.bodies = light_trees.bodies_before(t);
             std::fill(std::begin(passes), std::end(passes), glm::vec3(1));
-            if (light_trees.air != nullptr) dim(*light_trees.air, packet, passes);
             const std::uint32_t blocked = tracer.occluded(packet, light_trees.translucent ? passes : nullptr);
+            if (light_trees.air != nullptr) dim(*light_trees.air, packet, packet.active & ~blocked, passes);
             darken(lanes, packet.active & ~blocked, unit);
             if (light_trees.translucent)
                 for (int i = 0; i < lane_count; ++i) {

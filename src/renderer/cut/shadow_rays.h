@@ -43,16 +43,17 @@ RENDER2MPEG_ALWAYS_INLINED void aim(const Vec3Lanes& __restrict origin, LightTyp
     }
 }
 
-/// Multiplies what passes of each ray's light, asked for or not, by what the air lets through.
-inline void dim(const Air& air, const ShadowPacket& packet, glm::vec3* passes) {
+/// Multiplies what passes of the light of these rays by what the air lets through.
+inline void dim(const Air& air, const ShadowPacket& packet, std::uint32_t rays, glm::vec3* passes) {
     for (int i = 0; i < lane_count; ++i) {
+        if ((rays >> i & 1u) == 0) continue;
         const glm::vec3 origin{packet.origin_x[i], packet.origin_y[i], packet.origin_z[i]},
             way{packet.direction_x[i], packet.direction_y[i], packet.direction_z[i]};
         const float length = std::sqrt(glm::dot(way, way));
         if (!(length > 0.0f)) continue;
         const glm::vec3 direction = way / length;
-        passes[i] *= std::exp(std::isinf(packet.far[i]) ? -air.depth_to_sky(origin, direction)
-                                                        : -air.optical_depth(origin, direction, length));
+        passes[i] *= std::isinf(packet.far[i]) ? air.transmittance_to_sky(origin, direction)
+                                               : air.transmittance(origin, direction, length);
     }
 }
 

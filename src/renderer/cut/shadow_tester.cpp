@@ -202,8 +202,10 @@ std::uint32_t ShadowTester::reach(const ShadowPacket& packet, glm::vec3* passes)
 
 std::uint32_t ShadowTester::blocked(const ShadowPacket& packet, glm::vec3* passes) {
     count(packet.active);
-    if (light_trees_.air != nullptr && passes != nullptr) dim(*light_trees_.air, packet, passes);
-    return tracer_.occluded(packet, passes);
+    const std::uint32_t blocked = tracer_.occluded(packet, passes);
+    if (light_trees_.air != nullptr && passes != nullptr)
+        dim(*light_trees_.air, packet, packet.active & ~blocked, passes);
+    return blocked;
 }
 
 }  // namespace render2mpeg::renderer

@@ -141,8 +141,8 @@ glm::vec3 CellLight::lamps(const Scatterer& at, const Stream& numbers, LightChoi
         if (const Air* air = posed_scene_.air(); air != nullptr) {
             const glm::vec3 direction = core::normalize_or(chosen.ray, chosen.direction);
             light *= std::isinf(chosen.far)
-                         ? std::exp(-air->depth_to_sky(query.origin, direction))
-                         : std::exp(-air->optical_depth(query.origin, direction, glm::length(chosen.ray) * chosen.far));
+                         ? air->transmittance_to_sky(query.origin, direction)
+                         : air->transmittance(query.origin, direction, glm::length(chosen.ray) * chosen.far);
         }
         ++rays;
         const float skipped = at.skipped(chosen.ray);

@@ -93,6 +93,14 @@ class FinalGather {
     /// Light of all requests, in their order.
     std::vector<RayLight> gather(std::span<const GatherRequest> requests, Allocation allocation);
 
+    /// Radiance that rays see where they end, which the air on their first segment has not dimmed, and how far that is.
+    struct Seen {
+        glm::vec3 light{0};
+        float distance = 0;
+    };
+    /// The same for all rays, in their order; `numbers`: ray k's are those at k. Rays are unit.
+    std::vector<Seen> seen_by(std::span<const RayQuery> rays, const Stream& numbers);
+
     /// Light of surfaces at the posed instant, for whoever asks.
     SurfaceCache& cache() { return cache_; }
     const FinalGatherCounts& counts() const { return counts_; }

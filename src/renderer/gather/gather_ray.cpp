@@ -190,7 +190,7 @@ glm::vec3 GatherRays::sky_in_pane(const SurfacePoint& pane, float solid_angle, s
     ray.reflect(pane, pane.shading_normal);
     glm::vec3 sky = posed_scene_.sky()->radiance_of_ray(ray.direction, solid_angle);
     sky *= std::min(core::divide_or(sky_in_panes_, core::luminance(sky), 1.0f), 1.0f);
-    if (const Air* air = posed_scene_.air()) sky *= std::exp(-air->depth_to_sky(ray.origin, ray.direction));
+    if (const Air* air = posed_scene_.air()) sky *= air->transmittance_to_sky(ray.origin, ray.direction);
     ++rays;
     return share * sky *
            posed_scene_.tracer().passes(ray.origin, ray.direction, std::numeric_limits<float>::infinity(),
@@ -216,9 +216,13 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, const
             hit = posed_scene_.tracer().nearest(ray.origin, ray.direction, ray.far);
             ++rays;
         }
-        if (air != nullptr)
-            passing *= std::exp(-(hit.found() ? air->optical_depth(ray.origin, ray.direction, hit.distance)
-                                              : air->depth_to_sky(ray.origin, ray.direction)));
+        if (air != nullptr && !(step == 0 && rules.own_volume)) {
+            const float way = hit.found() ? hit.distance : std::numeric_limits<float>::infinity();
+            if (bounces_ && rules.bounces)
+                known += passing * air->light_of_volumes(ray.origin, ray.direction, way, VolumeView::rough);
+            passing *= hit.found() ? air->transmittance(ray.origin, ray.direction, way)
+                                   : air->transmittance_to_sky(ray.origin, ray.direction);
+        }
         if (!hit.found()) {
             if (!behind_body && (!mirrored || sees_lights)) known += passing * escaped(ray.direction, rules, mirrored);
             return finished();

@@ -77,7 +77,8 @@ struct RayRules {
     std::span<const float> shining{};
     /// Solid bodies of glass pass what surfaces bounce: caustics have light of lamps and sky.
     bool bodies_block = false;
-    std::uint8_t depth = 0;  ///< of the place that it leaves, if that has a cell of its own
+    std::uint8_t depth = 0;   ///< of the place that it leaves, if that has a cell of its own
+    bool own_volume = false;  ///< it begins within a medium, whose owner knows what the first segment loses and gains
 };
 
 /// Follows rays through the posed scene.

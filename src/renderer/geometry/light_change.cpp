@@ -21,6 +21,7 @@ LightChange change_between(const scene::Snapshot& before, const scene::Snapshot&
     if (before.animation != now.animation || before.objects.size() != now.objects.size()) return {true, true};
     LightChange change;
     change.sources = before.lights != now.lights || before.emission_factor != now.emission_factor;
+    if (before.volumes != now.volumes) change = {true, true};
     for (std::size_t i = 0; i < now.objects.size(); ++i) {
         if (same_object(before, now, i)) continue;
         change.things = true;

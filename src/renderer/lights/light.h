@@ -68,9 +68,13 @@ using Lights = std::vector<std::unique_ptr<Light>>;
 
 // The kinds, a file each: of one lamp without a surface,
 std::unique_ptr<Light> punctual_light(const scene::LightState& lamp);
+/// A point without direction that stands for a flame,
+std::unique_ptr<Light> flame_light(const LightPoint& point);
 std::unique_ptr<Light> sun_light(const scene::LightState& lamp);
 /// all of them that shine at an instant,
 Lights lamps_of(const scene::Snapshot& instant);
+/// those and the flames of its volumes,
+Lights lamps_of(const PosedScene& posed_scene);
 /// all surfaces that shine, each of one object (mesh_light.cpp),
 Lights surfaces_of(const PosedScene& posed_scene);
 /// and the sky, unless it has one colour (sky_light.cpp).

@@ -83,7 +83,7 @@ std::vector<LightPoint> LightPoints::at(const PosedScene& posed_scene) const {
     std::vector<LightPoint> points;
     points.reserve(emitters_.size() + sky_.size() + now.lights.size());
     if (lamps_)
-        for (const auto& lamp : lamps_of(now)) points.push_back(lamp->point().value());
+        for (const auto& lamp : lamps_of(posed_scene)) points.push_back(lamp->point().value());
     for (std::size_t i = 0; i < emitters_.size(); ++i) {
         if (!now.objects[emitters_[i].object].present) continue;
         const LightPoint p = point_at(posed_scene, emitters_[i], static_cast<std::uint32_t>(i));

@@ -47,4 +47,8 @@ std::unique_ptr<Light> punctual_light(const scene::LightState& lamp) {
     return std::make_unique<PunctualLight>(point);
 }
 
+std::unique_ptr<Light> flame_light(const LightPoint& point) {
+    return std::make_unique<PunctualLight>(point);
+}
+
 }  // namespace render2mpeg::renderer

@@ -120,7 +120,7 @@ glm::vec3 LightPaths::answer(const Path& path, const LightSample& sample) const 
         const float length = glm::length(sample.ray);
         const glm::vec3 direction = core::normalize_or(sample.ray, sample.direction);
         const Air& air = *posed_scene_.air();
-        share *= std::isinf(sample.far) ? std::exp(-air.depth_to_sky(path.at.query().origin, direction))
+        share *= std::isinf(sample.far) ? air.transmittance_to_sky(path.at.query().origin, direction)
                                         : air.transmittance(path.at.query().origin, direction, length * sample.far);
     }
     const float skipped = path.at.skipped(sample.ray);

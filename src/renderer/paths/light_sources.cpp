@@ -3,7 +3,7 @@
 namespace render2mpeg::renderer {
 
 LightSources::LightSources(const PosedScene& posed_scene, const Plan& plan)
-    : lamps_(plan.runs(Pass::punctual_lights) ? lamps_of(posed_scene.posed()) : Lights{}),
+    : lamps_(plan.runs(Pass::punctual_lights) ? lamps_of(posed_scene) : Lights{}),
       surfaces_(plan.runs(Pass::emissive_lights) ? surfaces_of(posed_scene) : Lights{}),
       skies_(plan.runs(Pass::sky_light) ? skies_of(posed_scene) : Lights{}),
       surface_of_(posed_scene.animation().objects.size(), -1) {

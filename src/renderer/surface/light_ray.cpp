@@ -38,11 +38,11 @@ glm::vec3 LightRay::left_by_bodies(const PosedScene& scene, const Hit& hit) {
     return media.empty() ? glm::vec3{1.0f} : media.top()->passes(hit.distance);
 }
 
-float LightRay::left_by_air(const PosedScene& scene, float distance) const {
+glm::vec3 LightRay::left_by_air(const PosedScene& scene, float distance) const {
     const Air* air = scene.air();
-    if (air == nullptr || !media.empty()) return 1.0f;
-    if (from_far) return std::exp(-air->depth_to_sky(origin + distance * direction, -direction));
-    if (std::isinf(distance)) return std::exp(-air->depth_to_sky(origin, direction));
+    if (air == nullptr || !media.empty()) return glm::vec3(1);
+    if (from_far) return air->transmittance_to_sky(origin + distance * direction, -direction);
+    if (std::isinf(distance)) return air->transmittance_to_sky(origin, direction);
     return air->transmittance(origin, direction, distance);
 }
 

@@ -26,7 +26,7 @@ struct LightRay {
     /// it holds its origin.
     glm::vec3 left_by_bodies(const PosedScene& scene, const Hit& hit);
     /// Share of light that air leaves on a segment, which may be infinite; 1 within bodies.
-    float left_by_air(const PosedScene& scene, float distance) const;
+    glm::vec3 left_by_air(const PosedScene& scene, float distance) const;
 
     /// The surface as the ray meets it.
     SurfacePoint surface_at(const PosedScene& scene, const Hit& hit, const SurfaceFootprint& footprint = {}) const;

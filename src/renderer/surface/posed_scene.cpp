@@ -16,15 +16,16 @@
 #include "renderer/geometry/surface_shape.h"
 #include "renderer/surface/surface_material.h"
 #include "renderer/surface/texture_store.h"
+#include "scene/volumes/volume_reader.h"
 
 namespace render2mpeg::renderer {
 namespace {
 
-std::optional<Air> air_of(const scene::Animation& film, const Plan& plan) {
+std::optional<FogMedium> fog_of(const scene::Animation& film, const Plan& plan) {
     if (!plan.runs(Pass::air)) return {};
     core::Fog fog = film.fog;
     fog.height -= static_cast<float>(film.origin.y);
-    return Air(fog, film.bounds_min, film.bounds_max);
+    return FogMedium(fog, film.bounds_min, film.bounds_max);
 }
 
 std::vector<bool> translucent_materials(const SurfaceMaterials& materials, std::size_t count) {
@@ -54,22 +55,29 @@ struct PosedScene::Still {
           media(media_of(film, plan)),
           sky(plan.runs(Pass::sky_background) || plan.runs(Pass::sky_light) ? store.sky() : nullptr),
           notes(store.notes()),
-          air(air_of(film, plan)) {}
+          fog(fog_of(film, plan)),
+          has_volumes(plan.runs(Pass::volumes)),
+          volume_reader(film) {}
 
     SurfaceMaterials materials;
     std::vector<std::optional<Medium>> media;
     std::shared_ptr<const image::SkyMap> sky;
     std::vector<std::string> notes;
-    std::optional<Air> air;
+    std::optional<FogMedium> fog;
+    bool has_volumes;
+    mutable scene::VolumeReader volume_reader;
 };
 
 struct PosedScene::Impl {
     Impl(const scene::Animation& film, core::Isa isa, const Plan& plan, TextureStore& store)
         : animation(film),
           still(std::make_shared<Still>(film, plan, store)),
-          tracer(film, isa, translucent_materials(still->materials, film.materials.size()), passing()) {}
-    explicit Impl(const Impl& posed)
-        : animation(posed.animation), still(posed.still), tracer(posed.tracer, passing()) {}
+          tracer(film, isa, translucent_materials(still->materials, film.materials.size()), passing()) {
+        fill_air({});
+    }
+    explicit Impl(const Impl& posed) : animation(posed.animation), still(posed.still), tracer(posed.tracer, passing()) {
+        fill_air({});
+    }
 
     /// The ray tracer's question, asked of this object.
     RayTracer::Transmittance passing() {
@@ -126,8 +134,40 @@ struct PosedScene::Impl {
             is_pane ? &*still->media[address.object] : nullptr, object.pane_thickness);
     }
 
+    void fill_air(std::vector<VolumeMedium> volumes) {
+        if (still->fog || still->has_volumes) air.emplace(still->fog, std::move(volumes));
+    }
+
+    /// Where volumes are as they were, their light stays.
+    void pose_volumes(const scene::Snapshot& now) {
+        if (!still->has_volumes || now.volumes == volumes) return;
+        volumes = now.volumes;
+        std::vector<VolumeMedium> media;
+        fields.resize(volumes.size());
+        for (std::size_t i = 0; i < volumes.size(); ++i) {
+            const scene::Volume& volume = animation.volumes[i];
+            PosedField& field = fields[i];
+            if (field.field == nullptr || field.file != volumes[i].file)
+                field = {volumes[i].file,
+                         std::make_shared<const VolumeField>(volume, still->volume_reader.grids(i, volumes[i].file))};
+            if (!volumes[i].present) continue;
+            const VolumeMedium medium(volume, field.field, volumes[i].world_from_object);
+            if (!medium.empty()) media.push_back(medium);
+        }
+        fill_air(std::move(media));
+    }
+
+    /// A volume's grids of one file.
+    struct PosedField {
+        std::size_t file = 0;
+        std::shared_ptr<const VolumeField> field;
+    };
+
     const scene::Animation& animation;
     std::shared_ptr<const Still> still;
+    std::optional<Air> air;
+    std::vector<scene::VolumeState> volumes;
+    std::vector<PosedField> fields;
     SampledClock layer_clock;
     RayTracer tracer;
     const scene::Snapshot* snapshot = nullptr;
@@ -144,6 +184,7 @@ PosedScene::PosedScene(PosedScene&&) noexcept = default;
 void PosedScene::pose(const scene::Snapshot& snapshot) {
     EXPECTS(snapshot.animation == &impl_->animation);
     impl_->snapshot = &snapshot;
+    impl_->pose_volumes(snapshot);
     impl_->tracer.pose(snapshot);
 }
 
@@ -165,7 +206,11 @@ double PosedScene::layer_seconds() const {
     return impl_->layer_clock.seconds();
 }
 const Air* PosedScene::air() const {
-    return impl_->still->air ? &*impl_->still->air : nullptr;
+    return impl_->air ? &*impl_->air : nullptr;
+}
+void PosedScene::light_volumes(std::vector<VolumeLight> lights) {
+    EXPECTS(impl_->air && lights.size() == impl_->air->volumes().size());
+    impl_->air->light(std::move(lights));
 }
 
 const image::SkyMap* PosedScene::sky() const {

@@ -93,8 +93,8 @@ struct EyePaths::PathState {
     bool dim = false;       ///< followed for emission alone
     bool is_image = false;  ///< comes from the flat mirror that is the sample's main surface
     std::uint8_t path = direct_path;
-    float passed = 0;  ///< length of the straight segments so far
-    float clear = 1;   ///< transmittance of air for it
+    float passed = 0;    ///< length of the straight segments so far
+    glm::vec3 clear{1};  ///< transmittance of air for it
     bool specular() const { return path != direct_path; }
     bool straight() const { return mirrors == 0 && !bent; }
     bool turned() const { return mirrors + boundaries > 0; }  ///< off a mirror or through a body's boundary
@@ -156,9 +156,9 @@ void EyePaths::see_discs(const PathState& path, float length, EyeSample& sample)
         // As wide where the ray passes the disc's plane.
         if (!(along > 0.0f) || !(apart * distance <= lamp.disc * along) || !(distance < length)) continue;
         const float share = far ? 1.0f : spot_of(lamp).falloff(glm::dot(-path.ray.direction, lamp.direction));
-        const float clear = air_ == nullptr || !path.ray.media.empty() ? 1.0f
-                            : far ? std::exp(-air_->depth_to_sky(path.ray.origin, path.ray.direction))
-                                  : air_->transmittance(path.ray.origin, path.ray.direction, distance);
+        const glm::vec3 clear = air_ == nullptr || !path.ray.media.empty() ? glm::vec3(1)
+                                : far ? air_->transmittance_to_sky(path.ray.origin, path.ray.direction)
+                                      : air_->transmittance(path.ray.origin, path.ray.direction, distance);
         const float radiance = share * lobe::inverse_pi / (lamp.disc * lamp.disc);
         emit(path, path.weight * lamp.intensity * (clear * radiance), sample);
     }
@@ -244,7 +244,7 @@ void EyePaths::spread(Fragment& fragment, EyeSample& sample) const {
 
 /// Goes so far through air, which dims light and adds its own.
 void EyePaths::pass_air(PathState& path, float distance, EyeSample& sample) const {
-    const float through = air_->transmittance(path.ray.origin, path.ray.direction, distance);
+    const glm::vec3 through = air_->transmittance(path.ray.origin, path.ray.direction, distance);
     if (!path.ray.media.empty()) {
         // The weight of air beyond is dimmed by the air that the glass replaces.
         path.passed += distance;
@@ -255,7 +255,9 @@ void EyePaths::pass_air(PathState& path, float distance, EyeSample& sample) cons
         sample.air_beyond.push_back({0, path.path, path.ray.origin, path.ray.direction, distance, path.weight});
     } else {
         // Light of air from the eye to the span's end, less that to its beginning.
-        const glm::vec3 share = core::divide_or(1.0f, path.clear, 0.0f) * path.weight;
+        const glm::vec3 share(core::divide_or(1.0f, path.clear.x, 0.0f) * path.weight.x,
+                              core::divide_or(1.0f, path.clear.y, 0.0f) * path.weight.y,
+                              core::divide_or(1.0f, path.clear.z, 0.0f) * path.weight.z);
         if (path.passed > 0.0f) sample.air.push_back({0, path.passed, -share});
         sample.air.push_back({0, path.passed + distance, share});
         path.passed += distance;

@@ -12,8 +12,14 @@ using Keys = std::vector<std::string_view>;
 inline const Keys film = core::words_in(
     "$schema title scene closed_glass_is_solid size display_aspect frame_rate frames seconds times sky exposure camera "
     "cameras shots "
-    "lights objects materials change sound view shutter shutter_phase rolling_shutter glare fog transparent");
+    "lights objects materials change sound view shutter shutter_phase rolling_shutter glare fog transparent "
+    "volumes");
 inline const Keys fog = core::words_in("visibility color anisotropy height falloff bounces");
+inline const Keys volume = core::words_in(
+    "name file more frames first_frame size node position rotate scale visible keys interpolation loop density color "
+    "anisotropy absorption_color emission emission_color blackbody blackbody_tint temperature density_grid "
+    "temperature_grid color_grid velocity_grid velocity_scale");
+inline const Keys volume_key = core::words_in("at position rotate scale visible");
 inline const Keys glare = core::words_in("kind strength size seed");
 inline const Keys view = core::words_in("name gamma");
 inline const Keys camera = core::words_in(

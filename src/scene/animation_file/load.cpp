@@ -16,6 +16,7 @@
 #include "scene/animation_file/keys.h"
 #include "scene/animation_file/looks.h"
 #include "scene/animation_file/objects.h"
+#include "scene/animation_file/volumes.h"
 
 namespace render2mpeg::scene {
 namespace {
@@ -201,6 +202,7 @@ Animation load_animation_file(const fs::path& given, const LoadOptions& options,
     if (const auto v = value.find("change")) objects.read_changes(*v);
     if (const auto v = value.find("objects")) objects.read(*v);
     objects.read_edits();
+    if (const auto v = value.find("volumes")) read_volumes(*v, film, folder, clock);
     if (const auto v = value.find("lights")) read_lights(*v, film, clock);
     if (const auto v = value.find("sky")) looks.read_sky(*v);
     focus_on_objects(value, film);

@@ -104,7 +104,10 @@ void change_subsurface(const JsonValue& value, Material& material) {
 }  // namespace
 
 fs::path Looks::file_below(const fs::path& folder, const JsonValue& name) {
-    const std::string text = name.text();
+    return file_below(folder, name, name.text());
+}
+
+fs::path Looks::file_below(const fs::path& folder, const JsonValue& name, const std::string& text) {
     const fs::path path(text);
     std::error_code failure;
     const fs::path home = fs::weakly_canonical(folder, failure);

@@ -37,6 +37,9 @@ class Looks {
 
     /// File of an image, below the film's folder.
     static std::filesystem::path file_below(const std::filesystem::path& folder, const JsonValue& name);
+    /// The same for a file that `name` leads to.
+    static std::filesystem::path file_below(const std::filesystem::path& folder, const JsonValue& name,
+                                            const std::string& text);
 
   private:
     void change(const JsonValue& value, int material);

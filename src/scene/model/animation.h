@@ -89,8 +89,8 @@ struct Animation {
     /// Corners of a box about all surfaces at the first frame, relative to `origin`; equal where there is no surface.
     glm::vec3 bounds_min{0}, bounds_max{0};
 
-    double duration = 0;                                  ///< seconds until the last key; 0: nothing moves
-    std::optional<std::string> frame_rate;                ///< as the animation file says
+    double duration = 0;                    ///< seconds until the last key, or file of a volume; 0: nothing moves
+    std::optional<std::string> frame_rate;  ///< as the animation file says
     std::optional<std::int64_t> first_frame, last_frame;  ///< likewise
     Shutter shutter;                                      ///< likewise, or as the command line says
     std::optional<float> exposure;                        ///< EV, likewise; none: automatic

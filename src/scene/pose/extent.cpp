@@ -33,6 +33,14 @@ std::vector<glm::dvec3> world_positions(const Animation& animation, const Object
     return all_within_reach(positions) ? positions : std::vector<glm::dvec3>{};
 }
 
+std::vector<glm::dvec3> world_corners(const Volume& volume, const Pose& pose) {
+    const glm::dmat4 to_world = pose.world_of(volume.node);
+    if (!volume.box.any() || !pose.is_visible(volume.node) || !normal_matrix(glm::dmat3(to_world)).finite) return {};
+    std::vector<glm::dvec3> corners = volume.box.corners();
+    for (glm::dvec3& corner : corners) corner = to_world * glm::dvec4(corner, 1);
+    return all_within_reach(corners) ? corners : std::vector<glm::dvec3>{};
+}
+
 std::optional<Extent> extent_at(const Animation& animation, double seconds) {
     const Pose pose = pose_at(animation, seconds);
     Extent extent{glm::dvec3(std::numeric_limits<double>::infinity()),
@@ -47,6 +55,8 @@ std::optional<Extent> extent_at(const Animation& animation, double seconds) {
         for (const glm::uvec3& t : mesh.triangles)
             for (int k = 0; k < 3; ++k) extent.hold(positions[t[k]]);
     }
+    for (const Volume& volume : animation.volumes)
+        for (const glm::dvec3& p : world_corners(volume, pose)) extent.hold(p);
     return extent.low.x <= extent.high.x ? std::optional(extent) : std::nullopt;
 }
 

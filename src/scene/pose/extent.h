@@ -16,7 +16,7 @@ struct Extent {
     double radius() const { return 0.5 * glm::length(high - low); }
 };
 
-/// Box of all visible triangles; none without any.
+/// Box of all visible triangles, strands and volumes; none without any.
 std::optional<Extent> extent_at(const Animation& animation, double seconds);
 
 /// Box of the film by five instants; its duration is set.
@@ -30,5 +30,8 @@ inline constexpr double farthest = 1e18;
 
 /// World positions of an object in file space; empty where it is hidden or beyond `farthest`.
 std::vector<glm::dvec3> world_positions(const Animation& animation, const Object& object, const struct Pose& pose);
+
+/// World positions of the corners of a volume's box; likewise, and empty where it has none.
+std::vector<glm::dvec3> world_corners(const Volume& volume, const struct Pose& pose);
 
 }  // namespace render2mpeg::scene

@@ -61,6 +61,15 @@ LightState pose_light(const Animation& animation, std::size_t index, const Pose&
     return state;
 }
 
+VolumeState pose_volume(const Animation& animation, const Volume& volume, std::int64_t frame, const Pose& pose) {
+    VolumeState state;
+    state.world_from_object = pose.world_of(volume.node);
+    state.present = pose.is_visible(volume.node) && normal_matrix(glm::dmat3(state.world_from_object)).finite;
+    state.world_from_object[3] -= glm::dvec4(animation.origin, 0);
+    if (!volume.grids) state.file = volume.file_at(frame);
+    return state;
+}
+
 glm::vec3 position_of(const Snapshot& snapshot, std::size_t object, std::uint32_t vertex) {
     const ObjectState& state = snapshot.objects[object];
     if (state.deformed >= 0) return snapshot.deformed[static_cast<std::size_t>(state.deformed)].positions[vertex];
@@ -182,6 +191,8 @@ Snapshot snapshot_at(const Animation& animation, std::int64_t frame, core::Ratio
     for (const Object& object : animation.objects)
         snapshot.objects.push_back(pose_object(animation, object, pose, snapshot.deformed));
     for (std::size_t i = 0; i < animation.lights.size(); ++i) snapshot.lights.push_back(pose_light(animation, i, pose));
+    for (const Volume& volume : animation.volumes)
+        snapshot.volumes.push_back(pose_volume(animation, volume, frame, pose));
 
     const int camera = camera_at(animation, frame);
     const CameraLens& lens = animation.cameras[static_cast<std::size_t>(camera)];

@@ -48,9 +48,11 @@ struct LightState {
 
 /// A volume at one instant.
 struct VolumeState {
-    glm::dmat4 world_from_object{1};
-    bool present = true;   ///< false: scale 0 or switched off
-    std::size_t file = 0;  ///< of Volume::files
+    glm::dmat4 world_from_object{1};  ///< about Animation::origin
+    bool present = true;              ///< false: scale 0 or switched off
+    std::size_t file = 0;             ///< of Volume::files
+
+    bool operator==(const VolumeState&) const = default;
 };
 
 struct Sweep;

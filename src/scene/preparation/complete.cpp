@@ -85,6 +85,14 @@ void set_origin_and_bounds(Animation& animation) {
 
 void set_duration(Animation& animation) {
     animation.duration = 0;
+    if (animation.frame_rate)
+        for (const Volume& volume : animation.volumes)
+            if (volume.files.size() > 1)
+                animation.duration =
+                    std::max(animation.duration,
+                             core::time_of(volume.first_frame + static_cast<std::int64_t>(volume.files.size()) - 1,
+                                           core::frame_rate_from(*animation.frame_rate))
+                                 .value());
     for (const Track& track : animation.tracks)
         if (varies(track)) animation.duration = std::max(animation.duration, static_cast<double>(track.times.back()));
 }
@@ -122,6 +130,7 @@ void complete(Animation& animation, DefaultLight light) {
     validate_looks(animation);
     validate_objects(animation);
     validate_lights(animation);
+    validate_volumes(animation);
     validate_cameras(animation);
     validate_tracks(animation);
 

@@ -227,6 +227,8 @@ bool has_light(const Animation& animation) {
     if (animation.sky.shines()) return true;
     for (const Light& light : animation.lights)
         if (light.intensity > 0 && light.color != glm::vec3(0)) return true;
+    for (const Volume& volume : animation.volumes)
+        if (volume.emits()) return true;
     return std::any_of(animation.objects.begin(), animation.objects.end(), [&](const Object& object) {
         const Material& material = animation.materials[static_cast<std::size_t>(object.material)];
         const bool glows = material.emission_texture.present() &&

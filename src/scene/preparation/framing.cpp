@@ -223,6 +223,8 @@ void fill_picture(const Animation& animation, Framing& framing, double aspect) {
             const std::size_t step = positions.size() / 1024 + 1;
             for (std::size_t i = 0; i < positions.size(); i += step) points.push_back(positions[i] - framing.pivot);
         }
+        for (const Volume& volume : animation.volumes)
+            for (const glm::dvec3& corner : world_corners(volume, pose)) points.push_back(corner - framing.pivot);
     }
     const double tangent = std::tan(0.5 * studio_fov);
     double rise = 0, distance = 0;

@@ -119,6 +119,13 @@ Traits traits_of(const Animation& animation) {
     traits.has_aperture = has_aperture(animation);
     traits.has_glare = animation.glare.shows();
     traits.has_fog = animation.fog.shows();
+    traits.has_volumes = !animation.volumes.empty();
+    for (const Volume& volume : animation.volumes) {
+        // Flames are lamps.
+        if (volume.emits()) traits.has_punctual_lights = true;
+        if (volume.files.size() > 1 || (volume.node >= 0 && moves[static_cast<std::size_t>(volume.node)]))
+            traits.volumes_change = true;
+    }
 
     add_edits(animation, moves, traits);
     for (const Object& object : animation.objects) {

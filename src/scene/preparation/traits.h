@@ -35,11 +35,13 @@ struct Traits {
     bool edits_move = false;              ///< or where they are to point
     bool has_glare = false;
     bool has_fog = false;
+    bool has_volumes = false;
+    bool volumes_change = false;  ///< move, or have other grids from frame to frame
 
     bool shows_motion() const {
         return has_open_shutter && (camera_moves || objects_move || objects_deform || lights_change);
     }
-    bool changes_light() const { return objects_move || objects_deform || lights_change; }
+    bool changes_light() const { return objects_move || objects_deform || lights_change || volumes_change; }
     bool anything_moves() const { return camera_moves || edits_move || changes_light(); }
 };
 

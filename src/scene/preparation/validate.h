@@ -24,6 +24,9 @@ void validate_looks(Animation& animation);
 void validate_cameras(Animation& animation);
 void validate_lights(Animation& animation);
 
+/// Volumes: numbers, files and their heads; sets their boxes.
+void validate_volumes(Animation& animation);
+
 /// Edits of reflections, as all stands at the film's first second: each has a mirror, and its point lies on that alone.
 /// Needs a film that is complete otherwise.
 void validate_reflections(const Animation& animation, core::Rational first);

@@ -1,0 +1,431 @@
+#include "renderer/air/volume_lighting.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/color.h"
+#include "core/numeric.h"
+#include "parallel/loops.h"
+#include "renderer/air/scattering_system.h"
+#include "renderer/base/stream.h"
+#include "renderer/cut/shadow_rays.h"
+#include "renderer/lights/light_points.h"
+
+namespace render2mpeg::renderer {
+namespace {
+
+constexpr float never = std::numeric_limits<float>::infinity();
+
+/// Samples of a lamp's way and cells of all other light that a volume has at most, about: their spacing is the least
+/// power of two of voxels. chosen: half a million ways, a second of CPU; 6,000 cells, whose equations take 60 MB.
+constexpr std::size_t most_ways = std::size_t{1} << 19, most_ambient_cells = 6000;
+
+/// Lamps that have ways of their own: those that send most to the middle of the volume. chosen: 16. Others are looked
+/// for at cells, and count as from all sides.
+constexpr std::size_t most_lamps = 16;
+
+/// Directions that a cell looks along. chosen: 64.
+constexpr std::size_t cell_directions = 64;
+
+/// Optical depths that ways keep at most.
+constexpr float deepest_way = 60.0f;
+
+/// Rays end where less than this is left.
+constexpr float least_left = 1e-5f;
+
+/// Steps between cells, in cells.
+constexpr float step_of_cell = 0.5f;
+
+/// Calls visit(place) from low to high until it returns true; whether it did.
+template <class Visit>
+bool any_of_box(glm::ivec3 low, glm::ivec3 high, Visit visit) {
+    for (int z = low.z; z <= high.z; ++z)
+        for (int y = low.y; y <= high.y; ++y)
+            for (int x = low.x; x <= high.x; ++x)
+                if (visit(glm::ivec3(x, y, z))) return true;
+    return false;
+}
+
+/// Whether interpolation within the medium asks for a sample.
+bool is_needed(const VolumeField& field, glm::ivec3 sample, int spacing) {
+    const glm::ivec3 low = (sample - 1) * spacing, high = (sample + 1) * spacing;
+    return any_of_box(low >> 3, (high - 1) >> 3, [&](glm::ivec3 b) { return field.range(b).any; }) &&
+           any_of_box(low, high, [&](glm::ivec3 v) { return field.holds(v); });
+}
+
+int spacing_for(const VolumeField& field, std::size_t most) {
+    std::size_t bricks = 0;
+    for (int z = 0; z < field.size().z; ++z)
+        for (int y = 0; y < field.size().y; ++y)
+            for (int x = 0; x < field.size().x; ++x)
+                bricks += field.range(field.low() + glm::ivec3(x, y, z)).any ? 1 : 0;
+    int spacing = 1;
+    const auto samples = [&] {
+        const double side = 8.0 / spacing;
+        return static_cast<double>(bricks) * side * side * side;
+    };
+    while (samples() > static_cast<double>(most)) spacing *= 2;
+    return spacing;
+}
+
+/// Places of all bricks of a lattice.
+template <class T>
+std::vector<glm::ivec3> bricks_of(const core::SparseGrid<T>& grid) {
+    std::vector<glm::ivec3> bricks;
+    for (int z = 0; z < grid.size().z; ++z)
+        for (int y = 0; y < grid.size().y; ++y)
+            for (int x = 0; x < grid.size().x; ++x)
+                if (const glm::ivec3 brick = grid.low() + glm::ivec3(x, y, z); grid.find(brick) != nullptr)
+                    bricks.push_back(brick);
+    return bricks;
+}
+
+glm::ivec3 sample_of(glm::ivec3 brick, int k) {
+    return 8 * brick + glm::ivec3(k & 7, k >> 3 & 7, k >> 6);
+}
+
+/// Light of one volume of the air.
+class OneVolume {
+  public:
+    OneVolume(const AirInstant& instant, std::size_t index)
+        : instant_(instant),
+          air_(*instant.posed_scene.air()),
+          index_(index),
+          medium_(air_.volumes()[index]),
+          field_(medium_.field()) {}
+
+    VolumeLight light(std::span<const LightPoint> lamps, const SmoothAirLight& smooth, std::uint64_t& rays);
+
+  private:
+    struct Cells;
+    struct Looks;
+    struct Shares;
+
+    float strength(const LightPoint& lamp) const;
+    LampWay way_to(const LightPoint& lamp, glm::vec3 place) const;
+    void find_ways(const LightPoint& lamp);
+    Cells cells_of(int spacing) const;
+    Looks look_from(const Cells& cells);
+    glm::vec3 along(const Cells& cells, const RayQuery& ray, const FinalGather::Seen& seen, Shares& shares) const;
+    std::vector<glm::vec3> own_light(const Cells& cells, const Looks& looks, ScatteringSystem& system) const;
+    void add_from_all_sides(const Cells& cells, std::span<const LightPoint> lamps, std::vector<glm::vec3>& own) const;
+
+    const AirInstant& instant_;
+    const Air& air_;
+    std::size_t index_;
+    const VolumeMedium& medium_;
+    const VolumeField& field_;
+    VolumeLight light_;
+    std::uint64_t rays_ = 0;
+};
+
+/// Samples of all light but the lamps', and the mean medium about each.
+struct OneVolume::Cells {
+    int spacing = 1;
+    glm::ivec3 low{0}, size{0};        ///< of the lattice
+    std::vector<std::int32_t> number;  ///< of a sample of the lattice's box; -1: none
+    std::vector<glm::ivec3> samples;
+    std::vector<float> extinction;  ///< by similarity, luminance, by world unit
+    std::vector<glm::vec3> emission, albedo;
+
+    std::int32_t at(glm::ivec3 sample) const {
+        const glm::ivec3 p = sample - low;
+        if (p.x < 0 || p.y < 0 || p.z < 0 || p.x >= size.x || p.y >= size.y || p.z >= size.z) return -1;
+        return number[std::size_t(p.x) +
+                      std::size_t(size.x) * (std::size_t(p.y) + std::size_t(size.y) * std::size_t(p.z))];
+    }
+    /// Calls visit(cell, weight) for the cells about a place of the lattice.
+    template <class Visit>
+    void about(glm::vec3 place, Visit visit) const {
+        const glm::vec3 floor = glm::floor(place), t = place - floor;
+        for (int c = 0; c < 8; ++c) {
+            const glm::ivec3 turn(c & 1, c >> 1 & 1, c >> 2);
+            const std::int32_t cell = at(glm::ivec3(floor) + turn);
+            const glm::vec3 w = glm::mix(1.0f - t, t, glm::vec3(turn));
+            if (cell >= 0) visit(static_cast<std::size_t>(cell), w.x * w.y * w.z);
+        }
+    }
+};
+
+/// What cells see at the ends of their rays.
+struct OneVolume::Looks {
+    std::vector<RayQuery> rays;
+    std::vector<FinalGather::Seen> seen;
+};
+
+/// Luminance of irradiance at the middle, if nothing is in the way.
+float OneVolume::strength(const LightPoint& lamp) const {
+    if (lamp.is_far()) return core::luminance(lamp.intensity);
+    const glm::vec3 middle = medium_.to_world(8.0f * (glm::vec3(field_.low()) + 0.5f * glm::vec3(field_.size())));
+    const glm::vec3 way = middle - lamp.position;
+    return core::divide_or(core::luminance(lamp.intensity), glm::dot(way, way), never);
+}
+
+LampWay OneVolume::way_to(const LightPoint& lamp, glm::vec3 place) const {
+    LampWay found;
+    const glm::vec3 way = lamp.is_far() ? -lamp.normal : lamp.position - place;
+    const float length = glm::length(way);
+    if (!lamp.is_far() && !(lamp.emitted(-way / std::max(length, 1e-20f), length * length) > 0.0f)) return found;
+    const float before = core::divide_or(std::sqrt(lamp.disc2), length, 1.0f);
+    const float far = lamp.is_far() ? never : std::clamp(1.0f - before, 0.0f, shadow_ray_end);
+    found.passes = instant_.posed_scene.tracer().passes(place, way, far, instant_.light_trees.bodies);
+    if (found.passes == glm::vec3(0)) return found;
+    const glm::vec3 direction = way / std::max(length, 1e-20f);
+    found.depth = air_.depth_of_volumes(place, direction, lamp.is_far() ? never : length);
+    if (const FogMedium* fog = air_.fog())
+        found.depth +=
+            lamp.is_far() ? fog->depth_to_sky(place, direction) : fog->optical_depth(place, direction, length);
+    found.depth = glm::min(found.depth, glm::vec3(deepest_way));
+    return found;
+}
+
+void OneVolume::find_ways(const LightPoint& lamp) {
+    VolumeLamp found{lamp, VolumeLight::lattice<LampWay>(field_, light_.lamp_spacing)};
+    const std::vector<glm::ivec3> bricks = bricks_of(found.ways);
+    std::vector<std::uint64_t> rays(bricks.size(), 0);
+    parallel::for_each(bricks.size(), [&](std::size_t b) {
+        auto& brick = found.ways.add(bricks[b]);
+        for (int k = 0; k < core::SparseGrid<LampWay>::brick_voxels; ++k) {
+            const glm::ivec3 sample = sample_of(bricks[b], k);
+            if (!is_needed(field_, sample, light_.lamp_spacing)) continue;
+            brick[static_cast<std::size_t>(k)] =
+                way_to(lamp, medium_.to_world(static_cast<float>(light_.lamp_spacing) * glm::vec3(sample)));
+            ++rays[b];
+        }
+    });
+    for (const std::uint64_t r : rays) rays_ += r;
+    light_.lamps.push_back(std::move(found));
+}
+
+OneVolume::Cells OneVolume::cells_of(int spacing) const {
+    Cells cells;
+    cells.spacing = spacing;
+    cells.low = light_.ambient.low() * 8;
+    cells.size = light_.ambient.size() * 8;
+    cells.number.assign(std::size_t(cells.size.x) * std::size_t(cells.size.y) * std::size_t(cells.size.z), -1);
+    std::size_t next = 0;
+    for (int z = 0; z < cells.size.z; ++z)
+        for (int y = 0; y < cells.size.y; ++y)
+            for (int x = 0; x < cells.size.x; ++x, ++next) {
+                const glm::ivec3 sample = cells.low + glm::ivec3(x, y, z);
+                if (!is_needed(field_, sample, spacing)) continue;
+                cells.number[next] = static_cast<std::int32_t>(cells.samples.size());
+                cells.samples.push_back(sample);
+            }
+    const std::size_t count = cells.samples.size();
+    cells.extinction.assign(count, 0);
+    cells.emission.assign(count, glm::vec3(0));
+    cells.albedo.assign(count, glm::vec3(0));
+    // Voxels share themselves out among the cells about them.
+    const float inverse = 1.0f / static_cast<float>(spacing), part = inverse * inverse * inverse;
+    const float g = medium_.anisotropy();
+    for (int z = 0; z < field_.size().z; ++z)
+        for (int y = 0; y < field_.size().y; ++y)
+            for (int x = 0; x < field_.size().x; ++x) {
+                const glm::ivec3 brick = field_.low() + glm::ivec3(x, y, z);
+                if (!field_.range(brick).any) continue;
+                for (int k = 0; k < 512; ++k) {
+                    const glm::vec3 place(sample_of(brick, k));
+                    const MediumPoint point = medium_.at(place);
+                    const float taken =
+                        core::luminance(point.extinction) * similar(g, core::luminance(medium_.albedo(place)));
+                    if (!(taken > 0.0f) && point.emission == glm::vec3(0)) continue;
+                    cells.about(inverse * place, [&](std::size_t cell, float weight) {
+                        cells.extinction[cell] += part * weight * taken;
+                        cells.emission[cell] += part * weight * point.emission;
+                    });
+                }
+            }
+    for (std::size_t i = 0; i < count; ++i) {
+        const glm::vec3 albedo = medium_.albedo(static_cast<float>(spacing) * glm::vec3(cells.samples[i]));
+        const float forward = std::max(g, 0.0f);
+        cells.albedo[i] = albedo * (1.0f - forward) / glm::max(1.0f - forward * albedo, glm::vec3(1e-6f));
+    }
+    return cells;
+}
+
+/// Rays of all cells, as even as points of a spiral are, turned otherwise at each.
+OneVolume::Looks OneVolume::look_from(const Cells& cells) {
+    Looks looks;
+    looks.rays.reserve(cells.samples.size() * cell_directions);
+    const Stream numbers(Purpose::rays_of_volumes, {.index = index_});
+    for (const glm::ivec3& sample : cells.samples) {
+        const Stream own = numbers
+                               .at(static_cast<std::uint64_t>(static_cast<std::uint32_t>(sample.x)) << 32 |
+                                   static_cast<std::uint32_t>(sample.y))
+                               .at(static_cast<std::uint32_t>(sample.z));
+        const glm::vec3 place = medium_.to_world(static_cast<float>(cells.spacing) * glm::vec3(sample));
+        // A random rotation.
+        const float z = 2.0f * own.uniform(0) - 1.0f, around = 2.0f * std::numbers::pi_v<float> * own.uniform(1);
+        const float flat = core::sqrt_or_zero(1.0f - z * z), turned = 2.0f * std::numbers::pi_v<float> * own.uniform(2);
+        const glm::vec3 axis(flat * std::cos(around), flat * std::sin(around), z);
+        const glm::vec3 a = core::normalize_or(
+            glm::cross(axis, std::abs(z) < 0.9f ? glm::vec3(0, 0, 1) : glm::vec3(1, 0, 0)), glm::vec3(1, 0, 0));
+        const glm::vec3 b = glm::cross(axis, a);
+        for (std::size_t k = 0; k < cell_directions; ++k) {
+            const float h = 1.0f - (2.0f * static_cast<float>(k) + 1.0f) / static_cast<float>(cell_directions);
+            const float r = core::sqrt_or_zero(1.0f - h * h), angle = 2.39996323f * static_cast<float>(k) + turned;
+            looks.rays.push_back(
+                {place, glm::normalize(h * axis + r * (std::cos(angle) * a + std::sin(angle) * b)), never});
+        }
+    }
+    if (instant_.gather != nullptr) {
+        looks.seen = instant_.gather->seen_by(looks.rays, numbers);
+    } else {
+        std::vector<Hit> hits(looks.rays.size());
+        instant_.posed_scene.tracer().any_nearest(looks.rays, hits, false);
+        looks.seen.resize(hits.size());
+        for (std::size_t i = 0; i < hits.size(); ++i)
+            looks.seen[i].distance = hits[i].found() ? hits[i].distance : never;
+    }
+    rays_ += looks.rays.size();
+    return looks;
+}
+
+/// Shares of a cell's rays that others scatter to it.
+struct OneVolume::Shares {
+    std::vector<float> weights;  ///< by cell
+    std::vector<std::uint32_t> touched;
+
+    void add(std::size_t cell, float weight) {
+        if (weights[cell] == 0.0f) touched.push_back(static_cast<std::uint32_t>(cell));
+        weights[cell] += weight;
+    }
+    void move_to(ScatteringSystem::Row& row, float part) {
+        for (const std::uint32_t c : touched) {
+            row.cells.push_back(c);
+            row.weights.push_back(part * weights[c]);
+            weights[c] = 0;
+        }
+        touched.clear();
+    }
+};
+
+/// Radiance along a ray from a cell that nothing in the medium has scattered but lamps' light once.
+glm::vec3 OneVolume::along(const Cells& cells, const RayQuery& ray, const FinalGather::Seen& seen,
+                           Shares& shares) const {
+    const auto spacing = static_cast<float>(cells.spacing);
+    const glm::vec3 low = glm::vec3(cells.low), high = glm::vec3(cells.low + cells.size - 1);
+    const glm::vec3 from = medium_.to_index(ray.origin) / spacing;
+    const glm::vec3 turn = medium_.vector_to_index(ray.direction) / spacing;
+    // As far as the lattice goes.
+    float end = seen.distance;
+    for (int c = 0; c < 3; ++c)
+        if (turn[c] != 0.0f)
+            end = std::min(end, std::max(((turn[c] > 0.0f ? high : low)[c] - from[c]) / turn[c], 0.0f));
+    const float steps = std::ceil(std::min(end * glm::length(turn) / step_of_cell, 1e5f));
+    const float length = core::divide_or(end, steps, 0.0f);
+    glm::vec3 light(0);
+    float left = 1;
+    for (float i = 0.5f; i < steps && left > 0.0f; ++i) {
+        const glm::vec3 place = from + i * length * turn;
+        float extinction = 0, whole = 0;
+        glm::vec3 emission(0), albedo(0);
+        cells.about(place, [&](std::size_t c, float w) {
+            whole += w;
+            extinction += w * cells.extinction[c];
+            emission += w * cells.emission[c];
+            albedo += w * cells.albedo[c];
+        });
+        // What is left in the end is scattered there as well: nothing gets lost.
+        const float taken = length * extinction;
+        const float lost = left * std::exp(-taken) > least_left ? -std::expm1(-taken) : 1.0f;
+        light += left * (taken > 1e-4f ? lost / extinction : length) * emission;
+        if (const float share = whole > 0.0f ? left * lost / whole : 0.0f; share > 0.0f) {
+            light += share * albedo * light_.lamps_mean(medium_, spacing * place);
+            cells.about(place, [&](std::size_t c, float w) { shares.add(c, share * w); });
+        }
+        left *= 1.0f - lost;
+    }
+    if (const FogMedium* fog = air_.fog())
+        left *= std::exp(-(std::isinf(seen.distance) ? fog->depth_to_sky(ray.origin, ray.direction)
+                                                     : fog->optical_depth(ray.origin, ray.direction, seen.distance)));
+    return light +
+           left * seen.light * glm::exp(-air_.depth_of_volumes(ray.origin, ray.direction, seen.distance, index_));
+}
+
+/// Mean radiance at cells, and the equations of the rest: all of it on the same rays, so that what leaves and what
+/// comes sum up to 1.
+std::vector<glm::vec3> OneVolume::own_light(const Cells& cells, const Looks& looks, ScatteringSystem& system) const {
+    constexpr float part = 1.0f / static_cast<float>(cell_directions);
+    const std::size_t count = cells.samples.size();
+    std::vector<glm::vec3> own(count, glm::vec3(0));
+    parallel::for_ranges(count, 32, [&](std::size_t first, std::size_t last) {
+        Shares shares;
+        shares.weights.assign(count, 0.0f);
+        for (std::size_t cell = first; cell < last; ++cell) {
+            for (std::size_t ray = cell * cell_directions; ray < (cell + 1) * cell_directions; ++ray)
+                own[cell] += part * along(cells, looks.rays[ray], looks.seen[ray], shares);
+            shares.move_to(system.row(cell), part);
+        }
+    });
+    return own;
+}
+
+void OneVolume::add_from_all_sides(const Cells& cells, std::span<const LightPoint> lamps,
+                                   std::vector<glm::vec3>& own) const {
+    if (lamps.empty()) return;
+    parallel::for_each(cells.samples.size(), [&](std::size_t i) {
+        const glm::vec3 place = medium_.to_world(static_cast<float>(cells.spacing) * glm::vec3(cells.samples[i]));
+        for (const LightPoint& lamp : lamps) {
+            const LampWay way = way_to(lamp, place);
+            const glm::vec3 d = place - lamp.position;
+            const float distance2 = lamp.is_far() ? 1.0f : std::max(glm::dot(d, d), medium_.voxel() * medium_.voxel());
+            const float emitted = lamp.is_far() ? 1.0f : lamp.emitted(core::normalize_or(d, lamp.normal), distance2);
+            own[i] += way.passes * lamp.intensity * glm::exp(-way.depth) *
+                      (emitted / (4.0f * std::numbers::pi_v<float> * distance2));
+        }
+    });
+}
+
+VolumeLight OneVolume::light(std::span<const LightPoint> lamps, const SmoothAirLight& smooth, std::uint64_t& rays) {
+    if (!medium_.scatters()) return {};
+    std::vector<LightPoint> nearest(lamps.begin(), lamps.end());
+    std::stable_sort(nearest.begin(), nearest.end(),
+                     [&](const LightPoint& a, const LightPoint& b) { return strength(a) > strength(b); });
+    const std::size_t own_ways = std::min(nearest.size(), most_lamps);
+    light_.lamp_spacing = spacing_for(field_, most_ways);
+    for (std::size_t i = 0; i < own_ways; ++i) find_ways(nearest[i]);
+
+    light_.ambient_spacing = spacing_for(field_, most_ambient_cells);
+    light_.ambient = VolumeLight::lattice<glm::vec3>(field_, light_.ambient_spacing);
+    const Cells cells = cells_of(light_.ambient_spacing);
+    ScatteringSystem system(cells.samples.size());
+    std::vector<glm::vec3> own = own_light(cells, look_from(cells), system);
+    add_from_all_sides(cells, std::span(nearest).subspan(own_ways), own);
+    if (smooth.shines) {
+        std::vector<glm::vec3> places;
+        for (const glm::ivec3& sample : cells.samples)
+            places.push_back(medium_.to_world(static_cast<float>(cells.spacing) * glm::vec3(sample)));
+        const std::vector<glm::vec3> found = smooth.at(instant_.posed_scene.tracer(), places, rays_);
+        for (std::size_t i = 0; i < own.size(); ++i) own[i] += found[i];
+    }
+    for (glm::vec3& value : own)
+        if (!core::is_finite(value)) value = glm::vec3(0);
+    const std::vector<glm::vec3> all = system.solve(own, cells.albedo);
+    for (std::size_t i = 0; i < all.size(); ++i)
+        light_.ambient.add(cells.samples[i] >> 3)[core::SparseGrid<glm::vec3>::place_in_brick(cells.samples[i])] =
+            all[i];
+    rays += rays_;
+    return std::move(light_);
+}
+
+}  // namespace
+
+std::vector<VolumeLight> light_within_volumes(const AirInstant& instant, std::uint64_t& rays) {
+    const PosedScene& posed_scene = instant.posed_scene;
+    const std::vector<LightPoint> points =
+        instant.gather != nullptr ? beyond_rays(instant.points, brightest_of_rays(posed_scene.sky())) : instant.points;
+    std::vector<LightPoint> lamps = air_lamps(points, instant.light_trees);
+    // Cells see flames themselves.
+    std::erase_if(lamps, [](const LightPoint& lamp) { return lamp.is_of_flame(); });
+    const SmoothAirLight smooth(instant.light_trees, points, true);
+    std::vector<VolumeLight> lights;
+    for (std::size_t i = 0; i < posed_scene.air()->volumes().size(); ++i)
+        lights.push_back(OneVolume(instant, i).light(lamps, smooth, rays));
+    return lights;
+}
+
+}  // namespace render2mpeg::renderer
