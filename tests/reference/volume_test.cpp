@@ -4,8 +4,10 @@
 #include <functional>
 #include <numbers>
 
+#include "core/color.h"
 #include "core/numeric.h"
 #include "renderer/base/air.h"
+#include "renderer/base/blackbody.h"
 #include "renderer/surface/posed_scene.h"
 #include "tests/renderer/film_stage.h"
 
@@ -106,9 +108,18 @@ TEST_P(ScatteredOnce, IsThatOfQuadrature) {
     SceneBuilder b = film_of(volume);
     b.add_sun({-1, 0, 0}, 1000);
     FilmStage stage(b, one_look());
-    // The eye looks along -z, the light comes from +x: by the middle it has gone 1 through the cube.
+    // The eye looks along -z, the light comes from +x: by the middle it has gone 1 through the cube, whose faces fade
+    // over a voxel.
     const double g = GetParam(), phase = (1 - g * g) / (4 * pi * std::pow(1 + g * g, 1.5));
-    const double expected = 1000 * 1e-5 * phase * std::exp(-1.5) * (1 - std::exp(-2 * 1.5));
+    constexpr double voxel = 2.0 / 32, step = 1e-4;
+    double sum = 0, depth = 0;
+    for (double z = 1 + voxel; z > -1 - voxel; z -= step) {
+        const double density = 1.5 * std::clamp((1 + 0.5 * voxel - std::abs(z)) / voxel, 0.0, 1.0);
+        depth += 0.5 * step * density;
+        sum += step * density * std::exp(-density - depth);
+        depth += 0.5 * step * density;
+    }
+    const double expected = 1000 * 1e-5 * phase * sum;
     EXPECT_NEAR(mean_of(stage.reference()).x / expected, 1, 0.01);
 }
 
@@ -197,6 +208,54 @@ TEST(Volume, FireIsAsBrightAsItsDepth) {
     EXPECT_NEAR(mean_of(stage.reference()).x / (5 / 1.2 * (1 - std::exp(-2.4))), 1, 0.01);
 }
 
+TEST(Volume, OverlappingOnesDimAndShineTogether) {
+    scene::Volume volume = even_cube();
+    volume.density = 0.7f;
+    volume.color = glm::vec3(0);
+    EXPECT_NEAR(air_with({volume, volume}).transmittance({-5, 0, 0}, {1, 0, 0}, 10).x, std::exp(-2.8), 1e-3);
+    volume.emission_strength = 3;
+    SceneBuilder b = film_of(volume);
+    b.film().volumes.push_back(volume);
+    FilmStage stage(b, one_look());
+    EXPECT_NEAR(mean_of(stage.reference()).x / (3 / 0.7 * (1 - std::exp(-2.8))), 1, 0.01);
+}
+
+TEST(Volume, AbsorbsColoursAsCyclesDoes) {
+    scene::Volume volume = even_cube();
+    volume.color = {0.5f, 0.25f, 0};
+    volume.absorption_color = {1, 0.25f, 0.04f};
+    const glm::vec3 left = air_with({volume}).transmittance({-5, 0, 0}, {1, 0, 0}, 10);
+    // color + (1 - color) (1 - sqrt(absorption_color)), over a way of 2
+    EXPECT_NEAR(left.x / std::exp(-2 * 0.5), 1, 0.01);
+    EXPECT_NEAR(left.y / std::exp(-2 * (0.25 + 0.75 * 0.5)), 1, 0.01);
+    EXPECT_NEAR(left.z / std::exp(-2 * 0.8), 1, 0.01);
+}
+
+TEST(Volume, ShadowGoesWithIt) {
+    scene::Volume volume = even_cube(8);
+    volume.color = glm::vec3(0);
+    SceneBuilder b;
+    b.add_quad({-20, -2, 20}, {40, 0, 0}, {0, 0, -40}, b.add_material({0.5f, 0.5f, 0.5f}));
+    volume.node = static_cast<int>(b.film().nodes.size());
+    b.film().nodes.emplace_back();
+    b.add_track(scene::TrackTarget::translation, volume.node, 3, {0, 1}, {0, 0, 0, 9, 0, 0});
+    b.film().volumes.push_back(volume);
+    b.add_sun({0, -1, 0}, 3);
+    b.add_camera({0, -1.5f, 6}, {0, -2, 0}, 0.02f);
+    FilmStage stage(b, one_look());
+    EXPECT_NEAR(mean_of(stage.reference(0)).x / (3 * 0.5 / pi * std::exp(-2)), 1, 0.02);
+    EXPECT_NEAR(mean_of(stage.reference(1)).x / (3 * 0.5 / pi), 1, 0.01);
+}
+
+TEST(Volume, BlackBodiesAreWhiteAtDaylightAndRedWhenCold) {
+    const glm::vec3 day = blackbody_color(6500), cold = blackbody_color(1000);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(day[c], 1, 0.05);
+    EXPECT_GT(cold.x, 4);
+    EXPECT_LT(cold.y, 0.1f);
+    // Twice as hot is sixteen times as bright.
+    EXPECT_NEAR(core::luminance(blackbody_radiance(4000, 1)) / core::luminance(blackbody_radiance(2000, 1)), 16, 0.1);
+}
+
 TEST(Volume, OddOnesAreLitWithoutNaN) {
     std::vector<scene::Volume> odd(6, even_cube(8));
     odd[0].density = 0;
@@ -231,7 +290,7 @@ TEST(Volume, AbsentOnesChangeNothing) {
     gone.node = static_cast<int>(with.film().nodes.size());
     with.film().nodes.emplace_back().scale = glm::dvec3(0);
     with.film().volumes.push_back(gone);
-    FilmStage a(with, one_look(16)), b(without, one_look(16));
+    FilmStage a(with, one_look(6)), b(without, one_look(6));
     EXPECT_EQ(test::share_over(a.reference(), b.reference(), 1e-3f), 0);
 }
 

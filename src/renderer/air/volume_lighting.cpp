@@ -315,12 +315,12 @@ glm::vec3 OneVolume::along(const Cells& cells, const RayQuery& ray, const FinalG
     for (int c = 0; c < 3; ++c)
         if (turn[c] != 0.0f)
             end = std::min(end, std::max(((turn[c] > 0.0f ? high : low)[c] - from[c]) / turn[c], 0.0f));
-    const float steps = std::ceil(std::min(end * glm::length(turn) / step_of_cell, 1e5f));
-    const float length = core::divide_or(end, steps, 0.0f);
+    const auto steps = static_cast<int>(std::ceil(std::min(end * glm::length(turn) / step_of_cell, 1e5f)));
+    const float length = steps > 0 ? end / static_cast<float>(steps) : 0.0f;
     glm::vec3 light(0);
     float left = 1;
-    for (float i = 0.5f; i < steps && left > 0.0f; ++i) {
-        const glm::vec3 place = from + i * length * turn;
+    for (int i = 0; i < steps && left > 0.0f; ++i) {
+        const glm::vec3 place = from + (static_cast<float>(i) + 0.5f) * length * turn;
         float extinction = 0, whole = 0;
         glm::vec3 emission(0), albedo(0);
         cells.about(place, [&](std::size_t c, float w) {

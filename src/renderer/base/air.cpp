@@ -42,10 +42,10 @@ void march(std::vector<Met>& met, float from, float far, bool coarse, Step step)
         }
         if (std::isinf(end) && std::isinf(length)) return;
         if (!std::isinf(length) && end > from) {
-            const float steps = std::clamp(std::ceil((end - from) / length), 1.0f, 1024.0f),
-                        part = (end - from) / steps;
-            for (float i = 0.5f; i < steps; ++i)
-                if (!step(from + i * part, part)) return;
+            const auto steps = static_cast<int>(std::clamp(std::ceil((end - from) / length), 1.0f, 1024.0f));
+            const float part = (end - from) / static_cast<float>(steps);
+            for (int i = 0; i < steps; ++i)
+                if (!step(from + (static_cast<float>(i) + 0.5f) * part, part)) return;
         }
         from = end;
     }

@@ -17,8 +17,8 @@ enum class VolumeView { eye, rough };
 /// Air of an instant. Directions are unit vectors, distances >= 0 and may be infinite.
 class Air {
   public:
-    Air(std::optional<FogMedium> fog, std::vector<VolumeMedium> volumes)
-        : fog_(std::move(fog)), volumes_(std::move(volumes)) {}
+    Air(const std::optional<FogMedium>& fog, std::vector<VolumeMedium> volumes)
+        : fog_(fog), volumes_(std::move(volumes)) {}
 
     const FogMedium* fog() const { return fog_ ? &*fog_ : nullptr; }
     const std::vector<VolumeMedium>& volumes() const { return volumes_; }

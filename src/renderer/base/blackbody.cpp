@@ -10,22 +10,28 @@ namespace {
 constexpr float coldest = 800.0f, hottest = 12000.0f;
 constexpr int entries = 256;
 
-/// A lobe of the fit of the colour matching functions.
-double peak(double nanometres, double middle, double below, double above) {
-    const double s = (nanometres - middle) / (nanometres < middle ? below : above);
-    return std::exp(-0.5 * s * s);
-}
+/// Colour matching functions of the observer of 1931 [CIE1931], 380 nm and every 10 nm on.
+constexpr double observer[][3] = {
+    {0.0014, 0.0, 0.0065},   {0.0042, 0.0001, 0.0201}, {0.0143, 0.0004, 0.0679}, {0.0435, 0.0012, 0.2074},
+    {0.1344, 0.004, 0.6456}, {0.2839, 0.0116, 1.3856}, {0.3483, 0.023, 1.7471},  {0.3362, 0.038, 1.7721},
+    {0.2908, 0.06, 1.6692},  {0.1954, 0.091, 1.2876},  {0.0956, 0.139, 0.813},   {0.032, 0.208, 0.4652},
+    {0.0049, 0.323, 0.272},  {0.0093, 0.503, 0.1582},  {0.0633, 0.71, 0.0782},   {0.1655, 0.862, 0.0422},
+    {0.2904, 0.954, 0.0203}, {0.4334, 0.995, 0.0087},  {0.5945, 0.995, 0.0039},  {0.7621, 0.952, 0.0021},
+    {0.9163, 0.87, 0.0017},  {1.0263, 0.757, 0.0011},  {1.0622, 0.631, 0.0008},  {1.0026, 0.503, 0.0003},
+    {0.8544, 0.381, 0.0002}, {0.6424, 0.265, 0.0},     {0.4479, 0.175, 0.0},     {0.2835, 0.107, 0.0},
+    {0.1649, 0.061, 0.0},    {0.0874, 0.032, 0.0},     {0.0468, 0.017, 0.0},     {0.0227, 0.0082, 0.0},
+    {0.0114, 0.0041, 0.0},   {0.0058, 0.0021, 0.0},    {0.0029, 0.001, 0.0},     {0.0014, 0.0005, 0.0},
+    {0.0007, 0.0003, 0.0}};
 
-/// Planck's law over the fit of CIE 1931's functions [Wyman2013].
+/// Planck's law as the observer sees it.
 glm::vec3 integrated_color(double kelvin) {
+    constexpr double second_constant = 1.4388e7;  // nm K
     glm::dvec3 xyz(0);
-    for (int l = 380; l <= 780; l += 5) {
-        const double planck =
-            std::pow(550.0 / l, 5) * (std::expm1(1.4388e7 / (550.0 * kelvin))) / std::expm1(1.4388e7 / (l * kelvin));
-        xyz += planck * glm::dvec3(1.056 * peak(l, 599.8, 37.9, 31.0) + 0.362 * peak(l, 442.0, 16.0, 26.7) -
-                                       0.065 * peak(l, 501.1, 20.4, 26.2),
-                                   0.821 * peak(l, 568.8, 46.9, 40.5) + 0.286 * peak(l, 530.9, 16.3, 31.1),
-                                   1.217 * peak(l, 437.0, 11.8, 36.0) + 0.681 * peak(l, 459.0, 26.0, 13.8));
+    double wave = 380;
+    for (const auto& of : observer) {
+        xyz += std::pow(550 / wave, 5) * std::expm1(second_constant / (550 * kelvin)) /
+               std::expm1(second_constant / (wave * kelvin)) * glm::dvec3(of[0], of[1], of[2]);
+        wave += 10;
     }
     xyz /= xyz.y;
     const glm::dvec3 rgb(3.2406 * xyz.x - 1.5372 * xyz.y - 0.4986 * xyz.z,

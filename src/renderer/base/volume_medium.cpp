@@ -14,11 +14,10 @@ namespace {
 
 constexpr float endless = std::numeric_limits<float>::infinity();
 
-/// Steps along rays, in voxels: of a voxel, of two for secondary rays; twice as long where a brick is so even that its
-/// optical depth errs by no more than this. At most this optical depth lies in one, down to an eighth of a voxel.
+/// A step is a voxel long, two where no more than this optical depth of a brick is uneven, a half where more than the
+/// second is; of secondary rays twice as long. At most `depth_of_step` lies in one step, down to an eighth of a voxel.
 /// chosen: not tuned.
-constexpr float fine_step = 1.0f, coarse_step = 2.0f, least_step = 0.125f;
-constexpr float uneven_depth = 0.02f, depth_of_step = 0.5f;
+constexpr float uneven_depth = 0.02f, most_uneven_depth = 0.16f, depth_of_step = 0.5f, least_step = 0.125f;
 
 /// Largest extinction, by object unit, that sums of depths stay finite with.
 constexpr float most_extinction = 1e20f;
@@ -260,8 +259,8 @@ float BrickWalk::step(bool coarse) const {
     const float voxel = 1.0f / voxels_;
     const float most = medium_->largest_extinction(*inside_);
     const float uneven = most * (1.0f - core::divide_or(inside_->least, inside_->most, 0.0f)) * 8.0f * voxel;
-    const bool even = uneven < uneven_depth && !medium_->field().shines();
-    const float step = (even ? 2.0f : 1.0f) * (coarse ? coarse_step : fine_step);
+    const float even = uneven < uneven_depth ? 2.0f : uneven < most_uneven_depth ? 1.0f : 0.5f;
+    const float step = coarse ? 2.0f * even : medium_->field().shines() ? std::min(even, 1.0f) : even;
     return voxel * std::max(std::min(step, core::divide_or(depth_of_step, most * voxel, step)), least_step);
 }
 

@@ -59,8 +59,8 @@ void ShadowTester::trace(LightType type, const TreeLight& light, const Spot* spo
         glm::vec3 passes[lane_count];
         std::fill(std::begin(passes), std::end(passes), glm::vec3(1));
         hidden = blocked(packet, passes);
-        // Of air something is known of all lanes, and of layers of those that were asked.
-        const std::uint32_t known = light_trees_.air != nullptr ? 0xffffu : packet.active;
+        // Of fog something is known of all lanes, and of layers and volumes of those that were asked.
+        const std::uint32_t known = knows_all() ? 0xffffu : packet.active;
         for (int i = 0; i < lane_count; ++i)
             for (int k = 0; k < 3 && (known >> i & 1u) != 0; ++k) contribution.tint.passes[i][k] = passes[i][k];
     } else {
@@ -204,7 +204,7 @@ std::uint32_t ShadowTester::blocked(const ShadowPacket& packet, glm::vec3* passe
     count(packet.active);
     const std::uint32_t blocked = tracer_.occluded(packet, passes);
     if (light_trees_.air != nullptr && passes != nullptr)
-        dim(*light_trees_.air, packet, packet.active & ~blocked, passes);
+        dim(*light_trees_.air, packet, knows_all() ? 0xffffu : packet.active & ~blocked, passes);
     return blocked;
 }
 

@@ -61,6 +61,8 @@ class ShadowTester {
     void trace_place(ShadowPacket& packet, int place, PlaceCounts& counts);
     std::uint32_t swept(const ShadowPacket& packet, std::uint32_t active) const;
     std::uint32_t reach(const ShadowPacket& packet, glm::vec3* passes);
+    /// Whether the transmittance of air is so cheap that rays get it which nobody asks for.
+    bool knows_all() const { return light_trees_.air != nullptr && light_trees_.air->volumes().empty(); }
     void count(std::uint32_t active) { rays_ += static_cast<std::uint64_t>(__builtin_popcount(active)); }
 
     const LightTrees& light_trees_;

@@ -149,8 +149,11 @@ bool LightPaths::leave(Path& path, PathNumbers& numbers) const {
 bool LightPaths::meet(Path& path, PathNumbers& numbers, glm::vec3& light) const {
     for (int event = 0; event < most_events; ++event) {
         const Hit hit = path.ray.meet(posed_scene_);
-        path.throughput *=
-            path.ray.left_by_air(posed_scene_, hit.found() ? hit.distance : std::numeric_limits<float>::infinity());
+        const float way = hit.found() ? hit.distance : std::numeric_limits<float>::infinity();
+        if (const Air* air = posed_scene_.air(); air != nullptr && path.ray.media.empty())
+            light +=
+                path.throughput * air->light_of_volumes(path.ray.origin, path.ray.direction, way, VolumeView::rough);
+        path.throughput *= path.ray.left_by_air(posed_scene_, way);
         if (!hit.found()) {
             light += path.throughput * escaped(path);
             return false;
