@@ -28,6 +28,7 @@ const std::string readings = (support::binary_folder() / "probe_readings").strin
 class ProbeOf : public testing::Test {
   protected:
     static void SetUpTestSuite() { setenv("RENDER2MPEG_PROGRAM", readings.c_str(), 1); }
+    static void TearDownTestSuite() { unsetenv("RENDER2MPEG_PROGRAM"); }
 };
 using Probes = ProbeOf;
 using ProbesSlow = ProbeOf;
