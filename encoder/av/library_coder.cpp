@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <map>
 #include <string>
 #include <utility>
 
@@ -16,6 +17,7 @@
 #include "encoder/mpeg2/macroblock/macroblock_tree.h"
 #include "encoder/mpeg2/macroblock/overrides.h"
 #include "encoder/mpeg2/motion/picture_order.h"
+#include "encoder/rate_search.h"
 
 namespace render2mpeg::av {
 namespace {
@@ -50,29 +52,27 @@ double offset_of(encoder::Codec codec, const PicturePlan& plan) {
     return -strength * std::log2(1.0 + static_cast<double>(std::min(followers, most_followers)));
 }
 
-/// Bit budget of a chunk: the remaining bits decide the quantisers of the remaining pictures.
-class Budget {
+/// Whole quantisers whose mean is that of fractional ones.
+class Rounding {
   public:
-    Budget() = default;
-    explicit Budget(double bits) : bits_(bits) {}
-
-    void spend(double expected, double real) {
-        expected_ += expected;
-        real_ += real;
-    }
-    /// MPEG-2's quantiser for a future picture, by its allocation.
-    double quantiser(const encoder::BitAllocation& allocated) const {
-        if (expected_ <= 0 || bits_ <= 0) return allocated.quantiser;
-        // chosen: what was expected counts as much as an eighth of the chunk (1/16..1/4): first pictures tell little.
-        const double prior = bits_ / 8, excess = (real_ + prior) / (expected_ + prior);
-        const double left = std::max(bits_ - real_, 0.1 * bits_), rest = excess * std::max(bits_ - expected_, 0.0);
-        // chosen: bits fall with the quantiser's power 0.9 (encoder/mpeg2/rate/rate_model.h: 0.7 to 0.95); a factor of
-        // 2 at most.
-        return allocated.quantiser * std::clamp(std::pow(rest / left, 1 / 0.9), 0.5, 2.0);
+    /// Of the P pictures that nothing refers to; `number` and `gop` tell groups apart where those have one quantiser.
+    double operator()(double exact, std::int64_t number, bool starts_gop, const encoder::Settings& settings) {
+        if (!has_one_quantiser(settings.codec)) {
+            exact += left_;
+            const double base = std::round(exact);
+            left_ = exact - base;
+            return base;
+        }
+        if (starts_gop) {
+            // The golden ratio's multiples fall evenly between whole numbers, wherever one begins.
+            const double group = std::floor(static_cast<double>(number) / settings.gop), phase = 0.618034 * group + 0.5;
+            group_ = std::floor(exact + phase - std::floor(phase));
+        }
+        return group_;
     }
 
   private:
-    double bits_ = 0, expected_ = 0, real_ = 0;
+    double left_ = 0, group_ = 0;
 };
 
 encoder::Settings with_level(encoder::Settings settings) {
@@ -100,14 +100,18 @@ class LibraryCoder final : public encoder::Coder {
         first_of_chunk = first_of_chunk || !order_.last();
         const bool starts_gop = first_of_chunk || order_.gop_is_over(number) || facts.cut_before || facts.keyframe;
         PicturePlan plan = order_.plan(number, facts, starts_gop, false);
-        if (first_of_chunk) {
-            rounding_ = 0;
-            ++chunk_;
-            budget_ = facts.allocation ? Budget(facts.allocation->bits_left) : Budget();
-        }
-        plan.quantiser = limited(base_of(number, facts, starts_gop) + offset_of(settings_.codec, plan));
+        if (first_of_chunk) rounding_ = {};
+        Planned planned;
+        planned.opens = first_of_chunk || (starts_gop && has_one_quantiser(settings_.codec));
+        planned.offset = offset_of(settings_.codec, plan);
+        if (facts.allocation) planned.allocated = facts.allocation->quantiser;
+        if (facts.allocation && first_of_chunk)
+            planned.chunk_bits = facts.allocation->affordable * facts.allocation->bits_left;
+        plan.quantiser = limited(rounding_(wanted(facts), number, starts_gop, settings_) + planned.offset);
         plan.references.clear();  // these encoders look for vectors by themselves
-        planned_.push_back({plan, first_of_chunk, chunk_, facts.allocation ? facts.allocation->bits : 0, group_base_});
+        planned.plan = plan;
+        planned.first_of_chunk = first_of_chunk;
+        planned_.push_back(std::move(planned));
         return plan;
     }
 
@@ -115,17 +119,20 @@ class LibraryCoder final : public encoder::Coder {
                                    std::span<const core::MotionField>, const encoder::Hints& hints) override {
         EXPECTS(!planned_.empty() && plan == planned_.front().plan);
         std::vector<CodedPicture> complete;
-        if (planned_.front().first_of_chunk || (plan.starts_gop && has_one_quantiser(settings_.codec))) {
-            complete = close();
-            encoder::Settings opened = settings_;
-            if (has_one_quantiser(settings_.codec)) opened.quantiser = limited(planned_.front().group_base);
-            library_ = backend().open_encoder(opened);
-        }
-        const Planned planned = std::move(planned_.front());
+        Planned planned = std::move(planned_.front());
         planned_.pop_front();
-        LibraryOrder order{plan.type, plan.starts_gop, quantisers_of(plan, hints)};
-        library_->send(picture, order);
-        sent_.push_back({plan, planned.chunk, planned.bits, std::move(order.quantisers)});
+        if (planned.first_of_chunk) {
+            complete = close();
+            chunk_bits_ = planned.chunk_bits;
+        }
+        planned.factors = factors_of(plan, hints);
+        if (chunk_bits_ > 0) {
+            // Its bits are known when the chunk is.
+            kept_.push_back({std::move(planned), picture});
+            if (settings_.codec == encoder::Codec::h264) kept_.back().picture.luma = {};
+            return complete;
+        }
+        send(picture, planned, plan.quantiser, complete);
         // Threads of other libraries decide when their pictures come, and light must not depend on that.
         if (settings_.codec == encoder::Codec::h264 || facts_.master) collect(complete);
         return complete;
@@ -140,73 +147,126 @@ class LibraryCoder final : public encoder::Coder {
   private:
     struct Planned {
         PicturePlan plan;
-        bool first_of_chunk;
-        int chunk;
-        double bits;        ///< allocated
-        double group_base;  ///< where a group has one quantiser
+        bool first_of_chunk = false;
+        bool opens = false;            ///< an encoder of its own
+        double offset = 0;             ///< of its quantiser, by type
+        double allocated = 0;          ///< MPEG-2's quantiser; 0: no bits are allocated
+        double chunk_bits = 0;         ///< first of a chunk: to be reached; 0: whatever it comes to
+        core::Plane<float> factors{};  ///< on quantisers of macroblocks; empty: 1
+    };
+    struct Kept {
+        Planned planned;
+        core::Picture picture;
     };
     struct Sent {
         PicturePlan plan;
-        int chunk;
-        double bits;
+        int quantiser;
         core::Plane<std::uint8_t> quantisers;
     };
 
     /// The quantiser of P pictures that nothing refers to, not rounded.
     double wanted(const encoder::PictureFacts& facts) const {
         const encoder::RateControl& rate = settings_.rate_control;
-        if (facts.allocation) return encoder::quantiser_like(settings_.codec, budget_.quantiser(*facts.allocation));
+        if (facts.allocation) return encoder::quantiser_like(settings_.codec, facts.allocation->quantiser);
         if (rate.mode == encoder::RateMode::constant_quantiser) return settings_.quantiser;
         return encoder::quantiser_like(settings_.codec,
                                        std::exp2((100 - rate.quality) / 20) * facts.quality_factor.value_or(1.0));
-    }
-
-    /// The same as a whole number, such that pictures come to it on average; where a group has one quantiser, groups
-    /// do.
-    double base_of(std::int64_t number, const encoder::PictureFacts& facts, bool starts_gop) {
-        if (!has_one_quantiser(settings_.codec)) {
-            const double exact = wanted(facts) + rounding_, base = std::round(exact);
-            rounding_ = exact - base;
-            return base;
-        }
-        if (starts_gop) {
-            // The golden ratio's multiples fall evenly between whole numbers, wherever one begins.
-            const double group = std::floor(static_cast<double>(number) / settings_.gop),
-                         phase = 0.618034 * group + 0.5;
-            group_base_ = std::floor(wanted(facts) + phase - std::floor(phase));
-        }
-        return group_base_;
     }
 
     int limited(double quantiser) const {
         return std::clamp(static_cast<int>(std::lround(quantiser)), facts_.finest, facts_.coarsest);
     }
 
+    core::Plane<float> factors_of(const PicturePlan& plan, const encoder::Hints& hints) const {
+        if (has_one_quantiser(settings_.codec)) return {};
+        return encoder::mpeg2::overrides_from(hints, columns_, rows_,
+                                              encoder::mpeg2_quantiser_like(settings_.codec, plan.quantiser))
+            .quantiser_factors;
+    }
+
     /// By macroblock: what later pictures are predicted from is finer. In steps of two, since x264 gives a macroblock
     /// whose quantiser differs by one from its neighbour's that one's.
-    core::Plane<std::uint8_t> quantisers_of(const PicturePlan& plan, const encoder::Hints& hints) {
-        const auto nominal = static_cast<std::uint8_t>(plan.quantiser);
+    core::Plane<std::uint8_t> quantisers_of(const core::Plane<float>& factors, int quantiser) const {
+        const auto nominal = static_cast<std::uint8_t>(quantiser);
         if (has_one_quantiser(settings_.codec)) return {1, 1, nominal};
         core::Plane<std::uint8_t> quantisers(columns_, rows_, nominal);
-        const core::Plane<float> factors =
-            encoder::mpeg2::overrides_from(hints, columns_, rows_,
-                                           encoder::mpeg2_quantiser_like(settings_.codec, plan.quantiser))
-                .quantiser_factors;
         for (std::size_t i = 0; i < factors.size(); ++i) {
             const double offset = quantisers_for_doubling(settings_.codec) * std::log2(factors.values()[i]);
-            quantisers.values()[i] =
-                static_cast<std::uint8_t>(limited(plan.quantiser + 2.0 * std::round(0.5 * offset)));
+            quantisers.values()[i] = static_cast<std::uint8_t>(limited(quantiser + 2.0 * std::round(0.5 * offset)));
         }
         return quantisers;
     }
 
-    std::vector<CodedPicture> close() {
-        std::vector<CodedPicture> complete;
-        if (!library_) return complete;
+    void send(const core::Picture& picture, const Planned& planned, int quantiser,
+              std::vector<CodedPicture>& complete) {
+        if (planned.opens) {
+            finish(complete);
+            encoder::Settings opened = settings_;
+            if (has_one_quantiser(settings_.codec)) opened.quantiser = quantiser;
+            library_ = backend().open_encoder(opened);
+        }
+        LibraryOrder order{planned.plan.type, planned.plan.starts_gop, quantisers_of(planned.factors, quantiser)};
+        library_->send(picture, order);
+        sent_.push_back({planned.plan, quantiser, std::move(order.quantisers)});
+    }
+
+    /// Pictures that the library still has.
+    void finish(std::vector<CodedPicture>& complete) {
+        if (!library_) return;
         library_->end();
         collect(complete);
         EXPECTS(sent_.empty());
         library_.reset();
+    }
+
+    /// Quantisers of the chunk that is kept, with a factor on those allocated.
+    std::vector<int> quantisers_with(double factor) const {
+        std::vector<int> quantisers;
+        Rounding rounding;
+        for (const Kept& kept : kept_) {
+            const PicturePlan& plan = kept.planned.plan;
+            const double least = encoder::mpeg2_quantiser_like(settings_.codec, facts_.finest),
+                         most = encoder::mpeg2_quantiser_like(settings_.codec, facts_.coarsest),
+                         exact = encoder::quantiser_like(settings_.codec,
+                                                         std::clamp(kept.planned.allocated, least, most) * factor);
+            quantisers.push_back(
+                limited(rounding(exact, plan.number, plan.starts_gop, settings_) + kept.planned.offset));
+        }
+        return quantisers;
+    }
+
+    std::vector<CodedPicture> code_kept(const std::vector<int>& quantisers) {
+        std::vector<CodedPicture> complete;
+        for (std::size_t i = 0; i < kept_.size(); ++i)
+            send(kept_[i].picture, kept_[i].planned, quantisers[i], complete);
+        finish(complete);
+        return complete;
+    }
+
+    /// The rest of a chunk. One that has its bits allocated is coded until it comes to them.
+    std::vector<CodedPicture> close() {
+        std::vector<CodedPicture> complete;
+        finish(complete);
+        if (kept_.empty()) return complete;
+        const std::int64_t first = coding_order_;
+        std::map<std::vector<int>, double> bits_of;
+        std::vector<int> best, last;
+        for (encoder::RateSearch search; search.goes_on();) {
+            const std::vector<int> quantisers = quantisers_with(search.factor());
+            const auto [tried, is_new] = bits_of.try_emplace(quantisers, 0);
+            if (is_new) {
+                coding_order_ = first;
+                complete = code_kept(last = quantisers);
+                for (const CodedPicture& coded : complete)
+                    tried->second += 8.0 * static_cast<double>(coded.bytes.size());
+            }
+            if (search.try_ratio(tried->second / chunk_bits_)) best = quantisers;
+        }
+        if (best != last) {
+            coding_order_ = first;
+            complete = code_kept(best);
+        }
+        kept_.clear();
         return complete;
     }
 
@@ -223,7 +283,7 @@ class LibraryCoder final : public encoder::Coder {
         // Where a film ends early, the last picture refers to none behind it.
         if (coded.plan.type == PictureType::bidirectional && picture.type == PictureType::predicted)
             coded.plan.type = PictureType::predicted;
-        coded.quantiser = coded.plan.quantiser;
+        coded.quantiser = sent->quantiser;
         coded.coding_order = coding_order_++;
         // SVT-AV1's own header within the stream differs from the one that it tells beforehand.
         if (facts_.master) {
@@ -236,8 +296,6 @@ class LibraryCoder final : public encoder::Coder {
         coded.reconstruction = std::move(picture.reconstruction);
         coded.macroblocks = records_of(sent->quantisers, picture);
         coded.tells_vectors = false;
-        // Plans run ahead of pushes: a budget may be the next chunk's already.
-        if (sent->chunk == chunk_) budget_.spend(sent->bits, 8.0 * static_cast<double>(coded.bytes.size()));
         sent_.erase(sent);
         return coded;
     }
@@ -268,12 +326,11 @@ class LibraryCoder final : public encoder::Coder {
     std::deque<Planned> planned_;
     std::deque<Sent> sent_;                    ///< to the library and not come back
     std::unique_ptr<LibraryEncoder> library_;  ///< of a chunk
-    int chunk_ = 0;                            ///< of the picture planned last
+    std::vector<Kept> kept_;                   ///< a chunk's pictures, where its bits are to be reached
+    double chunk_bits_ = 0;                    ///< that chunk's
     std::int64_t coding_order_ = 0;
-    int columns_, rows_;     ///< of macroblocks
-    double rounding_ = 0;    ///< of the bases of pictures so far
-    double group_base_ = 0;  ///< of the pictures of a group
-    Budget budget_;
+    int columns_, rows_;  ///< of macroblocks
+    Rounding rounding_;   ///< of plans
 };
 
 /// Refuses modes that only our own encoder supports.

@@ -180,6 +180,36 @@ TEST_P(EveryCoder, GivesPicturesByCountAndNotByTime) {
     EXPECT_EQ(std::accumulate(at_once.begin(), at_once.end(), std::size_t{0}), static_cast<std::size_t>(s.gop));
 }
 
+/// Bits over those that a chunk of `s.gop` pictures was allocated, `allocated` of them with a quantiser of `guess`.
+double ratio_of_bits(const encoder::Settings& s, double allocated, double guess) {
+    const auto coder = av::make_coder(s);
+    CodedPictures coded;
+    for (int n = 0; n < s.gop; ++n) {
+        encoder::PictureFacts facts;
+        facts.frames_left = s.gop - 1 - n;
+        facts.allocation = {guess, allocated / s.gop, allocated * (s.gop - n) / s.gop};
+        const encoder::PicturePlan plan = coder->plan(n, facts, n == 0);
+        append(coded, coder->push(textured(s.width, s.height, n), plan, {}));
+    }
+    append(coded, coder->flush());
+    double bits = 0;
+    for (std::size_t i = 0; i < coded.size(); ++i) {
+        EXPECT_EQ(coded[i].coding_order, static_cast<std::int64_t>(i));
+        bits += 8.0 * static_cast<double>(coded[i].bytes.size());
+    }
+    return bits / allocated;
+}
+
+TEST_P(EveryCoder, ComesToTheBitsOfItsChunkFromAnyGuess) {
+    encoder::Settings s = settings_of(GetParam());
+    s.gop = 24;
+    s.rate_control = {.mode = encoder::RateMode::variable, .bit_rate = 200'000};
+    const double allocated = 200'000.0 * s.gop / 25;
+    // One whole quantiser for all pictures is half a step off at most.
+    const double near = s.codec == Codec::av1 ? 0.04 : 0.01;
+    for (const double guess : {1.5, 5.0, 29.0}) EXPECT_NEAR(ratio_of_bits(s, allocated, guess), 1, near) << guess;
+}
+
 /// Sum of squared errors of luma left and right of the middle.
 std::array<double, 2> errors_of_halves(const CodedPictures& coded, const encoder::Settings& s) {
     std::array<double, 2> sums{};

@@ -193,8 +193,11 @@ class MotionEstimator {
     /// The cheapest ones, with what is behind them, that come within reach of the best.
     void shortlist(const TriedVectors& t, Vector prediction, BestVectors& vectors) const {
         core::Smallest<const TriedVectors::Trial*, BestVectors::most> best;
-        for (const TriedVectors::Trial& trial : t)
-            best.add(&trial, cost_of(trial, prediction) + s_.cost_per_bit * vectors.to_go(trial.vector(), bits_));
+        for (const TriedVectors::Trial& trial : t) {
+            const float cost = cost_of(trial, prediction);
+            if (best.size() == BestVectors::most && cost >= best.key(BestVectors::most - 1)) continue;
+            best.add(&trial, cost + s_.cost_per_bit * vectors.to_go(trial.vector(), bits_));
+        }
         best.drop_above(shortlist_reach * best.key(0));
         vectors.count = best.size();
         for (int i = 0; i < best.size(); ++i) {

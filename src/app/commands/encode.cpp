@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <limits>
 #include <optional>
 #include <span>
 #include <utility>
@@ -40,6 +39,7 @@
 #include "encoder/av/coders.h"
 #include "encoder/bit_allocation.h"
 #include "encoder/codec.h"
+#include "encoder/rate_search.h"
 #include "parallel/loops.h"
 
 namespace render2mpeg::app {
@@ -283,33 +283,15 @@ void reach_rate(Job& job, bool quiet) {
     const encoder::Settings& coding = job.film.coding;
     const double wanted = static_cast<double>(coding.rate_control.bit_rate) *
                           static_cast<double>(job.film.frame_count()) / coding.rate.hertz.value();
-    // chosen: a half per cent, or the best of eight: whole quantisers of short films come no nearer.
-    constexpr double near = 0.005, rounds = 8;
-    // Logarithms: of a factor on all quantisers, and of the bits that the film comes to over those wanted.
-    struct Tried {
-        double factor, excess;
-    };
-    std::optional<Tried> above, below;
-    double factor = 0, last = std::numeric_limits<double>::infinity(), closest = last;
     const std::vector<encoder::BitAllocation> planned = job.allocations;
     std::vector<encoder::BitAllocation> best;
-    for (int round = 0; round < rounds && closest > near; ++round) {
+    encoder::RateSearch search;
+    while (search.goes_on()) {
         job.allocations = planned;
-        for (encoder::BitAllocation& allocation : job.allocations) allocation.quantiser *= std::exp(factor);
+        for (encoder::BitAllocation& allocation : job.allocations) allocation.quantiser *= search.factor();
         const std::optional<double> bits = rehearsed_bits(job, quiet);
         if (!bits) return;
-        const double excess = std::log(*bits / wanted);
-        if (excess == last) break;  // the scale of quantisers ends
-        last = excess;
-        if (std::abs(excess) < closest) best = job.allocations;
-        closest = std::min(closest, std::abs(excess));
-        (excess > 0 ? above : below) = {factor, excess};
-        // Between two of them it is nearer to the one that missed by less; beyond them bits fall with the power 0.9.
-        if (above && below)
-            factor = std::lerp(above->factor, below->factor,
-                               std::clamp(above->excess / (above->excess - below->excess), 0.1, 0.9));
-        else
-            factor += excess / 0.9;
+        if (search.try_ratio(*bits / wanted)) best = job.allocations;
     }
     job.allocations = std::move(best);
 }

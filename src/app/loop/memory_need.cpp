@@ -28,6 +28,7 @@ constexpr std::uint64_t per_exposed_sample = 40;
 constexpr std::uint64_t per_followed_pixel = 1600;      ///< where light changes and records follow
 constexpr std::uint64_t samples_of_blurred_lamps = 32;  ///< of a pixel on the average, where a lens blurs
 constexpr std::uint64_t per_decoded_pixel = 48;
+constexpr std::uint64_t per_kept_pixel = 8;  ///< of a chunk's pictures, which are coded until it has its rate
 constexpr std::uint64_t always = std::uint64_t{24} << 20;
 
 /// Triangles and segments of strands in Embree: rigid objects share their mesh's, others have their own.
@@ -48,6 +49,14 @@ std::uint64_t most_exposure_samples(const RenderJob& film) {
                exposure_samples(film, fixed ? film.coding.quantiser : encoder::facts_of(film.coding.codec).finest)
                    .most) +
            (film.plan.runs(renderer::Pass::lens) ? samples_of_blurred_lamps : 0);
+}
+
+/// Pixels that are kept until their chunk has its rate.
+std::uint64_t kept_pixels(const RenderJob& film) {
+    if (!film.two_passes || film.coding.codec == encoder::Codec::mpeg2) return 0;
+    const Chunk chunk = chunks_of(film.frames, film.coding.gop).front();
+    return static_cast<std::uint64_t>(chunk.last - chunk.first + 1) * static_cast<std::uint64_t>(film.format.width) *
+           static_cast<std::uint64_t>(film.format.height);
 }
 
 std::string size_text(std::uint64_t bytes) {
@@ -77,11 +86,12 @@ MemoryNeed memory_need(const RenderJob& film) {
     const std::uint64_t closer = film.rendering.most_samples > 0 ? per_pixel_looked_at_closer : 0;
     const bool follows = film.rendering.indirect == renderer::Indirect::rays &&
                          film.rendering.cache != renderer::CacheUse::off && scene::traits_of(scene).changes_light();
-    need.frames = always + (per_pixel + closer + (follows ? per_followed_pixel : 0) +
-                            per_sample * static_cast<std::uint64_t>(film.rendering.samples) +
-                            per_exposed_sample * most_exposure_samples(film)) *
-                               static_cast<std::uint64_t>(film.format.width) *
-                               static_cast<std::uint64_t>(film.format.height);
+    need.frames = always +
+                  (per_pixel + closer + (follows ? per_followed_pixel : 0) +
+                   per_sample * static_cast<std::uint64_t>(film.rendering.samples) +
+                   per_exposed_sample * most_exposure_samples(film)) *
+                      static_cast<std::uint64_t>(film.format.width) * static_cast<std::uint64_t>(film.format.height) +
+                  per_kept_pixel * kept_pixels(film);
     return need;
 }
 
