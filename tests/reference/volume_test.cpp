@@ -152,9 +152,8 @@ TEST_P(WhiteFurnace, KeepsItsEnergy) {
     SceneBuilder b = film_of(volume);
     b.film().sky.color = {1, 1, 1};
     b.film().objects.clear();
-    b.add_quad({900, 0, 0}, {1, 0, 0}, {0, 1, 0}, b.add_material({0, 0, 0}));
     FilmStage stage(b, one_look());
-    EXPECT_NEAR(mean_of(stage.reference()).x, 1, 0.01);
+    EXPECT_NEAR(mean_of(stage.reference()).x, 1, 0.01) << "no surface is needed";
 }
 
 INSTANTIATE_TEST_SUITE_P(Densities, WhiteFurnace,
