@@ -186,7 +186,8 @@ TEST_F(ChunksAtOnce, AreAsManyAsCoresAskFor) {
     EXPECT_EQ(planned("--threads 2"), "1 chunk at once: 2 threads, 4 to a chunk");
     EXPECT_EQ(planned("--threads 1 --chunks-at-once 3"), "3 chunks at once: --chunks-at-once 3");
     EXPECT_EQ(planned("--threads 64 --frames 0:40"), "1 chunk at once: the film has no other");
-    EXPECT_EQ(planned("--threads 64 --heatmap cut " + file("h.mkv")), "1 chunk at once: --heatmap is made in order");
+    EXPECT_EQ(planned("--threads 64 --heatmap cut " + file("h.mkv")),
+              "1 chunk at once: films beside it (--also, --heatmap) are made in order");
     const std::string many = planned("--threads 8"), more = planned("--threads 640");
     EXPECT_EQ(many.find("2 chunks at once: 8 threads, 4 to a chunk; memory allows "), 0u) << many;
     EXPECT_EQ(more.find("4 chunks at once: 640 threads, 4 to a chunk; the film has 4; memory allows "), 0u) << more;
