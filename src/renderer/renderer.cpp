@@ -71,7 +71,7 @@ struct Renderer::Impl {
                                                      !scene::traits_of(posed_scene.animation()).changes_light());
         caustics.forget();
         ambient_air = {};
-        volumes_lit_at = -1;
+        if (posed_scene.air() != nullptr) posed_scene.light_volumes({});
         cache.forget();
         calibration.forget();
         draft_light.forget();
@@ -107,9 +107,7 @@ struct Renderer::Impl {
     }
 
     std::uint64_t gathered_rays() const { return final_gather.counts().rays + final_gather.counts().cell_rays; }
-
     CutLimits cut_limits() const { return {settings.min_cut, settings.max_cut, 1.0f}; }
-
     LightingContext context_of(const scene::Snapshot& snapshot, const Frame& frame, const UngatheredLight& ungathered,
                                const core::ToleranceMap& tolerance) {
         return {lights.trees(), posed_scene.tracer(), frame, ungathered, snapshot.camera.position(), tolerance};
@@ -205,14 +203,16 @@ void Renderer::Impl::add_effects(const scene::Snapshot& snapshot, const core::To
     statistics.air_rays += add_airlight(instant, ambient_air, tolerance, frame, sum);
 }
 
-/// Light within volumes, where it is not known yet. Surfaces that were asked for it did not see it.
+/// Light within volumes, where it is not known yet, from the instant alone: what was gathered before is forgotten.
 void Renderer::Impl::light_volumes(const AirInstant& instant) {
     const Air& air = *posed_scene.air();
     if (air.volumes().empty() || (!air.lights().empty() && volumes_lit_at == instant.lit_frame)) return;
     const Stopwatch timer(times[Pass::volumes]);
+    posed_scene.light_volumes({});
+    final_gather.forget(lights.sky_of_rays());
     posed_scene.light_volumes(light_within_volumes(instant, statistics.air_rays));
+    final_gather.forget(lights.sky_of_rays());
     volumes_lit_at = instant.lit_frame;
-    if (lights.by_rays()) final_gather.forget(lights.sky_of_rays());
 }
 
 /// Light of all points of a frame, by light trees and rays; no cache.

@@ -256,7 +256,7 @@ TEST(Volume, BlackBodiesAreWhiteAtDaylightAndRedWhenCold) {
 }
 
 TEST(Volume, OddOnesAreLitWithoutNaN) {
-    std::vector<scene::Volume> odd(6, even_cube(8));
+    std::vector<scene::Volume> odd(8, even_cube(8));
     odd[0].density = 0;
     odd[1].density = 1e9f;
     odd[2].grids = grids_of(1, glm::dvec3(0), 0.1, [](glm::vec3) { return 5.0f; });
@@ -266,6 +266,12 @@ TEST(Volume, OddOnesAreLitWithoutNaN) {
     odd[4].color = {1, 0.5f, 0};
     odd[4].absorption_color = {0.2f, 1, 0.5f};
     odd[5].grids = std::make_shared<const scene::VolumeGrids>();
+    odd[6].grids = grids_of(8, glm::dvec3(-1), 2, [](glm::vec3) { return 1e37f; });
+    odd[6].density = 1000;
+    scene::VolumeGrids hot = *odd[7].grids;
+    hot.temperature = grids_of(8, glm::dvec3(-1), 2, [](glm::vec3) { return 1e30f; })->density;
+    odd[7].grids = std::make_shared<const scene::VolumeGrids>(std::move(hot));
+    odd[7].blackbody_intensity = 1;
     for (const scene::Volume& volume : odd)
         for (const float eye : {7.0f, 0.5f}) {
             SceneBuilder b;
@@ -281,6 +287,17 @@ TEST(Volume, OddOnesAreLitWithoutNaN) {
                 EXPECT_GE(std::min({p.x, p.y, p.z}), 0.0f);
             }
         }
+}
+
+TEST(Volume, IsLeftByRaysFromFarAway) {
+    const scene::Volume volume = even_cube(32);
+    const Air air = air_with({volume}, glm::scale(glm::dmat4(1), glm::dvec3(0.005)));
+    for (const float far : {10.0f, 6e4f, 1e7f}) {
+        BrickWalk walk(air.volumes()[0], {0.0011f, 0.0007f, far}, {0, 0, -1});
+        int pieces = 0;
+        while (!walk.misses() && std::isfinite(walk.end()) && pieces < 100) walk.advance(), ++pieces;
+        EXPECT_LT(pieces, 10) << far;
+    }
 }
 
 TEST(Volume, AbsentOnesChangeNothing) {

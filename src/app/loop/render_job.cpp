@@ -53,6 +53,20 @@ void change_rate(scene::Animation& animation, const core::FrameRate& from, const
         return static_cast<std::int64_t>(
             std::llround(static_cast<double>(frame) * to.hertz.value() / from.hertz.value()));
     };
+    for (scene::Volume& volume : animation.volumes) {
+        const std::int64_t first = volume.first_frame, files = std::ssize(volume.files);
+        std::vector<std::filesystem::path> shown, more;
+        for (std::int64_t n = rescaled(first); files > 1 && n < rescaled(first + files); ++n) {
+            const double own = std::floor(static_cast<double>(n) * from.hertz.value() / to.hertz.value() + 1e-6);
+            const std::size_t file = volume.file_at(static_cast<std::int64_t>(own));
+            shown.push_back(volume.files[file]);
+            if (!volume.more_files.empty()) more.push_back(volume.more_files[file]);
+        }
+        volume.first_frame = rescaled(first);
+        if (shown.empty()) continue;
+        volume.files = std::move(shown);
+        volume.more_files = std::move(more);
+    }
     for (scene::Shot& shot : animation.shots) shot.frame = rescaled(shot.frame);
     if (animation.first_frame) animation.first_frame = rescaled(*animation.first_frame);
     if (animation.last_frame)

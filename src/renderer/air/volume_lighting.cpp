@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
+#include <unordered_set>
+#include <vector>
 
 #include "core/color.h"
 #include "core/numeric.h"
@@ -55,18 +58,32 @@ bool is_needed(const VolumeField& field, glm::ivec3 sample, int spacing) {
            any_of_box(low, high, [&](glm::ivec3 v) { return field.holds(v); });
 }
 
+/// Samples about these bricks, about where several lie in a brick, else the corners of all boxes that hold any.
+double samples_about(const std::vector<glm::ivec3>& bricks, int spacing) {
+    if (spacing < 8) return static_cast<double>(bricks.size()) * std::pow(8.0 / spacing, 3);
+    std::unordered_set<std::uint64_t> corners;
+    const int side = spacing / 8;
+    const auto floored = [&](int brick) { return (brick - ((brick % side) + side) % side) / side; };
+    for (const glm::ivec3& brick : bricks)
+        for (int c = 0; c < 8; ++c) {
+            std::uint64_t key = 0;
+            for (int k = 0; k < 3; ++k)
+                key = key << 21 | (static_cast<std::uint64_t>(floored(brick[k]) + (c >> k & 1)) & 0x1fffff);
+            corners.insert(key);
+        }
+    return static_cast<double>(corners.size());
+}
+
 int spacing_for(const VolumeField& field, std::size_t most) {
-    std::size_t bricks = 0;
+    std::vector<glm::ivec3> bricks;
     for (int z = 0; z < field.size().z; ++z)
         for (int y = 0; y < field.size().y; ++y)
             for (int x = 0; x < field.size().x; ++x)
-                bricks += field.range(field.low() + glm::ivec3(x, y, z)).any ? 1 : 0;
+                if (const glm::ivec3 brick = field.low() + glm::ivec3(x, y, z); field.range(brick).any)
+                    bricks.push_back(brick);
     int spacing = 1;
-    const auto samples = [&] {
-        const double side = 8.0 / spacing;
-        return static_cast<double>(bricks) * side * side * side;
-    };
-    while (samples() > static_cast<double>(most)) spacing *= 2;
+    constexpr int widest = 1 << 20;
+    while (spacing < widest && samples_about(bricks, spacing) > static_cast<double>(most)) spacing *= 2;
     return spacing;
 }
 

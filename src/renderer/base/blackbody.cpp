@@ -64,6 +64,8 @@ glm::vec3 blackbody_color(float kelvin) {
 
 glm::vec3 blackbody_radiance(float kelvin, float intensity) {
     constexpr float sigma_over_pi = 5.670373e-14f / 3.14159265f;
+    constexpr float hottest_told = 1e6f;  // its fourth power is finite
+    kelvin = std::min(kelvin, hottest_told);
     const float fourth = kelvin * kelvin * kelvin * kelvin;
     const float strength = sigma_over_pi * std::max(1.0f + intensity * (fourth - 1.0f), 0.0f);
     // Cycles leaves out what is dimmer.

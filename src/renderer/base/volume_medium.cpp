@@ -19,8 +19,8 @@ constexpr float endless = std::numeric_limits<float>::infinity();
 /// chosen: not tuned.
 constexpr float uneven_depth = 0.02f, most_uneven_depth = 0.16f, depth_of_step = 0.5f, least_step = 0.125f;
 
-/// Largest extinction, by object unit, that sums of depths stay finite with.
-constexpr float most_extinction = 1e20f;
+/// Largest extinction and emission, by unit of way, that sums along rays stay finite with.
+constexpr float most_extinction = 1e20f, most_emission = 1e15f;
 
 }  // namespace
 
@@ -58,6 +58,7 @@ VolumeField::VolumeField(const scene::Volume& volume, std::shared_ptr<const scen
                             const float density = grids_->density.at(voxel);
                             range.least = std::min(range.least, density);
                             range.most = std::max(range.most, density);
+                            most_ = std::max(most_, density);
                             range.any = range.any || density > 0.0f || (warm && grids_->temperature.at(voxel) > 0.0f);
                         }
             }
@@ -86,7 +87,7 @@ glm::vec3 VolumeField::emission_of(float density, float temperature) const {
     if (volume_.blackbody_intensity > 0.0f)
         sum +=
             volume_.blackbody_tint * blackbody_radiance(volume_.temperature * temperature, volume_.blackbody_intensity);
-    return sum;
+    return glm::min(sum, most_emission);
 }
 
 glm::vec3 VolumeField::emission(glm::vec3 place) const {
@@ -171,7 +172,7 @@ VolumeMedium::VolumeMedium(const scene::Volume& volume, std::shared_ptr<const Vo
     scale_ = float(1 / stretch);
     color_ = volume.color;
     unabsorbed_ = 1.0f - glm::sqrt(glm::clamp(volume.absorption_color, glm::vec3(0), glm::vec3(1)));
-    density_ = std::min(volume.density, most_extinction) * scale_;
+    density_ = std::min(volume.density * scale_, most_extinction / std::max(field_->most(), 1.0f));
     const glm::vec3 most = field_->grids().color.empty() ? color_ + (1.0f - color_) * unabsorbed_ : glm::vec3(1);
     largest_ = density_ * std::max({most.x, most.y, most.z});
 }
@@ -237,10 +238,6 @@ void BrickWalk::advance() {
         for (int c = 0; c < 3; ++c) {
             brick_[c] = std::clamp(int(std::floor(at[c])), field.low()[c], field.low()[c] + field.size()[c] - 1);
             turn_[c] = direction_[c] > 0.0f ? 1 : -1;
-            delta_[c] = direction_[c] == 0.0f ? endless : 8.0f / std::abs(direction_[c]);
-            next_[c] = direction_[c] == 0.0f
-                           ? endless
-                           : (8.0f * float(brick_[c] + (turn_[c] > 0 ? 1 : 0)) - origin_[c]) / direction_[c];
         }
     } else if (end_ >= out_) {
         inside_ = nullptr;
@@ -249,8 +246,17 @@ void BrickWalk::advance() {
     } else {
         const int axis = next_.x <= next_.y && next_.x <= next_.z ? 0 : next_.y <= next_.z ? 1 : 2;
         brick_[axis] += turn_[axis];
-        next_[axis] += delta_[axis];
+        // From far away the last pieces are shorter than their distance can tell.
+        if (brick_[axis] < field.low()[axis] || brick_[axis] >= field.low()[axis] + field.size()[axis]) {
+            inside_ = nullptr;
+            end_ = out_;
+            return;
+        }
     }
+    for (int c = 0; c < 3; ++c)
+        next_[c] = direction_[c] == 0.0f
+                       ? endless
+                       : (8.0f * float(brick_[c] + (turn_[c] > 0 ? 1 : 0)) - origin_[c]) / direction_[c];
     inside_ = &field.range(brick_);
     end_ = std::min(std::max(end_, std::min({next_.x, next_.y, next_.z})), out_);
 }

@@ -33,6 +33,7 @@ class VolumeField {
     /// Radiance by object unit at a place in index space.
     glm::vec3 emission(glm::vec3 place) const;
     float density(glm::vec3 place) const;
+    float most() const { return most_; }  ///< of the density
     /// Whether a voxel is dense, or hot.
     bool holds(glm::ivec3 voxel) const;
     bool shines() const { return shines_; }
@@ -48,6 +49,7 @@ class VolumeField {
     std::shared_ptr<const scene::VolumeGrids> grids_;
     glm::ivec3 low_{0}, size_{0};
     std::vector<Range> ranges_;
+    float most_ = 0;
     bool shines_ = false;
     std::vector<Flame> flames_;
 };
@@ -113,7 +115,7 @@ class BrickWalk {
 
   private:
     const VolumeMedium* medium_;
-    glm::vec3 origin_, direction_, next_{0}, delta_{0};
+    glm::vec3 origin_, direction_, next_{0};
     glm::ivec3 brick_{0}, turn_{0};
     const VolumeField::Range* inside_ = nullptr;
     float in_ = 0, out_ = 0, end_ = 0, voxels_ = 1;

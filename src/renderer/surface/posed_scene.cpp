@@ -209,7 +209,7 @@ const Air* PosedScene::air() const {
     return impl_->air ? &*impl_->air : nullptr;
 }
 void PosedScene::light_volumes(std::vector<VolumeLight> lights) {
-    EXPECTS(impl_->air && lights.size() == impl_->air->volumes().size());
+    EXPECTS(impl_->air && (lights.empty() || lights.size() == impl_->air->volumes().size()));
     impl_->air->light(std::move(lights));
 }
 

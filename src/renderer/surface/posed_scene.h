@@ -92,7 +92,7 @@ class PosedScene {
 
     /// Air that dims and scatters light on its way; null: the plan says that the air is clear.
     const Air* air() const;
-    /// Light within the volumes of the posed instant, as many as `air` has; kept until volumes are others.
+    /// Light within the volumes of the posed instant, as many as `air` has, or none; kept until volumes are others.
     void light_volumes(std::vector<VolumeLight> lights);
 
     /// Background where there is no surface, and its light; null where the plan wants neither.

@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstddef>
 #include <new>
 #include <span>
 #include <type_traits>
 
 #include "core/error.h"
+#include "scene/module/vdb.h"
 
 namespace render2mpeg::scene {
 namespace {
@@ -32,7 +34,7 @@ class Writer {
         for (std::size_t done = 0; done < waiting_.size();) {
             const ssize_t n =
                 pwrite(file_, waiting_.data() + done, waiting_.size() - done, static_cast<off_t>(at_ + done));
-            if (n < 0 && errno != EINTR) throw std::bad_alloc();
+            if (n == 0 || (n < 0 && errno != EINTR)) throw std::bad_alloc();
             if (n > 0) done += static_cast<std::size_t>(n);
         }
         at_ += waiting_.size();
@@ -102,6 +104,10 @@ void restore(core::SparseGrid<T>& grid, Reader& reader) {
     const auto low = reader.get<glm::ivec3>(), size = reader.get<glm::ivec3>();
     const auto count = reader.get<std::uint64_t>();
     reader.expect(std::min({size.x, size.y, size.z}) >= 0 && count <= reader.left() / sizeof(typename Grid::Brick));
+    const double places = double(size.x) * double(size.y) * double(size.z);
+    reader.expect(places <= static_cast<double>(most_brick_places));
+    constexpr int farthest = 1 << 24;
+    for (int k = 0; k < 3; ++k) reader.expect(std::abs(static_cast<double>(low[k])) < farthest && size[k] < farthest);
     grid = Grid(low, size);
     grid.reserve(count);
     for (std::uint64_t i = 0; i < count; ++i) {
