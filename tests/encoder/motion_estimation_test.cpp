@@ -70,7 +70,9 @@ TEST(MotionEstimation, AMacroblockThatFitsAllVectorsHandsThoseOfItsNeighboursOn)
         for (int x = 0; x < 96; ++x)
             source.y.at(x, y) = reference.y.at(std::min(95, x + v.x / 2), std::min(63, y + v.y / 2));
     core::Plane<Candidates> exact(6, 4);
-    for (Candidates& c : exact.values()) c.add(v);
+    // Vectors that are told lie within the picture.
+    for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 5; ++column) exact.at(column, row).add(v);
     const MotionEstimate estimate = estimate_motion({source, reference, &exact, nullptr, 4, 14.0f, true});
     for (int row = 0; row < 3; ++row)
         for (int column = 0; column < 5; ++column) {
