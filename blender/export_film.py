@@ -384,7 +384,7 @@ def export(path, folder, texture_size, still=False):
     window.scene = scene
 
     cameras, strengths, reflections = Cameras(scene, frames, times, lost), Strengths(materials), Reflections(scene, times, lost)
-    volumes = Volumes(scene, frames, own_rate, film, folder, materials, lost)
+    volumes = Volumes(scene, frames, own_rate, RATES[film["frame_rate"]], film, folder, materials, lost)
 
     def watch(number, depsgraph):
         cameras.watch(number, depsgraph)

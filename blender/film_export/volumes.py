@@ -5,6 +5,7 @@ Measured with Cycles of Blender 3.4: a mesh's medium counts per unit of the worl
 multiplied by density. Cycles' source: so does a domain's; a Volume object's density counts per unit of its own space, of which the
 diagonal (1, 1, 1) is taken, unless its `render.space` says WORLD.
 """
+import functools
 import os
 import re
 import shutil
@@ -52,6 +53,13 @@ def color_of(socket):
     return grid_and_factor(socket)[0], np.ones(3)
 
 
+def plain_color(node, socket):
+    grid, color = color_of(socket)
+    if grid is not None:
+        raise Unknown(node, f"has colours by a grid, {grid}")
+    return color
+
+
 class Medium:
     """What a volume's shaders come to: coefficients per unit where the density grid is 1, and names of grids."""
 
@@ -83,12 +91,12 @@ class Medium:
                 if part is not None:
                     self.add(part.node)
         elif node.type == "VOLUME_SCATTER":
-            self.scatter(self.has_density(node, inputs["Density"]) * color_of(inputs["Color"])[1], number_of(inputs["Anisotropy"].default_value))
+            self.scatter(self.has_density(node, inputs["Density"]) * plain_color(node, inputs["Color"]), number_of(inputs["Anisotropy"].default_value))
         elif node.type == "VOLUME_ABSORPTION":
-            self.absorption = self.absorption + self.has_density(node, inputs["Density"]) * np.clip(1 - color_of(inputs["Color"])[1], 0, None)
+            self.absorption = self.absorption + self.has_density(node, inputs["Density"]) * np.clip(1 - plain_color(node, inputs["Color"]), 0, None)
         elif node.type == "EMISSION":
             grid, strength = grid_and_factor(inputs["Strength"])
-            self.glow(node, grid, strength * color_of(inputs["Color"])[1])
+            self.glow(node, grid, strength * plain_color(node, inputs["Color"]))
         elif node.type == "PRINCIPLED_VOLUME":
             self.add_principled(node)
         else:
@@ -107,15 +115,15 @@ class Medium:
         if grid:
             self.grids["color"] = grid
         color = np.minimum(color, 1)
-        passes = np.sqrt(np.clip(color_of(inputs["Absorption Color"])[1], 0, 1))
+        passes = np.sqrt(np.clip(plain_color(node, inputs["Absorption Color"]), 0, 1))
         self.scatter(density * color, number_of(inputs["Anisotropy"].default_value))
         self.absorption = self.absorption + density * (1 - color) * (1 - passes)
         grid, strength = grid_and_factor(inputs["Emission Strength"])
-        self.glow(node, grid, strength * color_of(inputs["Emission Color"])[1])
+        self.glow(node, grid, strength * plain_color(node, inputs["Emission Color"]))
         grid, intensity = grid_and_factor(inputs["Blackbody Intensity"])
         if grid is not None:
             raise Unknown(node, f"glows by a grid of its own, {grid}")
-        self.blackbody, self.tint = min(max(intensity, 0.0), 1.0), color_of(inputs["Blackbody Tint"])[1]
+        self.blackbody, self.tint = min(max(intensity, 0.0), 1.0), plain_color(node, inputs["Blackbody Tint"])
         grid, self.temperature = grid_and_factor(inputs["Temperature"])
         grid = grid or inputs["Temperature Attribute"].default_value
         if grid:
@@ -176,6 +184,7 @@ def domain_of(thing):
     return None
 
 
+@functools.cache
 def grids_of(path):
     """Name -> (whether it holds vectors, matrix of rows) of a file's grids; None where Blender does not read it."""
     volume = bpy.data.volumes.new("render2mpeg")
@@ -201,10 +210,10 @@ def box_of(shape):
 class Volumes:
     """Collects the film's `volumes`."""
 
-    def __init__(self, scene, frames, own_rate, film, folder, materials, lost):
-        self.scene, self.frames, self.own_rate, self.film = scene, frames, own_rate, film
+    def __init__(self, scene, frames, own_rate, film_rate, film, folder, materials, lost):
+        self.scene, self.frames, self.own_rate, self.film_rate, self.film = scene, frames, own_rate, film_rate, film
         self.folder, self.materials, self.lost = folder, materials, lost
-        self.kept, self.uses = {}, []
+        self.uses = []
         self.resolution = {}  # of domains, by name: cells along each axis
 
     def watch(self, number, depsgraph):
@@ -255,7 +264,6 @@ class Volumes:
             shown = says.pop("shown", [True] * len(present))
             self.film.setdefault("volumes", []).append({"name": thing.name, "node": node, **says})
             self.hide(self.film["volumes"][-1], [a and b for a, b in zip(present, shown)])
-        return bool(says)
 
     def hide(self, says, shown):
         if all(shown):
@@ -325,10 +333,6 @@ class Volumes:
                 medium.blackbody = 0.0
         if color and (color in grids or color + "_r" in grids):
             says["color_grid"] = color
-        data = thing.original.data if thing.kind == "VOLUME" else None
-        if data is not None and self.scene.render.use_motion_blur and grids.get(data.velocity_grid, (False,))[0]:
-            per_second = self.own_rate if data.velocity_unit == "FRAME" else 1.0
-            says["velocity_grid"], says["velocity_scale"] = data.velocity_grid, json_number(data.velocity_scale * per_second)
         return True
 
     def of_domain(self, thing, material, original, domain, matrix):
@@ -367,14 +371,8 @@ class Volumes:
         for path in own:
             known = path or known
             filled.append(known)
-        rate = self.film_rate
         count = self.film["frames"]
-        return [filled[min(len(own) - 1, int(k / rate * self.own_rate + 1e-6))] for k in range(count)], shown
-
-    @property
-    def film_rate(self):
-        name = self.film["frame_rate"]
-        return {"23.976": 24000 / 1001, "29.97": 30000 / 1001, "59.94": 60000 / 1001}.get(name) or float(name)
+        return [filled[min(len(own) - 1, int(k / self.film_rate * self.own_rate + 1e-6))] for k in range(count)], shown
 
     def stored(self, paths):
         """The files' names in the export's folder: links where the file system has them, else copies."""

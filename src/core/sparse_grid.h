@@ -42,6 +42,9 @@ class SparseGrid {
         return bricks_[entry];
     }
 
+    /// Sets a voxel of a brick that is there. Others may be set at the same time.
+    void set(glm::ivec3 voxel, const T& value) { bricks_[table_[slot(voxel >> 3)]][place_in_brick(voxel)] = value; }
+
     void reserve(std::size_t bricks) { bricks_.reserve(bricks); }
 
     /// Null: absent, or beyond the grid.
@@ -57,6 +60,20 @@ class SparseGrid {
         return brick ? (*brick)[place_in_brick(voxel)] : T{};
     }
 
+    /// Calls visit(place, brick) for all bricks, x fastest, then y.
+    template <class Visit>
+    void each(Visit visit) const {
+        for (int z = 0; z < size_.z; ++z)
+            for (int y = 0; y < size_.y; ++y)
+                for (int x = 0; x < size_.x; ++x)
+                    if (const Brick* brick = find(low_ + glm::ivec3(x, y, z)))
+                        visit(low_ + glm::ivec3(x, y, z), *brick);
+    }
+
+    /// Voxel `k` of the brick at a place.
+    static glm::ivec3 voxel(glm::ivec3 place, int k) {
+        return brick_side * place + glm::ivec3(k & 7, k >> 3 & 7, k >> 6);
+    }
     static std::size_t place_in_brick(glm::ivec3 voxel) {
         return std::size_t(voxel.x & 7) + 8 * std::size_t(voxel.y & 7) + 64 * std::size_t(voxel.z & 7);
     }

@@ -48,6 +48,8 @@ struct View {
     float gamma = 1;          ///< signals become their power 1 / gamma; 1 but for Blender's views
     float peak = usual_peak;  ///< of `pq`, least_peak..largest_peak
 
+    /// Light of a code value over that of the others, at mid grey.
+    double coarseness() const { return name == ViewName::pq ? 2 : 1; }  // chosen: 2.2 times as much light
     /// Whether films of it are of high dynamic range, with the primaries and the matrix of [BT2020].
     bool is_hdr() const { return name == ViewName::pq || name == ViewName::hlg; }
     /// Whether it is one of Blender's, whose signals are sRGB code values.

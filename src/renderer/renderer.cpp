@@ -53,7 +53,6 @@ struct Renderer::Impl {
     }
 
     void begin() {
-        statistics.image_notes = posed_scene.notes();
         if (lights.by_rays()) rays_of.push_back(RaysOf::hemispheres);
         if (plan.runs(Pass::lobe_rays)) rays_of.push_back(RaysOf::lobes);
     }
@@ -62,6 +61,7 @@ struct Renderer::Impl {
         if (!started) start_chunk(snapshot);
         const Stopwatch timer(times[Pass::pose]);
         posed_scene.pose(snapshot);
+        statistics.image_notes = posed_scene.notes();
     }
 
     void start_chunk(const scene::Snapshot& first) {
@@ -488,7 +488,6 @@ void Renderer::count_anew() {
     impl_->statistics = {};
     impl_->statistics.direct_points = direct;
     impl_->statistics.indirect_points = indirect;
-    impl_->statistics.image_notes = impl_->posed_scene.notes();
     impl_->times = {};
     impl_->earlier_layer_seconds = impl_->posed_scene.layer_seconds();
 }

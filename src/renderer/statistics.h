@@ -26,11 +26,11 @@ struct Statistics {
     std::uint64_t gather_points = 0, capped_points = 0;   ///< capped: stopped by max_cut, tolerance not reached
     std::uint64_t true_paths = 0, true_pixels = 0, capped_pixels = 0;  ///< of frames by paths alone; capped: likewise
     std::uint64_t direct_clusters = 0, indirect_clusters = 0;
-    std::uint64_t non_finite = 0;                        ///< pixel values replaced by 0
-    std::string first_non_finite;                        ///< where: "frame 3, pixel (10, 20)"
-    std::vector<std::string> image_notes;                ///< a line for each image with values that are not finite
-    ToleranceBands bands;                                ///< of gather points
-    double clamped_energy = 0;                           ///< share of gathered luminance that clamping removed, 0..1
+    std::uint64_t non_finite = 0;          ///< pixel values replaced by 0
+    std::string first_non_finite;          ///< where: "frame 3, pixel (10, 20)"
+    std::vector<std::string> image_notes;  ///< a line for each image, and about volumes, with values that were mended
+    ToleranceBands bands;                  ///< of gather points
+    double clamped_energy = 0;             ///< share of gathered luminance that clamping removed, 0..1
     std::size_t direct_points = 0, indirect_points = 0;  ///< light points of the last frame
     double luminance = 0;                                ///< that this is a share of: what arrived, clamped included
     double least_error_scale = 0, largest_error_scale = 0, mean_error_scale = 0;  ///< over frames lit; 0: none was

@@ -109,7 +109,7 @@ TEST(Air, ScattersAllOfWhatItScatters) {
         constexpr int steps = 200000;
         for (int i = 0; i < steps; ++i) {
             const double cosine = -1 + 2 * (i + 0.5) / steps;
-            const double p = 4 * pi / steps * static_cast<double>(air_of(fog).phase(static_cast<float>(cosine)));
+            const double p = 4 * pi / steps * static_cast<double>(phase(fog.anisotropy, static_cast<float>(cosine)));
             sum += p;
             mean += p * cosine;
         }

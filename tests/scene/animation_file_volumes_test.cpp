@@ -62,7 +62,7 @@ TEST_F(AnimationFileVolumes, ShowNumberedFilesFrameByFrame) {
     EXPECT_EQ(frame_of(film, 0).volumes.at(0).file, 0u);
     EXPECT_EQ(frame_of(film, 3).volumes.at(0).file, 1u);
     EXPECT_EQ(frame_of(film, 50).volumes.at(0).file, 3u);
-    EXPECT_NEAR(film.duration, 5 / 25.0, 1e-7);
+    EXPECT_NEAR(film.duration, 6 / 25.0, 1e-7);
 
     // The box holds every file's.
     EXPECT_EQ(volume.box.low, glm::dvec3(-0.5));
@@ -79,8 +79,7 @@ TEST_F(AnimationFileVolumes, ShowNumberedFilesFrameByFrame) {
 TEST_F(AnimationFileVolumes, KeepWhatTheySay) {
     const Animation film = this->film(R"({"name": "fire", "file": ["smoke/smoke_0008.vdb"], "density": 3,
         "color": [0.1, 0.2, 0.3], "anisotropy": -0.4, "absorption_color": 0.5, "emission": 6, "emission_color": [2, 1, 0],
-        "blackbody": 0.7, "blackbody_tint": [1, 0.5, 0], "temperature": 1500, "temperature_grid": "density",
-        "velocity_scale": 24})");
+        "blackbody": 0.7, "blackbody_tint": [1, 0.5, 0], "temperature": 1500, "temperature_grid": "density"})");
     const Volume& v = film.volumes.at(0);
     EXPECT_EQ(v.name, "fire");
     EXPECT_EQ(v.density, 3);
@@ -93,7 +92,6 @@ TEST_F(AnimationFileVolumes, KeepWhatTheySay) {
     EXPECT_EQ(v.blackbody_tint, glm::vec3(1, 0.5f, 0));
     EXPECT_EQ(v.temperature, 1500);
     EXPECT_EQ(v.temperature_grid, "density");
-    EXPECT_EQ(v.velocity_scale, 24);
     EXPECT_FALSE(traits_of(film).volumes_change);
 }
 

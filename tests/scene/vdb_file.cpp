@@ -11,9 +11,7 @@ void settle(openvdb::GridBase& grid, const std::string& name, const VdbFile::Pla
         for (int r = 0; r < 4; ++r) matrix(c, r) = place.object_from_index[c][r];
     grid.setName(name);
     grid.setTransform(openvdb::math::Transform::createLinearTransform(matrix));
-    grid.setGridClass(place.level_set   ? openvdb::GRID_LEVEL_SET
-                      : place.staggered ? openvdb::GRID_STAGGERED
-                                        : openvdb::GRID_FOG_VOLUME);
+    grid.setGridClass(place.level_set ? openvdb::GRID_LEVEL_SET : openvdb::GRID_FOG_VOLUME);
     grid.setSaveFloatAsHalf(place.half);
 }
 

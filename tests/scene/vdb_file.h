@@ -18,7 +18,7 @@ class VdbFile {
     struct Place {
         glm::ivec3 low{0}, high{0};
         glm::dmat4 object_from_index{1};
-        bool staggered = false, half = false, level_set = false;
+        bool half = false, level_set = false;
     };
     using Amount = std::function<float(glm::ivec3)>;
     using Vector = std::function<glm::vec3(glm::ivec3)>;

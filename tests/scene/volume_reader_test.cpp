@@ -72,21 +72,16 @@ TEST_F(VolumeFile, KeepsEveryVoxelInItsPlace) {
     VdbFile::Place place = small_box();
     place.object_from_index =
         glm::scale(glm::translate(glm::dmat4(1), glm::dvec3(1, 2, 3)), glm::dvec3(0.125, 0.25, 0.5));
-    volume_.velocity_grid = "velocity";
-    volume_.velocity_scale = 2;
     volume_.color_grid = "tint";
-    const VolumeGrids grids =
-        read(VdbFile()
-                 .add("density", place, hump)
-                 .add("tint", place, [](glm::ivec3 p) { return glm::vec3(0.1f, 0.2f, 0.03f * float(p.y)); })
-                 .add("velocity", place, [](glm::ivec3 p) { return glm::vec3(p); }));
+    const VolumeGrids grids = read(VdbFile().add("density", place, hump).add("tint", place, [](glm::ivec3 p) {
+        return glm::vec3(0.1f, 0.2f, 0.03f * float(p.y));
+    }));
     EXPECT_EQ(grids.object_from_index, place.object_from_index);
     each_voxel(place.low - 9, place.high + 9, [&](glm::ivec3 p) {
         const bool within =
             glm::all(glm::greaterThanEqual(p, place.low)) && glm::all(glm::lessThanEqual(p, place.high));
         EXPECT_EQ(grids.density.at(p), within ? hump(p) : 0.0f);
         EXPECT_EQ(grids.color.at(p), within ? glm::vec3(0.1f, 0.2f, 0.03f * float(p.y)) : glm::vec3(0));
-        EXPECT_EQ(grids.velocity.at(p), within ? 2.0f * glm::vec3(p) : glm::vec3(0));
     });
     EXPECT_TRUE(grids.temperature.empty());
     EXPECT_TRUE(notes_.empty());
@@ -132,17 +127,6 @@ TEST_F(VolumeFile, SamplesOtherGridsAtTheVoxelsOfDensity) {
     // Heat reaches farther than smoke does.
     EXPECT_NEAR(double(grids.temperature.at(place.high + 12)), heat(0.5 * glm::dvec3(place.high + 12)), 1e-4);
     EXPECT_EQ(grids.temperature.at(glm::ivec3(400)), 0.0f);
-}
-
-TEST_F(VolumeFile, BringsStaggeredVelocitiesToTheMiddles) {
-    VdbFile::Place place = small_box(), faces = place;
-    faces.high += 1;
-    faces.staggered = true;
-    volume_.velocity_grid = "velocity";
-    const VolumeGrids grids =
-        read(VdbFile().add("density", place, hump).add("velocity", faces, [](glm::ivec3 p) { return glm::vec3(p); }));
-    each_voxel(place.low, place.high,
-               [&](glm::ivec3 p) { EXPECT_LT(glm::distance(grids.velocity.at(p), glm::vec3(p) + 0.5f), 1e-5f); });
 }
 
 TEST_F(VolumeFile, JoinsAColourOfThreeGrids) {

@@ -103,13 +103,8 @@ bool is_exported(const RenderOptions& options) {
 /// Blender exported, where it did.
 std::filesystem::path copy_scene(const RenderJob& film, const RenderOptions& options,
                                  const std::filesystem::path& inputs) {
-    std::vector<std::filesystem::path> files;
-    for (const std::filesystem::path& file : film.animation->files) files.push_back(file);
-    for (const scene::ImageSource& image : film.animation->images) files.push_back(image.path);
-    for (const scene::Volume& volume : film.animation->volumes)
-        for (const auto& own : {volume.files, volume.more_files}) files.insert(files.end(), own.begin(), own.end());
+    std::vector<std::filesystem::path> files = scene_files_of(film, options);
     if (film.animation->sound) files.push_back(*film.animation->sound);
-    if (is_file(options.input)) files.push_back(options.input);
     std::erase_if(files, [&](const std::filesystem::path& file) {
         return !is_file(file) || (options.sky && canonical_of(file) == canonical_of(*options.sky)) ||
                (is_exported(options) && canonical_of(file) == canonical_of(options.input));

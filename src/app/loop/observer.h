@@ -9,6 +9,7 @@
 #include "core/tolerance_map.h"
 #include "encoder/types.h"
 #include "renderer/renderer.h"
+#include "renderer/view/mattes.h"
 #include "scene/pose/snapshot.h"
 
 namespace render2mpeg::app {
@@ -25,7 +26,9 @@ struct LitFrame {
 };
 
 /// Alpha of a frame whose renderer looked for mattes.
-core::Mattes mattes_of(const LitFrame& frame);
+inline core::Mattes mattes_of(const LitFrame& frame) {
+    return renderer::mattes_of(frame.lit.frame);
+}
 
 /// Observes a chunk in the making. Frames come in order, pictures in coding order.
 class LoopObserver {

@@ -238,6 +238,8 @@ bool RenderJob::has_alpha() const {
     return can && is_transparent();
 }
 
+namespace {
+
 /// Whether a film beside the film has alpha.
 bool has_alpha_beside(const RenderJob& film, const RenderOptions& options) {
     return film.is_transparent() && std::ranges::any_of(options.side_films, [](const auto& beside) {
@@ -245,6 +247,8 @@ bool has_alpha_beside(const RenderJob& film, const RenderOptions& options) {
                return other && encoder::facts_of(other->codec_in(beside.second)).has_alpha();
            });
 }
+
+}  // namespace
 
 RenderJob without(const RenderJob& film, renderer::Pass effect) {
     RenderJob less = film;
@@ -391,8 +395,8 @@ RenderJob draft_of(const RenderJob& film) {
     draft.cache = {};
     draft.coding.effort = encoder::Effort::fast;
     draft.coding.b_pictures = *usual.coding.b_pictures;
-    draft.coding.quantiser =
-        static_cast<int>(std::lround(encoder::quantiser_like(film.coding.codec, *usual.coding.quantiser)));
+    draft.coding.quantiser = static_cast<int>(
+        std::lround(encoder::quantiser_like(film.coding.codec, *usual.coding.quantiser / film.view.coarseness())));
     draft.coding.rate_control.mode = encoder::RateMode::constant_quantiser;
     settle_preview(draft);
     return draft;

@@ -41,16 +41,6 @@ std::string range_of(const FrameRange& frames) {
     return fmt::format("{}:{}", frames.first, frames.last);
 }
 
-/// Files of the scene; some may be missing.
-std::vector<std::filesystem::path> scene_files_of(const RenderJob& film, const RenderOptions& options) {
-    std::vector<std::filesystem::path> files{options.input};
-    for (const std::filesystem::path& file : film.animation->files) files.push_back(file);
-    for (const scene::ImageSource& image : film.animation->images) files.push_back(image.path);
-    for (const scene::Volume& volume : film.animation->volumes)
-        for (const auto& own : {volume.files, volume.more_files}) files.insert(files.end(), own.begin(), own.end());
-    return files;
-}
-
 /// Checksums of files by their names. A missing image is shown as missing; a list of keyframes is no file.
 json sums_by_name(const std::vector<std::filesystem::path>& files) {
     json sums = json::object();
@@ -177,6 +167,15 @@ std::vector<encoder::BitAllocation> allocations_from(const RenderJob& film, cons
 }
 
 }  // namespace
+
+std::vector<std::filesystem::path> scene_files_of(const RenderJob& film, const RenderOptions& options) {
+    std::vector<std::filesystem::path> files{options.input};
+    for (const std::filesystem::path& file : film.animation->files) files.push_back(file);
+    for (const scene::ImageSource& image : film.animation->images) files.push_back(image.path);
+    for (const scene::Volume& volume : film.animation->volumes)
+        for (const auto& own : {volume.files, volume.more_files}) files.insert(files.end(), own.begin(), own.end());
+    return files;
+}
 
 std::vector<std::filesystem::path> images_of(const RenderJob& film, const RenderOptions& options,
                                              const FrameRange& frames) {

@@ -17,6 +17,9 @@
 
 namespace render2mpeg::app {
 
+/// Files of the scene, the named one first; some may be missing.
+std::vector<std::filesystem::path> scene_files_of(const RenderJob& film, const RenderOptions& options);
+
 /// All that decides a film's bytes: version, build, instruction set, frames, options and inputs' checksums. Throws
 /// core::Error where an input cannot be read.
 nlohmann::json identity_of(const RenderJob& film, const RenderOptions& options);

@@ -38,10 +38,6 @@ std::vector<unsigned char> with_alpha(const perceptual::Display& display, const 
 
 }  // namespace
 
-core::Mattes mattes_of(const LitFrame& frame) {
-    return renderer::mattes_of(frame.lit.frame);
-}
-
 LayersWriter::LayersWriter(std::filesystem::path folder, const RenderJob& film, RunStatistics& statistics)
     : folder_(std::move(folder)), film_(film), statistics_(statistics) {
     for (const scene::Object& object : film.animation->objects) names_.objects.push_back(object.name);

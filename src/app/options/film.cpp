@@ -230,9 +230,8 @@ int quantiser_of(const CodingOptions& options, encoder::Codec codec, const core:
             throw UsageError(fmt::format("{}: {} has {} to {}", asked, facts.name, facts.finest, facts.coarsest));
         return *options.crf;
     }
-    // chosen: a code value of PQ is 2.2 times as much light as one of `neutral` at mid grey (docs/model/display.md).
-    const int usual = view.name == core::ViewName::pq ? 2 : 4;
-    return static_cast<int>(std::lround(encoder::quantiser_like(codec, options.quantiser.value_or(usual))));
+    const double quantiser = options.quantiser ? *options.quantiser : 4 / view.coarseness();
+    return static_cast<int>(std::lround(encoder::quantiser_like(codec, quantiser)));
 }
 
 /// Declares how a view's signals are to be shown.

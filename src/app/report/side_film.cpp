@@ -31,9 +31,9 @@ constexpr const char *brightest_key = "max_cll", *mean_key = "max_fall";
 
 }  // namespace
 
-SideFilm::SideFilm(std::string what, const std::filesystem::path& output, const RenderJob& film,
+SideFilm::SideFilm(const std::string& what, const std::filesystem::path& output, const RenderJob& film,
                    const encoder::Settings& coding, WorkFolder& work)
-    : what_(std::move(what)), output_(output), work_(work), name_(name_of(what_, output, work)), film_(film.film()) {
+    : output_(output), work_(work), name_(name_of(what, output, work)), film_(film.film()) {
     film_.coding = coding;
     film_.disc = false;
     work_.hold(output);

@@ -17,8 +17,8 @@ namespace render2mpeg::app {
 /// it lies in the work folder of the render's own film.
 class SideFilm : public LoopObserver {
   public:
-    /// `what`: a word for messages and file names; `coding`: the side film's.
-    SideFilm(std::string what, const std::filesystem::path& output, const RenderJob& film,
+    /// `what`: a word for file names; `coding`: the side film's.
+    SideFilm(const std::string& what, const std::filesystem::path& output, const RenderJob& film,
              const encoder::Settings& coding, WorkFolder& work);
 
     /// Goes on where an earlier run left these chunks of the film. Throws core::Error where it left fewer of this one.
@@ -43,7 +43,6 @@ class SideFilm : public LoopObserver {
     /// The chunk's last pictures, and how bright all of it is.
     virtual std::vector<encoder::CodedPicture> close(core::LightLevel& light) = 0;
 
-    std::string what_;
     std::filesystem::path output_;
     WorkFolder& work_;
     std::string name_;  ///< of its streams in the work folder

@@ -17,11 +17,6 @@ core::View view_of(const std::string& word, const RenderJob& film) {
     return view;
 }
 
-/// Light of a code value of the view PQ over that of others.
-double coarseness(const core::View& view) {
-    return view.name == core::ViewName::pq ? 2 : 1;
-}
-
 encoder::Settings settings_of(const std::string& word, const std::filesystem::path& output, const RenderJob& film) {
     const core::View view = view_of(word, film);
     const encoder::CodecFacts &facts = encoder::facts_of(view_and_codec(word).value().codec_in(output)),
@@ -33,7 +28,7 @@ encoder::Settings settings_of(const std::string& word, const std::filesystem::pa
     if (render.most_b_pictures > 0) options.b_pictures = film.coding.b_pictures;
     if (!facts.master && film.kind == OutputKind::film && !render.master) {
         const double quantiser = encoder::mpeg2_quantiser_like(film.coding.codec, film.coding.quantiser) *
-                                 coarseness(film.view) / coarseness(view);
+                                 film.view.coarseness() / view.coarseness();
         options.quantiser = static_cast<int>(std::clamp(std::lround(quantiser), 1L, 31L));
     }
     Shape shape;

@@ -38,7 +38,7 @@ class LampSegment {
     LampSegment(const FogMedium& air, const LightPoint& lamp, const AirRay& ray) : air_(air), lamp_(lamp), ray_(ray) {
         const float end = std::min(ray.ends.back(), air.distance_at(ray.origin, ray.direction, deepest));
         if (lamp.is_far()) {
-            phase_ = air.phase(glm::dot(lamp.normal, -ray.direction));
+            phase_ = phase(air.anisotropy(), glm::dot(lamp.normal, -ray.direction));
             last_ = parameter(end);
             return;
         }
@@ -97,8 +97,8 @@ class LampSegment {
         const glm::vec3 direction = from_lamp / std::max(length, 1e-20f);
         const float depth = air_.optical_depth(ray_.origin, ray_.direction, far) +
                             air_.optical_depth(lamp_.position, direction, length);
-        return lamp_.emitted(direction, distance2) * air_.extinction(x.y) * air_.phase(-std::sin(parameter)) *
-               std::exp(-depth) / apart_;
+        return lamp_.emitted(direction, distance2) * air_.extinction(x.y) *
+               phase(air_.anisotropy(), -std::sin(parameter)) * std::exp(-depth) / apart_;
     }
 
     /// Ray i of the packet: from this place to the lamp.

@@ -288,8 +288,7 @@ std::uint64_t add_fog(const AirInstant& instant, AmbientAir& ambient, const core
                       const Frame& seen, EffectLight& light) {
     const PosedScene& posed_scene = instant.posed_scene;
     const scene::Animation& film = posed_scene.animation();
-    const std::vector<LightPoint> points =
-        instant.gather != nullptr ? beyond_rays(instant.points, brightest_of_rays(posed_scene.sky())) : instant.points;
+    const std::vector<LightPoint> points = points_beyond_rays(instant);
     const std::vector<LightPoint> lamps = air_lamps(points, instant.light_trees);
     const bool bounces = posed_scene.air()->fog()->is_lit_by_bounces();
     FinalGather* gather = bounces || posed_scene.sky() != nullptr ? instant.gather : nullptr;
@@ -304,6 +303,11 @@ std::uint64_t add_fog(const AirInstant& instant, AmbientAir& ambient, const core
 }
 
 }  // namespace
+
+std::vector<LightPoint> points_beyond_rays(const AirInstant& instant) {
+    return instant.gather != nullptr ? beyond_rays(instant.points, brightest_of_rays(instant.posed_scene.sky()))
+                                     : instant.points;
+}
 
 std::uint64_t add_airlight(const AirInstant& instant, AmbientAir& ambient, const core::ToleranceMap* tolerance,
                            const Frame& seen, UngatheredLight& sum) {

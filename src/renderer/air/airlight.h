@@ -22,6 +22,9 @@ struct AirInstant {
     std::int64_t lit_frame = 0;     ///< stands for its light
 };
 
+/// Direct light points of the instant that gather rays do not see.
+std::vector<LightPoint> points_beyond_rays(const AirInstant& instant);
+
 /// Adds the light of the air that each pixel shows. It is found along a lattice of rays, finer where it changes, and
 /// interpolated between them at each pixel's own distances. `ambient` learns. `tolerance`: the frame's; null: for a
 /// rough look. Returns the shadow rays. The same for any number of threads.

@@ -16,9 +16,9 @@ namespace render2mpeg::renderer {
 
 /// Light trees, some of them, for light that is smooth in air.
 struct SmoothAirLight {
+    SmoothAirLight() = default;
     /// Of these light trees and direct light points without points, spots, suns and round lamps; `bounces`: with
     /// bounced light.
-    SmoothAirLight() = default;
     SmoothAirLight(const LightTrees& light_trees, std::span<const LightPoint> points, bool bounces);
 
     LightTrees trees;

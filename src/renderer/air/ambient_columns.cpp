@@ -28,7 +28,8 @@ std::vector<const SeenAir*> all_air(const Frame& seen) {
 }  // namespace
 
 AmbientColumns::AmbientColumns(const PosedScene& posed_scene, const Frame& seen, AmbientAir& ambient)
-    : air_(*posed_scene.air()->fog()),
+    : all_air_(*posed_scene.air()),
+      air_(*all_air_.fog()),
       ambient_(ambient),
       eye_(posed_scene.posed().camera.position()),
       across_(seen.tiles_across() + 1) {
@@ -89,7 +90,8 @@ float AmbientColumns::lost(const Column& column, float distance) const {
 
 glm::vec3 AmbientColumns::fluence(const Column& column, int step) const {
     const float distance = distance_of(step);
-    return ambient_.fluence(column.origin + distance * column.direction, distance);
+    return ambient_.fluence(column.origin + distance * column.direction, distance) *
+           glm::exp(-all_air_.depth_of_volumes(column.origin, column.direction, distance));
 }
 
 glm::vec3 AmbientColumns::at(const Column& column, float distance) const {

@@ -33,6 +33,7 @@ class AmbientColumns {
     glm::vec3 fluence(const Column& column, int step) const;
     float lost(const Column& column, float distance) const;
 
+    const Air& all_air_;
     const FogMedium& air_;
     const AmbientAir& ambient_;
     glm::vec3 eye_;

@@ -10,6 +10,7 @@
 
 #include "core/color.h"
 #include "core/numeric.h"
+#include "core/sampling.h"
 #include "parallel/loops.h"
 #include "renderer/air/scattering_system.h"
 #include "renderer/base/stream.h"
@@ -76,31 +77,27 @@ double samples_about(const std::vector<glm::ivec3>& bricks, int spacing) {
 
 int spacing_for(const VolumeField& field, std::size_t most) {
     std::vector<glm::ivec3> bricks;
-    for (int z = 0; z < field.size().z; ++z)
-        for (int y = 0; y < field.size().y; ++y)
-            for (int x = 0; x < field.size().x; ++x)
-                if (const glm::ivec3 brick = field.low() + glm::ivec3(x, y, z); field.range(brick).any)
-                    bricks.push_back(brick);
+    field.each_brick([&](glm::ivec3 brick) { bricks.push_back(brick); });
     int spacing = 1;
     constexpr int widest = 1 << 20;
     while (spacing < widest && samples_about(bricks, spacing) > static_cast<double>(most)) spacing *= 2;
     return spacing;
 }
 
-/// Places of all bricks of a lattice.
+/// Samples of a lattice that are needed.
 template <class T>
-std::vector<glm::ivec3> bricks_of(const core::SparseGrid<T>& grid) {
-    std::vector<glm::ivec3> bricks;
-    for (int z = 0; z < grid.size().z; ++z)
-        for (int y = 0; y < grid.size().y; ++y)
-            for (int x = 0; x < grid.size().x; ++x)
-                if (const glm::ivec3 brick = grid.low() + glm::ivec3(x, y, z); grid.find(brick) != nullptr)
-                    bricks.push_back(brick);
-    return bricks;
-}
-
-glm::ivec3 sample_of(glm::ivec3 brick, int k) {
-    return 8 * brick + glm::ivec3(k & 7, k >> 3 & 7, k >> 6);
+std::vector<glm::ivec3> samples_of(const core::SparseGrid<T>& lattice, const VolumeField& field, int spacing) {
+    using Grid = core::SparseGrid<T>;
+    std::vector<glm::ivec3> bricks, all;
+    lattice.each([&](glm::ivec3 brick, const typename Grid::Brick&) { bricks.push_back(brick); });
+    std::vector<std::vector<glm::ivec3>> samples(bricks.size());
+    parallel::for_each(bricks.size(), [&](std::size_t b) {
+        for (int k = 0; k < Grid::brick_voxels; ++k)
+            if (const glm::ivec3 sample = Grid::voxel(bricks[b], k); is_needed(field, sample, spacing))
+                samples[b].push_back(sample);
+    });
+    for (const std::vector<glm::ivec3>& of_brick : samples) all.insert(all.end(), of_brick.begin(), of_brick.end());
+    return all;
 }
 
 /// Light of one volume of the air.
@@ -122,7 +119,7 @@ class OneVolume {
 
     float strength(const LightPoint& lamp) const;
     LampWay way_to(const LightPoint& lamp, glm::vec3 place) const;
-    void find_ways(const LightPoint& lamp);
+    void find_ways(std::span<const LightPoint> lamps);
     Cells cells_of(int spacing) const;
     Looks look_from(const Cells& cells);
     glm::vec3 along(const Cells& cells, const RayQuery& ray, const FinalGather::Seen& seen, Shares& shares) const;
@@ -141,27 +138,20 @@ class OneVolume {
 /// Samples of all light but the lamps', and the mean medium about each.
 struct OneVolume::Cells {
     int spacing = 1;
-    glm::ivec3 low{0}, size{0};        ///< of the lattice
-    std::vector<std::int32_t> number;  ///< of a sample of the lattice's box; -1: none
+    core::SparseGrid<std::int32_t> number;  ///< of a sample, from 1; 0: none
     std::vector<glm::ivec3> samples;
     std::vector<float> extinction;  ///< by similarity, luminance, by world unit
     std::vector<glm::vec3> emission, albedo;
 
-    std::int32_t at(glm::ivec3 sample) const {
-        const glm::ivec3 p = sample - low;
-        if (p.x < 0 || p.y < 0 || p.z < 0 || p.x >= size.x || p.y >= size.y || p.z >= size.z) return -1;
-        return number[std::size_t(p.x) +
-                      std::size_t(size.x) * (std::size_t(p.y) + std::size_t(size.y) * std::size_t(p.z))];
-    }
     /// Calls visit(cell, weight) for the cells about a place of the lattice.
     template <class Visit>
     void about(glm::vec3 place, Visit visit) const {
         const glm::vec3 floor = glm::floor(place), t = place - floor;
         for (int c = 0; c < 8; ++c) {
             const glm::ivec3 turn(c & 1, c >> 1 & 1, c >> 2);
-            const std::int32_t cell = at(glm::ivec3(floor) + turn);
+            const std::int32_t cell = number.at(glm::ivec3(floor) + turn);
             const glm::vec3 w = glm::mix(1.0f - t, t, glm::vec3(turn));
-            if (cell >= 0) visit(static_cast<std::size_t>(cell), w.x * w.y * w.z);
+            if (cell > 0) visit(static_cast<std::size_t>(cell - 1), w.x * w.y * w.z);
         }
     }
 };
@@ -190,71 +180,51 @@ LampWay OneVolume::way_to(const LightPoint& lamp, glm::vec3 place) const {
     found.passes = instant_.posed_scene.tracer().passes(place, way, far, instant_.light_trees.bodies);
     if (found.passes == glm::vec3(0)) return found;
     const glm::vec3 direction = way / std::max(length, 1e-20f);
-    found.depth = air_.depth_of_volumes(place, direction, lamp.is_far() ? never : length);
-    if (const FogMedium* fog = air_.fog())
-        found.depth +=
-            lamp.is_far() ? fog->depth_to_sky(place, direction) : fog->optical_depth(place, direction, length);
-    found.depth = glm::min(found.depth, glm::vec3(deepest_way));
+    found.depth = glm::min(air_.depth_of_light(place, direction, lamp.is_far() ? never : length), deepest_way);
     return found;
 }
 
-void OneVolume::find_ways(const LightPoint& lamp) {
-    VolumeLamp found{lamp, VolumeLight::lattice<LampWay>(field_, light_.lamp_spacing)};
-    const std::vector<glm::ivec3> bricks = bricks_of(found.ways);
-    std::vector<std::uint64_t> rays(bricks.size(), 0);
-    parallel::for_each(bricks.size(), [&](std::size_t b) {
-        auto& brick = found.ways.add(bricks[b]);
-        for (int k = 0; k < core::SparseGrid<LampWay>::brick_voxels; ++k) {
-            const glm::ivec3 sample = sample_of(bricks[b], k);
-            if (!is_needed(field_, sample, light_.lamp_spacing)) continue;
-            brick[static_cast<std::size_t>(k)] =
-                way_to(lamp, medium_.to_world(static_cast<float>(light_.lamp_spacing) * glm::vec3(sample)));
-            ++rays[b];
-        }
-    });
-    for (const std::uint64_t r : rays) rays_ += r;
-    light_.lamps.push_back(std::move(found));
+void OneVolume::find_ways(std::span<const LightPoint> lamps) {
+    if (lamps.empty()) return;
+    const auto empty = VolumeLight::lattice<LampWay>(field_, light_.lamp_spacing);
+    const std::vector<glm::ivec3> samples = samples_of(empty, field_, light_.lamp_spacing);
+    for (const LightPoint& lamp : lamps) {
+        VolumeLamp found{lamp, empty};
+        parallel::for_ranges(samples.size(), 64, [&](std::size_t first, std::size_t last) {
+            for (std::size_t i = first; i < last; ++i)
+                found.ways.set(samples[i], way_to(lamp, medium_.to_world(static_cast<float>(light_.lamp_spacing) *
+                                                                         glm::vec3(samples[i]))));
+        });
+        rays_ += samples.size();
+        light_.lamps.push_back(std::move(found));
+    }
 }
 
 OneVolume::Cells OneVolume::cells_of(int spacing) const {
     Cells cells;
     cells.spacing = spacing;
-    cells.low = light_.ambient.low() * 8;
-    cells.size = light_.ambient.size() * 8;
-    cells.number.assign(std::size_t(cells.size.x) * std::size_t(cells.size.y) * std::size_t(cells.size.z), -1);
-    std::size_t next = 0;
-    for (int z = 0; z < cells.size.z; ++z)
-        for (int y = 0; y < cells.size.y; ++y)
-            for (int x = 0; x < cells.size.x; ++x, ++next) {
-                const glm::ivec3 sample = cells.low + glm::ivec3(x, y, z);
-                if (!is_needed(field_, sample, spacing)) continue;
-                cells.number[next] = static_cast<std::int32_t>(cells.samples.size());
-                cells.samples.push_back(sample);
-            }
+    cells.number = VolumeLight::lattice<std::int32_t>(field_, spacing);
+    cells.samples = samples_of(cells.number, field_, spacing);
     const std::size_t count = cells.samples.size();
+    for (std::size_t i = 0; i < count; ++i) cells.number.set(cells.samples[i], static_cast<std::int32_t>(i + 1));
     cells.extinction.assign(count, 0);
     cells.emission.assign(count, glm::vec3(0));
     cells.albedo.assign(count, glm::vec3(0));
     // Voxels share themselves out among the cells about them.
     const float inverse = 1.0f / static_cast<float>(spacing), part = inverse * inverse * inverse;
     const float g = medium_.anisotropy();
-    for (int z = 0; z < field_.size().z; ++z)
-        for (int y = 0; y < field_.size().y; ++y)
-            for (int x = 0; x < field_.size().x; ++x) {
-                const glm::ivec3 brick = field_.low() + glm::ivec3(x, y, z);
-                if (!field_.range(brick).any) continue;
-                for (int k = 0; k < 512; ++k) {
-                    const glm::vec3 place(sample_of(brick, k));
-                    const MediumPoint point = medium_.at(place);
-                    const float taken =
-                        core::luminance(point.extinction) * similar(g, core::luminance(medium_.albedo(place)));
-                    if (!(taken > 0.0f) && point.emission == glm::vec3(0)) continue;
-                    cells.about(inverse * place, [&](std::size_t cell, float weight) {
-                        cells.extinction[cell] += part * weight * taken;
-                        cells.emission[cell] += part * weight * point.emission;
-                    });
-                }
-            }
+    field_.each_brick([&](glm::ivec3 brick) {
+        for (int k = 0; k < core::SparseGrid<float>::brick_voxels; ++k) {
+            const glm::vec3 place(core::SparseGrid<float>::voxel(brick, k));
+            const MediumPoint point = medium_.at(place);
+            const float taken = core::luminance(point.extinction) * similar(g, core::luminance(medium_.albedo(place)));
+            if (!(taken > 0.0f) && point.emission == glm::vec3(0)) continue;
+            cells.about(inverse * place, [&](std::size_t cell, float weight) {
+                cells.extinction[cell] += part * weight * taken;
+                cells.emission[cell] += part * weight * point.emission;
+            });
+        }
+    });
     for (std::size_t i = 0; i < count; ++i) {
         const glm::vec3 albedo = medium_.albedo(static_cast<float>(spacing) * glm::vec3(cells.samples[i]));
         const float forward = std::max(g, 0.0f);
@@ -275,12 +245,10 @@ OneVolume::Looks OneVolume::look_from(const Cells& cells) {
                                .at(static_cast<std::uint32_t>(sample.z));
         const glm::vec3 place = medium_.to_world(static_cast<float>(cells.spacing) * glm::vec3(sample));
         // A random rotation.
-        const float z = 2.0f * own.uniform(0) - 1.0f, around = 2.0f * std::numbers::pi_v<float> * own.uniform(1);
-        const float flat = core::sqrt_or_zero(1.0f - z * z), turned = 2.0f * std::numbers::pi_v<float> * own.uniform(2);
-        const glm::vec3 axis(flat * std::cos(around), flat * std::sin(around), z);
-        const glm::vec3 a = core::normalize_or(
-            glm::cross(axis, std::abs(z) < 0.9f ? glm::vec3(0, 0, 1) : glm::vec3(1, 0, 0)), glm::vec3(1, 0, 0));
-        const glm::vec3 b = glm::cross(axis, a);
+        const glm::vec3 axis = core::sample_sphere({own.uniform(0), own.uniform(1)});
+        const float turned = 2.0f * std::numbers::pi_v<float> * own.uniform(2);
+        glm::vec3 a, b;
+        core::make_frame(axis, a, b);
         for (std::size_t k = 0; k < cell_directions; ++k) {
             const float h = 1.0f - (2.0f * static_cast<float>(k) + 1.0f) / static_cast<float>(cell_directions);
             const float r = core::sqrt_or_zero(1.0f - h * h), angle = 2.39996323f * static_cast<float>(k) + turned;
@@ -324,7 +292,8 @@ struct OneVolume::Shares {
 glm::vec3 OneVolume::along(const Cells& cells, const RayQuery& ray, const FinalGather::Seen& seen,
                            Shares& shares) const {
     const auto spacing = static_cast<float>(cells.spacing);
-    const glm::vec3 low = glm::vec3(cells.low), high = glm::vec3(cells.low + cells.size - 1);
+    const glm::vec3 low = glm::vec3(8 * cells.number.low()),
+                    high = glm::vec3(8 * (cells.number.low() + cells.number.size()) - 1);
     const glm::vec3 from = medium_.to_index(ray.origin) / spacing;
     const glm::vec3 turn = medium_.vector_to_index(ray.direction) / spacing;
     // As far as the lattice goes.
@@ -356,11 +325,7 @@ glm::vec3 OneVolume::along(const Cells& cells, const RayQuery& ray, const FinalG
         }
         left *= 1.0f - lost;
     }
-    if (const FogMedium* fog = air_.fog())
-        left *= std::exp(-(std::isinf(seen.distance) ? fog->depth_to_sky(ray.origin, ray.direction)
-                                                     : fog->optical_depth(ray.origin, ray.direction, seen.distance)));
-    return light +
-           left * seen.light * glm::exp(-air_.depth_of_volumes(ray.origin, ray.direction, seen.distance, index_));
+    return light + left * seen.light * glm::exp(-air_.depth_of_light(ray.origin, ray.direction, seen.distance, index_));
 }
 
 /// Mean radiance at cells, and the equations of the rest: all of it on the same rays, so that what leaves and what
@@ -404,7 +369,7 @@ VolumeLight OneVolume::light(std::span<const LightPoint> lamps, const SmoothAirL
                      [&](const LightPoint& a, const LightPoint& b) { return strength(a) > strength(b); });
     const std::size_t own_ways = std::min(nearest.size(), most_lamps);
     light_.lamp_spacing = spacing_for(field_, most_ways);
-    for (std::size_t i = 0; i < own_ways; ++i) find_ways(nearest[i]);
+    find_ways(std::span(nearest).first(own_ways));
 
     light_.ambient_spacing = spacing_for(field_, most_ambient_cells);
     light_.ambient = VolumeLight::lattice<glm::vec3>(field_, light_.ambient_spacing);
@@ -422,9 +387,7 @@ VolumeLight OneVolume::light(std::span<const LightPoint> lamps, const SmoothAirL
     for (glm::vec3& value : own)
         if (!core::is_finite(value)) value = glm::vec3(0);
     const std::vector<glm::vec3> all = system.solve(own, cells.albedo);
-    for (std::size_t i = 0; i < all.size(); ++i)
-        light_.ambient.add(cells.samples[i] >> 3)[core::SparseGrid<glm::vec3>::place_in_brick(cells.samples[i])] =
-            all[i];
+    for (std::size_t i = 0; i < all.size(); ++i) light_.ambient.set(cells.samples[i], all[i]);
     rays += rays_;
     return std::move(light_);
 }
@@ -432,15 +395,13 @@ VolumeLight OneVolume::light(std::span<const LightPoint> lamps, const SmoothAirL
 }  // namespace
 
 std::vector<VolumeLight> light_within_volumes(const AirInstant& instant, std::uint64_t& rays) {
-    const PosedScene& posed_scene = instant.posed_scene;
-    const std::vector<LightPoint> points =
-        instant.gather != nullptr ? beyond_rays(instant.points, brightest_of_rays(posed_scene.sky())) : instant.points;
+    const std::vector<LightPoint> points = points_beyond_rays(instant);
     std::vector<LightPoint> lamps = air_lamps(points, instant.light_trees);
     // Cells see flames themselves.
     std::erase_if(lamps, [](const LightPoint& lamp) { return lamp.is_of_flame(); });
     const SmoothAirLight smooth(instant.light_trees, points, true);
     std::vector<VolumeLight> lights;
-    for (std::size_t i = 0; i < posed_scene.air()->volumes().size(); ++i)
+    for (std::size_t i = 0; i < instant.posed_scene.air()->volumes().size(); ++i)
         lights.push_back(OneVolume(instant, i).light(lamps, smooth, rays));
     return lights;
 }

@@ -71,11 +71,17 @@ glm::vec3 Air::transmittance(glm::vec3 from, glm::vec3 direction, float distance
     return volumes_.empty() ? glm::vec3(by_fog) : by_fog * glm::exp(-depth_of_volumes(from, direction, distance));
 }
 
-glm::vec3 Air::transmittance_to_sky(glm::vec3 from, glm::vec3 direction) const {
-    const float by_fog = fog_ ? std::exp(-fog_->depth_to_sky(from, direction)) : 1.0f;
-    return volumes_.empty()
-               ? glm::vec3(by_fog)
-               : by_fog * glm::exp(-depth_of_volumes(from, direction, std::numeric_limits<float>::infinity()));
+glm::vec3 Air::depth_of_light(glm::vec3 from, glm::vec3 direction, float distance, std::size_t but) const {
+    float by_fog = 0;
+    if (fog_)
+        by_fog =
+            std::isinf(distance) ? fog_->depth_to_sky(from, direction) : fog_->optical_depth(from, direction, distance);
+    return by_fog + depth_of_volumes(from, direction, distance, but);
+}
+
+glm::vec3 Air::left_of_light(glm::vec3 from, glm::vec3 direction, float distance) const {
+    const glm::vec3 depth = depth_of_light(from, direction, distance);
+    return volumes_.empty() ? glm::vec3(std::exp(-depth.x)) : glm::exp(-depth);
 }
 
 void Air::add_light(glm::vec3 from, glm::vec3 direction, VolumeView view, const float* ends, std::size_t count,

@@ -25,8 +25,11 @@ class Air {
 
     /// Share of light that is left of a way.
     glm::vec3 transmittance(glm::vec3 from, glm::vec3 direction, float distance) const;
-    /// Of light from infinitely far in that direction.
-    glm::vec3 transmittance_to_sky(glm::vec3 from, glm::vec3 direction) const;
+    /// The same of light that comes from there: from infinitely far it is the sky's, or a sun's.
+    glm::vec3 left_of_light(glm::vec3 from, glm::vec3 direction, float distance) const;
+    /// Its optical depth, but for one volume.
+    glm::vec3 depth_of_light(glm::vec3 from, glm::vec3 direction, float distance,
+                             std::size_t but = static_cast<std::size_t>(-1)) const;
     /// Optical depth of volumes, but one of them.
     glm::vec3 depth_of_volumes(glm::vec3 from, glm::vec3 direction, float distance,
                                std::size_t but = static_cast<std::size_t>(-1)) const;

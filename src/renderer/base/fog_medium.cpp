@@ -83,8 +83,7 @@ float FogMedium::distance_at(glm::vec3 from, glm::vec3 direction, float depth) c
     return -(std::log(-direction.y * depth / (fog_.falloff * extinction_)) + (from.y - fog_.height) / fog_.falloff) / k;
 }
 
-float FogMedium::phase(float cosine) const {
-    const float g = fog_.anisotropy;
+float phase(float g, float cosine) {
     const float base = std::max(1.0f + g * g - 2.0f * g * cosine, 1e-6f);
     return (1.0f - g * g) / (4.0f * std::numbers::pi_v<float> * base * std::sqrt(base));
 }

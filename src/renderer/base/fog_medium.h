@@ -6,6 +6,10 @@
 
 namespace render2mpeg::renderer {
 
+/// Share of what is scattered that goes on by this cosine to where it went, per steradian, where the mean cosine is `g`
+/// [Henyey1941].
+float phase(float g, float cosine);
+
 /// Air that dims and scatters light (docs/model/fog.md): homogeneous, or exponential in y. Directions are unit vectors,
 /// distances >= 0 and may be infinite; so may optical depths.
 class FogMedium {
@@ -23,8 +27,7 @@ class FogMedium {
     /// How far a way goes whose optical depth is `depth`; infinite where none is so long.
     float distance_at(glm::vec3 from, glm::vec3 direction, float depth) const;
 
-    /// Share of what is scattered that goes on by this cosine to where it went, per steradian [Henyey1941].
-    float phase(float cosine) const;
+    float anisotropy() const { return fog_.anisotropy; }
     /// Share of what is dimmed that is scattered.
     glm::vec3 albedo() const { return fog_.color; }
     bool is_lit_by_bounces() const { return fog_.bounces; }

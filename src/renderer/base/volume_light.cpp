@@ -39,7 +39,7 @@ glm::vec3 VolumeLight::scattered(const VolumeMedium& medium, glm::vec3 index_pla
         if (way.passes == glm::vec3(0)) continue;
         const Beam beam = beam_of(medium, lamp.light, place);
         const glm::vec3 left = glm::exp(-way.depth);
-        glm::vec3 light = medium.phase(glm::dot(beam.direction, direction)) * left;
+        glm::vec3 light = phase(g, glm::dot(beam.direction, direction)) * left;
         if (g > 0.0f) light += inverse_sphere * (glm::exp(-way.depth * (1.0f - g * albedo)) - left);
         sum += way.passes * lamp.light.intensity * (beam.falloff * light);
     }

@@ -31,14 +31,13 @@ struct VolumeLight {
     /// Mean radiance over all directions, of all but what lamps send and was not scattered yet.
     core::SparseGrid<glm::vec3> ambient;
 
-    bool shines() const { return !lamps.empty() || !ambient.empty(); }
     /// Radiance over the scattering coefficient that the medium scatters at a place along `direction` (unit, where
     /// light goes).
     glm::vec3 scattered(const VolumeMedium& medium, glm::vec3 index_place, glm::vec3 direction) const;
     /// Mean radiance over all directions of the lamps' light that similarity calls not scattered.
     glm::vec3 lamps_mean(const VolumeMedium& medium, glm::vec3 index_place) const;
 
-    /// Whether the lattice has a sample near the medium at this place of the lattice.
+    /// Empty samples, `spacing` voxels apart, wherever interpolation within the medium asks for one.
     template <class T>
     static core::SparseGrid<T> lattice(const VolumeField& field, int spacing);
 };
@@ -49,23 +48,18 @@ inline float similar(float anisotropy, float albedo) {
     return 1.0f - albedo * (anisotropy > 0.0f ? anisotropy : 0.0f);
 }
 
-/// Empty samples, `spacing` voxels apart, wherever interpolation within the medium asks for one.
 template <class T>
 core::SparseGrid<T> VolumeLight::lattice(const VolumeField& field, int spacing) {
     constexpr int side = core::SparseGrid<T>::brick_side;
     const auto below = [&](glm::ivec3 voxel) { return glm::ivec3(glm::floor(glm::vec3(voxel) / float(spacing))); };
     const glm::ivec3 low = below(side * field.low()) >> 3, high = (below(side * (field.low() + field.size())) + 1) >> 3;
     core::SparseGrid<T> grid(low, field.size() == glm::ivec3(0) ? glm::ivec3(0) : high - low + 1);
-    for (int z = 0; z < field.size().z; ++z)
-        for (int y = 0; y < field.size().y; ++y)
-            for (int x = 0; x < field.size().x; ++x) {
-                const glm::ivec3 brick = field.low() + glm::ivec3(x, y, z);
-                if (!field.range(brick).any) continue;
-                const glm::ivec3 first = below(side * brick) >> 3, last = (below(side * (brick + 1)) + 1) >> 3;
-                for (int k = first.z; k <= last.z; ++k)
-                    for (int j = first.y; j <= last.y; ++j)
-                        for (int i = first.x; i <= last.x; ++i) grid.add({i, j, k});
-            }
+    field.each_brick([&](glm::ivec3 brick) {
+        const glm::ivec3 first = below(side * brick) >> 3, last = (below(side * (brick + 1)) + 1) >> 3;
+        for (int k = first.z; k <= last.z; ++k)
+            for (int j = first.y; j <= last.y; ++j)
+                for (int i = first.x; i <= last.x; ++i) grid.add({i, j, k});
+    });
     return grid;
 }
 

@@ -28,6 +28,7 @@ VolumeField::VolumeField(const scene::Volume& volume, std::shared_ptr<const scen
     : volume_(volume), grids_(std::move(grids)) {
     volume_.grids = nullptr;
     volume_.files.clear();
+    volume_.more_files.clear();
     const auto hold = [&](glm::ivec3 low, glm::ivec3 size) {
         const glm::ivec3 end = glm::max(low_ + size_, low + size);
         low_ = size_ == glm::ivec3(0) ? low - 1 : glm::min(low_, low - 1);
@@ -105,17 +106,14 @@ void VolumeField::find_flames() {
         float weight;
     };
     std::vector<Voxel> voxels;
-    for (int z = 0; z < size_.z; ++z)
-        for (int y = 0; y < size_.y; ++y)
-            for (int x = 0; x < size_.x; ++x) {
-                const glm::ivec3 brick = low_ + glm::ivec3(x, y, z);
-                for (int k = 0; k < core::SparseGrid<float>::brick_voxels; ++k) {
-                    const glm::ivec3 v = 8 * brick + glm::ivec3(k & 7, k >> 3 & 7, k >> 6);
-                    const glm::vec3 light = emission_of(grids_->density.at(v), grids_->temperature.at(v));
-                    if (const float weight = core::luminance(light); weight > 0.0f)
-                        voxels.push_back({glm::vec3(v), light, weight});
-                }
-            }
+    each_brick([&](glm::ivec3 brick) {
+        for (int k = 0; k < core::SparseGrid<float>::brick_voxels; ++k) {
+            const glm::ivec3 v = core::SparseGrid<float>::voxel(brick, k);
+            const glm::vec3 light = emission_of(grids_->density.at(v), grids_->temperature.at(v));
+            if (const float weight = core::luminance(light); weight > 0.0f)
+                voxels.push_back({glm::vec3(v), light, weight});
+        }
+    });
     shines_ = !voxels.empty();
     const auto split = [&](const auto& self, std::size_t first, std::size_t last, std::size_t parts) -> void {
         if (first == last) return;
@@ -175,12 +173,6 @@ VolumeMedium::VolumeMedium(const scene::Volume& volume, std::shared_ptr<const Vo
     density_ = std::min(volume.density * scale_, most_extinction / std::max(field_->most(), 1.0f));
     const glm::vec3 most = field_->grids().color.empty() ? color_ + (1.0f - color_) * unabsorbed_ : glm::vec3(1);
     largest_ = density_ * std::max({most.x, most.y, most.z});
-}
-
-float VolumeMedium::phase(float cosine) const {
-    const float g = anisotropy_;
-    const float base = std::max(1.0f + g * g - 2.0f * g * cosine, 1e-6f);
-    return (1.0f - g * g) / (4.0f * std::numbers::pi_v<float> * base * std::sqrt(base));
 }
 
 glm::vec3 VolumeMedium::color_at(glm::vec3 place) const {

@@ -30,6 +30,14 @@ class VolumeField {
     glm::ivec3 low() const { return low_; }    ///< in bricks
     glm::ivec3 size() const { return size_; }  ///< in bricks
     const Range& range(glm::ivec3 brick) const;
+    /// Calls visit(brick) for all bricks that are not 0 throughout, x fastest, then y.
+    template <class Visit>
+    void each_brick(Visit visit) const {
+        for (int z = 0; z < size_.z; ++z)
+            for (int y = 0; y < size_.y; ++y)
+                for (int x = 0; x < size_.x; ++x)
+                    if (const glm::ivec3 brick = low_ + glm::ivec3(x, y, z); range(brick).any) visit(brick);
+    }
     /// Radiance by object unit at a place in index space.
     glm::vec3 emission(glm::vec3 place) const;
     float density(glm::vec3 place) const;
@@ -74,8 +82,6 @@ class VolumeMedium {
     glm::vec3 to_world(glm::vec3 place) const { return glm::vec3(world_from_index_ * glm::vec4(place, 1)); }
     float voxel() const { return voxel_; }  ///< cube root of a voxel's volume, world
     float anisotropy() const { return anisotropy_; }
-    /// Share of light per steradian that is scattered by this cosine of deflection [Henyey1941].
-    float phase(float cosine) const;
 
     /// At a place in index space.
     MediumPoint at(glm::vec3 place) const;
@@ -111,7 +117,6 @@ class BrickWalk {
     glm::vec3 place(float distance) const { return origin_ + distance * direction_; }  ///< index space
     /// Length of a step in this piece that keeps errors small, world. `coarse`: of secondary rays.
     float step(bool coarse) const;
-    const VolumeMedium& medium() const { return *medium_; }
 
   private:
     const VolumeMedium* medium_;

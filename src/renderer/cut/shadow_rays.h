@@ -52,8 +52,7 @@ inline void dim(const Air& air, const ShadowPacket& packet, std::uint32_t rays, 
         const float length = std::sqrt(glm::dot(way, way));
         if (!(length > 0.0f)) continue;
         const glm::vec3 direction = way / length;
-        passes[i] *= std::isinf(packet.far[i]) ? air.transmittance_to_sky(origin, direction)
-                                               : air.transmittance(origin, direction, length);
+        passes[i] *= air.left_of_light(origin, direction, std::isinf(packet.far[i]) ? packet.far[i] : length);
     }
 }
 

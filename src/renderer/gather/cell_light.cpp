@@ -140,9 +140,8 @@ glm::vec3 CellLight::lamps(const Scatterer& at, const Stream& numbers, LightChoi
         light *= of.weight(n);
         if (const Air* air = posed_scene_.air(); air != nullptr) {
             const glm::vec3 direction = core::normalize_or(chosen.ray, chosen.direction);
-            light *= std::isinf(chosen.far)
-                         ? air->transmittance_to_sky(query.origin, direction)
-                         : air->transmittance(query.origin, direction, glm::length(chosen.ray) * chosen.far);
+            const float way = std::isinf(chosen.far) ? chosen.far : glm::length(chosen.ray) * chosen.far;
+            light *= air->left_of_light(query.origin, direction, way);
         }
         ++rays;
         const float skipped = at.skipped(chosen.ray);

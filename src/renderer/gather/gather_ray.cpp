@@ -190,7 +190,8 @@ glm::vec3 GatherRays::sky_in_pane(const SurfacePoint& pane, float solid_angle, s
     ray.reflect(pane, pane.shading_normal);
     glm::vec3 sky = posed_scene_.sky()->radiance_of_ray(ray.direction, solid_angle);
     sky *= std::min(core::divide_or(sky_in_panes_, core::luminance(sky), 1.0f), 1.0f);
-    if (const Air* air = posed_scene_.air()) sky *= air->transmittance_to_sky(ray.origin, ray.direction);
+    if (const Air* air = posed_scene_.air())
+        sky *= air->left_of_light(ray.origin, ray.direction, std::numeric_limits<float>::infinity());
     ++rays;
     return share * sky *
            posed_scene_.tracer().passes(ray.origin, ray.direction, std::numeric_limits<float>::infinity(),
@@ -220,8 +221,7 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, const
             const float way = hit.found() ? hit.distance : std::numeric_limits<float>::infinity();
             if (bounces_ && rules.bounces)
                 known += passing * air->light_of_volumes(ray.origin, ray.direction, way, VolumeView::rough);
-            passing *= hit.found() ? air->transmittance(ray.origin, ray.direction, way)
-                                   : air->transmittance_to_sky(ray.origin, ray.direction);
+            passing *= air->left_of_light(ray.origin, ray.direction, way);
         }
         if (!hit.found()) {
             if (!behind_body && (!mirrored || sees_lights)) known += passing * escaped(ray.direction, rules, mirrored);

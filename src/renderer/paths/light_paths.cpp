@@ -117,11 +117,9 @@ glm::vec3 LightPaths::answer(const Path& path, const LightSample& sample) const 
     if (!(mean(share) > 0.0f)) return glm::vec3(0);
     if (sample.density > 0.0f) share *= sample.density / (sample.density + to.density);
     if (posed_scene_.air() != nullptr) {
-        const float length = glm::length(sample.ray);
+        const float way = std::isinf(sample.far) ? sample.far : glm::length(sample.ray) * sample.far;
         const glm::vec3 direction = core::normalize_or(sample.ray, sample.direction);
-        const Air& air = *posed_scene_.air();
-        share *= std::isinf(sample.far) ? air.transmittance_to_sky(path.at.query().origin, direction)
-                                        : air.transmittance(path.at.query().origin, direction, length * sample.far);
+        share *= posed_scene_.air()->left_of_light(path.at.query().origin, direction, way);
     }
     const float skipped = path.at.skipped(sample.ray);
     if (!(skipped < sample.far)) return share;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/numeric.h"
 #include "core/sampling.h"
@@ -41,9 +42,8 @@ glm::vec3 LightRay::left_by_bodies(const PosedScene& scene, const Hit& hit) {
 glm::vec3 LightRay::left_by_air(const PosedScene& scene, float distance) const {
     const Air* air = scene.air();
     if (air == nullptr || !media.empty()) return glm::vec3(1);
-    if (from_far) return air->transmittance_to_sky(origin + distance * direction, -direction);
-    if (std::isinf(distance)) return air->transmittance_to_sky(origin, direction);
-    return air->transmittance(origin, direction, distance);
+    if (!from_far) return air->left_of_light(origin, direction, distance);
+    return air->left_of_light(origin + distance * direction, -direction, std::numeric_limits<float>::infinity());
 }
 
 SurfacePoint LightRay::surface_at(const PosedScene& scene, const Hit& hit, const SurfaceFootprint& footprint) const {

@@ -145,12 +145,12 @@ struct PosedScene::Impl {
         std::vector<VolumeMedium> media;
         fields.resize(volumes.size());
         for (std::size_t i = 0; i < volumes.size(); ++i) {
+            if (!volumes[i].present) continue;
             const scene::Volume& volume = animation.volumes[i];
             PosedField& field = fields[i];
             if (field.field == nullptr || field.file != volumes[i].file)
                 field = {volumes[i].file,
                          std::make_shared<const VolumeField>(volume, still->volume_reader.grids(i, volumes[i].file))};
-            if (!volumes[i].present) continue;
             const VolumeMedium medium(volume, field.field, volumes[i].world_from_object);
             if (!medium.empty()) media.push_back(medium);
         }
@@ -199,8 +199,10 @@ const RayTracer& PosedScene::tracer() const {
 const scene::Animation& PosedScene::animation() const {
     return impl_->animation;
 }
-const std::vector<std::string>& PosedScene::notes() const {
-    return impl_->still->notes;
+std::vector<std::string> PosedScene::notes() const {
+    std::vector<std::string> all = impl_->still->notes;
+    for (const std::string& note : impl_->still->volume_reader.notes()) all.push_back(note);
+    return all;
 }
 double PosedScene::layer_seconds() const {
     return impl_->layer_clock.seconds();

@@ -98,8 +98,8 @@ class PosedScene {
     /// Background where there is no surface, and its light; null where the plan wants neither.
     const image::SkyMap* sky() const;
 
-    /// A line for each image with values that are not finite.
-    const std::vector<std::string>& notes() const;
+    /// A line for each image with values that are not finite, and about what of volumes was mended until now.
+    std::vector<std::string> notes() const;
 
     /// CPU seconds that shadow rays' layers took to look at, about (sampled_clock.h): 0 where nothing is translucent.
     double layer_seconds() const;

@@ -156,9 +156,9 @@ void EyePaths::see_discs(const PathState& path, float length, EyeSample& sample)
         // As wide where the ray passes the disc's plane.
         if (!(along > 0.0f) || !(apart * distance <= lamp.disc * along) || !(distance < length)) continue;
         const float share = far ? 1.0f : spot_of(lamp).falloff(glm::dot(-path.ray.direction, lamp.direction));
-        const glm::vec3 clear = air_ == nullptr || !path.ray.media.empty() ? glm::vec3(1)
-                                : far ? air_->transmittance_to_sky(path.ray.origin, path.ray.direction)
-                                      : air_->transmittance(path.ray.origin, path.ray.direction, distance);
+        const glm::vec3 clear = air_ == nullptr || !path.ray.media.empty()
+                                    ? glm::vec3(1)
+                                    : air_->left_of_light(path.ray.origin, path.ray.direction, far ? length : distance);
         const float radiance = share * lobe::inverse_pi / (lamp.disc * lamp.disc);
         emit(path, path.weight * lamp.intensity * (clear * radiance), sample);
     }

@@ -18,7 +18,7 @@ inline const Keys fog = core::words_in("visibility color anisotropy height fallo
 inline const Keys volume = core::words_in(
     "name file more frames first_frame size node position rotate scale visible keys interpolation loop density color "
     "anisotropy absorption_color emission emission_color blackbody blackbody_tint temperature density_grid "
-    "temperature_grid color_grid velocity_grid velocity_scale");
+    "temperature_grid color_grid");
 inline const Keys volume_key = core::words_in("at position rotate scale visible");
 inline const Keys glare = core::words_in("kind strength size seed");
 inline const Keys view = core::words_in("name gamma");

@@ -91,7 +91,6 @@ void read_medium(const JsonValue& value, Volume& volume) {
     value.set("emission", volume.emission_strength, 0, most);
     value.set("blackbody", volume.blackbody_intensity, 0, 1);
     value.set("temperature", volume.temperature, 0, most);
-    value.set("velocity_scale", volume.velocity_scale, -most, most);
     const auto color = [&](std::string_view key, glm::vec3& into, double at_most) {
         if (const auto v = value.find(key)) into = v->color(at_most);
     };
@@ -108,7 +107,6 @@ void read_grids(const JsonValue& value, const fs::path& folder, Volume& volume) 
     name("density_grid", volume.density_grid);
     name("temperature_grid", volume.temperature_grid);
     name("color_grid", volume.color_grid);
-    name("velocity_grid", volume.velocity_grid);
     if (value.has("file") == value.has("size"))
         value.fail("has either a `file`, or the `size` of a box that it fills evenly");
     if (value.has("file")) {
@@ -120,8 +118,7 @@ void read_grids(const JsonValue& value, const fs::path& folder, Volume& volume) 
         if (const auto v = value.find("first_frame")) volume.first_frame = v->integer(-10'000'000, 10'000'000);
         return;
     }
-    for (const char* const key : {"more", "frames", "first_frame", "density_grid", "temperature_grid", "color_grid",
-                                  "velocity_grid", "velocity_scale"})
+    for (const char* const key : {"more", "frames", "first_frame", "density_grid", "temperature_grid", "color_grid"})
         if (const auto v = value.find(key)) v->fail("is of volumes with a `file`");
     const glm::dvec3 half = 0.5 * sizes_or<3>(value, "size", 1);
     volume.grids = std::make_shared<VolumeGrids>(even_grids(-half, half));

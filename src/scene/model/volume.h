@@ -13,13 +13,10 @@ namespace render2mpeg::scene {
 
 /// Grids of a volume at one instant, all over one index space.
 struct VolumeGrids {
-    glm::dmat4 object_from_index{1};       ///< affine, not singular
-    core::SparseGrid<float> density;       ///< >= 0, finite
-    core::SparseGrid<float> temperature;   ///< of flames, >= 0, finite; empty: none
-    core::SparseGrid<glm::vec3> color;     ///< of what scatters, 0..1; empty: Volume::color alone
-    core::SparseGrid<glm::vec3> velocity;  ///< object space, finite, units a second; empty: none
-
-    std::size_t bytes() const { return density.bytes() + temperature.bytes() + color.bytes() + velocity.bytes(); }
+    glm::dmat4 object_from_index{1};      ///< affine, not singular
+    core::SparseGrid<float> density;      ///< >= 0, finite
+    core::SparseGrid<float> temperature;  ///< of flames, >= 0, finite; empty: none
+    core::SparseGrid<glm::vec3> color;    ///< of what scatters, 0..1; empty: Volume::color alone
 };
 
 /// A box in object space; low above high: none.
@@ -44,10 +41,9 @@ struct Volume {
     /// None, or one beside each of these: grids that those lack.
     std::vector<std::filesystem::path> more_files;
     std::int64_t first_frame = 0;
-    /// Empty: none. The temperature's is read where blackbody_intensity is above 0. Of a colour without a grid of its
-    /// name, NAME_r, NAME_g and NAME_b are read, as Blender's simulations write them.
-    std::string density_grid = "density", temperature_grid = "temperature", color_grid, velocity_grid;
-    float velocity_scale = 1;  ///< of files: units a second for 1 in the velocity grid
+    /// Empty: none, but for the density's. The temperature's is read where blackbody_intensity is above 0. Of a colour
+    /// without a grid of its name, NAME_r, NAME_g and NAME_b are read, as Blender's simulations write them.
+    std::string density_grid = "density", temperature_grid = "temperature", color_grid;
     /// Grids in memory, instead of files.
     std::shared_ptr<const VolumeGrids> grids;
 

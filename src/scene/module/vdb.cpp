@@ -265,7 +265,7 @@ class Maker {
     }
 
     /// Samples at the voxels of another index space.
-    template <class T, class Sampler, class Grid>
+    template <class T, class Grid>
     core::SparseGrid<T> sampled(const std::string& name, const Grid& from, const glm::dmat4& source_from_target) {
         const glm::dmat4 target_from_source = glm::inverse(source_from_target);
         Places all;
@@ -284,9 +284,9 @@ class Maker {
             if (!met[slot(place)]) return;
             typename core::SparseGrid<T>::Brick brick;
             for (std::size_t i = 0; i < brick.size(); ++i) {
-                const glm::ivec3 voxel = brick_side * place + place_of(i);
+                const glm::ivec3 voxel = core::SparseGrid<T>::voxel(place, static_cast<int>(i));
                 const glm::dvec4 p = source_from_target * glm::dvec4(voxel, 1);
-                brick[i] = ours(Sampler::sample(accessor, openvdb::Vec3R(p.x, p.y, p.z)));
+                brick[i] = ours(openvdb::tools::BoxSampler::sample(accessor, openvdb::Vec3R(p.x, p.y, p.z)));
             }
             if (std::all_of(brick.begin(), brick.end(), [](T v) { return is_zero(v); })) return;
             take(name, sizeof(brick));
@@ -299,43 +299,10 @@ class Maker {
     core::SparseGrid<T> made(const std::string& name, const Grid& from, const glm::dmat4& object_from_index) {
         const glm::dmat4 own = matrix_of(from);
         const glm::dmat4 source_from_target = glm::inverse(own) * object_from_index;
-        if constexpr (std::is_same_v<T, glm::vec3>)
-            if (from.getGridClass() == openvdb::GRID_STAGGERED)
-                return are_same(own, object_from_index)
-                           ? centred(name, copy<T>(name, from))
-                           : sampled<T, openvdb::tools::StaggeredBoxSampler>(name, from, source_from_target);
-        return are_same(own, object_from_index)
-                   ? copy<T>(name, from)
-                   : sampled<T, openvdb::tools::BoxSampler>(name, from, source_from_target);
+        return are_same(own, object_from_index) ? copy<T>(name, from) : sampled<T>(name, from, source_from_target);
     }
 
   private:
-    /// Means of the components on each voxel's two faces.
-    core::SparseGrid<glm::vec3> centred(const std::string& name, const core::SparseGrid<glm::vec3>& faces) {
-        if (faces.empty()) return {};
-        const Places all{glm::i64vec3(faces.low()) - std::int64_t{1}, glm::i64vec3(faces.low() + faces.size())};
-        core::SparseGrid<glm::vec3> grid = empty<glm::vec3>(name, all);
-        all.each([&](glm::ivec3 place) {
-            if (!faces.find(place) && !faces.find(place + glm::ivec3(1, 0, 0)) &&
-                !faces.find(place + glm::ivec3(0, 1, 0)) && !faces.find(place + glm::ivec3(0, 0, 1)))
-                return;
-            auto& brick = grid.add(place);
-            take(name, sizeof(brick));
-            for (std::size_t i = 0; i < brick.size(); ++i) {
-                const glm::ivec3 voxel = brick_side * place + place_of(i);
-                for (int k = 0; k < 3; ++k) {
-                    glm::ivec3 next = voxel;
-                    ++next[k];
-                    brick[i][k] = 0.5f * (faces.at(voxel)[k] + faces.at(next)[k]);
-                }
-            }
-        });
-        return grid;
-    }
-
-    /// Of a brick's voxel.
-    static glm::ivec3 place_of(std::size_t i) { return {int(i % 8), int(i / 8 % 8), int(i / 64)}; }
-
     static std::string spans(const Places& places) {
         const glm::i64vec3 size = std::int64_t{brick_side} * (places.high - places.low);
         return std::to_string(size.x) + " x " + std::to_string(size.y) + " x " + std::to_string(size.z);
@@ -391,6 +358,8 @@ VectorGrid::Ptr color_grid(Source& source, const std::string& name) {
 
 class Reader : public VdbReader {
   public:
+    Reader() { openvdb::initialize(); }
+
     VolumeGrids read(std::span<const fs::path> files, const Volume& volume,
                      std::vector<std::string>& notes) const override {
         Source source(files);
@@ -416,15 +385,6 @@ class Reader : public VdbReader {
             mend(*color, volume.color_grid, "became colours from 0 to 1", right, notes);
             grids.color = maker.made<glm::vec3>(volume.color_grid, *color, grids.object_from_index);
         }
-        if (!volume.velocity_grid.empty()) {
-            const VectorGrid::Ptr velocity = source.grid<VectorGrid>(volume.velocity_grid);
-            const auto right = [](openvdb::Vec3s v) { return core::is_finite(ours(v)) ? v : openvdb::Vec3s::zero(); };
-            mend(*velocity, volume.velocity_grid, "not finite became 0", right, notes);
-            if (volume.velocity_scale != 1)
-                for (auto value = velocity->tree().beginValueAll(); value; ++value)
-                    value.setValue(*value * volume.velocity_scale);
-            grids.velocity = maker.made<glm::vec3>(volume.velocity_grid, *velocity, grids.object_from_index);
-        }
         return grids;
     }
 
@@ -432,7 +392,6 @@ class Reader : public VdbReader {
         Source source(files);
         const GridBase::Ptr density = source.head<FloatGrid>(volume.density_grid);
         if (volume.reads_temperature()) source.head<FloatGrid>(volume.temperature_grid);
-        if (!volume.velocity_grid.empty()) source.head<VectorGrid>(volume.velocity_grid);
         if (!volume.color_grid.empty() && (source.has(volume.color_grid) || !source.has(volume.color_grid + "_r")))
             source.head<VectorGrid>(volume.color_grid);
         // Writers seldom leave these out.
@@ -454,11 +413,6 @@ class Reader : public VdbReader {
 }  // namespace render2mpeg::scene
 
 extern "C" const render2mpeg::scene::VdbReader* render2mpeg_vdb_reader() {
-    static const bool ready = [] {
-        openvdb::initialize();
-        return true;
-    }();
-    static_cast<void>(ready);
     static const render2mpeg::scene::Reader reader;
     return &reader;
 }

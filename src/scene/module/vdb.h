@@ -21,7 +21,7 @@ class VdbReader {
     virtual ~VdbReader() = default;
 
     /// Reads a volume's grids of one file, or of the first of several that has one of its name, into the index space of
-    /// its density: others are sampled trilinearly at its voxels, staggered ones at their middles. Tells in `notes`
+    /// its density: others are sampled trilinearly at its voxels. Tells in `notes`
     /// about values that no medium has, which become 0 or the nearest. Throws core::Error. The library trusts its
     /// input: probe strangers' files first.
     virtual VolumeGrids read(std::span<const std::filesystem::path> files, const Volume& volume,

@@ -90,7 +90,7 @@ void set_duration(Animation& animation) {
             if (volume.files.size() > 1)
                 animation.duration =
                     std::max(animation.duration,
-                             core::time_of(volume.first_frame + static_cast<std::int64_t>(volume.files.size()) - 1,
+                             core::time_of(volume.first_frame + static_cast<std::int64_t>(volume.files.size()),
                                            core::frame_rate_from(*animation.frame_rate))
                                  .value());
     for (const Track& track : animation.tracks)

@@ -89,13 +89,10 @@ void store(const core::SparseGrid<T>& grid, Writer& writer) {
     writer.put(grid.low());
     writer.put(grid.size());
     writer.put(static_cast<std::uint64_t>(grid.count()));
-    for (int z = 0; z < grid.size().z; ++z)
-        for (int y = 0; y < grid.size().y; ++y)
-            for (int x = 0; x < grid.size().x; ++x)
-                if (const auto* brick = grid.find(grid.low() + glm::ivec3(x, y, z))) {
-                    writer.put(glm::ivec3(x, y, z));
-                    writer.put(*brick);
-                }
+    grid.each([&](glm::ivec3 place, const auto& brick) {
+        writer.put(place - grid.low());
+        writer.put(brick);
+    });
 }
 
 template <class T>
@@ -125,7 +122,6 @@ void store_grids(const VolumeGrids& grids, int file) {
     store(grids.density, writer);
     store(grids.temperature, writer);
     store(grids.color, writer);
-    store(grids.velocity, writer);
     writer.flush();
 }
 
@@ -136,7 +132,6 @@ VolumeGrids stored_grids(int file, const std::string& name) {
     restore(grids.density, reader);
     restore(grids.temperature, reader);
     restore(grids.color, reader);
-    restore(grids.velocity, reader);
     return grids;
 }
 

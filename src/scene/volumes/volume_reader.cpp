@@ -33,16 +33,11 @@ std::string exact(double value) {
 
 /// What a probe needs to know of a volume.
 std::vector<std::string> words_of(const char* kind, const Volume& volume) {
-    return {kind,
-            volume.density_grid,
-            volume.reads_temperature() ? volume.temperature_grid : "",
-            volume.color_grid,
-            volume.velocity_grid,
-            exact(static_cast<double>(volume.velocity_scale)),
+    return {kind, volume.density_grid, volume.reads_temperature() ? volume.temperature_grid : "", volume.color_grid,
             volume.more_files.empty() ? "1" : "2"};
 }
 
-constexpr std::size_t facts = 6;  ///< before the files
+constexpr std::size_t facts = 4;  ///< before the files
 
 Volume volume_of(const std::vector<std::string>& words) {
     Volume volume;
@@ -50,8 +45,6 @@ Volume volume_of(const std::vector<std::string>& words) {
     volume.temperature_grid = words.at(1);
     volume.blackbody_intensity = 1;
     volume.color_grid = words.at(2);
-    volume.velocity_grid = words.at(3);
-    volume.velocity_scale = std::strtof(words.at(4).c_str(), nullptr);
     return volume;
 }
 
@@ -147,11 +140,11 @@ std::shared_ptr<const VolumeGrids> VolumeReader::grids(std::size_t volume, std::
     std::vector<std::string> notes;
     held.files.emplace_front(path, read_volume(animation_.volumes[volume], file, notes));
     const std::lock_guard noting(notes_mutex_);
-    notes_.insert(notes_.end(), notes.begin(), notes.end());
+    notes_.insert(notes.begin(), notes.end());
     return held.files.front().second;
 }
 
-std::vector<std::string> VolumeReader::notes() const {
+std::set<std::string> VolumeReader::notes() const {
     const std::lock_guard lock(notes_mutex_);
     return notes_;
 }

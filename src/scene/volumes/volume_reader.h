@@ -3,6 +3,7 @@
 #include <list>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -30,7 +31,7 @@ class VolumeReader {
     std::shared_ptr<const VolumeGrids> grids(std::size_t volume, std::size_t file);
 
     /// A line each about what was not as it should be, until now.
-    std::vector<std::string> notes() const;
+    std::set<std::string> notes() const;
 
   private:
     struct Held {
@@ -41,7 +42,7 @@ class VolumeReader {
     const Animation& animation_;
     std::vector<std::unique_ptr<Held>> held_;
     mutable std::mutex notes_mutex_;
-    std::vector<std::string> notes_;
+    std::set<std::string> notes_;  ///< each once, however often its file is read
 };
 
 /// What a probe does for read_volume(): the grids go to standard input, a file in memory.
