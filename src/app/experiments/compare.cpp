@@ -3,17 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdlib>
-#include <cstring>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 
+#include "app/experiments/beside_cycles.h"
 #include "app/experiments/comparison.h"
 #include "app/experiments/trial.h"
 #include "app/experiments/trial_command.h"
 #include "app/files/file_io.h"
+#include "app/files/temporary_folder.h"
 #include "app/options/option_text.h"
 #include "app/system/interrupt.h"
 #include "app/system/program.h"
@@ -41,26 +40,6 @@ double seconds_of(const std::vector<std::string>& words) {
                           finished.text.empty() ? "it failed without a word" : first_line(finished.text));
     return finished.seconds;
 }
-
-/// A temporary folder, removed with the object.
-class TemporaryFolder {
-  public:
-    TemporaryFolder() {
-        std::string pattern = (std::filesystem::temp_directory_path() / "render2mpeg-XXXXXX").string();
-        if (mkdtemp(pattern.data()) == nullptr) throw core::Error("making", pattern, std::strerror(errno));
-        path_ = pattern;
-    }
-    ~TemporaryFolder() {
-        std::error_code ignored;
-        std::filesystem::remove_all(path_, ignored);
-    }
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-    std::string file(const char* name) const { return (path_ / name).string(); }
-
-  private:
-    std::filesystem::path path_;
-};
 
 std::string replaced(std::string text, const std::string& what, const std::string& by) {
     for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += by.size())
@@ -187,7 +166,7 @@ class Comparing {
 Comparing::Comparing(const TrialOptions& options, const RenderJob& film, const Sample& sample,
                      const std::string& ffmpeg)
     : options_(options),
-      quantisers_(in_scale_of(film.coding.codec, quantisers_from(options.quantisers))),
+      quantisers_(in_scale_of(film.coding.codec, quantisers_from(options.quantisers.value_or(usual_quantisers)))),
       trials_(film, middle_windows(film, sample.windows, sample.frames), options.references.value_or(4)) {
     trials_.mask_all();
     found_.ffmpeg = ffmpeg;
@@ -270,10 +249,11 @@ void Comparing::write(const std::vector<std::string>& words) const {
 }  // namespace
 
 int compare(const TrialOptions& options, const std::vector<std::string>& words) {
+    if (options.beside) return compare_beside_cycles(options, words);
     const parallel::ThreadLimit threads(options.render.threads);
     const InterruptGuard guard(options.render.quiet);
-    if (quantisers_from(options.quantisers).size() < 2)
-        throw core::Error("quantisers " + options.quantisers + ": curves need two or more");
+    if (quantisers_from(options.quantisers.value_or(usual_quantisers)).size() < 2)
+        throw core::Error("quantisers " + *options.quantisers + ": curves need two or more");
     const std::string ffmpeg = ffmpeg_version();
     const RenderJob film = prepare_trials(options.render, options);
     std::optional<Comparing> comparing;

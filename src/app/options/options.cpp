@@ -136,9 +136,9 @@ const std::vector<CommandRow> commands{
      "Lights a sample of the film coupled to its coding and by a fixed 2 %, codes the latter by this program, by "
      "ffmpeg as people use it and by its strongest command, and holds all against reference light "
      "(docs/choosing.md). Needs the program ffmpeg. The references are dear: they come first, with an "
-     "estimate.\n"
+     "estimate. With --beside cycles a .blend's film is held against Cycles with a denoiser instead.\n"
      "Example: render2mpeg compare scene.glb --size 640x360 --report compare.html",
-     scene_options + "--sample@compare --references@compare --quantisers " + picture_options + light_options +
+     scene_options + "--beside --sample@compare --references@compare --quantisers " + picture_options + light_options +
          "--masking --clamp --cache --codec --crf --gop --b-pictures --tune --encoder " + trial_options + "--progress"},
     {"watch", "Show a draft, and a new one whenever the scene's files change",
      "The draft is that of `render --preview` (docs/pictures.md), shown over and over in ffplay or mpv until the "

@@ -97,6 +97,9 @@ struct InfoOptions {
     bool json = false, summary = false;
 };
 
+/// Of `compare`.
+inline constexpr const char* usual_quantisers = "2,4,8,16";
+
 /// Sample of a film: windows of consecutive frames; fewer in short films.
 struct Sample {
     int windows = 2, frames = 3;  ///< >= 1
@@ -106,10 +109,10 @@ struct Sample {
 struct TrialOptions {
     RenderOptions render;
     std::optional<std::filesystem::path> json, report;
-    std::optional<std::string> sample, bitrate, size, time;
+    std::optional<std::string> sample, bitrate, size, time, quantisers, beside;
     std::optional<int> references;
     std::optional<double> psnr, ssim;
-    std::string within = "1m", tolerances = "16,8,4,2,1", quantisers = "2,4,8,16", of = "film";
+    std::string within = "1m", tolerances = "16,8,4,2,1", of = "film";
 };
 
 /// Schedulers of `farm --to`.

@@ -51,20 +51,25 @@ std::vector<std::string> words_of(const std::string& program, const std::string&
     return {program};
 }
 
-/// Starts a program with its standard input, or both outputs, at these descriptors (below 0: as they are), and then
-/// without interrupts of the terminal. 127 where there is none; below 0 without a process.
-pid_t started(std::vector<std::string>& words, int input, int outputs, const std::filesystem::path& folder = {}) {
+/// Where a program's standard streams lead; below 0: as they are.
+struct Streams {
+    int input = -1, output = -1, errors = -1;
+};
+
+/// Starts a program, without interrupts of the terminal where its input or errors lead elsewhere. 127 where there is
+/// none; below 0 without a process.
+pid_t started(std::vector<std::string>& words, const Streams& streams, const std::filesystem::path& folder = {}) {
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
     const pid_t child = fork();
     if (child != 0) return child;
-    if (input >= 0 || outputs >= 0) setpgid(0, 0);
-    if (input >= 0) dup2(input, STDIN_FILENO);
-    for (const int own : {STDOUT_FILENO, STDERR_FILENO})
-        if (outputs >= 0) dup2(outputs, own);
+    if (streams.input >= 0 || streams.errors >= 0) setpgid(0, 0);
+    if (streams.input >= 0) dup2(streams.input, STDIN_FILENO);
+    if (streams.output >= 0) dup2(streams.output, STDOUT_FILENO);
+    if (streams.errors >= 0) dup2(streams.errors, STDERR_FILENO);
     for (const int ignored : {SIGPIPE, SIGXFSZ, SIGINT, SIGTERM, SIGHUP})
-        if (input >= 0) signal(ignored, SIG_DFL);
+        if (streams.input >= 0) signal(ignored, SIG_DFL);
     if (folder.empty() || chdir(folder.c_str()) == 0) execvp(arguments[0], arguments.data());
     _exit(127);
 }
@@ -85,8 +90,10 @@ Finished run_program(std::vector<std::string> words, Output output, const std::f
     int ends[2] = {-1, -1};
     if (caught && pipe2(ends, O_CLOEXEC) != 0) throw core::Error("running", words[0], std::strerror(errno));
     Finished finished;
-    const pid_t child = started(words, -1, ends[1], folder);
+    const int nowhere = output == Output::errors_passed_on ? open("/dev/null", O_WRONLY | O_CLOEXEC) : -1;
+    const pid_t child = started(words, {-1, caught ? ends[1] : nowhere, ends[1]}, folder);
     if (caught) close(ends[1]);
+    if (nowhere >= 0) close(nowhere);
     char buffer[4096];
     while (caught) {
         const ssize_t n = read(ends[0], buffer, sizeof buffer);
@@ -114,7 +121,7 @@ Player::Player(const std::string& program, const std::string& title, const std::
     std::array<int, 2> ends{};
     if (pipe2(ends.data(), O_CLOEXEC) != 0) throw core::Error("starting", name_, std::strerror(errno));
     std::vector<std::string> words = words_of(name_, title, frame_rate);
-    process_ = started(words, ends[0], -1);
+    process_ = started(words, {ends[0], -1, -1});
     close(ends[0]);
     pipe_ = ends[1];
     if (process_ >= 0) return;

@@ -16,10 +16,10 @@ struct Finished {
 
 bool is_installed(const std::string& program);
 
-enum class Output { passed_on, caught };
+enum class Output { passed_on, errors_passed_on, caught };
 
 /// Runs a program without a shell, in a folder (empty: the current one). `caught`: both outputs together, and no
-/// interrupts of the terminal. Throws core::Error without a process.
+/// interrupts of the terminal. `errors_passed_on`: standard output goes nowhere. Throws core::Error without a process.
 Finished run_program(std::vector<std::string> words, Output output, const std::filesystem::path& folder = {});
 
 class Player {

@@ -173,8 +173,12 @@ std::jthread every(std::chrono::seconds pause, std::function<void()> tick) {
     });
 }
 
+bool shows_words() {
+    return style == ProgressStyle::line || style == ProgressStyle::minute;
+}
+
 std::jthread tell_activities(bool quiet) {
-    if (quiet || (style != ProgressStyle::line && style != ProgressStyle::minute)) return {};
+    if (quiet || !shows_words()) return {};
     return every(std::chrono::seconds(1), [told = "", seconds = 0, since = 0]() mutable {
         // chosen: 10 s in logs, where a refusal is to stand alone, in one line; not tuned.
         const int first = can_rewrite_errors() ? 1 : 10;

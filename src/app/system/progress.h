@@ -77,6 +77,8 @@ void tell_activity(const char* words);
 
 /// Whether steps have lines too: logs have results alone.
 bool shows_steps();
+/// Whether progress is told in words, for people and logs.
+bool shows_words();
 
 /// Frames of the film, frames of a step, or its parts; lines of steps vanish in the end.
 enum class Counted { frames, frames_of_step, parts_of_step };

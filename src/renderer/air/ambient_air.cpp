@@ -67,6 +67,7 @@ glm::vec3 gather_at(glm::vec3 place, const std::vector<glm::vec3>& normals, Gath
     for (int i = 0; i < lane_count; ++i) tolerance.set(i, {{0.0f, relative_tolerance}, 0.0f});
     GatherLanes lanes;
     fill(lanes, all);
+    lanes.at_one_place = true;
     GatheredLight light;
     CutLimits limits;
     limits.most = most_clusters;

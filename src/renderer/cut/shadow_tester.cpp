@@ -1,6 +1,7 @@
 #include "renderer/cut/shadow_tester.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "core/numeric.h"
 #include "renderer/base/isa_clones.h"
@@ -54,20 +55,25 @@ void ShadowTester::trace(LightType type, const TreeLight& light, const Spot* spo
     packet.active = reached(contribution.unit);
     packet.bodies = bodies;
     if (packet.active == 0) return;
+    const std::uint32_t reached_lanes = packet.active;
+    if (lanes.at_one_place) packet.active &= ~packet.active + 1;
+    const int asked = std::countr_zero(packet.active);
     std::uint32_t hidden = 0;
     if (light_trees_.translucent) {
         glm::vec3 passes[lane_count];
         std::fill(std::begin(passes), std::end(passes), glm::vec3(1));
         hidden = blocked(packet, passes);
+        if (lanes.at_one_place) std::fill(std::begin(passes), std::end(passes), glm::vec3(passes[asked]));
         // Of fog something is known of all lanes, and of layers and volumes of those that were asked.
-        const std::uint32_t known = knows_all() ? 0xffffu : packet.active;
+        const std::uint32_t known = knows_all() || lanes.at_one_place ? 0xffffu : packet.active;
         for (int i = 0; i < lane_count; ++i)
             for (int k = 0; k < 3 && (known >> i & 1u) != 0; ++k) contribution.tint.passes[i][k] = passes[i][k];
     } else {
         hidden = blocked(packet);
     }
-    contribution.lit = static_cast<std::uint16_t>((contribution.lit | packet.active) & ~hidden);
-    contribution.unknown = static_cast<std::uint16_t>(contribution.unknown & ~packet.active);
+    if (lanes.at_one_place && hidden != 0) hidden = reached_lanes;
+    contribution.lit = static_cast<std::uint16_t>((contribution.lit | reached_lanes) & ~hidden);
+    contribution.unknown = static_cast<std::uint16_t>(contribution.unknown & ~reached_lanes);
     if (hidden == 0) return;
     LightLanes& unit = contribution.unit;
     for (int i = 0; i < lane_count; ++i) {

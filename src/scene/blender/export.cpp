@@ -35,21 +35,6 @@ bool is_program(const fs::path& file) {
     return fs::is_regular_file(file, failure) && access(file.c_str(), X_OK) == 0;
 }
 
-/// Empty where there is none.
-fs::path find_blender() {
-    if (const char* named = std::getenv("RENDER2MPEG_BLENDER"); named != nullptr && *named != '\0')
-        return is_program(named) ? fs::path(named) : fs::path();
-    const char* path = std::getenv("PATH");
-    std::string_view folders = path != nullptr ? path : "";
-    while (!folders.empty()) {
-        const std::size_t end = std::min(folders.find(':'), folders.size());
-        const fs::path file = fs::path(folders.substr(0, end)) / "blender";
-        if (end > 0 && is_program(file)) return file;
-        folders.remove_prefix(std::min(end + 1, folders.size()));
-    }
-    return {};
-}
-
 /// State as the script writes it; null without a file.
 nlohmann::json state_of(const fs::path& file) {
     struct stat state {};
@@ -172,8 +157,22 @@ void run_blender(const fs::path& blend, const fs::path& blender, const fs::path&
 
 }  // namespace
 
+fs::path blender_program() {
+    if (const char* named = std::getenv("RENDER2MPEG_BLENDER"); named != nullptr && *named != '\0')
+        return is_program(named) ? fs::path(named) : fs::path();
+    const char* path = std::getenv("PATH");
+    std::string_view folders = path != nullptr ? path : "";
+    while (!folders.empty()) {
+        const std::size_t end = std::min(folders.find(':'), folders.size());
+        const fs::path file = fs::path(folders.substr(0, end)) / "blender";
+        if (end > 0 && is_program(file)) return file;
+        folders.remove_prefix(std::min(end + 1, folders.size()));
+    }
+    return {};
+}
+
 BlenderExport export_by_blender(const fs::path& file) {
-    const fs::path blender = find_blender();
+    const fs::path blender = blender_program();
     if (blender.empty())
         throw core::Error("reading", file.string(),
                           core::ending_of(file) +

@@ -16,6 +16,9 @@ struct BlenderExport {
 /// PATH, limited in memory and time. Throws core::Error.
 BlenderExport export_by_blender(const std::filesystem::path& file);
 
+/// $RENDER2MPEG_BLENDER, else `blender` on the PATH; empty where there is none.
+std::filesystem::path blender_program();
+
 /// Becomes Blender within a probe. `words`: program, script, scene, output folder, side of baked textures. Returns
 /// only on failure.
 void become_blender(const std::vector<std::string>& words);

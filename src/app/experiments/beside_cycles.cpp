@@ -1,0 +1,206 @@
+#include "app/experiments/beside_cycles.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <utility>
+
+#include "app/experiments/trial.h"
+#include "app/experiments/trial_command.h"
+#include "app/files/file_io.h"
+#include "app/files/temporary_folder.h"
+#include "app/options/option_text.h"
+#include "app/options/usage_error.h"
+#include "app/system/interrupt.h"
+#include "app/system/program.h"
+#include "app/system/progress.h"
+#include "app/system/terminal.h"
+#include "core/error.h"
+#include "core/module.h"
+#include "core/scene_formats.h"
+#include "core/text.h"
+#include "encoder/codec.h"
+#include "parallel/loops.h"
+#include "scene/blender/export.h"
+
+namespace render2mpeg::app {
+namespace {
+
+using nlohmann::json;
+
+/// chosen: seconds a frame on a few cores, and edges and hair that one still sees.
+constexpr int usual_width = 192;
+/// chosen: beyond 512 samples users denoise; the truth has to be better than these.
+constexpr int most_samples = 512, truth_samples = 1024;
+
+void check(const TrialOptions& options) {
+    const std::filesystem::path& scene = options.render.input;
+    if (core::ending_of(scene) != ".blend")
+        throw UsageError("--beside cycles: Cycles renders .blend files, and " + scene.string() + " is none");
+    if (options.report) throw UsageError("--beside cycles and --report: there is no page of it; --json has its figures");
+    if (options.references) throw UsageError("--beside cycles and --references: the truth is Cycles' of all frames");
+    if (!is_installed("ffmpeg"))
+        throw core::Error("running", "ffmpeg", "there is no such program; its package is called ffmpeg");
+}
+
+/// The film's size in small, even.
+Size small_size(const RenderJob& film, const RenderOptions& render) {
+    const Size whole{film.coding.width, film.coding.height};
+    if (render.size || whole.width <= usual_width) return whole;
+    const auto even = [](double side) { return std::max(16, 2 * static_cast<int>(std::lround(0.5 * side))); };
+    return {usual_width, even(1.0 * usual_width * whole.height / whole.width)};
+}
+
+json order_of(const TrialOptions& options, const RenderJob& film, const std::vector<std::string>& words) {
+    std::vector<std::string> without(options_of_trials.begin(), options_of_trials.end());
+    without.insert(without.end(), {"--size", "--frames", "--codec", "--exposure", "--progress"});
+    const std::string codec(encoder::facts_of(film.coding.codec).word);
+    // Windows would measure exposures of their own.
+    std::vector<std::string> render =
+        changed_command(words, "render", without, {"--quiet", "-y", "--overwrite"},
+                        {{"--codec", codec}, {"--exposure", fmt::format("{}", film.exposure.value_or(0))}});
+    render[0] = core::program_file().string();
+    json windows = json::array();
+    for (const Chunk& window : windows_by_shot(film, sample_from(options.sample.value_or("3x3"))))
+        windows.push_back({window.first, window.last});
+    const Size size = small_size(film, options.render);
+    return {{"scene", std::filesystem::absolute(options.render.input).string()},
+            {"render", render},
+            {"codec", codec},
+            {"size", {size.width, size.height}},
+            {"windows", windows},
+            {"quantisers", quantisers_from(options.quantisers.value_or("4"))},
+            {"samples", {8, 32, 128}},
+            {"most_samples", most_samples},
+            {"truth_samples", truth_samples},
+            {"threads", options.render.threads},
+            {"denoiser", "best"},
+            {"everything", false},
+            {"quiet", options.render.quiet || !shows_words()}};
+}
+
+/// What Blender finds out; null after an interruption.
+json found_by_blender(json order) {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("order.json");
+    const std::filesystem::path result = folder.file("result.json");
+    order["folder"] = folder.file("films");
+    order["result"] = result.string();
+    std::ofstream(file) << order.dump(-1, ' ', false, json::error_handler_t::replace);
+    const std::string script = core::installed_file("blender/beside_cycles/compare.py").string();
+    tell_activity("");  // it tells its own
+    const Finished finished =
+        run_program({scene::blender_program().string(), "--background", "--factory-startup", "--disable-autoexec",
+                     "-noaudio", "--python-exit-code", "1", "--python", script, "--", file},
+                    Output::errors_passed_on);
+    if (InterruptGuard::requested()) return nullptr;
+    json found = json::parse(std::ifstream(result), nullptr, false);
+    const std::string name = order.at("scene");
+    if (!found.is_object())
+        throw core::Error("comparing", name, fmt::format("Blender ended with status {}", finished.status));
+    if (found.contains("error")) throw core::Error("comparing", name, found.at("error").get<std::string>());
+    return found;
+}
+
+double number(const json& row, const char* key) {
+    return row.at(key).get<double>();
+}
+
+std::string row_of(const std::string& name, const std::string& quantiser, const json& row) {
+    return fmt::format("{:<24} {:>3} {:>9.2f} {:>8.1f} {:>8.4f} {:>9.1f} {:>8.2f}\n", name, quantiser,
+                       number(row, "cpu"), number(row, "psnr_y"), number(row, "ssim_y"), 1e-3 * number(row, "bytes"),
+                       number(row, "flicker"));
+}
+
+std::string table_of(const json& found) {
+    const json& all = found.at("all");
+    std::string text = fmt::format("\n{:<24} {:>3} {:>9} {:>8} {:>8} {:>9} {:>8}\n", "", "q", "CPU s/fr.", "PSNR-Y",
+                                   "SSIM", "kB", "flicker");
+    for (const auto& [quantiser, ours] : all.at("ours").items()) {
+        text += row_of("render2mpeg", quantiser, ours);
+        std::map<int, json> by_samples;  // in JSON they are sorted as words
+        for (const auto& [samples, row] : all.at("cycles").at(quantiser).items())
+            by_samples[std::stoi(samples)] = row;
+        for (const auto& [samples, row] : by_samples)
+            text += row_of(fmt::format("Cycles, {} samples", samples), quantiser, row);
+    }
+    return text;
+}
+
+/// "3.1 times less CPU", "1.4 times the CPU"
+std::string times_text(double times) {
+    return times >= 1 ? fmt::format("{:.1f} times less CPU", times) : fmt::format("{:.1f} times the CPU", 1 / times);
+}
+
+/// At one quantiser.
+std::string sentence_at(const std::string& quantiser, const json& all) {
+    const json& equal = all.at("equal").at(quantiser);
+    const std::string beyond = equal.at("beyond");
+    const double times = number(equal, "times"), flicker = number(equal, "flicker");
+    if (beyond == "<")
+        return fmt::format("at quantiser {} the fewest samples of Cycles are nearer to the truth already, for {}",
+                           quantiser, times_text(1 / times));
+    if (beyond == ">")
+        return fmt::format(
+            "at quantiser {} no count of samples that was tried comes as near to the truth: the best takes {} than "
+            "yours, and flickers {:.1f} times as much",
+            quantiser, times >= 1 ? fmt::format("{:.1f} times more CPU", times) : times_text(1 / times),
+            1 / std::max(flicker, 0.01));
+    return fmt::format("at quantiser {} your film takes {} at equal quality, and has {:.1f} times the flicker",
+                       quantiser, times_text(times), flicker);
+}
+
+}  // namespace
+
+std::string sentence_of_peers(const json& found) {
+    std::string text;
+    for (const auto& [quantiser, unused] : found.at("all").at("ours").items())
+        text += (text.empty() ? "Beside Cycles with a denoiser, " : "; ") + sentence_at(quantiser, found.at("all"));
+    std::string better;
+    for (const json& window : found.at("windows"))
+        for (const auto& [quantiser, equal] : window.at("equal").items())
+            if (number(equal, "times") < 1 && equal.at("beyond") != ">") {
+                better += fmt::format("{}{} to {}", better.empty() ? "" : ", ", window.at("first").get<int>(),
+                                      window.at("last").get<int>());
+                break;
+            }
+    if (!better.empty()) text += ". Cycles with a denoiser would be better in frames " + better;
+    return text + ".";
+}
+
+int compare_beside_cycles(const TrialOptions& options, const std::vector<std::string>& words) {
+    check(options);
+    const parallel::ThreadLimit threads(options.render.threads);
+    const InterruptGuard guard(options.render.quiet);
+    TrialOptions told = options;
+    if (!told.render.coding.codec) told.render.coding.codec = "h264";
+    const RenderJob film = prepare_trials(told.render, told);
+    json order = order_of(told, film, words);
+    json found = InterruptGuard::requested() ? json() : found_by_blender(order);
+    if (found.is_null()) return interrupted_before_rows(options.render.quiet);
+    const json size = order.at("size");
+    found.update({{"command", line_of(words)},
+                  {"version", RENDER2MPEG_VERSION},
+                  {"input", film.animation->source},
+                  {"codec", order.at("codec")},
+                  {"width", size.at(0)},
+                  {"height", size.at(1)},
+                  {"truth_samples", truth_samples},
+                  {"summary", sentence_of_peers(found)}});
+    if (!options.render.quiet) {
+        print(fmt::format("{} frames of {}x{}, {}; Cycles of Blender {}, {}\n", film.frame_count(),
+                          size.at(0).get<int>(), size.at(1).get<int>(),
+                          encoder::facts_of(film.coding.codec).name, found.at("blender").get<std::string>(),
+                          found.at("denoiser") == "blender" ? "denoised by it"
+                                                            : "denoised by a regression whose time does not count"));
+        print(table_of(found));
+        print_sentence(found.at("summary"));
+    }
+    if (options.json) write_json(*options.json, found);
+    return 0;
+}
+
+}  // namespace render2mpeg::app
