@@ -40,10 +40,11 @@ float step_scale(Codec codec, int quantiser) {
     return static_cast<float>(step_of(codec, quantiser)) / flat;
 }
 
-StepSizes step_sizes(const Settings& settings, int quantiser) {
+StepSizes step_sizes(const Settings& settings, int quantiser, float ratio) {
     StepSizes steps =
         settings.codec == Codec::mpeg2 ? mpeg2_steps(settings.tune, quantiser) : flat_steps(settings.codec, quantiser);
-    steps.scale = step_scale(settings.codec, quantiser);
+    steps.scale = ratio * step_scale(settings.codec, quantiser);
+    steps.intra_dc *= ratio;
     return steps;
 }
 

@@ -18,8 +18,8 @@ struct StepSizes {
 };
 
 /// The steps of a film's pictures with this quantiser. Codecs that transform 4x4 as well as 8x8 have the same step in
-/// both. [H262, 7.4.1 and 7.4.2], [H264, 8.5.9]
-StepSizes step_sizes(const Settings& settings, int quantiser);
+/// both. `ratio`: PicturePlan::step_ratio. [H262, 7.4.1 and 7.4.2], [H264, 8.5.9]
+StepSizes step_sizes(const Settings& settings, int quantiser, float ratio = 1);
 
 /// Their scale alone, also where a macroblock has another quantiser than its picture.
 float step_scale(Codec codec, int quantiser);

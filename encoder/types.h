@@ -157,6 +157,8 @@ struct PicturePlan {
     /// The last picture that depends on this one, directly or not, where motion to it helps `push` (Hints::onward).
     std::optional<std::int64_t> horizon;
     int quantiser = 4;  ///< to render for; the one really used is CodedPicture::quantiser
+    /// Of its steps to those of its quantiser, where a codec varies them by itself.
+    float step_ratio = 1;
 
     bool operator==(const PicturePlan&) const = default;
 };

@@ -32,11 +32,11 @@ def still(film, index):
     return subprocess.run(words, stdout=subprocess.PIPE, check=True).stdout
 
 
-def pictures_of(ours, peers, truth, index, first):
-    """{name: PNG} of a picture, counted from 0: by our films by quantiser, peers' films by samples, and by the truth's folder."""
-    pictures = {f"ours, {quantiser}": still(film, index) for quantiser, film in ours.items()}
-    pictures |= {f"Cycles {samples}, denoised": still(film, index) for samples, film in peers.items()}
-    return pictures | {"truth (half of its samples)": (truth / f"{first + index:04d}.png").read_bytes()}
+def pictures_of(films, index):
+    """{name: PNG} of a picture, counted from 0, of what blender/beside_cycles/compare.py says of `films`."""
+    pictures = {f"ours, {quantiser}": still(film, index) for quantiser, film in films["ours"].items()}
+    pictures |= {f"Cycles {samples}, denoised": still(film, index) for samples, film in films["cycles"].items()}
+    return pictures | {"truth (half of its samples)": still(films["truth"], index)}
 
 
 def table_of(lines):

@@ -11,6 +11,7 @@
 #include "encoder/av/backend.h"
 #include "encoder/av/coders.h"
 #include "encoder/av/levels.h"
+#include "encoder/av/svt_layers.h"
 #include "encoder/codec.h"
 #include "encoder/encoder.h"
 #include "encoder/mpeg2/kernels/frame.h"
@@ -108,6 +109,12 @@ class LibraryCoder final : public encoder::Coder {
         if (facts.allocation && first_of_chunk)
             planned.chunk_bits = facts.allocation->affordable * facts.allocation->bits_left;
         plan.quantiser = limited(rounding_(wanted(facts), number, starts_gop, settings_) + planned.offset);
+        if (starts_gop) group_start_ = number;
+        if (settings_.codec == encoder::Codec::av1)
+            plan.step_ratio =
+                svt_step_ratio(number - group_start_,
+                               std::min(number + facts.frames_left, group_start_ + settings_.gop - 1) - group_start_,
+                               settings_.effort);
         plan.references.clear();  // these encoders look for vectors by themselves
         planned.plan = plan;
         planned.first_of_chunk = first_of_chunk;
@@ -329,6 +336,7 @@ class LibraryCoder final : public encoder::Coder {
     std::vector<Kept> kept_;                   ///< a chunk's pictures, where its bits are to be reached
     double chunk_bits_ = 0;                    ///< that chunk's
     std::int64_t coding_order_ = 0;
+    std::int64_t group_start_ = 0;
     int columns_, rows_;  ///< of macroblocks
     Rounding rounding_;   ///< of plans
 };

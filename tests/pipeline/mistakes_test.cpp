@@ -133,6 +133,8 @@ const std::vector<Mistake>& values() {
         {"render S -o x.mpg --keyframes a,b", 2, {"--keyframes a,b: expected frame numbers", "0,48,96"}},
         {"render S -o x.mpg --audio-offset later", 2, {"--audio-offset later: expected a number from"}},
         {"cost S --tolerances 8,,2", 2, {"--tolerances 8,,2: expected per cent", "8,4,2,1"}},
+        {"compare S --beside cycles", 2, {"--beside cycles", "Cycles renders .blend files"}},
+        {"compare S --beside arnold", 2, {"--beside", "arnold", "cycles"}},
         {"compare S --quantisers 40", 2, {"--quantisers 40: expected numbers from 1 to 31"}},
         {"cost S --sample 3", 2, {"--sample 3: expected WINDOWSxFRAMES", "2x3"}},
         {"tune S --target-psnr 400 --dry-run", 2, {"--target-psnr 400: expected a number from 1 to 99"}},

@@ -40,7 +40,8 @@ void check(const TrialOptions& options) {
     const std::filesystem::path& scene = options.render.input;
     if (core::ending_of(scene) != ".blend")
         throw UsageError("--beside cycles: Cycles renders .blend files, and " + scene.string() + " is none");
-    if (options.report) throw UsageError("--beside cycles and --report: there is no page of it; --json has its figures");
+    if (options.report)
+        throw UsageError("--beside cycles and --report: there is no page of it; --json has its figures");
     if (options.references) throw UsageError("--beside cycles and --references: the truth is Cycles' of all frames");
     if (!is_installed("ffmpeg"))
         throw core::Error("running", "ffmpeg", "there is no such program; its package is called ffmpeg");
@@ -102,6 +103,7 @@ json found_by_blender(json order) {
     if (!found.is_object())
         throw core::Error("comparing", name, fmt::format("Blender ended with status {}", finished.status));
     if (found.contains("error")) throw core::Error("comparing", name, found.at("error").get<std::string>());
+    for (json& window : found.at("windows")) window.erase("films");  // they go with the folder
     return found;
 }
 
@@ -109,22 +111,26 @@ double number(const json& row, const char* key) {
     return row.at(key).get<double>();
 }
 
-std::string row_of(const std::string& name, const std::string& quantiser, const json& row) {
+std::string row_of(const std::string& name, int quantiser, const json& row) {
     return fmt::format("{:<24} {:>3} {:>9.2f} {:>8.1f} {:>8.4f} {:>9.1f} {:>8.2f}\n", name, quantiser,
                        number(row, "cpu"), number(row, "psnr_y"), number(row, "ssim_y"), 1e-3 * number(row, "bytes"),
                        number(row, "flicker"));
+}
+
+/// Members whose names are numbers, ascending.
+std::map<int, json> by_number(const json& object) {
+    std::map<int, json> members;
+    for (const auto& [name, value] : object.items()) members[std::stoi(name)] = value;
+    return members;
 }
 
 std::string table_of(const json& found) {
     const json& all = found.at("all");
     std::string text = fmt::format("\n{:<24} {:>3} {:>9} {:>8} {:>8} {:>9} {:>8}\n", "", "q", "CPU s/fr.", "PSNR-Y",
                                    "SSIM", "kB", "flicker");
-    for (const auto& [quantiser, ours] : all.at("ours").items()) {
+    for (const auto& [quantiser, ours] : by_number(all.at("ours"))) {
         text += row_of("render2mpeg", quantiser, ours);
-        std::map<int, json> by_samples;  // in JSON they are sorted as words
-        for (const auto& [samples, row] : all.at("cycles").at(quantiser).items())
-            by_samples[std::stoi(samples)] = row;
-        for (const auto& [samples, row] : by_samples)
+        for (const auto& [samples, row] : by_number(all.at("cycles").at(std::to_string(quantiser))))
             text += row_of(fmt::format("Cycles, {} samples", samples), quantiser, row);
     }
     return text;
@@ -136,19 +142,17 @@ std::string times_text(double times) {
 }
 
 /// At one quantiser.
-std::string sentence_at(const std::string& quantiser, const json& all) {
-    const json& equal = all.at("equal").at(quantiser);
+std::string sentence_at(int quantiser, const json& equal) {
     const std::string beyond = equal.at("beyond");
     const double times = number(equal, "times"), flicker = number(equal, "flicker");
     if (beyond == "<")
-        return fmt::format("at quantiser {} the fewest samples of Cycles are nearer to the truth already, for {}",
-                           quantiser, times_text(1 / times));
+        return fmt::format("at quantiser {} the fewest samples are nearer to the truth already, for {}", quantiser,
+                           times_text(1 / times));
     if (beyond == ">")
         return fmt::format(
-            "at quantiser {} no count of samples that was tried comes as near to the truth: the best takes {} than "
-            "yours, and flickers {:.1f} times as much",
-            quantiser, times >= 1 ? fmt::format("{:.1f} times more CPU", times) : times_text(1 / times),
-            1 / std::max(flicker, 0.01));
+            "at quantiser {} no count of samples comes as near to the truth; the best takes {:.1f} "
+            "times your film's CPU and has {:.1f} times its flicker",
+            quantiser, times, 1 / std::max(flicker, 0.01));
     return fmt::format("at quantiser {} your film takes {} at equal quality, and has {:.1f} times the flicker",
                        quantiser, times_text(times), flicker);
 }
@@ -157,8 +161,8 @@ std::string sentence_at(const std::string& quantiser, const json& all) {
 
 std::string sentence_of_peers(const json& found) {
     std::string text;
-    for (const auto& [quantiser, unused] : found.at("all").at("ours").items())
-        text += (text.empty() ? "Beside Cycles with a denoiser, " : "; ") + sentence_at(quantiser, found.at("all"));
+    for (const auto& [quantiser, equal] : by_number(found.at("all").at("equal")))
+        text += (text.empty() ? "Beside Cycles with a denoiser, " : "; ") + sentence_at(quantiser, equal);
     std::string better;
     for (const json& window : found.at("windows"))
         for (const auto& [quantiser, equal] : window.at("equal").items())
@@ -192,8 +196,8 @@ int compare_beside_cycles(const TrialOptions& options, const std::vector<std::st
                   {"summary", sentence_of_peers(found)}});
     if (!options.render.quiet) {
         print(fmt::format("{} frames of {}x{}, {}; Cycles of Blender {}, {}\n", film.frame_count(),
-                          size.at(0).get<int>(), size.at(1).get<int>(),
-                          encoder::facts_of(film.coding.codec).name, found.at("blender").get<std::string>(),
+                          size.at(0).get<int>(), size.at(1).get<int>(), encoder::facts_of(film.coding.codec).name,
+                          found.at("blender").get<std::string>(),
                           found.at("denoiser") == "blender" ? "denoised by it"
                                                             : "denoised by a regression whose time does not count"));
         print(table_of(found));

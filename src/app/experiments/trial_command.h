@@ -30,7 +30,7 @@ using TrialColumns = std::vector<const char*>;
 
 /// Options of trials that say nothing of the film they are about.
 inline constexpr std::array options_of_trials{
-    "--sample", "--within",      "--tolerances",  "--quantisers",     "--json",     "--report",  "--references",
+    "--sample", "--within", "--tolerances",  "--quantisers",  "--json",           "--report",   "--references",
     "--beside", "--of",     "--target-psnr", "--target-ssim", "--target-bitrate", "--max-size", "--max-time"};
 
 /// Lines of text, each with its end; the name is left-aligned in `width` columns.

@@ -16,9 +16,9 @@ void Coupling::forget() {
     kept_.clear();
 }
 
-perceptual::CodingPlan Coupling::steps_of(encoder::PictureType type, int quantiser) const {
-    const encoder::StepSizes steps = encoder::step_sizes(coding_, quantiser);
-    return {type == encoder::PictureType::intra,
+perceptual::CodingPlan Coupling::steps_of(const encoder::PicturePlan& plan, int quantiser) const {
+    const encoder::StepSizes steps = encoder::step_sizes(coding_, quantiser, plan.step_ratio);
+    return {plan.type == encoder::PictureType::intra,
             steps.scale,
             {steps.intra, steps.inter, steps.intra_dc, steps.intra_dead_zone, steps.inter_dead_zone}};
 }
@@ -26,7 +26,7 @@ perceptual::CodingPlan Coupling::steps_of(encoder::PictureType type, int quantis
 void Coupling::take_rough_look(const core::Picture& picture, const core::Radiance& radiance,
                                const core::Visible& visible, const encoder::PicturePlan& plan) {
     state_ = model_.assume_coded(model_.observe(picture, radiance, std::make_shared<const core::Visible>(visible)),
-                                 steps_of(plan.type, plan.quantiser));
+                                 steps_of(plan, plan.quantiser));
     requantised_.reset();
 }
 
@@ -40,7 +40,7 @@ float Coupling::fraction_for(const encoder::PicturePlan& plan) const {
 core::ToleranceMap Coupling::tolerate(const core::Visible& visible, const encoder::PicturePlan& plan,
                                       const core::MotionField* motion) {
     EXPECTS(state_.has_value());
-    const perceptual::CodingPlan steps = steps_of(plan.type, plan.quantiser);
+    const perceptual::CodingPlan steps = steps_of(plan, plan.quantiser);
     if (!requantised_ || !(requantised_->plan == steps)) requantised_ = model_.requantise(*state_, steps);
     perceptual::Tolerated tolerated = model_.tolerate(visible, *requantised_, *state_, motion, fraction_for(plan));
     // A rough look has nothing to blend with.
@@ -59,14 +59,14 @@ void Coupling::keep(const core::Picture& picture, const core::Radiance& radiance
 perceptual::CodedFacts Coupling::facts_of(const encoder::CodedPicture& coded) const {
     perceptual::CodedFacts facts;
     facts.number = coded.plan.number;
-    facts.plan = steps_of(coded.plan.type, coded.quantiser);
-    facts.lit_for = steps_of(coded.plan.type, coded.plan.quantiser);
+    facts.plan = steps_of(coded.plan, coded.quantiser);
+    facts.lit_for = steps_of(coded.plan, coded.plan.quantiser);
     facts.intra = core::Plane<std::uint8_t>(coded.macroblocks.width(), coded.macroblocks.height());
     facts.scale = core::Plane<float>(coded.macroblocks.width(), coded.macroblocks.height());
     for (std::size_t i = 0; i < coded.macroblocks.size(); ++i) {
         const encoder::MacroblockRecord& record = coded.macroblocks.values()[i];
         facts.intra.values()[i] = record.intra ? 1 : 0;
-        facts.scale.values()[i] = encoder::step_scale(coding_.codec, record.quantiser);
+        facts.scale.values()[i] = coded.plan.step_ratio * encoder::step_scale(coding_.codec, record.quantiser);
     }
     facts.reconstruction = coded.reconstruction.y;
     if (coded.plan.type == encoder::PictureType::predicted && coded.tells_vectors)

@@ -55,7 +55,7 @@ class Coupling {
 
   private:
     float fraction_for(const encoder::PicturePlan& plan) const;
-    perceptual::CodingPlan steps_of(encoder::PictureType type, int quantiser) const;
+    perceptual::CodingPlan steps_of(const encoder::PicturePlan& plan, int quantiser) const;
     perceptual::CodedFacts facts_of(const encoder::CodedPicture& coded) const;
 
     perceptual::VisibilityModel model_;

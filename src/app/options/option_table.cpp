@@ -396,7 +396,8 @@ Rows trial_rows(CommandLine& line) {
          range(1, 1000), ShownAs{"4"}},
         {"--quantisers", tried, o.quantisers, "Quantisers to code with, two or more", "Q,Q,...", quantisers_from,
          ShownAs{usual_quantisers}},
-        {"--beside", tried, o.beside, "Another way: `cycles`, denoised, of a .blend, in small", "WAY", one_of({"cycles"})},
+        {"--beside", tried, o.beside, "Another way: `cycles`, denoised, of a .blend, in small", "WAY",
+         one_of({"cycles"})},
         {"--sample@tune", tried, o.sample,
          "Windows spread over the film, by consecutive frames of each (default: an eighth of the film, at most 2x15; "
          "with --max-time 2x3)",

@@ -1,0 +1,71 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+#include "app/experiments/beside_cycles.h"
+#include "pipeline/fixture.h"
+
+/// `render2mpeg compare --beside cycles`.
+namespace render2mpeg::test {
+namespace {
+
+json window_of(int first, double times, double flicker, const char* beyond) {
+    const json equal{{"times", times}, {"flicker", flicker}, {"beyond", beyond}};
+    return {{"first", first}, {"last", first + 2}, {"equal", {{"4", equal}}}};
+}
+
+TEST(BesideCycles, SaysWhoIsBetterWhere) {
+    json found;
+    found["windows"] = {window_of(0, 3.1, 0.5, ""), window_of(40, 0.4, 0.9, ""), window_of(80, 0.9, 0.9, ">")};
+    found["all"] = window_of(0, 3.14, 0.52, "");
+    EXPECT_EQ(app::sentence_of_peers(found),
+              "Beside Cycles with a denoiser, at quantiser 4 your film takes 3.1 times less CPU at equal quality, and "
+              "has 0.5 times the flicker. Cycles with a denoiser would be better in frames 40 to 42.");
+    found["windows"] = json::array({window_of(0, 0.5, 1, "")});
+    found["all"] = window_of(0, 0.5, 1.0, "");
+    EXPECT_NE(app::sentence_of_peers(found).find("takes 2.0 times the CPU at equal quality"), std::string::npos);
+    found["all"] = window_of(0, 2.0, 0.5, ">");
+    EXPECT_NE(
+        app::sentence_of_peers(found).find("the best takes 2.0 times your film's CPU and has 2.0 times its flicker"),
+        std::string::npos);
+    found["all"] = window_of(0, 0.1, 0.5, "<");
+    EXPECT_NE(app::sentence_of_peers(found).find("nearer to the truth already, for 10.0 times less CPU"),
+              std::string::npos);
+}
+
+TEST(BesideCycles, HoldsAFilmAgainstCyclesSlow) {
+    if (run("command -v blender").status != 0) GTEST_SKIP() << "Blender is not installed";
+    const Folder folder;
+    const std::string film = path(folder, "a film.blend");
+    const Outcome made =
+        run("blender -b --factory-startup --python-exit-code 1 --python-expr \"import bpy; s = "
+            "bpy.context.scene; s.frame_end = 3; s.cycles.samples = 8; "
+            "bpy.ops.wm.save_as_mainfile(filepath='" +
+            film + "')\"");
+    ASSERT_EQ(made.status, 0) << made.output;
+    const Outcome outcome =
+        run(program() + " compare '" + film + "' --beside cycles --size 48x32 --sample 1x2 --quantisers 8 --json " +
+            path(folder, "found.json"));
+    ASSERT_EQ(outcome.status, 0) << outcome.output;
+    const json found = json::parse(contents(folder / "found.json"));
+    const std::string document = contents(support::source_folder() / "docs/json.md");
+    for (const auto& [key, value] : found.items()) EXPECT_NE(document.find("`" + key + "`"), std::string::npos) << key;
+    ASSERT_EQ(found.at("windows").size(), 1u);
+    EXPECT_EQ(found.at("windows")[0].at("first"), 1);
+    EXPECT_EQ(found.at("windows")[0].at("last"), 2);
+    const json &all = found.at("all"), &cycles = all.at("cycles").at("8"), &ours = all.at("ours").at("8");
+    for (const auto& [key, value] : ours.items()) EXPECT_NE(document.find("`" + key + "`"), std::string::npos) << key;
+    EXPECT_GT(cycles.at("128").at("psnr_y").get<double>(), cycles.at("8").at("psnr_y").get<double>());
+    EXPECT_GT(cycles.at("128").at("cpu").get<double>(), cycles.at("8").at("cpu").get<double>());
+    EXPECT_GT(ours.at("psnr_y").get<double>(), 30.0);
+    EXPECT_NEAR(found.at("windows")[0].at("light").at("mean").get<double>(), 1.0, 0.03);
+    EXPECT_NE(outcome.output.find("Cycles, 128 samples"), std::string::npos) << outcome.output;
+    EXPECT_NE(outcome.output.find(found.at("summary").get<std::string>().substr(0, 30)), std::string::npos);
+    std::size_t files = 0;
+    for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder.path())) ++files;
+    EXPECT_EQ(files, 3u) << "the film, its export, the figures";
+}
+
+}  // namespace
+}  // namespace render2mpeg::test
