@@ -14,35 +14,35 @@
 namespace render2mpeg::test {
 namespace {
 
-constexpr int width = 192, height = 480, frames = 4, iso = 6400;
+constexpr int film_width = 192, film_height = 480, film_frames = 4, film_iso = 6400;
 constexpr std::array<int, 3> greys{60, 120, 190};  ///< of columns side by side
 
 std::string grey_film(const Folder& folder) {
     std::ofstream stream(folder / "grey.y4m", std::ios::binary);
-    stream << "YUV4MPEG2 W" << width << " H" << height << " F25:1 Ip A1:1 C420mpeg2\n";
+    stream << "YUV4MPEG2 W" << film_width << " H" << film_height << " F25:1 Ip A1:1 C420mpeg2\n";
     std::string row;
-    for (const int grey : greys) row += std::string(width / greys.size(), static_cast<char>(grey));
-    for (int n = 0; n < frames; ++n) {
+    for (const int grey : greys) row += std::string(film_width / greys.size(), static_cast<char>(grey));
+    for (int n = 0; n < film_frames; ++n) {
         stream << "FRAME\n";
-        for (int y = 0; y < height; ++y) stream << row;
-        stream << std::string(width * height / 2, '\x80');
+        for (int y = 0; y < film_height; ++y) stream << row;
+        stream << std::string(film_width * film_height / 2, '\x80');
     }
     return path(folder, "grey.y4m");
 }
 
-std::string encoded(const Folder& folder, const std::string& film, const std::string& options,
-                    const std::string& name) {
+std::string encoded_greys(const Folder& folder, const std::string& film, const std::string& options,
+                          const std::string& name) {
     const auto result = run(program() + " encode " + film + " -y --quiet " + options + " -o " + path(folder, name));
     EXPECT_EQ(result.status, 0) << result.output;
     return path(folder, name);
 }
 
 /// Luma in code values of 8 bits, frame by frame, as ffmpeg decodes it.
-std::vector<double> luma_of(const std::string& file, const std::string& how = "") {
+std::vector<double> decoded_luma(const std::string& file, const std::string& how = "") {
     const auto decoded = run("ffmpeg -v error " + how + " -i " + file + " -f rawvideo -pix_fmt yuv420p10le -");
     EXPECT_EQ(decoded.status, 0);
-    constexpr std::size_t of_luma = std::size_t{2} * width * height, of_frame = of_luma / 2 * 3;
-    EXPECT_EQ(decoded.output.size(), of_frame * frames);
+    constexpr std::size_t of_luma = std::size_t{2} * film_width * film_height, of_frame = of_luma / 2 * 3;
+    EXPECT_EQ(decoded.output.size(), of_frame * film_frames);
     std::vector<double> luma;
     for (std::size_t i = 0; i + 1 < decoded.output.size(); i += 2) {
         if (i % of_frame >= of_luma) continue;
@@ -55,24 +55,24 @@ std::vector<double> luma_of(const std::string& file, const std::string& how = ""
 
 /// Mean product of a column's deviations from their mean with those at another place.
 double covariance(const std::vector<double>& luma, int column, int across, int later) {
-    constexpr int part = width / static_cast<int>(greys.size()), edge = 4;
+    constexpr int part = film_width / static_cast<int>(greys.size()), edge = 4;
     const auto at = [&](int n, int y, int x) {
-        return luma[static_cast<std::size_t>((n * height + y) * width + column * part + x)];
+        return luma[static_cast<std::size_t>((n * film_height + y) * film_width + column * part + x)];
     };
     double sum = 0, products = 0, count = 0;
-    for (int n = 0; n + later < frames; ++n)
-        for (int y = 0; y < height; ++y)
+    for (int n = 0; n + later < film_frames; ++n)
+        for (int y = 0; y < film_height; ++y)
             for (int x = edge; x + across < part - edge; ++x, ++count) sum += at(n, y, x);
-    for (int n = 0; n + later < frames; ++n)
-        for (int y = 0; y < height; ++y)
+    for (int n = 0; n + later < film_frames; ++n)
+        for (int y = 0; y < film_height; ++y)
             for (int x = edge; x + across < part - edge; ++x)
                 products += (at(n, y, x) - sum / count) * (at(n + later, y, x + across) - sum / count);
     return products / count;
 }
 
 void expect_grain(const std::vector<double>& luma, const std::string& name) {
-    const core::FilmGrain grain(iso, height);
-    ASSERT_EQ(luma.size(), std::size_t{width} * height * frames);
+    const core::FilmGrain grain(film_iso, film_height);
+    ASSERT_EQ(luma.size(), std::size_t{film_width} * film_height * film_frames);
     for (std::size_t i = 0; i < greys.size(); ++i) {
         const int column = static_cast<int>(i);
         const double expected = std::pow(grain.deviation(static_cast<float>(greys[i])), 2),
@@ -86,16 +86,16 @@ void expect_grain(const std::vector<double>& luma, const std::string& name) {
 
 TEST(GrainInFilms, HasTheVarianceOfItsModelByLumaInEachCodecSlow) {
     const Folder folder;
-    const std::string film = grey_film(folder), grain = " --grain " + std::to_string(iso);
-    expect_grain(luma_of(encoded(folder, film, "--codec mpeg2 -q 1" + grain, "f.m2v")), "MPEG-2");
-    expect_grain(luma_of(encoded(folder, film, "--codec h264 --crf 4" + grain, "f.mp4")), "H.264");
+    const std::string film = grey_film(folder), grain = " --grain " + std::to_string(film_iso);
+    expect_grain(decoded_luma(encoded_greys(folder, film, "--codec mpeg2 -q 1" + grain, "f.m2v")), "MPEG-2");
+    expect_grain(decoded_luma(encoded_greys(folder, film, "--codec h264 --crf 4" + grain, "f.mp4")), "H.264");
     if (run("ffmpeg -v error -h encoder=libsvtav1").output.find("preset") == std::string::npos) GTEST_SKIP();
-    const std::string made = encoded(folder, film, "--codec av1" + grain, "g.mp4"),
-                      plain = encoded(folder, film, "--codec av1", "p.mp4");
-    expect_grain(luma_of(made, "-c:v libdav1d"), "AV1");
-    const std::vector<double> clean = luma_of(made, "-c:v libdav1d -export_side_data film_grain");
-    EXPECT_EQ(clean, luma_of(plain, "-c:v libdav1d"));
-    EXPECT_LT(contents(made).size(), contents(plain).size() + 100 + frames * 12);
+    const std::string made = encoded_greys(folder, film, "--codec av1" + grain, "g.mp4"),
+                      plain = encoded_greys(folder, film, "--codec av1", "p.mp4");
+    expect_grain(decoded_luma(made, "-c:v libdav1d"), "AV1");
+    const std::vector<double> clean = decoded_luma(made, "-c:v libdav1d -export_side_data film_grain");
+    EXPECT_EQ(clean, decoded_luma(plain, "-c:v libdav1d"));
+    EXPECT_LT(contents(made).size(), contents(plain).size() + 100 + film_frames * 12);
 }
 
 TEST(GrainInFilms, IsTheSameWhateverMakesThemSlow) {
