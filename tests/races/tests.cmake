@@ -14,6 +14,7 @@ if(RENDER2MPEG_SANITIZE MATCHES "thread")
   add_executable(race_render ${CMAKE_CURRENT_SOURCE_DIR}/races/render.cpp ${PROJECT_SOURCE_DIR}/src/app/commands/render.cpp
                              ${PROJECT_SOURCE_DIR}/src/app/commands/render_stream.cpp)
   target_link_libraries(race_render PRIVATE render2mpeg_options render2mpeg_film fmt::fmt nlohmann_json::nlohmann_json)
+  target_link_options(race_render PRIVATE -Wl,--version-script=${CMAKE_CURRENT_SOURCE_DIR}/races/exports.map)
   add_dependencies(race_render render2mpeg_exr_module)
   add_dependencies(test_races race_render)
 endif()

@@ -353,7 +353,7 @@ Rows run_rows(CommandLine& line) {
          memory_from},
         {"--chunks-at-once", run, o.chunks_at_once,
          "Chunks of some 60 frames that are made beside each other, each by a thread or more, where one frame cannot "
-         "keep all cores busy (default: one for 16 threads, as memory allows; docs/machines.md). The film's bytes do "
+         "keep all cores busy (default: one for 4 threads, as memory allows; docs/machines.md). The film's bytes do "
          "not depend on it",
          range(1, 1024), Idle::always},
         {"--resume", run, o.resume,

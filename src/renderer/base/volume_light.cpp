@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "renderer/base/fog_medium.h"
+
 namespace render2mpeg::renderer {
 namespace {
 

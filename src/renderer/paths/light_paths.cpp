@@ -57,8 +57,8 @@ struct LightPaths::Path {
     glm::vec3 seen_in_lobe{0};  ///< share of a narrow lobe, on the ray from the first point; 0: it is not narrow
     glm::vec3 sky_share{1};     ///< of the sky's light that counts; caustics have the rest
 
-    void stand_on(Scatterer place) {
-        at = std::move(place);
+    void stand_on(const Scatterer& place) {
+        at = place;
         mirrored = in_pane = false;
         sky_share = glm::vec3(1);
     }
@@ -238,7 +238,7 @@ LightPaths::Event LightPaths::go_on(Path& path, const SurfacePoint& met, float c
     // The surface's albedo enters where the path leaves it.
     path.throughput *= cut / chances[found];
     path.first = false;
-    path.stand_on(std::move(there));
+    path.stand_on(there);
     return Event::lands;
 }
 

@@ -1,9 +1,10 @@
-"""blender -b --factory-startup FILE.blend -P cycles.py -- FOLDER SAMPLES WxH SEED truth|own|denoised FRAME...
+# SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
+"""blender -b --factory-startup --disable-autoexec FILE.blend -P frames.py -- FOLDER SAMPLES WxH SEED THREADS truth|own|denoised FRAME...
 
-Frames of a .blend, counted from 0 as films count them, by Cycles to FOLDER/NNNN.exr: linear light, one thread, a box as pixel filter.
-truth: with all that the scene says but for what would make it another light: no clamp, caustics, enough bounces. own: as the scene has
-it, with the layers that denoisers want. denoised: as own, by the denoiser of this Blender. FOLDER/seconds.json: CPU seconds of each
-frame. NNNN.png of truth: as the view shows it.
+Frames of a .blend, counted from 0 as films count them, by Cycles to FOLDER/NNNN.exr: linear light, a box as pixel filter, without
+compositing. truth: with all that the scene says but for what would make it another light: no clamp, caustics, enough bounces. own: as
+the scene has it, with the layers that denoisers want. denoised: as own, by the denoiser of this Blender. FOLDER/seconds.json: CPU
+seconds of each frame.
 """
 import json
 import os
@@ -11,12 +12,15 @@ import sys
 
 import bpy
 
-folder, samples, size, seed, kind, *frames = sys.argv[sys.argv.index("--") + 1:]
+folder, samples, size, seed, threads, kind, *frames = sys.argv[sys.argv.index("--") + 1:]
 scene = bpy.context.scene
 render, cycles = scene.render, scene.cycles
-render.engine = "CYCLES"
+render.engine, cycles.device = "CYCLES", "CPU"
+render.use_compositing = render.use_sequencer = render.use_border = False
 render.resolution_x, render.resolution_y = map(int, size.split("x"))
-render.resolution_percentage, render.threads_mode, render.threads, render.dither_intensity = 100, "FIXED", 1, 0
+render.resolution_percentage, render.dither_intensity = 100, 0
+if int(threads):
+    render.threads_mode, render.threads = "FIXED", int(threads)
 cycles.samples, cycles.seed, cycles.use_animated_seed = int(samples), int(seed), True
 cycles.use_adaptive_sampling, cycles.use_denoising = False, kind == "denoised"
 if kind == "truth":
@@ -28,18 +32,15 @@ if kind == "denoised":
 bpy.context.view_layer.cycles.denoising_store_passes = kind == "own"
 cycles.pixel_filter_type, cycles.filter_width = "BOX", 1.0
 settings = render.image_settings
+settings.file_format, settings.color_depth = "OPEN_EXR_MULTILAYER" if kind == "own" else "OPEN_EXR", "32"
+settings.color_mode, settings.exr_codec = "RGB", "NONE"
 taken = []
 for frame in map(int, frames):
-    scene.frame_set(scene.frame_start + frame)
-    settings.file_format, settings.color_depth = "OPEN_EXR_MULTILAYER" if kind == "own" else "OPEN_EXR", "32"
+    scene.frame_set(scene.frame_start + frame * scene.frame_step)
     render.filepath = os.path.join(folder, f"{frame:04d}.exr")
     before = os.times()
     bpy.ops.render.render(write_still=True)
     after = os.times()
     taken.append(after.user + after.system - before.user - before.system)
-    if kind != "truth":
-        continue
-    settings.file_format, settings.color_depth = "PNG", "16"
-    bpy.data.images["Render Result"].save_render(os.path.join(folder, f"{frame:04d}.png"))
 with open(os.path.join(folder, "seconds.json"), "w") as file:
     json.dump(taken, file)

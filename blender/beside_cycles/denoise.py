@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """A denoiser of pictures of paths, by what surfaces look like: a stand-in where Blender has none of its own.
 
 First-order regression after Bitterli et al., "Nonlinearly Weighted First-Order Regression for Denoising Monte Carlo Renderings" (2016):
