@@ -47,6 +47,7 @@ struct CodecFacts {
     bool master = false;         ///< for editors: each picture alone, at the codec's own rate
     bool has_srgb = true;        ///< its table of transfer functions has sRGB's
     bool tells_blocks = false;   ///< libavcodec tells how its macroblocks are predicted
+    bool adds_grain = false;     ///< its decoders add film grain that its headers tell
 
     constexpr bool has_ending(std::string_view ending) const {
         for (std::size_t at = endings.find(ending); at != std::string_view::npos; at = endings.find(ending, at + 1))
@@ -123,7 +124,8 @@ inline constexpr std::array all_codecs{
                .hidden = 0.4f,
                .ffmpeg = {"av1", "libsvtav1", "6", "10", "preset", "yuv420p10", "FFmpeg with libsvtav1", ""},
                .endings = ".mp4 .mkv",
-               .not_on = "phones and televisions from before 2021, most editors"},
+               .not_on = "phones and televisions from before 2021, most editors",
+               .adds_grain = true},
     master_facts(Codec::prores, "prores", "ProRes", ".mov", false,
                  {"prores", "prores_ks", "hq", "hq", "profile", "yuv422p10", "FFmpeg", "apch"}),
     master_facts(Codec::prores4444, "prores4444", "ProRes 4444", ".mov", false,
@@ -135,6 +137,11 @@ inline constexpr std::array all_codecs{
 
 constexpr const CodecFacts& facts_of(Codec codec) {
     return all_codecs[static_cast<std::size_t>(codec)];
+}
+
+/// ISO of the grain that pictures have before they are coded.
+constexpr int grain_of_pictures(const Settings& settings) {
+    return facts_of(settings.codec).adds_grain ? 0 : settings.grain;
 }
 
 /// Whether B picture `index`, from 0, of a run of `length` is the one in the middle.

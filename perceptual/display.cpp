@@ -7,6 +7,7 @@
 
 #include "core/color.h"
 #include "core/error.h"
+#include "core/film_grain.h"
 #include "core/numeric.h"
 
 namespace render2mpeg::perceptual {
@@ -136,8 +137,8 @@ glm::vec3 luma_weights(ColorMatrix matrix) {
     return matrix == ColorMatrix::bt709 ? glm::vec3{0.2126f, 0.7152f, 0.0722f} : glm::vec3{0.299f, 0.587f, 0.114f};
 }
 
-Display::Display(float exposure, ColorMatrix matrix, const core::View& view, Chroma chroma)
-    : exposure_(exposure), gain_(std::exp2(exposure)), matrix_(matrix), chroma_(chroma) {
+Display::Display(float exposure, ColorMatrix matrix, const core::View& view, Chroma chroma, int grain)
+    : exposure_(exposure), gain_(std::exp2(exposure)), matrix_(matrix), chroma_(chroma), grain_(grain) {
     EXPECTS(std::abs(exposure) <= max_exposure);
     if (view.name != core::ViewName::neutral) view_ = std::make_shared<const ViewTransform>(view);
     has_srgb_ = view.is_blenders();
@@ -160,6 +161,7 @@ core::Picture Display::develop(const core::Radiance& radiance) const {
             return finite;
         });
     picture.number = radiance.frame;
+    core::add_grain(picture, grain_);
     if (view_ && view_->view().name == core::ViewName::pq) picture.level = level_of(light);
     return picture;
 }
@@ -223,12 +225,24 @@ core::Picture picture_of_srgb(const core::Plane<glm::vec3>& codes, ColorMatrix m
 }
 
 std::vector<std::uint8_t> Display::develop_srgb(const core::Radiance& radiance) const {
+    const core::Plane<glm::vec3>& light = radiance.combined;
+    std::optional<core::FilmGrain> grain;
+    core::Plane<float> noise;
+    if (grain_ > 0 && !light.empty()) {
+        grain.emplace(grain_, light.height());
+        noise = grain->noise(light.width(), light.height(), radiance.frame);
+    }
     std::vector<std::uint8_t> codes;
-    codes.reserve(3 * radiance.combined.size());
-    for (const glm::vec3& c : radiance.combined.values()) {
+    codes.reserve(3 * light.size());
+    for (std::size_t i = 0; i < light.size(); ++i) {
+        const glm::vec3 c = light.values()[i];
         EXPECTS(core::is_finite(c));
-        const glm::vec3 signal = has_srgb_ ? view_->signals(c * gain_) : neutral_srgb(c * gain_);
-        for (int i = 0; i < 3; ++i) codes.push_back(code(255.0f * signal[i]));
+        glm::vec3 signal = has_srgb_ ? view_->signals(c * gain_) : neutral_srgb(c * gain_);
+        if (grain) {
+            const float luma = 16.0f + 219.0f * glm::dot(luma_weights(matrix_), signal);
+            signal = glm::clamp(signal + grain->deviation(luma) * noise.values()[i] / 219.0f, 0.0f, 1.0f);
+        }
+        for (int k = 0; k < 3; ++k) codes.push_back(code(255.0f * signal[k]));
     }
     return codes;
 }

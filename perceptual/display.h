@@ -37,10 +37,13 @@ class Display {
     /// Exposures beyond +-`max_exposure` EV are a broken contract.
     static constexpr float max_exposure = 64.0f;
 
-    /// `exposure` in EV: radiance is multiplied by 2^exposure. `matrix`: as matrix_for() says.
-    Display(float exposure, ColorMatrix matrix, const core::View& view = {}, Chroma chroma = Chroma::halved);
+    /// `exposure` in EV: radiance is multiplied by 2^exposure. `matrix`: as matrix_for() says. `grain`: ISO of the film
+    /// grain that pictures get, 0 for none (core/film_grain.h).
+    Display(float exposure, ColorMatrix matrix, const core::View& view = {}, Chroma chroma = Chroma::halved,
+            int grain = 0);
 
-    /// Scene-linear radiance to a picture. Non-finite input is a broken contract; negative light counts as none.
+    /// Scene-linear radiance to a picture, with the grain of its frame. Non-finite input is a broken contract; negative
+    /// light counts as none.
     core::Picture develop(const core::Radiance& radiance) const;
 
     /// The same with alpha, which `radiance` is multiplied by and the picture is not.
@@ -76,6 +79,7 @@ class Display {
     float gain_;
     ColorMatrix matrix_;
     Chroma chroma_;
+    int grain_;
     bool has_srgb_ = false;  ///< the view's signals are sRGB code values
     std::shared_ptr<const ViewTransform> view_;
 };

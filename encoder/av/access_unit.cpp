@@ -27,12 +27,12 @@ UnitKind kind_of_nal(encoder::Codec codec, std::span<const std::uint8_t> unit) {
 }
 
 /// By obu_type. [AV1, 6.2.2] The display that a film is made for belongs to the headers [AV1, 6.7.4].
-UnitKind kind_of_obu(std::uint8_t first, std::span<const std::uint8_t> content) {
-    const int type = (first >> 3) & 15;
-    if (type == 1) return UnitKind::header;
+UnitKind kind_of_obu(const Obu& obu) {
+    if (obu.type() == 1) return UnitKind::header;
     constexpr int metadata = 5, mastering_display = 2;
-    if (type == metadata && !content.empty() && content[0] == mastering_display) return UnitKind::header;
-    return type == 3 || type == 4 || type == 6 || type == 7 ? UnitKind::picture : UnitKind::comment;
+    if (obu.type() == metadata && !obu.payload.empty() && obu.payload[0] == mastering_display) return UnitKind::header;
+    return obu.type() == 3 || obu.type() == 4 || obu.type() == 6 || obu.type() == 7 ? UnitKind::picture
+                                                                                    : UnitKind::comment;
 }
 
 void put(AccessUnit& unit, UnitKind kind, std::span<const std::uint8_t> bytes, bool with_start_code) {
@@ -67,18 +67,7 @@ AccessUnit nal_units_apart(encoder::Codec codec, std::span<const std::uint8_t> b
 
 AccessUnit obus_apart(std::span<const std::uint8_t> bytes) {
     AccessUnit unit;
-    for (std::size_t at = 0; at < bytes.size();) {
-        const bool has_extension = (bytes[at] & 4) != 0, has_size = (bytes[at] & 2) != 0;
-        std::size_t place = at + (has_extension ? 2 : 1), size = 0;
-        for (int shift = 0; has_size && shift < 56 && place < bytes.size(); shift += 7) {
-            size |= static_cast<std::size_t>(bytes[place] & 127) << shift;
-            if ((bytes[place++] & 128) == 0) break;
-        }
-        if (!has_size || size > bytes.size() - std::min(place, bytes.size()))
-            throw core::Error("AV1: a unit of the stream has no size that fits");
-        put(unit, kind_of_obu(bytes[at], bytes.subspan(place, size)), bytes.subspan(at, place + size - at), false);
-        at = place + size;
-    }
+    for (const Obu& obu : obus_of(bytes)) put(unit, kind_of_obu(obu), obu.bytes, false);
     return unit;
 }
 
@@ -93,6 +82,23 @@ AccessUnit master_apart(std::span<const std::uint8_t> bytes) {
 }
 
 }  // namespace
+
+std::vector<Obu> obus_of(std::span<const std::uint8_t> bytes) {
+    std::vector<Obu> obus;
+    for (std::size_t at = 0; at < bytes.size();) {
+        const bool has_extension = (bytes[at] & 4) != 0, has_size = (bytes[at] & 2) != 0;
+        std::size_t place = at + (has_extension ? 2 : 1), size = 0;
+        for (int shift = 0; has_size && shift < 56 && place < bytes.size(); shift += 7) {
+            size |= static_cast<std::size_t>(bytes[place] & 127) << shift;
+            if ((bytes[place++] & 128) == 0) break;
+        }
+        if (!has_size || size > bytes.size() - std::min(place, bytes.size()))
+            throw core::Error("AV1: a unit of the stream has no size that fits");
+        obus.push_back({bytes.subspan(at, place + size - at), bytes.subspan(place, size)});
+        at = place + size;
+    }
+    return obus;
+}
 
 std::vector<std::uint8_t> put_together(std::span<const std::uint8_t> headers, std::span<const std::uint8_t> picture) {
     std::vector<std::uint8_t> bytes(4 + headers.size() + picture.size());

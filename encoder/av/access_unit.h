@@ -14,6 +14,17 @@ struct AccessUnit {
     std::vector<std::uint8_t> pictures;  ///< the picture itself
 };
 
+/// A unit of an AV1 stream [AV1, 5.3].
+struct Obu {
+    std::span<const std::uint8_t> bytes, payload;  ///< all of it; without its header and size
+
+    int type() const { return bytes[0] >> 3 & 15; }
+    bool has_extension() const { return (bytes[0] & 4) != 0; }
+};
+
+/// Units with sizes, in order. Throws core::Error where one has no size that fits.
+std::vector<Obu> obus_of(std::span<const std::uint8_t> bytes);
+
 /// Splits a picture of a byte stream [H264, annex B] or, for AV1, of units with sizes [AV1, 5.2]. Mere annotations (SEI
 /// messages, metadata, delimiters) are left out. Throws core::Error for other data. Not for MPEG-2.
 AccessUnit taken_apart(encoder::Codec codec, std::span<const std::uint8_t> bytes);

@@ -3,11 +3,13 @@
 #include <cmath>
 #include <deque>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "core/error.h"
 #include "encoder/av/access_unit.h"
+#include "encoder/av/av1_grain.h"
 #include "encoder/av/backend.h"
 #include "encoder/av/coders.h"
 #include "encoder/av/levels.h"
@@ -90,7 +92,9 @@ class LibraryCoder final : public encoder::Coder {
           facts_(encoder::facts_of(settings.codec)),
           order_(facts_.master ? 1 : settings.gop, settings.b_pictures),
           columns_((settings.width + 15) / 16),
-          rows_((settings.height + 15) / 16) {}
+          rows_((settings.height + 15) / 16) {
+        if (facts_.adds_grain && settings.grain > 0) grain_.emplace(settings.grain, settings.height);
+    }
 
     PicturePlan plan(std::int64_t number, const encoder::PictureFacts& told, bool first_of_chunk) override {
         // chosen: runs as long as may be; what shortens them in MPEG-2 (uneven motion, light that changes) does not pay
@@ -299,6 +303,7 @@ class LibraryCoder final : public encoder::Coder {
             AccessUnit unit = taken_apart(settings_.codec, picture.bytes);
             if (coded.plan.starts_gop) coded.bytes = unit.headers.empty() ? library_->headers() : unit.headers;
             coded.bytes.insert(coded.bytes.end(), unit.pictures.begin(), unit.pictures.end());
+            if (grain_) coded.bytes = grain_->with_grain(coded.bytes, coded.plan.number);
         }
         coded.reconstruction = std::move(picture.reconstruction);
         coded.macroblocks = records_of(sent->quantisers, picture);
@@ -339,6 +344,7 @@ class LibraryCoder final : public encoder::Coder {
     std::int64_t group_start_ = 0;
     int columns_, rows_;  ///< of macroblocks
     Rounding rounding_;   ///< of plans
+    std::optional<Av1Grain> grain_;
 };
 
 /// Refuses modes that only our own encoder supports.

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "encoder/av/bits.h"
 
 namespace render2mpeg::av {
 namespace {
@@ -10,27 +11,6 @@ namespace {
 // Start codes and extension identifiers [H262, tables 6-1 and 6-2].
 constexpr std::uint8_t user_start_code = 0xb2, sequence_start_code = 0xb3, extension_start_code = 0xb5;
 constexpr std::uint32_t sequence_extension = 1, sequence_display_extension = 2;
-
-/// Reads bits, most significant first; zeros past the end, and then `overrun` is true.
-class Bits {
-  public:
-    explicit Bits(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
-
-    std::uint32_t read(int count) {
-        std::uint32_t value = 0;
-        for (int i = 0; i < count; ++i, ++position_) {
-            const std::size_t byte = position_ / 8;
-            value = value << 1 | (byte < bytes_.size() ? bytes_[byte] >> (7 - position_ % 8) & 1u : 0u);
-        }
-        return value;
-    }
-    void skip(std::size_t count) { position_ += count; }
-    bool overrun() const { return position_ > 8 * bytes_.size(); }
-
-  private:
-    std::span<const std::uint8_t> bytes_;
-    std::size_t position_ = 0;
-};
 
 /// Place of the next 00 00 01 at or after `from`, or the end.
 std::size_t next_start_code(std::span<const std::uint8_t> bytes, std::size_t from) {

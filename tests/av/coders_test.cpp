@@ -14,6 +14,7 @@
 #include "av/coded_film.h"
 #include "core/error.h"
 #include "encoder/av/access_unit.h"
+#include "encoder/av/av1_grain.h"
 #include "encoder/codec.h"
 
 /// Coders of libavcodec behind the interface of ours.
@@ -132,8 +133,7 @@ TEST(Coders, OfH264KeepTypesAndBeginGroupsWhereTheyWerePlanned) {
 }
 
 /// A film in one coder, and its second chunk alone in another.
-void expect_chunk_alone(Codec codec) {
-    const encoder::Settings s = settings_of(codec);
+void expect_chunk_alone(const encoder::Settings& s) {
     CodedPictures whole, alone;
     const auto coder = av::make_coder(s), other = av::make_coder(s);
     code_chunk(*coder, s, 0, 11, whole);
@@ -154,7 +154,37 @@ class EveryCoder : public testing::TestWithParam<Codec> {
 };
 
 TEST_P(EveryCoder, CodesAChunkAlikeWhateverCameBefore) {
-    expect_chunk_alone(GetParam());
+    expect_chunk_alone(settings_of(GetParam()));
+}
+
+TEST(Coders, OfAv1TellGrainByThePicturesNumbersAndChangeNothingElse) {
+    encoder::Settings s = settings_of(Codec::av1);
+    if (!is_there(s.codec)) GTEST_SKIP() << "this libavcodec has no encoder for it";
+    CodedPictures plain, grained;
+    for (const int grain : {0, 400}) {
+        s.grain = grain;
+        const auto coder = av::make_coder(s);
+        code_chunk(*coder, s, 0, s.gop - 1, grain == 0 ? plain : grained);
+        append(grain == 0 ? plain : grained, coder->flush());
+    }
+    expect_chunk_alone(s);
+    std::size_t more = 0;
+    for (std::size_t i = 0; i < plain.size(); ++i) {
+        EXPECT_EQ(plain[i].reconstruction.y, grained[i].reconstruction.y);
+        more += grained[i].bytes.size() - plain[i].bytes.size();
+    }
+    EXPECT_GT(more, 2u * plain.size());
+    EXPECT_LT(more, 80 + 12u * plain.size());
+}
+
+TEST(Coders, OfAv1RefuseToTellGrainInStreamsThatTheyDoNotKnow) {
+    av::Av1Grain grain(400, 80);
+    // Units with sizes: sequence headers of profile 1 and of a still picture, an end of one, a frame without any.
+    for (const std::vector<std::uint8_t>& unit : {std::vector<std::uint8_t>{0x0a, 4, 0x20, 0, 0, 0},
+                                                  {0x0a, 4, 0x18, 0, 0, 0},
+                                                  {0x0a, 1, 0},
+                                                  {0x32, 2, 0x10, 0}})
+        EXPECT_THROW(grain.with_grain(unit, 0), core::Error);
 }
 
 /// What each push gives, with a pause before each.

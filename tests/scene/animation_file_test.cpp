@@ -186,6 +186,10 @@ TEST_F(AnimationFile, AllowsCommentsAndSaysFormatRangeAndExposure) {
               (core::Glare{core::GlareKind::temporal, 0.25f, 1, 3}));
     EXPECT_FALSE(film(R"({"glare": {"kind": "static", "strength": 0}})").glare.shows());
     expect_complaint(R"({"glare": {"kind": "static", "strength": -0.1}})", {"strength", "0.5"});
+    EXPECT_EQ(film(R"({"grain": 0})").grain, 0);
+    EXPECT_EQ(film(R"({"grain": 6400})").grain, 6400);
+    expect_complaint(R"({"grain": 49})", {"grain", "50"});
+    expect_complaint(R"({"grain": "fine"})", {"grain"});
     expect_complaint(R"({"view": {"name": "neutral", "gamma": 1.5}})", {"gamma", "Blender"});
     const Animation b = film(R"({"seconds": 2.4, "exposure": "auto"})");
     EXPECT_EQ(b.frame_rate, "25");

@@ -48,6 +48,7 @@ class Film {
         decoder_->err_recognition = strictness;
         decoder_->error_concealment = 0;
         decoder_->thread_count = 1;
+        decoder_->export_side_data = AV_CODEC_EXPORT_DATA_FILM_GRAIN;  // pictures come without it
         check(avcodec_open2(decoder_.get(), codec, nullptr));
     }
 

@@ -142,6 +142,7 @@ Job prepare(const EncodeOptions& options) {
     job.film.frames = job.frames->frames();
     coding = coding_settings(options.coding, settle_shape(wishes_of(options, *job.frames), preset, true),
                              job.film.frames.first, options.output, view);
+    if (options.grain) coding.grain = grain_from(*options.grain);
     job.film.keyframes = keyframes_of(options.coding);
     job.film.disc = preset != nullptr && preset->disc;
     check_settings(coding);

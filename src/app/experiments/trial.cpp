@@ -359,6 +359,7 @@ void Trials::light_reference(std::int64_t frame, const std::function<void(double
         reference.gathering.push_back(renderer::place_of(placed.frame, pixel));
     reference.light = gathered(world, placed);
     core::Radiance whole;
+    whole.frame = frame;
     whole.combined = reference.light;
     if (!shown_) shown_ = std::make_unique<GlareFilter>(film_, shown_statistics_);
     reference.picture = film_.display().develop(shown_->of(whole, world.time));

@@ -13,9 +13,11 @@
 #include "app/options/mistakes.h"
 #include "app/options/output_kind.h"
 #include "core/error.h"
+#include "core/film_grain.h"
 #include "core/radiance.h"
 #include "core/text.h"
 #include "encoder/av/y4m_reader.h"
+#include "encoder/codec.h"
 #include "image/image.h"
 
 namespace render2mpeg::app {
@@ -205,6 +207,7 @@ FramesAhead::FramesAhead(FrameSource& frames, const Chunk& chunk, const encoder:
     : frames_(frames),
       next_(chunk.first),
       last_(chunk.last),
+      grain_(encoder::grain_of_pictures(coding)),
       look_(frames.size().width, frames.size().height, coding.b_pictures) {
     start_reading();
 }
@@ -215,7 +218,11 @@ FramesAhead::~FramesAhead() {
 
 void FramesAhead::start_reading() {
     for (; next_ <= last_ && reading_.size() < readers; ++next_)
-        reading_.push_back(std::async(std::launch::async, [this, n = next_] { return frames_.read(n); }));
+        reading_.push_back(std::async(std::launch::async, [this, n = next_] {
+            std::optional<core::Picture> picture = frames_.read(n);
+            if (picture) core::add_grain(*picture, grain_);
+            return picture;
+        }));
 }
 
 const std::deque<core::Picture>& FramesAhead::waiting(RunStatistics& statistics) {

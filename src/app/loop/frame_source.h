@@ -79,6 +79,7 @@ class FramesAhead {
 
     FrameSource& frames_;
     std::int64_t next_, last_;  ///< frame to be read next, and the chunk's last
+    int grain_;                 ///< ISO of film grain that they get; 0: none
     std::deque<std::future<std::optional<core::Picture>>> reading_;
     std::deque<core::Picture> read_;
     encoder::LookAhead look_;

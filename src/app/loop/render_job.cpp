@@ -362,6 +362,7 @@ RenderJob prepare(const RenderOptions& wanted) {
     film.rendering.transparent = animation->transparent;
 
     film.coding = coding_settings(options.coding, shape, film.frames.first, options.output, film.view);
+    film.coding.grain = options.grain ? grain_from(*options.grain) : animation->grain;
     film.rendering.mattes = options.layers || film.has_alpha() || has_alpha_beside(film, options);
     film.keyframes = keyframes_of(options.coding);
     film.two_passes = film.kind == OutputKind::film && two_passes(options.coding);

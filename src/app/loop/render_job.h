@@ -90,7 +90,8 @@ struct RenderJob {
     bool has_alpha() const;
     /// With 0 EV before the exposure is known.
     perceptual::Display display() const {
-        return {exposure.value_or(0), colors().matrix, view, chroma_of(coding.codec, view)};
+        const int grain = kind == OutputKind::film ? encoder::grain_of_pictures(coding) : coding.grain;
+        return {exposure.value_or(0), colors().matrix, view, chroma_of(coding.codec, view), grain};
     }
     perceptual::PictureColors colors() const { return {perceptual::matrix_for(format.height, view), view}; }
     Film film() const {

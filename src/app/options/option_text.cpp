@@ -1,5 +1,7 @@
 #include "app/options/option_text.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <charconv>
@@ -9,6 +11,7 @@
 #include <utility>
 
 #include "app/options/usage_error.h"
+#include "core/film_grain.h"
 #include "core/fog.h"
 
 namespace render2mpeg::app {
@@ -193,6 +196,14 @@ float fog_from(const std::string& text) {
     if (!visibility)
         throw UsageError("fog " + text + ": expected off, or how far one sees in it, scene units above 0, e.g. 40");
     return static_cast<float>(*visibility);
+}
+
+int grain_from(const std::string& text) {
+    const auto iso = number_in(text, 0, core::most_iso);
+    if (!iso || *iso != std::floor(*iso) || (*iso > 0 && *iso < core::least_iso))
+        throw UsageError(fmt::format("grain {}: expected 0, or the ISO of a film from {} to {}, e.g. 400", text,
+                                     core::least_iso, core::most_iso));
+    return static_cast<int>(*iso);
 }
 
 GlareRequest glare_from(const std::string& text) {

@@ -37,6 +37,9 @@ ShutterRequest shutter_from(const std::string& text);
 /// "off": 0, or visibility from core::least_visibility to core::most_visibility.
 float fog_from(const std::string& text);
 
+/// ISO of film grain; 0 for none.
+int grain_from(const std::string& text);
+
 /// "off", "static", "temporal" or "static:0.2" (strength up to core::most_glare).
 GlareRequest glare_from(const std::string& text);
 /// "2.8"; "off": 0, all is sharp.

@@ -76,7 +76,7 @@ struct CommandRow {
 const std::string scene_options = "INPUT --camera --animation --variant --sky --light --indirect --vpls --caustics ";
 const std::string picture_options =
     "--size --fps --frames --hold --display-aspect --pixel-aspect --exposure --shutter --f-stop --focus --fog --glare "
-    "--view --peak --transparent ";
+    "--view --grain --peak --transparent ";
 const std::string light_options = "--samples --edge-samples --exposure-samples ";
 const std::string accuracy_options = "--tolerance --masking --clamp --cache ";
 /// Of all commands that code; options of rates stand apart, since some commands set them.
@@ -102,7 +102,7 @@ const std::vector<CommandRow> commands{
      "Motion: OpenEXR files with the number of their frame, as `render --aov` writes them (docs/coding.md).\n"
      "Example: render2mpeg encode shot.%04d.exr -o shot.mpg --motion shot.%04d.exr --exposure 0.5",
      "FRAMES --output@encode --as@encode --fps@encode --frames@encode --display-aspect --pixel-aspect "
-     "--exposure@encode --view@encode --peak@encode --motion --motion-convention " +
+     "--exposure@encode --view@encode --grain@encode --peak@encode --motion --motion-convention " +
          coding_options + rate_options + group_options + sound_options +
          "--threads --stats --overwrite --quiet --progress"},
     {"plan", "Show what a film will take, which passes its scene calls for, and why",

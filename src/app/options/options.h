@@ -52,7 +52,7 @@ struct CodingOptions {
 /// Options of `render` and `encode`.
 struct FilmOptions {
     std::filesystem::path input, output;  ///< `output` is "-.ts" where `as` is "ts"
-    std::optional<std::string> as, rate, frames, view;
+    std::optional<std::string> as, rate, frames, view, grain;
     std::optional<int> peak;  ///< white of films in PQ, cd/m^2; none: core::usual_peak
     CodingOptions coding;
     int threads = 0;  ///< 0: all

@@ -234,6 +234,7 @@ json common_of(const Film& film, const RunStatistics& statistics, const RunFacts
             {"codec", encoder::facts_of(coding.codec).word},
             {"quantiser", asked_quantiser(coding)},
             {"gop", coding.gop},
+            {"grain", coding.grain},
             {"seconds", seconds_of(statistics)},
             {"peak_rss_mib", peak_memory_mib()},
             {"counts", json_of(statistics.rendering)},

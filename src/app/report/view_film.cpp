@@ -36,7 +36,9 @@ encoder::Settings settings_of(const std::string& word, const std::filesystem::pa
     shape.rate = film.rate;
     shape.pixel_aspect = film.pixel_aspect;
     shape.aspect_ratio_code = film.coding.aspect_ratio_code;
-    return coding_settings(options, shape, film.frames.first, output, view);
+    encoder::Settings coding = coding_settings(options, shape, film.frames.first, output, view);
+    coding.grain = film.coding.grain;
+    return coding;
 }
 
 }  // namespace
@@ -61,7 +63,7 @@ ViewFilm::ViewFilm(const std::string& view, const std::filesystem::path& output,
 void ViewFilm::open(const Chunk& chunk) {
     // The exposure may be measured after the side films are made.
     display_.emplace(render_.exposure.value_or(0), perceptual::matrix_for(render_.format.height, view_), view_,
-                     chroma_of(film().coding.codec, view_));
+                     chroma_of(film().coding.codec, view_), encoder::grain_of_pictures(film().coding));
     coder_ = std::make_unique<PictureCoder>(film(), chunk, std::span<const encoder::BitAllocation>(), shots_,
                                             statistics_, false);
     light_ = {};

@@ -12,7 +12,7 @@ using Keys = std::vector<std::string_view>;
 inline const Keys film = core::words_in(
     "$schema title scene closed_glass_is_solid size display_aspect frame_rate frames seconds times sky exposure camera "
     "cameras shots "
-    "lights objects materials change sound view shutter shutter_phase rolling_shutter glare fog transparent "
+    "lights objects materials change sound view shutter shutter_phase rolling_shutter glare grain fog transparent "
     "volumes");
 inline const Keys fog = core::words_in("visibility color anisotropy height falloff bounces");
 inline const Keys volume = core::words_in(

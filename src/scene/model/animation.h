@@ -97,6 +97,7 @@ struct Animation {
     std::optional<core::View> view;                       ///< likewise; none: neutral
     core::Fog fog;                                        ///< likewise, or as the command line says
     core::Glare glare;                                    ///< likewise, or as the command line says
+    int grain = 0;                                        ///< ISO of film grain, likewise; 0: none
     bool transparent = false;                             ///< the camera sees no world; likewise
     std::optional<glm::ivec2> size;                       ///< picture width and height, likewise
     std::optional<core::Rational>
