@@ -209,14 +209,14 @@ TEST_F(InAChunk, LitFramesAreKeptWhateverEndsARunSlow) {
     EXPECT_TRUE(lasting(folder_ / "film.json") == lasting(folder_ / "whole.json"));
 }
 
-/// Smoke that drifts for three frames, and then hangs where its light stays.
+/// Smoke that drifts for two frames, and then hangs where its light stays.
 class InAChunkOfSmoke : public InAChunk {
   protected:
     void SetUp() override {
         json scene = json::parse(support::travel_scene(24));
         scene["lights"].erase(1);
         scene["volumes"] = json::parse(R"([{ "size": 1.5, "density": 2, "keys": [
-            { "at": 0, "position": [0, 1, 0] }, { "at": 0.08, "position": [0.2, 1, 0] } ] }])");
+            { "at": 0, "position": [0, 1, 0] }, { "at": 0.04, "position": [0.2, 1, 0] } ] }])");
         std::ofstream(folder_ / "scene.json") << scene;
         make_whole();
     }

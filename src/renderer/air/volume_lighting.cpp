@@ -315,6 +315,8 @@ struct OneVolume::Shares {
         weights[cell] += weight;
     }
     void move_to(ScatteringSystem::Row& row, float part) {
+        row.cells.reserve(touched.size());
+        row.weights.reserve(touched.size());
         for (const std::uint32_t c : touched) {
             row.cells.push_back(c);
             row.weights.push_back(part * weights[c]);
