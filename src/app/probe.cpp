@@ -80,7 +80,7 @@ void probe(int argc, char** argv) {
                           {"gltf", read_gltf},
                           {"images", read_probed_images},
                           {"volume", scene::read_probed_volume},
-                          {"boxes", scene::read_probed_boxes},
+                          {"outlines", scene::read_probed_outlines},
                           {"film", read_film},
                           {"sound", read_sound},
                           {"info", read_facts},

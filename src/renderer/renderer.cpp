@@ -1,7 +1,6 @@
 #include "renderer/renderer.h"
 
 #include <algorithm>
-#include <cstring>
 #include <utility>
 
 #include "core/error.h"
@@ -113,6 +112,10 @@ struct Renderer::Impl {
         return {lights.trees(), posed_scene.tracer(), frame, ungathered, snapshot.camera.position(), tolerance};
     }
 
+    AirInstant air_instant(const std::vector<LightPoint>& points) {
+        return {posed_scene, points, lights.trees(), lights.by_rays() ? &final_gather : nullptr, lights.lit_frame()};
+    }
+
     /// Adds a frame to the statistics.
     void count(const ShadeCounts& counts, const core::Visible& visible) {
         add(counts, visible, statistics);
@@ -196,8 +199,8 @@ void Renderer::Impl::add_effects(const scene::Snapshot& snapshot, const core::To
     }
     if (posed_scene.air() == nullptr) return;
     update_lights(snapshot);
-    const AirInstant instant{posed_scene, lights.points(), lights.trees(), lights.by_rays() ? &final_gather : nullptr,
-                             lights.lit_frame()};
+    const std::vector<LightPoint> points = lights.points();
+    const AirInstant instant = air_instant(points);
     light_volumes(instant);
     const Stopwatch timer(times[plan.runs(Pass::air) ? Pass::air : Pass::volumes]);
     statistics.air_rays += add_airlight(instant, ambient_air, tolerance, frame, sum);
@@ -281,20 +284,10 @@ core::Radiance Renderer::Impl::trace(const UngatheredLight& ungathered, const Tr
     return std::move(truth.radiance);
 }
 
-namespace {
-
-std::vector<StoredRecord> records_of(Renderer::KnownLight light) {
-    std::vector<StoredRecord> records(light.size() / sizeof(StoredRecord));
-    if (!records.empty()) std::memcpy(records.data(), light.data(), records.size() * sizeof(StoredRecord));
-    return records;
-}
-
-}  // namespace
-
 Renderer::Renderer(const scene::Animation& animation, const Settings& settings, const Plan& plan, TextureStore* store,
                    std::optional<KnownLight> known)
     : impl_(std::make_unique<Impl>(animation, settings, plan, store)) {
-    if (known) impl_->cache.library().know(records_of(*known));
+    if (known) impl_->cache.library().know(stored_records(*known));
 }
 Renderer::Renderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Renderer::~Renderer() = default;
@@ -322,7 +315,7 @@ void Renderer::resize(const scene::PictureFormat& format) {
 
 bool Renderer::is_sound(KnownLight light) {
     if (light.size() % sizeof(StoredRecord) != 0) return false;
-    const std::vector<StoredRecord> records = records_of(light);
+    const std::vector<StoredRecord> records = stored_records(light);
     return std::all_of(records.begin(), records.end(), renderer::is_sound);
 }
 
@@ -361,6 +354,8 @@ void Renderer::save(core::ArchiveWriter& archive) {
 }
 
 void Renderer::restore(core::ArchiveReader& archive) {
+    // Light within volumes follows from the instant, and finds cells that the state replaces.
+    if (impl_->posed_scene.air() != nullptr) impl_->light_volumes(impl_->air_instant(impl_->lights.points()));
     impl_->keep(archive);
 }
 

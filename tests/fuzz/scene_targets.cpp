@@ -67,7 +67,7 @@ void expect_sound(const scene::VolumeGrids& grids) {
 bool loads(const scene::Volume& volume) {
     try {
         std::vector<std::string> notes;
-        scene::box_of(volume);
+        scene::outline_of(volume);
         expect_sound(*scene::read_volume(volume, 0, notes));
         return true;
     } catch (const core::Error&) {

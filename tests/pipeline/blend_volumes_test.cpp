@@ -101,7 +101,7 @@ TEST_F(BlendVolumesSlow, StandWhereBlenderHasThem) {
     const auto world = scene::snapshot_at(film, 5, {5, 24}, {16, 16, 1});
     const auto box = [&](const char* name) {
         const std::size_t index = index_of(film, name);
-        return film.volumes[index].box.moved(world.volumes[index].world_from_object);
+        return film.volumes[index].outline.box.moved(world.volumes[index].world_from_object);
     };
     // Blender's z is up; the domain is centred at (1, 2, 1.5) and 2.5 x 2.5 x 4.5 large.
     const scene::VolumeBox even = box("Even"), smoke = box("Domain");

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "app/loop/forecast.h"
@@ -46,6 +48,26 @@ TEST(Memory, ThatAFilmIsReckonedToTakeIsEnough) {
         const auto enough = run(start + std::to_string(need + 4) + "M");
         EXPECT_EQ(enough.status, 0) << threads << ": " << enough.output;
     }
+}
+
+TEST(Memory, OfVolumesIsReckonedWith) {
+    const Folder folder;
+    json scene = json::parse(support::travel_scene(1));
+    scene["volumes"] = json::parse(R"([{ "size": 1.5, "density": 2 }])");
+    std::ofstream(folder / "scene.json") << scene;
+    const std::string start = program() + " render -y --hold " + path(folder, "scene.json") +
+                              " --size 32x32 --samples 1 --quiet --threads 1 --tolerance fixed=10% -o " +
+                              path(folder, "f.m2v");
+    const auto little = run(start + " --memory 16M");
+    ASSERT_EQ(little.status, 1) << little.output;
+    const auto after = [&](const std::string& words) {
+        return std::stod(little.output.substr(little.output.find(words) + words.size()));
+    };
+    ASSERT_TRUE(has(little, " to read the largest of them, ") && has(little, " MiB for volumes, ")) << little.output;
+    EXPECT_GT(after(" to read the largest of them, "), 100) << little.output;
+    ASSERT_EQ(run(start + " --stats " + path(folder, "s.json")).status, 0);
+    const double peak = json::parse(support::contents(folder / "s.json")).at("peak_rss_mib");
+    EXPECT_GT(after("it takes about "), peak);
 }
 
 TEST(Memory, IsSaidInPowersOf1024) {

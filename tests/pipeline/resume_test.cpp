@@ -161,8 +161,9 @@ class InAChunk : public testing::Test {
   protected:
     void SetUp() override {
         scene_in(folder_);
-        ASSERT_EQ(run(start_ + "whole.mpg --stats " + path(folder_, "whole.json")).status, 0);
+        make_whole();
     }
+    void make_whole() const { ASSERT_EQ(run(start_ + "whole.mpg --stats " + path(folder_, "whole.json")).status, 0); }
     /// Ends it by a signal once more than `beyond` frames are kept, as its state says behind a header of 24 bytes.
     /// Returns how many.
     std::int64_t end_by(const std::string& signal, std::int64_t beyond = 0) {
@@ -172,6 +173,7 @@ class InAChunk : public testing::Test {
                 "; [ ${n:-0} -le " + std::to_string(beyond) +
                 " ]; do kill -0 $job || exit 99; sleep 0.01; done; kill -" + signal + " $job; wait $job");
         EXPECT_TRUE(outcome.status == 130 || outcome.status == 143 || outcome.status == 137) << outcome.output;
+        said_ = outcome.output;
         std::int64_t lit = 0;
         std::ifstream state(state_, std::ios::binary);
         state.seekg(24);
@@ -180,9 +182,7 @@ class InAChunk : public testing::Test {
     }
     /// What a run says that goes on and makes the film.
     std::string go_on() const {
-        std::string loud = start_ + "film.mpg --resume --stats " + path(folder_, "film.json");
-        loud.erase(loud.find(" --quiet"), 8);
-        const auto outcome = run(loud);
+        const auto outcome = run(start_ + "film.mpg --resume --stats " + path(folder_, "film.json"));
         EXPECT_EQ(outcome.status, 0) << outcome.output;
         EXPECT_TRUE(contents(folder_ / "film.mpg") == contents(folder_ / "whole.mpg"));
         EXPECT_FALSE(std::filesystem::exists(folder_ / "film.mpg.partial"));
@@ -190,9 +190,10 @@ class InAChunk : public testing::Test {
     }
 
     const Folder folder_;
+    std::string said_;  ///< by the run that was ended
     const std::string state_ = path(folder_, "film.mpg.partial/chunk_00000.state");
     const std::string start_ = program() + " render -y --hold " + path(folder_, "scene.json") +
-                               " --size 32x32 --gop 164 --threads 1 --quiet -o " + folder_.path().string() + "/";
+                               " --size 32x32 --gop 164 --threads 1 -o " + folder_.path().string() + "/";
 };
 
 TEST_F(InAChunk, LitFramesAreKeptWhateverEndsARunSlow) {
@@ -205,6 +206,32 @@ TEST_F(InAChunk, LitFramesAreKeptWhateverEndsARunSlow) {
     const std::string said = go_on(), there = std::to_string(lit);
     EXPECT_NE(said.find("film.mpg with frame " + there + ": " + there + " of 164 are there"), std::string::npos)
         << said;
+    EXPECT_TRUE(lasting(folder_ / "film.json") == lasting(folder_ / "whole.json"));
+}
+
+/// Smoke that drifts for two frames, and then hangs where its light stays.
+class InAChunkOfSmoke : public InAChunk {
+  protected:
+    void SetUp() override {
+        json scene = json::parse(support::travel_scene(24));
+        scene["lights"].erase(1);
+        scene["volumes"] = json::parse(R"([{ "size": 1.5, "density": 2, "keys": [
+            { "at": 0, "position": [0, 1, 0] }, { "at": 0.04, "position": [0.2, 1, 0] } ] }])");
+        std::ofstream(folder_ / "scene.json") << scene;
+        make_whole();
+    }
+};
+
+TEST_F(InAChunkOfSmoke, ASignalCostsTheFrameAtHandSlow) {
+    for (const std::int64_t beyond : {0, 4}) {
+        const std::int64_t lit = end_by("TERM", beyond);
+        ASSERT_GT(lit, beyond);
+        const std::string words = "interrupted after ";
+        const std::size_t at = said_.find(words);
+        ASSERT_NE(at, std::string::npos) << said_;
+        EXPECT_LT(std::stoll(said_.substr(at + words.size())) - lit, 2) << said_;
+    }
+    go_on();
     EXPECT_TRUE(lasting(folder_ / "film.json") == lasting(folder_ / "whole.json"));
 }
 

@@ -160,6 +160,54 @@ INSTANTIATE_TEST_SUITE_P(Densities, WhiteFurnace,
                          testing::Values(std::tuple(0.5f, 0.0f), std::tuple(4.0f, 0.0f), std::tuple(30.0f, 0.0f),
                                          std::tuple(4.0f, 0.7f)));
 
+/// A cube beside another: a volume moved by its own width.
+scene::Volume beside(scene::Volume volume, double width) {
+    scene::VolumeGrids grids = *volume.grids;
+    grids.object_from_index[3].x += width;
+    volume.grids = std::make_shared<const scene::VolumeGrids>(std::move(grids));
+    return volume;
+}
+
+TEST(Volume, TwoInAFurnaceKeepTheirEnergy) {
+    for (const double apart : {0.0, 1.0, 2.5}) {
+        scene::Volume volume = even_cube(24);
+        volume.density = 4;
+        volume.color = glm::vec3(1);
+        SceneBuilder b = film_of(volume);
+        volume.density = 12;
+        b.film().volumes.push_back(beside(volume, apart));
+        b.film().sky.color = {1, 1, 1};
+        b.film().objects.clear();
+        FilmStage stage(b, one_look());
+        EXPECT_NEAR(mean_of(stage.reference()).x, 1, 0.01) << apart;
+    }
+}
+
+TEST(Volume, FireLightsSmokeOfAnother) {
+    // Thin smoke, which the eye sees through its middle, beside a fire.
+    scene::Volume smoke = even_cube(), fire = even_cube(16);
+    smoke.density = 0.01f;
+    smoke.color = glm::vec3(1);
+    fire.density = 0;
+    fire.emission_strength = 2;
+    SceneBuilder b = film_of(smoke);
+    b.film().volumes.push_back(beside(fire, 2));
+    FilmStage stage(b, one_look());
+    // Mean over directions of the fire's light is that of its parts over their distances' squares.
+    double expected = 0;
+    constexpr int n = 40;
+    for (int s = 0; s < n; ++s)
+        for (int i = 0; i < n; ++i)
+            for (int j = 0; j < n; ++j)
+                for (int k = 0; k < n; ++k) {
+                    const glm::dvec3 p = 2.0 * (glm::dvec3(i, j, k) + 0.5) / double(n) - 1.0 + glm::dvec3(2, 0, 0);
+                    const double z = 2.0 * (s + 0.5) / n - 1.0;
+                    const glm::dvec3 way = p - glm::dvec3(0, 0, z);
+                    expected += 0.01 * 2.0 / n * 8.0 / (n * n * n) * 2 / (4 * pi * glm::dot(way, way));
+                }
+    EXPECT_NEAR(mean_of(stage.reference()).x / expected, 1, 0.03);
+}
+
 TEST(Volume, ThrowsItsShadowOnAFloor) {
     scene::Volume volume = even_cube();
     volume.density = 0.8f;

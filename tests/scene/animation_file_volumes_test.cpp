@@ -65,8 +65,8 @@ TEST_F(AnimationFileVolumes, ShowNumberedFilesFrameByFrame) {
     EXPECT_NEAR(film.duration, 6 / 25.0, 1e-7);
 
     // The box holds every file's.
-    EXPECT_EQ(volume.box.low, glm::dvec3(-0.5));
-    EXPECT_EQ(volume.box.high, glm::dvec3(10.5));
+    EXPECT_EQ(volume.outline.box.low, glm::dvec3(-0.5));
+    EXPECT_EQ(volume.outline.box.high, glm::dvec3(10.5));
     EXPECT_EQ(frame_of(film, 0).volumes.at(0).world_from_object[3] + glm::dvec4(film.origin, 0),
               glm::dvec4(0, 0, 5, 1));
     const Extent extent = extent_at(film, 0).value();

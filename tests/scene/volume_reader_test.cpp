@@ -53,7 +53,7 @@ class VolumeFile : public ::testing::Test {
         std::string all;
         for (const bool head : {true, false}) {
             try {
-                head ? static_cast<void>(box_of(volume_)) : static_cast<void>(read_volume(volume_, 0, notes_));
+                head ? static_cast<void>(outline_of(volume_)) : static_cast<void>(read_volume(volume_, 0, notes_));
             } catch (const core::Error& error) {
                 EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
                 if (all != error.what()) all += error.what();
@@ -86,7 +86,7 @@ TEST_F(VolumeFile, KeepsEveryVoxelInItsPlace) {
     EXPECT_TRUE(grids.temperature.empty());
     EXPECT_TRUE(notes_.empty());
 
-    const VolumeBox box = box_of(volume_);
+    const VolumeBox box = outline_of(volume_).box;
     EXPECT_LT(glm::distance(box.low, glm::dvec3(1, 2, 3) + glm::dvec3(-0.6875, 0.375, 2.75)), 1e-12);
     EXPECT_LT(glm::distance(box.high, glm::dvec3(1, 2, 3) + glm::dvec3(1.4375, 2.375, 10.25)), 1e-12);
 }
@@ -213,6 +213,28 @@ TEST_F(VolumeFile, RefusesDamagedFilesInOneLine) {
     }
 }
 
+TEST_F(VolumeFile, TellsWhatItsGridsWillTake) {
+    // Bricks, and even nodes of them; a grid of voxels twice as wide has an eighth of them.
+    VdbFile::Place bricks = small_box(), even, wide;
+    bricks.high = bricks.low + 99;
+    even.high = glm::ivec3(127);
+    wide.high = glm::ivec3(31);
+    wide.object_from_index = glm::scale(glm::dmat4(1), glm::dvec3(2));
+    volume_.blackbody_intensity = 1;
+    const VdbFile::Amount uneven = [](glm::ivec3 p) { return 1 + static_cast<float>(p.x & 7); };
+    for (const bool is_even : {false, true}) {
+        VdbFile file;
+        if (is_even)
+            file.add_even("density", even, 0.5f).add_even("temperature", wide, 1);
+        else
+            file.add("density", bricks, uneven).add("temperature", bricks, uneven);
+        const auto taken = static_cast<double>(outline_of(read(file)).bytes);
+        const auto told = static_cast<double>(outline_of(volume_).bytes);
+        EXPECT_GT(told, 0.95 * taken) << is_even;
+        EXPECT_LT(told, 1.3 * taken + (1 << 20)) << is_even;
+    }
+}
+
 TEST_F(VolumeFile, HoldsTwoOfASequence) {
     Animation film;
     film.volumes.emplace_back();
@@ -252,7 +274,7 @@ TEST(Volume, HasFilesByFrame) {
 TEST(Volume, EvenGridsFillABox) {
     Volume volume;
     volume.grids = std::make_shared<VolumeGrids>(even_grids({-1, 0, 2}, {1, 1, 6}));
-    const VolumeBox box = box_of(volume);
+    const VolumeBox box = outline_of(volume).box;
     EXPECT_LT(glm::distance(box.low, glm::dvec3(-1, 0, 2)), 1e-12);
     EXPECT_LT(glm::distance(box.high, glm::dvec3(1, 1, 6)), 1e-12);
     EXPECT_EQ(volume.grids->density.at(glm::ivec3(0)), 1);

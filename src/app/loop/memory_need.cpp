@@ -29,6 +29,10 @@ constexpr std::uint64_t per_followed_pixel = 1600;      ///< where light changes
 constexpr std::uint64_t samples_of_blurred_lamps = 32;  ///< of a pixel on the average, where a lens blurs
 constexpr std::uint64_t per_decoded_pixel = 48;
 constexpr std::uint64_t per_kept_pixel = 8;  ///< of a chunk's pictures, which are coded until it has its rate
+/// Of light within a volume: samples of a lamp's way, and cells with their equations. Of what shines, while its parts
+/// are found.
+constexpr std::uint64_t per_way = 36, most_ways = std::uint64_t{1} << 19, most_volume_lamps = 16;
+constexpr std::uint64_t cells_of_volume = std::uint64_t{160} << 20, per_shining_voxel = 28;
 constexpr std::uint64_t always = std::uint64_t{24} << 20;
 
 /// Triangles and segments of strands in Embree: rigid objects share their mesh's, others have their own.
@@ -59,6 +63,14 @@ std::uint64_t kept_pixels(const RenderJob& film) {
            static_cast<std::uint64_t>(film.format.height);
 }
 
+/// Grids of one file, posed in a chunk, and light within them.
+std::uint64_t in_chunk(const scene::Volume& volume, std::uint64_t lamps) {
+    const std::uint64_t voxels = volume.outline.bytes / sizeof(float);
+    const std::uint64_t light = per_way * std::min(voxels, most_ways) * std::min(lamps, most_volume_lamps);
+    return light + cells_of_volume + (volume.emits() ? per_shining_voxel * voxels : 0) +
+           (volume.grids ? 0 : volume.outline.bytes);
+}
+
 std::string size_text(std::uint64_t bytes) {
     const double mib = static_cast<double>(bytes) / (1 << 20);
     return mib < 1000 ? fmt::format("{:.0f} MiB", mib) : fmt::format("{:.1f} GiB", mib / 1024);
@@ -81,6 +93,13 @@ MemoryNeed memory_need(const RenderJob& film) {
         need.textures += pixels * (header.bytes ? 4 : 16) * 4 / 3;
         need.decoding = std::max(need.decoding, per_decoded_pixel * pixels);
     }
+    if (film.plan.runs(renderer::Pass::volumes))
+        for (const scene::Volume& volume : scene.volumes) {
+            const std::uint64_t own = in_chunk(volume, scene.lights.size());
+            // The file before stays beside it.
+            need.volumes += own + (volume.files.size() > 1 ? volume.outline.bytes : 0);
+            need.moving += own;
+        }
     need.lights = per_lamp * (static_cast<std::uint64_t>(film.rendering.direct_points) + scene.lights.size()) +
                   per_candidate * renderer::candidates_for(static_cast<std::uint64_t>(film.rendering.vpls));
     const std::uint64_t closer = film.rendering.most_samples > 0 ? per_pixel_looked_at_closer : 0;
@@ -102,9 +121,10 @@ bool may_decode_at_once(const RenderJob& film, const MemoryNeed& need, std::uint
         "rendering", film.animation->source,
         fmt::format(
             "it takes about {}, and --memory allows {}: {} for what was read, {} for triangles, {} for textures, "
-            "{} to read the largest of them, {} for lights, {} for frames",
+            "{} to read the largest of them, {} for volumes, {} for lights, {} for frames",
             size_text(need.total()), size_text(limit), size_text(need.held), size_text(need.triangles),
-            size_text(need.textures), size_text(need.decoding), size_text(need.lights), size_text(need.frames)));
+            size_text(need.textures), size_text(need.decoding), size_text(need.volumes), size_text(need.lights),
+            size_text(need.frames)));
 }
 
 }  // namespace render2mpeg::app

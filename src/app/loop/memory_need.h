@@ -12,11 +12,12 @@ struct MemoryNeed {
     std::uint64_t triangles = 0;  ///< trees of rays, and what chooses anchors
     std::uint64_t textures = 0;   ///< with their smaller copies
     std::uint64_t decoding = 0;   ///< of the largest image, while it is read
+    std::uint64_t volumes = 0;    ///< grids, and light within them
     std::uint64_t lights = 0;     ///< light points and their trees
     std::uint64_t frames = 0;     ///< visibility, light and pictures in flight
-    std::uint64_t moving = 0;     ///< of `triangles`, those with trees of their own in each chunk at work
+    std::uint64_t moving = 0;     ///< of `triangles` and `volumes`, those of each chunk at work
 
-    std::uint64_t total() const { return held + triangles + textures + decoding + lights + frames; }
+    std::uint64_t total() const { return held + triangles + textures + decoding + volumes + lights + frames; }
     /// Of another chunk that is made beside the first.
     std::uint64_t of_chunk() const { return moving + lights + frames; }
 };

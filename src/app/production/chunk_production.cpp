@@ -224,8 +224,6 @@ void ChunkProduction::make(const Chunk& chunk, renderer::Renderer& renderer, Mad
 /// Lit frames of a chunk in the making. None where what looks on needs more of each frame than its picture, and where
 /// frames cost no more than to keep them.
 std::optional<KeptFrames> ChunkProduction::kept_of(const Chunk& chunk) const {
-    // Light within volumes follows from the chunk's first frame, and is not kept.
-    if (film_.plan.runs(renderer::Pass::volumes)) return {};
     if (!open_.side_films.empty() || film_.audit > 0 || film_.preview || options_.as) return {};
     if (options_.report && open_.sample_frame.is_in(chunk)) return {};
     KeptChunk of{open_.work.stream_of(chunk), chunk, json_text(open_.identity)};

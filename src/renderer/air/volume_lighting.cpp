@@ -100,45 +100,11 @@ std::vector<glm::ivec3> samples_of(const core::SparseGrid<T>& lattice, const Vol
     return all;
 }
 
-/// Light of one volume of the air.
-class OneVolume {
-  public:
-    OneVolume(const AirInstant& instant, std::size_t index)
-        : instant_(instant),
-          air_(*instant.posed_scene.air()),
-          index_(index),
-          medium_(air_.volumes()[index]),
-          field_(medium_.field()) {}
-
-    VolumeLight light(std::span<const LightPoint> lamps, const SmoothAirLight& smooth, std::uint64_t& rays);
-
-  private:
-    struct Cells;
-    struct Looks;
-    struct Shares;
-
-    float strength(const LightPoint& lamp) const;
-    LampWay way_to(const LightPoint& lamp, glm::vec3 place) const;
-    void find_ways(std::span<const LightPoint> lamps);
-    Cells cells_of(int spacing) const;
-    Looks look_from(const Cells& cells);
-    glm::vec3 along(const Cells& cells, const RayQuery& ray, const FinalGather::Seen& seen, Shares& shares) const;
-    std::vector<glm::vec3> own_light(const Cells& cells, const Looks& looks, ScatteringSystem& system) const;
-    void add_from_all_sides(const Cells& cells, std::span<const LightPoint> lamps, std::vector<glm::vec3>& own) const;
-
-    const AirInstant& instant_;
-    const Air& air_;
-    std::size_t index_;
-    const VolumeMedium& medium_;
-    const VolumeField& field_;
-    VolumeLight light_;
-    std::uint64_t rays_ = 0;
-};
-
 /// Samples of all light but the lamps', and the mean medium about each.
-struct OneVolume::Cells {
+struct Cells {
     int spacing = 1;
-    core::SparseGrid<std::int32_t> number;  ///< of a sample, from 1; 0: none
+    std::size_t first = 0;                  ///< number of the first among those of all volumes
+    core::SparseGrid<std::int32_t> number;  ///< of a sample, from 1 in each volume; 0: none
     std::vector<glm::ivec3> samples;
     std::vector<float> extinction;  ///< by similarity, luminance, by world unit
     std::vector<glm::vec3> emission, albedo;
@@ -154,6 +120,58 @@ struct OneVolume::Cells {
             if (cell > 0) visit(static_cast<std::size_t>(cell - 1), w.x * w.y * w.z);
         }
     }
+};
+
+/// Light of one volume among all of the air: `find_ways` of all comes first, then `own_light` of all.
+class OneVolume {
+  public:
+    OneVolume(const AirInstant& instant, std::size_t index)
+        : instant_(instant),
+          air_(*instant.posed_scene.air()),
+          index_(index),
+          medium_(air_.volumes()[index]),
+          field_(medium_.field()) {}
+
+    /// Cells, numbered from `first` on. Returns how many.
+    std::size_t find_cells(std::size_t first);
+    /// Ways to those lamps that send most.
+    void find_ways(std::span<const LightPoint> lamps);
+    /// Writes mean radiance at its cells to `own`, of all volumes' cells, that nothing in a medium has scattered but
+    /// lamps' light once, and the equations of the rest: all of it on the same rays, so that what leaves and what comes
+    /// sum up to 1.
+    void own_light(std::span<const OneVolume> all, const SmoothAirLight& smooth, std::vector<glm::vec3>& own,
+                   ScatteringSystem& system);
+    /// With the light of all volumes' cells. Adds its rays to `rays`.
+    VolumeLight with(const std::vector<glm::vec3>& light, std::uint64_t& rays);
+
+    bool scatters() const { return medium_.scatters(); }
+    const Cells& cells() const { return cells_; }
+
+  private:
+    struct Looks;
+    struct Shares;
+    struct Span;
+
+    float strength(const LightPoint& lamp) const;
+    LampWay way_to(const LightPoint& lamp, glm::vec3 place) const;
+    glm::vec3 place_of(std::size_t cell) const {
+        return medium_.to_world(static_cast<float>(cells_.spacing) * glm::vec3(cells_.samples[cell]));
+    }
+    Looks look_from();
+    Span span_of(const RayQuery& ray, float end) const;
+    glm::vec3 along(std::span<const OneVolume> all, const RayQuery& ray, const FinalGather::Seen& seen,
+                    Shares& shares) const;
+    glm::vec3 from_all_sides(glm::vec3 place) const;
+
+    const AirInstant& instant_;
+    const Air& air_;
+    std::size_t index_;
+    const VolumeMedium& medium_;
+    const VolumeField& field_;
+    Cells cells_;
+    std::vector<LightPoint> other_lamps_;  ///< without ways
+    VolumeLight light_;
+    std::uint64_t rays_ = 0;
 };
 
 /// What cells see at the ends of their rays.
@@ -185,10 +203,18 @@ LampWay OneVolume::way_to(const LightPoint& lamp, glm::vec3 place) const {
 }
 
 void OneVolume::find_ways(std::span<const LightPoint> lamps) {
-    if (lamps.empty()) return;
+    if (!scatters() || lamps.empty()) return;
+    std::vector<LightPoint> nearest(lamps.begin(), lamps.end());
+    std::stable_sort(nearest.begin(), nearest.end(),
+                     [&](const LightPoint& a, const LightPoint& b) { return strength(a) > strength(b); });
+    if (nearest.size() > most_lamps) {
+        other_lamps_.assign(nearest.begin() + most_lamps, nearest.end());
+        nearest.resize(most_lamps);
+    }
+    light_.lamp_spacing = spacing_for(field_, most_ways);
     const auto empty = VolumeLight::lattice<LampWay>(field_, light_.lamp_spacing);
     const std::vector<glm::ivec3> samples = samples_of(empty, field_, light_.lamp_spacing);
-    for (const LightPoint& lamp : lamps) {
+    for (const LightPoint& lamp : nearest) {
         VolumeLamp found{lamp, empty};
         parallel::for_ranges(samples.size(), 64, [&](std::size_t first, std::size_t last) {
             for (std::size_t i = first; i < last; ++i)
@@ -200,9 +226,11 @@ void OneVolume::find_ways(std::span<const LightPoint> lamps) {
     }
 }
 
-OneVolume::Cells OneVolume::cells_of(int spacing) const {
-    Cells cells;
+std::size_t OneVolume::find_cells(std::size_t first) {
+    const int spacing = spacing_for(field_, most_ambient_cells);
+    Cells& cells = cells_;
     cells.spacing = spacing;
+    cells.first = first;
     cells.number = VolumeLight::lattice<std::int32_t>(field_, spacing);
     cells.samples = samples_of(cells.number, field_, spacing);
     const std::size_t count = cells.samples.size();
@@ -230,20 +258,21 @@ OneVolume::Cells OneVolume::cells_of(int spacing) const {
         const float forward = std::max(g, 0.0f);
         cells.albedo[i] = albedo * (1.0f - forward) / glm::max(1.0f - forward * albedo, glm::vec3(1e-6f));
     }
-    return cells;
+    return count;
 }
 
 /// Rays of all cells, as even as points of a spiral are, turned otherwise at each.
-OneVolume::Looks OneVolume::look_from(const Cells& cells) {
+OneVolume::Looks OneVolume::look_from() {
     Looks looks;
-    looks.rays.reserve(cells.samples.size() * cell_directions);
+    looks.rays.reserve(cells_.samples.size() * cell_directions);
     const Stream numbers(Purpose::rays_of_volumes, {.index = index_});
-    for (const glm::ivec3& sample : cells.samples) {
+    for (std::size_t cell = 0; cell < cells_.samples.size(); ++cell) {
+        const glm::ivec3 sample = cells_.samples[cell];
         const Stream own = numbers
                                .at(static_cast<std::uint64_t>(static_cast<std::uint32_t>(sample.x)) << 32 |
                                    static_cast<std::uint32_t>(sample.y))
                                .at(static_cast<std::uint32_t>(sample.z));
-        const glm::vec3 place = medium_.to_world(static_cast<float>(cells.spacing) * glm::vec3(sample));
+        const glm::vec3 place = place_of(cell);
         // A random rotation.
         const glm::vec3 axis = core::sample_sphere({own.uniform(0), own.uniform(1)});
         const float turned = 2.0f * std::numbers::pi_v<float> * own.uniform(2);
@@ -271,6 +300,13 @@ OneVolume::Looks OneVolume::look_from(const Cells& cells) {
 
 /// Shares of a cell's rays that others scatter to it.
 struct OneVolume::Shares {
+    /// A volume about a place of the ray.
+    struct Medium {
+        const Span* span;
+        float whole, extinction;
+        glm::vec3 albedo;
+    };
+    std::vector<Medium> medium;  ///< scratch
     std::vector<float> weights;  ///< by cell
     std::vector<std::uint32_t> touched;
 
@@ -279,6 +315,8 @@ struct OneVolume::Shares {
         weights[cell] += weight;
     }
     void move_to(ScatteringSystem::Row& row, float part) {
+        row.cells.reserve(touched.size());
+        row.weights.reserve(touched.size());
         for (const std::uint32_t c : touched) {
             row.cells.push_back(c);
             row.weights.push_back(part * weights[c]);
@@ -288,106 +326,137 @@ struct OneVolume::Shares {
     }
 };
 
-/// Radiance along a ray from a cell that nothing in the medium has scattered but lamps' light once.
-glm::vec3 OneVolume::along(const Cells& cells, const RayQuery& ray, const FinalGather::Seen& seen,
+/// Part of a ray that lies within a volume's lattice, and how it goes there.
+struct OneVolume::Span {
+    const OneVolume* volume;
+    float in, out;
+    glm::vec3 from, turn;  ///< at distance 0, and by unit of way, lattice
+
+    bool meets() const { return in < out; }
+    glm::vec3 place(float distance) const { return from + distance * turn; }
+    float step() const { return step_of_cell / glm::length(turn); }
+};
+
+OneVolume::Span OneVolume::span_of(const RayQuery& ray, float end) const {
+    const auto spacing = static_cast<float>(cells_.spacing);
+    const glm::vec3 low = glm::vec3(8 * cells_.number.low()),
+                    high = glm::vec3(8 * (cells_.number.low() + cells_.number.size()) - 1);
+    Span span{this, 0, cells_.samples.empty() ? 0.0f : end, medium_.to_index(ray.origin) / spacing,
+              medium_.vector_to_index(ray.direction) / spacing};
+    for (int c = 0; c < 3; ++c) {
+        const float turn = span.turn[c];
+        if (turn == 0.0f) {
+            if (span.from[c] < low[c] || span.from[c] > high[c]) span.out = 0;
+            continue;
+        }
+        const float a = (low[c] - span.from[c]) / turn, b = (high[c] - span.from[c]) / turn;
+        span.in = std::max(span.in, std::min(a, b));
+        span.out = std::min(span.out, std::max(a, b));
+    }
+    return span;
+}
+
+/// Radiance along a ray from a cell that nothing in a medium has scattered but lamps' light once.
+glm::vec3 OneVolume::along(std::span<const OneVolume> all, const RayQuery& ray, const FinalGather::Seen& seen,
                            Shares& shares) const {
-    const auto spacing = static_cast<float>(cells.spacing);
-    const glm::vec3 low = glm::vec3(8 * cells.number.low()),
-                    high = glm::vec3(8 * (cells.number.low() + cells.number.size()) - 1);
-    const glm::vec3 from = medium_.to_index(ray.origin) / spacing;
-    const glm::vec3 turn = medium_.vector_to_index(ray.direction) / spacing;
-    // As far as the lattice goes.
-    float end = seen.distance;
-    for (int c = 0; c < 3; ++c)
-        if (turn[c] != 0.0f)
-            end = std::min(end, std::max(((turn[c] > 0.0f ? high : low)[c] - from[c]) / turn[c], 0.0f));
-    const auto steps = static_cast<int>(std::ceil(std::min(end * glm::length(turn) / step_of_cell, 1e5f)));
-    const float length = steps > 0 ? end / static_cast<float>(steps) : 0.0f;
+    std::vector<Span> spans;
+    std::vector<float> borders;
+    for (const OneVolume& volume : all)
+        if (const Span span = volume.span_of(ray, seen.distance); span.meets()) {
+            spans.push_back(span);
+            borders.insert(borders.end(), {span.in, span.out});
+        }
+    std::sort(borders.begin(), borders.end());
     glm::vec3 light(0);
     float left = 1;
-    for (int i = 0; i < steps && left > 0.0f; ++i) {
-        const glm::vec3 place = from + (static_cast<float>(i) + 0.5f) * length * turn;
-        float extinction = 0, whole = 0;
-        glm::vec3 emission(0), albedo(0);
-        cells.about(place, [&](std::size_t c, float w) {
-            whole += w;
-            extinction += w * cells.extinction[c];
-            emission += w * cells.emission[c];
-            albedo += w * cells.albedo[c];
-        });
-        // What is left in the end is scattered there as well: nothing gets lost.
-        const float taken = length * extinction;
-        const float lost = left * std::exp(-taken) > least_left ? -std::expm1(-taken) : 1.0f;
-        light += left * (taken > 1e-4f ? lost / extinction : length) * emission;
-        if (const float share = whole > 0.0f ? left * lost / whole : 0.0f; share > 0.0f) {
-            light += share * albedo * light_.lamps_mean(medium_, spacing * place);
-            cells.about(place, [&](std::size_t c, float w) { shares.add(c, share * w); });
+    for (std::size_t k = 1; k < borders.size(); ++k) {
+        const float begin = borders[k - 1], way = borders[k] - begin;
+        float step = never;
+        for (const Span& s : spans)
+            if (s.in <= begin && s.out > begin) step = std::min(step, s.step());
+        if (std::isinf(step)) continue;
+        const auto steps = static_cast<int>(std::ceil(std::min(way / step, 1e5f)));
+        const float length = steps > 0 ? way / static_cast<float>(steps) : 0.0f;
+        for (int i = 0; i < steps && left > 0.0f; ++i) {
+            const float at = begin + (static_cast<float>(i) + 0.5f) * length;
+            shares.medium.clear();
+            float extinction = 0;
+            glm::vec3 emission(0);
+            for (const Span& s : spans)
+                if (s.in <= begin && s.out > begin) {
+                    const Cells& cells = s.volume->cells_;
+                    Shares::Medium m{&s, 0, 0, glm::vec3(0)};
+                    cells.about(s.place(at), [&](std::size_t c, float w) {
+                        m.whole += w;
+                        m.extinction += w * cells.extinction[c];
+                        m.albedo += w * cells.albedo[c];
+                        emission += w * cells.emission[c];
+                    });
+                    extinction += m.extinction;
+                    shares.medium.push_back(m);
+                }
+            // What is left in the end is scattered there as well: nothing gets lost.
+            const float taken = length * extinction;
+            const float lost = left * std::exp(-taken) > least_left ? -std::expm1(-taken) : 1.0f;
+            light += left * (taken > 1e-4f ? lost / extinction : length) * emission;
+            for (const Shares::Medium& m : shares.medium) {
+                if (!(m.extinction > 0.0f)) continue;
+                const OneVolume& v = *m.span->volume;
+                const float share = left * lost * (m.extinction / extinction) / m.whole;
+                const glm::vec3 place = m.span->place(at);
+                light +=
+                    share * m.albedo * v.light_.lamps_mean(v.medium_, static_cast<float>(v.cells_.spacing) * place);
+                v.cells_.about(place, [&](std::size_t c, float w) { shares.add(v.cells_.first + c, share * w); });
+            }
+            left *= 1.0f - lost;
         }
-        left *= 1.0f - lost;
     }
-    return light + left * seen.light * glm::exp(-air_.depth_of_light(ray.origin, ray.direction, seen.distance, index_));
+    return light + left * std::exp(-air_.fog_of_light(ray.origin, ray.direction, seen.distance)) * seen.light;
 }
 
-/// Mean radiance at cells, and the equations of the rest: all of it on the same rays, so that what leaves and what
-/// comes sum up to 1.
-std::vector<glm::vec3> OneVolume::own_light(const Cells& cells, const Looks& looks, ScatteringSystem& system) const {
+/// Mean radiance of lamps without ways.
+glm::vec3 OneVolume::from_all_sides(glm::vec3 place) const {
+    glm::vec3 sum(0);
+    for (const LightPoint& lamp : other_lamps_) {
+        const LampWay way = way_to(lamp, place);
+        const glm::vec3 d = place - lamp.position;
+        const float distance2 = lamp.is_far() ? 1.0f : std::max(glm::dot(d, d), medium_.voxel() * medium_.voxel());
+        const float emitted = lamp.is_far() ? 1.0f : lamp.emitted(core::normalize_or(d, lamp.normal), distance2);
+        sum += way.passes * lamp.intensity * glm::exp(-way.depth) *
+               (emitted / (4.0f * std::numbers::pi_v<float> * distance2));
+    }
+    return sum;
+}
+
+void OneVolume::own_light(std::span<const OneVolume> all, const SmoothAirLight& smooth, std::vector<glm::vec3>& own,
+                          ScatteringSystem& system) {
+    if (!scatters()) return;
     constexpr float part = 1.0f / static_cast<float>(cell_directions);
-    const std::size_t count = cells.samples.size();
-    std::vector<glm::vec3> own(count, glm::vec3(0));
+    const std::size_t count = cells_.samples.size();
+    const Looks looks = look_from();
+    std::vector<glm::vec3> places;
+    for (std::size_t cell = 0; cell < count; ++cell) places.push_back(place_of(cell));
+    const std::vector<glm::vec3> more =
+        smooth.shines ? smooth.at(instant_.posed_scene.tracer(), places, rays_) : std::vector(count, glm::vec3(0));
     parallel::for_ranges(count, 32, [&](std::size_t first, std::size_t last) {
         Shares shares;
-        shares.weights.assign(count, 0.0f);
+        shares.weights.assign(own.size(), 0.0f);
         for (std::size_t cell = first; cell < last; ++cell) {
+            glm::vec3 light = more[cell] + from_all_sides(places[cell]);
             for (std::size_t ray = cell * cell_directions; ray < (cell + 1) * cell_directions; ++ray)
-                own[cell] += part * along(cells, looks.rays[ray], looks.seen[ray], shares);
-            shares.move_to(system.row(cell), part);
-        }
-    });
-    return own;
-}
-
-void OneVolume::add_from_all_sides(const Cells& cells, std::span<const LightPoint> lamps,
-                                   std::vector<glm::vec3>& own) const {
-    if (lamps.empty()) return;
-    parallel::for_each(cells.samples.size(), [&](std::size_t i) {
-        const glm::vec3 place = medium_.to_world(static_cast<float>(cells.spacing) * glm::vec3(cells.samples[i]));
-        for (const LightPoint& lamp : lamps) {
-            const LampWay way = way_to(lamp, place);
-            const glm::vec3 d = place - lamp.position;
-            const float distance2 = lamp.is_far() ? 1.0f : std::max(glm::dot(d, d), medium_.voxel() * medium_.voxel());
-            const float emitted = lamp.is_far() ? 1.0f : lamp.emitted(core::normalize_or(d, lamp.normal), distance2);
-            own[i] += way.passes * lamp.intensity * glm::exp(-way.depth) *
-                      (emitted / (4.0f * std::numbers::pi_v<float> * distance2));
+                light += part * along(all, looks.rays[ray], looks.seen[ray], shares);
+            shares.move_to(system.row(cells_.first + cell), part);
+            own[cells_.first + cell] = core::is_finite(light) ? light : glm::vec3(0);
         }
     });
 }
 
-VolumeLight OneVolume::light(std::span<const LightPoint> lamps, const SmoothAirLight& smooth, std::uint64_t& rays) {
-    if (!medium_.scatters()) return {};
-    std::vector<LightPoint> nearest(lamps.begin(), lamps.end());
-    std::stable_sort(nearest.begin(), nearest.end(),
-                     [&](const LightPoint& a, const LightPoint& b) { return strength(a) > strength(b); });
-    const std::size_t own_ways = std::min(nearest.size(), most_lamps);
-    light_.lamp_spacing = spacing_for(field_, most_ways);
-    find_ways(std::span(nearest).first(own_ways));
-
-    light_.ambient_spacing = spacing_for(field_, most_ambient_cells);
-    light_.ambient = VolumeLight::lattice<glm::vec3>(field_, light_.ambient_spacing);
-    const Cells cells = cells_of(light_.ambient_spacing);
-    ScatteringSystem system(cells.samples.size());
-    std::vector<glm::vec3> own = own_light(cells, look_from(cells), system);
-    add_from_all_sides(cells, std::span(nearest).subspan(own_ways), own);
-    if (smooth.shines) {
-        std::vector<glm::vec3> places;
-        for (const glm::ivec3& sample : cells.samples)
-            places.push_back(medium_.to_world(static_cast<float>(cells.spacing) * glm::vec3(sample)));
-        const std::vector<glm::vec3> found = smooth.at(instant_.posed_scene.tracer(), places, rays_);
-        for (std::size_t i = 0; i < own.size(); ++i) own[i] += found[i];
-    }
-    for (glm::vec3& value : own)
-        if (!core::is_finite(value)) value = glm::vec3(0);
-    const std::vector<glm::vec3> all = system.solve(own, cells.albedo);
-    for (std::size_t i = 0; i < all.size(); ++i) light_.ambient.set(cells.samples[i], all[i]);
+VolumeLight OneVolume::with(const std::vector<glm::vec3>& light, std::uint64_t& rays) {
+    if (!scatters()) return {};
+    light_.ambient_spacing = cells_.spacing;
+    light_.ambient = VolumeLight::lattice<glm::vec3>(field_, cells_.spacing);
+    for (std::size_t i = 0; i < cells_.samples.size(); ++i)
+        light_.ambient.set(cells_.samples[i], light[cells_.first + i]);
     rays += rays_;
     return std::move(light_);
 }
@@ -400,9 +469,23 @@ std::vector<VolumeLight> light_within_volumes(const AirInstant& instant, std::ui
     // Cells see flames themselves.
     std::erase_if(lamps, [](const LightPoint& lamp) { return lamp.is_of_flame(); });
     const SmoothAirLight smooth(instant.light_trees, points, true);
-    std::vector<VolumeLight> lights;
-    for (std::size_t i = 0; i < instant.posed_scene.air()->volumes().size(); ++i)
-        lights.push_back(OneVolume(instant, i).light(lamps, smooth, rays));
+    std::vector<OneVolume> volumes;
+    for (std::size_t i = 0; i < instant.posed_scene.air()->volumes().size(); ++i) volumes.emplace_back(instant, i);
+    std::vector<VolumeLight> lights(volumes.size());
+    if (std::none_of(volumes.begin(), volumes.end(), [](const OneVolume& v) { return v.scatters(); })) return lights;
+    std::size_t count = 0;
+    for (OneVolume& volume : volumes) {
+        volume.find_ways(lamps);
+        count += volume.find_cells(count);
+    }
+    std::vector<glm::vec3> own(count, glm::vec3(0)), albedo;
+    ScatteringSystem system(count);
+    for (OneVolume& volume : volumes) {
+        volume.own_light(volumes, smooth, own, system);
+        albedo.insert(albedo.end(), volume.cells().albedo.begin(), volume.cells().albedo.end());
+    }
+    const std::vector<glm::vec3> all = system.solve(own, albedo);
+    for (std::size_t i = 0; i < volumes.size(); ++i) lights[i] = volumes[i].with(all, rays);
     return lights;
 }
 

@@ -8,8 +8,8 @@
 
 namespace render2mpeg::renderer {
 
-/// Light within each volume of the instant's air. Volumes dim one another; what one scatters does not light another.
-/// Adds the shadow rays to `rays`. The same for any number of threads.
+/// Light within each volume of the instant's air. What they scatter and send lights all of them. Adds the shadow rays
+/// to `rays`. The same for any number of threads.
 std::vector<VolumeLight> light_within_volumes(const AirInstant& instant, std::uint64_t& rays);
 
 }  // namespace render2mpeg::renderer

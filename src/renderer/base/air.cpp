@@ -18,11 +18,9 @@ struct Met {
     BrickWalk walk;
 };
 
-std::vector<Met> met_by(const std::vector<VolumeMedium>& volumes, glm::vec3 from, glm::vec3 direction,
-                        std::size_t but) {
+std::vector<Met> met_by(const std::vector<VolumeMedium>& volumes, glm::vec3 from, glm::vec3 direction) {
     std::vector<Met> met;
     for (std::size_t i = 0; i < volumes.size(); ++i) {
-        if (i == but) continue;
         const BrickWalk walk(volumes[i], from, direction);
         if (!walk.misses()) met.push_back({i, walk});
     }
@@ -53,10 +51,10 @@ void march(std::vector<Met>& met, float from, float far, bool coarse, Step step)
 
 }  // namespace
 
-glm::vec3 Air::depth_of_volumes(glm::vec3 from, glm::vec3 direction, float distance, std::size_t but) const {
+glm::vec3 Air::depth_of_volumes(glm::vec3 from, glm::vec3 direction, float distance) const {
     glm::vec3 depth(0);
     if (volumes_.empty()) return depth;
-    std::vector<Met> met = met_by(volumes_, from, direction, but);
+    std::vector<Met> met = met_by(volumes_, from, direction);
     if (met.empty()) return depth;
     march(met, 0.0f, distance, true, [&](float at, float length) {
         for (const Met& m : met)
@@ -71,12 +69,13 @@ glm::vec3 Air::transmittance(glm::vec3 from, glm::vec3 direction, float distance
     return volumes_.empty() ? glm::vec3(by_fog) : by_fog * glm::exp(-depth_of_volumes(from, direction, distance));
 }
 
-glm::vec3 Air::depth_of_light(glm::vec3 from, glm::vec3 direction, float distance, std::size_t but) const {
-    float by_fog = 0;
-    if (fog_)
-        by_fog =
-            std::isinf(distance) ? fog_->depth_to_sky(from, direction) : fog_->optical_depth(from, direction, distance);
-    return by_fog + depth_of_volumes(from, direction, distance, but);
+float Air::fog_of_light(glm::vec3 from, glm::vec3 direction, float distance) const {
+    if (!fog_) return 0;
+    return std::isinf(distance) ? fog_->depth_to_sky(from, direction) : fog_->optical_depth(from, direction, distance);
+}
+
+glm::vec3 Air::depth_of_light(glm::vec3 from, glm::vec3 direction, float distance) const {
+    return fog_of_light(from, direction, distance) + depth_of_volumes(from, direction, distance);
 }
 
 glm::vec3 Air::left_of_light(glm::vec3 from, glm::vec3 direction, float distance) const {
@@ -87,7 +86,7 @@ glm::vec3 Air::left_of_light(glm::vec3 from, glm::vec3 direction, float distance
 void Air::add_light(glm::vec3 from, glm::vec3 direction, VolumeView view, const float* ends, std::size_t count,
                     glm::vec3* sums) const {
     if (lights_.empty() || count == 0) return;
-    std::vector<Met> met = met_by(volumes_, from, direction, static_cast<std::size_t>(-1));
+    std::vector<Met> met = met_by(volumes_, from, direction);
     if (met.empty()) return;
     glm::vec3 light(0), depth(0);
     float begin = 0;

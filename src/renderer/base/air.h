@@ -27,12 +27,11 @@ class Air {
     glm::vec3 transmittance(glm::vec3 from, glm::vec3 direction, float distance) const;
     /// The same of light that comes from there: from infinitely far it is the sky's, or a sun's.
     glm::vec3 left_of_light(glm::vec3 from, glm::vec3 direction, float distance) const;
-    /// Its optical depth, but for one volume.
-    glm::vec3 depth_of_light(glm::vec3 from, glm::vec3 direction, float distance,
-                             std::size_t but = static_cast<std::size_t>(-1)) const;
-    /// Optical depth of volumes, but one of them.
-    glm::vec3 depth_of_volumes(glm::vec3 from, glm::vec3 direction, float distance,
-                               std::size_t but = static_cast<std::size_t>(-1)) const;
+    /// Its optical depth, and the fog's part of it.
+    glm::vec3 depth_of_light(glm::vec3 from, glm::vec3 direction, float distance) const;
+    float fog_of_light(glm::vec3 from, glm::vec3 direction, float distance) const;
+    /// Optical depth of volumes.
+    glm::vec3 depth_of_volumes(glm::vec3 from, glm::vec3 direction, float distance) const;
 
     /// Light within `volumes`, as many. Until then they are black.
     void light(std::vector<VolumeLight> lights) { lights_ = std::move(lights); }

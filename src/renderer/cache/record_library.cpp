@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <tuple>
 #include <utility>
 
@@ -64,6 +65,12 @@ IrradianceRecord record_from(const StoredRecord& s, std::int64_t frame) {
 }
 
 }  // namespace
+
+std::vector<StoredRecord> stored_records(std::span<const std::byte> bytes) {
+    std::vector<StoredRecord> records(bytes.size() / sizeof(StoredRecord));
+    if (!records.empty()) std::memcpy(records.data(), bytes.data(), records.size() * sizeof(StoredRecord));
+    return records;
+}
 
 bool is_sound(const StoredRecord& s) {
     const auto is_light = [](const PackedLight& packed) {

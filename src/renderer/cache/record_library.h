@@ -1,6 +1,7 @@
 #pragma once
 // Records of light that stays, kept beyond a chunk: for later runs of the same film.
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <optional>
@@ -31,6 +32,9 @@ struct StoredRecord {
 };
 static_assert(sizeof(StoredRecord) == 144, "no byte is undefined");
 static_assert(std::is_trivially_copyable_v<StoredRecord>);
+
+/// Records of a file that holds whole ones.
+std::vector<StoredRecord> stored_records(std::span<const std::byte> bytes);
 
 /// Whether a record of a file is one that `note` may have made: what follows from it is finite, and lies in tables.
 bool is_sound(const StoredRecord& record);

@@ -17,6 +17,11 @@ void VolumeBox::hold(const VolumeBox& other) {
     hold(other.high);
 }
 
+void VolumeOutline::hold(const VolumeOutline& other) {
+    box.hold(other.box);
+    bytes = std::max(bytes, other.bytes);
+}
+
 std::vector<glm::dvec3> VolumeBox::corners() const {
     std::vector<glm::dvec3> all;
     for (int corner = 0; any() && corner < 8; ++corner)
@@ -60,12 +65,13 @@ VolumeGrids even_grids(glm::dvec3 low, glm::dvec3 high) {
     return grids;
 }
 
-VolumeBox box_of(const VolumeGrids& grids) {
-    if (grids.density.empty()) return {};
+VolumeOutline outline_of(const VolumeGrids& grids) {
+    const std::uint64_t bytes = grids.density.bytes() + grids.temperature.bytes() + grids.color.bytes();
+    if (grids.density.empty()) return {{}, bytes};
     constexpr int side = core::SparseGrid<float>::brick_side;
     const VolumeBox voxels{glm::dvec3(side * grids.density.low()) - 0.5,
                            glm::dvec3(side * (grids.density.low() + grids.density.size())) - 0.5};
-    return voxels.moved(grids.object_from_index);
+    return {voxels.moved(grids.object_from_index), bytes};
 }
 
 }  // namespace render2mpeg::scene

@@ -31,6 +31,14 @@ struct VolumeBox {
     VolumeBox moved(const glm::dmat4& to) const;
 };
 
+/// A volume's grids of one file, before they are read.
+struct VolumeOutline {
+    VolumeBox box;            ///< about the density, object space
+    std::uint64_t bytes = 0;  ///< that all grids take, about
+
+    void hold(const VolumeOutline& other);
+};
+
 /// An object that is filled with a medium: Blender's Principled Volume over grids of OpenVDB files.
 struct Volume {
     std::string name;
@@ -47,8 +55,9 @@ struct Volume {
     /// Grids in memory, instead of files.
     std::shared_ptr<const VolumeGrids> grids;
 
-    /// About its density, of every file or of some of a long sequence; set by complete().
-    VolumeBox box;
+    /// About its density, of every file or of some of a long sequence, and bytes of the largest of them; set by
+    /// complete().
+    VolumeOutline outline;
 
     float density = 1;              ///< extinction by object unit for 1 in the density grid, >= 0
     glm::vec3 color{0.5f};          ///< single-scattering albedo, 0..1, times the colour grid
@@ -70,7 +79,7 @@ struct Volume {
 /// Even density 1 within a box of object space. Faces are soft by a 64th of its sides.
 VolumeGrids even_grids(glm::dvec3 low, glm::dvec3 high);
 
-/// Box about the bricks of the density.
-VolumeBox box_of(const VolumeGrids& grids);
+/// Box about the bricks of the density, and what all grids take.
+VolumeOutline outline_of(const VolumeGrids& grids);
 
 }  // namespace render2mpeg::scene

@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <new>
+#include <optional>
 
 #include "core/error.h"
 #include "core/numeric.h"
@@ -69,6 +70,23 @@ std::string cause_of(const std::exception& error) {
     std::replace_if(
         text.begin(), text.end(), [](unsigned char c) { return c < 32; }, ' ');
     return "OpenVDB does not read it: " + text.substr(0, 200);
+}
+
+/// What a grid's file says of it, where its writer told.
+std::optional<double> told(const GridBase& grid, const char* key) {
+    const auto value = grid.getMetadata<openvdb::Int64Metadata>(key);
+    return value ? std::optional(static_cast<double>(value->value())) : std::nullopt;
+}
+
+/// Bytes that a grid's bricks and their table take, about: as in OpenVDB's leaves, or as its voxels where it is even.
+/// At voxels of another volume as many times more.
+double bytes_of(const GridBase& grid, const glm::dmat4& object_from_index) {
+    const bool is_vector = grid.isType<VectorGrid>();
+    const auto leaves = told(grid, GridBase::META_FILE_MEM_BYTES), voxels = told(grid, GridBase::META_FILE_VOXEL_COUNT);
+    const double all =
+        std::max(leaves.value_or(0), voxels.value_or(0) * (is_vector ? sizeof(glm::vec3) : sizeof(float)));
+    const auto volume_of = [](const glm::dmat4& m) { return std::abs(glm::determinant(glm::dmat3(m))); };
+    return std::clamp(all * volume_of(matrix_of(grid)) / volume_of(object_from_index), 0.0, double(most_grid_bytes));
 }
 
 /// Open files, of which the first that has a grid counts.
@@ -388,24 +406,32 @@ class Reader : public VdbReader {
         return grids;
     }
 
-    VolumeBox box(std::span<const fs::path> files, const Volume& volume) const override {
+    VolumeOutline outline(std::span<const fs::path> files, const Volume& volume) const override {
         Source source(files);
         const GridBase::Ptr density = source.head<FloatGrid>(volume.density_grid);
-        if (volume.reads_temperature()) source.head<FloatGrid>(volume.temperature_grid);
-        if (!volume.color_grid.empty() && (source.has(volume.color_grid) || !source.has(volume.color_grid + "_r")))
-            source.head<VectorGrid>(volume.color_grid);
+        const glm::dmat4 object_from_index = matrix_of(*density);
+        double bytes = bytes_of(*density, object_from_index);
+        if (volume.reads_temperature())
+            bytes += bytes_of(*source.head<FloatGrid>(volume.temperature_grid), object_from_index);
+        if (const std::string& color = volume.color_grid; !color.empty())
+            bytes += source.has(color) || !source.has(color + "_r")
+                         ? bytes_of(*source.head<VectorGrid>(color), object_from_index)
+                         : 3 * bytes_of(*source.head<FloatGrid>(color + "_r"), object_from_index);
         // Writers seldom leave these out.
         const auto low = density->getMetadata<openvdb::Vec3IMetadata>(GridBase::META_FILE_BBOX_MIN);
         const auto high = density->getMetadata<openvdb::Vec3IMetadata>(GridBase::META_FILE_BBOX_MAX);
         CoordBBox voxels;
-        if (low && high)
+        if (low && high) {
             voxels = CoordBBox(openvdb::Coord(low->value()), openvdb::Coord(high->value()));
-        else
-            voxels = source.grid<FloatGrid>(volume.density_grid)->evalActiveVoxelBoundingBox();
+        } else {
+            const FloatGrid::Ptr read = source.grid<FloatGrid>(volume.density_grid);
+            voxels = read->evalActiveVoxelBoundingBox();
+            bytes += static_cast<double>(read->memUsage());
+        }
         VolumeBox box;
-        if (voxels.empty()) return box;
+        if (voxels.empty()) return {};
         for (int k = 0; k < 3; ++k) box.low[k] = voxels.min()[k] - 0.5, box.high[k] = voxels.max()[k] + 0.5;
-        return box.moved(matrix_of(*density));
+        return {box.moved(object_from_index), static_cast<std::uint64_t>(bytes)};
     }
 };
 

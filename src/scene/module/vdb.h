@@ -27,9 +27,9 @@ class VdbReader {
     virtual VolumeGrids read(std::span<const std::filesystem::path> files, const Volume& volume,
                              std::vector<std::string>& notes) const = 0;
 
-    /// Box about the density in object space, as these files' heads say. Throws core::Error where read() would refuse a
-    /// grid's name, kind or transform.
-    virtual VolumeBox box(std::span<const std::filesystem::path> files, const Volume& volume) const = 0;
+    /// The same grids' box and bytes, as these files' heads say. Throws core::Error where read() would refuse a grid's
+    /// name, kind or transform.
+    virtual VolumeOutline outline(std::span<const std::filesystem::path> files, const Volume& volume) const = 0;
 };
 
 }  // namespace render2mpeg::scene

@@ -35,8 +35,9 @@ std::vector<glm::dvec3> world_positions(const Animation& animation, const Object
 
 std::vector<glm::dvec3> world_corners(const Volume& volume, const Pose& pose) {
     const glm::dmat4 to_world = pose.world_of(volume.node);
-    if (!volume.box.any() || !pose.is_visible(volume.node) || !normal_matrix(glm::dmat3(to_world)).finite) return {};
-    std::vector<glm::dvec3> corners = volume.box.corners();
+    if (!volume.outline.box.any() || !pose.is_visible(volume.node) || !normal_matrix(glm::dmat3(to_world)).finite)
+        return {};
+    std::vector<glm::dvec3> corners = volume.outline.box.corners();
     for (glm::dvec3& corner : corners) corner = to_world * glm::dvec4(corner, 1);
     return all_within_reach(corners) ? corners : std::vector<glm::dvec3>{};
 }

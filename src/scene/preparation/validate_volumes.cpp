@@ -43,8 +43,8 @@ void validate_volumes(Animation& animation) {
         check(is_within(volume.blackbody_tint, most), "its blackbody tint must be finite and not negative");
         check(volume.temperature >= 0 && volume.temperature <= 1e6f,
               "its temperature must lie between 0 and 1e6 kelvin");
-        volume.box = box_of(volume);
-        if (!volume.box.any()) note_once(animation, name + ": there is nothing in it");
+        volume.outline = outline_of(volume);
+        if (!volume.outline.box.any()) note_once(animation, name + ": there is nothing in it");
     }
 }
 

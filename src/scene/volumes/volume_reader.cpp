@@ -75,16 +75,17 @@ VolumeGrids read_in_other_process(const Volume& volume, const std::vector<std::f
     return stored_grids(stored, file);
 }
 
-VolumeBox box_from(const std::string& text) {
-    VolumeBox box;
+VolumeOutline outline_from(const std::string& text) {
+    VolumeOutline outline;
     const char* at = text.c_str();
-    for (glm::dvec3* p : {&box.low, &box.high})
+    for (glm::dvec3* p : {&outline.box.low, &outline.box.high})
         for (int k = 0; k < 3; ++k) {
             char* end = nullptr;
             (*p)[k] = std::strtod(at, &end);
             at = end;
         }
-    return box;
+    outline.bytes = std::strtoull(at, nullptr, 10);
+    return outline;
 }
 
 }  // namespace
@@ -101,22 +102,22 @@ std::shared_ptr<const VolumeGrids> read_volume(const Volume& volume, std::size_t
     return grids;
 }
 
-VolumeBox box_of(const Volume& volume) {
-    if (volume.grids) return box_of(*volume.grids);
+VolumeOutline outline_of(const Volume& volume) {
+    if (volume.grids) return outline_of(*volume.grids);
     // chosen: 16 of a long sequence, whose first files may be smaller than its later ones.
     const std::size_t count = std::min<std::size_t>(volume.files.size(), 16);
-    VolumeBox box;
-    std::vector<std::string> words = words_of("boxes", volume);
+    VolumeOutline outline;
+    std::vector<std::string> words = words_of("outlines", volume);
     for (std::size_t i = 0; i < count; ++i) {
         const std::vector<std::filesystem::path> files =
             volume.files_of(count == 1 ? 0 : i * (volume.files.size() - 1) / (count - 1));
         add(words, files);
-        if (!Probe::is_possible()) box.hold(reader().box(files, volume));
+        if (!Probe::is_possible()) outline.hold(reader().outline(files, volume));
     }
-    if (!Probe::is_possible()) return box;
+    if (!Probe::is_possible()) return outline;
     for (const std::string& line : lines_of(read_in_probe(words, volume.files.front().string(), volume_limits)))
-        box.hold(box_from(line));
-    return box;
+        outline.hold(outline_from(line));
+    return outline;
 }
 
 VolumeReader::VolumeReader(const Animation& animation) : animation_(animation) {
@@ -161,7 +162,7 @@ std::string read_probed_volume(const std::vector<std::string>& words, const Begi
     return text;
 }
 
-std::string read_probed_boxes(const std::vector<std::string>& words, const BeginLimits& begin_limits) {
+std::string read_probed_outlines(const std::vector<std::string>& words, const BeginLimits& begin_limits) {
     const VdbReader& library = reader();
     const Volume volume = volume_of(words);
     begin_limits();
@@ -169,10 +170,10 @@ std::string read_probed_boxes(const std::vector<std::string>& words, const Begin
     const std::vector<std::filesystem::path> files(words.begin() + facts, words.end());
     const std::size_t together = words[facts - 1] == "2" ? 2 : 1;
     for (std::size_t i = 0; i + together <= files.size(); i += together) {
-        const VolumeBox box = library.box({&files[i], together}, volume);
-        for (const glm::dvec3& p : {box.low, box.high})
+        const VolumeOutline outline = library.outline({&files[i], together}, volume);
+        for (const glm::dvec3& p : {outline.box.low, outline.box.high})
             for (int k = 0; k < 3; ++k) text += exact(p[k]) + " ";
-        text += "\n";
+        text += std::to_string(outline.bytes) + "\n";
     }
     return text;
 }

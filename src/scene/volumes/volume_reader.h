@@ -17,9 +17,9 @@ namespace render2mpeg::scene {
 /// core::Error.
 std::shared_ptr<const VolumeGrids> read_volume(const Volume& volume, std::size_t file, std::vector<std::string>& notes);
 
-/// Box about the density of a volume in object space: of its grids in memory, or of its files, of which at most 16
-/// are looked at, evenly. Throws core::Error where read_volume() would for what these files' heads say.
-VolumeBox box_of(const Volume& volume);
+/// Box and bytes of a volume: of its grids in memory, or of its files, of which at most 16 are looked at, evenly.
+/// Throws core::Error where read_volume() would for what these files' heads say.
+VolumeOutline outline_of(const Volume& volume);
 
 /// Grids of a film's volumes; holds two files of each at most. Thread-safe.
 class VolumeReader {
@@ -48,7 +48,7 @@ class VolumeReader {
 /// What a probe does for read_volume(): the grids go to standard input, a file in memory.
 std::string read_probed_volume(const std::vector<std::string>& words, const BeginLimits& begin_limits);
 
-/// What a probe does for box_of().
-std::string read_probed_boxes(const std::vector<std::string>& words, const BeginLimits& begin_limits);
+/// What a probe does for outline_of().
+std::string read_probed_outlines(const std::vector<std::string>& words, const BeginLimits& begin_limits);
 
 }  // namespace render2mpeg::scene
