@@ -135,9 +135,8 @@ Rows picture_rows(CommandLine& line) {
          range(-64.0f, 64.0f)},
         {"--shutter", picture, o.shutter,
          "How long each frame is exposed, in degrees of a frame's time: 180 is half of it, 0 none; and where the "
-         "middle "
-         "of that time lies from the frame's own, in frames, -0.5 to 0.5; and how much later the last row is exposed "
-         "than the first, 0 to 1 (default: the animation file's or the .blend's, or 0)",
+         "middle of that time lies from the frame's own, in frames, -0.5 to 0.5; and how much later the last row is "
+         "exposed than the first, 0 to 1 (default: the animation file's or the .blend's, or 0)",
          "ANGLE[:PHASE[:ROLLING]]", shutter_from},
         {"--f-stop", picture, o.f_stop,
          "Aperture of all cameras: what is out of focus is blurred, more by smaller numbers; `off`: nothing is "
@@ -248,8 +247,8 @@ Rows coding_rows(CommandLine& line) {
          "How pictures are coded (default: h264 in .mp4, .mov, .mkv, else mpeg2); the last three: for editors",
          codec_words(), Idle::uncoded},
         {"--level", coding, o.level,
-         "Level of H.264 or AV1 that the film keeps to in size, pictures per second and references, e.g. 4.1 "
-         "(default: the lowest)",
+         "Level of H.264 or AV1 that the film keeps to in size, pictures per second and references, e.g. 4.1 (default: "
+         "the lowest)",
          "LEVEL", level_from, Idle::uncoded},
         {"--crf", coding, o.crf,
          "Instead of --quantiser: QP of P pictures in the codec's own scale, 1 to 51 in H.264 and HEVC, to 63 in AV1; "
@@ -315,8 +314,7 @@ Rows product_rows(CommandLine& line) {
         {"--aov@plan", run, o.layers, "Folder of multilayer OpenEXR files", "DIR"},
         {"--also", run, o.also,
          "Write another film of the same light, in a view of its own (--view), by a codec or as its ending says, HEVC "
-         "for "
-         "pq and hlg: one for the web, one for editors, one of high dynamic range; may be given several times",
+         "for pq and hlg: one for the web, one for editors, one of high dynamic range; may be given several times",
          TwoWords(), "VIEW[:CODEC] FILE", Idle::always},
         {"--heatmap", run, o.side_films,
          "Write a film in false colours beside: what each pixel's light may be off by (`tolerance`), clusters (`cut`), "
@@ -384,8 +382,7 @@ Rows trial_rows(CommandLine& line) {
     return {
         {"--sample@cost", tried, o.sample,
          "Windows spread over the film, by consecutive frames of each; the last frame of each window is also lit as "
-         "the "
-         "reference (default: as --within allows, at most 2x3)",
+         "the reference (default: as --within allows, at most 2x3)",
          "WINDOWSxFRAMES", sample_from},
         {"--within@cost", tried, o.within, "Choose a sample that takes about so long, where --sample does not", "TIME",
          time_in_seconds, Shown()},
@@ -450,8 +447,7 @@ Rows farm_rows(CommandLine& line) {
          "DIR"},
         {"--after-chunk", run, line.part.after_chunk,
          "Run this after each chunk's file, e.g. 'rclone copy {} remote:film/', with the file's name for {} or behind: "
-         "no "
-         "shell reads it. What fails is tried again, at the end thrice; then the exit status is 1",
+         "no shell reads it. What fails is tried again, at the end thrice; then the exit status is 1",
          "COMMAND", command_from, With{"--into"}},
         {"--from", run, line.part.pieces,
          "Take chunks that `part --into` wrote from this folder and those in it, in any order", "DIR"},
