@@ -121,7 +121,7 @@ inline constexpr std::array all_codecs{
                .coarsest = 63,
                .at_1 = 9.4,
                .by_doubling = 11.6,
-               .hidden = 0.4f,
+               .hidden = 0.6f,
                .ffmpeg = {"av1", "libsvtav1", "6", "10", "preset", "yuv420p10", "FFmpeg with libsvtav1", ""},
                .endings = ".mp4 .mkv",
                .not_on = "phones and televisions from before 2021, most editors",

@@ -4,7 +4,7 @@ import sys
 sys.path.insert(0, __file__.rpartition("/")[0] or ".")
 from making import *  # noqa: E402,F403
 
-start(4)
+start(4).cycles.volume_bounces = 12
 world = sky(1.0, color=(0.004, 0.006, 0.012))
 fog = world.node_tree.nodes.new("ShaderNodeVolumeScatter")
 fog.inputs["Density"].default_value, fog.inputs["Anisotropy"].default_value = 0.012, 0.3

@@ -9,8 +9,7 @@ loading and frames, or of frames alone; `folder`, where all that was made is kep
 
 The result: `denoiser`; `windows`, each with its `first` and `last` frame, and `all`: `ours` by quantiser, `cycles` by quantiser and
 count of samples, `equal` by quantiser (judge.py), `light`; `effects`: shares of our time. Halves with seeds of their own make the truth
-(Cycles without clamps), and what is denoised. Cycles' time is without that of the stand-in for a denoiser. Steps are told on standard
-error."""
+(Cycles without clamps), and what is denoised. Where the stand-in for a denoiser does harm, its input counts, and its time never. Steps are told on standard error."""
 import hashlib
 import json
 import os
@@ -108,10 +107,10 @@ class Window:
         return self.made(make, kind, samples, seed, ORDER["threads"], text_of("frames.py"), bpy.app.version_string)
 
     def denoised(self, samples):
-        """(folder of denoised frames, CPU seconds of frames, of loading)."""
+        """(folders of frames, denoised and not, the better of which counts; CPU seconds of frames, of loading)."""
         if DENOISER == "blender":
             folder, (seconds, loading) = self.cycles(samples, 3, "denoised")
-            return folder, seconds, loading
+            return [folder], seconds, loading
         halves = [self.cycles(samples // 2, seed, "own") for seed in (3, 4)]
 
         def make(folder):
@@ -122,8 +121,10 @@ class Window:
                                             np.minimum(pick(said, "Denoising Depth.Z"), 1e3)], -1) for said in layers]
                 light = [pick(said, "Combined.R", "Combined.G", "Combined.B") for said in layers]
                 exr.write(folder / f"{n:04d}.exr", denoise.denoised(light, (features[0] + features[1]) / 2))
+                (folder / "plain").mkdir(exist_ok=True)
+                exr.write(folder / "plain" / f"{n:04d}.exr", (light[0] + light[1]) / 2)
         folder, _ = self.made(make, "regression", samples, *(str(h) for h, _ in halves), text_of("denoise.py"))
-        return folder, halves[0][1][0] + halves[1][1][0], halves[0][1][1]
+        return [folder, folder / "plain"], halves[0][1][0] + halves[1][1][0], halves[0][1][1]
 
     def ours(self, quantiser, layers=False):
         """(folder with film.mkv, film.json and layers, CPU seconds)."""
@@ -171,9 +172,11 @@ class Window:
             if count not in ORDER["samples"]:
                 told.of_window += count
             told(name, f"Cycles, {count} samples, denoised", count)
-            folder, seconds, loading = self.denoised(count)
-            films = {q: self.coded(folder, said, CODEC, "--quantiser", q) for q in quantisers}
-            peers[count] = folder, seconds, {q: judged(film, seconds + (loading if ORDER["everything"] else 0)) for q, film in films.items()}
+            folders, seconds, loading = self.denoised(count)
+            every = {q: [self.coded(folder, said, CODEC, "--quantiser", q) for folder in folders] for q in quantisers}
+            rows = {q: [judged(film, seconds + (loading if ORDER["everything"] else 0)) for film in films] for q, films in every.items()}
+            better = min(range(len(folders)), key=lambda k: rows[quantisers[0]][k]["squares"])
+            peers[count] = folders[better], seconds, {q: min(by, key=lambda row: row["squares"]) for q, by in rows.items()}
 
         for count in ORDER["samples"]:
             try_samples(count)

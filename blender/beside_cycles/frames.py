@@ -17,6 +17,13 @@ scene = bpy.context.scene
 render, cycles = scene.render, scene.cycles
 render.engine, cycles.device = "CYCLES", "CPU"
 render.use_compositing = render.use_sequencer = render.use_border = False
+# The height that cameras see stays, whatever the shape: as films have it.
+shape = render.resolution_y * render.pixel_aspect_y / (render.resolution_x * render.pixel_aspect_x)
+for camera in bpy.data.cameras:
+    if camera.sensor_fit != "VERTICAL":
+        side = 1 if camera.sensor_fit == "AUTO" and shape > 1 else shape
+        camera.sensor_height, camera.sensor_fit = camera.sensor_width * side, "VERTICAL"
+        camera.shift_x, camera.shift_y = camera.shift_x / side, camera.shift_y / side
 render.resolution_x, render.resolution_y = map(int, size.split("x"))
 render.resolution_percentage, render.dither_intensity = 100, 0
 if int(threads):
@@ -26,7 +33,7 @@ cycles.use_adaptive_sampling, cycles.use_denoising = False, kind == "denoised"
 if kind == "truth":
     cycles.caustics_reflective = cycles.caustics_refractive = True
     cycles.blur_glossy = cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.light_sampling_threshold = 0
-    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transmission_bounces = cycles.transparent_max_bounces = 24
+    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transmission_bounces = cycles.transparent_max_bounces = cycles.volume_bounces = 24
 if kind == "denoised":
     cycles.denoiser, cycles.denoising_input_passes, cycles.denoising_prefilter = "OPENIMAGEDENOISE", "RGB_ALBEDO_NORMAL", "ACCURATE"
 bpy.context.view_layer.cycles.denoising_store_passes = kind == "own"

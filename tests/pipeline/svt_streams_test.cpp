@@ -14,7 +14,8 @@ namespace {
 
 /// Quantiser indices of pictures, by their place, as headers say them.
 std::map<int, int> indices_of(const std::string& film) {
-    const support::Outcome traced = run("ffmpeg -v trace -i '" + film + "' -c copy -bsf:v trace_headers -f null - 2>&1");
+    const support::Outcome traced =
+        run("ffmpeg -v trace -i '" + film + "' -c copy -bsf:v trace_headers -f null - 2>&1");
     std::map<int, int> found;
     std::istringstream lines(traced.output);
     int place = 0;
@@ -34,8 +35,8 @@ TEST(SvtStreams, HaveTheLayersThatLightIsPlannedFor) {
                       " -pix_fmt yuv420p " + frames)
                       .status,
                   0);
-        const support::Outcome coded = run(program() + " encode " + frames + " -y -o " + film + " --codec av1 --quantiser " +
-                                  std::to_string(quantiser) + " --quiet");
+        const support::Outcome coded = run(program() + " encode " + frames + " -y -o " + film +
+                                           " --codec av1 --quantiser " + std::to_string(quantiser) + " --quiet");
         ASSERT_EQ(coded.status, 0) << coded.output;
         const std::map<int, int> indices = indices_of(film);
         ASSERT_EQ(indices.size(), static_cast<std::size_t>(count));

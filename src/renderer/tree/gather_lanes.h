@@ -21,7 +21,7 @@ struct alignas(64) GatherLanes {
     int places = 1;       ///< origins of the lane that has most of them, further ones not counted
     /// The other origins (GatherPoint::elsewhere); those of lanes that have fewer repeat. Unset from `places` - 1 on.
     Vec3Lanes elsewhere[most_other_places];
-    bool at_one_place = false;  ///< of points of the air: one ray to a light counts for all
+    bool at_one_place = false;                              ///< of points of the air: one ray to a light counts for all
     int own_places[lane_count];                             ///< origins that do not repeat
     const std::vector<glm::vec3>* more_places[lane_count];  ///< GatherPoint::more_places, of a point that lives on
     bool timed = false;  ///< some lane's shadow rays leave while the shutter is open, not all in its middle
