@@ -137,7 +137,7 @@ class Window:
                        quantiser, "--stats", folder / "film.json", "--quiet", *(["--aov", folder / "layers"] if layers else []))
         folder, seconds = self.made(make, "layers" if layers else "ours", quantiser, ORDER["render"], program.st_size, program.st_mtime_ns)
         said = json.loads((folder / "film.json").read_text())
-        return folder, seconds if ORDER["everything"] else seconds - said["seconds"]["load"], said
+        return folder, seconds if ORDER["everything"] else max(seconds - said["seconds"]["load"], 1e-3), said
 
     def coded(self, frames, said, codec, *options):
         """A film of a folder's frames, as ours shows them."""
@@ -187,7 +187,7 @@ class Window:
             before = max(0.0, np.polyfit([s // 2 for s in peers], [p[1] for p in peers.values()], 1)[1]) / 2
             for _, _, rows in peers.values():
                 for row in rows.values():
-                    row["cpu"] -= before
+                    row["cpu"] = max(row["cpu"] - before, 1e-3)
         self.sums = own, {count: rows for count, (_, _, rows) in peers.items()}
         effects = {e["effect"]: e["seconds"] for e in said["effects"] if e["seconds"]}
         return {"first": self.first, "last": self.last, **figures([self.sums]), "light": judge.brightness(self.light(layers / "layers", "frame_%04d.exr"), *map(self.light, truth)),
@@ -215,7 +215,7 @@ try:
     windows = [Window(first, last) for first, last in ORDER["windows"]]
     found = [window.look() for window in windows]
     result = {"blender": bpy.app.version_string, "denoiser": DENOISER, "windows": found, "all": figures([window.sums for window in windows])}
-except Failed as failure:
+except (Failed, OSError, ValueError, subprocess.SubprocessError) as failure:
     result = {"error": str(failure)}
 temporary = pathlib.Path(ORDER["result"] + ".new")
 temporary.write_text(json.dumps(result, indent=1, default=float))

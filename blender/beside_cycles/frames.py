@@ -17,13 +17,6 @@ scene = bpy.context.scene
 render, cycles = scene.render, scene.cycles
 render.engine, cycles.device = "CYCLES", "CPU"
 render.use_compositing = render.use_sequencer = render.use_border = False
-# The height that cameras see stays, whatever the shape: as films have it.
-shape = render.resolution_y * render.pixel_aspect_y / (render.resolution_x * render.pixel_aspect_x)
-for camera in bpy.data.cameras:
-    if camera.sensor_fit != "VERTICAL":
-        side = 1 if camera.sensor_fit == "AUTO" and shape > 1 else shape
-        camera.sensor_height, camera.sensor_fit = camera.sensor_width * side, "VERTICAL"
-        camera.shift_x, camera.shift_y = camera.shift_x / side, camera.shift_y / side
 render.resolution_x, render.resolution_y = map(int, size.split("x"))
 render.resolution_percentage, render.dither_intensity = 100, 0
 if int(threads):

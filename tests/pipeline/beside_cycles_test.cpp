@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
 
 #include "app/experiments/beside_cycles.h"
 #include "pipeline/fixture.h"
@@ -45,7 +46,7 @@ TEST(BesideCycles, HoldsAFilmAgainstCyclesSlow) {
             film + "')\"");
     ASSERT_EQ(made.status, 0) << made.output;
     const support::Outcome outcome =
-        run(program() + " compare '" + film + "' --beside cycles --size 48x32 --sample 1x2 --quantisers 8 --json " +
+        run(program() + " compare '" + film + "' --beside cycles --size 64x36 --sample 1x2 --quantisers 8 --json " +
             path(folder, "found.json"));
     ASSERT_EQ(outcome.status, 0) << outcome.output;
     const json found = json::parse(contents(folder / "found.json"));
@@ -64,6 +65,11 @@ TEST(BesideCycles, HoldsAFilmAgainstCyclesSlow) {
     EXPECT_NE(outcome.output.find(found.at("summary").get<std::string>().substr(0, 30)), std::string::npos);
     std::size_t files = 0;
     for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder.path())) ++files;
+    for (const auto& [words, told] : {std::pair{"--size 48x32", "another shape"}, {"--fog 5", "would not follow it"}}) {
+        const support::Outcome refused = run(program() + " compare '" + film + "' --beside cycles " + words);
+        EXPECT_EQ(refused.status, 2) << refused.output;
+        EXPECT_NE(refused.output.find(told), std::string::npos) << refused.output;
+    }
     EXPECT_EQ(files, 3u) << "the film, its export, the figures";
 }
 

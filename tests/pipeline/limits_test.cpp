@@ -50,7 +50,7 @@ TEST(Memory, ThatAFilmIsReckonedToTakeIsEnough) {
     }
 }
 
-TEST(Memory, OfVolumesIsReckonedWith) {
+TEST(Memory, OfVolumesIsReckonedWithSlow) {
     const Folder folder;
     json scene = json::parse(support::travel_scene(1));
     scene["volumes"] = json::parse(R"([{ "size": 1.5, "density": 2 }])");

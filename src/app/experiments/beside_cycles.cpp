@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <string_view>
 #include <utility>
 
 #include "app/experiments/trial.h"
@@ -42,7 +45,16 @@ void check(const TrialOptions& options) {
         throw UsageError("--beside cycles: Cycles renders .blend files, and " + scene.string() + " is none");
     if (options.report)
         throw UsageError("--beside cycles and --report: there is no page of it; --json has its figures");
-    if (options.references) throw UsageError("--beside cycles and --references: the truth is Cycles' of all frames");
+    // Options that Cycles and `encode` are told as well, or that are about our light alone.
+    constexpr std::array<std::string_view, 23> known{
+        "--beside",    "--size",     "--frames",   "--exposure",     "--view",
+        "--codec",     "--samples",  "--sample",   "--json",         "--vpls",
+        "--masking",   "--clamp",    "--cache",    "--edge-samples", "--exposure-samples",
+        "--isa",       "--indirect", "--caustics", "--threads",      "--quantisers",
+        "--overwrite", "--quiet",    "--progress"};
+    for (const auto& [name, words] : options.render.said)
+        if (std::ranges::find(known, name) == known.end())
+            throw UsageError("--beside cycles and " + name + ": Cycles' picture would not follow it");
     if (!is_installed("ffmpeg"))
         throw core::Error("running", "ffmpeg", "there is no such program; its package is called ffmpeg");
 }
@@ -50,6 +62,13 @@ void check(const TrialOptions& options) {
 /// The film's size in small, even.
 Size small_size(const RenderJob& film, const RenderOptions& render) {
     const Size whole{film.coding.width, film.coding.height};
+    const auto own = film.animation->size.value_or(glm::ivec2(whole.width, whole.height));
+    const double shape = 1.0 * whole.width * own.y / (1.0 * whole.height * own.x);
+    if (std::abs(shape - 1) > 0.02)
+        throw UsageError(
+            fmt::format("--beside cycles and --size {}x{}: the film is {}x{}, and another shape has "
+                        "another view in Cycles",
+                        whole.width, whole.height, own.x, own.y));
     if (render.size || whole.width <= usual_width) return whole;
     const auto even = [](double side) { return std::max(16, 2 * static_cast<int>(std::lround(0.5 * side))); };
     return {usual_width, even(1.0 * usual_width * whole.height / whole.width)};
@@ -90,7 +109,7 @@ json found_by_blender(json order) {
     const std::filesystem::path result = folder.file("result.json");
     order["folder"] = folder.file("films");
     order["result"] = result.string();
-    std::ofstream(file) << order.dump(-1, ' ', false, json::error_handler_t::replace);
+    write_json(file, order);
     const std::string script = core::installed_file("blender/beside_cycles/compare.py").string();
     tell_activity("");  // it tells its own
     const Finished finished =

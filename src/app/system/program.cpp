@@ -8,11 +8,14 @@
 
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <sstream>
+#include <thread>
 
+#include "app/system/interrupt.h"
 #include "core/error.h"
 
 namespace render2mpeg::app {
@@ -54,17 +57,17 @@ std::vector<std::string> words_of(const std::string& program, const std::string&
 /// Where a program's standard streams lead; below 0: as they are.
 struct Streams {
     int input = -1, output = -1, errors = -1;
+    bool own_group = false;  ///< of processes: interrupts of the terminal do not reach it
 };
 
-/// Starts a program, without interrupts of the terminal where its input or errors lead elsewhere. 127 where there is
-/// none; below 0 without a process.
+/// Starts a program. 127 where there is none; below 0 without a process.
 pid_t started(std::vector<std::string>& words, const Streams& streams, const std::filesystem::path& folder = {}) {
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
     const pid_t child = fork();
     if (child != 0) return child;
-    if (streams.input >= 0 || streams.errors >= 0) setpgid(0, 0);
+    if (streams.own_group) setpgid(0, 0);
     if (streams.input >= 0) dup2(streams.input, STDIN_FILENO);
     if (streams.output >= 0) dup2(streams.output, STDOUT_FILENO);
     if (streams.errors >= 0) dup2(streams.errors, STDERR_FILENO);
@@ -91,7 +94,7 @@ Finished run_program(std::vector<std::string> words, Output output, const std::f
     if (caught && pipe2(ends, O_CLOEXEC) != 0) throw core::Error("running", words[0], std::strerror(errno));
     Finished finished;
     const int nowhere = output == Output::errors_passed_on ? open("/dev/null", O_WRONLY | O_CLOEXEC) : -1;
-    const pid_t child = started(words, {-1, caught ? ends[1] : nowhere, ends[1]}, folder);
+    const pid_t child = started(words, {-1, caught ? ends[1] : nowhere, ends[1], output != Output::passed_on}, folder);
     if (caught) close(ends[1]);
     if (nowhere >= 0) close(nowhere);
     char buffer[4096];
@@ -104,7 +107,14 @@ Finished run_program(std::vector<std::string> words, Output output, const std::f
     if (child < 0) throw core::Error("running", words[0], "no process to be had");
     int status = 0;
     rusage usage{};
-    while (wait4(child, &status, 0, &usage) < 0 && errno == EINTR) {
+    // Signals restart what waits, so that one who hands them on has to look.
+    const bool watches = output == Output::errors_passed_on;
+    for (pid_t ended = 0; ended != child;) {
+        ended = wait4(child, &status, watches ? WNOHANG : 0, &usage);
+        if (ended < 0 && errno != EINTR) break;
+        if (ended != 0) continue;
+        if (InterruptGuard::requested()) kill(-child, SIGTERM);
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }
     finished.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
     for (const timeval& t : {usage.ru_utime, usage.ru_stime})
@@ -121,7 +131,7 @@ Player::Player(const std::string& program, const std::string& title, const std::
     std::array<int, 2> ends{};
     if (pipe2(ends.data(), O_CLOEXEC) != 0) throw core::Error("starting", name_, std::strerror(errno));
     std::vector<std::string> words = words_of(name_, title, frame_rate);
-    process_ = started(words, {ends[0], -1, -1});
+    process_ = started(words, {ends[0], -1, -1, true});
     close(ends[0]);
     pipe_ = ends[1];
     if (process_ >= 0) return;

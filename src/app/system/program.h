@@ -19,7 +19,8 @@ bool is_installed(const std::string& program);
 enum class Output { passed_on, errors_passed_on, caught };
 
 /// Runs a program without a shell, in a folder (empty: the current one). `caught`: both outputs together, and no
-/// interrupts of the terminal. `errors_passed_on`: standard output goes nowhere. Throws core::Error without a process.
+/// interrupts of the terminal. `errors_passed_on`: standard output goes nowhere, and an interrupt (InterruptGuard) ends
+/// it and all that it started. Throws core::Error without a process.
 Finished run_program(std::vector<std::string> words, Output output, const std::filesystem::path& folder = {});
 
 class Player {
