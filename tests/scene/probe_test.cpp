@@ -1,6 +1,7 @@
 #include "scene/isolation/probe.h"
 
 #include <gtest/gtest.h>
+#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -27,7 +28,11 @@ const std::string readings = (support::binary_folder() / "probe_readings").strin
 /// Lets probes be the program probe_readings.cpp.
 class ProbeOf : public testing::Test {
   protected:
-    static void SetUpTestSuite() { setenv("RENDER2MPEG_PROGRAM", readings.c_str(), 1); }
+    static void SetUpTestSuite() {
+        setenv("RENDER2MPEG_PROGRAM", readings.c_str(), 1);
+        // Heaps of threads that have ended take address space, which a test limits.
+        mallopt(M_ARENA_MAX, 1);
+    }
     static void TearDownTestSuite() { unsetenv("RENDER2MPEG_PROGRAM"); }
 };
 using Probes = ProbeOf;
