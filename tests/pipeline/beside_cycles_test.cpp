@@ -30,6 +30,8 @@ TEST(BesideCycles, SaysWhoIsBetterWhere) {
     EXPECT_NE(
         app::sentence_of_peers(found).find("the best takes 2.0 times your film's CPU and has 2.0 times its flicker"),
         std::string::npos);
+    found["all"] = window_of(0, 2.0, 0, ">");
+    EXPECT_EQ(app::sentence_of_peers(found).find("flicker"), std::string::npos) << "windows of one frame";
     found["all"] = window_of(0, 0.1, 0.5, "<");
     EXPECT_NE(app::sentence_of_peers(found).find("nearer to the truth already, for 10.0 times less CPU"),
               std::string::npos);
@@ -65,7 +67,9 @@ TEST(BesideCycles, HoldsAFilmAgainstCyclesSlow) {
     EXPECT_NE(outcome.output.find(found.at("summary").get<std::string>().substr(0, 30)), std::string::npos);
     std::size_t files = 0;
     for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder.path())) ++files;
-    for (const auto& [words, told] : {std::pair{"--size 48x32", "another shape"}, {"--fog 5", "would not follow it"}}) {
+    for (const auto& [words, told] : {std::pair{"--size 48x32", "another shape"},
+                                      {"--fog 5", "would not follow it"},
+                                      {"--quantisers none", "nothing to compare"}}) {
         const support::Outcome refused = run(program() + " compare '" + film + "' --beside cycles " + words);
         EXPECT_EQ(refused.status, 2) << refused.output;
         EXPECT_NE(refused.output.find(told), std::string::npos) << refused.output;

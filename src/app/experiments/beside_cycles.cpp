@@ -55,6 +55,8 @@ void check(const TrialOptions& options) {
     for (const auto& [name, words] : options.render.said)
         if (std::ranges::find(known, name) == known.end())
             throw UsageError("--beside cycles and " + name + ": Cycles' picture would not follow it");
+    if (quantisers_from(options.quantisers.value_or("4")).empty())
+        throw UsageError("--beside cycles and --quantisers none: there is nothing to compare");
     if (!is_installed("ffmpeg"))
         throw core::Error("running", "ffmpeg", "there is no such program; its package is called ffmpeg");
 }
@@ -167,13 +169,17 @@ std::string sentence_at(int quantiser, const json& equal) {
     if (beyond == "<")
         return fmt::format("at quantiser {} the fewest samples are nearer to the truth already, for {}", quantiser,
                            times_text(1 / times));
+    // Windows of one frame have none.
+    const auto flickers = [&](const char* text, double ratio) {
+        return flicker > 0 ? fmt::format(fmt::runtime(text), ratio) : std::string();
+    };
     if (beyond == ">")
         return fmt::format(
             "at quantiser {} no count of samples comes as near to the truth; the best takes {:.1f} "
-            "times your film's CPU and has {:.1f} times its flicker",
-            quantiser, times, 1 / std::max(flicker, 0.01));
-    return fmt::format("at quantiser {} your film takes {} at equal quality, and has {:.1f} times the flicker",
-                       quantiser, times_text(times), flicker);
+            "times your film's CPU{}",
+            quantiser, times, flickers(" and has {:.1f} times its flicker", 1 / flicker));
+    return fmt::format("at quantiser {} your film takes {} at equal quality{}", quantiser, times_text(times),
+                       flickers(", and has {:.1f} times the flicker", flicker));
 }
 
 }  // namespace
