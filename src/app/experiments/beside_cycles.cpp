@@ -169,17 +169,14 @@ std::string sentence_at(int quantiser, const json& equal) {
     if (beyond == "<")
         return fmt::format("at quantiser {} the fewest samples are nearer to the truth already, for {}", quantiser,
                            times_text(1 / times));
-    // Windows of one frame have none.
-    const auto flickers = [&](const char* text, double ratio) {
-        return flicker > 0 ? fmt::format(fmt::runtime(text), ratio) : std::string();
-    };
+    const bool flickers = flicker > 0;  // Windows of one frame have none.
     if (beyond == ">")
         return fmt::format(
             "at quantiser {} no count of samples comes as near to the truth; the best takes {:.1f} "
             "times your film's CPU{}",
-            quantiser, times, flickers(" and has {:.1f} times its flicker", 1 / flicker));
+            quantiser, times, flickers ? fmt::format(" and has {:.1f} times its flicker", 1 / flicker) : "");
     return fmt::format("at quantiser {} your film takes {} at equal quality{}", quantiser, times_text(times),
-                       flickers(", and has {:.1f} times the flicker", flicker));
+                       flickers ? fmt::format(", and has {:.1f} times the flicker", flicker) : "");
 }
 
 }  // namespace
