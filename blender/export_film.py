@@ -343,8 +343,8 @@ class Strengths:
                 film.setdefault("materials", {})[name] = {"keys": keys, "interpolation": "linear"}
 
 
-def export(path, folder, texture_size, still=False):
-    """`still`: the frame that it was saved at alone."""
+def export(path, folder, texture_size, lines, still=False):
+    """Textures of a texel a pixel in pictures of this height, 0: the scene's own. `still`: the frame that it was saved at alone."""
     open_scene(path)
     from film_export import lamps, world
     from film_export.bakes import Bakes
@@ -374,7 +374,7 @@ def export(path, folder, texture_size, still=False):
     mix_sound(scene, film, folder, lost)
     scene.frame_set(frames[0])
     materials = Materials(glb, folder, lost)
-    bakes = Bakes(materials, Baker(texture_size), lost)
+    bakes = Bakes(materials, Baker(texture_size), lines or scene.render.resolution_y * scene.render.resolution_percentage / 100, lost)
     for thing in list(bpy.data.objects):
         if thing.type == "MESH" and (scene in thing.users_scene or not thing.users_scene):
             bakes.prepare(thing)
@@ -425,10 +425,10 @@ def used_files(path, more):
     return out
 
 
-def told(path, folder, texture_size, still=False):
+def told(path, folder, texture_size, lines=0, still=False):
     """The export's outcome, or what went wrong in one line."""
     try:
-        result = export(path, folder, texture_size, still)
+        result = export(path, folder, texture_size, lines, still)
     except Refused as reason:
         result = {"error": str(reason)}
     except ModuleNotFoundError as missing:
@@ -442,8 +442,8 @@ def told(path, folder, texture_size, still=False):
 
 
 def main():
-    path, folder, texture_size = sys.argv[sys.argv.index("--") + 1:]
-    result = told(path, folder, int(texture_size))
+    path, folder, texture_size, lines = sys.argv[sys.argv.index("--") + 1:]
+    result = told(path, folder, int(texture_size), int(lines))
     with open(os.path.join(folder, "export.json"), "w") as file:
         json.dump(result, file, indent=1)
 

@@ -34,25 +34,38 @@ def digest_of(mesh, materials):
     return state.digest()
 
 
+def points_on(shape, count=1024):
+    """Points all over a shape's triangles, evenly by area, and their whole area."""
+    a, b, c = (shape.vertices[shape.vertex[shape.corners[:, k]]].astype(float) for k in range(3))
+    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+    if not len(areas):
+        return np.zeros((1, 3)), 0.0
+    order = np.arange(count)
+    # The plane's golden ratios, folded into the triangle.
+    u, v = (order * 0.7548776662) % 1, (order * 0.5698402909) % 1
+    u, v = np.where(u + v > 1, (1 - u, 1 - v), (u, v))
+    ends = np.cumsum(areas)
+    k = np.minimum(np.searchsorted(ends, (order + 0.5) / count * ends[-1]), len(areas) - 1)
+    return a[k] + u[:, None] * (b - a)[k] + v[:, None] * (c - a)[k], float(ends[-1])
+
+
 def pixels_across(shape, places, cameras, height):
     """The root of the pixels that all of a shape's surface has where it is nearest to a camera. `places`: (frame, matrix)."""
-    a, b, c = (shape.vertices[shape.vertex[shape.corners[:, k]]].astype(float) for k in range(3))
-    area = float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()) / 2
-    low, high = shape.vertices.min(axis=0).astype(float), shape.vertices.max(axis=0).astype(float)
-    middle, across = np.append((low + high) / 2, 1), float(np.linalg.norm(high - low)) / 2
+    points, area = points_on(shape)
     largest = 0.0
     for frame, matrix in places:
         scale = float(np.linalg.norm(matrix[:3, :3], axis=0).max())
+        there = points @ matrix[:3, :3].T + matrix[:3, 3]
         for poses in cameras:
             lens, eye = poses[frame]["lens"], poses[frame]["eye"]
-            away = 1.0 if lens[3, 3] == 1 else max(float(np.linalg.norm((matrix @ middle)[:3] - eye)) - across * scale, 1e-6)
+            away = 1.0 if lens[3, 3] == 1 else max(float(np.linalg.norm(there - eye, axis=1).min()), 1e-6)
             largest = max(largest, scale * lens[1, 1] * height / 2 / away)
     return math.sqrt(area) * largest
 
 
 class Bakes:
-    def __init__(self, materials, baker, lost):
-        self.materials, self.baker, self.lost = materials, baker, lost
+    def __init__(self, materials, baker, lines, lost):
+        self.materials, self.baker, self.lines, self.lost = materials, baker, lines, lost
         self.jobs = {}      # (mesh's name, material's name) -> (object, slot)
         self.first = {}     # digest -> name of the first mesh that has it
         self.shown_by = {}  # mesh's name -> name of the mesh whose textures it has
@@ -95,7 +108,7 @@ class Bakes:
                 continue
             over.mesh_name = self.shown_by.get(over.mesh_name)
             ready = BAKE_UV in over.shape.uv and all((over.mesh_name, m.name_full) in self.jobs for _, m in self.wanted_of(over.materials))
-            size = self.size_of(over.shape, things[key], walk.scene, cameras)
+            size = self.size_of(over.shape, things[key], cameras)
             if not ready:
                 over.mesh_name = key
                 self.bake_shape(over, things[key][0], size)
@@ -108,15 +121,14 @@ class Bakes:
                 self.bake(name, self.baker.stage(thing.data, thing.matrix_world), slot, thing.material_slots[slot].material, sizes[name])
         self.baker.clear()
 
-    def size_of(self, shape, things, scene, cameras):
+    def size_of(self, shape, things, cameras):
         """A power of two with at least a texel for each pixel, within bounds."""
         largest = self.baker.size
         if not cameras.shown:
             return largest
-        height = scene.render.resolution_y * scene.render.resolution_percentage / 100
         # Of many instances a hundred tell how near they come.
         places = [(k, m) for t in things[::max(1, len(things) // 100)] for k, m in enumerate(t.matrices) if m is not None]
-        across = pixels_across(shape, places, list(cameras.poses.values()), height)
+        across = pixels_across(shape, places, list(cameras.poses.values()), self.lines)
         return min(max(1 << max(math.ceil(math.log2(max(across, 1.0))), 0), SMALLEST), largest)
 
     def bake_shape(self, over, thing, size):

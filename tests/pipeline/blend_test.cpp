@@ -5,6 +5,7 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -200,6 +201,28 @@ TEST(BlendFileSlow, BecomesAFilmWithItsRateSizeShotsAndInstances) {
     for (const char* node :
          {"\"Tree 0/Cone\"", "\"Tree 3/Cone\"", "\"Source/Grain\"", "\"Source/Grain 30\"", "\"Row\""})
         EXPECT_NE(glb.find(node), std::string::npos) << node;
+}
+
+TEST(BlendFileSlow, BakesATexelForAPixelOfTheFilm) {
+    NEEDS_BLENDER();
+    const Folder folder;
+    make(folder, "odds_and_ends");
+    std::set<fs::path> seen;
+    std::vector<int> widths;
+    for (const char* size : {"64x36", "640x360"}) {
+        const Outcome said =
+            run(program() + " plan --within 0 --size " + size + " " + path(folder, "odds_and_ends.blend"));
+        ASSERT_EQ(said.status, 0) << said.output;
+        for (const fs::directory_entry& entry : fs::directory_iterator(path(folder, "odds_and_ends.blend.export")))
+            if (seen.insert(entry.path()).second) {
+                const std::string png = contents(entry.path() / "Noisy-colour.png");
+                ASSERT_GT(png.size(), 24u) << entry.path();
+                widths.push_back(static_cast<unsigned char>(png[18]) * 256 + static_cast<unsigned char>(png[19]));
+            }
+    }
+    ASSERT_EQ(widths.size(), 2u) << "each size has an export of its own";
+    EXPECT_EQ(widths[0], 64) << "the smallest";
+    EXPECT_GT(widths[1], 64);
 }
 
 TEST(BlendFileSlow, TellsWhatIsNotKeptByObjectAndReason) {

@@ -300,8 +300,9 @@ std::shared_ptr<scene::Animation> load(const RenderOptions& options) {
     check_scene(options.input);
     const bool exports = core::scene_reader_of(options.input) == core::SceneReader::blender;
     tell_activity(exports ? "Blender exports the scene" : "reading the scene");
-    return std::make_shared<scene::Animation>(scene::load(
-        options.input, {options.camera, options.animation, options.sky, options.variant, light_of(options.light)}));
+    return std::make_shared<scene::Animation>(
+        scene::load(options.input, {options.camera, options.animation, options.sky, options.variant,
+                                    light_of(options.light), options.size ? size_from(*options.size).height : 0}));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
@@ -43,7 +44,7 @@ nlohmann::json state_of(const fs::path& file) {
 }
 
 /// Key of an export's inputs.
-std::string name_of(const fs::path& blend, const fs::path& script, const fs::path& blender) {
+std::string name_of(const fs::path& blend, const fs::path& script, const fs::path& blender, int lines) {
     core::Checksum sum;
     sum.add_file(blend);
     std::vector<fs::path> parts{script};
@@ -51,7 +52,7 @@ std::string name_of(const fs::path& blend, const fs::path& script, const fs::pat
         if (entry.path().extension() == ".py") parts.push_back(entry.path());
     std::sort(parts.begin(), parts.end());
     for (const fs::path& part : parts) sum.add_file(part);
-    sum.add(state_of(fs::canonical(blender)).dump() + std::to_string(texture_size));
+    sum.add(fmt::format("{}{},{}", state_of(fs::canonical(blender)).dump(), texture_size, lines));
     return core::checksum_text(sum.value());
 }
 
@@ -141,14 +142,16 @@ class NewFolder {
     fs::path path_;
 };
 
-void run_blender(const fs::path& blend, const fs::path& blender, const fs::path& script, const fs::path& folder) {
+void run_blender(const fs::path& blend, const fs::path& blender, const fs::path& script, const fs::path& folder,
+                 int lines) {
     if (!Probe::is_possible()) throw core::Error("reading", blend.string(), "the program that runs Blender is missing");
     const std::vector<std::string> words{"blend",
                                          fs::canonical(blender).string(),
                                          fs::absolute(script).string(),
                                          fs::absolute(blend).string(),
                                          fs::absolute(folder).string(),
-                                         std::to_string(texture_size)};
+                                         std::to_string(texture_size),
+                                         std::to_string(lines)};
     const ProbeEnd end = Probe(blender_limits(), words).end();
     const nlohmann::json result = read_json(folder / result_name);
     if (!result.is_object()) refuse(blend, end);
@@ -171,7 +174,7 @@ fs::path blender_program() {
     return {};
 }
 
-BlenderExport export_by_blender(const fs::path& file) {
+BlenderExport export_by_blender(const fs::path& file, int lines) {
     const fs::path blender = blender_program();
     if (blender.empty())
         throw core::Error("reading", file.string(),
@@ -180,11 +183,11 @@ BlenderExport export_by_blender(const fs::path& file) {
                               "RENDER2MPEG_BLENDER, or export the scene as glTF with cameras and punctual lights");
     const fs::path script = core::installed_file("blender/export_film.py");
     const fs::path cache = cache_of(file);
-    const fs::path folder = cache / name_of(file, script, blender);
+    const fs::path folder = cache / name_of(file, script, blender, lines);
     if (std::optional<BlenderExport> known = finished(folder)) return *known;
 
     const NewFolder made(folder.string() + "." + std::to_string(getpid()));
-    run_blender(file, blender, script, made.path());
+    run_blender(file, blender, script, made.path(), lines);
     std::error_code failure;
     fs::remove_all(folder, failure);
     fs::rename(made.path(), folder, failure);
@@ -196,7 +199,7 @@ BlenderExport export_by_blender(const fs::path& file) {
 
 void become_blender(const std::vector<std::string>& words) {
     const std::string &program = words.at(0), &script = words.at(1), &blend = words.at(2), &folder = words.at(3),
-                      &size = words.at(4);
+                      &size = words.at(4), &lines = words.at(5);
     // Blender's messages go to a log file; the parent's pipe stays unused.
     const int log = open((fs::path(folder) / "blender.log").c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
     if (log >= 0) {
@@ -211,7 +214,8 @@ void become_blender(const std::vector<std::string>& words) {
     unsetenv("PYTHONHOME");
     const char* const arguments[] = {program.c_str(), "--background", "--factory-startup", "--disable-autoexec",
                                      "-noaudio",      "--python",     script.c_str(),      "--",
-                                     blend.c_str(),   folder.c_str(), size.c_str(),        nullptr};
+                                     blend.c_str(),   folder.c_str(), size.c_str(),        lines.c_str(),
+                                     nullptr};
     execv(program.c_str(), const_cast<char* const*>(arguments));
 }
 

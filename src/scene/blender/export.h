@@ -12,14 +12,16 @@ struct BlenderExport {
 };
 
 /// Export of a .blend, or of a scene that Blender imports, cached in FILE.export/ or the user's cache, keyed by the
-/// file, our script and Blender, and by other files it uses. Blender is $RENDER2MPEG_BLENDER, else `blender` on the
-/// PATH, limited in memory and time. Throws core::Error.
-BlenderExport export_by_blender(const std::filesystem::path& file);
+/// file, our script and Blender, by other files it uses, and by `lines`, the height of the pictures that its textures
+/// are baked for (0: the scene's own). Blender is $RENDER2MPEG_BLENDER, else `blender` on the PATH, limited in memory
+/// and time. Throws core::Error.
+BlenderExport export_by_blender(const std::filesystem::path& file, int lines);
 
 /// $RENDER2MPEG_BLENDER, else `blender` on the PATH; empty where there is none.
 std::filesystem::path blender_program();
 
-/// Becomes Blender within a probe. `words`: program, script, scene, output folder, side of baked textures. Returns
+/// Becomes Blender within a probe. `words`: program, script, scene, output folder, longest side of baked textures, height of the
+/// pictures. Returns
 /// only on failure.
 void become_blender(const std::vector<std::string>& words);
 
