@@ -92,6 +92,33 @@ TEST(MovedSurfaces, AreHitWhereTheSnapshotHasThem) {
     }
 }
 
+TEST(ObjectsAlone, AreMetWhereTheyAreAmongOthers) {
+    SceneBuilder builder = everything_that_moves();
+    builder.film().materials[0].subsurface.emplace();
+    Stage stage(builder);
+    for (int second = 0; second <= 2; ++second) {
+        stage.pose(second);
+        std::vector<int> hidden(stage.film().objects.size(), 0);
+        for (std::uint64_t i = 1; i <= 4000; ++i) {
+            const glm::vec3 from{16 * core::halton(0, i) - 8, 9, 16 * core::halton(1, i) - 8};
+            const glm::vec3 to{12 * core::halton(2, i) - 6, -1, 12 * core::halton(3, i) - 6};
+            const renderer::RayQuery ray{from, glm::normalize(to - from), endless};
+            const Hit first = stage.tracer().nearest(ray.origin, ray.direction, ray.far);
+            if (!first.found()) continue;
+            const Hit same = stage.tracer().nearest_of(first.address.object, ray);
+            ASSERT_EQ(same.address.object, first.address.object);
+            ASSERT_NEAR(same.distance, first.distance, 1e-4f);
+            ASSERT_GT(glm::dot(glm::normalize(same.geometric_normal), glm::normalize(first.geometric_normal)), 0.9999f);
+            const Hit floor = stage.tracer().nearest_of(0, ray);
+            if (first.address.object == 0 || !floor.found()) continue;
+            ++hidden[first.address.object];
+            EXPECT_EQ(floor.address.object, 0u);
+            EXPECT_GT(floor.distance, first.distance);
+        }
+        for (const std::size_t object : {1u, 3u, 8u}) EXPECT_GT(hidden[object], 5) << object << " at " << second;
+    }
+}
+
 TEST(MovedSurfaces, MayBeMetOnlyNearWhereTheyAre) {
     SceneBuilder b;
     b.add_box({0, 0, 0}, {4, 3, 5}, b.add_material(), true);

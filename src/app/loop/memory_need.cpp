@@ -35,13 +35,17 @@ constexpr std::uint64_t per_way = 36, most_ways = std::uint64_t{1} << 19, most_v
 constexpr std::uint64_t cells_of_volume = std::uint64_t{160} << 20, per_shining_voxel = 28;
 constexpr std::uint64_t always = std::uint64_t{24} << 20;
 
-/// Triangles and segments of strands in Embree: rigid objects share their mesh's, others have their own.
+/// Triangles and segments of strands in Embree: rigid objects share their mesh's, others have their own; still ones
+/// that light goes below stand in a second tree.
 std::uint64_t triangles_of(const scene::Animation& film) {
     std::uint64_t count = 0;
     std::set<int> shared;
-    for (const scene::Object& object : film.objects)
-        if (object.mobility != scene::Mobility::rigid || shared.insert(object.mesh).second)
-            count += film.meshes[static_cast<std::size_t>(object.mesh)].primitives();
+    for (const scene::Object& object : film.objects) {
+        const std::uint64_t own = film.meshes[static_cast<std::size_t>(object.mesh)].primitives();
+        if (object.mobility != scene::Mobility::rigid || shared.insert(object.mesh).second) count += own;
+        const bool walked = film.materials[static_cast<std::size_t>(object.material)].subsurface.has_value();
+        if (walked && object.mobility == scene::Mobility::still) count += own;
+    }
     return count;
 }
 

@@ -112,6 +112,7 @@ EmbreeScene::EmbreeScene(const EmbreeScene& posed)
         if (from.kind != Kind::baked) continue;
         placed_[i].present = from.present;
         placed_[i].geometry = from.geometry;
+        placed_[i].alone = from.alone;
         placed_[i].to_world = from.to_world;
     }
     if (posed.top_) make_top();
@@ -208,6 +209,7 @@ void EmbreeScene::pose(const scene::Snapshot& snapshot) {
     bool baked_changed = false, top_changed = false;
     for (std::uint32_t i = 0; i < placed_.size(); ++i) {
         if (!place(i, snapshot)) continue;
+        set_apart(i);
         (placed_[i].kind == Kind::baked ? baked_changed : top_changed) = true;
     }
     EXPECTS(!baked_changed || still_.use_count() == 1);
@@ -270,6 +272,18 @@ bool EmbreeScene::place(std::uint32_t object, const scene::Snapshot& snapshot) {
     }
     if (!placed.present) rtcEnableGeometry(placed.geometry);
     return !std::exchange(placed.present, true) || changed;
+}
+
+/// Gives an object that light goes below its scene `alone`.
+void EmbreeScene::set_apart(std::uint32_t object) {
+    Placed& placed = placed_[object];
+    placed.alone = {};
+    const auto material = static_cast<std::size_t>(animation_.objects[object].material);
+    if (!placed.present || placed.strands || !animation_.materials[material].subsurface) return;
+    Scene scene = new_scene(placed.kind != Kind::baked);
+    rtcAttachGeometryByID(scene.get(), placed.geometry, object);
+    rtcCommitScene(scene.get());
+    placed.alone = std::move(scene);
 }
 
 bool EmbreeScene::bake(std::uint32_t object, const glm::mat4& to_world) {

@@ -59,6 +59,9 @@ class EmbreeScene {
     static constexpr unsigned baked_mask = 1, dynamic_mask = 2, copied_mask = 4;
     static constexpr unsigned static_mask = baked_mask | copied_mask, instance_mask = dynamic_mask | copied_mask;
 
+    /// One object by itself, for walks below its surface; null for others than those, and where it is not present.
+    RTCSceneTy* alone(std::uint32_t object) const { return placed_[object].alone.get(); }
+
     bool any_translucent() const { return any_translucent_; }
     bool is_instanced(std::uint32_t object) const { return placed_[object].kind == Kind::instanced; }
 
@@ -111,6 +114,7 @@ class EmbreeScene {
         RTCSceneTy* mesh = nullptr;          ///< instanced: what it is an instance of
         RTCGeometryTy* triangles = nullptr;  ///< deforming: in `own`
         Scene own;                           ///< deforming
+        std::shared_ptr<RTCSceneTy> alone;   ///< of `geometry` and nothing else
         glm::mat4 to_world{0.0f};
         glm::mat3 wound_normal{1.0f};  ///< instanced: cofactors of to_world
         std::vector<glm::mat4> steps;  ///< instanced: `to_world` evenly over the shutter; empty: it stays
@@ -142,6 +146,7 @@ class EmbreeScene {
     RTCSceneTy* shared_mesh(std::uint32_t object);
     bool is_still(std::uint32_t object) const;
     bool place(std::uint32_t object, const scene::Snapshot& snapshot);
+    void set_apart(std::uint32_t object);
     bool bake(std::uint32_t object, const glm::mat4& to_world);
     bool move_instance(std::uint32_t object, const scene::Snapshot& snapshot);
     bool deform(std::uint32_t object, const scene::Snapshot& snapshot);

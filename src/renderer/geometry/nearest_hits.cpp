@@ -69,16 +69,21 @@ void begin(TieContext& context, const EmbreeScene& scene, const RayQuery* querie
     context.best = best;
 }
 
-/// Hit of a single ray, of surfaces in one plane any; its normal is Embree's.
-Hit any_alone(const EmbreeScene& scene, const RayQuery& query) {
+/// Hit of a single ray with what lies `in` one of the scenes, of surfaces in one plane any; its normal is Embree's.
+Hit any_alone(const EmbreeScene& scene, const RayQuery& query, RTCSceneTy* in) {
     if (!is_traceable(query)) return {};
     embree::Context context;
     RTCRayHit found = unanswered(query, 0.0f, query.far);
-    embree::intersect(scene.root(), context, found);
+    embree::intersect(in, context, found);
     if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
     return {scene.address(found.hit.instID[0], found.hit.geomID, found.hit.primID, found.hit.u, found.hit.v),
             found.ray.tfar,
             {found.hit.Ng_x, found.hit.Ng_y, found.hit.Ng_z}};
+}
+
+/// Gives a hit the world's normal for Embree's.
+void turn(const EmbreeScene& scene, const RayQuery& query, Hit& hit) {
+    if (hit.found()) hit.geometric_normal = scene.world_normal(hit.address.object, hit.geometric_normal, query.time);
 }
 
 /// Up to sixteen rays on their way, lane by lane.
@@ -100,13 +105,13 @@ class HitPacket {
         TieContext ties;
         begin(ties, scene_, queries_.data(), hits);
         trace(ties.embree);
-        turn(hits);
+        turn_all(hits);
     }
 
     /// The same; of surfaces in one plane any.
     void answer_any_turned(Hit* hits) {
         answer_any(hits);
-        turn(hits);
+        turn_all(hits);
     }
 
   private:
@@ -116,12 +121,8 @@ class HitPacket {
         for (std::size_t i = 0; i < queries_.size(); ++i) hits[i] = take(static_cast<int>(i));
     }
 
-    void turn(Hit* hits) const {
-        for (std::size_t i = 0; i < queries_.size(); ++i) {
-            if (!hits[i].found()) continue;
-            hits[i].geometric_normal =
-                scene_.world_normal(hits[i].address.object, hits[i].geometric_normal, queries_[i].time);
-        }
+    void turn_all(Hit* hits) const {
+        for (std::size_t i = 0; i < queries_.size(); ++i) turn(scene_, queries_[i], hits[i]);
     }
 
     void set(int i, const RayQuery& query, float near, float far) {
@@ -192,7 +193,7 @@ RTCRay ray_of(const RayQuery& query, float near, float far) {
 
 Hit nearest_hit(const EmbreeScene& scene, const RayQuery& query) {
     const FlushDenormals flushed;
-    Hit hit = any_alone(scene, query);
+    Hit hit = any_alone(scene, query, scene.root());
     if (!hit.found()) return {};
     const float t = hit.distance;
     TieContext ties;
@@ -216,10 +217,8 @@ void any_nearest_hits(const EmbreeScene& scene, std::span<const RayQuery> querie
     // Alone they go through all at once.
     if (queries.size() == 1 || (!coherent && scene.has_instances())) {
         for (std::size_t i = 0; i < queries.size(); ++i) {
-            hits[i] = any_alone(scene, queries[i]);
-            if (hits[i].found())
-                hits[i].geometric_normal =
-                    scene.world_normal(hits[i].address.object, hits[i].geometric_normal, queries[i].time);
+            hits[i] = any_alone(scene, queries[i], scene.root());
+            turn(scene, queries[i], hits[i]);
         }
         return;
     }
@@ -227,6 +226,15 @@ void any_nearest_hits(const EmbreeScene& scene, std::span<const RayQuery> querie
         const std::size_t count = std::min<std::size_t>(packet_size, queries.size() - first);
         HitPacket(scene, queries.subspan(first, count), coherent).answer_any_turned(&hits[first]);
     }
+}
+
+Hit nearest_hit_of(const EmbreeScene& scene, std::uint32_t object, const RayQuery& query) {
+    RTCSceneTy* const alone = scene.alone(object);
+    EXPECTS(alone != nullptr);
+    const FlushDenormals flushed;
+    Hit hit = any_alone(scene, query, alone);
+    turn(scene, query, hit);
+    return hit;
 }
 
 bool meets_any(RTCSceneTy* scene, unsigned mask, const RayQuery& query) {

@@ -29,6 +29,8 @@ RTCRay ray_of(const RayQuery& query, float near, float far);
 /// See RayTracer::nearest.
 Hit nearest_hit(const EmbreeScene& scene, const RayQuery& query);
 void nearest_hits(const EmbreeScene& scene, std::span<const RayQuery> queries, std::span<Hit> hits);
+/// See RayTracer::nearest_of.
+Hit nearest_hit_of(const EmbreeScene& scene, std::uint32_t object, const RayQuery& query);
 /// See RayTracer::any_nearest.
 void any_nearest_hits(const EmbreeScene& scene, std::span<const RayQuery> queries, std::span<Hit> hits, bool coherent);
 

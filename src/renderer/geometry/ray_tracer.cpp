@@ -249,6 +249,10 @@ void RayTracer::any_nearest(std::span<const RayQuery> rays, std::span<Hit> hits,
     any_nearest_hits(impl_->scene, rays, hits, coherent);
 }
 
+Hit RayTracer::nearest_of(std::uint32_t object, const RayQuery& ray) const {
+    return nearest_hit_of(impl_->scene, object, ray);
+}
+
 bool RayTracer::meets(glm::vec3 origin, glm::vec3 direction, float far) const {
     return meets_any(impl_->scene.root(), 0xffffffffu, {origin, direction, far});
 }

@@ -77,6 +77,10 @@ class RayTracer {
     /// `coherent`: sixteen in a row are neighbours.
     void any_nearest(std::span<const RayQuery> rays, std::span<Hit> hits, bool coherent) const;
 
+    /// The nearest surface of an object below which light goes; all others are passed. Of those that lie in one plane
+    /// any may be found.
+    Hit nearest_of(std::uint32_t object, const RayQuery& ray) const;
+
     /// Whether the ray meets anything at a distance in (0, far), translucent or not: whether `nearest` finds something,
     /// for less.
     bool meets(glm::vec3 origin, glm::vec3 direction, float far) const;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 
 #include "core/numeric.h"
 #include "core/sampling.h"
@@ -32,28 +31,6 @@ struct Numbers {
         distance = part(48);
     }
 };
-
-/// Surfaces of other things on one step at most. chosen: 64; clothes have a few.
-constexpr int most_passed = 64;
-
-/// The boundary of an object on a ray, or none within `far`; other things within are passed.
-Hit boundary(const PosedScene& posed_scene, std::uint32_t object, glm::vec3 origin, glm::vec3 direction, float far) {
-    float gone = 0.0f;
-    for (int passed = 0; passed < most_passed; ++passed) {
-        const RayQuery ray{origin, direction, far - gone};
-        Hit hit;
-        posed_scene.tracer().any_nearest(std::span(&ray, 1), std::span(&hit, 1), false);
-        if (!hit.found()) return hit;
-        if (hit.address.object == object) {
-            hit.distance += gone;
-            return hit;
-        }
-        origin = offset_origin(posed_scene.surface_at(hit.address, -direction), direction);
-        gone += std::max(hit.distance, 1e-6f * far);
-        if (!(gone < far)) return {};
-    }
-    return {};
-}
 
 float mean(glm::vec3 v) {
     return (v.x + v.y + v.z) / 3.0f;
@@ -89,7 +66,7 @@ std::optional<SurfacePoint> random_walk(const PosedScene& posed_scene, const Sur
         const glm::vec3 chance = carried * albedo / scattered;
         const int channel = n.channel < chance.x ? 0 : n.channel < chance.x + chance.y ? 1 : 2;
         const float far = -std::log(1.0f - n.distance) * path[channel];
-        const Hit hit = boundary(posed_scene, point.address.object, origin, direction, far);
+        const Hit hit = posed_scene.tracer().nearest_of(point.address.object, {origin, direction, far});
         const glm::vec3 passes = glm::exp(-(hit.found() ? hit.distance : far) / path);
         if (hit.found()) {
             SurfacePoint place = posed_scene.surface_at(hit.address, direction);
