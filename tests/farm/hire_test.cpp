@@ -92,6 +92,26 @@ TEST(FarmStatus, TellsWhatWasSpentAndWhatIsLeftSlow) {
     EXPECT_GT(spent.back(), 1e6 / 3600 * planned);
 }
 
+TEST(FarmStatus, KnowsThatWhatIsLeftIsDearer) {
+    const test::FarmFilm film("", 120);
+    ASSERT_EQ(film.farm("-o " + film.path("f.mpg"), "--to parallel").status, 0);
+    ASSERT_EQ(support::run(film.part("f.mpg.farm", 2)).status, 0);
+    const auto told = [&](double first) {
+        nlohmann::json plan = nlohmann::json::parse(support::contents(film / "f.mpg.farm/plan.json"));
+        plan["forecast"] = {first, 2.0};
+        plan["cost"]["cpu"] = 0;
+        std::ofstream(film / "f.mpg.farm/plan.json", std::ios::trunc) << plan;
+        const std::string said =
+            support::run(support::program() + " farm-status --price 1e6/core-hour " + film.path("f.mpg.farm")).output;
+        std::smatch found;
+        EXPECT_TRUE(std::regex_search(said, found, std::regex("spent .*, ([0-9.]+); left about .*, ([0-9.]+)")))
+            << said;
+        return found.empty() ? 0 : std::stod(found[2]) / std::stod(found[1]);
+    };
+    EXPECT_NEAR(told(2), 1, 0.01);
+    EXPECT_NEAR(told(20), 10, 0.1);
+}
+
 TEST(Hire, TellsTheLongestPartByItsShots) {
     const test::FarmFilm scene("", 240, "96x16", test::dear_shot_scene());
     app::RenderOptions options;
