@@ -15,14 +15,16 @@ namespace render2mpeg::test {
 class FarmFilm {
   public:
     /// `more`: options of the film. `gop` frames, of which chunks of some 60 are made.
-    explicit FarmFilm(const std::string& more = "", int frames = 240) : more_(more), frames_(frames) {
-        std::ofstream(folder_ / "scene.json") << support::travel_scene(80);
+    explicit FarmFilm(const std::string& more = "", int frames = 240, const std::string& size = "16x16",
+                      const std::string& scene = support::travel_scene(80))
+        : more_(more), frames_(frames), size_(size) {
+        std::ofstream(folder_ / "scene.json") << scene;
     }
     std::string path(const std::string& name) const { return (folder_ / name).string(); }
     std::filesystem::path operator/(const std::string& name) const { return folder_ / name; }
     std::string options() const {
-        return " " + path("scene.json") + " --hold --frames 0:" + std::to_string(frames_ - 1) +
-               " --size 16x16 --samples 1 --gop 30 --overwrite --quiet " + more_ + " ";
+        return " " + path("scene.json") + " --hold --frames 0:" + std::to_string(frames_ - 1) + " --size " + size_ +
+               " --samples 1 --gop 30 --overwrite --quiet " + more_ + " ";
     }
     /// `names`: of outputs, as options.
     support::Outcome render(const std::string& names) const {
@@ -48,7 +50,20 @@ class FarmFilm {
     support::Folder folder_;
     std::string more_;
     int frames_;
+    std::string size_;
 };
+
+/// Four chunks, of which the third sees a box that turns, and the others next to nothing.
+inline std::string dear_shot_scene() {
+    return R"({ "times": "frames", "frames": 240, "exposure": 0,
+  "cameras": { "away": { "position": [0, 1, 30], "look_at": [0, 1, 60] },
+               "at": { "position": [0, 1.5, 4], "look_at": [0, 0.5, 0] } },
+  "shots": [{ "at": 0, "camera": "away" }, { "at": 110, "camera": "at" }, { "at": 170, "camera": "away" }],
+  "lights": [{ "kind": "point", "position": [1, 2, 1], "intensity": 9 }],
+  "objects": [{ "name": "floor", "shape": "plane", "size": [6, 6] },
+              { "name": "box", "shape": "box",
+                "keys": [{ "at": 0, "rotate": [0, 0, 0] }, { "at": 240, "rotate": [0, 900, 0] }] }] })";
+}
 
 /// Every number of a JSON value to nine digits: sums of sums differ in their last ones.
 inline void round_numbers(nlohmann::json& value) {

@@ -1,8 +1,14 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <numeric>
+#include <random>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/farm/farm_plan.h"
@@ -23,14 +29,19 @@ std::vector<app::Chunk> chunks(int count) {
     return app::chunks_of({0, 60 * count - 1}, 15);
 }
 
+std::vector<double> alike(int count) {
+    return std::vector<double>(static_cast<std::size_t>(count), 1.0);
+}
+
 TEST(FilmParts, AreWholeChunksThatCoverTheFilm) {
     for (const auto& [count, asked, made] : {std::tuple{8, 8, 8}, {8, 3, 3}, {8, 100, 8}, {1, 5, 1}, {7, 2, 2}}) {
-        const auto parts = app::parts_of(chunks(count), asked, {});
+        const auto parts = app::parts_of(chunks(count), alike(count), asked, {});
         ASSERT_EQ(parts.size(), static_cast<std::size_t>(made));
         std::size_t next = 0, least = 100, most = 0;
         for (const app::FilmPart& part : parts) {
             EXPECT_EQ(part.chunks.first, next);
             EXPECT_EQ(part.frames.first, static_cast<std::int64_t>(60 * next));
+            EXPECT_EQ(part.frames.last, static_cast<std::int64_t>(60 * part.chunks.last + 59));
             next = part.chunks.last + 1;
             least = std::min(least, part.chunks.count());
             most = std::max(most, part.chunks.count());
@@ -38,15 +49,72 @@ TEST(FilmParts, AreWholeChunksThatCoverTheFilm) {
         EXPECT_EQ(next, static_cast<std::size_t>(count));
         EXPECT_LE(most - least, 1u);
     }
-    EXPECT_EQ(app::parts_of(chunks(8), {}, 120).size(), 4u);
-    EXPECT_EQ(app::parts_of(chunks(8), {}, 10).size(), 8u) << "a chunk is the least";
-    EXPECT_EQ(app::parts_of(chunks(8), {}, {}).size(), 8u);
+    EXPECT_EQ(app::parts_of(chunks(8), alike(8), {}, 120).size(), 4u);
+    EXPECT_EQ(app::parts_of(chunks(8), alike(8), {}, 10).size(), 8u) << "a chunk is the least";
+    EXPECT_EQ(app::parts_of(chunks(8), alike(8), {}, {}).size(), 8u);
+}
+
+/// The longest part over the mean one.
+double longest_over_mean(const app::FarmPlan& plan) {
+    double longest = 0, all = 0;
+    for (const app::FilmPart& part : plan.parts) {
+        longest = std::max(longest, plan.share_of(part));
+        all += plan.share_of(part);
+    }
+    return longest * static_cast<double>(plan.parts.size()) / all;
+}
+
+TEST(FilmParts, AreNearlyAsLongAsEachOther) {
+    // Forty chunks, of which the ten of the second shot are five times as dear.
+    app::FarmPlan plan;
+    plan.shares = alike(40);
+    std::fill_n(plan.shares.begin() + 13, 10, 5.0);
+    plan.parts = app::parts_of(chunks(40), plan.shares, 8, {});
+    ASSERT_EQ(plan.parts.size(), 8u);
+    EXPECT_LE(longest_over_mean(plan), 1.15);
+    plan.parts = app::parts_of(chunks(40), alike(40), 8, {});
+    EXPECT_GT(longest_over_mean(plan), 2) << "what equally many chunks would be";
+}
+
+/// The dearest of `count` runs of chunks, as cheap as can be, by trying each cut.
+double least_dearest(std::span<const double> costs, std::size_t count) {
+    if (count == 1) return std::reduce(costs.begin(), costs.end());
+    double least = std::numeric_limits<double>::max();
+    for (std::size_t first = 1; first + count - 1 <= costs.size(); ++first)
+        least = std::min(least, std::max(std::reduce(costs.begin(), costs.begin() + static_cast<std::ptrdiff_t>(first)),
+                                         least_dearest(costs.subspan(first), count - 1)));
+    return least;
+}
+
+TEST(FilmParts, HaveTheCheapestLongestOneAndAreNumberedByLength) {
+    std::mt19937 random(1);
+    for (int trial = 0; trial < 300; ++trial) {
+        const int n = 1 + static_cast<int>(random() % 9),
+                  count = 1 + static_cast<int>(random() % static_cast<unsigned>(n));
+        app::FarmPlan plan;
+        for (int i = 0; i < n; ++i) plan.shares.push_back(1 + static_cast<double>(random() % 9));
+        plan.parts = app::parts_of(chunks(n), plan.shares, count, {});
+        ASSERT_EQ(plan.parts.size(), static_cast<std::size_t>(count));
+        const std::vector<app::FilmPart> sorted = plan.longest_first();
+        EXPECT_NEAR(plan.share_of(sorted.front()), least_dearest(plan.shares, static_cast<std::size_t>(count)), 1e-9);
+        std::size_t next = 0;
+        for (const app::FilmPart& part : plan.parts)
+            EXPECT_EQ(part.chunks.first, std::exchange(next, part.chunks.last + 1));
+        EXPECT_EQ(next, static_cast<std::size_t>(n));
+        for (int i = 0; i < count; ++i) {
+            EXPECT_EQ(sorted[static_cast<std::size_t>(i)].number, i + 1);
+            if (i > 0) {
+                EXPECT_LE(plan.share_of(sorted[static_cast<std::size_t>(i)]),
+                          plan.share_of(sorted[static_cast<std::size_t>(i) - 1]));
+            }
+        }
+    }
 }
 
 TEST(FilmParts, AreListedAsSchedulersReadThem) {
     EXPECT_EQ(app::part_list({}), "");
     EXPECT_EQ(app::part_list({3}), "3");
-    EXPECT_EQ(app::part_list({1, 3, 4, 5, 9, 10}), "1,3-5,9-10");
+    EXPECT_EQ(app::part_list({9, 4, 3, 1, 5, 10}), "1,3-5,9-10");
 }
 
 TEST(FarmOptions, KeepWhatMakesTheFilm) {
@@ -116,6 +184,27 @@ TEST(Farm, MakesFilmsOfEveryKindAsOneRunDoesSlow) {
         EXPECT_TRUE(film.same(std::string("one.") + number + ".png", std::string("f.") + number + ".png"));
 }
 
+TEST(Farm, BeginsWithTheDearShotSlow) {
+    const FarmFilm film("", 240, "96x16", test::dear_shot_scene());
+    ASSERT_EQ(film.render("-o " + film.path("one.mpg")).status, 0);
+    const auto planned = film.farm("-o " + film.path("f.mpg"), "--to parallel --parts 3");
+    ASSERT_EQ(planned.status, 0) << planned.output;
+    const app::FarmPlan plan = app::read_plan(film / "f.mpg.farm");
+    ASSERT_EQ(plan.shares.size(), 4u);
+    for (const std::size_t cheap : {0u, 1u, 3u}) EXPECT_GT(plan.shares[2], 2 * plan.shares[cheap]);
+    // It is a part of its own, and the first.
+    EXPECT_EQ(plan.parts[1].chunks.first, 2u);
+    EXPECT_EQ(plan.parts[1].chunks.last, 2u);
+    EXPECT_EQ(plan.parts[1].number, 1);
+    EXPECT_LT(longest_over_mean(plan), 3);
+    ASSERT_EQ(film.farm("-o " + film.path("f.mpg"), "--to parallel --parts 3").status, 0);
+    EXPECT_EQ(app::read_plan(film / "f.mpg.farm").shares, plan.shares) << "a plan that is kept is not measured anew";
+    for (const int part : {1, 2, 3}) ASSERT_EQ(run(film.part("f.mpg.farm", part)).status, 0);
+    const auto joined = film.join("f.mpg.farm");
+    ASSERT_EQ(joined.status, 0) << joined.output;
+    EXPECT_TRUE(film.same("one.mpg", "f.mpg"));
+}
+
 TEST(Farm, RefusesByNameWhatIsNotThePlans) {
     const FarmFilm film("", 120);
     ASSERT_EQ(film.farm("-o " + film.path("f.mpg"), "--to parallel").status, 0);
@@ -140,6 +229,7 @@ TEST(Farm, RefusesByNameWhatIsNotThePlans) {
     refused("instruction set avx1024: ");
     json shorter = json::parse(before);
     shorter.at("parts").erase(1);
+    shorter.at("forecast").erase(1);
     std::ofstream(plan, std::ios::trunc) << shorter;
     refused(": the number of chunks has changed since `farm` planned it");
     std::ofstream(plan, std::ios::trunc) << before;

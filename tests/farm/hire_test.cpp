@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <nlohmann/json.hpp>
 #include <regex>
 #include <string>
 
@@ -84,9 +86,47 @@ TEST(FarmStatus, TellsWhatWasSpentAndWhatIsLeftSlow) {
     EXPECT_GT(spent.front(), 0);
     EXPECT_GT(left.front(), left[2]) << "three parts of four, and one";
     EXPECT_EQ(left.back(), 0);
+    EXPECT_NEAR(left[2], spent[2] / 3, spent[2] / 6) << "all chunks have the same forecast";
     // The records count what all parts took.
     const double planned = nlohmann::json::parse(support::contents(film / "f.mpg.farm/plan.json"))["cost"]["cpu"];
     EXPECT_GT(spent.back(), 1e6 / 3600 * planned);
+}
+
+TEST(FarmStatus, KnowsThatWhatIsLeftIsDearer) {
+    const test::FarmFilm film("", 120);
+    ASSERT_EQ(film.farm("-o " + film.path("f.mpg"), "--to parallel").status, 0);
+    ASSERT_EQ(support::run(film.part("f.mpg.farm", 2)).status, 0);
+    const auto told = [&](double first) {
+        nlohmann::json plan = nlohmann::json::parse(support::contents(film / "f.mpg.farm/plan.json"));
+        plan["forecast"] = {first, 2.0};
+        plan["cost"]["cpu"] = 0;
+        std::ofstream(film / "f.mpg.farm/plan.json", std::ios::trunc) << plan;
+        const std::string said =
+            support::run(support::program() + " farm-status --price 1e6/core-hour " + film.path("f.mpg.farm")).output;
+        std::smatch found;
+        EXPECT_TRUE(std::regex_search(said, found, std::regex("spent .*, ([0-9.]+); left about .*, ([0-9.]+)")))
+            << said;
+        return found.empty() ? 0 : std::stod(found[2]) / std::stod(found[1]);
+    };
+    EXPECT_NEAR(told(2), 1, 0.01);
+    EXPECT_NEAR(told(20), 10, 0.1);
+}
+
+TEST(Hire, TellsTheLongestPartByItsShots) {
+    const test::FarmFilm scene("", 240, "96x16", test::dear_shot_scene());
+    app::RenderOptions options;
+    options.input = scene / "scene.json";
+    options.output = scene / "film.mpg";
+    options.size = "96x16";
+    options.samples = 1;
+    options.coding.gop = 30;
+    const app::RenderJob film = app::prepare(options);
+    app::Forecast forecast;
+    forecast.cpu = 4000;
+    const std::string said = app::hire_text(film, forecast, {{}, 4, 1}, true);
+    std::smatch found;
+    ASSERT_TRUE(std::regex_search(said, found, std::regex("longest part ([0-9]+):([0-9]+)"))) << said;
+    EXPECT_GT(60 * std::stoi(found[1]) + std::stoi(found[2]), 1500) << "a quarter of the film has 1000 s";
 }
 
 }  // namespace

@@ -63,23 +63,18 @@ void expect_keys(const json& object, const std::set<std::string>& known, const s
 
 TEST_F(JobFiles, AreAnOpenJobDescription) {
     const json t = parsed("openjd", "template.json");
-    expect_keys(t, {"specificationVersion", "extensions", "name", "parameterDefinitions", "steps"},
+    expect_keys(t, {"specificationVersion", "name", "parameterDefinitions", "steps"},
                 {"specificationVersion", "name", "steps"});
     EXPECT_EQ(t["specificationVersion"], "jobtemplate-2023-09");
-    EXPECT_EQ(t["extensions"], json::array({"TASK_CHUNKING"}));
     for (const json& parameter : t["parameterDefinitions"])
         expect_keys(parameter, {"name", "type", "objectType", "dataFlow", "default"}, {"name", "type"});
     ASSERT_EQ(t["steps"].size(), 2u);
     const json &parts = t["steps"][0], &join = t["steps"][1];
     expect_keys(parts, {"name", "parameterSpace", "script"}, {"name", "parameterSpace", "script"});
-    const json& frames = parts["parameterSpace"]["taskParameterDefinitions"];
-    ASSERT_TRUE(frames.is_array());
-    EXPECT_EQ(frames[0], (json{{"name", "Frames"},
-                               {"type", "CHUNK[INT]"},
-                               {"range", "0-239"},
-                               {"chunks", {{"defaultTaskCount", 60}, {"rangeConstraint", "CONTIGUOUS"}}}}));
+    EXPECT_EQ(parts["parameterSpace"]["taskParameterDefinitions"],
+              json::array({{{"name", "Part"}, {"type", "INT"}, {"range", "1-4"}}}));
     EXPECT_EQ(parts["script"]["actions"]["onRun"]["args"],
-              (json{"part", "{{Param.Plan}}", "--frames", "{{Task.Param.Frames}}", "--progress", "openjd"}));
+              (json{"part", "{{Param.Plan}}", "{{Task.Param.Part}}", "--progress", "openjd"}));
     EXPECT_EQ(join["dependencies"], json::array({{{"dependsOn", "Parts"}}}));
     EXPECT_EQ(join["script"]["actions"]["onRun"]["args"], (json{"join", "{{Param.Plan}}"}));
 }

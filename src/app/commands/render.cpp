@@ -41,8 +41,8 @@ std::string plan_text(RenderJob& film, const RenderOptions& options) {
     const auto found = within > 0 ? forecast(film, options.output, within, options.quiet) : std::nullopt;
     const bool is_lit = found && !found->is_least;
     return film_text(film) + "\n" + (found ? text_of(*found) : "") +
-           (is_lit ? hire_text(film, *found, options.hire) : "") + text_of(chunks_at_once(film, options)) + "\n\n" +
-           plan_table(film, is_lit ? &found->sample : nullptr);
+           (is_lit ? hire_text(film, *found, options.hire, options.quiet) : "") +
+           text_of(chunks_at_once(film, options)) + "\n\n" + plan_table(film, is_lit ? &found->sample : nullptr);
 }
 
 std::string dry_run_text(RenderJob& film, const RenderOptions& options) {

@@ -3,12 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <functional>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <system_error>
 
 #include "app/files/file_io.h"
 #include "app/files/work_folder.h"
+#include "app/loop/chunk_shares.h"
 #include "app/loop/resume.h"
 #include "app/options/usage_error.h"
 #include "core/error.h"
@@ -25,7 +29,7 @@ namespace {
 using nlohmann::json;
 
 /// Of the file's form: another number is not read.
-constexpr int plan_format = 3;
+constexpr int plan_format = 4;
 
 std::filesystem::path absolute_of(const std::filesystem::path& place) {
     std::error_code error;
@@ -38,24 +42,33 @@ bool are_whole(const json& values) {
     return std::all_of(flat.begin(), flat.end(), [](const json& value) { return value.is_number_integer(); });
 }
 
-/// Whether the parts follow each other, and what is looked up is there.
-bool is_sound(const FarmPlan& plan) {
+/// Whether the parts follow each other in the film, each with a number of its own.
+bool are_sound(const std::vector<FilmPart>& parts) {
     // chosen: ten million chunks, 270 days; a plan that says more is damaged.
     constexpr std::size_t most_chunks = 10'000'000;
     std::size_t chunks = 0;
-    int number = 1;
-    for (const FilmPart& part : plan.parts) {
-        const bool follows = part.number == number++ && part.chunks.first == chunks && part.chunks.last >= chunks &&
+    std::vector<bool> numbers(parts.size());
+    for (const FilmPart& part : parts) {
+        const bool follows = part.chunks.first == chunks && part.chunks.last >= chunks &&
                              part.chunks.last < most_chunks && part.frames.first <= part.frames.last;
-        if (!follows) return false;
+        const bool is_one = part.number >= 1 && static_cast<std::size_t>(part.number) <= parts.size();
+        if (!follows || !is_one || numbers[static_cast<std::size_t>(part.number) - 1]) return false;
+        numbers[static_cast<std::size_t>(part.number) - 1] = true;
         chunks = part.chunks.last + 1;
     }
+    return chunks > 0;
+}
+
+/// Whether parts and shares are sound, and what is looked up is there.
+bool is_sound(const FarmPlan& plan) {
+    if (!are_sound(plan.parts) || plan.shares.size() != plan.parts.back().chunks.last + 1) return false;
+    const auto is_share = [](double share) { return std::isfinite(share) && share > 0; };
     const json& identity = plan.facts->at("identity");
     const std::filesystem::path name(plan.output_name);
     const bool is_named = name == name.filename() && name.has_filename() && name != "." && name != "..";
-    return chunks > 0 && plan.words.size() >= 3 && is_named && identity.at("instruction set").is_string() &&
-           identity.at("render2mpeg").is_string() && plan.facts->at("settled").is_object() &&
-           plan.facts->at("cost").is_object();
+    return std::ranges::all_of(plan.shares, is_share) && plan.words.size() >= 3 && is_named &&
+           identity.at("instruction set").is_string() && identity.at("render2mpeg").is_string() &&
+           plan.facts->at("settled").is_object() && plan.facts->at("cost").is_object();
 }
 
 }  // namespace
@@ -68,6 +81,17 @@ std::int64_t FarmPlan::most_frames() const {
     std::int64_t most = 0;
     for (const FilmPart& part : parts) most = std::max(most, part.frames.count());
     return most;
+}
+
+double FarmPlan::share_of(const FilmPart& part) const {
+    const auto first = shares.begin() + static_cast<std::ptrdiff_t>(part.chunks.first);
+    return std::reduce(first, first + static_cast<std::ptrdiff_t>(part.chunks.count()));
+}
+
+std::vector<FilmPart> FarmPlan::longest_first() const {
+    std::vector<FilmPart> sorted = parts;
+    std::ranges::sort(sorted, {}, &FilmPart::number);
+    return sorted;
 }
 
 bool FarmPlan::is_joined() const {
@@ -85,8 +109,8 @@ std::filesystem::path farm_folder_of(const std::filesystem::path& output) {
     return std::filesystem::path(output) += ".farm";
 }
 
-std::vector<FilmPart> parts_of(const std::vector<Chunk>& chunks, std::optional<int> parts,
-                               std::optional<std::int64_t> frames_per_part) {
+std::vector<FilmPart> parts_of(const std::vector<Chunk>& chunks, const std::vector<double>& shares,
+                               std::optional<int> parts, std::optional<std::int64_t> frames_per_part) {
     EXPECTS(!chunks.empty());
     std::size_t count = chunks.size();
     if (parts) {
@@ -96,12 +120,16 @@ std::vector<FilmPart> parts_of(const std::vector<Chunk>& chunks, std::optional<i
         const auto each = static_cast<std::size_t>(std::max<std::int64_t>(1, (*frames_per_part + length / 2) / length));
         count = (chunks.size() + each - 1) / each;
     }
-    std::vector<FilmPart> cut;
-    for (std::size_t i = 0; i < count; ++i) {
-        const std::size_t first = i * chunks.size() / count, last = (i + 1) * chunks.size() / count - 1;
-        cut.push_back({static_cast<int>(i) + 1, {first, last}, {chunks[first].first, chunks[last].last}});
-    }
-    return cut;
+    FarmPlan plan;
+    plan.shares = shares;
+    for (const ChunkRange& range : balanced(shares, count))
+        plan.parts.push_back({0, range, {chunks[range.first].first, chunks[range.last].last}});
+    // Of equal ones the earlier comes first.
+    std::vector<FilmPart*> order;
+    for (FilmPart& part : plan.parts) order.push_back(&part);
+    std::ranges::stable_sort(order, std::greater(), [&](const FilmPart* part) { return plan.share_of(*part); });
+    for (std::size_t i = 0; i < order.size(); ++i) order[i]->number = static_cast<int>(i) + 1;
+    return plan.parts;
 }
 
 bool has_plan(const std::filesystem::path& folder) {
@@ -124,6 +152,7 @@ FarmPlan read_plan(const std::filesystem::path& place) {
         plan.start = plan.packed ? plan.inputs() : std::filesystem::path(written.at("start").get<std::string>());
         written.at("scheduler").get_to(plan.scheduler);
         written.at("output").get_to(plan.output_name);
+        written.at("forecast").get_to(plan.shares);
         plan.facts = std::make_shared<json>();
         for (const char* fact : {"identity", "settled", "cost"}) (*plan.facts)[fact] = written.at(fact);
         if (are_whole(written.at("parts"))) {
@@ -144,6 +173,7 @@ void write_plan(const FarmPlan& plan) {
     written["scheduler"] = plan.scheduler;
     written["output"] = plan.output_name;
     written["parts"] = plan.parts;
+    written["forecast"] = plan.shares;
     write_json(plan.folder / plan_name, written);
 }
 
@@ -214,7 +244,8 @@ void refuse_other_film(const FarmPlan& plan, const RenderJob& film, const Render
     if (!difference.empty()) throw Refusal("making", plan.folder.string(), difference + " since `farm` planned it");
 }
 
-std::string part_list(const std::vector<int>& numbers) {
+std::string part_list(std::vector<int> numbers) {
+    std::ranges::sort(numbers);
     std::string text;
     for (std::size_t i = 0; i < numbers.size();) {
         std::size_t last = i;

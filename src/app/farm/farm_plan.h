@@ -18,7 +18,7 @@ inline constexpr const char* plan_name = "plan.json";
 
 /// A part of a film: chunks that one machine makes, one after the other.
 struct FilmPart {
-    int number = 0;  ///< from 1
+    int number = 0;  ///< from 1, which by forecast takes longest
     ChunkRange chunks;
     FrameRange frames;
 };
@@ -30,14 +30,16 @@ struct FarmPlan {
     std::filesystem::path start;     ///< absolute: where names in `words` begin
     bool packed = false;             ///< all inputs lie in `folder`
     std::string scheduler;
-    std::string output_name;  ///< the film's, without its folder
-    std::vector<FilmPart> parts;
+    std::string output_name;      ///< the film's, without its folder
+    std::vector<FilmPart> parts;  ///< in the order of the film
+    std::vector<double> shares;   ///< of each chunk in the film's CPU time by forecast (chunk_shares.h)
     /// `identity` as in resume.h, names of inputs in `folder` without it; `settled` what settle() finds out;
     /// `cost` seconds that the plan took.
     std::shared_ptr<nlohmann::json> facts;
 
-    std::int64_t most_frames() const;  ///< of a part
-    std::int64_t frames() const { return parts.back().frames.last - parts.front().frames.first + 1; }
+    std::int64_t most_frames() const;             ///< of a part
+    double share_of(const FilmPart& part) const;  ///< in the CPU time by forecast
+    std::vector<FilmPart> longest_first() const;  ///< by their numbers
     std::filesystem::path inputs() const { return folder / "inputs"; }
     /// Says that the film is joined, and its parts gone.
     std::filesystem::path joined_mark() const { return folder / "joined"; }
@@ -51,10 +53,10 @@ struct FarmPlan {
 /// The folder of a film's farm: film.mpg.farm.
 std::filesystem::path farm_folder_of(const std::filesystem::path& output);
 
-/// Cuts a film into parts whose numbers of chunks differ by one at most: `parts` of them, fewer where there are not so
-/// many chunks, or of about `frames_per_part` frames; of one chunk where neither is given.
-std::vector<FilmPart> parts_of(const std::vector<Chunk>& chunks, std::optional<int> parts,
-                               std::optional<std::int64_t> frames_per_part);
+/// Cuts a film into parts that take about as long as each other by the `shares` of their chunks: `parts` of them, fewer
+/// where there are not so many chunks, or of `frames_per_part` frames on average; of one chunk where neither is given.
+std::vector<FilmPart> parts_of(const std::vector<Chunk>& chunks, const std::vector<double>& shares,
+                               std::optional<int> parts, std::optional<std::int64_t> frames_per_part);
 
 /// Reads the plan in a folder, or the file of that name. Throws core::Error where there is none that can be read.
 FarmPlan read_plan(const std::filesystem::path& place);
@@ -78,7 +80,7 @@ void refuse_other_machine(const FarmPlan& plan);
 /// Throws Refusal, naming the difference, where the film is not the plan's.
 void refuse_other_film(const FarmPlan& plan, const RenderJob& film, const RenderOptions& options);
 
-/// Ascending numbers as schedulers read them: "1,3-5".
-std::string part_list(const std::vector<int>& numbers);
+/// Numbers as schedulers read them: "1,3-5".
+std::string part_list(std::vector<int> numbers);
 
 }  // namespace render2mpeg::app

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,6 +19,7 @@
 #include "app/options/usage_error.h"
 #include "app/system/progress.h"
 #include "app/system/terminal.h"
+#include "core/numeric.h"
 #include "core/text.h"
 
 namespace render2mpeg::app {
@@ -33,7 +35,8 @@ struct PartStanding {
 /// What the records of a part's finished chunks count.
 struct Spent {
     std::int64_t frames = 0;
-    double cpu = 0;  ///< seconds
+    double cpu = 0;    ///< seconds
+    double share = 0;  ///< of the film by forecast
 };
 
 Spent spent_of(const FarmPlan& plan, const FilmPart& part) {
@@ -46,6 +49,7 @@ Spent spent_of(const FarmPlan& plan, const FilmPart& part) {
             const auto first = record.at("first").get<std::int64_t>(), last = record.at("last").get<std::int64_t>();
             counted.cpu += record.at("facts").at("statistics").at("cpu").get<double>();
             counted.frames += last - first + 1;
+            counted.share += plan.shares[i];
         } catch (const nlohmann::json::exception&) {
             // Not made yet, or damaged: the join tells.
         }
@@ -73,12 +77,12 @@ PartStanding standing_of(const FarmPlan& plan, const FilmPart& part, const Spent
     return standing;
 }
 
-/// CPU spent on what is finished, that of the plan too, and what is left of as many seconds a frame.
+/// CPU spent on what is finished, that of the plan too, and what the forecast says of what is left, at that pace.
 std::string money_text(const FarmPlan& plan, const Spent& counted, const std::optional<std::string>& price) {
     if (counted.frames == 0) return {};
     const double planned = plan.facts->at("cost").at("cpu").get<double>(),
-                 left = counted.cpu / static_cast<double>(counted.frames) *
-                        static_cast<double>(plan.frames() - counted.frames);
+                 all = std::reduce(plan.shares.begin(), plan.shares.end()),
+                 left = core::divide_or(counted.cpu, counted.share, 0) * std::max(0.0, all - counted.share);
     return fmt::format("spent {}; left about {}\n", cost_text(price, 1, (planned + counted.cpu) / 3600),
                        cost_text(price, 1, left / 3600));
 }
@@ -87,18 +91,21 @@ std::string status_text(const FarmPlan& plan, const std::optional<std::string>& 
     std::string parts, counted;
     std::vector<std::string> words;
     std::int64_t done = 0, total = 0;
-    double seconds = 0, timed_frames = 0;
+    double seconds = 0, timed = 0;
+    std::vector<double> to_go;  // of the parts by forecast
     Spent all;
-    for (const FilmPart& part : plan.parts) {
+    for (const FilmPart& part : plan.longest_first()) {
         const Spent made = spent_of(plan, part);
         const PartStanding standing = standing_of(plan, part, made);
-        all = {all.frames + made.frames, all.cpu + made.cpu};
+        all = {all.frames + made.frames, all.cpu + made.cpu, all.share + made.share};
         const std::int64_t frames = part.frames.count();
+        const double done_of = static_cast<double>(standing.frames) / static_cast<double>(frames);
         words.push_back(standing.word);
         done += standing.frames;
         total += frames;
         seconds += standing.seconds;
-        if (standing.seconds > 0) timed_frames += static_cast<double>(standing.frames);
+        if (standing.seconds > 0) timed += done_of * plan.share_of(part);
+        to_go.push_back((1 - done_of) * plan.share_of(part));
         parts += core::printable(fmt::format("part {:<5} {:8} {:>6}/{:<6} {}", part.number, standing.word,
                                              standing.frames, frames, standing.more)) +
                  "\n";
@@ -107,12 +114,10 @@ std::string status_text(const FarmPlan& plan, const std::optional<std::string>& 
         if (const auto n = std::ranges::count(words, word); n > 0)
             counted += fmt::format("{}{} {}", counted.empty() ? "" : ", ", n, word);
     const auto running = std::ranges::count(words, std::string("running"));
-    const std::string left = running == 0 || timed_frames == 0
-                                 ? ""
-                                 : ", " +
-                                       clock_text(seconds / timed_frames * static_cast<double>(total - done) /
-                                                  static_cast<double>(running)) +
-                                       " to go";
+    const std::string left =
+        running == 0 || timed <= 0
+            ? ""
+            : ", " + clock_text(seconds / timed * farm_seconds(to_go, static_cast<int>(running))) + " to go";
     return parts + fmt::format("{} parts: {}; {} of {} frames{}\n", plan.parts.size(), counted, done, total, left) +
            money_text(plan, all, price);
 }

@@ -78,8 +78,6 @@ std::map<std::string, std::string> values_of(const FarmPlan& plan) {
     return {{"name", job_name(plan.output_name.substr(0, 100), ".-", '_')},
             {"object", object},
             {"parts", std::to_string(plan.parts.size())},
-            {"most", std::to_string(plan.most_frames())},
-            {"frames", fmt::format("{}-{}", plan.parts.front().frames.first, plan.parts.back().frames.last)},
             {"places", fmt::format("program=${{RENDER2MPEG:-{}}}\nplan={}\n", quoted(program),
                                    plan.packed ? "$PWD" : quoted(folder))},
             {"program", in_json(program)},

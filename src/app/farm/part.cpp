@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -47,7 +48,7 @@ std::vector<FilmPart> wanted_of(const FarmPlan& plan, const PartOptions& options
     if (!options.number) throw UsageError("I is missing: which part, from 1? Or --frames A-B");
     if (*options.number > static_cast<int>(plan.parts.size()))
         throw UsageError(fmt::format("part {}: the plan has parts 1 to {}", *options.number, plan.parts.size()));
-    return {plan.parts[static_cast<std::size_t>(*options.number) - 1]};
+    return {*std::ranges::find(plan.parts, *options.number, &FilmPart::number)};
 }
 
 /// The part's work folder, with what earlier tries, here or elsewhere, left as pieces; waits while another process
@@ -74,6 +75,17 @@ std::unique_ptr<WorkFolder> open_part(const FarmPlan& plan, const FilmPart& part
 void keep_settled(const FarmPlan& plan, WorkFolder& work) {
     for (const auto& [name, value] : plan.facts->at("settled").items())
         if (work.kept(name).is_null()) work.keep(name, value);
+}
+
+/// The plan's forecast of each frame of the film.
+std::vector<double> prices_in(const FarmPlan& plan, const RenderJob& film) {
+    std::vector<double> prices;
+    for (const Chunk& chunk : chunks_of(film.frames, film.coding.gop)) {
+        const double share = plan.shares[static_cast<std::size_t>(chunk.index)];
+        prices.insert(prices.end(), static_cast<std::size_t>(chunk.frames()),
+                      share / static_cast<double>(chunk.frames()));
+    }
+    return prices;
 }
 
 int render_part(const FarmPlan& plan, const FilmPart& part, const PartOptions& wish, PartReporter& reporter) {
@@ -124,7 +136,8 @@ int render_part(const FarmPlan& plan, const FilmPart& part, const PartOptions& w
                           [&](std::int64_t done) { reporter.advance_to(done); },
                           [&](const ChunkFile& chunk) {
                               if (sender) sender->send(chunk);
-                          }};
+                          },
+                          prices_in(plan, film)};
     const bool complete = render_chunks(open);
     try {
         side_films.rethrow();

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -18,6 +19,7 @@
 #include "app/files/file_io.h"
 #include "app/files/publish.h"
 #include "app/files/work_folder.h"
+#include "app/loop/chunk_shares.h"
 #include "app/loop/resume.h"
 #include "app/options/usage_error.h"
 #include "app/production/production.h"
@@ -198,13 +200,21 @@ bool same_parts(const std::vector<FilmPart>& a, const std::vector<FilmPart>& b) 
     return std::ranges::equal(a, b, {}, chunks, chunks);
 }
 
+std::vector<FilmPart> wanted_parts(const FarmOptions& options, const std::vector<Chunk>& chunks,
+                                   const std::vector<double>& shares) {
+    return parts_of(chunks, shares, options.parts, options.frames_per_part);
+}
+
 /// Reason against continuing an earlier plan in the same folder, in words; empty where there is none.
-std::string hindrance(const FarmPlan& earlier, const FarmPlan& plan) {
+std::string hindrance(const FarmPlan& earlier, const FarmPlan& plan, const FarmOptions& options,
+                      const std::vector<Chunk>& chunks) {
     const std::string difference = difference_of(earlier.facts->at("identity"), plan.facts->at("identity"));
     if (!difference.empty()) return difference;
     if (earlier.packed != plan.packed) return "--pack differs";
-    if (!same_parts(earlier.parts, plan.parts))
-        return fmt::format("it has {} parts and not {}", earlier.parts.size(), plan.parts.size());
+    if (earlier.shares.size() != chunks.size()) return "the number of chunks has changed";
+    const std::vector<FilmPart> parts = wanted_parts(options, chunks, earlier.shares);
+    if (!same_parts(earlier.parts, parts))
+        return fmt::format("it has {} parts and not {}", earlier.parts.size(), parts.size());
     return {};
 }
 
@@ -215,28 +225,33 @@ void remove_earlier(const FarmPlan& earlier) {
     for (const char* name : {plan_name, "joined", "log"}) std::filesystem::remove_all(earlier.folder / name, ignored);
 }
 
-/// Values settled by an earlier plan of the same film and parts in this folder; null where there is none. Removes an
-/// earlier plan of another film if `agreed`, else throws core::Error.
-json take_over(const FarmPlan& plan, bool agreed) {
+/// Takes over what an earlier plan of the same film and parts in this folder decided. Returns whether there is one.
+/// Removes an earlier plan of another film if `agreed`, else throws core::Error.
+bool take_over(FarmPlan& plan, const FarmOptions& options, const std::vector<Chunk>& chunks, bool agreed) {
     if (!has_plan(plan.folder)) {
         std::error_code error;
         const bool taken = is_there(plan.folder) && !std::filesystem::is_empty(plan.folder, error) &&
                            !is_there(work_folder_of(plan.folder / "plan")) && !is_there(plan.inputs());
         if (taken) throw core::Error("writing", plan.folder.string(), "something of that name is in the way");
-        return {};
+        return false;
     }
     const FarmPlan earlier = read_plan(plan.folder);
-    const std::string reason = hindrance(earlier, plan);
-    if (reason.empty()) return *earlier.facts;
+    const std::string reason = hindrance(earlier, plan, options, chunks);
+    if (reason.empty()) {
+        plan.facts = earlier.facts;
+        plan.parts = earlier.parts;
+        plan.shares = earlier.shares;
+        return true;
+    }
     if (!agreed)
         throw core::Error("writing", plan.folder.string(),
                           "there is a plan already: " + reason + "; --overwrite (-y) begins anew");
     remove_earlier(earlier);
-    return {};
+    return false;
 }
 
-/// Makes the decisions common to the whole film. None after an interruption.
-std::optional<json> settle_once(RenderJob& film, const RenderOptions& options, const FarmPlan& plan) {
+/// Makes the decisions common to the whole film, and cuts it into parts. Returns false after an interruption.
+bool settle_once(RenderJob& film, const RenderOptions& render, FarmPlan& plan, const FarmOptions& options) {
     const json& identity = plan.facts->at("identity");
     const std::filesystem::path name = plan.folder / "plan";
     const auto earlier =
@@ -244,15 +259,18 @@ std::optional<json> settle_once(RenderJob& film, const RenderOptions& options, c
     WorkFolder work(name, identity, earlier);
     const WallClock clock;
     RunStatistics statistics;
-    settle(film, options, work, statistics);
-    if (InterruptGuard::requested()) return {};
+    settle(film, render, work, statistics);
+    if (!InterruptGuard::requested()) plan.shares = chunk_shares(film, render.quiet);
+    if (InterruptGuard::requested()) return false;
+    plan.parts = wanted_parts(options, film.chunks(), plan.shares);
     json settled = json::object();
     for (const char* one : {"exposure", "light", "allocations"})
         if (const json value = work.kept(one); !value.is_null()) settled[one] = value;
     work.remove();
-    return json{
-        {"settled", settled},
-        {"cost", {{"seconds", statistics.seconds}, {"wall", clock.seconds(statistics)}, {"cpu", cpu_seconds()}}}};
+    plan.facts->update(
+        {{"settled", settled},
+         {"cost", {{"seconds", statistics.seconds}, {"wall", clock.seconds(statistics)}, {"cpu", cpu_seconds()}}}});
+    return true;
 }
 
 /// What an earlier plan has of its inputs, which goes when a new one is agreed to, and comes back else.
@@ -281,16 +299,17 @@ class EarlierInputs {
     std::filesystem::path inputs_, aside_;
 };
 
-std::string plan_line(const FarmPlan& plan, const FarmOptions& options, std::size_t chunks) {
-    const FilmPart& first = plan.parts.front();
+std::string plan_line(const FarmPlan& plan, const FarmOptions& options, const std::vector<Chunk>& chunks) {
     const std::string parts = core::counted(plan.parts.size(), "part");
     std::string text;
     if (options.parts && static_cast<std::size_t>(*options.parts) > plan.parts.size())
         text = fmt::format("{} parts were asked for; the film has {} of {} frames: {}\n", *options.parts,
-                           core::counted(chunks, "chunk"),
-                           first.frames.count() / static_cast<std::int64_t>(first.chunks.count()), parts);
-    return text + fmt::format("{}: {} of {} frames at most\n", core::printable(plan.folder.string()), parts,
-                              plan.most_frames());
+                           core::counted(chunks.size(), "chunk"), chunks.front().frames(), parts);
+    const auto count = static_cast<double>(plan.parts.size());
+    return text + fmt::format("{}: {} of {} frames at most; the longest takes {:.2g} times the mean by forecast\n",
+                              core::printable(plan.folder.string()), parts, plan.most_frames(),
+                              count * plan.share_of(plan.longest_first().front()) /
+                                  std::reduce(plan.shares.begin(), plan.shares.end()));
 }
 
 /// The plan of a film, not settled yet. With --pack, its inputs are copied, of a .blend always its export, and the film
@@ -317,7 +336,6 @@ FarmPlan begin_plan(const FarmOptions& options, const std::vector<std::string>& 
         render.quiet = options.render.quiet;
         film = prepare_within_memory(render);
     }
-    plan.parts = parts_of(film.chunks(), options.parts, options.frames_per_part);
     plan.facts = std::make_shared<json>();
     (*plan.facts)["identity"] = farm_identity(plan, film, render);
     return plan;
@@ -340,18 +358,12 @@ int farm(const FarmOptions& options, const std::vector<std::string>& words) {
     check_writable(farm_folder_of(render.output) / plan_name);
     std::optional<EarlierInputs> inputs;
     FarmPlan plan = begin_plan(options, words, film, render, inputs);
-    const json earlier = take_over(plan, render.overwrite);
-    if (earlier.is_null() || plan.is_joined()) require_consent(written_by(film, render), render.overwrite);
+    const bool goes_on = take_over(plan, options, film.chunks(), render.overwrite);
+    if (!goes_on || plan.is_joined()) require_consent(written_by(film, render), render.overwrite);
     if (inputs) inputs->drop();
     std::error_code ignored;
     std::filesystem::remove(plan.joined_mark(), ignored);
-    if (earlier.is_null()) {
-        const std::optional<json> settled = settle_once(film, render, plan);
-        if (!settled) return InterruptGuard::status();
-        plan.facts->update(*settled);
-    } else {
-        plan.facts->update({{"settled", earlier.at("settled")}, {"cost", earlier.at("cost")}});
-    }
+    if (!goes_on && !settle_once(film, render, plan, options)) return InterruptGuard::status();
     // The join needs no second consent.
     if (!render.overwrite) plan.words.emplace_back("--overwrite");
     write_plan(plan);
@@ -359,8 +371,7 @@ int farm(const FarmOptions& options, const std::vector<std::string>& words) {
     std::filesystem::current_path(before);
     if (plan.packed) write_pack(plan);
     if (!render.quiet)
-        print(plan_line(plan, options, film.chunks().size()) +
-              (earlier.is_null() ? "" : "what was planned and made before is kept\n") +
+        print(plan_line(plan, options, film.chunks()) + (goes_on ? "what was planned and made before is kept\n" : "") +
               core::printable(script.string()) + " submits them\n");
     return options.submit ? submit(plan, script) : 0;
 }

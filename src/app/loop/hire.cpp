@@ -3,15 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <functional>
 #include <limits>
 #include <numeric>
 #include <queue>
 #include <utility>
 
+#include "app/loop/chunk_shares.h"
 #include "app/options/option_text.h"
 #include "app/system/progress.h"
-#include "core/numeric.h"
 #include "core/text.h"
 #include "parallel/loops.h"
 
@@ -43,14 +44,12 @@ struct Spreading {
 Spreading best_spreading(const std::vector<double>& chunks, double once, int cores, int machines) {
     Spreading best;
     double soonest = std::numeric_limits<double>::max();
-    for (std::size_t each = 1; each <= std::max<std::size_t>(1, chunks.size()); each *= 2) {
+    for (std::size_t each = 1; each <= chunks.size(); each *= 2) {
         Spreading spreading;
-        const std::size_t count = (chunks.size() + each - 1) / each;
-        for (std::size_t i = 0; i < count; ++i) {
-            const auto first = chunks.begin() + static_cast<std::ptrdiff_t>(i * chunks.size() / count),
-                       last = chunks.begin() + static_cast<std::ptrdiff_t>((i + 1) * chunks.size() / count);
-            spreading.parts.push_back(once + std::reduce(first, last) /
-                                                 speed_up_of(cores, static_cast<std::size_t>(last - first)));
+        for (const ChunkRange& part : balanced(chunks, (chunks.size() + each - 1) / each)) {
+            const auto first = chunks.begin() + static_cast<std::ptrdiff_t>(part.first);
+            const double work = std::reduce(first, first + static_cast<std::ptrdiff_t>(part.count()));
+            spreading.parts.push_back(once + work / speed_up_of(cores, part.count()));
         }
         spreading.seconds = farm_seconds(spreading.parts, machines);
         soonest = std::min(soonest, spreading.seconds);
@@ -73,22 +72,6 @@ double speed_up(int threads) {
     return threads / (1 + serial_share * (threads - 1));
 }
 
-std::vector<double> chunk_costs(const RenderJob& film, const Forecast& f) {
-    const std::vector<std::int64_t> cuts = cuts_of(film);
-    std::vector<double> costs;
-    for (const Chunk& chunk : chunks_of(film.frames, film.coding.gop)) {
-        // A cut finds light anew, as a chunk does.
-        const auto fresh =
-            1 + std::ranges::count_if(cuts, [&](std::int64_t cut) { return cut > chunk.first && cut <= chunk.last; });
-        costs.push_back(static_cast<double>(fresh) * f.first.seconds +
-                        static_cast<double>(chunk.frames() - fresh) * f.later.seconds);
-    }
-    // Their sum is the film's.
-    const double all = std::reduce(costs.begin(), costs.end());
-    for (double& cost : costs) cost *= core::divide_or(f.cpu - f.once, all, 0);
-    return costs;
-}
-
 double farm_seconds(std::vector<double> parts, int machines) {
     std::ranges::sort(parts, std::greater());
     std::priority_queue<double, std::vector<double>, std::greater<>> free;
@@ -102,13 +85,11 @@ double farm_seconds(std::vector<double> parts, int machines) {
     return end;
 }
 
-std::string hire_text(const RenderJob& film, const Forecast& f, const Hire& hire) {
+std::string hire_text(const RenderJob& film, const Forecast& f, const Hire& hire, bool quiet) {
     if (!hire.price && !hire.machines && !hire.cores) return {};
     const int cores = hire.cores.value_or(parallel::thread_count());
-    const std::vector<double> costs = chunk_costs(film, f);
-    const double work = std::reduce(costs.begin(), costs.end()), once = f.once,
-                 join = join_of_frame * static_cast<double>(film.frame_count()),
-                 one = once + join + work / speed_up_of(cores, costs.size());
+    const double work = f.cpu - f.once, once = f.once, join = join_of_frame * static_cast<double>(film.frame_count()),
+                 one = once + join + work / speed_up_of(cores, film.chunks().size());
     std::string text =
         fmt::format("One machine of {}: about {}, {}.\n", core::counted(static_cast<std::size_t>(cores), "core"),
                     clock_text(one), cost_text(hire.price, cores, one * cores / 3600));
@@ -118,7 +99,9 @@ std::string hire_text(const RenderJob& film, const Forecast& f, const Hire& hire
         100 * f.spread);
     if (!hire.machines) return text + trust;
 
-    const Spreading best = best_spreading(costs, once, cores, *hire.machines);
+    std::vector<double> chunks = chunk_shares(film, quiet);
+    for (double& chunk : chunks) chunk *= work;
+    const Spreading best = best_spreading(chunks, once, cores, *hire.machines);
     const double busy = once + join + std::reduce(best.parts.begin(), best.parts.end());
     text += fmt::format("A farm of {} such machines, --parts {}: about {}, the longest part {}; {} while they work.\n",
                         *hire.machines, best.parts.size(), clock_text(once + join + best.seconds),

@@ -21,13 +21,10 @@ std::string cost_text(const std::optional<std::string>& price, int cores, double
 /// How many times as fast one chunk is made by so many threads.
 double speed_up(int threads);
 
-/// CPU seconds of each chunk of a film, without what every process begins with.
-std::vector<double> chunk_costs(const RenderJob& film, const Forecast& forecast);
-
 /// Seconds from the first part to the last, where each goes to the first machine that is free, longest first.
 double farm_seconds(std::vector<double> parts, int machines);
 
 /// Lines that tell hours, cost and the longest part, for one machine and for all; empty where nothing was asked.
-std::string hire_text(const RenderJob& film, const Forecast& forecast, const Hire& hire);
+std::string hire_text(const RenderJob& film, const Forecast& forecast, const Hire& hire, bool quiet);
 
 }  // namespace render2mpeg::app

@@ -432,7 +432,7 @@ Rows farm_rows(CommandLine& line) {
         {"--parts", farm, line.farm.parts,
          "Parts to make, at most (default: one per chunk of some 60 frames, the least that a part has)",
          range(1, 1'000'000)},
-        {"--frames-per-part", farm, line.farm.frames_per_part, "Instead: frames of a part, to the nearest chunk",
+        {"--frames-per-part", farm, line.farm.frames_per_part, "Instead: frames of a part on average",
          range(1, 1'000'000'000), NotWith{"--parts"}},
         {"--pack", farm, line.farm.pack,
          "Copy all inputs into the folder, and the folder into one file, OUT.farm.tar: for machines that do not see "

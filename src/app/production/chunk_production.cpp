@@ -148,9 +148,10 @@ bool ChunkProduction::run() {
         const scene::Snapshot instant = film_.snapshot(missing_.front().first);
         while (others.size() + 1 < at_once_) others.push_back(first.beside(instant));
     }
-    progress_.emplace(frames, options_.quiet, "frame", Counted::frames, open_.clock.seconds(open_.statistics),
-                      pace_of(film_, missing_, at_once_, done_,
-                              options_.quiet ? std::vector<double>{} : prices_of(film_, frames - done_, first)));
+    const bool is_asked = !options_.quiet && open_.prices.empty();
+    progress_.emplace(
+        frames, options_.quiet, "frame", Counted::frames, open_.clock.seconds(open_.statistics),
+        pace_of(film_, missing_, at_once_, done_, is_asked ? prices_of(film_, frames - done_, first) : open_.prices));
     if (done_ > 0) progress_->advance_to(done_, frames);
     parallel::run_lanes(at_once_, [&](std::size_t lane) { drive(lane == 0 ? first : *others[lane - 1]); });
     progress_.reset();

@@ -80,6 +80,7 @@ struct OpenRender {
     std::vector<ChunkFile>& files;                          ///< of whole chunks, and of the one behind them, by index
     std::function<void(std::int64_t)> frames_done = {};     ///< told of the frames that are whole, after each; or empty
     std::function<void(const ChunkFile&)> chunk_done = {};  ///< told of each chunk that is whole now; or empty
+    std::vector<double> prices = {};                        ///< as prices_of() finds them, where they are known
 };
 
 /// In a chunk's record: figures for the report of the frame that it shows.
