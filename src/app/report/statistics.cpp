@@ -211,6 +211,11 @@ json tolerance_of(const RenderJob& film) {
             {"masking", film.coupling.strategy == perceptual::Strategy::quantised ? "quantised" : "warped"}};
 }
 
+json grain_bits_of(const GrainBits& grain) {
+    if (grain.pictures == 0) return {};
+    return {{"pictures", grain.pictures}, {"with", grain.with}, {"without", grain.without}};
+}
+
 /// Statistics common to all runs. Quality counts where the film was coded.
 json common_of(const Film& film, const RunStatistics& statistics, const RunFacts& facts) {
     const encoder::Settings& coding = film.coding;
@@ -235,6 +240,7 @@ json common_of(const Film& film, const RunStatistics& statistics, const RunFacts
             {"quantiser", asked_quantiser(coding)},
             {"gop", coding.gop},
             {"grain", coding.grain},
+            {"grain_bits", grain_bits_of(statistics.grain)},
             {"seconds", seconds_of(statistics)},
             {"peak_rss_mib", peak_memory_mib()},
             {"counts", json_of(statistics.rendering)},
