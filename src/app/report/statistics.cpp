@@ -213,7 +213,8 @@ json tolerance_of(const RenderJob& film) {
 
 json grain_bits_of(const GrainBits& grain) {
     if (grain.pictures == 0) return {};
-    return {{"pictures", grain.pictures}, {"with", grain.with}, {"without", grain.without}};
+    const auto count = [](double value) { return static_cast<std::int64_t>(value); };
+    return {{"pictures", count(grain.pictures)}, {"with", count(grain.with)}, {"without", count(grain.without)}};
 }
 
 /// Statistics common to all runs. Quality counts where the film was coded.
