@@ -1,12 +1,14 @@
 #!/usr/bin/python3
-"""Bits of `encode`'s codecs beside ffmpeg's libx264 at equal quality.
+"""Bits of `encode`'s codecs beside ffmpeg's encoders at equal quality.
 
   bench/codecs.py PROGRAM FOLDER... [-- OPTION...]
 
 Each folder holds frames.y4m and layers/frame_%04d.motion, as `render -o frames.y4m --aov layers` leaves them. Codes them with
-quantisers 2, 4, 8, 16 and the options, and with libx264 `-preset medium` as people type it and with `-tune psnr`, and prints by film
-the difference of bits in per cent (Bjontegaard, piecewise cubics) at equal PSNR-Y, SSIM and PSNR-HVS-M of decoded luma. Containers and
-x264's message do not count."""
+quantisers 2, 4, 8, 16 and the options, and with the peers of the codec as people type them, on one thread. Prints by film and peer the
+difference of bits in per cent (Bjontegaard, piecewise cubics) at equal PSNR-Y, SSIM and PSNR-HVS-M of decoded luma, and CPU
+milliseconds a picture of both; ours reads motion and decodes too. Containers and encoders' messages do not count."""
+import os
+import resource
 import subprocess
 import sys
 import tempfile
@@ -14,8 +16,18 @@ from pathlib import Path
 
 import numpy as np
 
+os.environ["SVT_LOG"] = "0"  # else SVT-AV1 talks
 QUANTISERS = (2, 4, 8, 16)
-FACTORS = (16, 20, 24, 28, 32, 36)  # x264's --crf
+X26, SVT = (16, 20, 24, 28, 32, 36), (12, 20, 28, 36, 44, 52)  # values of -crf
+MEDIUM, TEN_BITS = ["libx264", "-preset", "medium"], ["-pix_fmt", "yuv420p10le"]
+ALONE = ["-x265-params", "pools=none:frame-threads=1:log-level=error"]
+PEERS = {
+    "h264": [(X26, [*MEDIUM]), (X26, [*MEDIUM, "-tune", "psnr"])],
+    "hevc": [(X26, [*MEDIUM])] + [(X26, ["libx265", "-preset", preset, *ALONE]) for preset in ("medium", "slow", "slower")],
+    "av1": [(SVT, ["libsvtav1", "-preset", "6", "-svtav1-params", "lp=1", *TEN_BITS])],
+    "mpeg2": [(X26, [*MEDIUM])]}
+STREAMS = {"h264": ("h264", "filter_units=remove_types=6"), "hevc": ("hevc", "filter_units=remove_types=39"), "av1": ("obu", "null"),
+           "mpeg2": ("mpeg2video", "null")}
 CSF = np.array("""1.608443 2.339554 2.573509 1.608443 1.072295 0.643377 0.504610 0.421887 2.144591 2.144591 1.838221 1.354478 0.989811
 0.443708 0.428918 0.467911 1.838221 1.979622 1.608443 1.072295 0.643377 0.451493 0.372972 0.459555 1.838221 1.513829 1.169777 0.887417
 0.504610 0.295806 0.321689 0.415082 1.429727 1.169777 0.695543 0.459555 0.378457 0.236102 0.249855 0.334222 1.072295 0.735288 0.467911
@@ -38,10 +50,11 @@ def luma_of_y4m(file):
 
 
 def luma_of_film(file, like):
-    raw = subprocess.run(["ffmpeg", "-v", "error", "-i", file, "-pix_fmt", "yuv420p", "-fps_mode", "passthrough", "-f", "rawvideo", "-"],
-                         capture_output=True, check=True).stdout
+    """In code values of 8 bits, with what 10 bits have between them."""
+    raw = subprocess.run(["ffmpeg", "-v", "error", "-i", file, "-pix_fmt", "yuv420p10le", "-fps_mode", "passthrough", "-f", "rawvideo",
+                          "-"], capture_output=True, check=True).stdout
     count, height, width = like.shape
-    return np.frombuffer(raw, np.uint8).reshape(count, -1)[:, :width * height].reshape(like.shape)
+    return np.frombuffer(raw, "<u2").reshape(count, -1)[:, :width * height].reshape(like.shape) / 4
 
 
 def blocks(film):
@@ -84,29 +97,32 @@ def ssim(a, b):
     return -10 * np.log10(1 - values.mean())
 
 
-def point(source, file, stream):
-    """Bits of a stream, and the three qualities of a file that holds it."""
-    film = luma_of_film(file, source)
-    error = ((source.astype(float) - film) ** 2).mean()
-    return stream.stat().st_size * 8, 10 * np.log10(65025 / error), ssim(source, film), hvs_m(source, film)
+def point(source, film, codec, milliseconds):
+    """Bits of a stream, the three qualities of the file that holds it, and time."""
+    stream = film.with_name("stream")
+    subprocess.run(["ffmpeg", "-v", "error", "-y", "-i", film, "-c", "copy", "-bsf:v", STREAMS[codec][1], "-f", STREAMS[codec][0], stream],
+                   check=True)
+    shown = luma_of_film(film, source)
+    error = ((source - shown) ** 2).mean()
+    return stream.stat().st_size * 8, 10 * np.log10(65025 / error), ssim(source, shown), hvs_m(source, shown), milliseconds
 
 
-def ours(program, folder, work, quantiser, options):
-    film = work / "film.mkv"
-    subprocess.run([program, "encode", folder / "frames.y4m", "--motion", folder / "layers/frame_%04d.motion", "-o", film, "-q",
-                    str(quantiser), "--quiet", "-y", *options], check=True)
-    codec = options[options.index("--codec") + 1] if "--codec" in options else "h264"
-    kind, ending = {"hevc": ("hevc", "hevc"), "av1": ("obu", "obu"), "mpeg2": ("mpeg2video", "m2v")}.get(codec, ("h264", "h264"))
-    stream = work / f"film.{ending}"
-    subprocess.run(["ffmpeg", "-v", "error", "-y", "-i", film, "-c", "copy", "-f", kind, stream], check=True)
-    return film, stream
+def run(source, *command):
+    """CPU milliseconds a picture."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run(command, check=True)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return 1000 * (after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime) / len(source)
 
 
-def theirs(folder, work, factor, tune):
-    stream = work / "film.h264"
-    subprocess.run(["ffmpeg", "-v", "error", "-y", "-i", folder / "frames.y4m", "-c:v", "libx264", "-threads", "1", "-preset", "medium",
-                    *tune, "-crf", str(factor), "-bsf:v", "filter_units=remove_types=6", "-f", "h264", stream], check=True)
-    return stream, stream
+def ours(source, program, folder, film, quantiser, options):
+    return run(source, program, "encode", folder / "frames.y4m", "--motion", folder / "layers/frame_%04d.motion", "-o", film, "-q",
+               str(quantiser), "--quiet", "-y", *options)
+
+
+def theirs(source, folder, film, factor, peer):
+    return run(source, "ffmpeg", "-v", "error", "-y", "-threads", "1", "-i", folder / "frames.y4m", "-threads", "1", "-c:v", *peer, "-crf",
+               str(factor), film)
 
 
 def cubic(x, y):
@@ -139,20 +155,24 @@ def main():
     if cut < 2:
         sys.exit(__doc__)
     program, folders, options = words[0], [Path(f) for f in words[1:cut]], words[cut + 1:]
-    rows = []
-    print("film,PSNR-Y against medium,SSIM,PSNR-HVS-M,PSNR-Y against -tune psnr,SSIM,PSNR-HVS-M")
+    codec = options[options.index("--codec") + 1] if "--codec" in options else "h264"
+    differences = {}
+    print("film,peer,PSNR-Y,SSIM,PSNR-HVS-M,our ms,its ms")
     with tempfile.TemporaryDirectory() as name:
-        work = Path(name)
+        film = Path(name) / "film.mkv"
         for folder in folders:
             source = luma_of_y4m(folder / "frames.y4m")
-            mine = [point(source, *ours(program, folder, work, q, options)) for q in QUANTISERS]
-            row = []
-            for tune in ([], ["-tune", "psnr"]):
-                curve = [point(source, *theirs(folder, work, f, tune)) for f in FACTORS]
-                row += [difference(mine, curve, quality) for quality in (1, 2, 3)]
-            rows.append(row)
-            print(folder.name, *(f"{v:.1f}" for v in row), sep=",", flush=True)
-    print("mean", *(f"{v:.1f}" for v in np.mean(rows, 0)), sep=",")
+            mine = [point(source, film, codec, ours(source, program, folder, film, q, options)) for q in QUANTISERS]
+            for factors, peer in PEERS[codec]:
+                kind = next(c for c, name in (("h264", "x264"), ("hevc", "x265"), ("av1", "av1")) if name in peer[0])
+                curve = [point(source, film, kind, theirs(source, folder, film, f, peer)) for f in factors]
+                row = [difference(mine, curve, quality) for quality in (1, 2, 3)]
+                row += [np.mean([p[4] for p in c]) for c in (mine, curve)]
+                words = " ".join(w for w in peer if w not in ALONE and w != "-svtav1-params" and w != "lp=1")
+                differences.setdefault(words, []).append(row)
+                print(folder.name, words, *(f"{v:.1f}" for v in row), sep=",", flush=True)
+    for words, rows in differences.items():
+        print("mean", words, *(f"{v:.1f}" for v in np.mean(rows, 0)), sep=",")
 
 
 main()

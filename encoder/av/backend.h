@@ -12,6 +12,7 @@
 #include "encoder/av/inspect.h"
 #include "encoder/av/sequence_facts.h"
 #include "encoder/av/sound.h"
+#include "encoder/av/svt_layers.h"
 #include "encoder/types.h"
 
 /// Interface of the module render2mpeg_av_module.so to the light library in front of it (av.cpp, library_coder.cpp).
@@ -74,7 +75,9 @@ class Backend {
                             const Sound& sound) const = 0;
     /// Throws core::Error where libavcodec has no encoder for the codec, or none with this bit depth.
     virtual void check_encoder(const encoder::Settings& settings) const = 0;
-    virtual std::unique_ptr<LibraryEncoder> open_encoder(const encoder::Settings& settings) const = 0;
+    /// `offsets` are AV1's alone.
+    virtual std::unique_ptr<LibraryEncoder> open_encoder(const encoder::Settings& settings,
+                                                         const IndexOffsets& offsets) const = 0;
     virtual int channels_of_sound(const std::filesystem::path& file) const = 0;
     virtual void decode(const std::filesystem::path& file,
                         const std::function<void(const core::Picture&)>& picture) const = 0;

@@ -55,7 +55,7 @@ double offset_of(encoder::Codec codec, const PicturePlan& plan) {
     return -strength * std::log2(1.0 + static_cast<double>(std::min(followers, most_followers)));
 }
 
-/// Whole quantisers whose mean is that of fractional ones.
+/// Quantisers that are coded, whole ones or AV1's sixteenths, whose mean is that of wanted ones.
 class Rounding {
   public:
     /// Of the P pictures that nothing refers to; `number` and `gop` tell groups apart where those have one quantiser.
@@ -69,7 +69,7 @@ class Rounding {
         if (starts_gop) {
             // The golden ratio's multiples fall evenly between whole numbers, wherever one begins.
             const double group = std::floor(static_cast<double>(number) / settings.gop), phase = 0.618034 * group + 0.5;
-            group_ = std::floor(exact + phase - std::floor(phase));
+            group_ = std::floor(steps_of_quantiser * exact + phase - std::floor(phase)) / steps_of_quantiser;
         }
         return group_;
     }
@@ -112,13 +112,15 @@ class LibraryCoder final : public encoder::Coder {
         if (facts.allocation) planned.allocated = facts.allocation->quantiser;
         if (facts.allocation && first_of_chunk)
             planned.chunk_bits = facts.allocation->affordable * facts.allocation->bits_left;
-        plan.quantiser = limited(rounding_(wanted(facts), number, starts_gop, settings_) + planned.offset);
+        planned.quantiser = limited(rounding_(wanted(facts), number, starts_gop, settings_) + planned.offset);
+        plan.quantiser = static_cast<int>(std::lround(planned.quantiser));
         if (starts_gop) group_start_ = number;
         if (settings_.codec == encoder::Codec::av1)
             plan.step_ratio =
                 svt_step_ratio(number - group_start_,
-                               std::min(number + facts.frames_left, group_start_ + settings_.gop - 1) - group_start_,
-                               settings_.effort);
+                               std::min(number + facts.frames_left, group_start_ + settings_.gop - 1) - group_start_) *
+                static_cast<float>(encoder::step_of(settings_.codec, planned.quantiser) /
+                                   encoder::step_of(settings_.codec, plan.quantiser));
         plan.references.clear();  // these encoders look for vectors by themselves
         planned.plan = plan;
         planned.first_of_chunk = first_of_chunk;
@@ -143,7 +145,7 @@ class LibraryCoder final : public encoder::Coder {
             if (settings_.codec == encoder::Codec::h264) kept_.back().picture.luma = {};
             return complete;
         }
-        send(picture, planned, plan.quantiser, complete);
+        send(picture, planned, planned.quantiser, complete);
         // Threads of other libraries decide when their pictures come, and light must not depend on that.
         if (settings_.codec == encoder::Codec::h264 || facts_.master) collect(complete);
         return complete;
@@ -160,7 +162,8 @@ class LibraryCoder final : public encoder::Coder {
         PicturePlan plan;
         bool first_of_chunk = false;
         bool opens = false;            ///< an encoder of its own
-        double offset = 0;             ///< of its quantiser, by type
+        double quantiser = 0;          ///< of AV1 to a sixteenth, whose whole one the plan has
+        double offset = 0;             ///< of it, by type
         double allocated = 0;          ///< MPEG-2's quantiser; 0: no bits are allocated
         double chunk_bits = 0;         ///< first of a chunk: to be reached; 0: whatever it comes to
         core::Plane<float> factors{};  ///< on quantisers of macroblocks; empty: 1
@@ -184,8 +187,10 @@ class LibraryCoder final : public encoder::Coder {
                                        std::exp2((100 - rate.quality) / 20) * facts.quality_factor.value_or(1.0));
     }
 
-    int limited(double quantiser) const {
-        return std::clamp(static_cast<int>(std::lround(quantiser)), facts_.finest, facts_.coarsest);
+    double limited(double quantiser) const {
+        const double steps = has_one_quantiser(settings_.codec) ? steps_of_quantiser : 1.0;
+        return std::clamp(std::round(steps * quantiser) / steps, static_cast<double>(facts_.finest),
+                          static_cast<double>(facts_.coarsest));
     }
 
     core::Plane<float> factors_of(const PicturePlan& plan, const encoder::Hints& hints) const {
@@ -208,17 +213,18 @@ class LibraryCoder final : public encoder::Coder {
         return quantisers;
     }
 
-    void send(const core::Picture& picture, const Planned& planned, int quantiser,
+    void send(const core::Picture& picture, const Planned& planned, double quantiser,
               std::vector<CodedPicture>& complete) {
+        const int whole = static_cast<int>(std::lround(quantiser));
         if (planned.opens) {
             finish(complete);
             encoder::Settings opened = settings_;
-            if (has_one_quantiser(settings_.codec)) opened.quantiser = quantiser;
-            library_ = backend().open_encoder(opened);
+            if (has_one_quantiser(settings_.codec)) opened.quantiser = svt_quantiser(quantiser);
+            library_ = backend().open_encoder(opened, svt_index_offsets(quantiser));
         }
-        LibraryOrder order{planned.plan.type, planned.plan.starts_gop, quantisers_of(planned.factors, quantiser)};
+        LibraryOrder order{planned.plan.type, planned.plan.starts_gop, quantisers_of(planned.factors, whole)};
         library_->send(picture, order);
-        sent_.push_back({planned.plan, quantiser, std::move(order.quantisers)});
+        sent_.push_back({planned.plan, whole, std::move(order.quantisers)});
     }
 
     /// Pictures that the library still has.
@@ -231,8 +237,8 @@ class LibraryCoder final : public encoder::Coder {
     }
 
     /// Quantisers of the chunk that is kept, with a factor on those allocated.
-    std::vector<int> quantisers_with(double factor) const {
-        std::vector<int> quantisers;
+    std::vector<double> quantisers_with(double factor) const {
+        std::vector<double> quantisers;
         Rounding rounding;
         for (const Kept& kept : kept_) {
             const PicturePlan& plan = kept.planned.plan;
@@ -246,7 +252,7 @@ class LibraryCoder final : public encoder::Coder {
         return quantisers;
     }
 
-    std::vector<CodedPicture> code_kept(const std::vector<int>& quantisers) {
+    std::vector<CodedPicture> code_kept(const std::vector<double>& quantisers) {
         std::vector<CodedPicture> complete;
         for (std::size_t i = 0; i < kept_.size(); ++i)
             send(kept_[i].picture, kept_[i].planned, quantisers[i], complete);
@@ -260,10 +266,10 @@ class LibraryCoder final : public encoder::Coder {
         finish(complete);
         if (kept_.empty()) return complete;
         const std::int64_t first = coding_order_;
-        std::map<std::vector<int>, double> bits_of;
-        std::vector<int> best, last;
+        std::map<std::vector<double>, double> bits_of;
+        std::vector<double> best, last;
         for (encoder::RateSearch search; search.goes_on();) {
-            const std::vector<int> quantisers = quantisers_with(search.factor());
+            const std::vector<double> quantisers = quantisers_with(search.factor());
             const auto [tried, is_new] = bits_of.try_emplace(quantisers, 0);
             if (is_new) {
                 coding_order_ = first;

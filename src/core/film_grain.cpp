@@ -107,17 +107,39 @@ Plane<float> FilmGrain::noise(int width, int height, std::int64_t frame) const {
     return result;
 }
 
-void add_grain(Picture& picture, int iso) {
+namespace {
+
+/// Luma becomes `changed` of it, its grain, and noise of deviation 1.
+template <class Change>
+void change_luma(Picture& picture, int iso, const Change& changed) {
     if (iso == 0 || picture.y.empty()) return;
     const FilmGrain grain(iso, picture.height());
     const Plane<float> noise = grain.noise(picture.width(), picture.height(), picture.number);
     for (std::size_t i = 0; i < noise.size(); ++i) {
         std::uint8_t& y = picture.y.values()[i];
         const float luma = picture.luma.empty() ? static_cast<float>(y) : picture.luma.values()[i];
-        const float grained = std::clamp(luma + grain.deviation(luma) * noise.values()[i], 16.0f, 235.0f);
-        if (!picture.luma.empty()) picture.luma.values()[i] = grained;
-        y = static_cast<std::uint8_t>(grained + 0.5f);
+        const float now = std::clamp(changed(luma, grain, noise.values()[i]), 16.0f, 235.0f);
+        if (!picture.luma.empty()) picture.luma.values()[i] = now;
+        y = static_cast<std::uint8_t>(now + 0.5f);
     }
+}
+
+}  // namespace
+
+void add_grain(Picture& picture, int iso) {
+    change_luma(picture, iso,
+                [](float luma, const FilmGrain& grain, float noise) { return luma + grain.deviation(luma) * noise; });
+}
+
+void take_grain(Picture& picture, int iso) {
+    change_luma(picture, iso, [](float grained, const FilmGrain& grain, float noise) {
+        // The deviation changes slowly with luma: each step errs by a small part of the one before.
+        constexpr int steps = 6;
+        float luma = grained;
+        for (int step = 0; step < steps; ++step)
+            luma = std::clamp(grained - grain.deviation(luma) * noise, 16.0f, 235.0f);
+        return luma;
+    });
 }
 
 }  // namespace render2mpeg::core

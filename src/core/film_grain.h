@@ -36,5 +36,7 @@ class FilmGrain {
 
 /// Adds the grain of the picture's number to its luma, unrounded where that is there. `iso` 0: none.
 void add_grain(Picture& picture, int iso);
+/// The inverse, but where grain met black or white: those pixels keep some of it.
+void take_grain(Picture& picture, int iso);
 
 }  // namespace render2mpeg::core

@@ -77,5 +77,26 @@ TEST(FilmGrain, IsAddedToLumaThatIsNotRoundedAndElseToThatWhichIs) {
     }
 }
 
+TEST(FilmGrain, IsTakenOutOfPicturesAgain) {
+    Picture exact;
+    exact.number = 5;
+    exact.y = Plane<std::uint8_t>(64, 48);
+    exact.luma = Plane<float>(64, 48);
+    for (std::size_t i = 0; i < exact.y.size(); ++i) {
+        exact.y.values()[i] = static_cast<std::uint8_t>(40 + i % 160);
+        exact.luma.values()[i] = static_cast<float>(exact.y.values()[i]);
+    }
+    Picture rounded = exact;
+    rounded.luma = {};
+    const Plane<std::uint8_t> before = exact.y;
+    for (Picture* picture : {&exact, &rounded}) {
+        add_grain(*picture, 400);
+        EXPECT_NE(picture->y, before);
+        take_grain(*picture, 400);
+    }
+    EXPECT_EQ(exact.y, before);
+    for (std::size_t i = 0; i < before.size(); ++i) EXPECT_NEAR(rounded.y.values()[i], before.values()[i], 1);
+}
+
 }  // namespace
 }  // namespace render2mpeg::core

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <fstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/film_grain.h"
@@ -96,6 +97,33 @@ TEST(GrainInFilms, HasTheVarianceOfItsModelByLumaInEachCodecSlow) {
     const std::vector<double> clean = decoded_luma(made, "-c:v libdav1d -export_side_data film_grain");
     EXPECT_EQ(clean, decoded_luma(plain, "-c:v libdav1d"));
     EXPECT_LT(contents(made).size(), contents(plain).size() + 100 + film_frames * 12);
+}
+
+TEST(GrainInFilms, TellsTheBitsThatItTakes) {
+    const Folder folder;
+    const std::string film = grey_film(folder);
+    const auto bits_of = [&](const std::string& options) {
+        encoded_greys(folder, film, options + " --stats " + path(folder, "s.json"), "f.mp4");
+        const json statistics = json::parse(contents(folder / "s.json"));
+        double bits = 0;
+        for (const json& picture : statistics.at("per_frame")) bits += 8 * picture.at("bytes").get<double>();
+        return std::pair(bits, statistics.at("grain_bits"));
+    };
+    for (const std::string codec : {"--codec h264", "--codec mpeg2", "--codec av1"}) {
+        if (codec == "--codec av1" &&
+            run("ffmpeg -v error -h encoder=libsvtav1").output.find("preset") == std::string::npos)
+            continue;
+        const auto [with, told] = bits_of(codec + " -q 4 --grain 400");
+        const auto [without, nothing] = bits_of(codec + " -q 4");
+        EXPECT_TRUE(nothing.is_null());
+        EXPECT_EQ(told.at("pictures"), film_frames);
+        EXPECT_EQ(told.at("with"), with) << codec;
+        EXPECT_GT(with, without) << codec;
+        EXPECT_NEAR(told.at("without").get<double>(), without, 0.05 * (with - without)) << codec;
+        EXPECT_TRUE(bits_of(codec + " --bitrate 900k --grain 400").second.is_null()) << "grain takes quality";
+    }
+    const auto said = run(program() + " encode " + film + " -y --grain 400 -o " + path(folder, "f.mp4"));
+    EXPECT_NE(said.output.find("\n  grain      "), std::string::npos) << said.output;
 }
 
 TEST(GrainInFilms, IsTheSameWhateverMakesThemSlow) {

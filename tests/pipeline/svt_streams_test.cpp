@@ -43,9 +43,9 @@ TEST(SvtStreams, HaveTheLayersThatLightIsPlannedFor) {
         // All that nothing refers to have the film's.
         const double whole = encoder::step_of(encoder::Codec::av1, 0.25 * indices.at(3));
         for (const auto& [place, index] : indices)
-            EXPECT_NEAR(encoder::step_of(encoder::Codec::av1, 0.25 * index) / whole /
-                            av::svt_step_ratio(place, count - 1, encoder::Effort::quality),
-                        1.0, 0.25)
+            EXPECT_NEAR(
+                encoder::step_of(encoder::Codec::av1, 0.25 * index) / whole / av::svt_step_ratio(place, count - 1), 1.0,
+                0.25)
                 << place << " of " << count << ", quantiser " << quantiser;
     }
 }

@@ -26,8 +26,9 @@ class FfmpegBackend final : public Backend {
         check_container(name, format, codec, sound);
     }
     void check_encoder(const encoder::Settings& settings) const override { check_library_encoder(settings); }
-    std::unique_ptr<LibraryEncoder> open_encoder(const encoder::Settings& settings) const override {
-        return open_library_encoder(settings);
+    std::unique_ptr<LibraryEncoder> open_encoder(const encoder::Settings& settings,
+                                                 const IndexOffsets& offsets) const override {
+        return open_library_encoder(settings, offsets);
     }
     int channels_of_sound(const std::filesystem::path& file) const override {
         SoundSource source(file.string());

@@ -63,18 +63,25 @@ std::string x264_settings(const encoder::Settings& settings) {
            std::to_string(settings.level) + ":ref=" + std::to_string(settings.references);
 }
 
-/// The same of x265. Blocks of 32x32 have a quantiser: those of 16x16 cost more bits than they save.
-/// The lowest level is declared: x265 takes no other with known quantisers.
+/// The same of x265. Blocks of 32x32 have a quantiser: those of 16x16 cost more bits than they save. All sizes of
+/// blocks are tried (rskip), which saves 5 % of bits for a third more time (docs/measurements.md#codecs). The lowest
+/// level is declared: x265 takes no other with known quantisers.
 std::string x265_settings(const encoder::Settings& settings) {
     return "qcomp=1:aq-mode=1:aq-strength=0.0001:qg-size=32:cutree=0:ipratio=1:pbratio=1:scenecut=0:keyint=-1:"
            "b-adapt=0:b-pyramid=1:open-gop=0:rc-lookahead=" +
            std::to_string(settings.b_pictures + 1) + mastering_x265(settings) +
+           (settings.effort == encoder::Effort::fast ? "" : ":rskip=0") +
            ":lookahead-slices=0:frame-threads=1:pools=none:wpp=0:info=0:log-level=error:psy-rd=0:psy-rdoq=0";
 }
 
-std::string svt_settings(const encoder::Settings& settings) {
-    return "lp=1:scd=0:keyint=-1:irefresh-type=2" + mastering_svt(settings) +
-           (settings.level > 0 ? ":level=" + std::to_string(settings.level) : std::string());
+/// Layers have these offsets alone (1), blocks what it finds by what is predicted from them. chosen: restoration is
+/// off, which takes 0.5 % of bits (docs/measurements.md#codecs).
+std::string svt_settings(const encoder::Settings& settings, const IndexOffsets& offsets) {
+    std::string all = "lp=1:scd=0:keyint=-1:irefresh-type=2:enable-restoration=0" + mastering_svt(settings);
+    if (settings.level > 0) all += ":level=" + std::to_string(settings.level);
+    all += ":use-fixed-qindex-offsets=1:key-frame-qindex-offset=" + std::to_string(offsets[0]) + ":qindex-offsets=";
+    for (std::size_t i = 1; i < offsets.size(); ++i) all += (i == 1 ? "[" : ",") + std::to_string(offsets[i]);
+    return all + "]";
 }
 
 AVPictureType type_of(encoder::PictureType type) {
@@ -114,7 +121,7 @@ class SameMemory {
 /// An encoder with its decoder.
 class Library final : public LibraryEncoder {
   public:
-    explicit Library(const encoder::Settings& settings) : settings_(settings) {
+    Library(const encoder::Settings& settings, const IndexOffsets& offsets) : settings_(settings), offsets_(offsets) {
         const Messages messages;
         if (!packet_ || !frame_ || !shown_) check(AVERROR(ENOMEM), messages);
         {
@@ -219,8 +226,8 @@ class Library final : public LibraryEncoder {
         av_dict_set(&options, names.choice.data(), (fast ? names.fast : names.quality).data(), 0);
         if (encoder::facts_of(settings_.codec).master) return options;
         if (settings_.codec == encoder::Codec::av1) {
-            av_dict_set_int(&options, "qp", settings_.quantiser, 0);
-            av_dict_set(&options, "svtav1-params", svt_settings(settings_).c_str(), 0);
+            av_dict_set_int(&options, "crf", settings_.quantiser, 0);
+            av_dict_set(&options, "svtav1-params", svt_settings(settings_, offsets_).c_str(), 0);
             return options;
         }
         av_dict_set_int(&options, "forced-idr", 1, 0);
@@ -305,6 +312,7 @@ class Library final : public LibraryEncoder {
     using Parameters = std::unique_ptr<AVCodecParameters, Freed<AVCodecParameters, avcodec_parameters_free>>;
 
     const encoder::Settings settings_;
+    const IndexOffsets offsets_;
     Decoder encoder_, decoder_;
     Packet packet_{av_packet_alloc()};
     Frame frame_{av_frame_alloc()}, shown_{av_frame_alloc()};
@@ -319,8 +327,8 @@ void check_library_encoder(const encoder::Settings& settings) {
     decoder_for(settings.codec);
 }
 
-std::unique_ptr<LibraryEncoder> open_library_encoder(const encoder::Settings& settings) {
-    return std::make_unique<Library>(settings);
+std::unique_ptr<LibraryEncoder> open_library_encoder(const encoder::Settings& settings, const IndexOffsets& offsets) {
+    return std::make_unique<Library>(settings, offsets);
 }
 
 }  // namespace render2mpeg::av

@@ -8,6 +8,6 @@ namespace render2mpeg::av {
 
 /// `Backend::check_encoder` and `Backend::open_encoder` inside the module.
 void check_library_encoder(const encoder::Settings& settings);
-std::unique_ptr<LibraryEncoder> open_library_encoder(const encoder::Settings& settings);
+std::unique_ptr<LibraryEncoder> open_library_encoder(const encoder::Settings& settings, const IndexOffsets& offsets);
 
 }  // namespace render2mpeg::av

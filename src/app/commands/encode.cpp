@@ -17,6 +17,7 @@
 #include "app/files/publish.h"
 #include "app/loop/first_pass.h"
 #include "app/loop/frame_source.h"
+#include "app/loop/grain_cost.h"
 #include "app/loop/motion.h"
 #include "app/loop/motion_source.h"
 #include "app/loop/picture_coder.h"
@@ -354,12 +355,15 @@ bool encode_chunks(Job& job, const EncodeOptions& options, LoopObserver& sink, R
     bool whole = true;
     for (auto chunk = chunk_after(job.film, {}); chunk && whole; chunk = chunk_after(job.film, chunk)) {
         StatisticsRecorder recorder(statistics, true);
-        LoopObservers both;
-        both.add(recorder);
-        both.add(sink);
+        GrainCost grain(job.film, *chunk);
+        LoopObservers all;
+        all.add(recorder);
+        all.add(grain);
+        all.add(sink);
         const std::size_t before = statistics.frames.size();
         whole = (!by_chunk || look_through(job, *chunk, options.quiet, statistics)) &&
-                encode_chunk(job, job.film, *chunk, job.allocations, both, statistics, progress);
+                encode_chunk(job, job.film, *chunk, job.allocations, all, statistics, progress);
+        grain.measure(statistics);
         if (open_ended && whole && statistics.frames.size() < before + static_cast<std::size_t>(chunk->frames())) break;
         whole = whole && (chunk->last == job.film.frames.last || !InterruptGuard::requested());
     }

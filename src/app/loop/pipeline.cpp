@@ -7,6 +7,7 @@
 
 #include "app/loop/coupling.h"
 #include "app/loop/glare_filter.h"
+#include "app/loop/grain_cost.h"
 #include "app/loop/picture_coder.h"
 #include "app/loop/scene_settings.h"
 #include "app/loop/statistics_recorder.h"
@@ -66,6 +67,7 @@ class ChunkLoop {
     PosedFrames posed_;
     StatisticsRecorder recorder_;
     Auditor auditor_;
+    GrainCost grain_cost_;
     LoopObservers observers_;
     std::optional<PictureCoder> coder_;  ///< none: pictures are not coded
     std::optional<Coupling> coupling_;   ///< none: tolerances are fixed
@@ -84,6 +86,7 @@ ChunkLoop::ChunkLoop(const RenderJob& job, renderer::Renderer& renderer, const C
       posed_(job),
       recorder_(statistics, job.kind == OutputKind::film),
       auditor_(renderer, display_, job.audit, statistics),
+      grain_cost_(job.film(), chunk),
       kept_(kept) {
     renderer.start_chunk(*posed_.at(chunk.first));
     if (job.kind == OutputKind::film)
@@ -95,6 +98,7 @@ ChunkLoop::ChunkLoop(const RenderJob& job, renderer::Renderer& renderer, const C
         tolerance_ = job.tolerance_map();
     observers_.add(recorder_);
     if (job.audit > 0) observers_.add(auditor_);
+    if (coder_ && !job.rough) observers_.add(grain_cost_);
     observers_.add(observer);
 }
 
@@ -182,6 +186,7 @@ void ChunkLoop::keep(bool at_once) {
 
 void ChunkLoop::finish() {
     if (coder_) take(coder_->flush());
+    grain_cost_.measure(statistics_);
 }
 
 renderer::Frame ChunkLoop::look(const scene::Snapshot& world) {

@@ -73,6 +73,9 @@ void each_sum(Visit&& visit, Sums&... s) {
     visit("brightest_luma", largest, s.brightest_luma...);
     visit("max_cll", largest, s.light.most...);
     visit("max_fall", largest, s.light.mean...);
+    visit("grain_pictures", added, s.grain.pictures...);
+    visit("grain_with", added, s.grain.with...);
+    visit("grain_without", added, s.grain.without...);
     visit("audit_over", added, s.audit.over...);
     visit("audit_seconds", added, s.audit.seconds...);
 }

@@ -91,6 +91,12 @@ struct Audit {
     double share_over() const { return ratio_of(over, errors.count()); }
 };
 
+/// Bits of some pictures, coded by the film's quantiser with its grain and without.
+struct GrainBits {
+    double pictures = 0;  ///< 0: not measured
+    double with = 0, without = 0;
+};
+
 struct RunStatistics {
     std::array<double, static_cast<std::size_t>(Stage::count)> seconds{};  ///< CPU, summed over threads
     double wall = 0;
@@ -99,6 +105,7 @@ struct RunStatistics {
     std::vector<FrameEntry> frames;
     int brightest_luma = 0;  ///< code value
     core::LightLevel light;
+    GrainBits grain;
     renderer::Statistics rendering;
     Audit audit;
     /// CPU by row of the plan; rows without time of their own have 0.

@@ -211,6 +211,12 @@ json tolerance_of(const RenderJob& film) {
             {"masking", film.coupling.strategy == perceptual::Strategy::quantised ? "quantised" : "warped"}};
 }
 
+json grain_bits_of(const GrainBits& grain) {
+    if (grain.pictures == 0) return {};
+    const auto count = [](double value) { return static_cast<std::int64_t>(value); };
+    return {{"pictures", count(grain.pictures)}, {"with", count(grain.with)}, {"without", count(grain.without)}};
+}
+
 /// Statistics common to all runs. Quality counts where the film was coded.
 json common_of(const Film& film, const RunStatistics& statistics, const RunFacts& facts) {
     const encoder::Settings& coding = film.coding;
@@ -235,6 +241,7 @@ json common_of(const Film& film, const RunStatistics& statistics, const RunFacts
             {"quantiser", asked_quantiser(coding)},
             {"gop", coding.gop},
             {"grain", coding.grain},
+            {"grain_bits", grain_bits_of(statistics.grain)},
             {"seconds", seconds_of(statistics)},
             {"peak_rss_mib", peak_memory_mib()},
             {"counts", json_of(statistics.rendering)},

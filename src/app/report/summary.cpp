@@ -126,6 +126,11 @@ void add_coding(SummaryLines& lines, const Film& film, const RunStatistics& stat
     lines.push_back({"quality", fmt::format("decoded against {}: PSNR-Y {:.2f} dB, SSIM-Y {:.4f}", made,
                                             statistics.psnr_y(), statistics.ssim_y())});
     if (statistics.pumping()) lines.back().text += fmt::format(", pumping {:.2f}", *statistics.pumping());
+    const GrainBits& grain = statistics.grain;
+    if (grain.pictures > 0)
+        lines.push_back({"grain", fmt::format("{:.0f} bytes a picture, {} of the bits of the first {:.0f}",
+                                              (grain.with - grain.without) / (8 * grain.pictures),
+                                              percent_text(1 - ratio_of(grain.without, grain.with)), grain.pictures)});
 }
 
 /// Work of gathering light, or of path tracing alone.
