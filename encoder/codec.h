@@ -35,6 +35,7 @@ struct CodecFacts {
     std::string_view scale;        ///< name of its quantisers: "QP"
     int finest = 1, coarsest = 1;  ///< quantisers; one alone where it has none to choose
     int most_b_pictures = 0;       ///< in a row
+    int least_side = 16;           ///< of its pictures, in pixels
     /// Its quantisers beside MPEG-2's q: at_1 + by_doubling * log2(q). fit: docs/measurements.md#codecs
     double at_1 = 1, by_doubling = 1;
     /// Share of MPEG-2's error that its coding hides: at equal PSNR-Y its steps are larger by more than what they hide.
@@ -119,6 +120,7 @@ inline constexpr std::array all_codecs{
                .name = "AV1",
                .scale = "QP",
                .coarsest = 63,
+               .least_side = 64,
                .at_1 = 9.6,
                .by_doubling = 11,
                .hidden = 0.6f,

@@ -375,7 +375,7 @@ void check_modes(const encoder::Settings& settings) {
     level_for(settings);
     // chosen: what all of these libraries take.
     constexpr int most = 8192;
-    const int least = settings.codec == encoder::Codec::av1 ? 64 : 16;
+    const int least = encoder::facts_of(settings.codec).least_side;
     if (std::min(settings.width, settings.height) < least || std::max(settings.width, settings.height) > most)
         throw core::Error("coding", name,
                           "pictures have " + std::to_string(least) + " to 8192 pixels on a side, these are " +

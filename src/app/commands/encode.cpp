@@ -363,7 +363,7 @@ bool encode_chunks(Job& job, const EncodeOptions& options, LoopObserver& sink, R
         const std::size_t before = statistics.frames.size();
         whole = (!by_chunk || look_through(job, *chunk, options.quiet, statistics)) &&
                 encode_chunk(job, job.film, *chunk, job.allocations, all, statistics, progress);
-        grain.measure(statistics);
+        if (whole) grain.measure(statistics);
         if (open_ended && whole && statistics.frames.size() < before + static_cast<std::size_t>(chunk->frames())) break;
         whole = whole && (chunk->last == job.film.frames.last || !InterruptGuard::requested());
     }

@@ -47,8 +47,7 @@ struct Lit {
 
 std::optional<Lit> light(const RenderJob& film, const std::vector<Chunk>& windows, const std::string& name,
                          bool quiet) {
-    const auto side = static_cast<double>(std::max(film.format.width, film.format.height));
-    const RenderJob small = resized(film, std::min(1.0, longest_side / side));
+    const RenderJob small = resized(film, scale_for(film, longest_side));
     const auto frames = static_cast<std::int64_t>(windows.size()) * windows.front().frames();
     Progress progress(frames, quiet || !shows_steps(), name, Counted::frames_of_step);
     Pictures pictures(windows);

@@ -40,7 +40,7 @@ std::vector<double> small_costs(const RenderJob& film, bool quiet) {
     constexpr std::int64_t length = 4;
     const std::vector<Chunk> stretches = stretches_of(film);
     // Time grows about as the sides do.
-    const double scale = std::min(1.0, side / std::max(film.format.width, film.format.height));
+    const double scale = scale_for(film, side);
     const auto frames = length * std::ssize(stretches);
     if (static_cast<double>(frames) * scale > most_share * static_cast<double>(film.frame_count())) return {};
     RenderJob small = resized(film, scale);

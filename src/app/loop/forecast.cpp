@@ -159,7 +159,7 @@ std::optional<double> next_scale(double scale, double took, double seconds, doub
 /// Larger and larger pictures, as long as there is time. None without a first one.
 std::optional<Sampled> sample_sizes(const RenderJob& film, const SpentTime& spent, double limit, bool quiet) {
     std::optional<Sampled> found;
-    std::optional<double> scale = std::min(1.0, least_side / std::max(film.format.width, film.format.height));
+    std::optional<double> scale = scale_for(film, least_side);
     while (scale) {
         const double began = spent.seconds();
         const RenderJob job = resized(film, *scale);
@@ -261,6 +261,7 @@ std::optional<FrameSample> light_windows(RenderJob film, renderer::Renderer& ren
     for (const Chunk& window : windows) {
         // It owes the next window nothing of a decoder's buffer.
         film.frames = {window.first, window.last};
+        film.is_sample = true;
         const std::size_t before = statistics.frames.size();
         const double start = cpu_seconds();
         double first = 0;
@@ -340,7 +341,7 @@ std::vector<double> prices_of(const RenderJob& film, std::int64_t frames, render
     std::vector<std::int64_t> begins = cuts_of(film);
     if (begins.empty()) return {};
     begins.insert(begins.begin(), film.frames.first);
-    const RenderJob small = resized(film, std::min(1.0, side / std::max(film.format.width, film.format.height)));
+    const RenderJob small = resized(film, scale_for(film, side));
     const double times = std::pow(pixels_of(size_of(film)) / pixels_of(size_of(small)), time_power);
     std::map<int, double> of_cameras;
     for (const std::int64_t begin : begins) of_cameras.emplace(camera_at(film, begin), 0);
@@ -366,10 +367,19 @@ std::vector<double> prices_of(const RenderJob& film, std::int64_t frames, render
     return prices;
 }
 
+/// Shortest side of resized pictures, whatever their shape.
+constexpr int shortest_side = 16;
+
+double scale_for(const RenderJob& film, double side) {
+    const auto [shorter, longer] = std::minmax(film.format.width, film.format.height);
+    const int least = film.kind == OutputKind::film ? encoder::facts_of(film.coding.codec).least_side : 0;
+    return std::min(1.0, std::max(side / longer, least > shortest_side ? 1.0 * least / shorter : 0.0));
+}
+
 RenderJob resized(const RenderJob& film, double scale) {
     RenderJob job = film;
     const auto side = [&](int pixels) {
-        return std::min(pixels, std::max(16, static_cast<int>(std::lround(scale * pixels / 2)) * 2));
+        return std::min(pixels, std::max(shortest_side, static_cast<int>(std::lround(scale * pixels / 2)) * 2));
     };
     job.format.width = side(film.format.width);
     job.format.height = side(film.format.height);

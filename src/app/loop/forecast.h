@@ -63,6 +63,9 @@ std::optional<FrameSample> sample_frames(
 /// lit.
 std::vector<double> prices_of(const RenderJob& film, std::int64_t frames, renderer::Renderer& renderer);
 
+/// By how much pictures of the film are scaled so that their longest side has `side` pixels, or as many more as its
+/// codec takes; at most 1.
+double scale_for(const RenderJob& film, double side);
 RenderJob resized(const RenderJob& film, double scale);
 
 /// CPU seconds and bytes of the whole film by its sample, without one-time work.

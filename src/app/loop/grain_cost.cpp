@@ -1,5 +1,7 @@
 #include "app/loop/grain_cost.h"
 
+#include <algorithm>
+
 #include "app/loop/picture_coder.h"
 #include "core/film_grain.h"
 #include "encoder/codec.h"
@@ -7,8 +9,9 @@
 namespace render2mpeg::app {
 namespace {
 
-/// chosen: a key picture and what comes behind it, for a second of coding at most; grain takes as much later.
-constexpr std::size_t most_pictures = 12;
+/// chosen: a key picture and what comes behind it, of large ones as many as have so many pixels, and two at least;
+/// grain takes as much later.
+constexpr std::size_t most_pictures = 12, least_pictures = 2, most_pixels = most_pictures * 1280 * 720;
 
 class NoMotion : public Motion {
     std::optional<core::MotionField> find(std::int64_t) override { return {}; }
@@ -35,26 +38,30 @@ double bits_of(const Film& film, const std::vector<core::Picture>& pictures) {
 
 }  // namespace
 
-GrainCost::GrainCost(const Film& film, const Chunk& chunk)
-    : film_(film),
-      wanted_(film.coding.grain > 0 && chunk.first == film.frames.first &&
-              !encoder::facts_of(film.coding.codec).master &&
-              film.coding.rate_control.mode == encoder::RateMode::constant_quantiser) {}
-
-void GrainCost::add(const core::Picture& picture) {
-    if (wanted_ && pictures_.size() < most_pictures) pictures_.push_back(picture);
+std::size_t grain_pictures(const Film& film) {
+    const bool constant = film.coding.rate_control.mode == encoder::RateMode::constant_quantiser;
+    if (film.coding.grain <= 0 || !constant || encoder::facts_of(film.coding.codec).master) return 0;
+    const auto pixels = static_cast<std::size_t>(film.coding.width) * static_cast<std::size_t>(film.coding.height);
+    return std::clamp(most_pixels / std::max<std::size_t>(pixels, 1), least_pictures, most_pictures);
 }
 
-void GrainCost::measure(RunStatistics& statistics) const {
+GrainCost::GrainCost(const Film& film, const Chunk& chunk)
+    : film_(film), wanted_(chunk.first == film.frames.first ? grain_pictures(film) : 0) {}
+
+void GrainCost::add(const core::Picture& picture) {
+    if (pictures_.size() < wanted_) pictures_.push_back(picture);
+}
+
+void GrainCost::measure(RunStatistics& statistics) {
     if (pictures_.empty()) return;
     const StageTimer timer(statistics, Stage::encode);
-    std::vector<core::Picture> plain = pictures_;
-    for (core::Picture& picture : plain) core::take_grain(picture, encoder::grain_of_pictures(film_.coding));
+    statistics.grain.pictures += static_cast<double>(pictures_.size());
+    statistics.grain.with += bits_of(film_, pictures_);
+    for (core::Picture& picture : pictures_) core::take_grain(picture, encoder::grain_of_pictures(film_.coding));
     Film without = film_;
     without.coding.grain = 0;
-    statistics.grain.pictures += static_cast<double>(plain.size());
-    statistics.grain.with += bits_of(film_, pictures_);
-    statistics.grain.without += bits_of(without, plain);
+    statistics.grain.without += bits_of(without, pictures_);
+    pictures_.clear();
 }
 
 }  // namespace render2mpeg::app

@@ -9,24 +9,27 @@
 
 namespace render2mpeg::app {
 
+/// Pictures of a film by which its grain's bits are told: none unless it has grain and a quantiser, since grain takes
+/// no bits but quality at a bit rate.
+std::size_t grain_pictures(const Film& film);
+
 /// Codes a film's first pictures by its quantiser with grain and without, both without motion that is given.
 class GrainCost : public LoopObserver {
   public:
-    /// Nothing is measured unless the chunk is the film's first and the film has grain and a quantiser: at a bit rate,
-    /// grain takes no bits but quality.
+    /// Nothing is measured unless the chunk is the film's first.
     GrainCost(const Film& film, const Chunk& chunk);
 
     void lit(const LitFrame& frame) override { add(frame.picture); }
     void lit_before(const LitFrame& frame) override { add(frame.picture); }
     void read(const core::Picture& picture, const core::MotionField*) override { add(picture); }
     /// Adds what they come to. Its time counts as encoding.
-    void measure(RunStatistics& statistics) const;
+    void measure(RunStatistics& statistics);
 
   private:
     void add(const core::Picture& picture);
 
     Film film_;
-    bool wanted_;
+    std::size_t wanted_;  ///< pictures
     std::vector<core::Picture> pictures_;
 };
 

@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 
+#include "app/loop/grain_cost.h"
 #include "app/loop/scene_settings.h"
 #include "app/system/memory_limit.h"
 #include "core/error.h"
@@ -67,6 +68,12 @@ std::uint64_t kept_pixels(const RenderJob& film) {
            static_cast<std::uint64_t>(film.format.height);
 }
 
+/// Pixels that are kept until grain's bits are told.
+std::uint64_t grained_pixels(const RenderJob& film) {
+    return grain_pictures(film.film()) * static_cast<std::uint64_t>(film.format.width) *
+           static_cast<std::uint64_t>(film.format.height);
+}
+
 /// Grids of one file, posed in a chunk, and light within them.
 std::uint64_t in_chunk(const scene::Volume& volume, std::uint64_t lamps) {
     const std::uint64_t voxels = volume.outline.bytes / sizeof(float);
@@ -114,7 +121,7 @@ MemoryNeed memory_need(const RenderJob& film) {
                    per_sample * static_cast<std::uint64_t>(film.rendering.samples) +
                    per_exposed_sample * most_exposure_samples(film)) *
                       static_cast<std::uint64_t>(film.format.width) * static_cast<std::uint64_t>(film.format.height) +
-                  per_kept_pixel * kept_pixels(film);
+                  per_kept_pixel * (kept_pixels(film) + grained_pixels(film));
     return need;
 }
 

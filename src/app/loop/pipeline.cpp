@@ -36,7 +36,8 @@ class ChunkLoop {
     void repeat(std::int64_t n);
     /// Keeps the frames so far for a later run.
     void keep(bool at_once);
-    void finish();
+    /// `whole`: all frames were lit.
+    void finish(bool whole);
 
   private:
     renderer::Frame look(const scene::Snapshot& world);
@@ -98,7 +99,7 @@ ChunkLoop::ChunkLoop(const RenderJob& job, renderer::Renderer& renderer, const C
         tolerance_ = job.tolerance_map();
     observers_.add(recorder_);
     if (job.audit > 0) observers_.add(auditor_);
-    if (coder_ && !job.rough) observers_.add(grain_cost_);
+    if (coder_ && !job.rough && !job.is_sample) observers_.add(grain_cost_);
     observers_.add(observer);
 }
 
@@ -184,9 +185,9 @@ void ChunkLoop::keep(bool at_once) {
     });
 }
 
-void ChunkLoop::finish() {
+void ChunkLoop::finish(bool whole) {
     if (coder_) take(coder_->flush());
-    grain_cost_.measure(statistics_);
+    if (whole) grain_cost_.measure(statistics_);
 }
 
 renderer::Frame ChunkLoop::look(const scene::Snapshot& world) {
@@ -290,7 +291,7 @@ bool render_chunk(const RenderJob& job, renderer::Renderer& renderer, const Chun
     } catch (const parallel::Stopped&) {
         whole = false;
     }
-    if (loop) loop->finish();
+    if (loop) loop->finish(whole);
     if (whole) observer.ends(chunk);
     return whole;
 }

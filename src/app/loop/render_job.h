@@ -65,6 +65,7 @@ struct RenderJob {
     core::View view;
     bool preview = false;     ///< a draft (app/options/film.h)
     bool rough = false;       ///< a first pass: its light is too rough to tell whether it changes
+    bool is_sample = false;   ///< frames that stand for a film
     bool two_passes = false;  ///< the first one finds `allocations`
     std::vector<encoder::BitAllocation> allocations;  ///< one per frame, or none
     bool images_in_turn = false;                      ///< read one at a time: memory is short

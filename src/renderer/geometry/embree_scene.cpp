@@ -281,7 +281,7 @@ void EmbreeScene::set_apart(std::uint32_t object) {
     const auto material = static_cast<std::size_t>(animation_.objects[object].material);
     if (!placed.present || placed.strands || !animation_.materials[material].subsurface) return;
     Scene scene = new_scene(placed.kind != Kind::baked);
-    rtcAttachGeometryByID(scene.get(), placed.geometry, object);
+    rtcAttachGeometryByID(scene.get(), placed.geometry, 0);
     rtcCommitScene(scene.get());
     placed.alone = std::move(scene);
 }

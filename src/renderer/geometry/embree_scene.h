@@ -73,7 +73,10 @@ class EmbreeScene {
 
     /// Address of Embree's ids and barycentrics, which may lie outside by rounding.
     core::SurfaceAddress address(unsigned instance, unsigned geometry, unsigned primitive, float u, float v) const {
-        const std::uint32_t object = object_of(instance, geometry);
+        return address(object_of(instance, geometry), primitive, u, v);
+    }
+    /// The same of an object that is known.
+    core::SurfaceAddress address(std::uint32_t object, unsigned primitive, float u, float v) const {
         const float inside_u = std::clamp(u, 0.0f, 1.0f);
         // Embree counts across strands from -1 to 1.
         const float inside_v =

@@ -69,16 +69,27 @@ void begin(TieContext& context, const EmbreeScene& scene, const RayQuery* querie
     context.best = best;
 }
 
-/// Hit of a single ray with what lies `in` one of the scenes, of surfaces in one plane any; its normal is Embree's.
-Hit any_alone(const EmbreeScene& scene, const RayQuery& query, RTCSceneTy* in) {
-    if (!is_traceable(query)) return {};
-    embree::Context context;
-    RTCRayHit found = unanswered(query, 0.0f, query.far);
-    embree::intersect(in, context, found);
-    if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-    return {scene.address(found.hit.instID[0], found.hit.geomID, found.hit.primID, found.hit.u, found.hit.v),
+/// What a ray that was traced by itself met on an object; its normal is Embree's.
+Hit hit_of(const EmbreeScene& scene, std::uint32_t object, const RTCRayHit& found) {
+    return {scene.address(object, found.hit.primID, found.hit.u, found.hit.v),
             found.ray.tfar,
             {found.hit.Ng_x, found.hit.Ng_y, found.hit.Ng_z}};
+}
+
+/// Traces a single ray in one of the scenes, for any of surfaces in one plane. Whether it met one.
+bool meets_alone(RTCSceneTy* in, const RayQuery& query, RTCRayHit& found) {
+    if (!is_traceable(query)) return false;
+    embree::Context context;
+    found = unanswered(query, 0.0f, query.far);
+    embree::intersect(in, context, found);
+    return found.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+}
+
+/// Hit of a single ray, of surfaces in one plane any; its normal is Embree's.
+Hit any_alone(const EmbreeScene& scene, const RayQuery& query) {
+    RTCRayHit found;
+    if (!meets_alone(scene.root(), query, found)) return {};
+    return hit_of(scene, scene.object_of(found.hit.instID[0], found.hit.geomID), found);
 }
 
 /// Gives a hit the world's normal for Embree's.
@@ -193,7 +204,7 @@ RTCRay ray_of(const RayQuery& query, float near, float far) {
 
 Hit nearest_hit(const EmbreeScene& scene, const RayQuery& query) {
     const FlushDenormals flushed;
-    Hit hit = any_alone(scene, query, scene.root());
+    Hit hit = any_alone(scene, query);
     if (!hit.found()) return {};
     const float t = hit.distance;
     TieContext ties;
@@ -217,7 +228,7 @@ void any_nearest_hits(const EmbreeScene& scene, std::span<const RayQuery> querie
     // Alone they go through all at once.
     if (queries.size() == 1 || (!coherent && scene.has_instances())) {
         for (std::size_t i = 0; i < queries.size(); ++i) {
-            hits[i] = any_alone(scene, queries[i], scene.root());
+            hits[i] = any_alone(scene, queries[i]);
             turn(scene, queries[i], hits[i]);
         }
         return;
@@ -232,7 +243,9 @@ Hit nearest_hit_of(const EmbreeScene& scene, std::uint32_t object, const RayQuer
     RTCSceneTy* const alone = scene.alone(object);
     EXPECTS(alone != nullptr);
     const FlushDenormals flushed;
-    Hit hit = any_alone(scene, query, alone);
+    RTCRayHit found;
+    if (!meets_alone(alone, query, found)) return {};
+    Hit hit = hit_of(scene, object, found);
     turn(scene, query, hit);
     return hit;
 }

@@ -4,7 +4,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <fmt/format.h>
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
@@ -52,7 +51,7 @@ std::string name_of(const fs::path& blend, const fs::path& script, const fs::pat
         if (entry.path().extension() == ".py") parts.push_back(entry.path());
     std::sort(parts.begin(), parts.end());
     for (const fs::path& part : parts) sum.add_file(part);
-    sum.add(fmt::format("{}{},{}", state_of(fs::canonical(blender)).dump(), texture_size, lines));
+    sum.add(state_of(fs::canonical(blender)).dump() + std::to_string(texture_size) + "," + std::to_string(lines));
     return core::checksum_text(sum.value());
 }
 

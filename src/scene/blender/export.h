@@ -20,9 +20,8 @@ BlenderExport export_by_blender(const std::filesystem::path& file, int lines);
 /// $RENDER2MPEG_BLENDER, else `blender` on the PATH; empty where there is none.
 std::filesystem::path blender_program();
 
-/// Becomes Blender within a probe. `words`: program, script, scene, output folder, longest side of baked textures, height of the
-/// pictures. Returns
-/// only on failure.
+/// Becomes Blender within a probe. `words`: program, script, scene, output folder, longest side of baked textures,
+/// height of the pictures. Returns only on failure.
 void become_blender(const std::vector<std::string>& words);
 
 }  // namespace render2mpeg::scene

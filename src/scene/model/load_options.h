@@ -15,7 +15,7 @@ struct LoadOptions {
     std::optional<std::string> sky{};        ///< image file, or "none"
     std::optional<std::string> variant{};    ///< name or index of one of glTF's variants of materials
     DefaultLight light = DefaultLight::studio;
-    int lines = 0;  ///< height of the pictures, in pixels, for which Blender bakes textures; 0: the scene's own
+    int lines = 0;  ///< height of the pictures, in pixels, for which Blender bakes textures; 0: the .blend's own
 };
 
 }  // namespace render2mpeg::scene
