@@ -120,7 +120,7 @@ void change_luma(Picture& picture, int iso, const Change& changed) {
         const float luma = picture.luma.empty() ? static_cast<float>(y) : picture.luma.values()[i];
         const float now = std::clamp(changed(luma, grain, noise.values()[i]), 16.0f, 235.0f);
         if (!picture.luma.empty()) picture.luma.values()[i] = now;
-        y = static_cast<std::uint8_t>(now + 0.5f);
+        y = static_cast<std::uint8_t>(std::lround(now));
     }
 }
 

@@ -75,7 +75,7 @@ TEST(BlendFileSlow, ThatIsBrokenIsRefusedInALine) {
     std::ofstream(folder / "text.blend") << "no .blend at all";
     std::ofstream(folder / "short.blend", std::ios::binary) << whole.substr(0, whole.size() / 2);
     for (const char* name : {"text.blend", "short.blend"}) {
-        const Outcome said = run(program() + " plan --within 0 " + path(folder, name));
+        const Outcome said = run(program() + " plan --quiet --within 0 " + path(folder, name));
         EXPECT_EQ(said.status, 1);
         EXPECT_EQ(lines_in(said.output), 1u) << said.output;
         EXPECT_NE(said.output.find(name), std::string::npos) << said.output;
