@@ -8,14 +8,20 @@
 namespace render2mpeg::encoder {
 namespace {
 
-/// Of AV1's qindex at 8 bits: linear at first, then exponential. [AV1, 7.12.2] to 6 %
-double av1_step(double qindex) {
-    constexpr double linear_end = 95;
-    const double linear = (std::min(qindex, linear_end) + 7) / 8;
-    return linear * std::exp2(std::max(0.0, qindex - linear_end) / 38.4);
+/// AV1's steps by base_q_idx at 8 bits: linear up to this, then exponential. [AV1, 7.12.2] to 6 %
+constexpr double linear_end = 95, doubling = 38.4;
+
+double av1_step(double index) {
+    const double linear = (std::min(index, linear_end) + 7) / 8;
+    return linear * std::exp2(std::max(0.0, index - linear_end) / doubling);
 }
 
 }  // namespace
+
+double av1_index_of(double step) {
+    const double end = av1_step(linear_end);
+    return step <= end ? 8 * step - 7 : linear_end + doubling * std::log2(step / end);
+}
 
 double step_of(Codec codec, double quantiser) {
     switch (codec) {

@@ -30,12 +30,12 @@ struct LibraryNames {
 /// All that differs between codecs: one row each.
 struct CodecFacts {
     Codec codec;
-    std::string_view word;         ///< on the command line: "h264"
-    std::string_view name;         ///< "H.264"
-    std::string_view scale;        ///< name of its quantisers: "QP"
-    int finest = 1, coarsest = 1;  ///< quantisers; one alone where it has none to choose
-    int most_b_pictures = 0;       ///< in a row
-    int least_side = 16;           ///< of its pictures, in pixels
+    std::string_view word;                    ///< on the command line: "h264"
+    std::string_view name;                    ///< "H.264"
+    std::string_view scale;                   ///< name of its quantisers: "QP"
+    int finest = 1, coarsest = 1;             ///< quantisers; one alone where it has none to choose
+    int most_b_pictures = 0;                  ///< in a row
+    int least_width = 16, least_height = 16;  ///< of its pictures, in pixels
     /// Its quantisers beside MPEG-2's q: at_1 + by_doubling * log2(q). fit: docs/measurements.md#codecs
     double at_1 = 1, by_doubling = 1;
     /// Share of MPEG-2's error that its coding hides: at equal PSNR-Y its steps are larger by more than what they hide.
@@ -63,11 +63,14 @@ struct CodecFacts {
 };
 
 constexpr CodecFacts master_facts(Codec codec, std::string_view word, std::string_view name, std::string_view ending,
-                                  bool has_srgb, const LibraryNames& ffmpeg) {
+                                  bool has_srgb, const LibraryNames& ffmpeg, int least_width = 16,
+                                  int least_height = 16) {
     return {.codec = codec,
             .word = word,
             .name = name,
             .scale = "quantiser",
+            .least_width = least_width,
+            .least_height = least_height,
             .ffmpeg = ffmpeg,
             .endings = ending,
             .not_on = "browsers, phones, televisions",
@@ -120,7 +123,8 @@ inline constexpr std::array all_codecs{
                .name = "AV1",
                .scale = "QP",
                .coarsest = 63,
-               .least_side = 64,
+               .least_width = 64,
+               .least_height = 64,
                .at_1 = 9.6,
                .by_doubling = 11,
                .hidden = 0.6f,
@@ -133,7 +137,7 @@ inline constexpr std::array all_codecs{
     master_facts(Codec::prores4444, "prores4444", "ProRes 4444", ".mov", false,
                  {"prores", "prores_ks", "4444", "4444", "profile", "yuva444p10", "FFmpeg", "ap4h"}),
     master_facts(Codec::dnxhr, "dnxhr", "DNxHR", ".mov", true,
-                 {"dnxhd", "dnxhd", "dnxhr_hqx", "dnxhr_hqx", "profile", "yuv422p10", "FFmpeg", "AVdh"}),
+                 {"dnxhd", "dnxhd", "dnxhr_hqx", "dnxhr_hqx", "profile", "yuv422p10", "FFmpeg", "AVdh"}, 256, 120),
     master_facts(Codec::ffv1, "ffv1", "FFV1", ".mkv", true,
                  {"ffv1", "ffv1", "3", "3", "level", "yuv444p12", "FFmpeg", ""})};
 
@@ -154,6 +158,8 @@ constexpr bool is_middle(std::int64_t index, std::int64_t length) {
 /// The distance of two levels of a predicted macroblock's coefficient in an orthonormal transform, code values, with
 /// the least weight of a matrix.
 double step_of(Codec codec, double quantiser);
+/// AV1's base_q_idx, not rounded, that has this step.
+double av1_index_of(double step);
 
 /// The quantiser of a codec, not rounded, for about the PSNR of MPEG-2's `quantiser`, > 0.
 double quantiser_like(Codec codec, double mpeg2_quantiser);

@@ -375,11 +375,13 @@ void check_modes(const encoder::Settings& settings) {
     level_for(settings);
     // chosen: what all of these libraries take.
     constexpr int most = 8192;
-    const int least = encoder::facts_of(settings.codec).least_side;
-    if (std::min(settings.width, settings.height) < least || std::max(settings.width, settings.height) > most)
+    const encoder::CodecFacts& facts = encoder::facts_of(settings.codec);
+    const auto size = [](int width, int height) { return std::to_string(width) + "x" + std::to_string(height); };
+    if (settings.width < facts.least_width || settings.height < facts.least_height ||
+        std::max(settings.width, settings.height) > most)
         throw core::Error("coding", name,
-                          "pictures have " + std::to_string(least) + " to 8192 pixels on a side, these are " +
-                              std::to_string(settings.width) + "x" + std::to_string(settings.height));
+                          "pictures have " + size(facts.least_width, facts.least_height) + " to " + size(most, most) +
+                              " pixels, these have " + size(settings.width, settings.height));
     if (settings.width % 2 != 0 || settings.height % 2 != 0)
         throw core::Error("coding", name,
                           "width and height must be even, but the pictures are " + std::to_string(settings.width) +

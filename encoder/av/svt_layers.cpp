@@ -19,16 +19,10 @@ float in_group(std::uint64_t place, int layers) {
     return by_layer[static_cast<std::size_t>(1 + layers - std::countr_zero(place))];
 }
 
-/// The inverse of encoder::step_of.
-double index_of_step(double step) {
-    constexpr double linear_end = 12.75;
-    return step <= linear_end ? 8 * step - 7 : 95 + 38.4 * std::log2(step / linear_end);
-}
-
 /// Of a layer at a quantiser; 0 would be lossless.
 int index_of(std::size_t layer, double quantiser) {
     const double step = by_layer[layer] * encoder::step_of(encoder::Codec::av1, quantiser);
-    return std::max(1, static_cast<int>(std::lround(index_of_step(step))));
+    return std::max(1, static_cast<int>(std::lround(encoder::av1_index_of(step))));
 }
 
 }  // namespace

@@ -60,7 +60,7 @@ const std::map<std::string_view, int (*)(const CommandLine&)> commands{
     {"tune", [](const CommandLine& line) { return tune(line.trial, line.words, render2mpeg::app::render); }},
     {"compare", [](const CommandLine& line) { return compare(line.trial, line.words); }},
     {"farm", [](const CommandLine& line) { return farm(line.farm, line.words); }},
-    {"part", [](const CommandLine& line) { return make_parts(line.part); }},
+    {"part", [](const CommandLine& line) { return make_part(line.part); }},
     {"join", [](const CommandLine& line) { return join(line.part); }},
     {"farm-status", [](const CommandLine& line) { return farm_status(line.part); }},
     {"watch", [](const CommandLine& line) { return watch(line.render, line.text); }}};

@@ -66,7 +66,7 @@ void fit_sample(const TrialOptions& options, const RenderJob& film, double first
         if (takes(sample) < time) chosen.sweep = sample;
     // chosen: 160 pixels show what tolerances do (96 to 320); CPU grows with the pixels, or slower.
     constexpr double least_side = 160;
-    const double smallest = std::min(1.0, least_side / std::max(film.format.width, film.format.height));
+    const double smallest = scale_for(film, least_side);
     chosen.scale = std::clamp(std::sqrt(time / takes(chosen.sweep)), smallest, 1.0);
 }
 

@@ -7,9 +7,9 @@
 
 namespace render2mpeg::app {
 
-/// Makes the parts that the options name, one after the other. Returns the exit status: 0, or 128 and a signal's number
-/// after an interruption. Throws Refusal where they cannot be made here, else core::Error.
-int make_parts(const PartOptions& options);
+/// Makes the part that the options name. Returns the exit status: 0, or 128 and a signal's number after an
+/// interruption. Throws Refusal where it cannot be made here, else core::Error.
+int make_part(const PartOptions& options);
 
 /// Returns the exit status. Throws core::Error, naming the parts that are not whole.
 int join(const PartOptions& options);

@@ -36,19 +36,11 @@
 namespace render2mpeg::app {
 namespace {
 
-/// The parts that are asked for.
-std::vector<FilmPart> wanted_of(const FarmPlan& plan, const PartOptions& options) {
-    std::vector<FilmPart> wanted;
-    if (options.frames) {
-        const FrameRange frames = contiguous_from(*options.frames);
-        for (const FilmPart& part : plan.parts)
-            if (part.frames.first >= frames.first && part.frames.first <= frames.last) wanted.push_back(part);
-        return wanted;
-    }
-    if (!options.number) throw UsageError("I is missing: which part, from 1? Or --frames A-B");
-    if (*options.number > static_cast<int>(plan.parts.size()))
-        throw UsageError(fmt::format("part {}: the plan has parts 1 to {}", *options.number, plan.parts.size()));
-    return {*std::ranges::find(plan.parts, *options.number, &FilmPart::number)};
+const FilmPart& wanted_of(const FarmPlan& plan, const PartOptions& options) {
+    const auto wanted = std::ranges::find(plan.parts, options.number, &FilmPart::number);
+    if (wanted == plan.parts.end())
+        throw UsageError(fmt::format("part {}: the plan has parts 1 to {}", options.number, plan.parts.size()));
+    return *wanted;
 }
 
 /// The part's work folder, with what earlier tries, here or elsewhere, left as pieces; waits while another process
@@ -169,22 +161,19 @@ int make_part(const FarmPlan& plan, const FilmPart& part, const PartOptions& opt
 
 }  // namespace
 
-int make_parts(const PartOptions& wish) {
+int make_part(const PartOptions& wish) {
     PartOptions options = wish;
     // The plan's words change the current folder.
     std::error_code error;
     options.from = std::filesystem::current_path(error);
     if (wish.pieces) options.pieces = std::filesystem::absolute(*wish.pieces, error).lexically_normal();
     const FarmPlan plan = read_plan(options.plan);
-    const std::vector<FilmPart> wanted = wanted_of(plan, options);
+    const FilmPart& part = wanted_of(plan, options);
     if (plan.is_joined()) {
         if (!options.quiet) print_line(plan.folder.string() + ": the film is joined already: nothing is to be done");
         return 0;
     }
-    if (wanted.empty() && !options.quiet) print_line("no part begins with one of these frames: nothing is to be done");
-    for (const FilmPart& part : wanted)
-        if (const int status = make_part(plan, part, options); status != 0) return status;
-    return 0;
+    return make_part(plan, part, options);
 }
 
 }  // namespace render2mpeg::app

@@ -371,9 +371,17 @@ std::vector<double> prices_of(const RenderJob& film, std::int64_t frames, render
 constexpr int shortest_side = 16;
 
 double scale_for(const RenderJob& film, double side) {
-    const auto [shorter, longer] = std::minmax(film.format.width, film.format.height);
-    const int least = film.kind == OutputKind::film ? encoder::facts_of(film.coding.codec).least_side : 0;
-    return std::min(1.0, std::max(side / longer, least > shortest_side ? 1.0 * least / shorter : 0.0));
+    const auto [width, height] = std::pair(film.format.width, film.format.height);
+    double scale = side / std::max(width, height);
+    const auto take = [&](int least, int pixels) {
+        if (least > shortest_side) scale = std::max(scale, 1.0 * least / pixels);
+    };
+    if (film.kind == OutputKind::film) {
+        const encoder::CodecFacts& facts = encoder::facts_of(film.coding.codec);
+        take(facts.least_width, width);
+        take(facts.least_height, height);
+    }
+    return std::min(1.0, scale);
 }
 
 RenderJob resized(const RenderJob& film, double scale) {

@@ -164,16 +164,6 @@ void apply(const Preset& preset, const CodingOptions& options, encoder::Settings
     apply_rates(preset, options, coding);
 }
 
-/// Reports the errors of a check as usage errors, since the command line asked for the refused setting.
-template <class Check>
-void refuse_as_usage(const Check& check) {
-    try {
-        check();
-    } catch (const core::Error& error) {
-        throw UsageError(error.what());
-    }
-}
-
 void refuse_conflicts(const CodingOptions& o) {
     const std::pair<const char*, bool> given[] = {{"--crf", o.crf.has_value()},
                                                   {"--quantiser", o.quantiser.has_value()},

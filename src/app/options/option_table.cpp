@@ -53,7 +53,7 @@ Rows file_rows(CommandLine& line) {
          Required()},
         {"FILE", "", line.info.input, "Film in any container, or a bare MPEG-2 video stream", Required()},
         {"PLAN", "", line.part.plan, "The folder that `farm` wrote, e.g. film.mpg.farm, or its plan.json", Required()},
-        {"I", "", line.part.number, "Which part, from 1", range(1, 1'000'000).check},
+        {"I", "", line.part.number, "Which part, from 1", range(1, 1'000'000).check, Required()},
         {"-o,--output@render", "", o.output, "File to write; the ending chooses its kind; `-`: standard output", "OUT",
          Required(), Idle::always},
         {"-o,--output@farm", "", o.output, "File to write; the ending chooses its kind", "OUT", Required()},
@@ -439,8 +439,6 @@ Rows farm_rows(CommandLine& line) {
          "this one's files"},
         {"--submit", farm, line.farm.submit,
          "Hand the parts that are not made yet to the scheduler, and the join behind them"},
-        {"--frames@part", run, line.part.frames, "Instead: all parts that begin with one of these frames", "A-B",
-         contiguous_from, NotWith{"I"}},
         {"--into@part", run, line.part.pieces,
          "Write each finished chunk into this folder, too, as a file with checksums, from which `join --from` takes "
          "it: for machines that share no folder. Needs no locks; chunks that lie there are not made again",

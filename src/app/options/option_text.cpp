@@ -113,12 +113,6 @@ FrameRange frames_from(const std::string& text) {
     return {*first, *last};
 }
 
-FrameRange contiguous_from(const std::string& text) {
-    const std::size_t dash = text.find('-');
-    if (dash == std::string::npos) throw UsageError(text + ": expected two frames with a dash between, as in 60-119");
-    return frames_from(std::string(text).replace(dash, 1, ":"));
-}
-
 int level_from(const std::string& text) {
     const bool is_level =
         text.size() == 3 && text[1] == '.' && text[0] >= '1' && text[0] <= '9' && text[2] >= '0' && text[2] <= '9';

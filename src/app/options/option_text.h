@@ -12,8 +12,6 @@ namespace render2mpeg::app {
 Size size_from(const std::string& text);
 /// "A:B"
 FrameRange frames_from(const std::string& text);
-/// "A-B" as in OpenJD's chunks.
-FrameRange contiguous_from(const std::string& text);
 
 /// "0.04/core-hour" or "0.60/machine-hour", in any currency.
 struct Price {

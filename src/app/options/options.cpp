@@ -13,6 +13,7 @@
 #include "app/options/usage_error.h"
 #include "app/system/terminal.h"
 #include "core/text.h"
+#include "core/view.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -158,7 +159,7 @@ const std::vector<CommandRow> commands{
      "part is whole; 1 it failed, and another try may do better; 3 this machine, this version or the inputs are "
      "not those of the plan: another try here fails alike.\n"
      "Example: render2mpeg part film.mpg.farm 3",
-     "PLAN I --frames@part --into@part --after-chunk --threads --memory@part --quiet --progress"},
+     "PLAN I --into@part --after-chunk --threads --memory@part --quiet --progress"},
     {"join", "Put the parts of a film together",
      "Proves that all parts are whole and of one film, puts them together, decodes the film to see that it holds "
      "what was made, and writes all that one run would have written beside it.\n"

@@ -130,8 +130,8 @@ struct FarmOptions {
 /// Options of `part`, `join` and `farm-status`.
 struct PartOptions {
     std::filesystem::path plan;
-    std::optional<int> number;
-    std::optional<std::string> frames, memory, after_chunk, price;
+    int number = 0;  ///< of `part`, from 1
+    std::optional<std::string> memory, after_chunk, price;
     std::optional<std::filesystem::path> folder;  ///< of the film
     std::optional<std::filesystem::path> pieces;  ///< their folder
     std::filesystem::path from;                   ///< where `after_chunk` runs

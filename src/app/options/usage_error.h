@@ -10,6 +10,16 @@ class UsageError : public core::Error {
     using core::Error::Error;
 };
 
+/// Reports the errors of a check as usage errors, since the command line asked for the refused setting.
+template <class Check>
+void refuse_as_usage(const Check& check) {
+    try {
+        check();
+    } catch (const core::Error& error) {
+        throw UsageError(error.what());
+    }
+}
+
 /// A part of a film that cannot be made here, however often it is tried: exit status 3.
 class Refusal : public core::Error {
   public:
