@@ -42,7 +42,7 @@ void halve(const std::vector<float>& full, std::vector<float>& half) {
 }
 
 std::uint8_t code(float value) {
-    return static_cast<std::uint8_t>(value + 0.5f);
+    return static_cast<std::uint8_t>(std::lround(value));
 }
 
 /// Chroma code values halfway between two rows. `scale` brings the colour difference to -112..112.
@@ -249,10 +249,6 @@ std::vector<std::uint8_t> Display::develop_srgb(const core::Radiance& radiance) 
 
 float Display::tone_curve(float exposed) {
     return static_cast<float>(perceptual::tone_curve(static_cast<double>(exposed)));
-}
-
-float Display::inverse_tone_curve(float display_linear) {
-    return static_cast<float>(perceptual::inverse_tone_curve(static_cast<double>(display_linear)));
 }
 
 SignalCurve::Point Display::luma_at(glm::vec3 exposed) const {

@@ -53,9 +53,8 @@ class Display {
     /// range are shown as `neutral`.
     std::vector<std::uint8_t> develop_srgb(const core::Radiance& radiance) const;
 
-    /// Monotone tone curve from exposed light >= 0 to [0, 1], and its inverse below `tone_curve(infinity)`.
+    /// Monotone tone curve from exposed light >= 0 to [0, 1].
     static float tone_curve(float exposed);
-    static float inverse_tone_curve(float display_linear);
 
     /// The radiance with the chromaticity of `radiance` whose luma is `luma`, clamped to 16..235
     /// (docs/model/display.md). Black has no chromaticity and is taken as grey. White lies at infinity, and the luma of

@@ -279,9 +279,9 @@ TEST(WithLuma, IsTheAnalyticInverseForGrey) {
     }
 }
 
-TEST(Display, HasAnInverseToneCurveInFloat) {
+TEST(Display, HasAToneCurveInFloat) {
     for (float x = 1e-6f; x < 8; x *= 1.01f)
-        EXPECT_NEAR(Display::inverse_tone_curve(Display::tone_curve(x)) / x, 1.0f, 1e-6f + 1e-6f * x * x) << x;
+        EXPECT_NEAR(inverse_tone_curve(Display::tone_curve(x)) / x, 1.0, 1e-6 + 1e-6 * x * x) << x;
     EXPECT_EQ(Display::tone_curve(std::numeric_limits<float>::infinity()), 1.0f);
 }
 

@@ -24,6 +24,7 @@ StudioLuma luma_in_studio(const std::string& objects) {
     options.input = folder / "film.json";
     options.size = "64x48";
     options.samples = 1;
+    options.tolerance = "fixed=2%";
     app::RenderJob film = app::prepare(options);
     film.exposure = app::measure_exposure(film);
 

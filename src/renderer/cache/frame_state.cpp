@@ -6,10 +6,6 @@
 
 namespace render2mpeg::renderer {
 
-float TileState::allowed(const GatherPoint& p, std::size_t i) const {
-    return tolerance[i].allows(core::luminance(light[i].scattered(p)));
-}
-
 FrameState::FrameState(const LightingContext& lit_by, const scene::Snapshot& instant, const CutLimits& cut_limits,
                        FinalGather* final_gather, RecordStore& store)
     : context(lit_by),

@@ -34,9 +34,6 @@ struct TileState {
     std::vector<PointLight> light;  ///< of trees
     std::vector<PointLight> exact;  ///< of lights that are gathered one by one
     std::uint64_t served = 0;
-
-    /// Luminance that a point's light may be off by, as far as its light is known.
-    float allowed(const GatherPoint& p, std::size_t i) const;
 };
 
 /// A point that became a record in this frame.

@@ -32,11 +32,6 @@ class IrradianceCache {
     /// Records of the chunk so far that earlier runs did not know.
     std::vector<StoredRecord> found() const;
 
-    /// Bytes held between frames.
-    std::size_t bytes() const {
-        return records_.bytes() + history_.bytes() + library_.bytes() + left_.capacity() * sizeof(StoredRecord);
-    }
-
     /// All that it knows of the chunk.
     template <class A>
     friend void archive(A& a, IrradianceCache& c) {

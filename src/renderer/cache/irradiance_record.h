@@ -189,8 +189,6 @@ class RecordStore {
     /// Notes that a record served; may be called from many threads.
     void mark_used(std::uint32_t index, std::int64_t frame);
 
-    std::size_t bytes() const { return records_.capacity() * sizeof(IrradianceRecord); }
-
     template <class A>
     friend void archive(A& a, RecordStore& store) {
         a(store.records_);

@@ -53,7 +53,6 @@ class RecordLibrary {
     /// Appends records that leave a chunk, if `know` was called: those which know more than the known ones.
     void note(std::span<const IrradianceRecord> records, std::uint32_t near_field,
               std::vector<StoredRecord>& noted) const;
-    std::size_t bytes() const { return known_.capacity() * sizeof(StoredRecord); }
 
     /// Which of the known ones the chunk took.
     template <class A>

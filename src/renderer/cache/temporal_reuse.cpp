@@ -132,12 +132,6 @@ void add_up(FrameState& frame, std::size_t t, std::size_t i) {
 
 }  // namespace
 
-std::size_t FrameHistory::bytes() const {
-    std::size_t sum = 0;
-    for (const auto& tile : tiles) sum += tile.capacity() * sizeof(LitPoint);
-    return sum;
-}
-
 void start(FrameState& frame, const FrameHistory& history, float reused_error) {
     frame.grid.build(frame.records.all(), frame.camera());
     std::vector<ShadeCounts> of_tile(frame.tiles.size());

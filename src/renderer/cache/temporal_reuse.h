@@ -20,8 +20,6 @@ struct LitPoint {
 struct FrameHistory {
     std::vector<std::vector<LitPoint>> tiles;  ///< empty: nothing of it holds
     std::int64_t frame = 0;
-
-    std::size_t bytes() const;
 };
 
 template <class A>

@@ -104,7 +104,6 @@ class FinalGather {
     /// Light of surfaces at the posed instant, for whoever asks.
     SurfaceCache& cache() { return cache_; }
     const FinalGatherCounts& counts() const { return counts_; }
-    std::size_t bytes() const { return cache_.bytes(); }
 
   private:
     struct Bundle;

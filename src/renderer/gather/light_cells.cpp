@@ -50,12 +50,4 @@ std::uint32_t LightCells::add_places(std::uint64_t key, std::uint32_t places) {
     return index_in(s, is_own, entry.index);
 }
 
-std::size_t LightCells::bytes() const {
-    std::size_t sum = 0;
-    for (const Shard& s : shards_)
-        sum +=
-            s.table.bytes() + s.own_table.bytes() + (s.cells.capacity() + s.own_cells.capacity()) * sizeof(LightCell);
-    return sum;
-}
-
 }  // namespace render2mpeg::renderer

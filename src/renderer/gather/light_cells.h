@@ -29,7 +29,6 @@ class CellTable {
     Found find(std::uint64_t key) const { return slots_.empty() ? Found{} : slots_[place_of(key)].found; }
     /// The entry of a key, made with the next index if it is not there yet; until the next call.
     Found& entry(std::uint64_t key);
-    std::size_t bytes() const { return slots_.capacity() * sizeof(Slot); }
 
     template <class A>
     friend void archive(A& a, CellTable& table) {
@@ -95,8 +94,6 @@ class LightCells {
         return (index & own_index) != 0 ? shard.own_cells[(index & ~own_index) / shards] : shard.cells[index / shards];
     }
     LightCell& at(std::uint32_t index) { return const_cast<LightCell&>(std::as_const(*this).at(index)); }
-
-    std::size_t bytes() const;
 
     /// All but cells of one ray's own.
     template <class A>

@@ -45,7 +45,6 @@ class SurfaceCache {
         return glm::max(cell.radiance - cell.near, glm::vec3(0));
     }
 
-    std::size_t bytes() const { return cells_.bytes(); }
     std::uint64_t rays() const { return rays_; }
 
     /// Cells of the posed instant.
