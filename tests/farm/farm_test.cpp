@@ -12,8 +12,6 @@
 #include <vector>
 
 #include "app/farm/farm_plan.h"
-#include "app/options/option_text.h"
-#include "core/error.h"
 #include "farm/farm_film.h"
 
 /// A film that many machines make has the bytes of a film that one machine makes.
@@ -205,7 +203,7 @@ TEST(Farm, SamplesFilmsOfCodecsWithoutSmallPictures) {
     struct Film {
         std::string codec, size, name;
     };
-    for (const auto& [codec, size, name] : {Film{"av1", "320x180", "f.mp4"}, Film{"dnxhr", "256x720", "f.mov"}}) {
+    for (const auto& [codec, size, name] : {Film{"av1", "320x180", "f.mp4"}, Film{"dnxhr", "1280x720", "f.mov"}}) {
         const FarmFilm film("--codec " + codec, 120, size);
         const auto planned = film.farm("-o " + film.path(name), "--to parallel --parts 2");
         EXPECT_EQ(planned.status, 0) << planned.output;

@@ -45,6 +45,8 @@ const std::vector<Mistake>& commands() {
         {"encode -o x.mpg", 2, {"FRAMES is missing", "frames.%04d.png"}},
         {"info", 2, {"FILE is missing", "render2mpeg info film.mpg"}},
         {"plan", 2, {"INPUT is missing", "render2mpeg plan scene.glb"}},
+        {"join", 2, {"PLAN is missing", "render2mpeg join film.mpg.farm"}},
+        {"part P", 2, {"I is missing", "render2mpeg part film.mpg.farm 1"}},
         {"tune S -o x.mpg", 2, {"what is to be reached?", "--target-psnr", "--max-size"}},
         {"tune S --target-psnr 40", 2, {"which film is to be made?", "-o film.mpg", "--dry-run"}},
         {"render S S -o x.mpg", 2, {"what is this for?"}},

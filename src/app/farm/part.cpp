@@ -22,7 +22,6 @@
 #include "app/files/work_folder.h"
 #include "app/loop/kept_frames.h"
 #include "app/loop/resume.h"
-#include "app/options/option_text.h"
 #include "app/options/usage_error.h"
 #include "app/production/production.h"
 #include "app/report/frame_view.h"

@@ -112,6 +112,10 @@ std::string missing_text(const CLI::App& app, const std::string& name) {
     if (name == "FRAMES")
         return "FRAMES is missing: which frames? For example: render2mpeg encode frames.%04d.png -o film.mpg";
     if (name == "FILE") return "FILE is missing: which film? For example: render2mpeg info film.mpg";
+    if (name == "PLAN")
+        return "PLAN is missing: the folder that `farm` wrote. For example: render2mpeg " + command + " film.mpg.farm" +
+               (command == "part" ? " 1" : "");
+    if (name == "I") return "I is missing: which part, from 1? For example: render2mpeg part film.mpg.farm 1";
     if (name == "--output" || name == "-o") return "-o is missing: which film is to be made? For example: -o film.mpg";
     const CLI::Option* option = option_named(app, name);
     return name + " is missing" +

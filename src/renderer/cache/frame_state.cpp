@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "core/color.h"
-
 namespace render2mpeg::renderer {
 
 FrameState::FrameState(const LightingContext& lit_by, const scene::Snapshot& instant, const CutLimits& cut_limits,
