@@ -1,6 +1,8 @@
-# Read by ctest, with `program`, `name`, `longest`, `without` and `environment` set: the tests of one program, as they are now.
-# Each suite is one test, in one process: most of what small tests take is the start of a process and of the libraries it opens, and
-# what a suite makes once serves all its tests. Tests whose name, or whose suite's, ends in Slow are one each, and labelled `slow`.
+# Read by ctest, with `program`, `name`, `launcher`, `costs`, `cpu`, `without`, `spare`, `blender` (and where that is set
+# `socket` and `served`) and `environment` set: the tests of one program, as they
+# are now. Each suite is one test, in one process: most of what small tests take is the start of a process and of the libraries it opens, and
+# what a suite makes once serves all its tests. Tests whose name, or whose suite's, ends in Slow are one each, and labelled `slow`; a suite
+# whose name ends in TogetherSlow is one again, for the sake of what it makes once.
 if(NOT EXISTS "${program}")
   add_test(${name}_NOT_BUILT ${name}_NOT_BUILT)
   return()
@@ -9,6 +11,38 @@ execute_process(COMMAND "${program}" --gtest_list_tests OUTPUT_VARIABLE listed R
 if(failed)
   message(FATAL_ERROR "${program} does not list its tests: ${failed}")
 endif()
+
+# CPU seconds of each test at the last release: the longest begin first, so that none is left alone at the end.
+if(EXISTS "${costs}")
+  file(STRINGS "${costs}" rows REGEX "^${name}[.]")
+  foreach(row IN LISTS rows)
+    if(row MATCHES "^([^,]+),([0-9.]+)")
+      set("cost_of_${CMAKE_MATCH_1}" "${CMAKE_MATCH_2}")
+    endif()
+  endforeach()
+endif()
+
+# One test: what it is called, its label, its tests by gtest's filter. It may take `cpu` seconds of a processor, whatever the machine's
+# other work; the clock ends only what waits for ever.
+macro(add_suite shown label filter)
+  add_test("${shown}" "${launcher}" "${shown}" "${cpu}" "${program}" "--gtest_filter=${filter}")
+  set(labels ${label})
+  if(spare AND "${shown}" MATCHES "${spare}")
+    list(APPEND labels spare)
+  endif()
+  set_tests_properties("${shown}" PROPERTIES LABELS "${labels}" TIMEOUT 1500 ENVIRONMENT "${environment}")
+  if(blender AND "${shown}" MATCHES "${blender}")
+    # They wait for one Blender, so that one at a time is enough.
+    set_tests_properties("${shown}" PROPERTIES FIXTURES_REQUIRED blender RESOURCE_LOCK blender ENVIRONMENT
+                         "${environment};RENDER2MPEG_TEST_BLENDER=${socket};RENDER2MPEG_BLENDER=${served}")
+  endif()
+  if(DEFINED "cost_of_${shown}")
+    set_tests_properties("${shown}" PROPERTIES COST "${cost_of_${shown}}")
+  endif()
+  if("${label}" STREQUAL slow)
+    set_tests_properties("${shown}" PROPERTIES SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
+  endif()
+endmacro()
 
 # A line is a suite with a point at its end, or a test indented, both with a comment where they have a parameter.
 string(REPLACE ";" " " listed "${listed}")
@@ -21,20 +55,22 @@ foreach(line IN LISTS listed)
   string(STRIP "${line}" test)
   if(line MATCHES "^[^ ].*[.]$")
     set(suite "${line}")
+    string(REGEX REPLACE "[.]$" "" whole "${name}.${suite}")
     continue()
   elseif(NOT line MATCHES "^  [^ ]" OR test MATCHES "^DISABLED_")
     continue()
   endif()
   list(APPEND known "${suite}${test}")
-  if("${suite}${test}" MATCHES "Slow([./]|$)")
-    add_test("${name}.${suite}${test}" "${program}" "--gtest_filter=${suite}${test}")
-    set_tests_properties("${name}.${suite}${test}" PROPERTIES LABELS slow TIMEOUT 600 ENVIRONMENT "${environment}"
-                         SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
+  if("${suite}" MATCHES "TogetherSlow[.]$")
+    if(NOT suite STREQUAL added)
+      set(added "${suite}")
+      add_suite("${whole}" slow "${suite}*")
+    endif()
+  elseif("${suite}${test}" MATCHES "Slow([./]|$)")
+    add_suite("${name}.${suite}${test}" slow "${suite}${test}")
   elseif(NOT suite STREQUAL added)
     set(added "${suite}")
-    string(REGEX REPLACE "[.]$" "" shown "${name}.${suite}")
-    add_test("${shown}" "${program}" "--gtest_filter=${suite}*-*Slow:*Slow/*:${without}")
-    set_tests_properties("${shown}" PROPERTIES LABELS fast TIMEOUT ${longest} ENVIRONMENT "${environment}")
+    add_suite("${whole}" fast "${suite}*-*Slow:*Slow/*:${without}")
   endif()
 endforeach()
 

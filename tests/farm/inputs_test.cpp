@@ -13,11 +13,10 @@ namespace {
 using support::run;
 
 TEST(FarmInputs, NeedBlenderOnlyWhereAFilmIsPlannedSlow) {
-    if (run("command -v blender").status != 0) GTEST_SKIP() << "Blender is not installed";
+    if (!support::blender_is_there()) GTEST_SKIP() << "Blender is not installed";
     const support::Folder folder;
     const auto path = [&](const std::string& name) { return (folder / name).string(); };
-    const auto made = run("blender -b --factory-startup -noaudio --python-exit-code 1 -P " +
-                          (support::source_folder() / "tests/blender/make_blends.py").string() + " -- " +
+    const auto made = run(support::blender_command() + "-P " + support::blender_script("make_blends.py") + " -- " +
                           folder.path().string() + " glass_and_emission");
     ASSERT_EQ(made.status, 0) << made.output;
     const std::string options = " " + path("glass_and_emission.blend") +

@@ -1,4 +1,4 @@
-render2mpeg_test(farm STARTS_PROGRAMS OPENS_MODULES LIBS render2mpeg_app nlohmann_json::nlohmann_json)
+render2mpeg_test(farm BLENDER "FarmInputs[.]NeedBlender" STARTS_PROGRAMS OPENS_MODULES LIBS render2mpeg_app nlohmann_json::nlohmann_json)
 if(TARGET test_farm)
   add_executable(refuse_locks ${CMAKE_CURRENT_SOURCE_DIR}/farm/refuse_locks.cpp)
   set_target_properties(refuse_locks PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})

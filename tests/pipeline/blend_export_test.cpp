@@ -18,21 +18,17 @@ namespace {
 using nlohmann::json;
 using support::Outcome;
 
-std::string export_script(const std::string& name) {
-    return (support::source_folder() / "tests/blender" / name).string();
-}
-
-Outcome blender_exports(const std::string& words) {
-    return run("blender -b --factory-startup --disable-autoexec -noaudio --python-exit-code 1 " + words);
-}
+using support::blender_command;
+using support::blender_script;
 
 /// The workshop's export, made once.
-class BlendExportSlow : public testing::Test {
+class BlendExportTogetherSlow : public testing::Test {
   protected:
     static void SetUpTestSuite() {
-        if (run("command -v blender").status != 0) return;
+        if (!support::blender_is_there()) return;
         folder_ = std::make_unique<Folder>();
-        ASSERT_EQ(blender_exports("-P " + export_script("make_exports.py") + " -- " + folder_->path().string()).status,
+        ASSERT_EQ(run(blender_command() + "-P " + blender_script("make_exports.py") + " -- " + folder_->path().string())
+                      .status,
                   0);
         const Outcome said = run(program() + " plan --within 0 " + path(*folder_, "workshop.blend"));
         ASSERT_EQ(said.status, 0) << said.output;
@@ -78,7 +74,7 @@ class BlendExportSlow : public testing::Test {
     static inline json scene_, film_;
 };
 
-TEST_F(BlendExportSlow, EndsShortenedStrandsWhereTheyEnd) {
+TEST_F(BlendExportTogetherSlow, EndsShortenedStrandsWhereTheyEnd) {
     const json strands = mesh_of("Skin Fur");
     ASSERT_EQ(strands["mode"], 1);
     const json places = scene_["accessors"][strands["attributes"]["POSITION"].get<std::size_t>()];
@@ -90,13 +86,13 @@ TEST_F(BlendExportSlow, EndsShortenedStrandsWhereTheyEnd) {
     EXPECT_LT(farthest, 1.6);
 }
 
-TEST_F(BlendExportSlow, BakesTexturesOfCurves) {
+TEST_F(BlendExportTogetherSlow, BakesTexturesOfCurves) {
     EXPECT_EQ(said_.find("cannot be baked"), std::string::npos) << said_;
     EXPECT_GE(texture_side("Bark"), 64u);
     EXPECT_TRUE(mesh_of("Branch")["attributes"].contains("TEXCOORD_0"));
 }
 
-TEST_F(BlendExportSlow, SharesTexturesOfEqualMeshesAndBakesThemAsLargeAsTheyAreSeen) {
+TEST_F(BlendExportTogetherSlow, SharesTexturesOfEqualMeshesAndBakesThemAsLargeAsTheyAreSeen) {
     std::set<json> materials;
     for (const char* box : {"Box 0", "Box 1", "Box 2"}) materials.insert(mesh_of(box)["material"]);
     EXPECT_EQ(materials.size(), 1u);
@@ -106,14 +102,14 @@ TEST_F(BlendExportSlow, SharesTexturesOfEqualMeshesAndBakesThemAsLargeAsTheyAreS
     EXPECT_LE(texture_side("Tiles"), 1024u);
 }
 
-TEST_F(BlendExportSlow, MakesAConstantOfWhatIsTheSameAllOver) {
+TEST_F(BlendExportTogetherSlow, MakesAConstantOfWhatIsTheSameAllOver) {
     const json says = material("Even")["pbrMetallicRoughness"];
     EXPECT_FALSE(says.contains("baseColorTexture"));
     const double wanted[] = {0.3, 0.3, 0.4};
     for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(says["baseColorFactor"][i].get<double>(), wanted[i], 1e-3);
 }
 
-TEST_F(BlendExportSlow, HasOneMaterialForMeshesOnWhichItsTexturesCameOutAlike) {
+TEST_F(BlendExportTogetherSlow, HasOneMaterialForMeshesOnWhichItsTexturesCameOutAlike) {
     std::set<json> worn, rough;
     for (const char* kind : {" cube", " cone", " plane"}) {
         worn.insert(mesh_of(std::string("Worn") + kind)["material"]);
@@ -128,14 +124,14 @@ TEST_F(BlendExportSlow, HasOneMaterialForMeshesOnWhichItsTexturesCameOutAlike) {
     EXPECT_EQ(images, 0u);
 }
 
-TEST_F(BlendExportSlow, HasSpotsWithTheFalloffOfTheirBlender) {
+TEST_F(BlendExportTogetherSlow, HasSpotsWithTheFalloffOfTheirBlender) {
     const json spot = film_["lights"][0];
     EXPECT_EQ(spot["kind"], "spot");
     EXPECT_NEAR(spot["intensity"].get<double>(), 100, 1e-3);
     EXPECT_NEAR(spot["angle"].get<double>(), 120, 1e-3);
 }
 
-TEST_F(BlendExportSlow, FollowsInstancesAndWhatTakesAnothersPlace) {
+TEST_F(BlendExportTogetherSlow, FollowsInstancesAndWhatTakesAnothersPlace) {
     std::size_t birds = 0, moving = 0;
     for (std::size_t i = 0; i < scene_["nodes"].size(); ++i) {
         if (scene_["nodes"][i]["name"].get<std::string>().find("/Bird") == std::string::npos) continue;
@@ -152,15 +148,14 @@ TEST_F(BlendExportSlow, FollowsInstancesAndWhatTakesAnothersPlace) {
     EXPECT_EQ(change["Second"]["keys"][1]["visible"], true);
 }
 
-TEST_F(BlendExportSlow, LightsTheGroundBelowAWideSpotAsCyclesDoes) {
+TEST_F(BlendExportTogetherSlow, LightsTheGroundBelowAWideSpotAsCyclesDoes) {
     const std::string blend = path(*folder_, "wide_spot.blend"), at = folder_->path().string();
     ASSERT_EQ(run(program() + " render -y --hold " + blend + " -o " + path(*folder_, "ours%04d.exr") +
                   " --frames 0:0 --exposure 0 --quiet")
                   .status,
               0);
-    const Outcome compared =
-        blender_exports(blend + " -P " + export_script("cycles.py") + " -P " + export_script("compare.py") + " -- " +
-                        at + " 0 --samples 16 --patches 6x4");
+    const Outcome compared = run(blender_command() + blend + " -P " + blender_script("cycles.py") + " -P " +
+                                 blender_script("compare.py") + " -- " + at + " 0 --samples 16 --patches 6x4");
     ASSERT_EQ(compared.status, 0) << compared.output;
     std::istringstream lines(compared.output);
     int patches = 0;

@@ -17,22 +17,12 @@ namespace {
 
 using support::Outcome;
 
-std::string surface_script(const std::string& name) {
-    return (support::source_folder() / "tests/blender" / name).string();
-}
-
-Outcome blender_with(const std::string& words) {
-    return run("blender -b --factory-startup --disable-autoexec -noaudio --python-exit-code 1 " + words);
-}
-
-bool lacks_blender() {
-    static const bool lacks = run("command -v blender").status != 0;
-    return lacks;
-}
+using support::blender_command;
+using support::blender_script;
 
 void make_surfaces(const Folder& folder, const std::string& name) {
-    const Outcome made =
-        blender_with("-P " + surface_script("make_surfaces.py") + " -- " + folder.path().string() + " " + name);
+    const Outcome made = run(blender_command() + "-P " + blender_script("make_surfaces.py") + " -- " +
+                             folder.path().string() + " " + name);
     ASSERT_EQ(made.status, 0) << made.output;
 }
 
@@ -45,8 +35,8 @@ std::vector<std::vector<double>> beside_cycles(const Folder& folder, const std::
                              " --frames 0:0 --exposure 0 --quiet --samples 16 --edge-samples 64 " + how);
     EXPECT_EQ(ours.status, 0) << ours.output;
     const Outcome compared =
-        blender_with(blend + " -P " + surface_script("cycles.py") + " -P " + surface_script("compare.py") + " -- " +
-                     at + " 0 --samples " + samples + " --patches 6x4");
+        run(blender_command() + blend + " -P " + blender_script("cycles.py") + " -P " + blender_script("compare.py") +
+            " -- " + at + " 0 --samples " + samples + " --patches 6x4");
     EXPECT_EQ(compared.status, 0) << compared.output;
     std::istringstream lines(compared.output);
     std::vector<std::vector<double>> rows;
@@ -61,7 +51,7 @@ std::vector<std::vector<double>> beside_cycles(const Folder& folder, const std::
 }
 
 TEST(BlendSurfacesSlow, OnAChartReflectAsInCycles) {
-    if (lacks_blender()) GTEST_SKIP() << "Blender is not installed";
+    if (!support::blender_is_there()) GTEST_SKIP() << "Blender is not installed";
     const Folder folder;
     const auto patches = beside_cycles(folder, "chart", "PATCH", "128", "--tolerance fixed=2%");
     ASSERT_EQ(patches.size(), 24u);
@@ -86,7 +76,7 @@ struct SurfaceFilm {
 class BlendSurfaceFilmsSlow : public testing::TestWithParam<SurfaceFilm> {};
 
 TEST_P(BlendSurfaceFilmsSlow, AreAsBrightAsInCycles) {
-    if (lacks_blender()) GTEST_SKIP() << "Blender is not installed";
+    if (!support::blender_is_there()) GTEST_SKIP() << "Blender is not installed";
     const Folder folder;
     const auto rows = beside_cycles(folder, GetParam().name, "ROW", "128", "--tolerance fixed=2%");
     ASSERT_EQ(rows.size(), 1u);
@@ -112,7 +102,7 @@ INSTANTIATE_TEST_SUITE_P(Films, BlendSurfaceFilmsSlow,
                          });
 
 TEST(BlendSurfacesSlow, ThatAreNotKeptAreToldByObjectMaterialAndNode) {
-    if (lacks_blender()) GTEST_SKIP() << "Blender is not installed";
+    if (!support::blender_is_there()) GTEST_SKIP() << "Blender is not installed";
     const Folder folder;
     make_surfaces(folder, "lost_nodes");
     const Outcome said = run(program() + " plan --within 0 " + path(folder, "lost_nodes.blend"));

@@ -17,22 +17,20 @@ namespace render2mpeg::test {
 namespace {
 
 using support::Outcome;
+using support::with_own_blender;
 
 namespace fs = std::filesystem;
 
-bool blender_is_there() {
-    static const bool there = run("command -v blender").status == 0;
-    return there;
-}
+using support::blender_is_there;
 #define NEEDS_BLENDER() \
     if (!blender_is_there()) GTEST_SKIP() << "Blender is not installed"
 
 std::string script(const std::string& name) {
-    return (support::source_folder() / "tests/blender" / name).string();
+    return support::blender_script(name);
 }
 
 Outcome blender(const std::string& words) {
-    return run("blender -b --factory-startup --disable-autoexec -noaudio --python-exit-code 1 " + words);
+    return run(support::blender_command() + words);
 }
 
 void make(const Folder& folder, const std::string& film) {
@@ -123,8 +121,8 @@ TEST(BlendFileSlow, CountsItsExportAsLoading) {
     make(folder, "instances");
     const auto seconds = [&] {
         const Outcome said =
-            run(program() + " render -y --hold --quiet --frames 0:0 --size 16x16 --stats " + path(folder, "s.json") +
-                " -o " + path(folder, "a.%04d.png") + " " + path(folder, "instances.blend"));
+            run(with_own_blender(program()) + " render -y --hold --quiet --frames 0:0 --size 16x16 --stats " +
+                path(folder, "s.json") + " -o " + path(folder, "a.%04d.png") + " " + path(folder, "instances.blend"));
         EXPECT_EQ(said.status, 0) << said.output;
         return nlohmann::json::parse(contents(folder / "s.json")).at("seconds");
     };
@@ -137,7 +135,8 @@ TEST(BlendFileSlow, ExecutesNothingThatItHolds) {
     NEEDS_BLENDER();
     const Folder folder;
     make(folder, "hostile");
-    const Outcome said = run("cd " + folder.path().string() + " && " + program() + " plan --within 0 hostile.blend");
+    const Outcome said =
+        run("cd " + folder.path().string() + " && " + with_own_blender(program()) + " plan --within 0 hostile.blend");
     EXPECT_EQ(said.status, 0) << said.output;
     std::size_t executed = 0;
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder.path()))
@@ -162,7 +161,7 @@ TEST(BlendFileSlow, IsExportedOnceUntilItChanges) {
         std::ofstream(folder / "lib" / ("python" + std::string(version)) / "os.py") << "";
     }
     const std::string command =
-        "PATH=" + path(folder, "bin") + ":$PATH " + program() + " plan --within 0 " + blend.string();
+        "PATH=" + path(folder, "bin") + ":$PATH " + with_own_blender(program()) + " plan --within 0 " + blend.string();
     ASSERT_EQ(run(command).status, 0);
     const fs::path first = export_of(blend);
     const auto written = fs::last_write_time(first / "film.json");
@@ -325,10 +324,10 @@ TEST(BlendWithoutNumpy, NamesThePackageThatIsMissing) {
 TEST(BlenderAimSlow, HasACarShowASign) {
     NEEDS_BLENDER();
     const Folder folder;
-    const Outcome made =
-        run("BLENDER_USER_SCRIPTS=" + path(folder, "user") + " BLENDER_USER_CONFIG=" + path(folder, "user") +
-            " blender -b --factory-startup -noaudio --python-exit-code 1 -P " + script("aim.py") + " -- " +
-            (support::binary_folder() / "extension").string() + " " + folder.path().string());
+    const Outcome made = run(
+        "BLENDER_USER_SCRIPTS=" + path(folder, "user") + " BLENDER_USER_CONFIG=" + path(folder, "user") + " " +
+        support::with_own_blender("blender") + " -b --factory-startup -noaudio --python-exit-code 1 -P " +
+        script("aim.py") + " -- " + (support::binary_folder() / "extension").string() + " " + folder.path().string());
     EXPECT_NE(made.output.find("AIM WORKS"), std::string::npos) << made.output;
     const Outcome planned = run(program() + " plan --within 0 " + path(folder, "aimed.blend"));
     ASSERT_EQ(planned.status, 0) << planned.output;

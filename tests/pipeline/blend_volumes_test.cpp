@@ -17,14 +17,13 @@ namespace {
 using nlohmann::json;
 using support::Outcome;
 
-class BlendVolumesSlow : public testing::Test {
+class BlendVolumesTogetherSlow : public testing::Test {
   protected:
     static void SetUpTestSuite() {
-        if (run("command -v blender").status != 0) return;
+        if (!support::blender_is_there()) return;
         folder_ = std::make_unique<Folder>();
-        const Outcome made = run("blender -b --factory-startup --python-exit-code 1 -P " +
-                                 (support::source_folder() / "tests/blender/make_volumes.py").string() + " -- " +
-                                 folder_->path().string());
+        const Outcome made = run(support::blender_command() + "-P " + support::blender_script("make_volumes.py") +
+                                 " -- " + folder_->path().string());
         ASSERT_EQ(made.status, 0) << made.output;
         const Outcome said = run(program() + " plan --within 0 " + path(*folder_, "volumes.blend"));
         ASSERT_EQ(said.status, 0) << said.output;
@@ -56,7 +55,7 @@ class BlendVolumesSlow : public testing::Test {
     static inline json film_;
 };
 
-TEST_F(BlendVolumesSlow, AreToldWhereTheyAreNotKept) {
+TEST_F(BlendVolumesTogetherSlow, AreToldWhereTheyAreNotKept) {
     EXPECT_EQ(film_["volumes"].size(), 3u);
     EXPECT_NE(said_.find("3 volumes"), std::string::npos) << said_;
     for (const char* line :
@@ -67,7 +66,7 @@ TEST_F(BlendVolumesSlow, AreToldWhereTheyAreNotKept) {
     EXPECT_EQ(said_.find("not kept: Even"), std::string::npos);
 }
 
-TEST_F(BlendVolumesSlow, HaveTheWorldsUnitsInMeshesAndTheirOwnInVolumes) {
+TEST_F(BlendVolumesTogetherSlow, HaveTheWorldsUnitsInMeshesAndTheirOwnInVolumes) {
     // A cube of twice its size has the optical depth of two units.
     EXPECT_NEAR(volume("Even")["density"], 1, 1e-6);
     EXPECT_NEAR(volume("Even")["color"][1], 0.7, 1e-6);
@@ -81,7 +80,7 @@ TEST_F(BlendVolumesSlow, HaveTheWorldsUnitsInMeshesAndTheirOwnInVolumes) {
     EXPECT_FALSE(volume("Cloud").contains("blackbody"));
 }
 
-TEST_F(BlendVolumesSlow, ShowTheirFilesFrameByFrame) {
+TEST_F(BlendVolumesTogetherSlow, ShowTheirFilesFrameByFrame) {
     // The sequence begins a frame after the film, and ends a frame before it.
     const json cloud = volume("Cloud");
     ASSERT_EQ(cloud["file"].size(), 6u);
@@ -96,7 +95,7 @@ TEST_F(BlendVolumesSlow, ShowTheirFilesFrameByFrame) {
     }
 }
 
-TEST_F(BlendVolumesSlow, StandWhereBlenderHasThem) {
+TEST_F(BlendVolumesTogetherSlow, StandWhereBlenderHasThem) {
     const scene::Animation film = scene::load(export_ / "film.json");
     const auto world = scene::snapshot_at(film, 5, {5, 24}, {16, 16, 1});
     const auto box = [&](const char* name) {

@@ -142,11 +142,11 @@ TEST(Forecast, StopsInTheMidstOfAFrameAndTellsTheLeast) {
     const auto sample = app::sample_frames(film, {{0, 0, 3}}, nobody, progress, [] { return true; });
     ASSERT_TRUE(sample.has_value());
     EXPECT_EQ(sample->frames, 0) << "its time was over";
-    EXPECT_GT(sample->cpu, 0);
+    EXPECT_GE(sample->cpu, 0) << "clocks of processors may not have moved";
     const auto found = app::forecast(film, "film.mpg", 1e-9, true);
     ASSERT_TRUE(found.has_value());
     ASSERT_TRUE(found->is_least);
-    EXPECT_GT(found->cpu, found->sample.cpu) << "there are other frames";
+    EXPECT_GE(found->cpu, found->sample.cpu) << "there are other frames";
     const std::string said = app::text_of(*found);
     EXPECT_TRUE(said.starts_with("Takes more than ")) << said;
     EXPECT_NE(said.find(" not one frame of 48x48 was lit"), std::string::npos) << said;

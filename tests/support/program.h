@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -61,6 +62,26 @@ inline std::string contents(const std::filesystem::path& file) {
     std::ostringstream text;
     text << stream.rdbuf();
     return text.str();
+}
+
+/// Blender, as a command begins with it: the one that ctest names, which serves all tests, or the user's.
+inline std::string blender_command() {
+    const char* named = std::getenv("RENDER2MPEG_BLENDER");
+    return (named != nullptr ? std::string(named) : "blender") +
+           " -b --factory-startup --disable-autoexec -noaudio "
+           "--python-exit-code 1 ";
+}
+/// A Blender of the test's own, whatever ctest names: for what depends on how it is started.
+inline std::string with_own_blender(const std::string& command) {
+    return "env -u RENDER2MPEG_BLENDER -u RENDER2MPEG_TEST_BLENDER " + command;
+}
+inline bool blender_is_there() {
+    static const bool there = run("command -v blender").status == 0;
+    return there;
+}
+/// A script of tests/blender.
+inline std::string blender_script(const std::string& name) {
+    return (source_folder() / "tests/blender" / name).string();
 }
 
 inline std::string program() {
