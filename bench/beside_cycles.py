@@ -40,12 +40,14 @@ parser.add_argument("--work", type=pathlib.Path, default=HERE.parent / "build" /
 parser.add_argument("--page", type=pathlib.Path)
 parser.add_argument("--json", type=pathlib.Path)
 given = parser.parse_args()
+given.work = given.work.resolve()
+given.work.mkdir(parents=True, exist_ok=True)
 first, last = map(int, given.frames.split(":"))
 quantisers = given.quantisers.split(",")
 
 
 def blender(*words):
-    subprocess.run(["blender", "--background", "--factory-startup", "-noaudio", "--python-exit-code", "1", *map(str, words)], stdout=subprocess.DEVNULL, check=True)
+    subprocess.run(["blender", "--background", "--factory-startup", "-noaudio", "--python-exit-code", "1", *map(str, words)], stdout=subprocess.DEVNULL, check=True, cwd=given.work)
 
 
 def found_films():
@@ -70,7 +72,7 @@ def found_films():
 
 def look(blend):
     blend = blend.resolve()
-    folder = given.work.resolve() / f"{blend.stem}-films"
+    folder = given.work / f"{blend.stem}-films"
     folder.mkdir(parents=True, exist_ok=True)
     order = {"scene": str(blend), "render": [str(pathlib.Path(given.program).resolve()), "render", str(blend), "--codec", given.codec, "--threads", "1"],
              "codec": given.codec, "size": list(map(int, given.size.split("x"))), "windows": [[first, last]], "quantisers": list(map(int, quantisers)),

@@ -22,7 +22,7 @@ while getopts m:s:v:t:d: option; do
     esac
 done
 shift $((OPTIND - 1))
-blender() { command blender -b -noaudio --factory-startup --python-exit-code 1 -P "$@"; }
+blender() { (cd "$out" && command blender -b -noaudio --factory-startup --python-exit-code 1 -P "$@"); }
 
 mkdir -p "$out"
 out=$(cd "$out" && pwd)

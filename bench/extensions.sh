@@ -9,7 +9,7 @@ program=${RENDER2MPEG:-$here/../build/release/render2mpeg}
 size=${SIZE:-120}
 mkdir -p "$1"
 out=$(cd "$1" && pwd)
-blender() { command blender -b -noaudio --factory-startup --python-exit-code 1 -P "$@"; }
+blender() { (cd "$out" && command blender -b -noaudio --factory-startup --python-exit-code 1 -P "$@"); }
 
 names=($(python3 "$here/models.py" "$out"))
 for name in "${names[@]}"; do

@@ -20,7 +20,8 @@ parser.add_argument("--frames", type=int, default=3)
 parser.add_argument("--converged", type=int, default=128)
 parser.add_argument("names", nargs="+")
 given = parser.parse_args()
-here = pathlib.Path(__file__).parent / "beside_cycles"
+here = pathlib.Path(__file__).resolve().parent / "beside_cycles"
+given.out = given.out.resolve()
 given.out.mkdir(parents=True, exist_ok=True)
 models = ["--models", given.models] if given.models else []
 subprocess.run(["python3", here / "scenes.py", *models, "--frames", str(given.frames), given.out, *given.names], check=True, stdout=subprocess.DEVNULL)
@@ -29,7 +30,7 @@ subprocess.run(["python3", here / "scenes.py", *models, "--frames", str(given.fr
 def cycles(folder, samples):
     """CPU seconds of a frame, and the mean of its two last frames."""
     subprocess.run(["blender", "-b", "-noaudio", "--factory-startup", "--python-exit-code", "1", "-P", here / "cycles.py", "--", folder, str(samples),
-                    *given.size.split("x")], check=True, stdout=subprocess.DEVNULL, env={**os.environ, "OMP_NUM_THREADS": "1"})
+                    *given.size.split("x")], check=True, cwd=folder, stdout=subprocess.DEVNULL, env={**os.environ, "OMP_NUM_THREADS": "1"})
     frames = [luminance(folder / f"cycles{seed}_{given.frames - 1:04d}.exr") for seed in (0, 1)]
     return samples * float((folder / "cycles_film_seconds").read_text()), frames
 

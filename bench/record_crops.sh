@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# bench/record_crops.sh SCENES_FOLDER OUT.png
+# bench/record_crops.sh SCENES_FOLDER OUT.png (docs/pictures/records-crops.png)
 # Where keeping light in records might fail: contact shadows and thin mouldings, enlarged. Frame 11 of the walks through Sponza and Sibenik at
 # 256x256; columns: every light point, coupled at quantiser 8 with --cache off, the same with --cache on from frame 0 on. Needs oiiotool.
 set -euo pipefail

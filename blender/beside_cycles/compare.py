@@ -62,10 +62,10 @@ def clock(seconds):
     return f"{int(seconds) // 60}:{int(seconds) % 60:02d}"
 
 
-def run(*words):
-    """CPU seconds of a child and all of its own."""
+def run(*words, folder=None):
+    """CPU seconds of a child and all of its own; in this folder or the current one."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    done = subprocess.run([str(w) for w in words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    done = subprocess.run([str(w) for w in words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=folder)
     if done.returncode:
         said = [line for line in done.stdout.splitlines() if line.strip()]
         raise Failed(f"{pathlib.Path(words[0]).name}: {said[-1] if said else 'failed without a word'}")
@@ -101,7 +101,7 @@ class Window:
         """(folder of frames, [CPU seconds of frames, of loading])."""
         def make(folder):
             every = run(bpy.app.binary_path, "--background", "--factory-startup", "--disable-autoexec", "-noaudio", "--python-exit-code", 1, SCENE,
-                        "-P", HERE / "frames.py", "--", folder, samples, f"{WIDTH}x{HEIGHT}", seed, ORDER["threads"], kind, *self.frames)
+                        "-P", HERE / "frames.py", "--", folder, samples, f"{WIDTH}x{HEIGHT}", seed, ORDER["threads"], kind, *self.frames, folder=folder)
             seconds = sum(json.loads((folder / "seconds.json").read_text()))
             return [seconds, every - seconds]
         return self.made(make, kind, samples, seed, ORDER["threads"], text_of("frames.py"), bpy.app.version_string)

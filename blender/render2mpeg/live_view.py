@@ -222,8 +222,8 @@ class Session:
                 raise FileNotFoundError("live_export.py is not where the program has its files")
             if self.exporter is not None:
                 self.exporter.close()
-            words = [bpy.app.binary_path, "-b", "--factory-startup", "--disable-autoexec", "-noaudio", "-P", script]
-            self.exporter = Child(words, mark=b"render2mpeg ", env=dict(os.environ, DISPLAY=""))
+            words = [bpy.app.binary_path, "-b", "--factory-startup", "--disable-autoexec", "-noaudio", "-P", os.path.abspath(script)]
+            self.exporter = Child(words, mark=b"render2mpeg ", env=dict(os.environ, DISPLAY=""), cwd=self.folder)
         self.saves = True
         try:
             blend = saved_copy(self.folder)

@@ -9,7 +9,8 @@ import sys
 
 import bpy
 
-folder = sys.argv[sys.argv.index("--") + 1]
+folder = os.path.abspath(sys.argv[sys.argv.index("--") + 1])
+os.chdir(folder)  # smoke's noise is written to the working directory, 25 MB
 bpy.ops.wm.read_factory_settings(use_empty=True)
 scene = bpy.context.scene
 scene.render.fps, scene.frame_start, scene.frame_end = 24, 1, 6

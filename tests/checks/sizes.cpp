@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <sstream>
 #include <string_view>
+
+#include "tests/support/program.h"
 
 namespace render2mpeg::checks {
 namespace {
@@ -47,6 +50,20 @@ std::optional<std::size_t> continued_by(const std::vector<std::string_view>& lin
 }
 
 }  // namespace
+
+std::vector<Finding> large_files(const std::filesystem::path& root) {
+    const std::string names =
+        support::run("git -C '" + root.string() + "' ls-files -z --cached --others --exclude-standard").output;
+    std::istringstream stream(names);
+    std::vector<Finding> findings;
+    for (std::string name; std::getline(stream, name, '\0');) {
+        std::error_code missing;
+        const std::uintmax_t bytes = std::filesystem::file_size(root / name, missing);
+        if (!missing && bytes > largest_file)
+            findings.push_back({name, 0, std::to_string(bytes) + " bytes, of at most " + std::to_string(largest_file)});
+    }
+    return findings;
+}
 
 std::vector<Finding> oversized_files(const std::vector<File>& files) {
     std::vector<Finding> findings;

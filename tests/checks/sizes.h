@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -11,6 +13,12 @@ namespace render2mpeg::checks {
 inline constexpr int longest_file = 500;
 /// Lines that a function may have: past it, it is two functions.
 inline constexpr int longest_function = 60;
+
+/// Bytes that a file of the repository may have, of whatever kind: every clone takes all of them, for ever.
+inline constexpr std::uintmax_t largest_file = 1'000'000;
+
+/// Files that git tracks, or would at `git add .`, beyond those bytes; none where `root` is no work tree.
+std::vector<Finding> large_files(const std::filesystem::path& root);
 
 std::vector<Finding> oversized_files(const std::vector<File>& files);
 

@@ -1,5 +1,6 @@
 #include "checks/sizes.h"
 #include "tests/support/places.h"
+#include "tests/support/program.h"
 
 #include <gtest/gtest.h>
 
@@ -19,6 +20,11 @@ TEST(Files, OfThisTreeHaveOneDutyEach) {
     EXPECT_TRUE(findings.empty()) << list_of(findings);
 }
 
+TEST(Files, OfThisTreeAreSmallEnoughForEveryClone) {
+    const auto findings = large_files(support::source_folder());
+    EXPECT_TRUE(findings.empty()) << list_of(findings);
+}
+
 TEST(Functions, OfThisTreeStayOnAPage) {
     const auto findings = oversized_functions(read_tree(support::source_folder()));
     EXPECT_TRUE(findings.empty()) << list_of(findings);
@@ -30,6 +36,27 @@ TEST(SizeCheck, FindsSourcesAndTestsThatAreTooLong) {
     EXPECT_EQ(oversized_files({make_file("encoder/a.h", lines(500) + "last, without its end")}).size(), 1u);
     EXPECT_EQ(oversized_files({make_file("tests/core/a_test.cpp", lines(501))}).size(), 1u);
     EXPECT_TRUE(oversized_files({make_file("docs/model.md", lines(2000))}).empty());
+}
+
+TEST(SizeCheck, FindsFilesThatEveryCloneWouldCarry) {
+    if (support::run("command -v git").status != 0) GTEST_SKIP() << "git is not installed";
+    const support::Folder folder;
+    ASSERT_EQ(support::run("git init -q " + folder.path().string()).status, 0);
+    const auto write = [&](const std::string& name, std::size_t bytes) {
+        std::ofstream(folder / name, std::ios::binary) << std::string(bytes, 'n');
+    };
+    write(".gitignore", 0);
+    write("noise tile.bin", largest_file);
+    EXPECT_TRUE(large_files(folder.path()).empty());
+    write("noise tile.bin", largest_file + 1);
+    const auto added = large_files(folder.path());
+    ASSERT_EQ(added.size(), 1u);
+    EXPECT_EQ(added[0].path, "noise tile.bin");
+    ASSERT_EQ(support::run("git -C " + folder.path().string() + " add .").status, 0);
+    EXPECT_EQ(large_files(folder.path()).size(), 1u);
+    std::ofstream(folder / ".gitignore") << "*.vdb\n";
+    write("cached.vdb", 2 * largest_file);
+    EXPECT_EQ(large_files(folder.path()).size(), 1u) << "what git ignores counts for nothing";
 }
 
 TEST(SizeCheck, FindsFunctionsThatAreTooLong) {

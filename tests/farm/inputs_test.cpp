@@ -16,8 +16,8 @@ TEST(FarmInputs, NeedBlenderOnlyWhereAFilmIsPlannedSlow) {
     if (!support::blender_is_there()) GTEST_SKIP() << "Blender is not installed";
     const support::Folder folder;
     const auto path = [&](const std::string& name) { return (folder / name).string(); };
-    const auto made = run(support::blender_command() + "-P " + support::blender_script("make_blends.py") + " -- " +
-                          folder.path().string() + " glass_and_emission");
+    const auto made = support::blender("-P " + support::blender_script("make_blends.py") + " -- " +
+                                       folder.path().string() + " glass_and_emission");
     ASSERT_EQ(made.status, 0) << made.output;
     const std::string options = " " + path("glass_and_emission.blend") +
                                 " --hold --frames 0:1 --size 32x18 --samples 1 --threads 1 --quiet -y -o ";

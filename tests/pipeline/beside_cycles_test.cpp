@@ -41,11 +41,11 @@ TEST(BesideCycles, HoldsAFilmAgainstCyclesSlow) {
     if (!support::blender_is_there()) GTEST_SKIP() << "Blender is not installed";
     const Folder folder;
     const std::string film = path(folder, "a film.blend");
-    const support::Outcome made = run(support::blender_command() +
-                                      "--python-expr \"import bpy; s = "
-                                      "bpy.context.scene; s.frame_end = 3; s.cycles.samples = 8; "
-                                      "bpy.ops.wm.save_as_mainfile(filepath='" +
-                                      film + "')\"");
+    const support::Outcome made = support::blender(
+        "--python-expr \"import bpy; s = "
+        "bpy.context.scene; s.frame_end = 3; s.cycles.samples = 8; "
+        "bpy.ops.wm.save_as_mainfile(filepath='" +
+        film + "')\"");
     ASSERT_EQ(made.status, 0) << made.output;
     const support::Outcome outcome =
         run(program() + " compare '" + film + "' --beside cycles --size 64x36 --sample 1x2 --quantisers 8 --json " +

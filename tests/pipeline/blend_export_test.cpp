@@ -18,7 +18,6 @@ namespace {
 using nlohmann::json;
 using support::Outcome;
 
-using support::blender_command;
 using support::blender_script;
 
 /// The workshop's export, made once.
@@ -27,9 +26,8 @@ class BlendExportTogetherSlow : public testing::Test {
     static void SetUpTestSuite() {
         if (!support::blender_is_there()) return;
         folder_ = std::make_unique<Folder>();
-        ASSERT_EQ(run(blender_command() + "-P " + blender_script("make_exports.py") + " -- " + folder_->path().string())
-                      .status,
-                  0);
+        ASSERT_EQ(
+            support::blender("-P " + blender_script("make_exports.py") + " -- " + folder_->path().string()).status, 0);
         const Outcome said = run(program() + " plan --within 0 " + path(*folder_, "workshop.blend"));
         ASSERT_EQ(said.status, 0) << said.output;
         said_ = said.output;
@@ -154,8 +152,9 @@ TEST_F(BlendExportTogetherSlow, LightsTheGroundBelowAWideSpotAsCyclesDoes) {
                   " --frames 0:0 --exposure 0 --quiet")
                   .status,
               0);
-    const Outcome compared = run(blender_command() + blend + " -P " + blender_script("cycles.py") + " -P " +
-                                 blender_script("compare.py") + " -- " + at + " 0 --samples 16 --patches 6x4");
+    const Outcome compared =
+        support::blender(blend + " -P " + blender_script("cycles.py") + " -P " + blender_script("compare.py") + " -- " +
+                         at + " 0 --samples 16 --patches 6x4");
     ASSERT_EQ(compared.status, 0) << compared.output;
     std::istringstream lines(compared.output);
     int patches = 0;

@@ -17,12 +17,11 @@ namespace {
 
 using support::Outcome;
 
-using support::blender_command;
 using support::blender_script;
 
 void make_surfaces(const Folder& folder, const std::string& name) {
-    const Outcome made = run(blender_command() + "-P " + blender_script("make_surfaces.py") + " -- " +
-                             folder.path().string() + " " + name);
+    const Outcome made =
+        support::blender("-P " + blender_script("make_surfaces.py") + " -- " + folder.path().string() + " " + name);
     ASSERT_EQ(made.status, 0) << made.output;
 }
 
@@ -35,8 +34,8 @@ std::vector<std::vector<double>> beside_cycles(const Folder& folder, const std::
                              " --frames 0:0 --exposure 0 --quiet --samples 16 --edge-samples 64 " + how);
     EXPECT_EQ(ours.status, 0) << ours.output;
     const Outcome compared =
-        run(blender_command() + blend + " -P " + blender_script("cycles.py") + " -P " + blender_script("compare.py") +
-            " -- " + at + " 0 --samples " + samples + " --patches 6x4");
+        support::blender(blend + " -P " + blender_script("cycles.py") + " -P " + blender_script("compare.py") + " -- " +
+                         at + " 0 --samples " + samples + " --patches 6x4");
     EXPECT_EQ(compared.status, 0) << compared.output;
     std::istringstream lines(compared.output);
     std::vector<std::vector<double>> rows;

@@ -16,21 +16,18 @@
 namespace render2mpeg::test {
 namespace {
 
+using support::blender;
+using support::blender_is_there;
 using support::Outcome;
 using support::with_own_blender;
 
 namespace fs = std::filesystem;
 
-using support::blender_is_there;
 #define NEEDS_BLENDER() \
     if (!blender_is_there()) GTEST_SKIP() << "Blender is not installed"
 
 std::string script(const std::string& name) {
     return support::blender_script(name);
-}
-
-Outcome blender(const std::string& words) {
-    return run(support::blender_command() + words);
 }
 
 void make(const Folder& folder, const std::string& film) {

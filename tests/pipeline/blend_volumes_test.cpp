@@ -22,8 +22,8 @@ class BlendVolumesTogetherSlow : public testing::Test {
     static void SetUpTestSuite() {
         if (!support::blender_is_there()) return;
         folder_ = std::make_unique<Folder>();
-        const Outcome made = run(support::blender_command() + "-P " + support::blender_script("make_volumes.py") +
-                                 " -- " + folder_->path().string());
+        const Outcome made =
+            support::blender("-P " + support::blender_script("make_volumes.py") + " -- " + folder_->path().string());
         ASSERT_EQ(made.status, 0) << made.output;
         const Outcome said = run(program() + " plan --within 0 " + path(*folder_, "volumes.blend"));
         ASSERT_EQ(said.status, 0) << said.output;

@@ -30,16 +30,16 @@ std::string repository_in(const Folder& folder) {
 /// A script of tests/blender with words of its own, in a Blender with nothing else installed.
 Outcome extended_blender(const Folder& folder, const std::string& blend, const std::string& name,
                          const std::string& words) {
-    return run("BLENDER_USER_SCRIPTS=" + path(folder, "user") + " BLENDER_USER_CONFIG=" + path(folder, "user") +
-               " BLENDER_USER_EXTENSIONS=" + path(folder, "user") + " RENDER2MPEG_PROGRAM=" + program() + " " +
-               support::with_own_blender("blender") + " -b --factory-startup -noaudio --python-exit-code 1 " +
-               path(folder, blend.c_str()) + " -P " + (support::source_folder() / "tests/blender" / name).string() +
-               " -- " + words);
+    return run("cd " + folder.path().string() + " && BLENDER_USER_SCRIPTS=" + path(folder, "user") +
+               " BLENDER_USER_CONFIG=" + path(folder, "user") + " BLENDER_USER_EXTENSIONS=" + path(folder, "user") +
+               " RENDER2MPEG_PROGRAM=" + program() + " " + support::with_own_blender("blender") +
+               " -b --factory-startup -noaudio --python-exit-code 1 " + path(folder, blend.c_str()) + " -P " +
+               (support::source_folder() / "tests/blender" / name).string() + " -- " + words);
 }
 
 void make_markers(const Folder& folder) {
-    const Outcome made = run(support::blender_command() + "-P " + support::blender_script("make_blends.py") + " -- " +
-                             folder.path().string() + " markers");
+    const Outcome made = support::blender("-P " + support::blender_script("make_blends.py") + " -- " +
+                                          folder.path().string() + " markers");
     ASSERT_EQ(made.status, 0) << made.output;
 }
 

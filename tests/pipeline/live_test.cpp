@@ -245,8 +245,8 @@ TEST(LiveWindow, ShowsTheSceneAndItsChangesAndLeavesNothingBehindSlow) {
     if (support::run("which blender xvfb-run").status != 0) GTEST_SKIP() << "there is no blender, or no xvfb-run";
     const support::Folder folder;
     const auto script = [](const char* name) { return (support::source_folder() / "tests/blender" / name).string(); };
-    const auto made = support::run(support::blender_command() + "-P " + script("make_blends.py") + " -- " +
-                                   folder.path().string() + " glass_and_emission");
+    const auto made =
+        support::blender("-P " + script("make_blends.py") + " -- " + folder.path().string() + " glass_and_emission");
     ASSERT_EQ(made.status, 0) << made.output;
     const auto shown = support::run(
         "RENDER2MPEG_PROGRAM=" + support::program() +

@@ -64,12 +64,13 @@ inline std::string contents(const std::filesystem::path& file) {
     return text.str();
 }
 
-/// Blender, as a command begins with it: the one that ctest names, which serves all tests, or the user's.
-inline std::string blender_command() {
+/// Blender with these words, which name files by absolute paths: the one that ctest names, which serves all tests, or
+/// the user's. Its working directory goes with it: its simulations write there.
+inline Outcome blender(const std::string& words) {
     const char* named = std::getenv("RENDER2MPEG_BLENDER");
-    return (named != nullptr ? std::string(named) : "blender") +
-           " -b --factory-startup --disable-autoexec -noaudio "
-           "--python-exit-code 1 ";
+    const Folder scratch;
+    return run("cd " + scratch.path().string() + " && " + (named != nullptr ? named : "blender") +
+               " -b --factory-startup --disable-autoexec -noaudio --python-exit-code 1 " + words);
 }
 /// A Blender of the test's own, whatever ctest names: for what depends on how it is started.
 inline std::string with_own_blender(const std::string& command) {

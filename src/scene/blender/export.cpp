@@ -208,6 +208,9 @@ void become_blender(const std::vector<std::string>& words) {
     // No user settings, add-ons or scripts, and nothing in the .blend is executed.
     for (const char* name : {"BLENDER_USER_CONFIG", "BLENDER_USER_SCRIPTS", "BLENDER_USER_DATAFILES"})
         setenv(name, folder.c_str(), 1);
+    // Its simulations write to the working directory.
+    std::error_code ignored;
+    fs::current_path(folder, ignored);
     // A virtual environment's Python would be taken for Blender's own, and lacks its packages.
     setenv("PATH", "/usr/local/bin:/usr/bin:/bin", 1);
     unsetenv("PYTHONHOME");
