@@ -7,6 +7,9 @@
 namespace render2mpeg::checks {
 namespace {
 
+/// Stands among a room's rooms for the headers of the part's own level: the room is built on them.
+constexpr std::string_view own_level = ".";
+
 /// A room, the rooms of its part that it may include, and the other parts that it may include.
 struct Room {
     std::string_view name;
@@ -19,6 +22,9 @@ struct Building {
     std::string_view folder;   ///< where it lies, with '/'
     std::string_view include;  ///< how its headers begin, with '/'
     std::vector<Room> rooms;
+    /// Headers of the part's own level that all its rooms may include, and that include no room: their names, no
+    /// ending.
+    std::vector<std::string_view> values = {};
 };
 
 const std::vector<Building>& buildings() {
@@ -54,6 +60,12 @@ const std::vector<Building>& buildings() {
           {"calibration", {"cut", "tree", "surface", "geometry", "base"}, {"core", "scene", "parallel"}},
           {"cache", {"gather", "cut", "tree", "surface", "base"}, {"core", "scene", "parallel"}},
           {"draft", {"cache", "cut", "tree", "surface", "geometry", "base"}, {"core", "parallel"}}}},
+        {"encoder/",
+         "encoder/",
+         {{"mpeg2", {}, {"core", "parallel"}},
+          {"av", {own_level, "mpeg2"}, {"core"}},
+          {"example", {own_level}, {"core"}}},
+         {"types", "cadence"}},
         {"encoder/mpeg2/",
          "encoder/mpeg2/",
          {{"bitstream", {}, {"core"}},
@@ -90,10 +102,23 @@ bool holds(const std::vector<std::string_view>& names, std::string_view name) {
     return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-const Building* building_of(const File& file) {
-    for (const Building& building : buildings())
-        if (file.begins_with(building.folder)) return &building;
-    return nullptr;
+/// Whether a name in a part's folder, with its ending, is one of the part's values.
+bool is_value(const Building& building, std::string_view name) {
+    return holds(building.values, name.substr(0, name.find('.')));
+}
+
+/// What is wrong with one include of a source on the part's own level, or nothing: values lie below all rooms, and
+/// other sources below those rooms alone that are built on this level.
+std::string wrong_on_own_level(const Building& building, std::string_view source, const std::string& header) {
+    if (!header.starts_with(building.include)) return {};
+    const std::string_view rest = std::string_view(header).substr(building.include.size());
+    if (is_value(building, source) && !is_value(building, rest))
+        return std::string(source) + " holds values of all rooms, but includes \"" + header + "\"";
+    const auto room = std::find_if(building.rooms.begin(), building.rooms.end(),
+                                   [&](const Room& r) { return r.name == rest.substr(0, rest.find('/')); });
+    if (room == building.rooms.end() || !holds(room->rooms, own_level)) return {};
+    return std::string(source) + " lies below the room " + std::string(room->name) + ", but includes \"" + header +
+           "\"";
 }
 
 /// What is wrong with one include of a source in a room, or nothing.
@@ -105,6 +130,7 @@ std::string wrong_with(const Building& building, const Room& room, const std::st
     }
     const std::string rest = header.substr(building.include.size());
     const std::size_t slash = rest.find('/');
+    if (slash == std::string::npos && (holds(room.rooms, own_level) || is_value(building, rest))) return {};
     if (slash == std::string::npos) return std::string(room.name) + " lies below \"" + header + "\", which it includes";
     const std::string other = rest.substr(0, slash);
     if (other == room.name || holds(room.rooms, other)) return {};
@@ -115,24 +141,24 @@ std::string wrong_with(const Building& building, const Room& room, const std::st
 
 std::vector<Finding> room_breaches(const std::vector<File>& files) {
     std::vector<Finding> findings;
-    for (const File& file : files) {
-        const Building* building = file.is_cpp() && file.is_product() ? building_of(file) : nullptr;
-        if (building == nullptr) continue;
-        const std::string rest = file.path.substr(building->folder.size());
-        const std::size_t slash = rest.find('/');
-        if (slash == std::string::npos) continue;  // on the part's own level, which may include all its rooms
-        const auto room = std::find_if(building->rooms.begin(), building->rooms.end(),
-                                       [&](const Room& r) { return r.name == rest.substr(0, slash); });
-        if (room == building->rooms.end()) {
-            findings.push_back({file.path, 0, "lies in no room of the table in tests/checks/rooms.cpp"});
-            continue;
+    for (const File& file : files)
+        for (const Building& building : buildings()) {
+            if (!file.is_cpp() || !file.is_product() || !file.begins_with(building.folder)) continue;
+            const std::string rest = file.path.substr(building.folder.size());
+            const bool above = rest.find('/') == std::string::npos;
+            const auto room = std::find_if(building.rooms.begin(), building.rooms.end(),
+                                           [&](const Room& r) { return r.name == rest.substr(0, rest.find('/')); });
+            if (!above && room == building.rooms.end()) {
+                findings.push_back({file.path, 0, "lies in no room of the table in tests/checks/rooms.cpp"});
+                continue;
+            }
+            for (const Include& include : includes_of(file)) {
+                if (!include.quoted) continue;
+                const std::string wrong = above ? wrong_on_own_level(building, rest, include.name)
+                                                : wrong_with(building, *room, include.name);
+                if (!wrong.empty()) findings.push_back({file.path, include.line, wrong});
+            }
         }
-        for (const Include& include : includes_of(file)) {
-            if (!include.quoted) continue;
-            const std::string wrong = wrong_with(*building, *room, include.name);
-            if (!wrong.empty()) findings.push_back({file.path, include.line, wrong});
-        }
-    }
     return findings;
 }
 

@@ -30,6 +30,11 @@ TEST(RoomCheck, FindsArrowsThatPointTheWrongWay) {
         {"src/renderer/tree/a.h", "renderer/lights/anchors.h"},
         {"src/scene/gltf/a.cpp", "scene/assimp/parts.h"},
         {"encoder/mpeg2/bitstream/a.cpp", "encoder/mpeg2/rate/rate_model.h"},
+        {"encoder/mpeg2/rate/a.cpp", "encoder/look_ahead.h"},
+        {"encoder/mpeg2/a.cpp", "encoder/av/av.h"},
+        {"encoder/look_ahead.cpp", "encoder/av/av.h"},
+        {"encoder/types.h", "encoder/mpeg2/bitstream/levels.h"},
+        {"encoder/cadence.cpp", "encoder/codec.h"},
         {"src/app/files/a.cpp", "app/loop/pipeline.h"},
     };
     for (const auto& [path, header] : arrows) {
@@ -48,6 +53,13 @@ TEST(RoomCheck, FindsPartsThatARoomMayNotKnow) {
 TEST(RoomCheck, FindsARoomThatIncludesWhatIsBuiltOnIt) {
     EXPECT_EQ(rooms_broken_by("src/renderer/cut/a.cpp", "renderer/renderer.h").size(), 1u);
     EXPECT_TRUE(rooms_broken_by("src/renderer/renderer.cpp", "renderer/cut/gatherer.h").empty());
+}
+
+TEST(RoomCheck, LetsRoomsIncludeTheValuesOfTheirPartAndPartsTheirRooms) {
+    EXPECT_TRUE(rooms_broken_by("encoder/mpeg2/rate/a.cpp", "encoder/types.h").empty());
+    EXPECT_TRUE(rooms_broken_by("encoder/cadence.h", "encoder/types.h").empty());
+    EXPECT_TRUE(rooms_broken_by("encoder/encoder.cpp", "encoder/mpeg2/rate/rate_model.h").empty());
+    EXPECT_TRUE(rooms_broken_by("encoder/av/a.cpp", "encoder/codec.h").empty());
 }
 
 TEST(RoomCheck, FindsSourcesThatLieInNoRoom) {
