@@ -137,6 +137,13 @@ std::string wrong_with(const Building& building, const Room& room, const std::st
     return std::string(room.name) + " may not know the room " + other + ", but includes \"" + header + "\"";
 }
 
+/// The sentence of a README that says what its room may include, or nothing.
+std::string touched_by(const std::string& readme) {
+    const std::size_t begin = std::min({readme.find("May touch"), readme.find("May include"), readme.size()});
+    const std::size_t end = std::min({readme.find(". ", begin), readme.find(".\n", begin), readme.find(';', begin)});
+    return readme.substr(begin, end == std::string::npos ? end : end - begin);
+}
+
 }  // namespace
 
 std::vector<Finding> room_breaches(const std::vector<File>& files) {
@@ -176,6 +183,38 @@ std::vector<Finding> rooms_without_readme(const std::vector<File>& files) {
         look(std::string(building.folder) + "README.md");
         for (const Room& room : building.rooms)
             look(std::string(building.folder) + std::string(room.name) + "/README.md");
+    }
+    return findings;
+}
+
+std::vector<Finding> untrue_readmes(const std::vector<File>& files) {
+    std::vector<Finding> findings;
+    const auto text_of = [&](const std::string& path) {
+        const auto found = std::find_if(files.begin(), files.end(), [&](const File& f) { return f.path == path; });
+        return found == files.end() ? std::string() : found->text;
+    };
+    for (const Building& building : buildings())
+        for (const Room& room : building.rooms) {
+            const std::string path = std::string(building.folder) + std::string(room.name) + "/README.md";
+            const std::string touched = touched_by(text_of(path));
+            if (touched.find("all rooms") != std::string::npos) continue;
+            for (const Room& other : building.rooms) {
+                const bool named = !find_word(touched, other.name).empty();
+                if (named != holds(room.rooms, other.name))
+                    findings.push_back(
+                        {path, 0,
+                         std::string(named ? "says that it may touch " : "does not say that it may touch ") +
+                             std::string(other.name)});
+            }
+        }
+    // Large rooms, where a reader looks for a file by its duty.
+    for (const std::string folder : {"src/core/", "src/renderer/base/", "src/app/loop/"}) {
+        const std::string path = folder + "README.md", text = text_of(path);
+        for (const File& file : files) {
+            if (!file.is_cpp() || !file.begins_with(folder)) continue;
+            const std::string name = file.path.substr(folder.size(), file.path.find('.') - folder.size());
+            if (find_word(text, name).empty()) findings.push_back({path, 0, "does not name " + name});
+        }
     }
     return findings;
 }

@@ -14,4 +14,8 @@ std::vector<Finding> room_breaches(const std::vector<File>& files);
 /// Rooms without a README.md, or with one of more than ten lines.
 std::vector<Finding> rooms_without_readme(const std::vector<File>& files);
 
+/// READMEs of rooms whose sentence "May touch ..." names other rooms than the table, and READMEs of large rooms that
+/// leave out a file of their folder.
+std::vector<Finding> untrue_readmes(const std::vector<File>& files);
+
 }  // namespace render2mpeg::checks

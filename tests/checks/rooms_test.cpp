@@ -23,6 +23,11 @@ TEST(Rooms, HaveAReadmeOfAtMostTenLines) {
     EXPECT_TRUE(findings.empty()) << list_of(findings);
 }
 
+TEST(Rooms, HaveReadmesThatAreTrue) {
+    const auto findings = untrue_readmes(read_tree(support::source_folder()));
+    EXPECT_TRUE(findings.empty()) << list_of(findings);
+}
+
 TEST(RoomCheck, FindsArrowsThatPointTheWrongWay) {
     const std::pair<const char*, const char*> arrows[] = {
         {"src/renderer/geometry/a.cpp", "renderer/cut/gatherer.h"},
@@ -76,6 +81,33 @@ TEST(RoomCheck, FindsMissingAndLongReadmes) {
     EXPECT_EQ(count({}), 1);
     EXPECT_EQ(count({make_file(room, "# Cut\n")}), 0);
     EXPECT_EQ(count({make_file(room, "1\n2\n3\n4\n5\n6\n7\n8\n9\n10\n11\n")}), 1);
+}
+
+TEST(RoomCheck, FindsReadmesThatNameOtherRoomsThanTheTable) {
+    const std::string room = "src/renderer/caustics/README.md";
+    const auto said_of = [&](const std::string& text) {
+        std::string said;
+        for (const Finding& finding : untrue_readmes({make_file(room, text)}))
+            if (finding.path == room) said += finding.message + "\n";
+        return said;
+    };
+    const std::string true_one = "# caustics\n\n- May touch `lights`, `surface`, `geometry`\n  and `base`";
+    EXPECT_EQ(said_of(true_one + "; knows neither the light tree nor the eye.\n"), "");
+    EXPECT_EQ(said_of(true_one + ". The view comes later.\n"), "");
+    EXPECT_EQ(said_of(true_one + " and `gather`.\n"), "says that it may touch gather\n");
+    EXPECT_EQ(said_of("May touch `lights`, `surface` and `base`.\n"), "does not say that it may touch geometry\n");
+}
+
+TEST(RoomCheck, FindsFilesThatReadmesOfLargeRoomsLeaveOut) {
+    const auto count = [](const std::string& text) {
+        const std::string readme = "src/app/loop/README.md";
+        const auto findings =
+            untrue_readmes({make_file(readme, "May touch files, options and system.\n" + text),
+                            make_file("src/app/loop/first_pass.h", ""), make_file("src/app/loop/first_pass.cpp", "")});
+        return std::count_if(findings.begin(), findings.end(), [&](const Finding& f) { return f.path == readme; });
+    };
+    EXPECT_EQ(count("`first_pass` codes it roughly."), 0);
+    EXPECT_EQ(count("`pass` codes it roughly."), 2) << "its header and its source";
 }
 
 }  // namespace
