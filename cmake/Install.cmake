@@ -43,7 +43,7 @@ install(FILES ${shell}/render2mpeg.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fis
 
 # Documents keep their places beside each other, so that their links lead on; links to what is not installed become plain text.
 install(DIRECTORY animations DESTINATION ${CMAKE_INSTALL_DATADIR}/render2mpeg)
-install(FILES README.md CHANGELOG.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES README.md CHANGELOG.md SECURITY.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES cmake/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs
         FILES_MATCHING PATTERN "*.md" PATTERN "*.json" PATTERN "*.svg" PATTERN "*.png" PATTERN "*.jpg" PATTERN "*.webp")

@@ -11,6 +11,11 @@ include(${CMAKE_CURRENT_LIST_DIR}/work.cmake)
 
 run(${CPACK} -G DEB --config ${BUILD}/CPackConfig.cmake -B ${work})
 file(GLOB package ${work}/render2mpeg_*.deb)
+# The same build packed again, somewhere else and later, gives the same bytes.
+run(${CPACK} -G DEB --config ${BUILD}/CPackConfig.cmake -B ${work}/again)
+file(GLOB again ${work}/again/render2mpeg_*.deb)
+run(${CMAKE_COMMAND} -E compare_files ${package} ${again})
+file(REMOVE_RECURSE ${work}/again)
 run(${DPKG_DEB} --extract ${package} ${root})
 run(${DPKG_DEB} --field ${package} Depends)
 foreach(library IN ITEMS libc6 libstdc\\+\\+6 libembree libtbb libassimp libdraco libopenvdb libmeshoptimizer libfmt libopenimageio libopenexr libavcodec libavformat)
@@ -27,7 +32,7 @@ foreach(path IN ITEMS bin/render2mpeg lib/render2mpeg/render2mpeg_av_module.so l
                       share/man/man1/render2mpeg.1.gz share/man/man1/render2mpeg-render.1.gz share/man/man1/render2mpeg-encode.1.gz
                       share/bash-completion/completions/render2mpeg share/zsh/vendor-completions/_render2mpeg
                       share/fish/vendor_completions.d/render2mpeg.fish share/doc/render2mpeg/copyright
-                      share/doc/render2mpeg/changelog.Debian.gz share/doc/render2mpeg/README.md share/render2mpeg/animations/cornell)
+                      share/doc/render2mpeg/changelog.Debian.gz share/doc/render2mpeg/render2mpeg.spdx share/doc/render2mpeg/SECURITY.md share/doc/render2mpeg/README.md share/render2mpeg/animations/cornell)
   if(NOT EXISTS ${root}/usr/${path})
     message(FATAL_ERROR "the package lacks /usr/${path}")
   endif()
@@ -52,6 +57,11 @@ foreach(holder IN ITEMS "render2mpeg authors" G-Truc Lohmann Cincinnati "License
     message(FATAL_ERROR "the copyright file does not mention ${holder}")
   endif()
 endforeach()
+set(spdx ${root}/usr/share/doc/render2mpeg/render2mpeg.spdx)
+include(${CMAKE_CURRENT_LIST_DIR}/spdx.cmake)
+if(NOT parts EQUAL 4)
+  message(FATAL_ERROR "render2mpeg.spdx names ${parts} packages: not the program and three libraries of headers")
+endif()
 run(${DPKG_DEB} --field ${package} Version)
 if(NOT output MATCHES "^[0-9]+[.][0-9]+[.][0-9]+-1(~deb[0-9]+)?\n$")
   message(FATAL_ERROR "the package's version is ${output}")

@@ -35,6 +35,11 @@ add_test(NAME install.ATarballRunsOnItsOwnLibraries
          COMMAND render2mpeg_cpu_seconds install.ATarballRunsOnItsOwnLibraries 0 ${CMAKE_COMMAND} -D BUILD=${PROJECT_BINARY_DIR} -D SOURCE=${PROJECT_SOURCE_DIR} -D PATCHELF=${RENDER2MPEG_PATCHELF}
                  -P ${CMAKE_CURRENT_SOURCE_DIR}/install/tarball.cmake)
 set_tests_properties(install.ATarballRunsOnItsOwnLibraries PROPERTIES LABELS slow TIMEOUT 1500 SKIP_REGULAR_EXPRESSION "skipped: ")
+# What a release is refused for, in a clone.
+add_test(NAME install.AReleaseIsRefusedUnlessItsVersionIsTold
+         COMMAND render2mpeg_cpu_seconds install.AReleaseIsRefusedUnlessItsVersionIsTold 0 ${CMAKE_COMMAND} -D BUILD=${PROJECT_BINARY_DIR} -D SOURCE=${PROJECT_SOURCE_DIR} -P ${CMAKE_CURRENT_SOURCE_DIR}/install/release.cmake)
+set_tests_properties(install.AReleaseIsRefusedUnlessItsVersionIsTold PROPERTIES LABELS fast TIMEOUT 1500 SKIP_REGULAR_EXPRESSION "skipped: ")
+
 # These install the same build folder, and installing writes there.
 set_tests_properties(install.MovedTreeStillRenders install.TheEncoderIsALibraryOfItsOwn install.ADebianPackageHoldsAllAndRenders
                      install.ATarballRunsOnItsOwnLibraries PROPERTIES RESOURCE_LOCK install)
