@@ -1,4 +1,4 @@
-# lay_out_film NAME SCENES_FOLDER WORK_FOLDER: the film of bench/real_scenes called NAME (sponza, sponza_pan, sponza_lamp, sponza_box, sibenik or bathroom) as
+# lay_out_film NAME SCENES_FOLDER WORK_FOLDER: the film of bench/real_scenes called NAME (sponza, sibenik or bathroom) as
 # WORK_FOLDER/NAME, with copies of the files it needs; 1 where SCENES_FOLDER has not got them. To be sourced.
 lay_out_film() {
     local name=$1 source=$2/$1 to=$3/$1
