@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <map>
@@ -162,9 +161,7 @@ TEST(BlendFileSlow, IsExportedOnceUntilItChanges) {
     ASSERT_EQ(run(command).status, 0);
     const fs::path first = export_of(blend);
     const auto written = fs::last_write_time(first / "film.json");
-    const auto begin = std::chrono::steady_clock::now();
     ASSERT_EQ(run(command).status, 0);
-    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(1));
     EXPECT_EQ(export_of(blend), first);
     EXPECT_EQ(fs::last_write_time(first / "film.json"), written);
 
