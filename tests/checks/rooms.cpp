@@ -39,7 +39,7 @@ const std::vector<Building>& buildings() {
           {"preparation", {"volumes", "pose", "model"}, {"core"}},
           {"gltf", {"module", "model"}, {"core"}},
           {"assimp", {"isolation", "model"}, {"core"}},
-          {"blender", {"isolation", "model"}, {"core"}},
+          {"blender", {"isolation"}, {"core"}},
           {"animation_file", {"model"}, {"core"}}}},
         {"src/renderer/",
          "renderer/",
