@@ -199,7 +199,7 @@ TEST(Farm, BeginsWithTheDearShotSlow) {
     EXPECT_TRUE(film.same("one.mpg", "f.mpg"));
 }
 
-TEST(Farm, SamplesFilmsOfCodecsWithoutSmallPictures) {
+TEST(Farm, SamplesFilmsOfCodecsWithoutSmallPicturesSlow) {
     struct Film {
         std::string codec, size, name;
     };

@@ -301,7 +301,7 @@ TEST(CyclesFramesSlow, BecomeAFilmWithTheirMotion) {
     EXPECT_EQ(test::types_in(folder / "s.json").size(), 3u);
 }
 
-TEST(BlendWithoutNumpy, NamesThePackageThatIsMissing) {
+TEST(BlendFileSlow, WithoutNumpyNamesThePackageThatIsMissing) {
     NEEDS_BLENDER();
     const Folder folder;
     std::ofstream(folder / "blender") << "#!/bin/sh\nexec /usr/bin/env blender --python-expr 'import sys; "

@@ -163,7 +163,7 @@ TEST(Shade, GrowsNearerToTheReferenceAsTheToleranceShrinksSlow) {
 }
 
 TEST(Shade, IsBrighterByExactlyWhatTheLightIs) {
-    const Settings settings = test::small_frame(12, 12);
+    const Settings settings = test::small_frame(8, 8);
     FilmStage one(furnished_room(5.0f), settings), four(furnished_room(20.0f), settings);
     for (const float tolerance : {0.02f, -1.0f}) {
         const core::Radiance a = tolerance < 0 ? one.reference() : one.cut(tolerance);

@@ -75,7 +75,7 @@ const Picture& exact_of_many() {
     return exact;
 }
 
-TEST(PointsOfAPixel, TakeAboutAsManyRaysTogetherAsOneThatFillsIt) {
+TEST(PointsOfAPixel, TakeAboutAsManyRaysTogetherAsOneThatFillsItSlow) {
     const Picture one = look(1, tolerance(), true), many = look(16, tolerance(), true);
     EXPECT_EQ(one.points, 1);
     EXPECT_GT(many.points, 3.5);
