@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <array>
@@ -10,7 +11,6 @@
 #include <map>
 #include <system_error>
 
-#include "app/options/option_table.h"
 #include "app/options/usage_error.h"
 #include "core/scene_formats.h"
 #include "core/text.h"

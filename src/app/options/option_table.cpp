@@ -2,8 +2,9 @@
 
 #include <fmt/ranges.h>
 
-#include <algorithm>
+#include <cmath>
 #include <cstdlib>
+#include <type_traits>
 
 #include "app/options/film.h"
 #include "app/options/option_text.h"
@@ -12,7 +13,6 @@
 #include "app/system/memory_limit.h"
 #include "core/isa.h"
 #include "core/rational.h"
-#include "core/text.h"
 #include "core/view.h"
 #include "encoder/codec.h"
 
@@ -20,12 +20,11 @@ namespace render2mpeg::app {
 namespace {
 
 using Rows = std::vector<OptionRow>;
-
 constexpr const char *scene = "Scene", *picture = "Picture and time", *light = "Light", *coding = "Coding",
                      *sound = "Sound", *run = "Run", *tried = "What is tried", *farm = "Farm",
                      *target = "What is to be reached (one of these)";
 
-void check_exposure(const std::string& text) {
+void check_exposure(const std::string& text, const std::string& /*option*/) {
     if (text == "auto") return;
     char* end = nullptr;
     const double ev = std::strtod(text.c_str(), &end);
@@ -33,260 +32,274 @@ void check_exposure(const std::string& text) {
         throw UsageError("exposure " + text + ": expected `auto` or a number of EV from -64 to 64, e.g. -1.5");
 }
 
-/// Check of a number of bits of this option.
-auto bits(const char* what) {
-    return [what](const std::string& text) { bits_from(text, what); };
+template <auto read>
+void reads(const std::string& text, const std::string& /*option*/) {
+    read(text);
+}
+void reads_bits(const std::string& text, const std::string& option) {
+    bits_from(text, option);
+}
+
+template <class Number>
+constexpr Range range(Number low, Number high) {
+    return {double(low), double(high), std::is_integral_v<Number>};
+}
+
+template <class Texts>
+std::string joined(const Texts& words) {
+    return fmt::format("{}", fmt::join(words, "|"));
 }
 
 Rows file_rows(CommandLine& line) {
     RenderOptions& o = line.render;
-    const char* standard_output =
-        "With -o -: what goes to standard output, picture by picture as it is made: a transport stream, bare MPEG-2";
     return {
-        {"INPUT", "", o.input,
+        {"INPUT", "", &o.input,
          "Scene: .gltf, .glb, an animation file (.json, or a folder with film.json), .blend where Blender is "
          "installed, or any format that Assimp reads (.obj, .ply, .fbx, .dae, .3ds, ...)",
          Required()},
-        {"FRAMES", "", o.input,
+        {"FRAMES", "", &o.input,
          "A .y4m file (8-bit 4:2:0), numbered images: frames.%04d.exr (scene-linear) or .png; or `-`: Y4M from "
          "standard input, as another program makes it",
          Required()},
-        {"FILE", "", line.info.input, "Film in any container, or a bare MPEG-2 video stream", Required()},
-        {"PLAN", "", line.part.plan, "The folder that `farm` wrote, e.g. film.mpg.farm, or its plan.json", Required()},
-        {"I", "", line.part.number, "Which part, from 1", range(1, 1'000'000).check, Required()},
-        {"-o,--output@render", "", o.output, "File to write; the ending chooses its kind; `-`: standard output", "OUT",
+        {"FILE", "", &line.info.input, "Film in any container, or a bare MPEG-2 video stream", Required()},
+        {"PLAN", "", &line.part.plan, "The folder that `farm` wrote, e.g. film.mpg.farm, or its plan.json", Required()},
+        {"I", "", &line.part.number, "Which part, from 1", "INT", range(1, 1'000'000), Required()},
+        {"-o,--output@render", "", &o.output, "File to write; the ending chooses its kind; `-`: standard output", "OUT",
          Required(), Idle::always},
-        {"-o,--output@farm", "", o.output, "File to write; the ending chooses its kind", "OUT", Required()},
-        {"-o,--output@watch", "", o.output, "Write each draft to this file instead of showing it", "OUT"},
-        {"-o,--output@plan", "", o.output, "Only its ending counts (default: a film)", "OUT"},
-        {"-o,--output@tune", "", o.output, "Film to make; with --dry-run not needed", "OUT"},
-        {"-o,--output@encode", "", o.output,
+        {"-o,--output@farm", "", &o.output, "File to write; the ending chooses its kind", "OUT", Required()},
+        {"-o,--output@watch", "", &o.output, "Write each draft to this file instead of showing it", "OUT"},
+        {"-o,--output@plan", "", &o.output, "Only its ending counts (default: a film)", "OUT"},
+        {"-o,--output@tune", "", &o.output, "Film to make; with --dry-run not needed", "OUT"},
+        {"-o,--output@encode", "", &o.output,
          "Film to write: .mpg, .vob, .ts, .m2v, .mkv, .mp4 or .mov; `-`: standard output", "OUT", Required()},
-        {"--as", "", o.as, fmt::format("{}, or uncompressed pictures (default: ts)", standard_output),
-         one_of({"ts", "m2v", "y4m"})},
-        {"--as@encode", "", o.as, fmt::format("{} (default: ts)", standard_output), one_of({"ts", "m2v"})},
-        {"--json@info", "", line.info.json, "Print JSON instead of tables"},
-        {"--summary", "", line.info.summary, "Leave out the pictures one by one"},
+        {"--as", "", &o.as,
+         "With -o -: what goes to standard output, picture by picture as it is made: a transport stream, bare MPEG-2, "
+         "or uncompressed pictures (default: ts)",
+         Words{"ts|m2v|y4m"}},
+        {"--as@encode", "", &o.as,
+         "With -o -: what goes to standard output, picture by picture as it is made: a transport stream, bare MPEG-2 "
+         "(default: ts)",
+         Words{"ts|m2v"}},
+        {"--json@info", "", &line.info.json, "Print JSON instead of tables"},
+        {"--summary", "", &line.info.summary, "Leave out the pictures one by one"},
     };
 }
 
 Rows scene_rows(CommandLine& line) {
     RenderOptions& o = line.render;
     return {
-        {"--camera", scene, o.camera, "Camera to look through, by name or index (default: the first)", "NAME"},
-        {"--animation", scene, o.animation, "Animation to play, by name or index (default: all at once)", "NAME"},
-        {"--variant", scene, o.variant, "Variant of a glTF file's materials, by name or index (default: none of them)",
+        {"--camera", scene, &o.camera, "Camera to look through, by name or index (default: the first)", "NAME"},
+        {"--animation", scene, &o.animation, "Animation to play, by name or index (default: all at once)", "NAME"},
+        {"--variant", scene, &o.variant, "Variant of a glTF file's materials, by name or index (default: none of them)",
          "NAME"},
-        {"--sky", scene, o.sky, "Sky image (EXR, HDR, latitude-longitude), or `none` (default: the scene's)",
+        {"--sky", scene, &o.sky, "Sky image (EXR, HDR, latitude-longitude), or `none` (default: the scene's)",
          "FILE|none"},
-        {"--light", scene, o.light,
+        {"--light", scene, &o.light,
          "What lights a scene without any light: a `studio` with a floor, an `even` sky, or `none`",
-         one_of({"studio", "even", "none"}), Shown()},
-        {"--indirect", light, o.indirect,
+         Words{"studio|even|none"}, Shown()},
+        {"--indirect", light, &o.indirect,
          "How bounced light and the sky are gathered: by `rays` that ask a cache on surfaces, or by `lightcuts` "
          "through light points",
-         one_of({"rays", "lightcuts"}), Shown()},
-        {"--vpls", light, o.vpls,
+         Words{"rays|lightcuts"}, Shown()},
+        {"--vpls", light, &o.vpls,
          "Light points that carry indirect light by `--indirect lightcuts`; 0: direct light only", Shown(),
          range(0, 1 << 22), Idle::without_points},
-        {"--caustics", light, o.caustics,
+        {"--caustics", light, &o.caustics,
          "Whether mirrors and solid glass throw light onto other things; `off`: they do not, and light passes solid "
          "glass straight",
-         one_of({"on", "off"}), Shown()},
+         Words{"on|off"}, Shown()},
     };
 }
 
 Rows time_rows(CommandLine& line) {
     RenderOptions& o = line.render;
     return {
-        {"--preview", picture, o.preview,
+        {"--preview", picture, &o.preview,
          "A draft of every frame, in minutes: half the size unless --size is given, rough light, coded fast; timing, "
          "framing, light and cuts are the film's (docs/pictures.md)"},
-        {"-s,--size", picture, o.size,
+        {"-s,--size", picture, &o.size,
          "Picture size (default: the animation file's; 640 pixels along the longer side of the camera's shape; 512x512 "
          "where neither says anything)",
-         "WxH", size_from},
-        {"-r,--fps", picture, o.rate, "Pictures per second (default: the animation file's, that of glTF's keys, or 25)",
-         "23.976|24|25|29.97|30|50|59.94|60", core::frame_rate_from},
-        {"-r,--fps@encode", picture, o.rate, "Pictures per second (default: the Y4M file's, or 25)",
-         "23.976|24|25|29.97|30|50|59.94|60", core::frame_rate_from},
-        {"--frames", picture, o.frames, "First and last frame, counted from 0, both included (default: the whole film)",
-         "A:B", frames_from},
-        {"--frames@encode", picture, o.frames,
+         "WxH", reads<size_from>},
+        {"-r,--fps", picture, &o.rate,
+         "Pictures per second (default: the animation file's, that of glTF's keys, or 25)",
+         "23.976|24|25|29.97|30|50|59.94|60", reads<core::frame_rate_from>},
+        {"-r,--fps@encode", picture, &o.rate, "Pictures per second (default: the Y4M file's, or 25)",
+         "23.976|24|25|29.97|30|50|59.94|60", reads<core::frame_rate_from>},
+        {"--frames", picture, &o.frames,
+         "First and last frame, counted from 0, both included (default: the whole film)", "A:B", reads<frames_from>},
+        {"--frames@encode", picture, &o.frames,
          "First and last frame, both included: numbers of the images, or places in the Y4M file from 0 (default: all)",
-         "A:B", frames_from},
-        {"--hold", picture, o.hold,
+         "A:B", reads<frames_from>},
+        {"--hold", picture, &o.hold,
          "Frames outside the film are wanted: they hold what its end, or its beginning, shows", Idle::always},
-        {"--display-aspect", picture, o.coding.display_aspect,
+        {"--display-aspect", picture, &o.coding.display_aspect,
          "Shape of the whole picture as shown, e.g. 16:9 (default: as the animation file or the frames say, else of "
          "square pixels)",
-         "W:H", core::ratio_from},
-        {"--pixel-aspect", picture, o.coding.pixel_aspect, "Shape of a pixel instead, e.g. 16:15", "W:H",
-         core::ratio_from, NotWith{"--display-aspect"}},
+         "W:H", reads<core::ratio_from>},
+        {"--pixel-aspect", picture, &o.coding.pixel_aspect, "Shape of a pixel instead, e.g. 16:15", "W:H",
+         reads<core::ratio_from>, NotWith{"--display-aspect"}},
     };
 }
 
 Rows picture_rows(CommandLine& line) {
     RenderOptions& o = line.render;
     return {
-        {"--exposure", picture, o.exposure, "EV, or `auto`: one value for the film", "auto|EV", check_exposure, Shown(),
-         Idle::unexposed},
-        {"--exposure@encode", picture, line.encode.exposure, "EV for scene-linear frames (default: 0)",
+        {"--exposure", picture, &o.exposure, "EV, or `auto`: one value for the film", "auto|EV", check_exposure,
+         Shown(), Idle::unexposed},
+        {"--exposure@encode", picture, &line.encode.exposure, "EV for scene-linear frames (default: 0)",
          range(-64.0f, 64.0f)},
-        {"--shutter", picture, o.shutter,
+        {"--shutter", picture, &o.shutter,
          "How long each frame is exposed, in degrees of a frame's time: 180 is half of it, 0 none; and where the "
          "middle of that time lies from the frame's own, in frames, -0.5 to 0.5; and how much later the last row is "
          "exposed than the first, 0 to 1 (default: the animation file's or the .blend's, or 0)",
-         "ANGLE[:PHASE[:ROLLING]]", shutter_from},
-        {"--f-stop", picture, o.f_stop,
+         "ANGLE[:PHASE[:ROLLING]]", reads<shutter_from>},
+        {"--f-stop", picture, &o.f_stop,
          "Aperture of all cameras: what is out of focus is blurred, more by smaller numbers; `off`: nothing is "
          "(default: the animation file's or the .blend's, or off)",
-         "NUMBER|off", f_stop_from},
-        {"--focus", picture, o.focus,
+         "NUMBER|off", reads<f_stop_from>},
+        {"--focus", picture, &o.focus,
          "What is in focus: a distance along the camera's axis, or the middle of the objects of a name",
          "DISTANCE|NAME"},
-        {"--fog", picture, o.fog,
+        {"--fog", picture, &o.fog,
          "Fog: off, or how far one sees in it, scene units (default: the animation file's, or off)", "off|DISTANCE",
-         fog_from},
-        {"--glare", picture, o.glare,
+         reads<fog_from>},
+        {"--glare", picture, &o.glare,
          "What bright light does in an eye: off, static or temporal, and the share of light that is scattered, 0 to "
          "0.5 (default: the animation file's, or off)",
-         "KIND[:STRENGTH]", glare_from, Idle::undeveloped},
-        {"--view", picture, o.view,
+         "KIND[:STRENGTH]", reads<glare_from>, Idle::undeveloped},
+        {"--view", picture, &o.view,
          "What bright light becomes: `neutral`; as in Blender, also `filmic-high-contrast` and so on; or high dynamic "
          "range, pq or hlg in BT.2020 (default: the animation file's or the .blend's, or neutral)",
-         "neutral|standard|filmic|agx|pq|hlg", core::view_from, Idle::undeveloped},
-        {"--view@encode", picture, o.view,
+         "neutral|standard|filmic|agx|pq|hlg", reads<core::view_from>, Idle::undeveloped},
+        {"--view@encode", picture, &o.view,
          "As for render; PNG frames of Blender's views keep their code values (default: neutral)",
-         "neutral|standard|filmic|agx|pq|hlg", core::view_from},
-        {"--grain", picture, o.grain,
+         "neutral|standard|filmic|agx|pq|hlg", reads<core::view_from>},
+        {"--grain", picture, &o.grain,
          "Grain of a film of this speed, 50 to 6400; AV1's decoders add it (default: the animation file's, or 0)",
-         "ISO", grain_from, Idle::undeveloped},
-        {"--grain@encode", picture, o.grain, "As for render (default: 0, none)", "ISO", grain_from},
-        {"--peak", picture, o.peak, "White of films in pq, cd/m2 (default: 1000)",
+         "ISO", reads<grain_from>, Idle::undeveloped},
+        {"--grain@encode", picture, &o.grain, "As for render (default: 0, none)", "ISO", reads<grain_from>},
+        {"--peak", picture, &o.peak, "White of films in pq, cd/m2 (default: 1000)",
          range(static_cast<int>(core::least_peak), static_cast<int>(core::largest_peak)), Idle::undeveloped},
-        {"--peak@encode", picture, o.peak, "As for render",
+        {"--peak@encode", picture, &o.peak, "As for render",
          range(static_cast<int>(core::least_peak), static_cast<int>(core::largest_peak))},
-        {"--transparent", picture, o.transparent,
+        {"--transparent", picture, &o.transparent,
          "Whether the camera does not see the sky, which shines all the same: frames have alpha, films black there "
          "(default: the animation file's or the .blend's, or off)",
-         one_of({"on", "off"})},
-        {"--motion", "Motion", line.encode.motion,
+         Words{"on|off"}},
+        {"--motion", "Motion", &line.encode.motion,
          "Numbered OpenEXR files with the frames' exact motion; or a motion stream, which other programs write beside "
          "their pictures: fd:N, an open descriptor, or PIPE.motion",
          "PATTERN|fd:N|PIPE.motion"},
-        {"--motion-convention", "Motion", line.encode.motion_convention, "What their channels mean: blender or nuke",
-         one_of({"blender", "nuke"}), Shown(), Idle::without_vectors},
+        {"--motion-convention", "Motion", &line.encode.motion_convention, "What their channels mean: blender or nuke",
+         Words{"blender|nuke"}, Shown(), Idle::without_vectors},
     };
 }
 
 Rows light_rows(CommandLine& line) {
     RenderOptions& o = line.render;
     return {
-        {"--effort", light, o.effort,
+        {"--effort", light, &o.effort,
          "All settings of light by one name: `draft`, as --preview but in the film's size, `low`, `default` or `high`; "
          "other options win over it; `cost` tells what each takes and loses",
-         one_of({"draft", "low", "default", "high"})},
-        {"--samples", light, o.samples, "Eye samples per pixel: edges and textures; light is gathered once per surface",
-         range(1, 256), Shown(), Idle::traced},
-        {"--edge-samples", light, o.edge_samples,
+         Words{"draft|low|default|high"}},
+        {"--samples", light, &o.samples,
+         "Eye samples per pixel: edges and textures; light is gathered once per surface", range(1, 256), Shown(),
+         Idle::traced},
+        {"--edge-samples", light, &o.edge_samples,
          "Eye samples of pixels that show an edge (default: 16 for films, and 64 or 256 where the edge would show; 64 "
          "for frames; as many as --samples where that is given)",
          range(1, 256), Idle::traced},
-        {"--exposure-samples", light, o.exposure_samples,
+        {"--exposure-samples", light, &o.exposure_samples,
          "Samples over the shutter and the lens of each pixel that they blur (default: by quantiser, what coding keeps "
          "of them; `plan` tells)",
          range(1, 1024)},
-        {"--tolerance", light, o.tolerance,
+        {"--tolerance", light, &o.tolerance,
          "Error allowed in a pixel's light. `coupled`: what the film's coding and the eye hide; coupled=K: K times "
          "what they hide at most (default: 0.5), less in pictures that others are predicted from; fixed=P% of its "
          "luminance; `reference`: every light point and 4096 rays a point, slow; `truth`: paths of light instead of "
          "light points, as many as bring each pixel's standard error to 1% of its luminance, or truth=P%, very slow "
          "(default: coupled for films, fixed=1% for masters, fixed=2% for frames)",
-         "coupled|fixed=P%|reference|truth", tolerance_from},
-        {"--masking", light, o.masking,
+         "coupled|fixed=P%|reference|truth", reads<tolerance_from>},
+        {"--masking", light, &o.masking,
          "What hides errors in coupled films: the picture before, `warped` along motion, or place by place as decoded, "
          "its coding errors included (`quantised`; for films that hardly move)",
-         one_of({"warped", "quantised"}), Shown(), Idle::uncoupled},
-        {"--clamp", light, o.clamp,
-         "Light points too near a surface: `bounded` limits them, `none` does not (bright dots)",
-         one_of({"bounded", "none"}), Shown(), Idle::traced},
-        {"--cache", light, o.cache,
+         Words{"warped|quantised"}, Shown(), Idle::uncoupled},
+        {"--clamp", light, &o.clamp,
+         "Light points too near a surface: `bounded` limits them, `none` does not (bright dots)", Words{"bounded|none"},
+         Shown(), Idle::traced},
+        {"--cache", light, &o.cache,
          "Where light comes from: `on` gathers it at places on surfaces, and keeps it there for other pixels and "
          "frames, where it follows light that changes; `off` gathers it for every pixel of every frame; `auto` is `on` "
          "wherever that pays: with `--indirect lightcuts` only where nothing but the camera moves, and pictures are "
          "large enough; `plan` says why",
-         one_of({"on", "off", "auto"}), Shown(), Idle::traced},
+         Words{"on|off|auto"}, Shown(), Idle::traced},
     };
 }
 
-/// Words of all codecs, and the other name of HEVC.
-Values codec_words() {
-    std::vector<std::string> words;
-    std::string names;
-    for (const encoder::CodecFacts& facts : encoder::all_codecs) {
-        words.emplace_back(facts.word);
-        names += (names.empty() ? "" : "|") + words.back();
-    }
-    words.emplace_back("h265");
-    return {names, one_of(words).check};
+std::string words_of_codecs() {
+    std::vector<std::string_view> words;
+    for (const encoder::CodecFacts& facts : encoder::all_codecs) words.emplace_back(facts.word);
+    return joined(words);
 }
 
 Rows coding_rows(CommandLine& line) {
     CodingOptions& o = line.render.coding;
+    static const std::string presets = joined(preset_names()), codecs = words_of_codecs(),
+                             codecs_and_hevc = codecs + "|h265", gop = std::to_string(usual_gop);
     return {
-        {"--for", coding, o.preset,
+        {"--for", coding, &o.preset,
          "Where the film goes: dvd-ntsc, dvd-pal or atsc. Sets size, rate, shape, GOPs, rates and buffer "
          "(docs/coding.md); options that contradict are refused",
-         one_of(preset_names())},
-        {"-q,--quantiser", coding, o.quantiser,
+         Words{presets.c_str()}},
+        {"-q,--quantiser", coding, &o.quantiser,
          "quantiser_scale_code of P pictures: 1 is the finest, 31 the coarsest; what many pictures follow from\nis a "
          "little finer, B pictures are coarser. Other codecs code to about the same quality",
          range(1, 31), ShownAs{"4"}, Idle::uncoded},
-        {"--codec", coding, o.codec,
+        {"--codec", coding, &o.codec,
          "How pictures are coded (default: h264 in .mp4, .mov, .mkv, else mpeg2); the last three: for editors",
-         codec_words(), Idle::uncoded},
-        {"--level", coding, o.level,
+         codecs.c_str(), Words{codecs_and_hevc.c_str()}, Idle::uncoded},
+        {"--level", coding, &o.level,
          "Level of H.264 or AV1 that the film keeps to in size, pictures per second and references, e.g. 4.1 (default: "
          "the lowest)",
-         "LEVEL", level_from, Idle::uncoded},
-        {"--crf", coding, o.crf,
+         "LEVEL", reads<level_from>, Idle::uncoded},
+        {"--crf", coding, &o.crf,
          "Instead of --quantiser: QP of P pictures in the codec's own scale, 1 to 51 in H.264 and HEVC, to 63 in AV1; "
          "26, 26 and 33 are like quantiser 4",
-         Values{"QP", range(1, 63).check}, Idle::uncoded},
-        {"--quality", coding, o.quality,
+         "QP", range(1, 63), Idle::uncoded},
+        {"--quality", coding, &o.quality,
          "Instead: quality from 0 to 100, coarser where motion hides it; 100 is quantiser 1, 20 less doubles it",
          range(0.0, 100.0), Idle::uncoded},
-        {"-b,--bitrate", coding, o.bitrate, "Instead: bits per second of pictures, on average, e.g. 6M or 900k", "RATE",
-         bits("bitrate"), Idle::uncoded},
-        {"--cbr", coding, o.constant_rate, "With --bitrate: at every time, by stuffing where need be", Idle::uncoded},
-        {"--maxrate", coding, o.maxrate,
-         "Bits per second that pictures reach a decoder with at most (default: the level's)", "RATE", bits("maxrate"),
+        {"-b,--bitrate", coding, &o.bitrate, "Instead: bits per second of pictures, on average, e.g. 6M or 900k",
+         "RATE", reads_bits, Idle::uncoded},
+        {"--cbr", coding, &o.constant_rate, "With --bitrate: at every time, by stuffing where need be", Idle::uncoded},
+        {"--maxrate", coding, &o.maxrate,
+         "Bits per second that pictures reach a decoder with at most (default: the level's)", "RATE", reads_bits,
          Idle::uncoded},
-        {"--vbv", coding, o.vbv, "Bits that a decoder's buffer holds (default: the most the level allows)", "BITS",
-         bits("vbv"), Idle::uncoded},
-        {"--passes", coding, o.passes,
+        {"--vbv", coding, &o.vbv, "Bits that a decoder's buffer holds (default: the most the level allows)", "BITS",
+         reads_bits, Idle::uncoded},
+        {"--passes", coding, &o.passes,
          "With --bitrate: 2 looks at the whole film first, cheaply, and spends bits where they are needed; 1 does not "
          "(default: 2)",
          range(1, 2), Idle::uncoded},
-        {"--gop", coding, o.gop, "Pictures per closed group of pictures; with --for, its world's where not given",
-         range(1, 1000), ShownAs{std::to_string(usual_gop)}, Idle::uncoded},
-        {"--b-pictures", coding, o.b_pictures,
+        {"--gop", coding, &o.gop, "Pictures per closed group of pictures; with --for, its world's where not given",
+         range(1, 1000), ShownAs{gop.c_str()}, Idle::uncoded},
+        {"--b-pictures", coding, &o.b_pictures,
          "Most B pictures in a row, fewer where motion is uneven; with --for, its world's where not given", range(0, 3),
          ShownAs{"3"}, Idle::uncoded},
-        {"--tune", coding, o.tune,
+        {"--tune", coding, &o.tune,
          "What is kept: `psnr`, all detail alike; `perceptual`, what the eye sees (default: for H.264 and HEVC)",
-         one_of({"psnr", "perceptual"}), Idle::uncoded},
-        {"--encoder", coding, o.encoder, "How much is tried: `fast`, or `quality` for fewer bits",
-         one_of({"fast", "quality"}), Shown(), Idle::uncoded},
-        {"--keyframes", coding, o.keyframes,
+         Words{"psnr|perceptual"}, Idle::uncoded},
+        {"--encoder", coding, &o.encoder, "How much is tried: `fast`, or `quality` for fewer bits",
+         Words{"fast|quality"}, Shown(), Idle::uncoded},
+        {"--keyframes", coding, &o.keyframes,
          "Frames that begin a group of pictures whatever is seen: 0,48,96, or a file with their numbers", "LIST|FILE",
-         keyframes_from, Idle::uncoded},
-        {"--audio", sound, o.audio,
+         reads<keyframes_from>, Idle::uncoded},
+        {"--audio", sound, &o.audio,
          "Sound of the film: whatever FFmpeg reads, or `none` (default: the scene's). MPEG audio layer II in .mpg, "
          ".vob and .ts, AC-3 with --for, AAC in .mkv, .mp4 and .mov; it ends with the film",
          "FILE|none", Idle::uncoded},
-        {"--audio-offset", sound, o.audio_offset,
+        {"--audio-offset", sound, &o.audio_offset,
          "Seconds after frame 0 at which the sound begins; below 0 its beginning is cut off", range(-1e5, 1e5), Shown(),
          Idle::uncoded},
     };
@@ -295,40 +308,40 @@ Rows coding_rows(CommandLine& line) {
 Rows product_rows(CommandLine& line) {
     RenderOptions& o = line.render;
     return {
-        {"--stats", run, o.stats, "Write statistics as JSON (docs/json.md)", "FILE.json", Idle::always},
-        {"--report", run, o.report,
+        {"--stats", run, &o.stats, "Write statistics as JSON (docs/json.md)", "FILE.json", Idle::always},
+        {"--report", run, &o.report,
          "Write a page about the render, with plots, for any browser, and its figures as JSON beside it "
          "(docs/first-film.md)",
          "FILE.html", Idle::always},
-        {"--report@trial", run, line.trial.report, "Write a page with plots for any browser, and its figures beside it",
-         "FILE.html"},
-        {"--json@trial", run, line.trial.json, "Write all figures as JSON", "FILE.json"},
-        {"--audit", run, o.audit,
+        {"--report@trial", run, &line.trial.report,
+         "Write a page with plots for any browser, and its figures beside it", "FILE.html"},
+        {"--json@trial", run, &line.trial.json, "Write all figures as JSON", "FILE.json"},
+        {"--audit", run, &o.audit,
          "Gather so many pixels of every frame again, by reference light, and find their true light by paths: say how "
          "well tolerances were kept, and how far the picture is off by which cause",
          range(0, 1 << 20), Shown()},
-        {"--audit@plan", run, o.audit, "Pixels of every frame that would be gathered again", range(0, 1 << 20)},
-        {"--last-frame", run, o.last_frame,
+        {"--audit@plan", run, &o.audit, "Pixels of every frame that would be gathered again", range(0, 1 << 20)},
+        {"--last-frame", run, &o.last_frame,
          "Show the frame lit last in this picture, in place of the one before, once a second", "FILE.png"},
-        {"--aov", run, o.layers, "Write one multilayer OpenEXR per frame into this folder (docs/pictures.md)", "DIR"},
-        {"--aov@plan", run, o.layers, "Folder of multilayer OpenEXR files", "DIR"},
-        {"--also", run, o.also,
+        {"--aov", run, &o.layers, "Write one multilayer OpenEXR per frame into this folder (docs/pictures.md)", "DIR"},
+        {"--aov@plan", run, &o.layers, "Folder of multilayer OpenEXR files", "DIR"},
+        {"--also", run, &o.also,
          "Write another film of the same light, in a view of its own (--view), by a codec or as its ending says, HEVC "
          "for pq and hlg: one for the web, one for editors, one of high dynamic range; may be given several times",
          TwoWords(), "VIEW[:CODEC] FILE", Idle::always},
-        {"--heatmap", run, o.side_films,
+        {"--heatmap", run, &o.side_films,
          "Write a film in false colours beside: what each pixel's light may be off by (`tolerance`), clusters (`cut`), "
          "the standard error of its light (`error`), each macroblock's `quantiser`, or, where `--cache` keeps light, "
          "how many `records` lie in each pixel, the `age` of its light in frames, and its `reuse`, the share of its "
          "points that it was not gathered for; may be given several times",
          TwoWords(), "tolerance|cut|error|quantiser|records|age|reuse OUT.mpg", Idle::always},
-        {"--light-cache", run, o.light_cache,
+        {"--light-cache", run, &o.light_cache,
          "Begin with the light that earlier runs of the same frames found, and add the light of this one: with another "
          "quantiser, bit rate or codec light takes a third of the time. For light that never changes; made where it is "
          "missing (docs/choosing.md)",
          "FILE"},
-        {"--player", run, o.player, "Player to start: ffplay, mpv, or a program that reads bare MPEG-2", "PROGRAM"},
-        {"--live", run, o.live,
+        {"--player", run, &o.player, "Player to start: ffplay, mpv, or a program that reads bare MPEG-2", "PROGRAM"},
+        {"--live", run, &o.live,
          "Draw what lines of JSON on standard input ask for, and send pictures to standard output (docs/pictures.md)",
          NotWith{"--output"}, NotWith{"--player"}},
     };
@@ -337,150 +350,141 @@ Rows product_rows(CommandLine& line) {
 Rows run_rows(CommandLine& line) {
     RenderOptions& o = line.render;
     return {
-        {"-j,--threads", run, o.threads, "Threads; 0: one per core. The film's bytes do not depend on it",
+        {"-j,--threads", run, &o.threads, "Threads; 0: one per core. The film's bytes do not depend on it",
          range(0, 1024), Shown(), Idle::always},
-        {"--isa", run, o.isa,
+        {"--isa", run, &o.isa,
          "Instruction set (default: the best there is). Films differ in a few roundings between them",
-         "sse2|sse4.2|avx|avx2|avx512", core::isa_from, Idle::always},
-        {"--memory", run, o.memory,
+         "sse2|sse4.2|avx|avx2|avx512", reads<core::isa_from>, Idle::always},
+        {"--memory", run, &o.memory,
          "Most memory to take, e.g. 8G: refuse what would need more before it is begun, and never swap (default: no "
          "limit)",
-         "SIZE", memory_from, Idle::always},
-        {"--memory@part", run, o.memory,
+         "SIZE", reads<memory_from>, Idle::always},
+        {"--memory@part", run, &o.memory,
          "Most memory to take, e.g. 8G: refuse what would need more (default: as `farm` was told)", "SIZE",
-         memory_from},
-        {"--chunks-at-once", run, o.chunks_at_once,
+         reads<memory_from>},
+        {"--chunks-at-once", run, &o.chunks_at_once,
          "Chunks of some 60 frames that are made beside each other, each by a thread or more, where one frame cannot "
          "keep all cores busy (default: one for 4 threads, as memory allows; docs/machines.md). The film's bytes do "
          "not depend on it",
          range(1, 1024), Idle::always},
-        {"--resume", run, o.resume,
+        {"--resume", run, &o.resume,
          "Go on where a run of the same film was interrupted or killed, after its last whole chunk: the same bytes as "
          "of one run. Begins the film where nothing was left of it (docs/first-film.md)",
          Idle::always},
-        {"--dry-run", run, o.dry_run,
+        {"--dry-run", run, &o.dry_run,
          "Read and check everything, say what would be done and what it would take, write nothing", Idle::always},
-        {"--dry-run@tune", run, o.dry_run, "Render nothing in the end: print the command that would do it"},
-        {"--within", run, o.within,
-         "Light a few frames for so long, about, to tell what the film will take; 0: light none", "TIME", within_from,
-         Shown(), Idle::always},
-        {"-y,--overwrite", run, o.overwrite,
+        {"--dry-run@tune", run, &o.dry_run, "Render nothing in the end: print the command that would do it"},
+        {"--within", run, &o.within,
+         "Light a few frames for so long, about, to tell what the film will take; 0: light none", "TIME",
+         reads<within_from>, Shown(), Idle::always},
+        {"-y,--overwrite", run, &o.overwrite,
          "Replace a film that is there, and make folders that are missing; without it both are refused", Idle::always},
-        {"--quiet", run, o.quiet, "Print nothing but errors", Idle::always},
-        {"--quiet@plan", run, o.quiet, "Show no progress"},
-        {"-v,--verbose", run, o.verbose, "Also say what runs and why, and what each chunk came to", NotWith{"--quiet"},
+        {"--quiet", run, &o.quiet, "Print nothing but errors", Idle::always},
+        {"--quiet@plan", run, &o.quiet, "Show no progress"},
+        {"-v,--verbose", run, &o.verbose, "Also say what runs and why, and what each chunk came to", NotWith{"--quiet"},
          Idle::always},
-        {"--progress", run, line.progress,
+        {"--progress", run, &line.progress,
          "How far it is: `line`, for people; `minute`, a line a minute, for logs; `json`, a line for programs at every "
          "step; `openjd`, as OpenJD reads it; or `none`",
-         one_of({"line", "minute", "json", "openjd", "none"}), Shown(), Idle::always},
+         Words{"line|minute|json|openjd|none"}, Shown(), Idle::always},
     };
 }
 
 Rows trial_rows(CommandLine& line) {
     TrialOptions& o = line.trial;
     return {
-        {"--sample@cost", tried, o.sample,
+        {"--sample@cost", tried, &o.sample,
          "Windows spread over the film, by consecutive frames of each; the last frame of each window is also lit as "
          "the reference (default: as --within allows, at most 2x3)",
-         "WINDOWSxFRAMES", sample_from},
-        {"--within@cost", tried, o.within, "Choose a sample that takes about so long, where --sample does not", "TIME",
-         time_in_seconds, Shown()},
-        {"--tolerances", tried, o.tolerances, "Fixed tolerances, per cent of a pixel's luminance", "P,P,...",
-         percents_from, Shown()},
-        {"--sample@compare", tried, o.sample,
+         "WINDOWSxFRAMES", reads<sample_from>},
+        {"--within@cost", tried, &o.within, "Choose a sample that takes about so long, where --sample does not", "TIME",
+         reads<time_in_seconds>, Shown()},
+        {"--tolerances", tried, &o.tolerances, "Fixed tolerances, per cent of a pixel's luminance", "P,P,...",
+         reads<percents_from>, Shown()},
+        {"--sample@compare", tried, &o.sample,
          "Windows spread over the film, by consecutive frames of each; better whole GOPs", "WINDOWSxFRAMES",
-         sample_from, ShownAs{"1x15"}},
-        {"--references@compare", tried, o.references,
+         reads<sample_from>, ShownAs{"1x15"}},
+        {"--references@compare", tried, &o.references,
          "Frames of each window that are also lit as the reference: they tell what light adds to the errors of all "
          "frames",
          range(1, 1000), ShownAs{"4"}},
-        {"--quantisers", tried, o.quantisers, "Quantisers to code with, two or more", "Q,Q,...", quantisers_from,
-         ShownAs{usual_quantisers}},
-        {"--beside", tried, o.beside, "Another way: `cycles`, denoised, of a .blend, in small", "WAY",
-         one_of({"cycles"})},
-        {"--sample@tune", tried, o.sample,
+        {"--quantisers", tried, &o.quantisers, "Quantisers to code with, two or more", "Q,Q,...",
+         reads<quantisers_from>, ShownAs{usual_quantisers}},
+        {"--beside", tried, &o.beside, "Another way: `cycles`, denoised, of a .blend, in small", Words{"cycles"}},
+        {"--sample@tune", tried, &o.sample,
          "Windows spread over the film, by consecutive frames of each (default: an eighth of the film, at most 2x15; "
          "with --max-time 2x3)",
-         "WINDOWSxFRAMES", sample_from},
-        {"--references@tune", tried, o.references,
+         "WINDOWSxFRAMES", reads<sample_from>},
+        {"--references@tune", tried, &o.references,
          "Frames of each window that are also lit as the reference, which is dear: they tell what light adds to the "
          "errors of all frames. 0: quality is told against the pictures as they were lit (default: 1; with "
          "--target-bitrate and --max-size 0)",
          range(0, 1000)},
-        {"--target-psnr", target, o.psnr,
+        {"--target-psnr", target, &o.psnr,
          "PSNR-Y in dB of the decoded pictures, to 0.1 dB on the sample: finds --quality", range(1.0, 99.0)},
-        {"--target-ssim", target, o.ssim, "Their SSIM, to 0.002 on the sample: finds --quality", range(0.01, 0.9999)},
-        {"--of", target, o.of, "Whose PSNR or SSIM that is: the whole film's, or that of its worst-tenth of pictures",
-         one_of({"film", "worst-tenth"}), Shown()},
-        {"--target-bitrate", target, o.bitrate,
-         "Bits per second of pictures, to 2 %: --bitrate in two passes, and what quality that is", "RATE",
-         bits("target-bitrate")},
-        {"--max-size", target, o.size, "Bytes of the file at most, e.g. 700M: likewise", "SIZE", size_in_bytes},
-        {"--max-time", target, o.time,
+        {"--target-ssim", target, &o.ssim, "Their SSIM, to 0.002 on the sample: finds --quality", range(0.01, 0.9999)},
+        {"--of", target, &o.of, "Whose PSNR or SSIM that is: the whole film's, or that of its worst-tenth of pictures",
+         Words{"film|worst-tenth"}, Shown()},
+        {"--target-bitrate", target, &o.bitrate,
+         "Bits per second of pictures, to 2 %: --bitrate in two passes, and what quality that is", "RATE", reads_bits},
+        {"--max-size", target, &o.size, "Bytes of the file at most, e.g. 700M: likewise", "SIZE", reads<size_in_bytes>},
+        {"--max-time", target, &o.time,
          "Time on the clock at most, e.g. 2h or 90m: loosens --tolerance and --samples, and with `--indirect "
          "lightcuts` --vpls, as far as needed",
-         "TIME", time_in_seconds},
+         "TIME", reads<time_in_seconds>},
     };
 }
 
 Rows farm_rows(CommandLine& line) {
+    static const std::string schedulers = joined(scheduler_names);
     return {
-        {"--to", farm, line.farm.scheduler,
+        {"--to", farm, &line.farm.scheduler,
          "Who spreads the parts: job files for it are written beside the plan (docs/machines.md)",
-         one_of({scheduler_names.begin(), scheduler_names.end()}), Required()},
-        {"--parts", farm, line.farm.parts,
+         Words{schedulers.c_str()}, Required()},
+        {"--parts", farm, &line.farm.parts,
          "Parts to make, at most (default: one per chunk of some 60 frames, the least that a part has)",
          range(1, 1'000'000)},
-        {"--frames-per-part", farm, line.farm.frames_per_part, "Instead: frames of a part on average",
+        {"--frames-per-part", farm, &line.farm.frames_per_part, "Instead: frames of a part on average",
          range(1, 1'000'000'000), NotWith{"--parts"}},
-        {"--pack", farm, line.farm.pack,
+        {"--pack", farm, &line.farm.pack,
          "Copy all inputs into the folder, and the folder into one file, OUT.farm.tar: for machines that do not see "
          "this one's files"},
-        {"--submit", farm, line.farm.submit,
+        {"--submit", farm, &line.farm.submit,
          "Hand the parts that are not made yet to the scheduler, and the join behind them"},
-        {"--into@part", run, line.part.pieces,
+        {"--into@part", run, &line.part.pieces,
          "Write each finished chunk into this folder, too, as a file with checksums, from which `join --from` takes "
          "it: for machines that share no folder. Needs no locks; chunks that lie there are not made again",
          "DIR"},
-        {"--after-chunk", run, line.part.after_chunk,
+        {"--after-chunk", run, &line.part.after_chunk,
          "Run this after each chunk's file, e.g. 'rclone copy {} remote:film/', with the file's name for {} or behind: "
          "no shell reads it. What fails is tried again, at the end thrice; then the exit status is 1",
-         "COMMAND", command_from, With{"--into"}},
-        {"--from", run, line.part.pieces,
+         "COMMAND", reads<command_from>, With{"--into"}},
+        {"--from", run, &line.part.pieces,
          "Take chunks that `part --into` wrote from this folder and those in it, in any order", "DIR"},
-        {"--into", run, line.part.folder,
+        {"--into", run, &line.part.folder,
          "Write film, heatmaps, statistics, report and images into this folder (default: where `farm` was told)",
          "DIR"},
-        {"--price", farm, line.render.hire.price,
+        {"--price", farm, &line.render.hire.price,
          "What an hour of a core or machine costs, in any currency: tells what the film does", "0.04/core-hour",
-         price_from},
-        {"--machines", farm, line.render.hire.machines, "Machines of a farm: tells how long it takes there",
+         reads<price_from>},
+        {"--machines", farm, &line.render.hire.machines, "Machines of a farm: tells how long it takes there",
          range(1, 100'000)},
-        {"--cores", farm, line.render.hire.cores, "Cores of each machine (default: this one's)", range(1, 1024)},
-        {"--price@farm-status", run, line.part.price,
+        {"--cores", farm, &line.render.hire.cores, "Cores of each machine (default: this one's)", range(1, 1024)},
+        {"--price@farm-status", run, &line.part.price,
          "What an hour of a core costs, in any currency: tells what was spent, and what is left", "0.04/core-hour",
-         price_from},
-        {"--left", run, line.part.left,
+         reads<price_from>},
+        {"--left", run, &line.part.left,
          "Print nothing but the numbers of parts that are not whole, as 1,3-5: for scripts"},
     };
 }
 
 }  // namespace
 
-Values one_of(const std::vector<std::string>& words) {
-    const auto check = [words](std::string& text) {
-        if (std::ranges::find(words, text) != words.end()) return std::string();
-        return fmt::format("{}: expected {}{}", text, fmt::join(words, ", "), core::did_you_mean(text, words));
-    };
-    return {fmt::format("{}", fmt::join(words, "|")), CLI::Validator(check, "")};
-}
-
 std::vector<OptionRow> option_rows(CommandLine& line) {
     Rows all;
     for (const auto rows : {file_rows, scene_rows, time_rows, picture_rows, light_rows, coding_rows, product_rows,
                             run_rows, trial_rows, farm_rows})
-        for (OptionRow& row : rows(line)) all.push_back(std::move(row));
+        for (const OptionRow& row : rows(line)) all.push_back(row);
     return all;
 }
 
@@ -488,8 +492,7 @@ std::vector<std::string> said_and(Idle idle, const std::map<std::string, std::st
     CommandLine nobody;
     std::vector<std::string> names;
     for (const OptionRow& row : option_rows(nobody))
-        if (const std::string name = row.id.substr(0, row.id.find('@')); row.idle == idle && said.contains(name))
-            names.push_back(name);
+        if (row.idle == idle && said.contains(row.name())) names.push_back(row.name());
     return names;
 }
 

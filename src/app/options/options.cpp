@@ -1,17 +1,20 @@
 #include "app/options/options.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <memory>
 #include <sstream>
+#include <type_traits>
 
 #include "app/options/mistakes.h"
 #include "app/options/option_table.h"
 #include "app/options/output_kind.h"
 #include "app/options/usage_error.h"
 #include "app/system/terminal.h"
+#include "core/error.h"
 #include "core/text.h"
 #include "core/view.h"
 
@@ -168,14 +171,74 @@ const std::vector<CommandRow> commands{
     {"farm-status", "Show how far the parts of a film are", "Example: render2mpeg farm-status film.mpg.farm",
      "PLAN --from --price@farm-status --left"}};
 
+std::vector<std::string> values_in(const char* parted) {
+    std::vector<std::string> words;
+    std::istringstream left(parted);
+    for (std::string word; std::getline(left, word, '|');) words.push_back(word);
+    return words;
+}
+
+/// Why a text is no value of an option; empty where it is one.
+std::string objection(const OptionRow& row, const std::string& text) {
+    if (*row.words != '\0') {
+        const std::vector<std::string> words = values_in(row.words);
+        if (std::ranges::find(words, text) == words.end())
+            return fmt::format("{}: expected {}{}", text, fmt::join(words, ", "), core::did_you_mean(text, words));
+    }
+    if (row.range) {
+        const auto [low, high, is_whole] = *row.range;
+        int number = 0;
+        double value = 0;
+        // NaN lies in no range.
+        if (!(is_whole ? CLI::detail::lexical_cast(text, number) && number >= low && number <= high
+                       : CLI::detail::lexical_cast(text, value) && value >= low && value <= high))
+            return fmt::format("{}: expected a number from {} to {}", text, low, high);
+    }
+    if (row.check != nullptr) {
+        try {
+            row.check(text, row.name().substr(row.name().find_first_not_of('-')));
+        } catch (const core::Error& error) {
+            return error.what();
+        }
+    }
+    return {};
+}
+
+void give_option(CLI::App& command, const OptionRow& row) {
+    const std::string names = row.names, own = names.substr(0, names.find('@'));
+    CLI::Option& option = std::visit(
+        [&]<class Value>(Value* member) -> CLI::Option& {
+            if constexpr (std::is_same_v<Value, bool>)
+                return *command.add_flag(own, *member, row.text);
+            else
+                return *command.add_option(own, *member, row.text);
+        },
+        row.member);
+    if (*row.group != '\0') option.group(row.group);
+    if (*row.values != '\0')
+        option.type_name(row.values);
+    else if (*row.words != '\0')
+        option.type_name(row.words);
+    else if (row.range)
+        option.type_name(fmt::format("{}..{}", row.range->low, row.range->high));
+    if (*row.words != '\0' || row.range || row.check != nullptr)
+        option.check(CLI::Validator([row](std::string& text) { return objection(row, text); }, ""));
+    if (row.is_shown) option.capture_default_str();
+    if (*row.shown_as != '\0') option.default_str(row.shown_as);
+    if (row.is_required) option.required();
+    for (const std::string& other : row.not_with) option.excludes(command.get_option(other));
+    if (*row.with != '\0') option.needs(command.get_option(row.with));
+    if (row.is_two_words) option.allow_extra_args(false);
+}
+
 /// Adds all commands with their options, which set the members of `line`.
 void add_commands(CLI::App& app, CommandLine& line) {
     std::map<std::string, OptionRow> rows;
-    for (OptionRow& row : option_rows(line)) rows.emplace(row.id, std::move(row));
+    for (const OptionRow& row : option_rows(line)) rows.emplace(row.id(), row);
     for (const CommandRow& command : commands) {
         CLI::App* const added = app.add_subcommand(command.name, command.text)->footer(command.footer);
         std::istringstream names(command.options);
-        for (std::string name; names >> name;) rows.at(name).add_to(*added);
+        for (std::string name; names >> name;) give_option(*added, rows.at(name));
     }
 }
 
