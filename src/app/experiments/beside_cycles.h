@@ -1,6 +1,6 @@
 #pragma once
 // `compare --beside cycles`.
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 

@@ -2,7 +2,6 @@
 // The middle of a frame, for a page.
 #include <cstdint>
 #include <nlohmann/json.hpp>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 

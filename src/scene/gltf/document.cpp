@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <stdexcept>
 #include <system_error>
@@ -120,6 +121,10 @@ std::string singular(const std::string& kind) {
 
 void Element::refuse(const std::string& cause) const {
     document_->refuse(where_, cause);
+}
+
+bool Element::has(const char* key) const {
+    return json_->contains(key);
 }
 
 const nlohmann::json* Element::find(const char* key) const {
@@ -250,7 +255,11 @@ std::vector<std::pair<std::string, int>> Element::index_map(const char* key, con
 }
 
 Document::Document(const fs::path& file, BeforeDecoding before_decoding)
-    : file_(file), files_{file}, before_decoding_(std::move(before_decoding)) {
+
+    : file_(file),
+      json_(std::make_unique<const nlohmann::json>()),
+      files_{file},
+      before_decoding_(std::move(before_decoding)) {
     const std::vector<std::byte> bytes = read_scene_file(file);
     if (bytes.empty()) throw core::Error("reading", file.string(), "the file is empty");
     if (bytes.size() >= 4 && little_endian(bytes.data()) == glb_magic)
@@ -262,6 +271,8 @@ Document::Document(const fs::path& file, BeforeDecoding before_decoding)
     read_buffers();
 }
 
+Document::~Document() = default;
+
 void Document::refuse(const std::string& where, const std::string& cause) const {
     if (where.empty()) throw core::Error("reading", file_.string(), cause);
     throw core::Error("reading", file_.string(), where, cause);
@@ -270,13 +281,13 @@ void Document::refuse(const std::string& where, const std::string& cause) const 
 void Document::read_json(const std::vector<std::byte>& bytes, std::size_t first, std::size_t size) {
     const char* text = reinterpret_cast<const char*>(bytes.data()) + first;
     try {
-        json_ = nlohmann::json::parse(text, text + size);
+        json_ = std::make_unique<const nlohmann::json>(nlohmann::json::parse(text, text + size));
     } catch (const nlohmann::json::exception& error) {
         const bool has_text =
             std::any_of(text, text + size, [](char c) { return std::isgraph(static_cast<unsigned char>(c)); });
         refuse("", has_text ? "is not JSON: " + message_of(error) : "it is empty, or damaged: it holds no text");
     }
-    if (!json_.is_object()) refuse("", "is not a glTF file: its JSON is not an object");
+    if (!json_->is_object()) refuse("", "is not a glTF file: its JSON is not an object");
 }
 
 void Document::read_binary(const std::vector<std::byte>& bytes) {
@@ -323,8 +334,8 @@ void Document::check_asset() const {
 void Document::check_extensions() {
     const auto names_in = [&](const char* key) {
         std::vector<std::string> names;
-        if (!json_.contains(key)) return names;
-        const nlohmann::json& list = json_[key];
+        if (!json_->contains(key)) return names;
+        const nlohmann::json& list = (*json_)[key];
         if (!list.is_array()) refuse("", std::string(key) + " is not an array");
         for (const nlohmann::json& name : list) {
             if (!name.is_string()) refuse("", std::string(key) + " holds what is not a string");
@@ -334,7 +345,7 @@ void Document::check_extensions() {
     };
     for (const std::string& name : names_in("extensionsRequired"))
         if (!is_read(name)) refuse("", "needs the extension " + in_quotes(name) + ", which is not supported");
-    const std::vector<std::string> listed = names_in("extensionsUsed"), carried = extensions_in(json_);
+    const std::vector<std::string> listed = names_in("extensionsUsed"), carried = extensions_in(*json_);
     std::set<std::string> told;
     for (const std::string& name : listed)
         if (!is_read(name) && told.insert(name).second) notes_.push_back(not_read(name));
@@ -382,12 +393,12 @@ void Document::read_buffers() {
 }
 
 std::size_t Document::count(const char* kind) const {
-    const auto found = json_.find(kind);
-    return found != json_.end() && found->is_array() ? found->size() : 0;
+    const auto found = json_->find(kind);
+    return found != json_->end() && found->is_array() ? found->size() : 0;
 }
 
 Element Document::at(const char* kind, int index) const {
-    const nlohmann::json& entry = json_[kind][static_cast<std::size_t>(index)];
+    const nlohmann::json& entry = (*json_)[kind][static_cast<std::size_t>(index)];
     const std::string name = singular(kind);
     if (!entry.is_object()) refuse(name + " " + std::to_string(index), "is not an object");
     const auto found = entry.find("name");
@@ -396,7 +407,7 @@ Element Document::at(const char* kind, int index) const {
 }
 
 std::vector<Element> Document::all(const char* kind) const {
-    if (json_.contains(kind) && !json_[kind].is_array()) refuse("", std::string(kind) + " is not an array");
+    if (json_->contains(kind) && !(*json_)[kind].is_array()) refuse("", std::string(kind) + " is not an array");
     std::vector<Element> elements;
     for (std::size_t i = 0; i < count(kind); ++i) elements.push_back(at(kind, static_cast<int>(i)));
     return elements;
@@ -432,7 +443,7 @@ Document::Bytes Document::view(int buffer_view, const std::string& where) const 
 
 void Document::before_decoding() const {
     if (!before_decoding_) return;
-    std::uintmax_t size = json_.size();
+    std::uintmax_t size = json_->size();
     for (const std::vector<std::byte>& buffer : buffers_) size += buffer.size();
     std::exchange(before_decoding_, {})(size);
 }

@@ -5,7 +5,8 @@
 #include <filesystem>
 #include <functional>
 #include <map>
-#include <nlohmann/json.hpp>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -27,7 +28,7 @@ class Element {
     const std::string& where() const { return where_; }
     /// The same element, named by its user: `mesh 3, POSITION (accessor 7)`.
     Element seen_from(const std::string& user) const { return Element(*document_, *json_, user + " (" + where_ + ")"); }
-    bool has(const char* key) const { return json_->contains(key); }
+    bool has(const char* key) const;
     [[noreturn]] void refuse(const std::string& cause) const;
 
     double number(const char* key, double otherwise) const;
@@ -68,10 +69,11 @@ class Document {
     /// Reads a .gltf or .glb file with its buffers. Throws core::Error for other versions, truncation, or a missing
     /// extension.
     explicit Document(const std::filesystem::path& file, BeforeDecoding before_decoding = {});
+    ~Document();
 
     const std::filesystem::path& file() const { return file_; }
     std::filesystem::path folder() const { return file_.parent_path(); }
-    Element root() const { return Element(*this, json_, ""); }
+    Element root() const { return Element(*this, *json_, ""); }
     std::size_t count(const char* kind) const;
     Element at(const char* kind, int index) const;
     std::vector<Element> all(const char* kind) const;
@@ -99,7 +101,7 @@ class Document {
     Bytes part_of_buffer(const Element& view, const std::string& where) const;
 
     std::filesystem::path file_;
-    nlohmann::json json_;
+    std::unique_ptr<const nlohmann::json> json_;
     std::optional<std::vector<std::byte>> binary_chunk_;
     std::vector<std::vector<std::byte>> buffers_;
     std::vector<std::filesystem::path> files_;

@@ -1,6 +1,6 @@
 #pragma once
 // Extensions of glTF: those supported, and the effect of others missing from a picture.
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
