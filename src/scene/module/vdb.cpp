@@ -358,7 +358,8 @@ VectorGrid::Ptr color_grid(Source& source, const std::string& name) {
     if (source.has(name) || !source.has(name + "_r")) return source.grid<VectorGrid>(name);
     std::array<FloatGrid::Ptr, 3> channels;
     for (std::size_t k = 0; k < 3; ++k) channels[k] = source.grid<FloatGrid>(name + "_" + "rgb"[k]);
-    VectorGrid::Ptr grid = VectorGrid::create();
+    // Made by the library: its constructor would have all code of such grids compiled here.
+    const auto grid = openvdb::gridPtrCast<VectorGrid>(GridBase::createGrid(VectorGrid::gridType()));
     grid->setTransform(channels[0]->transformPtr());
     for (const FloatGrid::Ptr& channel : channels) {
         if (!are_same(matrix_of(*channel), matrix_of(*channels[0])))
