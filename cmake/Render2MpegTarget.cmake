@@ -2,8 +2,10 @@
 #
 # -ffp-contract=off: a fused multiply-add rounds once where two operations round twice, so that letting the compiler
 # choose would make the film depend on the instruction set. -ffast-math is never used (docs/model/determinism.md).
+# -fno-trapping-math: nobody asks for floating-point exceptions, so a conditional may be computed on both sides, and loops become vector
+# code; no bit of any result changes.
 add_library(render2mpeg_options INTERFACE)
-target_compile_options(render2mpeg_options INTERFACE -ffp-contract=off -fno-math-errno -Wall -Wextra -Wshadow -Wnon-virtual-dtor)
+target_compile_options(render2mpeg_options INTERFACE -ffp-contract=off -fno-math-errno -fno-trapping-math -Wall -Wextra -Wshadow -Wnon-virtual-dtor)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   # g++ 12 warns of overlapping copies in "text" + std::string(...), which are none (GCC bug 105651, mended in 13).
   target_compile_options(render2mpeg_options INTERFACE -Wno-restrict)
@@ -94,15 +96,13 @@ function(render2mpeg_write_unity variable number folder)
 endfunction()
 
 # render2mpeg_library(NAME [PUBLIC libs...] [PRIVATE libs...] [EXCEPT files...] [ROOMS rooms...] [HEADERS headers...] [HEADERS_OF name]
-# [HOT patterns...] [COLD rooms...] [IS_COLD] [UNITY count]): every *.cpp of the current folder and of its rooms (folders one below; not module/,
+# [HOT patterns...] [COLD rooms...] [IS_COLD]): every *.cpp of the current folder and of its rooms (folders one below; not module/,
 # which is opened on demand) as a static library render2mpeg_NAME with our options.
-# ROOMS: only of these rooms. HEADERS: what many of its sources read beside the common headers. HEADERS_OF: the same as that library's. UNITY: how many sources are compiled as one, if more than usual.
-# HOT: files, or patterns of them, with innermost loops: optimised in full in every build, and each compiled alone. With any, the library
-# minds no floating-point exceptions, for which nobody asks: a conditional may be computed on both sides, so that loops become vector
-# code; no bit of any result changes.
+# ROOMS: only of these rooms. HEADERS: what many of its sources read beside the common headers. HEADERS_OF: the same as that library's.
+# HOT: files, or patterns of them, with innermost loops: optimised in full in every build, and each compiled alone.
 # COLD: rooms in which no frame spends its time: optimised little in a release, which takes a third of their compiling away; IS_COLD: all of it.
 function(render2mpeg_library name)
-  cmake_parse_arguments(ARG "IS_COLD" "UNITY;HEADERS_OF" "PUBLIC;PRIVATE;EXCEPT;ROOMS;HEADERS;HOT;COLD" ${ARGN})
+  cmake_parse_arguments(ARG "IS_COLD" "HEADERS_OF" "PUBLIC;PRIVATE;EXCEPT;ROOMS;HEADERS;HOT;COLD" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp ${CMAKE_CURRENT_SOURCE_DIR}/*/*.cpp)
   list(FILTER sources EXCLUDE REGEX "/module/[^/]*$")
   if(ARG_ROOMS)
@@ -128,11 +128,7 @@ function(render2mpeg_library name)
       set_source_files_properties(${hot} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
     endif()
   endforeach()
-  set(count ${RENDER2MPEG_UNITY})
-  if(ARG_UNITY)
-    set(count ${ARG_UNITY})
-  endif()
-  render2mpeg_unity(sources ${count} ${sources})
+  render2mpeg_unity(sources ${RENDER2MPEG_UNITY} ${sources})
   foreach(room IN LISTS ARG_COLD)
     set(cold ${sources})
     list(FILTER cold INCLUDE REGEX "/unity/[0-9]+_${room}[.]cpp$|/${room}/[^/]*$")
@@ -143,13 +139,10 @@ function(render2mpeg_library name)
   if(ARG_IS_COLD)
     target_compile_options(render2mpeg_${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   endif()
-  if(ARG_HOT)
-    target_compile_options(render2mpeg_${name} PRIVATE -fno-trapping-math)
-  endif()
   if(RENDER2MPEG_PRECOMPILE STREQUAL "all")
     if(ARG_HEADERS_OF)
       target_precompile_headers(render2mpeg_${name} REUSE_FROM render2mpeg_${ARG_HEADERS_OF})
-    elseif(ARG_HEADERS OR ARG_HOT OR name STREQUAL "core")
+    elseif(ARG_HEADERS OR name STREQUAL "core")
       target_precompile_headers(render2mpeg_${name} PRIVATE ${RENDER2MPEG_COMMON_HEADERS} ${ARG_HEADERS})
     else()
       target_precompile_headers(render2mpeg_${name} REUSE_FROM render2mpeg_core)
@@ -157,11 +150,18 @@ function(render2mpeg_library name)
   endif()
 endfunction()
 
-# render2mpeg_module(NAME SOURCES... [PRIVATE libs...]): a shared object render2mpeg_NAME.so that is opened on demand, for
-# outside libraries that are dear to start. It lies in <build>/modules and installs to <libdir>/render2mpeg.
+# render2mpeg_module(NAME SOURCES... [PRIVATE libs...] [IS_COLD]): a shared object render2mpeg_NAME.so that is opened on demand, for
+# outside libraries that are dear to start; its sources are compiled as one. It lies in <build>/modules and installs to <libdir>/render2mpeg.
 function(render2mpeg_module name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;PRIVATE" ${ARGN})
-  add_library(render2mpeg_${name} MODULE ${ARG_SOURCES})
+  cmake_parse_arguments(ARG "IS_COLD" "" "SOURCES;PRIVATE" ${ARGN})
+  list(TRANSFORM ARG_SOURCES PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/ OUTPUT_VARIABLE sources)
+  if(RENDER2MPEG_UNITY GREATER 1)
+    render2mpeg_write_unity(sources ${name} ${CMAKE_CURRENT_SOURCE_DIR}/module ${sources})
+  endif()
+  add_library(render2mpeg_${name} MODULE ${sources})
+  if(ARG_IS_COLD)
+    target_compile_options(render2mpeg_${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+  endif()
   set_target_properties(render2mpeg_${name} PROPERTIES PREFIX "" LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/modules)
   target_link_libraries(render2mpeg_${name} PRIVATE render2mpeg_options ${ARG_PRIVATE})
   install(TARGETS render2mpeg_${name} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/render2mpeg)

@@ -11,9 +11,9 @@ namespace {
 constexpr int strictness = AV_EF_EXPLODE | AV_EF_CRCCHECK | AV_EF_BUFFER;
 
 /// One film being decoded.
-class Film {
+class DecodedFilm {
   public:
-    Film(const std::filesystem::path& file, const std::function<void(const core::Picture&)>& picture)
+    DecodedFilm(const std::filesystem::path& file, const std::function<void(const core::Picture&)>& picture)
         : file_(file.string()), picture_(picture), film_(open_film(file_, strictness, messages_)) {
         open_decoder();
     }
@@ -87,7 +87,7 @@ class Film {
 }  // namespace
 
 void decode_film(const std::filesystem::path& file, const std::function<void(const core::Picture&)>& picture) {
-    Film(file, picture).decode();
+    DecodedFilm(file, picture).decode();
 }
 
 }  // namespace render2mpeg::av

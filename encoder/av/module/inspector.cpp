@@ -70,9 +70,9 @@ std::string without_prefix(const std::string& text) {
 }
 
 /// One film being looked at.
-class Film {
+class InspectedFilm {
   public:
-    explicit Film(const std::filesystem::path& file)
+    explicit InspectedFilm(const std::filesystem::path& file)
         : file_(file.string()), film_(open_film(file_, AV_EF_CRCCHECK, messages_)) {
         open_decoder();
     }
@@ -232,7 +232,7 @@ class Film {
 }  // namespace
 
 Inspection inspect_film(const std::filesystem::path& file) {
-    return Film(file).inspect();
+    return InspectedFilm(file).inspect();
 }
 
 }  // namespace render2mpeg::av
