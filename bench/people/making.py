@@ -23,10 +23,17 @@ def start(seconds, samples=96):
     return scene
 
 
+def curves_of(action):
+    """Blender 5's lie in its layers' strips."""
+    if hasattr(action, "fcurves"):
+        return action.fcurves
+    return [curve for layer in action.layers for strip in layer.strips for bag in strip.channelbags for curve in bag.fcurves]
+
+
 def save():
     """Straight keys: what turns and walks does so evenly."""
     for action in bpy.data.actions:
-        for curve in action.fcurves:
+        for curve in curves_of(action):
             for key in curve.keyframe_points:
                 key.interpolation = "LINEAR"
     bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(sys.argv[sys.argv.index("--") + 1]))
@@ -88,6 +95,8 @@ def sky(strength=1.0, **says):
         background.inputs["Color"].default_value = (*color, 1)
         return world
     texture = world.node_tree.nodes.new("ShaderNodeTexSky")
+    if bpy.app.version >= (5, 0, 0) and says.get("sky_type") == "NISHITA":
+        says["sky_type"] = "SINGLE_SCATTERING"  # its new name
     for key, value in says.items():
         setattr(texture, key, value)
     world.node_tree.links.new(texture.outputs[0], background.inputs["Color"])
