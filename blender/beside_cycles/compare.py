@@ -3,9 +3,11 @@
 
 Windows of a .blend's film by render2mpeg and by Cycles with a denoiser, both coded alike. ORDER.json says `scene`; `render`, words of a
 command of render2mpeg that lack frames, size, quantiser and outputs; `codec`; `size`; `windows` of frames; `quantisers` of the codec;
-`samples`, ascending counts, the last four times as many up to `most_samples` where ours is better; `truth_samples`; `threads`, 0: all;
-`denoiser`, `blender`, `regression` or `best`, Blender's where it has one; `everything`, whether CPU seconds are those of exports,
-loading and frames, or of frames alone; `folder`, where all that was made is kept and found again; `result`, the file that is written.
+`samples`, ascending counts, the last four times as many up to `most_samples` where ours is better; numbers below 1 are thresholds of
+noise; `truth_samples`; `threads`, 0: all; `denoiser`, `blender`, `regression` or `best`, Blender's where it has one; `everything`,
+whether CPU seconds are those of exports, loading and frames, or of frames alone; `blender`, words that start it (none: this program);
+`by_frame`, whether the seed changes; `guiding`; `folder`, where all that was made is kept and found again; `result`, the file that is
+written. Coding counts with both.
 
 The result: `denoiser`; `windows`, each with its `first` and `last` frame, and `all`: `ours` by quantiser, `cycles` by quantiser and
 count of samples, `equal` by quantiser (judge.py), `light`; `effects`: shares of our time. Halves with seeds of their own make the truth
@@ -36,6 +38,7 @@ SCENE, FOLDER = pathlib.Path(ORDER["scene"]), pathlib.Path(ORDER["folder"])
 WIDTH, HEIGHT = ORDER["size"]
 CODEC, PROGRAM = ORDER["codec"], ORDER["render"][0]
 BITS = 10 if CODEC in ("hevc", "av1") else 8
+BLENDER = ORDER.get("blender") or [bpy.app.binary_path]
 
 
 class Failed(Exception):
@@ -48,7 +51,7 @@ class Steps:
 
     def __init__(self):
         self.begin, self.done, self.now = time.monotonic(), 0, 0
-        self.of_window = ORDER["truth_samples"] + self.OURS + sum(ORDER["samples"])
+        self.of_window = ORDER["truth_samples"] + self.OURS + sum(map(work_of, ORDER["samples"]))
 
     def __call__(self, name, text, samples):
         self.done, self.now = self.done + self.now, samples
@@ -56,6 +59,15 @@ class Steps:
         left = gone / max(self.done, 1) * max(self.of_window * len(ORDER["windows"]) - self.done, samples)
         if not ORDER.get("quiet"):
             print(f"{clock(gone)} {name}: {text}" + (f"; about {clock(left)} to go" if self.done else ""), file=sys.stderr, flush=True)
+
+
+def work_of(samples):
+    """Samples that a threshold of noise stands for: a guess, by which the time to go is told."""
+    return samples if samples >= 1 else 12 / samples
+
+
+def setting_of(samples):
+    return f"{samples} samples" if samples >= 1 else f"noise {samples:g}"
 
 
 def clock(seconds):
@@ -99,12 +111,15 @@ class Window:
 
     def cycles(self, samples, seed, kind):
         """(folder of frames, [CPU seconds of frames, of loading])."""
+        says = {"samples": samples, "seed": seed, "kind": kind, "size": [WIDTH, HEIGHT], "threads": ORDER["threads"],
+                "by_frame": kind == "truth" or ORDER.get("by_frame", True), "guiding": kind != "truth" and ORDER.get("guiding", False)}
+
         def make(folder):
-            every = run(bpy.app.binary_path, "--background", "--factory-startup", "--disable-autoexec", "-noaudio", "--python-exit-code", 1, SCENE,
-                        "-P", HERE / "frames.py", "--", folder, samples, f"{WIDTH}x{HEIGHT}", seed, ORDER["threads"], kind, *self.frames, folder=folder)
+            every = run(*BLENDER, "--background", "--factory-startup", "--disable-autoexec", "-noaudio", "--python-exit-code", 1,
+                        "-P", HERE / "frames.py", "--", SCENE, folder, json.dumps(says), *self.frames, folder=folder)
             seconds = sum(json.loads((folder / "seconds.json").read_text()))
             return [seconds, every - seconds]
-        return self.made(make, kind, samples, seed, ORDER["threads"], text_of("frames.py"), bpy.app.version_string)
+        return self.made(make, kind, json.dumps(says), text_of("frames.py"), bpy.app.version_string)
 
     def denoised(self, samples):
         """(folders of frames, denoised and not, the better of which counts; CPU seconds of frames, of loading)."""
@@ -140,12 +155,14 @@ class Window:
         return folder, seconds if ORDER["everything"] else max(seconds - said["seconds"]["load"], 1e-3), said
 
     def coded(self, frames, said, codec, *options):
-        """A film of a folder's frames, as ours shows them."""
+        """(a film of a folder's frames, as ours shows them; CPU seconds)."""
         film = frames / f"{codec}-{'-'.join(map(str, options))}-{key_of(said['view'], said['exposure'])}.mkv"
-        if not film.exists():
-            run(PROGRAM, "encode", frames / "%04d.exr", "-y", "-o", film, "--codec", codec, "--view", said["view"], "--exposure", said["exposure"], "--fps", said["fps"],
-                "--frames", f"{self.first}:{self.last}", "--quiet", *options)
-        return film
+        taken = film.with_suffix(".json")
+        if not taken.exists():
+            seconds = run(PROGRAM, "encode", frames / "%04d.exr", "-y", "-o", film, "--codec", codec, "--view", said["view"], "--exposure", said["exposure"],
+                          "--fps", said["fps"], "--frames", f"{self.first}:{self.last}", "--threads", ORDER["threads"], "--quiet", *options)
+            taken.write_text(json.dumps(seconds))
+        return film, json.loads(taken.read_text())
 
     def light(self, folder, pattern="%04d.exr"):
         found = [exr.read(folder / (pattern % n)) for n in self.frames]
@@ -157,10 +174,10 @@ class Window:
         told(name, f"the truth, {ORDER['truth_samples']} samples of Cycles", ORDER["truth_samples"])
         truth = [self.cycles(ORDER["truth_samples"] // 2, seed, "truth")[0] for seed in (1, 2)]
         told(name, "render2mpeg", told.OURS)
-        ours = {q: self.ours(q) for q in quantisers}
-        layers, _, said = self.ours(quantisers[-1], layers=True)
+        ours = {q: self.ours(q, layers=q == quantisers[-1]) for q in quantisers}
+        layers, _, said = ours[quantisers[-1]]
         motion = list(judge.motion_of(layers / "layers", self.frames, WIDTH, HEIGHT))
-        halves = [judge.luma(self.coded(folder, said, "ffv1"), WIDTH, HEIGHT, 12) for folder in truth]
+        halves = [judge.luma(self.coded(folder, said, "ffv1")[0], WIDTH, HEIGHT, 12) for folder in truth]
 
         def judged(film, seconds):
             return judge.judged(judge.luma(film, WIDTH, HEIGHT, BITS), film.stat().st_size, halves, motion) | {"cpu": seconds}
@@ -171,10 +188,11 @@ class Window:
         def try_samples(count):
             if count not in ORDER["samples"]:
                 told.of_window += count
-            told(name, f"Cycles, {count} samples, denoised", count)
+            told(name, f"Cycles, {setting_of(count)}, denoised", work_of(count))
             folders, seconds, loading = self.denoised(count)
             every = {q: [self.coded(folder, said, CODEC, "--quantiser", q) for folder in folders] for q in quantisers}
-            rows = {q: [judged(film, seconds + (loading if ORDER["everything"] else 0)) for film in films] for q, films in every.items()}
+            spent = seconds + (loading if ORDER["everything"] else 0)
+            rows = {q: [judged(film, spent + coding) for film, coding in films] for q, films in every.items()}
             better = min(range(len(folders)), key=lambda k: rows[quantisers[0]][k]["squares"])
             peers[count] = folders[better], seconds, {q: min(by, key=lambda row: row["squares"]) for q, by in rows.items()}
 
@@ -192,8 +210,9 @@ class Window:
         effects = {e["effect"]: e["seconds"] for e in said["effects"] if e["seconds"]}
         return {"first": self.first, "last": self.last, **figures([self.sums]), "light": judge.brightness(self.light(layers / "layers", "frame_%04d.exr"), *map(self.light, truth)),
                 "effects": {effect: seconds / max(sum(effects.values()), 1e-9) for effect, seconds in sorted(effects.items(), key=lambda e: -e[1])},
-                "films": {"ours": {q: str(f / "film.mkv") for q, (f, *_) in ours.items()}, "cycles": {c: str(self.coded(p[0], said, CODEC, "--quantiser", quantisers[0])) for c, p in peers.items()},
-                          "truth": str(self.coded(truth[0], said, "ffv1"))}}
+                "films": {"ours": {q: str(f / "film.mkv") for q, (f, *_) in ours.items()}, "cycles": {c: str(self.coded(p[0], said, CODEC, "--quantiser", quantisers[0])[0]) for c, p in peers.items()},
+                          "truth": str(self.coded(truth[0], said, "ffv1")[0])},
+                "truth_psnr_y": judge.noise_of(halves)}
 
 
 def figures(sums):

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
-"""blender -b --factory-startup --disable-autoexec FILE.blend -P frames.py -- FOLDER SAMPLES WxH SEED THREADS truth|own|denoised FRAME...
+"""blender -b --factory-startup --disable-autoexec -P frames.py -- FILE.blend FOLDER SETTINGS FRAME...
 
 Frames of a .blend, counted from 0 as films count them, by Cycles to FOLDER/NNNN.exr: linear light, a box as pixel filter, without
-compositing. truth: with all that the scene says but for what would make it another light: no clamp, caustics, enough bounces. own: as
-the scene has it, with the layers that denoisers want. denoised: as own, by the denoiser of this Blender. FOLDER/seconds.json: CPU
-seconds of each frame.
+compositing. SETTINGS is JSON: `size`; `threads`, 0: all; `samples`, or below 1 the noise threshold of adaptive sampling; `seed`, and
+whether it changes `by_frame`; `guiding` of paths; `kind`. truth: with all that the scene says but for what would make it another
+light: no clamp, caustics, enough bounces. own: as the scene has it, with the layers that denoisers want. denoised: as own, by the
+denoiser of this Blender. FOLDER/seconds.json: CPU seconds of each frame.
 """
 import json
 import os
@@ -12,17 +13,31 @@ import sys
 
 import bpy
 
-folder, samples, size, seed, threads, kind, *frames = sys.argv[sys.argv.index("--") + 1:]
+MOST_SAMPLES = 4096  # of adaptive sampling: Blender's default
+
+blend, folder, said, *frames = sys.argv[sys.argv.index("--") + 1:]
+said = json.loads(said)
+try:
+    bpy.ops.wm.open_mainfile(filepath=blend, use_scripts=False)
+except RuntimeError as failure:
+    raise SystemExit(f"{blend}: {' '.join(str(failure).split())}") from None
 scene = bpy.context.scene
 render, cycles = scene.render, scene.cycles
 render.engine, cycles.device = "CYCLES", "CPU"
+render.use_persistent_data = True
 render.use_compositing = render.use_sequencer = render.use_border = False
-render.resolution_x, render.resolution_y = map(int, size.split("x"))
+render.resolution_x, render.resolution_y = said["size"]
 render.resolution_percentage, render.dither_intensity = 100, 0
-if int(threads):
-    render.threads_mode, render.threads = "FIXED", int(threads)
-cycles.samples, cycles.seed, cycles.use_animated_seed = int(samples), int(seed), True
-cycles.use_adaptive_sampling, cycles.use_denoising = False, kind == "denoised"
+if said["threads"]:
+    render.threads_mode, render.threads = "FIXED", said["threads"]
+kind, adaptive = said["kind"], said["samples"] < 1
+cycles.use_adaptive_sampling, cycles.adaptive_min_samples = adaptive, 0
+cycles.samples = MOST_SAMPLES if adaptive else said["samples"]
+if adaptive:
+    cycles.adaptive_threshold = said["samples"]
+cycles.seed, cycles.use_animated_seed, cycles.use_denoising = said["seed"], said["by_frame"], kind == "denoised"
+if said["guiding"]:
+    cycles.use_guiding = True
 if kind == "truth":
     cycles.caustics_reflective = cycles.caustics_refractive = True
     cycles.blur_glossy = cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.light_sampling_threshold = 0

@@ -54,6 +54,11 @@ def judged(pictures, size, halves, motion):
             "ssim": len(pictures) * ssim(pictures, (halves[0] + halves[1]) / 2), "flicker_squares": squares, "flicker_points": points}
 
 
+def noise_of(halves):
+    """PSNR of the truth, the mean of its halves, by their difference: what is left of its own noise, which no figure has in it."""
+    return 10 * np.log10(255**2 / max(np.mean((halves[0] - halves[1]) ** 2) / 4, 1e-6))
+
+
 def together(all_sums):
     """Figures of windows' sums: CPU seconds a frame, dB, mean SSIM, bytes, code values of flicker."""
     total = {key: sum(s[key] for s in all_sums) for key in all_sums[0]}
