@@ -8,6 +8,7 @@
 
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
+#include "core/binomial.h"
 #include "core/color.h"
 #include "perceptual/display.h"
 #include "support/program.h"
@@ -32,6 +33,8 @@ TEST(Audit, SaysHowWellTolerancesWereKeptSlow) {
     EXPECT_EQ(audit.at("pixels"), 80);
     // Rays keep a tolerance by 1.3 standard errors, which 19 % exceed if all are normal; here of all pixels 26 %.
     EXPECT_LE(audit.at("over_tolerance").get<double>(), 0.32);
+    const auto over = static_cast<std::uint64_t>(std::lround(80 * audit.at("over_tolerance").get<double>()));
+    EXPECT_DOUBLE_EQ(audit.at("over_tolerance_at_most").get<double>(), core::most_share(over, 80, 0.95));
     EXPECT_GT(audit.at("error_p50").get<double>(), 0.0);
     EXPECT_LE(audit.at("error_p50").get<double>(), audit.at("error_p95").get<double>());
     EXPECT_LE(audit.at("error_p95").get<double>(), audit.at("error_p99").get<double>());

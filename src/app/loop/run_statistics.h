@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/system/progress.h"
+#include "core/binomial.h"
 #include "core/error_histogram.h"
 #include "core/numeric.h"
 #include "encoder/types.h"
@@ -89,6 +90,8 @@ struct Audit {
     double seconds = 0;  ///< CPU
 
     double share_over() const { return ratio_of(over, errors.count()); }
+    /// Share of all pixels that it is at most, with 95 % confidence: audited ones are drawn independently.
+    double most_over() const { return core::most_share(over, errors.count(), 0.95); }
 };
 
 /// Bits of some pictures, coded by the film's quantiser with its grain and without.

@@ -154,6 +154,7 @@ json audit_of(const RenderJob& film, const Audit& audit) {
     if (film.audit == 0) return nullptr;
     return {{"pixels", audit.errors.count()},
             {"over_tolerance", audit.share_over()},
+            {"over_tolerance_at_most", audit.most_over()},
             {"error_p50", finite_or_null(audit.errors.quantile(0.5))},
             {"error_p95", finite_or_null(audit.errors.quantile(0.95))},
             {"error_p99", finite_or_null(audit.errors.quantile(0.99))},

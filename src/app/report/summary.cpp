@@ -179,6 +179,8 @@ void add_audit(SummaryLines& lines, const Audit& audit) {
         {"", fmt::format("beyond their tolerance; errors {:.2f} % (median), {:.2f} % (95 %), {:.2f} % (99 %)",
                          100 * audit.errors.quantile(0.5), 100 * audit.errors.quantile(0.95),
                          100 * audit.errors.quantile(0.99))});
+    lines.push_back({"", fmt::format("with 95 % confidence at most {:.3g} % of the film's pixels are beyond it",
+                                     100 * audit.most_over())});
     if (audit.split.pixels() == 0) return;
     lines.push_back({"truth", fmt::format("{:<13}{:>6}{:>6}{:>7}{:>17}{:>17}", "errors, paths", "luma", "8x8", "rms %",
                                           "too bright %", "darker half %")});
