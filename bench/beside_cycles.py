@@ -2,7 +2,7 @@
 """Films as people make them by this program and by Cycles with a denoiser, both coded alike: what a quality costs, and how it flickers.
 
 beside_cycles.py [--peer bpy|debian] [--python PATH] [--size 320x180] [--frames A:B] [--spp 8,32,128] [--noise .1,.05] [--most-spp 512] [--truth-spp N]
-                 [--seed by-frame|fixed] [--guiding] [--quantisers 4,8,16] [--codec C] [--work FOLDER] [--page F.html] [--json F] PROGRAM FILM...
+                 [--seed by-frame|fixed] [--guiding] [--quantisers 4,8,16] [--codec C] [--work FOLDER] [--page F.html] [--json F] [--csv F] PROGRAM FILM...
 
 FILM: a .blend, a folder of them, or a script of people/ by its name. It is what `compare --beside cycles` does (blender/beside_cycles),
 of one window, on one thread, at several quantisers, with CPU seconds of everything: start, exports, loading, first frames, denoising,
@@ -49,6 +49,7 @@ parser.add_argument("--guiding", action="store_true")
 parser.add_argument("--work", type=pathlib.Path, default=HERE.parent / "build" / "bench-cache" / "people")
 parser.add_argument("--page", type=pathlib.Path)
 parser.add_argument("--json", type=pathlib.Path)
+parser.add_argument("--csv", type=pathlib.Path)
 given = parser.parse_args()
 given.work = given.work.resolve()
 given.work.mkdir(parents=True, exist_ok=True)
@@ -117,9 +118,15 @@ def look(blend):
     return found["windows"][0]
 
 
-def rows_of(name, found):
+def settings_of(found):
+    """(who, quantiser, figures) of all that was made of a film."""
     rows = [("ours", q, r) for q, r in found["ours"].items()]
-    rows += [(f"Cycles {s}", q, r) for q, by in found["cycles"].items() for s, r in sorted(by.items(), key=lambda row: float(row[0]))]
+    named = lambda s: f"Cycles {s}" if float(s) >= 1 else f"Cycles, noise {s}"  # noqa: E731
+    return rows + [(named(s), q, r) for q, by in found["cycles"].items() for s, r in sorted(by.items(), key=lambda row: float(row[0]))]
+
+
+def rows_of(name, found):
+    rows = settings_of(found)
     return [f"| {name} | {who} | {q} | {r['cpu']:.1f} | {r['psnr_y']:.1f} | {r['ssim_y']:.4f} | {r['bytes'] / 1000:.0f} | {r['flicker']:.2f} |" for who, q, r in rows]
 
 
@@ -143,5 +150,12 @@ for name, found in everything.items():
     column, row = n["tile_at"]
     lines += [f"| {name} | {found['truth_psnr_y']:.1f} | {100 * n['mean'] - 100:+.1f} ({100 * n['noise']:.1f}) % | {100 * n['dark'] - 100:+.1f} % | {100 * n['tile'] - 100:+.0f} % ({column},{row}) | {shares} |"]
 print("", *lines, sep="\n")
+if given.csv:
+    with open(given.csv, "w") as file:
+        print("film,by,quantiser,CPU s a frame,PSNR-Y,SSIM,bytes,flicker,truth's own PSNR-Y,mean light over the truth's", file=file)
+        for name, found in everything.items():
+            for who, q, r in settings_of(found):
+                print(f"{name},\"{who}\",{q},{r['cpu']:.2f},{r['psnr_y']:.2f},{r['ssim_y']:.4f},{r['bytes']},{r['flicker']:.3f},"
+                      f"{found['truth_psnr_y']:.2f},{found['light']['mean']:.4f}", file=file)
 if given.page:
     peers_page.write(given.page, lines, pictures)

@@ -18,6 +18,7 @@ def main(words):
         import bpy
     except Exception as failure:  # a broken module fails in many ways
         return f"{sys.executable}: Blender's module bpy does not start: {' '.join(str(failure).split())}"
+    bpy.app.binary_path = sys.executable  # starts others of its kind, as RENDER2MPEG_BLENDER
     bpy.ops.wm.read_factory_settings()
     given = iter(words[:words.index("--")] if "--" in words else words)
     for word in given:

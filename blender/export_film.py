@@ -10,6 +10,7 @@ import itertools
 import json
 import math
 import os
+import re
 import sys
 import traceback
 
@@ -30,8 +31,26 @@ ALEMBIC, USD = ("Alembic", "alembic", "alembic_import"), ("USD", "usd", "usd_imp
 IMPORTERS = {".abc": ALEMBIC, ".usd": USD, ".usda": USD, ".usdc": USD, ".usdz": USD}
 
 
+def saved_by(path):
+    """(major, minor) of the Blender that saved a .blend, by its first bytes; (0, 0) where they are compressed or others'."""
+    with open(path, "rb") as file:
+        found = re.match(rb"BLENDER(?:[-_][vV](\d)|\d\d-\d\dv(\d\d))(\d\d)", file.read(17))
+    return (int(found[1] or found[2]), int(found[3])) if found else (0, 0)
+
+
+def is_newer(version):
+    return tuple(version[:2]) > bpy.app.version[:2]
+
+
 def open_blend(path):
-    bpy.ops.wm.open_mainfile(filepath=path, load_ui=False, use_scripts=False)
+    try:
+        bpy.ops.wm.open_mainfile(filepath=path, load_ui=False, use_scripts=False)
+    except RuntimeError:
+        version = saved_by(path)
+        if not is_newer(version):
+            raise
+        raise Refused(f"it is of Blender {version[0]}.{version[1]}, which this Blender {bpy.app.version_string} cannot read: "
+                      "name a newer one in RENDER2MPEG_BLENDER") from None
     if os.path.realpath(bpy.data.filepath) != os.path.realpath(path):
         raise Refused("Blender cannot read it")
 
@@ -368,6 +387,8 @@ def export(path, folder, texture_size, lines, still=False):
             "frames": max(1, round(len(frames) / own_rate * RATES[rate]))}
     format_of(scene, film, lost)
     look_of_film(scene, film, lost)
+    if is_newer(bpy.data.version):
+        lost.add(os.path.basename(path), f"what Blender {bpy.data.version[0]}.{bpy.data.version[1]}, which saved it, has and this one, {bpy.app.version_string}, has not")
     scripts_in(lost)
     other_things(scene, lost)
 

@@ -224,16 +224,21 @@ def figures(sums):
 
 
 def denoiser_here():
-    import _cycles  # Blender's own
+    try:
+        import _cycles  # Blender's own
+    except ImportError:
+        raise Failed(f"Blender {bpy.app.version_string} has no Cycles: name another by --blender") from None
     return "blender" if getattr(_cycles, "with_openimagedenoise", False) else "regression"
 
 
 told = Steps()
 try:
-    DENOISER = denoiser_here() if ORDER["denoiser"] == "best" else ORDER["denoiser"]
+    here = denoiser_here()
+    DENOISER = here if ORDER["denoiser"] == "best" else ORDER["denoiser"]
     windows = [Window(first, last) for first, last in ORDER["windows"]]
     found = [window.look() for window in windows]
-    result = {"blender": bpy.app.version_string, "denoiser": DENOISER, "windows": found, "all": figures([window.sums for window in windows])}
+    result = {"blender": bpy.app.version_string, "denoiser": DENOISER,
+              "light_tree": bool(getattr(bpy.context.scene.cycles, "use_light_tree", False)), "windows": found, "all": figures([window.sums for window in windows])}
 except (Failed, OSError, ValueError, subprocess.SubprocessError) as failure:
     result = {"error": str(failure)}
 temporary = pathlib.Path(ORDER["result"] + ".new")

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <utility>
 
@@ -75,6 +76,32 @@ TEST(BesideCycles, HoldsAFilmAgainstCyclesSlow) {
         EXPECT_NE(refused.output.find(told), std::string::npos) << refused.output;
     }
     EXPECT_EQ(files, 3u) << "the film, its export, the figures";
+    const bool denoises = found.at("denoiser") == "blender";
+    EXPECT_NE(outcome.output.find(denoises ? "its OpenImageDenoise" : "a stand-in, since it has no OpenImageDenoise"),
+              std::string::npos)
+        << outcome.output;
+
+    // A Blender without Cycles.
+    std::ofstream(folder / "less") << "#!/bin/sh\nexec /usr/bin/env blender --python-expr 'import sys; "
+                                      "sys.modules[\"_cycles\"] = None' \"$@\"\n";
+    std::filesystem::permissions(folder / "less", std::filesystem::perms::owner_all);
+    const support::Outcome less = run(program() + " compare '" + film + "' --beside cycles --blender " +
+                                      path(folder, "less") + " --size 64x36 --sample 1x1");
+    EXPECT_EQ(less.status, 1);
+    EXPECT_NE(less.output.find("has no Cycles"), std::string::npos) << less.output;
+}
+
+TEST(BesideCycles, NamesABlenderThatIsNone) {
+    const Folder folder;
+    std::ofstream(folder / "film.blend") << "BLENDER-v304";
+    const std::string command = program() + " compare " + path(folder, "film.blend") + " --beside cycles --blender ";
+    for (const auto& [name, told] : {std::pair{"/nowhere/blender", "/nowhere/blender: there is no such program"},
+                                     {"blender-of-nobody", "blender-of-nobody: there is no such program"},
+                                     {"/usr/bin/python3", "/usr/bin/python3: Blender's module bpy does not start"}}) {
+        const support::Outcome refused = run(command + name);
+        EXPECT_EQ(refused.status, 1) << refused.output;
+        EXPECT_NE(refused.output.find(told), std::string::npos) << refused.output;
+    }
 }
 
 }  // namespace

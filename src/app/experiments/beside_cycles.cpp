@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -40,6 +41,12 @@ constexpr int usual_width = 192;
 /// chosen: beyond 512 samples users denoise; the truth has to be better than these.
 constexpr int most_samples = 512, truth_samples = 1024;
 
+/// Has all exports and films made by this Blender, by the programs that we start, too.
+void use_blender(const std::string& name) {
+    if (!is_installed(name)) throw core::Error("running", name, "there is no such program, or it may not be executed");
+    setenv("RENDER2MPEG_BLENDER", name.c_str(), 1);
+}
+
 void check(const TrialOptions& options) {
     const std::filesystem::path& scene = options.render.input;
     if (core::ending_of(scene) != ".blend")
@@ -47,17 +54,19 @@ void check(const TrialOptions& options) {
     if (options.report)
         throw UsageError("--beside cycles and --report: there is no page of it; --json has its figures");
     // Options that Cycles and `encode` are told as well, or that are about our light alone.
-    constexpr std::array<std::string_view, 23> known{
-        "--beside",    "--size",     "--frames",   "--exposure",     "--view",
-        "--codec",     "--samples",  "--sample",   "--json",         "--vpls",
-        "--masking",   "--clamp",    "--cache",    "--edge-samples", "--exposure-samples",
-        "--isa",       "--indirect", "--caustics", "--threads",      "--quantisers",
-        "--overwrite", "--quiet",    "--progress"};
+    constexpr std::array<std::string_view, 24> known{
+        "--beside",     "--blender",   "--size",         "--frames",
+        "--exposure",   "--view",      "--codec",        "--samples",
+        "--sample",     "--json",      "--vpls",         "--masking",
+        "--clamp",      "--cache",     "--edge-samples", "--exposure-samples",
+        "--isa",        "--indirect",  "--caustics",     "--threads",
+        "--quantisers", "--overwrite", "--quiet",        "--progress"};
     for (const auto& [name, words] : options.render.said)
         if (std::ranges::find(known, name) == known.end())
             throw UsageError("--beside cycles and " + name + ": Cycles' picture would not follow it");
     if (quantisers_from(options.quantisers.value_or("4")).empty())
         throw UsageError("--beside cycles and --quantisers none: there is nothing to compare");
+    if (options.blender) use_blender(*options.blender);
     if (!is_installed("ffmpeg"))
         throw core::Error("running", "ffmpeg", "there is no such program; its package is called ffmpeg");
 }
@@ -112,13 +121,14 @@ json found_by_blender(json order) {
     const std::filesystem::path result = folder.file("result.json");
     order["folder"] = folder.file("films");
     order["result"] = result.string();
-    write_json(file, order);
     const std::string script = core::installed_file("blender/beside_cycles/compare.py").string();
     tell_activity("");  // it tells its own
-    const Finished finished =
-        run_program({scene::blender_program().string(), "--background", "--factory-startup", "--disable-autoexec",
-                     "-noaudio", "--python-exit-code", "1", "--python", script, "--", file},
-                    Output::errors_passed_on);
+    std::vector<std::string> command = scene::words_of_blender(scene::blender_program());
+    order["blender"] = command;
+    write_json(file, order);
+    command.insert(command.end(), {"--background", "--factory-startup", "--disable-autoexec", "-noaudio",
+                                   "--python-exit-code", "1", "--python", script, "--", file});
+    const Finished finished = run_program(command, Output::errors_passed_on);
     if (InterruptGuard::requested()) return nullptr;
     json found = json::parse(std::ifstream(result), nullptr, false);
     const std::string name = order.at("scene");
@@ -156,6 +166,14 @@ std::string table_of(const json& found) {
             text += row_of(fmt::format("Cycles, {} samples", samples), quantiser, row);
     }
     return text;
+}
+
+/// Who denoised the peer's pictures, and how.
+std::string denoiser_text(const json& found) {
+    if (found.at("denoiser") != "blender")
+        return "denoised by a stand-in, since it has no OpenImageDenoise: a regression whose time does not count";
+    return "denoised by its OpenImageDenoise (albedo and normal, prefiltered accurately), " +
+           std::string(found.at("light_tree").get<bool>() ? "with" : "without") + " light tree";
 }
 
 /// "3.1 times less CPU", "1.4 times the CPU"
@@ -220,9 +238,7 @@ int compare_beside_cycles(const TrialOptions& options, const std::vector<std::st
     if (!options.render.quiet) {
         print(fmt::format("{} frames of {}x{}, {}; Cycles of Blender {}, {}\n", film.frame_count(),
                           size.at(0).get<int>(), size.at(1).get<int>(), encoder::facts_of(film.coding.codec).name,
-                          found.at("blender").get<std::string>(),
-                          found.at("denoiser") == "blender" ? "denoised by it"
-                                                            : "denoised by a regression whose time does not count"));
+                          found.at("blender").get<std::string>(), denoiser_text(found)));
         print(table_of(found));
         print_sentence(found.at("summary"));
     }

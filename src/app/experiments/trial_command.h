@@ -29,9 +29,10 @@ struct TrialColumn {
 using TrialColumns = std::vector<const char*>;
 
 /// Options of trials that say nothing of the film they are about.
-inline constexpr std::array options_of_trials{
-    "--sample", "--within", "--tolerances",  "--quantisers",  "--json",           "--report",   "--references",
-    "--beside", "--of",     "--target-psnr", "--target-ssim", "--target-bitrate", "--max-size", "--max-time"};
+inline constexpr std::array options_of_trials{"--sample",         "--within",   "--tolerances",  "--quantisers",
+                                              "--json",           "--report",   "--references",  "--beside",
+                                              "--blender",        "--of",       "--target-psnr", "--target-ssim",
+                                              "--target-bitrate", "--max-size", "--max-time"};
 
 /// Lines of text, each with its end; the name is left-aligned in `width` columns.
 std::string heads_text(const TrialColumns& columns, const std::string& name, int width);

@@ -411,6 +411,10 @@ Rows trial_rows(CommandLine& line) {
         {"--quantisers", tried, &o.quantisers, "Quantisers to code with, two or more", "Q,Q,...",
          reads<quantisers_from>, ShownAs{usual_quantisers}},
         {"--beside", tried, &o.beside, "Another way: `cycles`, denoised, of a .blend, in small", Words{"cycles"}},
+        {"--blender", tried, &o.blender,
+         "Blender of --beside cycles, or a Python whose module bpy it is; it exports your film, too (default: that of "
+         "the PATH)",
+         "PROGRAM"},
         {"--sample@tune", tried, &o.sample,
          "Windows spread over the film, by consecutive frames of each (default: an eighth of the film, at most 2x15; "
          "with --max-time 2x3)",

@@ -142,8 +142,9 @@ const std::vector<CommandRow> commands{
      "(docs/choosing.md). Needs the program ffmpeg. The references are dear: they come first, with an "
      "estimate. With --beside cycles a .blend's film is held against Cycles with a denoiser instead.\n"
      "Example: render2mpeg compare scene.glb --size 640x360 --report compare.html",
-     scene_options + "--beside --sample@compare --references@compare --quantisers " + picture_options + light_options +
-         "--masking --clamp --cache --codec --crf --gop --b-pictures --tune --encoder " + trial_options + "--progress"},
+     scene_options + "--beside --blender --sample@compare --references@compare --quantisers " + picture_options +
+         light_options + "--masking --clamp --cache --codec --crf --gop --b-pictures --tune --encoder " +
+         trial_options + "--progress"},
     {"watch", "Show a draft, and a new one whenever the scene's files change",
      "The draft is that of `render --preview` (docs/pictures.md), shown over and over in ffplay or mpv until the "
      "player is closed. A scene that cannot be read is told in one line; what was shown last stays. With --live "

@@ -109,7 +109,7 @@ struct Sample {
 struct TrialOptions {
     RenderOptions render;
     std::optional<std::filesystem::path> json, report;
-    std::optional<std::string> sample, bitrate, size, time, quantisers, beside;
+    std::optional<std::string> sample, bitrate, size, time, quantisers, beside, blender;
     std::optional<int> references;
     std::optional<double> psnr, ssim;
     std::string within = "1m", tolerances = "16,8,4,2,1", of = "film";

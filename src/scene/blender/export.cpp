@@ -35,11 +35,27 @@ bool is_program(const fs::path& file) {
     return fs::is_regular_file(file, failure) && access(file.c_str(), X_OK) == 0;
 }
 
+/// A Python, whose module bpy is Blender.
+bool is_python(const fs::path& program) {
+    return program.filename().string().starts_with("python");
+}
+
 /// State as the script writes it; null without a file.
 nlohmann::json state_of(const fs::path& file) {
     struct stat state {};
     if (stat(file.c_str(), &state) != 0) return nullptr;
     return {file.string(), state.st_size, std::int64_t{state.st_mtim.tv_sec} * 1'000'000'000 + state.st_mtim.tv_nsec};
+}
+
+/// Tells one Blender from another.
+nlohmann::json state_of_blender(const fs::path& program) {
+    if (!is_python(program)) return state_of(fs::canonical(program));
+    nlohmann::json states{fs::absolute(program).string()};
+    std::error_code failure;
+    for (const fs::directory_entry& version :
+         fs::directory_iterator(program.parent_path().parent_path() / "lib", failure))
+        states.push_back(state_of(version.path() / "site-packages" / "bpy"));
+    return states;
 }
 
 /// Key of an export's inputs.
@@ -51,7 +67,7 @@ std::string name_of(const fs::path& blend, const fs::path& script, const fs::pat
         if (entry.path().extension() == ".py") parts.push_back(entry.path());
     std::sort(parts.begin(), parts.end());
     for (const fs::path& part : parts) sum.add_file(part);
-    sum.add(state_of(fs::canonical(blender)).dump() + std::to_string(texture_size) + "," + std::to_string(lines));
+    sum.add(state_of_blender(blender).dump() + std::to_string(texture_size) + "," + std::to_string(lines));
     return core::checksum_text(sum.value());
 }
 
@@ -77,6 +93,14 @@ fs::path cache_of(const fs::path& blend) {
 nlohmann::json read_json(const fs::path& file) {
     std::ifstream stream(file);
     return nlohmann::json::parse(stream, nullptr, false);
+}
+
+std::string last_line(const fs::path& file) {
+    std::ifstream stream(file);
+    std::string last;
+    for (std::string line; std::getline(stream, line);)
+        if (!line.empty()) last = line;
+    return last;
 }
 
 /// A finished export with unchanged inputs.
@@ -145,14 +169,16 @@ void run_blender(const fs::path& blend, const fs::path& blender, const fs::path&
                  int lines) {
     if (!Probe::is_possible()) throw core::Error("reading", blend.string(), "the program that runs Blender is missing");
     const std::vector<std::string> words{"blend",
-                                         fs::canonical(blender).string(),
-                                         fs::absolute(script).string(),
-                                         fs::absolute(blend).string(),
-                                         fs::absolute(folder).string(),
-                                         std::to_string(texture_size),
+                                         // A virtual environment is found by its link to a Python.
+                                         (is_python(blender) ? fs::absolute(blender) : fs::canonical(blender)).string(),
+                                         fs::absolute(script).string(), fs::absolute(blend).string(),
+                                         fs::absolute(folder).string(), std::to_string(texture_size),
                                          std::to_string(lines)};
     const ProbeEnd end = Probe(blender_limits(), words).end();
     const nlohmann::json result = read_json(folder / result_name);
+    if (!result.is_object() && is_python(blender))
+        if (const std::string said = last_line(folder / "blender.log"); !said.empty())
+            throw core::Error("reading", blend.string(), said);
     if (!result.is_object()) refuse(blend, end);
     if (result.contains("error")) throw core::Error("reading", blend.string(), result.value("error", ""));
 }
@@ -160,17 +186,24 @@ void run_blender(const fs::path& blend, const fs::path& blender, const fs::path&
 }  // namespace
 
 fs::path blender_program() {
-    if (const char* named = std::getenv("RENDER2MPEG_BLENDER"); named != nullptr && *named != '\0')
-        return is_program(named) ? fs::path(named) : fs::path();
+    const char* named = std::getenv("RENDER2MPEG_BLENDER");
+    const std::string name = named != nullptr && *named != '\0' ? named : "blender";
+    if (name.find('/') != std::string::npos) return is_program(name) ? fs::path(name) : fs::path();
     const char* path = std::getenv("PATH");
     std::string_view folders = path != nullptr ? path : "";
     while (!folders.empty()) {
         const std::size_t end = std::min(folders.find(':'), folders.size());
-        const fs::path file = fs::path(folders.substr(0, end)) / "blender";
+        const fs::path file = fs::path(folders.substr(0, end)) / name;
         if (end > 0 && is_program(file)) return file;
         folders.remove_prefix(std::min(end + 1, folders.size()));
     }
     return {};
+}
+
+std::vector<std::string> words_of_blender(const fs::path& program) {
+    std::vector<std::string> words{program.string()};
+    if (is_python(program)) words.push_back(core::installed_file("blender/bpy_program.py").string());
+    return words;
 }
 
 BlenderExport export_by_blender(const fs::path& file, int lines) {
@@ -214,11 +247,13 @@ void become_blender(const std::vector<std::string>& words) {
     // A virtual environment's Python would be taken for Blender's own, and lacks its packages.
     setenv("PATH", "/usr/local/bin:/usr/bin:/bin", 1);
     unsetenv("PYTHONHOME");
-    const char* const arguments[] = {program.c_str(), "--background", "--factory-startup", "--disable-autoexec",
-                                     "-noaudio",      "--python",     script.c_str(),      "--",
-                                     blend.c_str(),   folder.c_str(), size.c_str(),        lines.c_str(),
-                                     nullptr};
-    execv(program.c_str(), const_cast<char* const*>(arguments));
+    std::vector<std::string> command = words_of_blender(program);
+    command.insert(command.end(), {"--background", "--factory-startup", "--disable-autoexec", "-noaudio", "--python",
+                                   script, "--", blend, folder, size, lines});
+    std::vector<char*> arguments;
+    for (std::string& word : command) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    execv(program.c_str(), arguments.data());
 }
 
 }  // namespace render2mpeg::scene

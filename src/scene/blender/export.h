@@ -17,8 +17,12 @@ struct BlenderExport {
 /// and time. Throws core::Error.
 BlenderExport export_by_blender(const std::filesystem::path& file, int lines);
 
-/// $RENDER2MPEG_BLENDER, else `blender` on the PATH; empty where there is none.
+/// $RENDER2MPEG_BLENDER, a path or a name on the PATH, else `blender` there; empty where there is none.
 std::filesystem::path blender_program();
+
+/// Words that begin a command of Blender: the program, or, of a Python, that and the script by which its module bpy
+/// takes Blender's words.
+std::vector<std::string> words_of_blender(const std::filesystem::path& program);
 
 /// Becomes Blender within a probe. `words`: program, script, scene, output folder, longest side of baked textures,
 /// height of the pictures. Returns only on failure.
