@@ -1,6 +1,7 @@
 #include "renderer/renderer.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "core/error.h"
@@ -52,8 +53,10 @@ struct Renderer::Impl {
     }
 
     void begin() {
-        if (lights.by_rays()) rays_of.push_back(RaysOf::hemispheres);
-        if (plan.runs(Pass::lobe_rays)) rays_of.push_back(RaysOf::lobes);
+        if (lights.by_rays())
+            rays_of = RaysOf::all;
+        else if (plan.runs(Pass::lobe_rays))
+            rays_of = RaysOf::lobes;
     }
 
     void pose(const scene::Snapshot& snapshot) {
@@ -85,8 +88,7 @@ struct Renderer::Impl {
     void update_lights(const scene::Snapshot& snapshot) {
         if (!lights.update(snapshot)) return;
         cache.light_changes();
-        if (!rays_of.empty() || plan.runs(Pass::hair) || plan.runs(Pass::subsurface))
-            final_gather.forget(lights.sky_of_rays());
+        if (rays_of || plan.runs(Pass::hair) || plan.runs(Pass::subsurface)) final_gather.forget(lights.sky_of_rays());
     }
 
     /// Parts the time of gathering among the rows of the plan that it serves, by clusters.
@@ -146,7 +148,7 @@ struct Renderer::Impl {
     PassTimes times;
     PosedScene posed_scene;
     FilmLights lights;
-    std::vector<RaysOf> rays_of;  ///< that see light missing in light trees
+    std::optional<RaysOf> rays_of;  ///< that see light missing in light trees
     bool started = false;
     bool caches = false;  ///< light is cached in this chunk
     Caustics caustics;
@@ -222,8 +224,9 @@ void Renderer::Impl::light_volumes(const AirInstant& instant) {
 FrameLight Renderer::Impl::gather_all(const scene::Snapshot& snapshot, const LightingContext& context,
                                       const CutLimits& limits, ShadeCounts& counts) {
     FrameLight light = gather_light(context, limits, counts);
-    if (!rays_of.empty() && !caches) final_gather.forget(lights.sky_of_rays());
-    for (const RaysOf which : rays_of) add_rays(final_gather, snapshot.camera, context, which, light);
+    if (!rays_of) return light;
+    if (!caches) final_gather.forget(lights.sky_of_rays());
+    add_rays(final_gather, snapshot.camera, context, *rays_of, light);
     return light;
 }
 
@@ -242,7 +245,7 @@ FrameLight Renderer::Impl::gather_film(const scene::Snapshot& snapshot, const Li
     if (!caches || is_reference) return gather_all(snapshot, context, limits, counts);
     FrameLight light =
         cache.light(context, snapshot, limits, lights.by_rays() ? &final_gather : nullptr, counts, statistics.cache);
-    if (plan.runs(Pass::lobe_rays)) add_rays(final_gather, snapshot.camera, context, RaysOf::lobes, light);
+    if (rays_of == RaysOf::lobes) add_rays(final_gather, snapshot.camera, context, RaysOf::lobes, light);
     return light;
 }
 
@@ -436,7 +439,7 @@ auto Renderer::Impl::audited(const scene::Snapshot& snapshot, const Lit& lit, co
     const Statistics before = statistics;
     update_lights(snapshot);
     statistics = before;
-    const auto rays = !rays_of.empty() ? std::make_unique<FinalGather>(posed_scene, plan) : nullptr;
+    const auto rays = rays_of ? std::make_unique<FinalGather>(posed_scene, plan) : nullptr;
     if (rays) rays->forget(lights.sky_of_rays());
     return use(AuditedFrame{posed_scene, context_of(snapshot, lit.frame, lit.ungathered, tolerance), rays.get(),
                             rays_of, lit.middle.combined.empty() ? lit.radiance : lit.middle});

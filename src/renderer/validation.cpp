@@ -21,12 +21,10 @@ std::vector<glm::vec3> exact_pixels(const AuditedFrame& frame, const std::vector
             points.push_back(frame.context.seen.tiles[pixels[k].tile][i]);
             of_pixel.push_back(k);
         }
-    for (const RaysOf which : frame.rays_of) {
-        const std::vector<glm::vec3> more =
-            exact_rays(*frame.rays, frame.posed_scene.posed().camera, points, of_pixel, pixels.size(), which);
-        for (std::size_t k = 0; k < light.size(); ++k)
-            if (core::is_finite(more[k])) light[k] += more[k];
-    }
+    const std::vector<glm::vec3> more =
+        exact_rays(*frame.rays, frame.posed_scene.posed().camera, points, of_pixel, pixels.size(), *frame.rays_of);
+    for (std::size_t k = 0; k < light.size(); ++k)
+        if (core::is_finite(more[k])) light[k] += more[k];
     return light;
 }
 

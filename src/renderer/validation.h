@@ -1,5 +1,6 @@
 #pragma once
 // Holds pixels of a lit frame against the truth.
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -19,9 +20,9 @@ namespace render2mpeg::renderer {
 /// A lit frame to be validated.
 struct AuditedFrame {
     const PosedScene& posed_scene;
-    LightingContext context;      ///< that it was lit by
-    FinalGather* rays;            ///< of `rays_of`; null: of none
-    std::vector<RaysOf> rays_of;  ///< that see the sky and indirect light, which light trees hold else
+    LightingContext context;        ///< that it was lit by
+    FinalGather* rays;              ///< of `rays_of`; null: of none
+    std::optional<RaysOf> rays_of;  ///< that see the sky and indirect light, which light trees hold else
     const core::Radiance& radiance;
 };
 

@@ -46,7 +46,7 @@ std::vector<RayLight> light_of(const Stage& stage, const std::vector<GatherPoint
                             {{tolerance, 0.0f, 0.0f}, 0.0f},
                             Stream(Purpose::hemisphere_rays, {.index = i}),
                             1e-3f,
-                            false,
+                            RaysOf::all,
                             0u});
     return gather.gather(requests, {});
 }
@@ -288,7 +288,7 @@ TEST(NearLight, AndRaysTogetherGiveWhatRaysGive) {
                             {},
                             Stream(Purpose::hemisphere_rays, {.index = i}),
                             1e-3f,
-                            false,
+                            RaysOf::all,
                             static_cast<std::uint32_t>(i)});
     const auto by_rays = [&](const NearField& field) {
         FinalGather gather(stage.posed_scene(), plan);

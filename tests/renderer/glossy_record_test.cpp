@@ -43,12 +43,12 @@ TEST_F(Wall, LobesThatAnotherEyeSawServeByHowFarItWas) {
     EXPECT_FALSE(holds(0.3f, 10.0f));
 }
 
-TEST_F(Wall, LobesOfRoughnessTwoTenthsAndMoreTakeRecords) {
+TEST_F(Wall, RoundLobesTakeRecordsHoweverNarrowTheyAre) {
     GatherPoint p = point_at(12, 12);
     EXPECT_TRUE(uses_cache(p));
-    p.point.bsdf = {glm::vec3(0.5f), glm::vec3(0.04f), 0.2f * 0.2f};
+    p.point.bsdf = {glm::vec3(0.5f), glm::vec3(0.04f), 0.1f * 0.1f};
     EXPECT_TRUE(uses_cache(p));
-    p.point.bsdf.alpha = 0.19f * 0.19f;
+    p.point.bsdf.along = {1, 0, 0};
     EXPECT_FALSE(uses_cache(p));
     p.path = renderer::extended_path(p.path, true);
     EXPECT_FALSE(uses_cache(p)) << "in a mirror as well";

@@ -109,7 +109,7 @@ RayRequests ray_requests_of(const FrameState& frame, GatheredRequests& g) {
             g.rays[i] = light_of_rays(frame.records[ref.record], out.receivers.back());
             continue;
         }
-        if (!uses_cache(p) && !wants_rays(p.point.bsdf, RaysOf::hemispheres)) continue;
+        if (!uses_cache(p) && !wants_rays(p.point.bsdf, RaysOf::all)) continue;
         out.of.push_back(static_cast<std::uint32_t>(i));
         GatherRequest& r =
             out.requests.emplace_back(request_of(out.receivers.back(), frame.tiles[ref.tile].tolerance[ref.index],

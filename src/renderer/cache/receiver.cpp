@@ -14,15 +14,11 @@ namespace {
 /// record that serves nobody. chosen: 0.05, darker than any paint; not tuned.
 constexpr float least_albedo = 0.05f;
 
-/// Narrower lobes change too fast from place to place and as the eye moves. chosen: 0.04, a roughness of 0.2, of 0.01,
-/// 0.04 and 0.25 (docs/measurements.md#irradiance-cache).
-constexpr float least_alpha = 0.04f;
-
 }  // namespace
 
 bool uses_cache(const GatherPoint& p) {
     const Bsdf& bsdf = p.point.bsdf;
-    return !bsdf.has_glossy() || (bsdf.alpha >= least_alpha && !bsdf.is_stretched());
+    return !bsdf.has_glossy() || !bsdf.is_stretched();
 }
 
 float receives(const GatherPoint& p) {

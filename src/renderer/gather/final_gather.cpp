@@ -17,6 +17,7 @@
 #include "renderer/base/flush_denormals.h"
 #include "renderer/base/lobe.h"
 #include "renderer/base/stopwatch.h"
+#include "renderer/gather/narrow_lobe.h"
 #include "renderer/gather/ray_guide.h"
 #include "renderer/gather/ray_sums.h"
 #include "renderer/paths/path_directions.h"
@@ -71,6 +72,8 @@ struct FinalGather::Traced {
         std::array<float, 3> weight{};  ///< of it in the sums
         std::uint32_t cell = 0;         ///< of RayGuide
         float density = 1;              ///< that it was drawn by
+        bool along_lobe = false;        ///< a narrow one
+        float nearness = 0;             ///< one over its length
     };
     std::vector<Ray> rays;
     std::vector<RayTerm> terms;
@@ -125,6 +128,7 @@ struct FinalGather::Directions {
     struct Ray {
         glm::vec3 direction{0};
         std::array<float, 3> weight{};  ///< of irradiance, f0, f90; all 0: it is not traced
+        bool along_lobe = false;        ///< a narrow one
         float solid_angle = RayRules{}.solid_angle;
         std::uint32_t cell = 0;  ///< of RayGuide
         float density = 1;       ///< that it was drawn by, over an even one
@@ -133,23 +137,46 @@ struct FinalGather::Directions {
     std::array<std::uint32_t, bundle_rays> order;  ///< neighbours lie next to each other
 };
 
-/// Cosine-distributed, eq. 1 of docs/model/gathering.md, some by a wide lobe: both take all [Veach1995].
-FinalGather::Directions FinalGather::hemisphere(const GatherRequest& request, const Bundle& bundle) const {
+namespace {
+
+/// Share of a request's rays that are drawn along its lobe: whole rays of a batch.
+float share_of_lobe(const GatherRequest& request) {
     const SurfacePoint& p = request.point->point;
-    const bool coated = p.bsdf.has_glossy(), glossy = p.bsdf.has_lobe() && !p.bsdf.has_narrow_lobe();
+    if (request.which == RaysOf::lobes) return 1.0f;
+    if (!p.bsdf.has_lobe() || !(glm::dot(p.shading_normal, p.outgoing) > 0.0f)) return 0.0f;
+    if (!p.bsdf.has_diffuse()) return 1.0f;
+    return std::clamp(std::round(lobe_chance(p) * batch_rays), 1.0f, batch_rays - 1.0f) / batch_rays;
+}
+
+}  // namespace
+
+/// Cosine-distributed, eq. 1 of docs/model/gathering.md, and some by the lobe. Rays of a wide lobe and of the
+/// hemisphere both take all [Veach1995]; narrow ones see other light, and take the lobe's.
+FinalGather::Directions FinalGather::directions(const GatherRequest& request, const Bundle& bundle) const {
+    const SurfacePoint& p = request.point->point;
+    const bool narrow = p.bsdf.has_narrow_lobe(), coated = p.bsdf.has_glossy(), glossy = p.bsdf.has_lobe() && !narrow;
     Bsdf white = p.bsdf;  // of the lobe alone
     white.diffuse = glm::vec3(0);
     white.f0 = white.f90 = glm::vec3(1);
     Directions out;
-    const float of_lobe = glossy && glm::dot(p.shading_normal, p.outgoing) > 0.0f ? lobe_chance(p) : 0.0f;
+    const float of_lobe = share_of_lobe(request);
+    const NarrowLobe narrow_lobe(p);
     std::array<std::pair<std::uint32_t, std::uint32_t>, bundle_rays> order;
     for (std::uint32_t i = 0; i < bundle.count; ++i) {
         order[i] = {0, i};
         const glm::vec2 even = bundle.numbers.sobol(bundle.first + i);
         const bool by_lobe = even.x < of_lobe;
         const glm::vec2 rest((by_lobe ? even.x : even.x - of_lobe) / (by_lobe ? of_lobe : 1.0f - of_lobe), even.y);
-        auto [u, density] = !by_lobe && bundle.guide != nullptr ? bundle.guide->draw(rest) : RayGuide::Drawn{rest};
         Directions::Ray& ray = out.rays[i];
+        if (by_lobe && narrow) {
+            const NarrowLobe::Drawn drawn = narrow_lobe.draw(rest);
+            ray.along_lobe = true;
+            ray.direction = drawn.direction;
+            ray.weight = {0.0f, drawn.weight * (1.0f - drawn.schlick), drawn.weight * drawn.schlick};
+            ray.solid_angle = core::divide_or(1.0f, lobe_rays * drawn.density, 0.0f);
+            continue;
+        }
+        auto [u, density] = !by_lobe && bundle.guide != nullptr ? bundle.guide->draw(rest) : RayGuide::Drawn{rest};
         ray.direction = chosen_direction(p, by_lobe, u);
         if (of_lobe > 0.0f) {
             const float cosine = glm::dot(p.shading_normal, ray.direction);
@@ -158,8 +185,9 @@ FinalGather::Directions FinalGather::hemisphere(const GatherRequest& request, co
                 u = core::place_of_cosine(p.shading_normal, ray.direction);
                 density = bundle.guide != nullptr ? bundle.guide->density_at(u) : 1.0f;
             }
-            density = (1.0f - of_lobe) * density +
-                      direction_density(p, 1.0f, ray.direction) * of_lobe * std::numbers::pi_v<float> / cosine;
+            density *= 1.0f - of_lobe;
+            if (!narrow)
+                density += direction_density(p, 1.0f, ray.direction) * of_lobe * std::numbers::pi_v<float> / cosine;
         }
         order[i].first = RayGuide::place_of(u);
         ray.cell = RayGuide::cell_of(u);
@@ -185,49 +213,20 @@ FinalGather::Directions FinalGather::hemisphere(const GatherRequest& request, co
     return out;
 }
 
-/// Mirrored by the lobe's visible normals [Heitz2018].
-FinalGather::Directions FinalGather::lobe(const GatherRequest& request, const Bundle& bundle) const {
-    const SurfacePoint& p = request.point->point;
-    StretchedLobe lobe(p.bsdf, p.shading_normal);
-    if (!p.bsdf.is_stretched()) lobe.alpha = glm::vec2(p.bsdf.alpha);
-    glm::vec3 eye = lobe.local(p.outgoing);
-    eye.z = std::max(eye.z, 1e-3f);
-    eye = glm::normalize(eye);
-    Directions out;
-    for (std::uint32_t i = 0; i < bundle.count; ++i) {
-        out.order[i] = i;
-        const glm::vec3 half = visible_normal(eye, lobe.alpha, bundle.numbers.sobol(bundle.first + i));
-        const float eye_half = std::max(glm::dot(eye, half), 0.0f);
-        const glm::vec3 light = 2.0f * eye_half * half - eye;
-        if (!(light.z > 0.0f)) continue;
-        Directions::Ray& ray = out.rays[i];
-        ray.direction = core::normalize_or(lobe.world(light), p.shading_normal);
-        const float density = lobe.density(half, eye);
-        // G2 / G1
-        const float weight =
-            core::divide_or(lobe.distribution(half) * lobe.masking(light, eye) * light.z, density, 0.0f);
-        const float s = lobe::schlick(eye_half);
-        ray.weight = {0.0f, weight * (1.0f - s), weight * s};
-        ray.solid_angle = core::divide_or(1.0f, lobe_rays * density, 0.0f);
-    }
-    return out;
-}
-
 void FinalGather::trace(const GatherRequest& request, const Bundle& bundle, Traced& out) const {
     const GatherPoint& point = *request.point;
     const SurfacePoint& p = point.point;
     const glm::vec3 smooth = p.geometric_normal + p.smooth.tilt;
     const std::uint32_t places = point.others + 1u;
-    const Directions directions = request.lobe ? lobe(request, bundle) : hemisphere(request, bundle);
-    RayRules rules;
-    rules.near = request.extent;
-    rules.bounces = request.bounces;
-    rules.is_lobe = request.lobe;
-    if (request.lobe) {
-        rules.spread = std::min(rules.spread, 0.5f * p.bsdf.alpha);
-        rules.shining = sky_.shining;
-    }
-    rules.bodies_block = bodies_block_;
+    const Directions drawn = directions(request, bundle);
+    RayRules even, along_lobe;
+    even.near = request.extent;
+    even.bounces = request.bounces;
+    even.bodies_block = bodies_block_;
+    along_lobe = even;
+    along_lobe.is_lobe = true;
+    along_lobe.spread = std::min(even.spread, 0.5f * p.bsdf.alpha);
+    along_lobe.shining = sky_.shining;
 
     std::array<RayQuery, bundle_rays> queries;
     std::array<Hit, bundle_rays> hits;
@@ -235,11 +234,11 @@ void FinalGather::trace(const GatherRequest& request, const Bundle& bundle, Trac
     std::uint32_t asked = 0;
     out.rays.assign(bundle.count, {});
     for (std::uint32_t k = 0; k < bundle.count; ++k) {
-        const std::uint32_t i = directions.order[k], number = bundle.first + i;
-        const Directions::Ray& ray = directions.rays[i];
+        const std::uint32_t i = drawn.order[k], number = bundle.first + i;
+        const Directions::Ray& ray = drawn.rays[i];
         const bool counts = ray.weight[0] + ray.weight[1] + ray.weight[2] > 0.0f;
         // A lobe is known in all, whatever of it the surface hides; so is a diffuse surface.
-        out.rays[i] = {glm::vec3(0), ray.weight, ray.cell, ray.density};
+        out.rays[i] = {glm::vec3(0), ray.weight, ray.cell, ray.density, ray.along_lobe};
         if (!counts || !(glm::dot(smooth, ray.direction) > 0.0f)) continue;
         const auto place = static_cast<std::uint32_t>(bundle.numbers.at(number).bits() % places);
         queries[asked] = {place == 0 ? shadow_origin(p) : point.elsewhere[place - 1], ray.direction,
@@ -248,15 +247,17 @@ void FinalGather::trace(const GatherRequest& request, const Bundle& bundle, Trac
     }
     posed_scene_.tracer().any_nearest(std::span<const RayQuery>(queries.data(), asked),
                                       std::span<Hit>(hits.data(), asked),
-                                      bundle.count >= coherent_rays && !request.lobe);
+                                      bundle.count >= coherent_rays && !p.bsdf.has_narrow_lobe());
     out.traced += asked;
     for (std::uint32_t k = 0; k < asked; ++k) {
-        const Directions::Ray& ray = directions.rays[index[k]];
+        const Directions::Ray& ray = drawn.rays[index[k]];
+        RayRules& rules = ray.along_lobe ? along_lobe : even;
         rules.solid_angle = ray.solid_angle;
-        rules.brightest = !request.lobe ? sky_.brightest
+        rules.brightest = !ray.along_lobe ? sky_.brightest
                           : !sky_.importance
                               ? sky_.lobe_brightest
                               : core::divide_or(sky_.lobe_brightest, sky_.importance(ray.direction), 0.0f);
+        if (hits[k].found()) out.rays[index[k]].nearness = 1.0f / std::max(hits[k].distance, request.extent);
         out.rays[index[k]].light = gather_rays_.follow(
             queries[k], hits[k], rules, bundle.numbers.at(bundle.first + index[k]), index[k], out.terms, out.traced);
     }
@@ -310,7 +311,8 @@ void FinalGather::trace_all(std::span<const GatherRequest> requests, std::span<c
 void FinalGather::add_bundle(const GatherRequest& request, Traced& traced, PointSums& s, RayGuide* guide) const {
     for (const RayTerm& term : traced.terms) {
         const std::uint32_t cell = term.cell != LightCells::none ? term.cell : cache_.index_of(term.place.key);
-        traced.rays[term.ray].light += term.weight * (request.lobe ? cache_.radiance(cell) : cache_.far_part(cell));
+        Traced::Ray& ray = traced.rays[term.ray];
+        ray.light += term.weight * (ray.along_lobe ? cache_.radiance(cell) : cache_.far_part(cell));
     }
     RaySums batch;
     for (const Traced::Ray& ray : traced.rays) {
@@ -322,8 +324,10 @@ void FinalGather::add_bundle(const GatherRequest& request, Traced& traced, Point
             batch.light[k] += shares[k];
             batch.weight[k] += ray.weight[k];
         }
+        s.nearness += static_cast<double>(ray.nearness) * (ray.weight[1] + ray.weight[2]);
         ++s.rays;
-        if (guide != nullptr) guide->add(ray.cell, ray.density * shown_luminance(*request.point, shares));
+        if (guide != nullptr && !ray.along_lobe)
+            guide->add(ray.cell, ray.density * shown_luminance(*request.point, shares));
         if (++batch.rays < batch_rays) continue;
         const double shown = shown_luminance(*request.point, batch.mean(s.albedo));
         if (const std::uint32_t number = s.rays / batch_rays - 1; number < 2) s.first_batches[number] = shown;
@@ -394,7 +398,7 @@ std::uint32_t pilot_of(const GatherRequest& r) {
 
 /// Whether a guide may pay, as far as it is known before any ray.
 bool may_be_guided(std::span<const GatherRequest> pool) {
-    if (pool.front().lobe) return false;
+    if (pool.front().which == RaysOf::lobes) return false;
     double rays = 0, seen = 0;
     for (const GatherRequest& r : pool) {
         if (r.rays == 0) return true;
@@ -422,7 +426,7 @@ std::vector<FinalGather::Pool> FinalGather::pools_of(std::span<const GatherReque
         for (std::size_t i = pool.first; i < pool.last; ++i) {
             const SurfacePoint& p = requests[i].point->point;
             sums[i].pool = static_cast<std::uint32_t>(k);
-            if (requests[i].lobe)
+            if (p.bsdf.has_narrow_lobe())
                 sums[i].albedo = lobe_albedo(glm::dot(p.shading_normal, p.outgoing), p.bsdf.mean_alpha());
         }
     });
@@ -474,6 +478,7 @@ std::vector<RayLight> FinalGather::gather(std::span<const GatherRequest> request
                         {static_cast<float>(std::sqrt(s.variance()))},
                         static_cast<float>(s.batch_variance()),
                         s.rays,
+                        static_cast<float>(s.mean_nearness()),
                         static_cast<float>(s.first_batches[0] - s.first_batches[1])};
         }
     });

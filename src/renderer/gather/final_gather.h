@@ -27,17 +27,23 @@ inline constexpr std::uint32_t pilot_rays = 16;
 struct PointSums;
 class RayGuide;
 
+/// Which rays leave a point.
+enum class RaysOf {
+    all,   ///< over its hemisphere and along its lobe
+    lobes  ///< along its narrow lobe alone (Bsdf::has_narrow_lobe)
+};
+
 /// A point whose indirect light and sky are wanted.
 struct GatherRequest {
     const GatherPoint* point = nullptr;
     PointTolerance tolerance;  ///< `base` holds the luminance that its pixel has already
     Stream numbers;            ///< of its rays: the same place of the picture, the same rays
     float extent = 0;          ///< of a pixel there, world: rays shorter than this are followed as paths
-    bool lobe = false;         ///< along the point's narrow lobe (Bsdf::has_narrow_lobe); else over the hemisphere
-    std::uint32_t pool = 0;    ///< requests of one pool lie next to each other, on about one surface
-    std::uint32_t rays = 0;    ///< so many, a multiple of 8; 0: by the tolerance
-    bool bounces = true;       ///< false: the sky alone
-    std::uint32_t from = 0;    ///< number of the first: it has so many already
+    RaysOf which = RaysOf::all;
+    std::uint32_t pool = 0;  ///< requests of one pool lie next to each other, on about one surface
+    std::uint32_t rays = 0;  ///< so many, a multiple of 8; 0: by the tolerance
+    bool bounces = true;     ///< false: the sky alone
+    std::uint32_t from = 0;  ///< number of the first: it has so many already
 };
 
 /// Light found by rays for one point.
@@ -47,6 +53,8 @@ struct RayLight {
     core::StandardError error{};  ///< in the pixel
     float batch_variance = 0;     ///< of means of 8 rays, luminance of the pixel squared
     std::uint32_t rays = 0;
+    /// Mean of what is met along the lobe, of one over its distance; 0 of the sky.
+    float nearness = 0;
     /// Luminance of the pixel by the first 8 less that by the next 8: how they vary by chance, with sign.
     float difference = 0;
 };
@@ -70,7 +78,7 @@ struct SkyOfRays {
 /// Counts of final gathering, summed since construction.
 struct FinalGatherCounts {
     std::uint64_t points = 0;
-    std::uint64_t rays = 0;       ///< over hemispheres
+    std::uint64_t rays = 0;       ///< of points
     std::uint64_t cell_rays = 0;  ///< to light cells, shadow rays among them
     double seconds = 0;           ///< CPU
 };
@@ -112,8 +120,7 @@ class FinalGather {
     struct Directions;
 
     // The estimate.
-    Directions hemisphere(const GatherRequest& request, const Bundle& bundle) const;
-    Directions lobe(const GatherRequest& request, const Bundle& bundle) const;
+    Directions directions(const GatherRequest& request, const Bundle& bundle) const;
     void trace(const GatherRequest& request, const Bundle& bundle, Traced& out) const;
     static std::vector<std::size_t> runs_of(std::span<const Bundle> bundles, std::size_t rays);
     void trace_all(std::span<const GatherRequest> requests, std::span<const Bundle> bundles,

@@ -9,16 +9,14 @@ namespace {
 GatherRequest ray_request(const GatherPoint& p, const PointTolerance& allowed, glm::ivec2 pixel,
                           const scene::Camera& camera, RaysOf which) {
     GatherRequest r = request_of(p, allowed, pixel, camera);
-    r.lobe = which == RaysOf::lobes;
-    if (r.lobe) r.numbers = r.numbers.with(Purpose::lobe_rays);
+    r.which = which;
     return r;
 }
 
 }  // namespace
 
 bool wants_rays(const Bsdf& bsdf, RaysOf which) {
-    return which == RaysOf::lobes ? bsdf.has_narrow_lobe()
-                                  : bsdf.has_diffuse() || (bsdf.has_glossy() && !bsdf.has_narrow_lobe());
+    return which == RaysOf::lobes ? bsdf.has_narrow_lobe() : bsdf.has_diffuse() || bsdf.has_glossy();
 }
 
 void add_rays(FinalGather& gather, const scene::Camera& camera, const LightingContext& context, RaysOf which,
@@ -59,7 +57,7 @@ std::vector<glm::vec3> exact_rays(FinalGather& gather, const scene::Camera& came
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (!wants_rays(points[i].point.bsdf, which)) continue;
         requests.push_back(ray_request(points[i], {}, {0, 0}, camera, which));
-        requests.back().numbers = Stream(Purpose::audited_rays, {.index = 2 * i + (which == RaysOf::lobes ? 1 : 0)});
+        requests.back().numbers = Stream(Purpose::audited_rays, {.index = 2 * i});
         requests.back().pool = static_cast<std::uint32_t>(i);
         asked.push_back(i);
     }

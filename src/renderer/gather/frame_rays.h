@@ -11,13 +11,10 @@
 
 namespace render2mpeg::renderer {
 
-/// Which rays leave points.
-enum class RaysOf { hemispheres, lobes };
-
 /// Whether a surface reflects any light of such rays.
 bool wants_rays(const Bsdf& bsdf, RaysOf which);
 
-/// Adds the sky and indirect light, over hemispheres or along narrow lobes, to what light trees sent to the points of a
+/// Adds the sky and indirect light that such rays see to what light trees sent to the points of a
 /// frame. Points of one group share what they know of their rays (GatherRequest::pool). With the reference's tolerance
 /// each takes as many rays as there can be.
 void add_rays(FinalGather& gather, const scene::Camera& camera, const LightingContext& context, RaysOf which,

@@ -27,21 +27,22 @@ double shown_luminance(const GatherPoint& point, const std::array<glm::vec3, 3>&
 struct RaySums {
     std::array<glm::dvec3, 3> light{};  ///< irradiance over pi, and the lobe's two parts: RayLight
     std::array<double, 3> weight{};
+    double nearness = 0;  ///< weighted as the lobe's light
     std::uint32_t rays = 0;
 
-    /// Light by all of them. Weights of rays along a lobe come to its albedo in the end [Karis2013].
+    double mean_nearness() const { return core::divide_or(nearness, weight[1] + weight[2], 0.0); }
+
+    /// Light by all of them. Weights of rays along a narrow lobe come to its albedo in the end [Karis2013].
     std::array<glm::vec3, 3> mean(const std::optional<LobeAlbedo>& albedo) const {
-        if (albedo)
-            return {glm::vec3(0), glm::vec3(light[1] * core::divide_or(1.0 * albedo->f0, weight[1], 0.0)),
-                    glm::vec3(light[2] * core::divide_or(1.0 * albedo->f90, weight[2], 0.0))};
-        const double share = 1.0 / rays;
-        return {glm::vec3(share * light[0]), glm::vec3(share * light[1]), glm::vec3(share * light[2])};
+        const double share = 1.0 / rays, of_f0 = albedo ? core::divide_or(1.0 * albedo->f0, weight[1], 0.0) : share,
+                     of_f90 = albedo ? core::divide_or(1.0 * albedo->f90, weight[2], 0.0) : share;
+        return {glm::vec3(share * light[0]), glm::vec3(of_f0 * light[1]), glm::vec3(of_f90 * light[2])};
     }
 };
 
 /// Sums of a point's rays so far.
 struct PointSums : RaySums {
-    std::optional<LobeAlbedo> albedo{};     ///< of a request along a lobe
+    std::optional<LobeAlbedo> albedo{};     ///< of a narrow lobe
     double batches = 0, batch_squares = 0;  ///< of luminances of the pixel, means of batches
     std::uint32_t pool = 0;
     std::array<double, 2> first_batches{};  ///< likewise, of the first two
