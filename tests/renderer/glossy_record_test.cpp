@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/color.h"
 #include "renderer/cache/gather_requests.h"
@@ -52,6 +53,68 @@ TEST_F(Wall, RoundLobesTakeRecordsHoweverNarrowTheyAre) {
     EXPECT_FALSE(uses_cache(p));
     p.path = renderer::extended_path(p.path, true);
     EXPECT_FALSE(uses_cache(p)) << "in a mirror as well";
+}
+
+/// A floor under an even sky, half of which a dark wall hides, past which the camera goes.
+test::SceneBuilder glossy_floor(float roughness) {
+    test::SceneBuilder b;
+    const int metal = b.add_material({1, 1, 1});
+    b.material(metal).metallic = 1;
+    b.material(metal).roughness = roughness;
+    b.add_quad({-20, 0, 20}, {40, 0, 0}, {0, 0, -40}, metal);
+    b.add_quad({-20, 0, -4}, {20, 0, 0}, {0, 20, 0}, b.add_material({0.2f, 0.2f, 0.2f}));
+    b.film().sky.color = {1, 1, 1};
+    b.add_camera({0, 1.5f, 4}, {0, 0.3f, 0}, 0.4f);
+    b.add_track(scene::TrackTarget::translation, b.film().cameras[0].node, 3, {0, 10},
+                {0.0f, 1.5f, 4.0f, 0.2f, 1.5f, 4.0f});
+    return b;
+}
+
+class GlossyFloor : public testing::TestWithParam<float> {};
+
+TEST_P(GlossyFloor, IsServedByRecordsAndShowsTheWallWhereItIs) {
+    Settings s = test::small_frame(96, 64);
+    test::FilmStage kept(glossy_floor(GetParam()), s);
+    s.cache = CacheUse::off;
+    test::FilmStage alone(glossy_floor(GetParam()), s);
+    std::uint64_t served = 0, points = 0;
+    for (int second = 0; second < 3; ++second) {
+        const core::Radiance frame = kept.shade(second, core::ToleranceMap::uniform(96, 64, {0.0f, 0.1f})),
+                             fine = alone.shade(second, core::ToleranceMap::uniform(96, 64, {0.0f, 0.02f}));
+        double sum = 0, expected = 0, square = 0;
+        for (std::size_t i = 0; i < frame.combined.size(); ++i) {
+            const float light = core::luminance(frame.combined.values()[i]),
+                        wanted = core::luminance(fine.combined.values()[i]);
+            sum += light;
+            expected += wanted;
+            square += (light - wanted) * (light - wanted);
+        }
+        EXPECT_NEAR(sum / expected, 1.0, 0.01) << second;
+        EXPECT_LT(std::sqrt(square / static_cast<double>(frame.combined.size())), 0.05) << second;
+        if (second == 0) served = kept.statistics().cache.served, points = kept.statistics().gather_points;
+    }
+    served = kept.statistics().cache.served - served;
+    points = kept.statistics().gather_points - points;
+    EXPECT_GT(static_cast<double>(served), 0.6 * static_cast<double>(points));
+}
+INSTANTIATE_TEST_SUITE_P(Roughness, GlossyFloor, testing::Values(0.1f, 0.15f, 0.3f));
+
+TEST_F(Wall, LobesLieWhereTheirReflectionIsSeen) {
+    strew(2, [](glm::vec2) { return 1.0f; });
+    const scene::Camera& camera = stage_.world().camera;
+    const glm::vec3 eye = camera.position() + glm::vec3(0.1f, 0, 0);
+    polish(eye);
+    for (std::uint32_t i = 0; i < records_.size(); ++i)
+        records_.change(i).lobe.depth = glm::distance(eye, records_[i].position);
+    map_.build(records_.all(), camera);
+    ASSERT_GT(map_.size(), 50u);
+    for (const SurfaceMark& m : map_.marks()) {
+        // As far behind the wall as this eye is before it, half of its way is seen on it.
+        const glm::vec3 place = m.position - glm::vec3(0.05f, 0, 0);
+        const auto seen = camera.project(place);
+        EXPECT_NEAR(m.at.x, seen->position.x, 1e-2f);
+        EXPECT_NEAR(m.at.y, seen->position.y, 1e-2f);
+    }
 }
 
 /// A ball under an even sky. Its rim has few records, of few rays at first.

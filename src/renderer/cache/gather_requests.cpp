@@ -1,6 +1,7 @@
 #include "renderer/cache/gather_requests.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <span>
 #include <tuple>
@@ -225,6 +226,32 @@ void gather_trees_again(FrameState& frame, std::span<const GatherPoint> receiver
 
 namespace {
 
+/// Lobes' light lies at most so many times as far behind the surface as the eye is before it: as good as endlessly far.
+constexpr float farthest_depth = 1000.0f;
+
+/// How far behind a point the light that its record tells seems to lie: an irradiance is on the surface, a reflection
+/// where a mirror that is bent as the points of its pool would show it; between them by luminance.
+float depth_behind(const FrameState& frame, const GatheredRequests& g, std::size_t i) {
+    const GatherPoint& p = frame.point(g.points[i]);
+    const glm::vec3 at = p.point.position;
+    float bent = 0, square = 0;
+    const auto compare = [&](std::size_t k) {
+        const SurfacePoint& other = frame.point(g.points[k]).point;
+        bent += glm::dot(other.shading_normal - p.point.shading_normal, other.position - at);
+        square += glm::dot(other.position - at, other.position - at);
+    };
+    for (std::size_t k = i; k-- > 0 && g.pools[k] == g.pools[i];) compare(k);
+    for (std::size_t k = i + 1; k < g.points.size() && g.pools[k] == g.pools[i]; ++k) compare(k);
+    PointLight light;
+    add(g.rays[i], p, light);
+    const float farthest = farthest_depth * glm::distance(frame.camera().position(), at),
+                nearness = g.rays[i].nearness + 2.0f * core::divide_or(bent, square, 0.0f),
+                share = core::divide_or(core::luminance(p.weight * light.glossy), core::luminance(light.scattered(p)),
+                                        0.0f);
+    const float depth = share * (nearness * farthest > 1.0f ? 1.0f / nearness : farthest);
+    return std::isfinite(depth) && depth > 0.0f ? depth : 0.0f;
+}
+
 /// Takes the light of one point; what its record is to be, if it uses the cache.
 std::optional<IrradianceRecord> take(FrameState& frame, const GatheredRequests& g, std::size_t i) {
     const PointRef& ref = g.points[i];
@@ -241,11 +268,13 @@ std::optional<IrradianceRecord> take(FrameState& frame, const GatheredRequests& 
     record->tolerance = tile.tolerance[ref.index];
     if (ref.record == PointRef::none) {
         record->numbers = request_of(p, {}, frame.pixel_of(ref.tile, p), frame.camera()).numbers;
+        if (p.point.bsdf.has_lobe() && frame.camera().perspective()) record->lobe.depth = depth_behind(frame, g, i);
         return record;
     }
     // Its rays stay what they are.
     const IrradianceRecord& before = frame.records[ref.record];
     record->born = before.born;
+    record->lobe.depth = before.lobe.depth;
     record->numbers = before.numbers;
     record->next_ray = before.next_ray;
     record->known_rays = before.known_rays;

@@ -13,10 +13,9 @@ namespace {
 /// Widths of lobes that count as one.
 constexpr float alike_alpha = 0.1f;
 /// Half vectors that a record's lobe was looked at by may lie so far, in widths of the lobe, off those that the point
-/// looks by: since the eye was elsewhere, and since the place's normal and its sight are not the point's. chosen: turns
-/// that some frames of a walk lie within, of 0.125 and 0.25; bends of 1 of 0.5, 1 and 2
+/// looks by, since the eye was elsewhere, or the normal is another. chosen: 1 of 0.5, 1 and 2
 /// (docs/measurements.md#irradiance-cache).
-constexpr float most_turn = 0.125f, most_bend = 1.0f;
+constexpr float most_bend = 1.0f;
 
 }  // namespace
 
@@ -25,25 +24,21 @@ std::optional<SeenLobe> lobe_at(const CacheQuery& q, const IrradianceRecord& r) 
     if (!p.bsdf.has_glossy()) return r.lobe.alpha == 0.0f ? std::optional(SeenLobe{}) : std::nullopt;
     const float alpha = p.bsdf.alpha;
     if (!(std::abs(r.lobe.alpha - alpha) <= alike_alpha * alpha)) return std::nullopt;
-    // The eye turned about the record; and about the point it looks otherwise than about the record.
     const glm::vec3 eye = r.is_of_frame() ? r.lobe.outgoing
                           : q.eye         ? core::normalize_or(*q.eye - r.position, p.outgoing)
                                           : p.outgoing;
-    const glm::vec3 turn = 0.5f * (r.lobe.outgoing - eye);
-    const glm::vec3 bend = 0.5f * (eye - p.outgoing) - (r.shading_normal - p.shading_normal);
-    if (glm::dot(turn, turn) > most_turn * most_turn * alpha * alpha ||
-        glm::dot(bend, bend) > most_bend * most_bend * alpha * alpha)
-        return std::nullopt;
+    const glm::vec3 turn = 0.5f * (r.lobe.outgoing - p.outgoing) - (r.shading_normal - p.shading_normal);
+    if (glm::dot(turn, turn) > most_bend * most_bend * alpha * alpha) return std::nullopt;
     GlossyRecord lobe = r.lobe;
     lobe.f0 += r.by_rays[1];
     lobe.schlick += r.by_rays[2];
     const glm::vec3 radiance = seen_from(lobe, r.shading_normal, eye, p.bsdf);
-    return SeenLobe{radiance, core::luminance(q.point.weight * radiance) / alpha * (turn + bend)};
+    return SeenLobe{radiance, core::luminance(q.point.weight * radiance) / alpha * turn};
 }
 
 bool is_lobe_seen_from(const IrradianceRecord& r, glm::vec3 eye) {
     const glm::vec3 turn = 0.5f * (r.lobe.outgoing - core::normalize_or(eye - r.position, r.lobe.outgoing));
-    return r.lobe.alpha == 0.0f || glm::dot(turn, turn) <= most_turn * most_turn * r.lobe.alpha * r.lobe.alpha;
+    return r.lobe.alpha == 0.0f || glm::dot(turn, turn) <= most_bend * most_bend * r.lobe.alpha * r.lobe.alpha;
 }
 
 /// A typical cosine of light stands for it in [Heitz2014, eq. 99].

@@ -50,7 +50,7 @@ namespace {
 
 std::optional<glm::vec2> place_on_picture(const IrradianceRecord& record, const scene::Camera& camera) {
     if (record.is_of_frame()) return record.seen_at;
-    const auto seen = camera.project(record.position);
+    const auto seen = camera.project(record.position - record.lobe.depth * record.lobe.outgoing);
     return seen ? std::optional(seen->position) : std::nullopt;
 }
 

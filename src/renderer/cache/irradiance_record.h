@@ -25,6 +25,7 @@ struct GlossyRecord {
     float alpha = 0;        ///< its width; 0: no lobe
     glm::vec3 outgoing{0};  ///< unit, world
     glm::vec3 f0{0}, schlick{0};
+    float depth = 0;  ///< so far behind the surface, along the line of sight, lies what it shows
 };
 
 /// Light that the first rays of a record find at an instant (RayLight).

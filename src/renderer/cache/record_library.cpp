@@ -28,6 +28,7 @@ StoredRecord stored(const IrradianceRecord& r, std::uint32_t near_field) {
     std::transform(light.begin(), light.end(), s.light.begin(),
                    [](glm::vec3 part) { return PackedLight(glm::max(part, glm::vec3(0))); });
     s.alpha = r.lobe.alpha;
+    s.depth = r.lobe.depth;
     s.batch_variance = r.batch_variance;
     s.error = r.error.value;
     s.clamped = r.clamped;
@@ -47,6 +48,7 @@ IrradianceRecord record_from(const StoredRecord& s, std::int64_t frame) {
     r.geometric_normal = s.geometric_normal.unpack();
     r.shading_normal = s.shading_normal.unpack();
     r.lobe.alpha = s.alpha;
+    r.lobe.depth = s.depth;
     r.lobe.outgoing = s.outgoing;
     const std::array<glm::vec3*, 7> light = {&r.direct,        &r.indirect,   &r.lobe.f0,   &r.lobe.schlick,
                                              r.by_rays.data(), &r.by_rays[1], &r.by_rays[2]};
@@ -80,7 +82,7 @@ bool is_sound(const StoredRecord& s) {
     };
     const glm::vec3 sum = s.position + s.outgoing;
     return std::isfinite(sum.x + sum.y + sum.z + s.address.u + s.address.v) && s.alpha >= 0 && s.alpha <= 1 &&
-           s.batch_variance >= 0 && s.error >= 0 && s.clamped >= 0 &&
+           s.depth >= 0 && std::isfinite(s.depth) && s.batch_variance >= 0 && s.error >= 0 && s.clamped >= 0 &&
            std::isfinite(s.batch_variance + s.error + s.clamped) && s.set < representative_sets &&
            std::all_of(s.light.begin(), s.light.end(), is_light);
 }

@@ -26,11 +26,12 @@ struct StoredRecord {
     glm::vec3 position{0}, outgoing{0};
     core::PackedNormal geometric_normal, shading_normal;
     std::uint32_t near_field = 0;  ///< NearField::key of the frame that it was gathered for
-    float alpha = 0, batch_variance = 0, error = 0, clamped = 0;
+    float alpha = 0, depth = 0, batch_variance = 0, error = 0, clamped = 0;
     std::uint32_t ray_count = 0, next_ray = 0;
-    std::uint8_t back_side = 0, capped = 0, set = 0, padding = 0;
+    std::uint8_t back_side = 0, capped = 0, set = 0;
+    std::array<std::uint8_t, 5> padding{};
 };
-static_assert(sizeof(StoredRecord) == 144, "no byte is undefined");
+static_assert(sizeof(StoredRecord) == 152, "no byte is undefined");
 static_assert(std::is_trivially_copyable_v<StoredRecord>);
 
 /// Records of a file that holds whole ones.
