@@ -39,7 +39,8 @@ std::vector<Vote> votes(const core::Plane<float>& tolerances, const PixelLight& 
     // Shares of next to nothing say nothing of what is brighter. chosen: 16 code values above black, where the least
     // distance, half a code value, is 3 % of the light; next to black it is all of it.
     constexpr float black = 16.0f, dark = 16.0f;
-    // chosen: half, which bounds what is told, too; the quarter is 0.34 at most at quantiser 24 in daylight.
+    // chosen: half bounds what is told; the quarter is 0.34 at most at quantiser 24 in daylight. Pixels that may lose
+    // more count as half: without them a dark picture's quarter would fall as the quantiser rises.
     constexpr float largest_fraction = 0.5f;
     std::vector<Vote> votes;
     for (std::size_t first = 0; first + stride <= tolerances.size(); first += stride) {
@@ -47,8 +48,7 @@ std::vector<Vote> votes(const core::Plane<float>& tolerances, const PixelLight& 
         const float luminance = light.luminance.values()[i], above = light.luma.values()[i] - black;
         if (!(above >= dark && luminance > 0.0f)) continue;
         // Those that have more to lose count more.
-        const float fraction = tolerances.values()[i] / luminance;
-        if (fraction < largest_fraction) votes.push_back({fraction, above});
+        votes.push_back({std::min(tolerances.values()[i] / luminance, largest_fraction), above});
     }
     return votes;
 }

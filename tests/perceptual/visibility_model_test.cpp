@@ -104,7 +104,7 @@ float low_fraction(const TemporalState& state, int from = 0) {
         for (int x = from; x < state.light.width(); ++x) {
             const float share = state.tolerances.at(x, y) / state.light.luminance.at(x, y);
             const float above = state.light.luma.at(x, y) - 16.0f;
-            if (share < 0.5f && above >= 16.0f) shares.emplace_back(share, above);
+            if (above >= 16.0f) shares.emplace_back(std::min(share, 0.5f), above);
         }
     std::sort(shares.begin(), shares.end());
     for (const auto& [share, weight] : shares) whole += weight;
