@@ -237,12 +237,6 @@ Rows light_rows(CommandLine& line) {
     };
 }
 
-std::string words_of_codecs() {
-    std::vector<std::string_view> words;
-    for (const encoder::CodecFacts& facts : encoder::all_codecs) words.emplace_back(facts.word);
-    return joined(words);
-}
-
 Rows coding_rows(CommandLine& line) {
     CodingOptions& o = line.render.coding;
     static const std::string presets = joined(preset_names()), codecs = words_of_codecs(),
@@ -295,19 +289,19 @@ Rows coding_rows(CommandLine& line) {
         {"--keyframes", coding, &o.keyframes,
          "Frames that begin a group of pictures whatever is seen: 0,48,96, or a file with their numbers", "LIST|FILE",
          reads<keyframes_from>, Idle::uncoded},
-        {"--audio", sound, &o.audio,
-         "Sound of the film: whatever FFmpeg reads, or `none` (default: the scene's). MPEG audio layer II in .mpg, "
-         ".vob and .ts, AC-3 with --for, AAC in .mkv, .mp4 and .mov; it ends with the film",
-         "FILE|none", Idle::uncoded},
-        {"--audio-offset", sound, &o.audio_offset,
-         "Seconds after frame 0 at which the sound begins; below 0 its beginning is cut off", range(-1e5, 1e5), Shown(),
-         Idle::uncoded},
     };
 }
 
 Rows product_rows(CommandLine& line) {
     RenderOptions& o = line.render;
     return {
+        {"--audio", sound, &o.coding.audio,
+         "Sound of the film: whatever FFmpeg reads, or `none` (default: the scene's). MPEG audio layer II in .mpg, "
+         ".vob and .ts, AC-3 with --for, AAC in .mkv, .mp4 and .mov; it ends with the film",
+         "FILE|none", Idle::uncoded},
+        {"--audio-offset", sound, &o.coding.audio_offset,
+         "Seconds after frame 0 at which the sound begins; below 0 its beginning is cut off", range(-1e5, 1e5), Shown(),
+         Idle::uncoded},
         {"--stats", run, &o.stats, "Write statistics as JSON (docs/json.md)", "FILE.json", Idle::always},
         {"--report", run, &o.report,
          "Write a page about the render, with plots, for any browser, and its figures as JSON beside it "

@@ -1,6 +1,7 @@
 #include "app/options/option_text.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
@@ -13,6 +14,7 @@
 #include "app/options/usage_error.h"
 #include "core/film_grain.h"
 #include "core/fog.h"
+#include "encoder/codec.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -295,6 +297,12 @@ double time_in_seconds(const std::string& text) {
 
 double within_from(const std::string& text) {
     return text == "0" ? 0 : time_in_seconds(text);
+}
+
+std::string words_of_codecs() {
+    std::vector<std::string_view> words;
+    for (const encoder::CodecFacts& facts : encoder::all_codecs) words.emplace_back(facts.word);
+    return fmt::format("{}", fmt::join(words, "|"));
 }
 
 }  // namespace render2mpeg::app

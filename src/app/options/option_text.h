@@ -58,4 +58,7 @@ double time_in_seconds(const std::string& text);
 /// The same, or 0.
 double within_from(const std::string& text);
 
+/// Names of all codecs, parted by `|`.
+std::string words_of_codecs();
+
 }  // namespace render2mpeg::app
