@@ -32,14 +32,19 @@ IMPORTERS = {".abc": ALEMBIC, ".usd": USD, ".usda": USD, ".usdc": USD, ".usdz": 
 
 
 def saved_by(path):
-    """(major, minor) of the Blender that saved a .blend, by its first bytes; (0, 0) where they are compressed or others'."""
+    """(major, minor) of the Blender that saved a .blend, by its first bytes, which compression mostly leaves as they are; else (0, 0)."""
     with open(path, "rb") as file:
-        found = re.match(rb"BLENDER(?:[-_][vV](\d)|\d\d-\d\dv(\d\d))(\d\d)", file.read(17))
+        found = re.search(rb"BLENDER(?:[-_][vV](\d)|\d\d-\d\dv(\d\d))(\d\d)", file.read(64))
     return (int(found[1] or found[2]), int(found[3])) if found else (0, 0)
 
 
 def is_newer(version):
     return tuple(version[:2]) > bpy.app.version[:2]
+
+
+def too_new(version):
+    return (f"it is of Blender {version[0]}.{version[1]}, which this Blender {bpy.app.version_string} cannot read: "
+            "name a newer one in RENDER2MPEG_BLENDER")
 
 
 def open_blend(path):
@@ -49,8 +54,7 @@ def open_blend(path):
         version = saved_by(path)
         if not is_newer(version):
             raise
-        raise Refused(f"it is of Blender {version[0]}.{version[1]}, which this Blender {bpy.app.version_string} cannot read: "
-                      "name a newer one in RENDER2MPEG_BLENDER") from None
+        raise Refused(too_new(version)) from None
     if os.path.realpath(bpy.data.filepath) != os.path.realpath(path):
         raise Refused("Blender cannot read it")
 
@@ -464,9 +468,13 @@ def told(path, folder, texture_size, lines=0, still=False):
 
 def main():
     path, folder, texture_size, lines = sys.argv[sys.argv.index("--") + 1:]
-    result = told(path, folder, int(texture_size), int(lines))
-    with open(os.path.join(folder, "export.json"), "w") as file:
-        json.dump(result, file, indent=1)
+    def write(result):
+        with open(os.path.join(folder, "export.json"), "w") as file:
+            json.dump(result, file, indent=1)
+    version = saved_by(path)
+    if is_newer(version):
+        write({"error": too_new(version)})  # which stays where Blender crashes on it
+    write(told(path, folder, int(texture_size), int(lines)))
 
 
 if __name__ == "__main__":

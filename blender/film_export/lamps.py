@@ -3,8 +3,9 @@
 
 Measured with Cycles of Blender 3.4, with P the power in W and A the area: a point of radius r has the radiant intensity
 P / (4 pi), as a sphere the radiance P / (4 pi^2 r^2); a spot has a point's intensity times the cosine to its axis; an
-area lamp has the radiance P / (4 A); a sun of half angle s has the irradiance E (1 + cos s) / 2. Cameras see no lamp,
-mirrors and glass those that Cycles samples by rays as well.
+area lamp has the radiance P / (4 A), from Blender 4 on P / (pi A); a sun of half angle s has the irradiance
+E (1 + cos s) / 2. Without Blender 4.5's normalisation the power counts per A, of points and spots per 4 pi r^2. Cameras see no
+lamp, mirrors and glass those that Cycles samples by rays as well.
 """
 import math
 
@@ -85,7 +86,18 @@ def strength_keys(thing, light, scale, says, lost):
     if light.spread < math.radians(179):
         lost.add(thing.name, f"spread of an area lamp ({math.degrees(light.spread):.3g} degrees); it shines to all sides of its front")
     says.update(kind="panel", size=[json_number(x), json_number(y)], seen="mirrors" if seen else False)
-    return 1 / (4 * area)
+    per_area = 1 / (4 if bpy.app.version < (4, 0, 0) else math.pi)
+    return per_area / area if getattr(light, "normalize", True) else per_area
+
+
+def settings_of(thing, light, lost):
+    """Blender 4.5's settings of a lamp: colour and strength as factors."""
+    strength = 2 ** getattr(light, "exposure", 0.0)
+    if not getattr(light, "normalize", True) and light.type in {"POINT", "SPOT"}:
+        strength *= 4 * math.pi * light.shadow_soft_size**2
+    if not getattr(light, "normalize", True) and light.type == "SUN":
+        lost.add(thing.name, "a sun whose strength is not normalised; it is taken as if it were")
+    return tuple(light.temperature_color)[:3] if getattr(light, "use_temperature", False) else (1, 1, 1), strength
 
 
 def node_strength(thing, light, lost):
@@ -110,6 +122,8 @@ def described(thing, times, lost):
     says = {"name": thing.name}
     factor = strength_keys(thing, light, scale, says, lost)
     tint, strength = node_strength(thing, light, lost)
+    warmth, exposed = settings_of(thing, light, lost)
+    tint, strength = tuple(a * b for a, b in zip(tint, warmth)), strength * exposed
     color = thing.values[0][0]
     says["color"] = color_of([a * b for a, b in zip(color, tint)])
     factor *= strength * max(a * b for a, b in zip(color, tint)) / max(max(color), 1e-9)

@@ -369,7 +369,7 @@ class Reader:
 
     def read_bsdf_glossy(self, node):
         """A metal whose edges reflect as its middle does."""
-        return Look(base=self.input(node, ["Color"], True), metallic=Constant(1.0), roughness=self.glossiness(node), normal=self.normal(node),
+        return Look(base=self.input(node, ["Color", "Base Color"], True), metallic=Constant(1.0), roughness=self.glossiness(node), normal=self.normal(node),
                     model="principled-3", specular=0.0, multiscatter=getattr(node, "distribution", "") == "MULTI_GGX")
 
     def read_bsdf_anisotropic(self, node):
@@ -379,7 +379,14 @@ class Reader:
 
     def read_bsdf_metallic(self, node):
         self.tell(node, "reflectance that depends on the angle; it is the same from all sides")
-        return self.read_bsdf_glossy(node)
+        look = self.read_bsdf_glossy(node)
+        if getattr(node, "fresnel_type", "") == "PHYSICAL_CONDUCTOR":
+            # Fresnel's reflectance of a conductor, straight on.
+            index, extinction = (self.input(node, [name], True) for name in ("IOR", "Extinction"))
+            if isinstance(index, Constant) and isinstance(extinction, Constant):
+                squares = [((n - 1) ** 2 + k**2, (n + 1) ** 2 + k**2) for n, k in zip(index.value, extinction.value)]
+                look.base = Constant(tuple(a / b for a, b in squares))
+        return look
 
     def read_bsdf_translucent(self, node):
         look = Look(base=self.input(node, ["Color"], True), ior=1.0, normal=self.normal(node), leaf=1.0)

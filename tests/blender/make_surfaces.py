@@ -26,6 +26,11 @@ def start_of_all_light(bounces=24):
     return scene
 
 
+# Inputs of the Principled BSDF in Blender 4.
+LATER_NAMES = {"Specular": "Specular IOR Level", "Sheen": "Sheen Weight", "Clearcoat": "Coat Weight", "Clearcoat Roughness": "Coat Roughness",
+               "Transmission": "Transmission Weight", "Subsurface": "Subsurface Weight", "Emission": "Emission Color"}
+
+
 def shader_of(name, kind, color, **says):
     """A material of one shader: inputs by name, properties in capitals."""
     material = bpy.data.materials.new(name)
@@ -38,7 +43,10 @@ def shader_of(name, kind, color, **says):
         if key.isupper():
             setattr(node, key.lower(), value)
         else:
-            node.inputs[key.replace("_", " ").title()].default_value = value
+            key = key.replace("_", " ").title()
+            entry = input_of(node, key, LATER_NAMES.get(key, key))
+            is_tint = hasattr(entry.default_value, "__len__") and not hasattr(value, "__len__")  # a share of the colour in Blender 3
+            entry.default_value = (value,) * 3 + (1,) if is_tint else value
     material.node_tree.links.new(node.outputs[0], nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
     return material
 
