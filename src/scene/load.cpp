@@ -25,7 +25,7 @@ void choose_camera(Animation& animation, const std::string& wanted) {
 }
 
 Animation load_by_blender(const std::filesystem::path& file, const LoadOptions& options) {
-    const BlenderExport exported = export_by_blender(file, options.lines);
+    const BlenderExport exported = export_by_blender(file, options.lines, options.stops);
     Animation animation = load_animation_file(exported.film, options, load_as_is);
     animation.files.insert(animation.files.begin(), file);
     animation.notes.insert(animation.notes.begin(), exported.notes.begin(), exported.notes.end());

@@ -270,6 +270,9 @@ int watch_in_file(const RenderOptions& options, const std::string& command) {
             }
             const int status = render(options, command);
             if (status != 0) return status;
+        } catch (const Interrupted& error) {
+            print_error(error.what());
+            return InterruptGuard::status();
         } catch (const core::Error& error) {
             print_error(error.what());
         }

@@ -152,6 +152,9 @@ int make_part(const FarmPlan& plan, const FilmPart& part, const PartOptions& opt
     } catch (const std::bad_alloc&) {
         reporter.end(PartState::failed, "out of memory");
         throw;
+    } catch (const Interrupted&) {
+        reporter.end(PartState::interrupted);
+        throw;
     } catch (const std::exception& failure) {
         reporter.end(PartState::failed, failure.what());
         throw;

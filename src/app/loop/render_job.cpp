@@ -13,6 +13,7 @@
 #include "app/options/mistakes.h"
 #include "app/options/option_text.h"
 #include "app/options/usage_error.h"
+#include "app/system/interrupt.h"
 #include "app/system/progress.h"
 #include "core/color.h"
 #include "core/error.h"
@@ -300,9 +301,14 @@ std::shared_ptr<scene::Animation> load(const RenderOptions& options) {
     check_scene(options.input);
     const bool exports = core::scene_reader_of(options.input) == core::SceneReader::blender;
     tell_activity(exports ? "Blender exports the scene" : "reading the scene");
-    return std::make_shared<scene::Animation>(
-        scene::load(options.input, {options.camera, options.animation, options.sky, options.variant,
-                                    light_of(options.light), options.size ? size_from(*options.size).height : 0}));
+    try {
+        return std::make_shared<scene::Animation>(scene::load(
+            options.input, {options.camera, options.animation, options.sky, options.variant, light_of(options.light),
+                            options.size ? size_from(*options.size).height : 0, &InterruptGuard::requested}));
+    } catch (const core::Error& error) {
+        if (InterruptGuard::requested()) throw Interrupted(error.what());
+        throw;
+    }
 }
 
 }  // namespace

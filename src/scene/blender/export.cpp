@@ -143,7 +143,6 @@ ProbeLimits blender_limits() {
     if (end.how == How::out_of_time) throw core::Error("reading", file, "Blender took more than an hour to export it");
     if (end.how == How::killed)
         throw core::Error("reading", file, "Blender was killed while it exported it (out of memory?)");
-    if (end.how == How::given_up) throw core::Error("reading", file, "interrupted");
     if (end.how == How::not_begun || end.how == How::refused) throw core::Error("reading", file, end.text);
     throw core::Error("reading", file, "Blender crashed while it exported it");
 }
@@ -166,7 +165,7 @@ class NewFolder {
 };
 
 void run_blender(const fs::path& blend, const fs::path& blender, const fs::path& script, const fs::path& folder,
-                 int lines) {
+                 int lines, const std::function<bool()>& stops) {
     if (!Probe::is_possible()) throw core::Error("reading", blend.string(), "the program that runs Blender is missing");
     const std::vector<std::string> words{"blend",
                                          // A virtual environment is found by its link to a Python.
@@ -174,7 +173,8 @@ void run_blender(const fs::path& blend, const fs::path& blender, const fs::path&
                                          fs::absolute(script).string(), fs::absolute(blend).string(),
                                          fs::absolute(folder).string(), std::to_string(texture_size),
                                          std::to_string(lines)};
-    const ProbeEnd end = Probe(blender_limits(), words).end();
+    const ProbeEnd end = Probe(blender_limits(), words).end(stops);
+    if (end.how == ProbeEnd::How::given_up) throw core::Error("reading", blend.string(), "interrupted");
     const nlohmann::json result = read_json(folder / result_name);
     if (!result.is_object() && is_python(blender))
         if (const std::string said = last_line(folder / "blender.log"); !said.empty())
@@ -206,7 +206,7 @@ std::vector<std::string> words_of_blender(const fs::path& program) {
     return words;
 }
 
-BlenderExport export_by_blender(const fs::path& file, int lines) {
+BlenderExport export_by_blender(const fs::path& file, int lines, const std::function<bool()>& stops) {
     const fs::path blender = blender_program();
     if (blender.empty())
         throw core::Error("reading", file.string(),
@@ -219,7 +219,7 @@ BlenderExport export_by_blender(const fs::path& file, int lines) {
     if (std::optional<BlenderExport> known = finished(folder)) return *known;
 
     const NewFolder made(folder.string() + "." + std::to_string(getpid()));
-    run_blender(file, blender, script, made.path(), lines);
+    run_blender(file, blender, script, made.path(), lines, stops);
     std::error_code failure;
     fs::remove_all(folder, failure);
     fs::rename(made.path(), folder, failure);

@@ -1,6 +1,7 @@
 #pragma once
 // Has Blender export a .blend, and what it imports: USD, Alembic.
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -14,8 +15,8 @@ struct BlenderExport {
 /// Export of a .blend, or of a scene that Blender imports, cached in FILE.export/ or the user's cache, keyed by the
 /// file, our script and Blender, by other files it uses, and by `lines`, the height of the pictures that its textures
 /// are baked for (0: the scene's own). Blender is $RENDER2MPEG_BLENDER, else `blender` on the PATH, limited in memory
-/// and time. Throws core::Error.
-BlenderExport export_by_blender(const std::filesystem::path& file, int lines);
+/// and time, and ended with all that it started once `stops` says so. Throws core::Error.
+BlenderExport export_by_blender(const std::filesystem::path& file, int lines, const std::function<bool()>& stops);
 
 /// $RENDER2MPEG_BLENDER, a path or a name on the PATH, else `blender` there; empty where there is none.
 std::filesystem::path blender_program();

@@ -94,6 +94,11 @@ bool is_short_of(std::uintmax_t memory) {
     return (all != RLIM_INFINITY && all < memory + address_space_now()) || (own != RLIM_INFINITY && own < memory);
 }
 
+/// Ends a probe and what it started, its group of processes.
+void kill_all(pid_t child) {
+    kill(-child, SIGKILL);
+}
+
 int wait_for(pid_t child) {
     int status = 0;
     while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
@@ -165,7 +170,7 @@ pid_t spawn(std::vector<std::string> words, int input, int text) {
     for (const int signal : {SIGSEGV, SIGABRT, SIGALRM, SIGXCPU}) sigaddset(&usual, signal);
     posix_spawnattr_setsigmask(&attributes, &blocked);
     posix_spawnattr_setsigdefault(&attributes, &usual);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
     pid_t child = -1;
     const int failure = posix_spawn(&child, program().c_str(), &actions, &attributes, arguments.data(), environ);
     posix_spawnattr_destroy(&attributes);
@@ -262,7 +267,7 @@ Probe::Probe(const ProbeLimits& limits, const std::vector<std::string>& words, s
 
 Probe::~Probe() {
     if (child_ > 0) {
-        kill(child_, SIGKILL);
+        kill_all(child_);
         wait_for(child_);
     }
     for (const int open : {text_, input_})
@@ -278,7 +283,7 @@ ProbeEnd Probe::end(const std::function<bool()>& give_up) {
     EXPECTS(child_ > 0);
     ProbeEnd end;
     const bool ended = read_all(text_, end.text, give_up);
-    if (!ended) kill(child_, SIGKILL);
+    if (!ended) kill_all(child_);
     const int status = wait_for(child_);
     child_ = -1;
     end.how = ended ? how_ended(status) : ProbeEnd::How::given_up;

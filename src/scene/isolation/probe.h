@@ -40,7 +40,8 @@ struct ProbeEnd {
     std::string text;  ///< messages until then; refused: the reason; not begun: why
 };
 
-/// A process that reads a file. It ignores interrupts, and ends with its parent thread.
+/// A process that reads a file, in a group of its own with what it starts. It ignores interrupts, and ends with its
+/// parent thread.
 class Probe {
   public:
     /// Whether there is a program: $RENDER2MPEG_PROGRAM, else this one if it is called render2mpeg, else one beside it
