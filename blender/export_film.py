@@ -48,6 +48,14 @@ def too_new(version):
 
 
 def open_blend(path):
+    from film_export import files
+    found = []
+
+    @bpy.app.handlers.persistent
+    def look(*_):
+        found.append(files.unreadable())
+    # Blender evaluates the scene, and so reads its caches, after these handlers.
+    bpy.app.handlers.load_post.append(look)
     try:
         bpy.ops.wm.open_mainfile(filepath=path, load_ui=False, use_scripts=False)
     except RuntimeError:
@@ -55,6 +63,11 @@ def open_blend(path):
         if not is_newer(version):
             raise
         raise Refused(too_new(version)) from None
+    finally:
+        bpy.app.handlers.load_post.remove(look)
+    bad = next(filter(None, found), None)
+    if bad:
+        raise Refused("it uses {}, which is {}; plain files alone are read".format(*bad))
     if os.path.realpath(bpy.data.filepath) != os.path.realpath(path):
         raise Refused("Blender cannot read it")
 
@@ -378,6 +391,7 @@ def export(path, folder, texture_size, lines, still=False):
     from film_export.materials import Materials
     from film_export.reflections import Reflections
     from film_export.volumes import Volumes
+    from film_export.files import tell_folders
     from film_export.walk import Walk
 
     scene, lost, glb = bpy.context.scene, Lost(), Glb()
@@ -400,6 +414,7 @@ def export(path, folder, texture_size, lines, still=False):
     scene.frame_set(frames[0])
     materials = Materials(glb, folder, lost)
     bakes = Bakes(materials, Baker(texture_size), lines or scene.render.resolution_y * scene.render.resolution_percentage / 100, lost)
+    tell_folders(lost)
     for thing in list(bpy.data.objects):
         if thing.type == "MESH" and (scene in thing.users_scene or not thing.users_scene):
             bakes.prepare(thing)

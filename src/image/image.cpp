@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "core/module.h"
+#include "core/plain_file.h"
 #include "image/format.h"
 #include "image/module/codec.h"
 #include "image/png_jpeg.h"
@@ -41,7 +42,7 @@ std::vector<std::byte> bytes_of_file(const fs::path& path, const std::string& na
     std::error_code failure;
     const fs::file_status status = fs::status(path, failure);
     if (!fs::exists(status)) throw core::Error("reading", name, "no such file");
-    if (!fs::is_regular_file(status)) throw core::Error("reading", name, "not a file");
+    if (const std::string why = core::why_no_plain_file(path); !why.empty()) throw core::Error("reading", name, why);
     const std::uintmax_t size = fs::file_size(path, failure);
     if (failure) throw core::Error("reading", name, failure.message());
     if (size > max_file_bytes) throw core::Error("reading", name, "larger than 4 GiB");

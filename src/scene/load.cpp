@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include "core/error.h"
+#include "core/plain_file.h"
 #include "core/scene_formats.h"
 #include "scene/animation_file/load.h"
 #include "scene/assimp/load.h"
@@ -36,9 +37,9 @@ Animation load_by_blender(const std::filesystem::path& file, const LoadOptions& 
 
 Animation load_as_is(const std::filesystem::path& file, const LoadOptions& options) {
     std::error_code failure;
-    const std::filesystem::file_status status = std::filesystem::status(file, failure);
-    if (!std::filesystem::exists(status)) throw core::Error("reading", file.string(), "there is no such file");
-    if (std::filesystem::is_directory(status)) return load_animation_file(file, options, load_as_is);
+    if (std::filesystem::is_directory(file, failure)) return load_animation_file(file, options, load_as_is);
+    if (const std::string why = core::why_no_plain_file(file); !why.empty())
+        throw core::Error("reading", file.string(), why);
     const core::SceneReader reader = core::scene_reader_of(file);
     if (reader == core::SceneReader::gltf)
         return load_gltf(file, options, [&](std::uintmax_t bytes) {
@@ -64,9 +65,8 @@ Animation load(const std::filesystem::path& file, const LoadOptions& options) {
     const bool no_sky = options.sky && *options.sky == "none";
     if (no_sky) animation.sky = {};
     if (options.sky && !no_sky) {
-        std::error_code failure;
-        if (!std::filesystem::is_regular_file(*options.sky, failure))
-            throw core::Error("reading", *options.sky, "there is no such file");
+        if (const std::string why = core::why_no_plain_file(*options.sky); !why.empty())
+            throw core::Error("reading", *options.sky, why);
         animation.sky = {};
         animation.sky.color = glm::vec3(1);
         animation.sky.image = static_cast<int>(animation.images.size());

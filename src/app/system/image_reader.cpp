@@ -16,6 +16,7 @@
 
 #include "app/system/interrupt.h"
 #include "core/error.h"
+#include "core/plain_file.h"
 #include "parallel/loops.h"
 
 namespace render2mpeg::app {
@@ -332,9 +333,8 @@ std::string read_probed_images(const std::vector<std::string>& words, const scen
 }
 
 int probe_sound(const std::filesystem::path& file) {
-    std::error_code failure;
-    if (!std::filesystem::is_regular_file(file, failure))
-        throw core::Error("reading", file.string(), "there is no such file");
+    if (const std::string why = core::why_no_plain_file(file); !why.empty())
+        throw core::Error("reading", file.string(), why);
     const std::vector<std::string> words{"sound", file.string()};
     if (!scene::Probe::is_possible()) return 2;
     return scene::read_in_probe(words, words[1], film_limits(file), InterruptGuard::requested) == "1" ? 1 : 2;

@@ -9,6 +9,7 @@
 
 #include "core/color.h"
 #include "core/error.h"
+#include "core/plain_file.h"
 #include "core/text.h"
 
 namespace render2mpeg::scene {
@@ -51,9 +52,10 @@ JsonValue::JsonValue(std::shared_ptr<const Json> root, const Json* value, std::s
 
 JsonValue JsonValue::read(const std::filesystem::path& file) {
     const auto refuse = [&](const std::string& cause) { throw core::Error("reading", file.string(), cause); };
+    if (const std::string why = core::why_no_plain_file(file); !why.empty()) refuse(why);
     std::error_code failure;
     const auto size = std::filesystem::file_size(file, failure);
-    if (failure) refuse("there is no such file");
+    if (failure) refuse(failure.message());
     if (size > largest_file) refuse("is larger than 16 MiB, which no animation file is");
     std::ifstream in(file, std::ios::binary);
     if (!in) refuse("cannot be opened");

@@ -6,6 +6,7 @@
 
 #include "core/color.h"
 #include "core/numeric.h"
+#include "core/plain_file.h"
 #include "core/text.h"
 #include "scene/animation_file/keys.h"
 #include "scene/model/png.h"
@@ -115,7 +116,8 @@ fs::path Looks::file_below(const fs::path& folder, const JsonValue& name, const 
     const bool below = !failure && !path.is_absolute() &&
                        std::mismatch(home.begin(), home.end(), target.begin(), target.end()).first == home.end();
     if (!below) name.fail("\"" + text + "\" lies outside of the film's own folder");
-    if (!fs::is_regular_file(target, failure)) name.fail("there is no file \"" + text + "\" in the film's folder");
+    if (!fs::exists(target, failure)) name.fail("there is no file \"" + text + "\" in the film's folder");
+    if (const std::string why = core::why_no_plain_file(target); !why.empty()) name.fail("\"" + text + "\": " + why);
     return folder / path;
 }
 

@@ -15,6 +15,7 @@
 
 #include "core/error.h"
 #include "core/numeric.h"
+#include "core/plain_file.h"
 #include "core/rational.h"
 #include "core/text.h"
 #include "scene/assimp/classic_shading.h"
@@ -37,6 +38,11 @@ class FolderOnly : public Assimp::DefaultIOSystem {
     bool Exists(const char* file) const override { return inside(file) && DefaultIOSystem::Exists(file); }
     Assimp::IOStream* Open(const char* file, const char* mode) override {
         if (inside(file)) {
+            std::error_code failure;
+            if (fs::exists(file, failure) && !fs::is_regular_file(file, failure)) {
+                tell(in_quotes(file) + ": " + core::why_no_plain_file(file));
+                return nullptr;
+            }
             Assimp::IOStream* stream = DefaultIOSystem::Open(file, mode);
             if (stream == nullptr)
                 tell_missing(file);

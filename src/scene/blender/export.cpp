@@ -103,12 +103,27 @@ std::string last_line(const fs::path& file) {
     return last;
 }
 
+/// First file that an export was made of and that is another now; empty where there is none. Throws
+/// nlohmann::json::exception.
+std::string changed_since(const nlohmann::json& result) {
+    for (const nlohmann::json& used : result.at("uses"))
+        if (const auto name = used.at(0).get<std::string>(); state_of(name) != used) return name;
+    return {};
+}
+
+/// Why an export that was just made cannot be used.
+std::string why_not_finished(const fs::path& folder) try {
+    const std::string changed = changed_since(read_json(folder / result_name));
+    return "it uses " + (changed.empty() ? "a file" : changed) + ", which changes while it is exported";
+} catch (const nlohmann::json::exception&) {
+    return "its export by Blender is damaged";
+}
+
 /// A finished export with unchanged inputs.
 std::optional<BlenderExport> finished(const fs::path& folder) {
     const nlohmann::json result = read_json(folder / result_name);
     try {
-        for (const nlohmann::json& used : result.at("uses"))
-            if (state_of(used.at(0).get<std::string>()) != used) return std::nullopt;
+        if (!changed_since(result).empty()) return std::nullopt;
         BlenderExport found{folder / "film.json", {}};
         for (const nlohmann::json& line : result.at("lost"))
             found.notes.push_back("not kept: " + line.get<std::string>());
@@ -224,7 +239,8 @@ BlenderExport export_by_blender(const fs::path& file, int lines, const std::func
     fs::remove_all(folder, failure);
     fs::rename(made.path(), folder, failure);
     std::optional<BlenderExport> known = finished(folder);
-    if (!known) throw core::Error("reading", file.string(), "a file that it uses changes while it is exported");
+    if (!known) throw core::Error("reading", file.string(), why_not_finished(folder));
+    fs::remove(cache / log_name, failure);  // of a crash before
     remove_old(cache);
     return *known;
 }

@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include "core/error.h"
+#include "core/plain_file.h"
 #include "core/text.h"
 #include "scene/gltf/extensions.h"
 #include "scene/gltf/uri.h"
@@ -35,7 +36,9 @@ std::vector<std::byte> read_file(const fs::path& path,
                                  std::uintmax_t limit = std::numeric_limits<std::uintmax_t>::max()) {
     const std::string name = in_quotes(path.filename().string());
     std::error_code failure;
-    if (!fs::is_regular_file(path, failure)) throw std::invalid_argument("there is no file " + name);
+    if (!fs::exists(path, failure)) throw std::invalid_argument("there is no file " + name);
+    if (const std::string why = core::why_no_plain_file(path); !why.empty())
+        throw std::invalid_argument("the file " + name + ": " + why);
     const std::uintmax_t size = std::min(fs::file_size(path, failure), limit);
     std::ifstream stream(path, std::ios::binary);
     if (failure || !stream) throw std::invalid_argument("the file " + name + " cannot be opened");

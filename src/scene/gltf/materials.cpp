@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include "core/error.h"
+#include "core/plain_file.h"
 #include "scene/gltf/parts.h"
 #include "scene/gltf/uri.h"
 #include "scene/model/wording.h"
@@ -227,8 +228,10 @@ class MaterialReader {
                 element.refuse(error.what());
             }
             std::error_code failure;
-            if (!source.path.empty() && !std::filesystem::is_regular_file(source.path, failure))
+            if (!source.path.empty() && !std::filesystem::exists(source.path, failure))
                 element.refuse("there is no file " + in_quotes(source.path.string()));
+            if (const std::string why = core::why_no_plain_file(source.path); !source.path.empty() && !why.empty())
+                element.refuse(in_quotes(source.path.string()) + ": " + why);
         } else {
             const Document::Bytes bytes =
                 document_.view(element.required_index("bufferView", "bufferViews"), element.where());
