@@ -21,6 +21,8 @@ import bpy  # noqa: E402
 
 RATES = {"23.976": 24000 / 1001, "24": 24.0, "25": 25.0, "29.97": 30000 / 1001, "30": 30.0, "50": 50.0, "59.94": 60000 / 1001, "60": 60.0}
 
+MOST_PIXELS = 16384  # along a side of a film's pictures
+
 
 class Refused(Exception):
     """A scene that cannot be a film: the reason in one line."""
@@ -114,7 +116,10 @@ def format_of(scene, film, lost):
     render = scene.render
     width = max(1, render.resolution_x * render.resolution_percentage // 100)
     height = max(1, render.resolution_y * render.resolution_percentage // 100)
-    film["size"] = [width, height]
+    if max(width, height) > MOST_PIXELS:
+        lost.add(scene, f"pictures of {width}x{height} pixels; those of films have at most {MOST_PIXELS} along a side")
+    shrink = min(1, MOST_PIXELS / max(width, height))
+    film["size"] = [max(1, round(width * shrink)), max(1, round(height * shrink))]
     pixel = render.pixel_aspect_x / render.pixel_aspect_y
     if abs(pixel - 1) > 1e-4:
         shape = width / height * pixel
@@ -386,12 +391,12 @@ def export(path, folder, texture_size, lines, still=False):
     from film_export.bakes import Bakes
     from film_export.baking import Baker
     from film_export.cameras import Cameras
+    from film_export.files import tell_folders
     from film_export.glb import Glb
     from film_export.lost import Lost
     from film_export.materials import Materials
     from film_export.reflections import Reflections
     from film_export.volumes import Volumes
-    from film_export.files import tell_folders
     from film_export.walk import Walk
 
     scene, lost, glb = bpy.context.scene, Lost(), Glb()
@@ -409,12 +414,12 @@ def export(path, folder, texture_size, lines, still=False):
         lost.add(os.path.basename(path), f"what Blender {bpy.data.version[0]}.{bpy.data.version[1]}, which saved it, has and this one, {bpy.app.version_string}, has not")
     scripts_in(lost)
     other_things(scene, lost)
+    tell_folders(lost)
 
     mix_sound(scene, film, folder, lost)
     scene.frame_set(frames[0])
     materials = Materials(glb, folder, lost)
     bakes = Bakes(materials, Baker(texture_size), lines or scene.render.resolution_y * scene.render.resolution_percentage / 100, lost)
-    tell_folders(lost)
     for thing in list(bpy.data.objects):
         if thing.type == "MESH" and (scene in thing.users_scene or not thing.users_scene):
             bakes.prepare(thing)

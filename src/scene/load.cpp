@@ -25,9 +25,18 @@ void choose_camera(Animation& animation, const std::string& wanted) {
     animation.shots = {{0, static_cast<int>(*chosen)}};
 }
 
+/// The exported film. Errors name the scene, not the files of its export, which nobody wrote.
+Animation film_of(const BlenderExport& exported, const std::filesystem::path& scene, const LoadOptions& options) try {
+    return load_animation_file(exported.film, options, load_as_is);
+} catch (const core::Error& error) {
+    const std::string inner = "reading " + exported.film.string() + ": ", said = error.what();
+    throw core::Error("reading", scene.string(),
+                      "its export by Blender: " + (said.starts_with(inner) ? said.substr(inner.size()) : said));
+}
+
 Animation load_by_blender(const std::filesystem::path& file, const LoadOptions& options) {
     const BlenderExport exported = export_by_blender(file, options.lines, options.stops);
-    Animation animation = load_animation_file(exported.film, options, load_as_is);
+    Animation animation = film_of(exported, file, options);
     animation.files.insert(animation.files.begin(), file);
     animation.notes.insert(animation.notes.begin(), exported.notes.begin(), exported.notes.end());
     return animation;

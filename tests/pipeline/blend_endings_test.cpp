@@ -53,5 +53,65 @@ TEST_P(BlendExportsAtSignals, EndWithAllThatTheyStarted) {
 INSTANTIATE_TEST_SUITE_P(Signals, BlendExportsAtSignals, testing::Values("INT", "TERM", "HUP"),
                          [](const auto& signal) { return signal.param; });
 
+TEST(BlendExports, ThatCrashKeepTheLogAndSayItsEnd) {
+    const BlenderStandIn film("echo the first; echo the second; echo the third; echo the last >&2; exit 11");
+    const Outcome said = film.run_with(program(), "");
+    EXPECT_EQ(said.status, 1);
+    const std::string log = (film / "film.blend.export/blender.log").string();
+    EXPECT_EQ(said.output, "render2mpeg: reading " + (film / "film.blend").string() +
+                               ": Blender crashed while it exported it; its last words, of " + log +
+                               ": the second / the third / the last\n");
+    EXPECT_NE(contents(log).find("the first\n"), std::string::npos);
+    EXPECT_EQ(std::distance(fs::directory_iterator(film / "film.blend.export"), fs::directory_iterator()), 1);
+}
+
+/// Writes an export of these files to its folder.
+std::string exporting(const std::string& film, const std::string& uses) {
+    return "while [ \"$1\" != -- ]; do shift; done\nprintf '%s' '" + film + "' > \"$3/film.json\"\nprintf '%s' '" +
+           R"({"blender": "0", "lost": [], "uses": [)" + uses + "]}' > \"$3/export.json\"";
+}
+
+TEST(BlendExports, OfFilesThatChangeNameThem) {
+    const BlenderStandIn film(exporting("{}", R"(["/proc/self/environ", 0, 1])"));
+    const Outcome said = film.run_with(program(), "");
+    EXPECT_EQ(said.status, 1);
+    EXPECT_NE(said.output.find("film.blend: it uses /proc/self/environ, which changes while it is exported"),
+              std::string::npos)
+        << said.output;
+}
+
+TEST(BlendExports, ThatAreNoFilmsAreRefusedByTheNameOfTheScene) {
+    const BlenderStandIn film(exporting(R"({"frames": 1, "size": [65536, 4]})", ""));
+    const Outcome said = film.run_with(program(), "");
+    EXPECT_EQ(said.status, 1);
+    EXPECT_NE(said.output.find("film.blend: its export by Blender: size[0]: expected"), std::string::npos)
+        << said.output;
+    EXPECT_EQ(said.output.find("film.json"), std::string::npos) << said.output;
+}
+
+TEST(BlendFilesThatUseSlow, WhatIsNoPlainFileAreRefusedByItsName) {
+    if (run("command -v blender").status != 0) GTEST_SKIP() << "Blender is not installed";
+    const Folder folder;
+    const Outcome made = run("blender -b --factory-startup -noaudio --python-exit-code 1 -P " +
+                             (support::source_folder() / "tests/blender/make_users_of_files.py").string() + " -- " +
+                             folder.path().string());
+    ASSERT_EQ(made.status, 0) << made.output;
+    const std::pair<const char*, const char*> films[] = {
+        {"image", "picture.png"}, {"volume", "smoke.vdb"}, {"cache", "moves.mdd"}, {"sound", "voice.wav"}};
+    for (const auto& [film, name] : films) {
+        fs::remove(folder / name);
+        // A pipe would keep Blender waiting, and a device busy, for an hour.
+        const bool is_device = std::string(film) == "image";
+        ASSERT_EQ(run((is_device ? "ln -s /dev/zero " : "mkfifo ") + path(folder, name)).status, 0);
+        const Outcome said =
+            run("timeout 200 " + program() + " plan --quiet --within 0 " + path(folder, film + std::string(".blend")));
+        EXPECT_EQ(said.status, 1);
+        EXPECT_NE(said.output.find(film + std::string(".blend: it uses ") + path(folder, name) + ", which is a " +
+                                   (is_device ? "device" : "pipe") + "; plain files alone are read"),
+                  std::string::npos)
+            << said.output;
+    }
+}
+
 }  // namespace
 }  // namespace render2mpeg::test

@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 constexpr int texture_size = 1024;
 /// Exports kept of one .blend: the current one, and the last, which may be being read.
 constexpr std::size_t kept_exports = 2;
-constexpr const char* result_name = "export.json";
+constexpr const char *result_name = "export.json", *log_name = "blender.log";
 
 bool is_program(const fs::path& file) {
     std::error_code failure;
@@ -152,14 +152,33 @@ ProbeLimits blender_limits() {
     return {std::max(machine / 4 * 3, std::uintmax_t{4} << 30), 3600, 7200};
 }
 
-[[noreturn]] void refuse(const fs::path& blend, const ProbeEnd& end) {
+/// Keeps Blender's log beside the exports, since its folder goes. Says where, and its last lines.
+std::string kept_log(const fs::path& folder) {
+    constexpr std::size_t most_lines = 3, most_letters = 200;
+    std::vector<std::string> last;
+    std::ifstream log(folder / log_name);
+    for (std::string line; std::getline(log, line);) {
+        if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+        last.push_back(line.substr(0, most_letters));
+        if (last.size() > most_lines) last.erase(last.begin());
+    }
+    const fs::path kept = folder.parent_path() / log_name;
+    std::error_code failure;
+    fs::rename(folder / log_name, kept, failure);
+    if (failure || last.empty()) return "; it said nothing";
+    std::string text = "; its last words, of " + kept.string() + ": ";
+    for (const std::string& line : last) text += (&line == last.data() ? "" : " / ") + line;
+    return text;
+}
+
+[[noreturn]] void refuse(const fs::path& blend, const fs::path& folder, const ProbeEnd& end) {
     using How = ProbeEnd::How;
-    const std::string file = blend.string();
-    if (end.how == How::out_of_time) throw core::Error("reading", file, "Blender took more than an hour to export it");
-    if (end.how == How::killed)
-        throw core::Error("reading", file, "Blender was killed while it exported it (out of memory?)");
-    if (end.how == How::not_begun || end.how == How::refused) throw core::Error("reading", file, end.text);
-    throw core::Error("reading", file, "Blender crashed while it exported it");
+    const bool began = end.how != How::not_begun && end.how != How::refused;
+    const std::string why = !began                        ? end.text
+                            : end.how == How::out_of_time ? "Blender took more than an hour to export it"
+                            : end.how == How::killed      ? "Blender was killed while it exported it (out of memory?)"
+                                                          : "Blender crashed while it exported it";
+    throw core::Error("reading", blend.string(), why + (began ? kept_log(folder) : ""));
 }
 
 /// A temporary folder; its parent goes with it where that holds nothing else.
@@ -194,7 +213,7 @@ void run_blender(const fs::path& blend, const fs::path& blender, const fs::path&
     if (!result.is_object() && is_python(blender))
         if (const std::string said = last_line(folder / "blender.log"); !said.empty())
             throw core::Error("reading", blend.string(), said);
-    if (!result.is_object()) refuse(blend, end);
+    if (!result.is_object()) refuse(blend, folder, end);
     if (result.contains("error")) throw core::Error("reading", blend.string(), result.value("error", ""));
 }
 
@@ -249,7 +268,7 @@ void become_blender(const std::vector<std::string>& words) {
     const std::string &program = words.at(0), &script = words.at(1), &blend = words.at(2), &folder = words.at(3),
                       &size = words.at(4), &lines = words.at(5);
     // Blender's messages go to a log file; the parent's pipe stays unused.
-    const int log = open((fs::path(folder) / "blender.log").c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+    const int log = open((fs::path(folder) / log_name).c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
     if (log >= 0) {
         dup2(log, STDOUT_FILENO);
         dup2(log, STDERR_FILENO);
