@@ -152,6 +152,16 @@ TEST(Farm, MakesAllThatOneRunMakesSlow) {
     EXPECT_EQ(film.join("film.mpg.farm").status, 0) << "nothing is left to be done";
     EXPECT_EQ(run(film.part("film.mpg.farm", 1)).status, 0);
     EXPECT_FALSE(std::filesystem::exists(film / "film.mpg.farm/part_00001"));
+
+    const auto elsewhere = film.join("film.mpg.farm", "--into " + film.path("b"));
+    EXPECT_EQ(elsewhere.status, 1);
+    EXPECT_NE(elsewhere.output.find("film.mpg.farm: it was joined already, as " + film.path("film.mpg")),
+              std::string::npos)
+        << elsewhere.output;
+    std::filesystem::remove(film / "film.mpg");
+    const auto gone = film.join("film.mpg.farm");
+    EXPECT_EQ(gone.status, 1);
+    EXPECT_NE(gone.output.find("film.mpg, which is gone"), std::string::npos) << gone.output;
 }
 
 TEST(Farm, MakesFilmsOfEveryKindAsOneRunDoesSlow) {

@@ -146,24 +146,37 @@ void remove_parts(const FarmPlan& plan, const std::filesystem::path& film) {
     for (const FilmPart& part : plan.parts) std::filesystem::remove_all(plan.folder_of(part), ignored);
 }
 
+/// Throws core::Error where a joined plan is asked for another film, or for one that is gone.
+void refuse_second_film(const FarmPlan& plan, const std::filesystem::path& wanted) {
+    std::string joined = file_text(plan.joined_mark());
+    joined.erase(joined.find_last_not_of('\n') + 1);
+    const bool is_gone = is_one_file(kind_of(wanted)) && !is_file(joined);
+    if (!is_gone && canonical_of(wanted) == canonical_of(joined)) return;
+    throw core::Error("joining", plan.folder.string(),
+                      "it was joined already, as " + joined + (is_gone ? ", which is gone" : "") +
+                          ", and the parts went with that; " + (is_gone ? "" : "copy that film, or ") +
+                          "make a new plan with `render2mpeg farm`");
+}
+
 }  // namespace
 
 int join(const PartOptions& wish) {
     const WallClock clock;
     const parallel::ThreadLimit threads(wish.threads);
     const FarmPlan plan = read_plan(wish.plan);
-    if (plan.is_joined()) {
-        if (!wish.quiet) print_line(plan.folder.string() + ": the film is joined already: nothing is to be done");
-        return 0;
-    }
-    if (wish.pieces)
+    if (wish.pieces && !plan.is_joined())
         for (const std::string& line : take_pieces(plan, plan.parts, *wish.pieces)) print_line(line);
     std::error_code error;
     const std::filesystem::path into = wish.folder ? std::filesystem::absolute(*wish.folder, error) : "";
-    refuse_other_machine(plan);
+    if (!plan.is_joined()) refuse_other_machine(plan);
     RenderOptions options = options_of(plan);
     const std::string command = line_of(plan.words);
     if (wish.folder) options = moved_into(into, options);
+    if (plan.is_joined()) {
+        refuse_second_film(plan, options.output);
+        if (!wish.quiet) print_line(plan.folder.string() + ": the film is joined already: nothing is to be done");
+        return 0;
+    }
     options.quiet = options.quiet || wish.quiet;
     const InterruptGuard guard(options.quiet);
 
