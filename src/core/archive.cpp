@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "core/error.h"
+#include "core/plain_file.h"
 
 namespace render2mpeg::core {
 
@@ -16,7 +17,10 @@ void ArchiveBlocks::sum_up() {
 }
 
 ArchiveWriter::ArchiveWriter(const std::filesystem::path& file, std::uint64_t mark)
-    : file_(file), part_(std::filesystem::path(file) += ".tmp"), stream_(part_, std::ios::binary), mark_(mark) {
+    : file_(file), part_(std::filesystem::path(file) += ".tmp"), mark_(mark) {
+    std::error_code ignored;
+    std::filesystem::remove(part_, ignored);  // which may be a link or a pipe
+    stream_.open(part_, std::ios::binary);
     const Header none;
     stream_.write(reinterpret_cast<const char*>(&none), sizeof none);
 }
@@ -61,6 +65,7 @@ std::unique_ptr<ArchiveReader> ArchiveReader::open(const std::filesystem::path& 
     std::unique_ptr<ArchiveReader> reader(new ArchiveReader);
     ArchiveReader& r = *reader;
     r.file_ = file;
+    if (!why_no_plain_file(file).empty()) return nullptr;
     r.stream_.open(file, std::ios::binary);
     Header header;
     r.stream_.read(reinterpret_cast<char*>(&header), sizeof header);

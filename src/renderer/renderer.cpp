@@ -360,6 +360,8 @@ void Renderer::restore(core::ArchiveReader& archive) {
     // Light within volumes follows from the instant, and finds cells that the state replaces.
     if (impl_->posed_scene.air() != nullptr) impl_->light_volumes(impl_->air_instant(impl_->lights.points()));
     impl_->keep(archive);
+    if (!impl_->cache.is_sound(impl_->posed_scene.posed().objects.size()))
+        throw core::Error("records of light are damaged");
 }
 
 Lit Renderer::light(const scene::Snapshot& snapshot, Frame frame, const LightOrder& order) {

@@ -247,6 +247,17 @@ TEST_F(InAChunk, LitFramesThatAreDamagedAreLitAnewAndSaidSlow) {
     EXPECT_NE(go_on().find("has lost its pictures: its frames are lit anew"), std::string::npos);
 }
 
+TEST_F(InAChunk, PipesInPlaceOfLitFramesAreRemovedSlow) {
+    for (const char* ending : {"state", "lit"}) {
+        EXPECT_GT(end_by("KILL"), 0);
+        ASSERT_EQ(run("cd " + path(folder_, "film.mpg.partial") + " && rm chunk_00000." + ending +
+                      " && mkfifo chunk_00000." + ending)
+                      .status,
+                  0);
+        EXPECT_NE(go_on().find("its frames are lit anew"), std::string::npos) << ending;
+    }
+}
+
 TEST_F(Interrupted, FilmsSayHowToGoOnAndWhereTheyDo) {
     std::string loud = start_;
     loud.erase(loud.find(" --quiet"), 8);

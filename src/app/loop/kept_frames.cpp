@@ -85,6 +85,7 @@ std::string KeptFrames::why_not(const std::filesystem::path& state) {
         archive_text(*state_, text);
         head_ = parsed_json(text);
         if (frames < 1 || frames >= chunk_.chunk.frames()) return "has other frames";
+        if (chunk_.needs_pictures && !is_file(lit_)) return "has lost its pictures";
         earlier_.open(lit_, std::ios::binary);
         core::Picture picture = empty();
         for (std::int64_t i = 0; i < frames; ++i) {
@@ -183,7 +184,9 @@ void KeptFrames::drop() {
 }
 
 std::int64_t KeptFrames::left_beside(const std::filesystem::path& stream, const Chunk& chunk) {
-    std::ifstream file(std::filesystem::path(stream).replace_extension(".state"), std::ios::binary);
+    const std::filesystem::path state = std::filesystem::path(stream).replace_extension(".state");
+    if (!is_file(state)) return 0;
+    std::ifstream file(state, std::ios::binary);
     std::int64_t frames = 0;
     file.seekg(core::ArchiveReader::header_bytes);
     file.read(reinterpret_cast<char*>(&frames), sizeof frames);

@@ -8,6 +8,7 @@
 #include "renderer/cache/cache_lookup.h"
 #include "renderer/cache/changed_light.h"
 #include "renderer/cache/gather_requests.h"
+#include "renderer/tree/light_tree.h"
 
 namespace render2mpeg::renderer {
 
@@ -43,6 +44,12 @@ std::uint64_t IrradianceCache::take_known(const Frame& seen, std::int64_t frame)
 void IrradianceCache::forget_records() {
     library_.note(records_.all(), near_field_, left_);
     records_.forget();
+}
+
+bool IrradianceCache::is_sound(std::size_t objects) const {
+    return std::ranges::all_of(records_.all(), [&](const IrradianceRecord& r) {
+        return r.address.object < objects && r.set < representative_sets;
+    });
 }
 
 std::vector<StoredRecord> IrradianceCache::found() const {

@@ -32,6 +32,9 @@ class IrradianceCache {
     /// Records of the chunk so far that earlier runs did not know.
     std::vector<StoredRecord> found() const;
 
+    /// Whether all records lie on one of so many objects, and were lit by representatives that there are.
+    bool is_sound(std::size_t objects) const;
+
     /// All that it knows of the chunk.
     template <class A>
     friend void archive(A& a, IrradianceCache& c) {

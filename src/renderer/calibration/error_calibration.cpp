@@ -75,7 +75,7 @@ void ErrorCalibration::learn(std::span<const AuditedPixel> pixels, float error_s
         if (needed_.size() < window)
             needed_.push_back(needed);
         else
-            needed_[next_] = needed;
+            needed_[next_ % needed_.size()] = needed;
         next_ = (next_ + 1) % window;
     }
     const float wanted = needed();

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/archive.h"
+#include "core/error.h"
 #include "renderer/calibration/audited_pixel.h"
 
 namespace render2mpeg::renderer {
@@ -40,6 +41,7 @@ class ErrorCalibration {
     template <class A>
     friend void archive(A& a, ErrorCalibration& c) {
         a(c.needed_, c.next_, c.holds_, c.value_);
+        if (c.next_ > c.needed_.size()) throw core::Error("a calibration is damaged");
     }
 
   private:

@@ -29,13 +29,16 @@ class CellTable {
     Found find(std::uint64_t key) const { return slots_.empty() ? Found{} : slots_[place_of(key)].found; }
     /// The entry of a key, made with the next index if it is not there yet; until the next call.
     Found& entry(std::uint64_t key);
+    std::size_t size() const { return used_; }
 
     template <class A>
     friend void archive(A& a, CellTable& table) {
         a(table.slots_, table.used_);
         const auto taken = std::ranges::count_if(table.slots_, [](const Slot& s) { return s.found.index != none; });
         if (!std::has_single_bit(std::max<std::size_t>(table.slots_.size(), 1)) ||
-            static_cast<std::size_t>(taken) != table.used_ || 2 * table.used_ > table.slots_.size())
+            static_cast<std::size_t>(taken) != table.used_ || 2 * table.used_ > table.slots_.size() ||
+            std::ranges::any_of(table.slots_,
+                                [&](const Slot& s) { return s.found.index != none && s.found.index >= table.used_; }))
             throw core::Error("a table of cells is damaged");
     }
 
@@ -98,7 +101,10 @@ class LightCells {
     /// All but cells of one ray's own.
     template <class A>
     friend void archive(A& a, LightCells& cells) {
-        for (Shard& shard : cells.shards_) a(shard.table, shard.cells);
+        for (Shard& shard : cells.shards_) {
+            a(shard.table, shard.cells);
+            if (shard.cells.size() != shard.table.size()) throw core::Error("a table of cells is damaged");
+        }
     }
 
   private:
