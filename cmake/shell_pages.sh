@@ -51,13 +51,22 @@ says() { help_of '' | awk -v c="$1" '/^Subcommands:/ {on = 1; next} /^$/ {on = 0
 
 # The manual.
 roff() { sed -e 's/\\/\\e/g' -e 's/-/\\-/g' -e "s/^\([.']\)/\\\\\&\1/"; }
+# The last lines of a command's help; of the program's, those of all commands.
+examples_of() {
+    local of
+    for of in ${1:-$commands}; do
+        help_of "$of" | awk '/^Example: / {on = 1; sub(/^Example: /, "")} on && NF {line = line (line == "" ? "" : " ") $0} END {if (on) print line}'
+    done
+}
 page() { # NAME COMMAND
     local name=$1 command=$2
     printf '.TH %s 1 "" "render2mpeg %s" "User Commands"\n.SH NAME\n' "${name^^}" "$version"
     printf '%s \\- %s\n.SH SYNOPSIS\n' "$(roff <<<"$name")" "$(help_of "$command" | sed -n 1p | sed 's/[.]$//' | roff)"
     help_of "$command" | sed -n 's/^Usage: //p' | roff
     printf '.SH DESCRIPTION\n.nf\n'
-    help_of "$command" | tail -n +3 | roff
+    help_of "$command" | tail -n +3 | sed '/^Example: /,$d' | roff
+    printf '.fi\n.SH EXAMPLES\n.nf\n'
+    examples_of "$command" | roff
     printf '.fi\n.SH SEE ALSO\n'
     for other in '' $commands; do printf '%s\n' "\\fBrender2mpeg${other:+\\-$other}\\fP(1)"; done | paste -sd, | sed 's/,/, /g'
 }

@@ -119,6 +119,23 @@ TEST(Completion, OffersTheValuesOfOptionsThatHaveFew) {
     EXPECT_EQ(completions("encode --fps 2"), (Words{"23.976", "24", "25", "29.97"}));
 }
 
+TEST(ManualPages, EndWithExamplesOfTheirCommand) {
+    for (const std::string command : {"render", "encode", "plan", "info", "cost", "tune", "compare", "farm", "part",
+                                      "join", "farm-status", "watch"}) {
+        const std::string page =
+            support::contents(support::binary_folder() / "shell" / ("render2mpeg-" + command + ".1"));
+        const std::string begin = ".SH EXAMPLES\n.nf\n";
+        const std::size_t at = page.find(begin);
+        ASSERT_NE(at, std::string::npos) << command;
+        std::string example = page.substr(at + begin.size(), page.find('\n', at + begin.size()) - at - begin.size());
+        std::erase(example, '\\');
+        EXPECT_TRUE(example.starts_with("render2mpeg " + command + " ")) << example;
+        EXPECT_EQ(page.find("Example: "), std::string::npos) << command;
+        const std::string all = support::contents(support::binary_folder() / "shell/render2mpeg.1");
+        EXPECT_NE(all.find("render2mpeg " + page.substr(at + begin.size() + 12, command.size())), std::string::npos);
+    }
+}
+
 TEST(Completion, OfZshAndFishOffersEveryOption) {
     const std::string zsh = support::contents(support::binary_folder() / "shell/_render2mpeg");
     const std::string fish = support::contents(support::binary_folder() / "shell/render2mpeg.fish");

@@ -354,7 +354,13 @@ CommandLine parse(const std::vector<std::string>& words) {
     line.command = given.get_name();
     line.render.said = said_of(given);
     for (const auto& film : line.render.also) {
-        if (!view_and_codec(film.first)) refuse_as_usage([&] { core::view_from(film.first); });
+        if (!view_and_codec(film.first)) {
+            try {
+                core::view_from(film.first);
+            } catch (const core::Error& error) {
+                throw UsageError("--also: " + std::string(error.what()));
+            }
+        }
         line.render.side_films.push_back(film);
     }
     // Parts run without a terminal.

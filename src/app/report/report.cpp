@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -43,14 +44,16 @@ double number(const json& s, const char* object, const char* key) {
 /// The render in one or two sentences, as a reader would be told it.
 std::string sentence_of(const json& s) {
     const double cpu = number(s, "seconds", "cpu"), light = number(s, "seconds", "shade");
+    const double clusters = number(s, "mean_cut", "direct") + number(s, "mean_cut", "indirect");
     std::string text = fmt::format(
-        "{} frames of {}x{} took {} on the clock and {:.1f} s of CPU time, {:.0f} % of it gathering light, with {:.0f} "
-        "clusters per point of {} light points.",
-        s.at("frames").get<std::int64_t>(), s.at("width").get<int>(), s.at("height").get<int>(),
+        "{} of {}x{} took {} on the clock and {:.1f} s of CPU time, {:.0f} % of it gathering light, with {} per point "
+        "of {}.",
+        core::counted(s.at("frames").get<std::size_t>(), "frame"), s.at("width").get<int>(), s.at("height").get<int>(),
         clock_text(number(s, "seconds", "wall")), cpu, 100 * core::divide_or(light, cpu, 0.0),
-        number(s, "mean_cut", "direct") + number(s, "mean_cut", "indirect"),
-        s.at("counts").at("direct_points").get<std::int64_t>() +
-            s.at("counts").at("indirect_points").get<std::int64_t>());
+        core::counted(static_cast<std::size_t>(std::llround(clusters)), "cluster"),
+        core::counted(s.at("counts").at("direct_points").get<std::size_t>() +
+                          s.at("counts").at("indirect_points").get<std::size_t>(),
+                      "light point"));
     if (s.contains("rate")) {
         text += fmt::format(" The film has {} ({})", size_text(s.at("bytes").get<double>()), kilobits(s));
         text += s.at("psnr_y").is_number()
