@@ -213,6 +213,18 @@ TEST_F(VolumeFile, RefusesDamagedFilesInOneLine) {
     }
 }
 
+TEST_F(VolumeFile, RefusesTextThatItsBytesCannotHold) {
+    if (!Probe::is_possible()) GTEST_SKIP() << "render2mpeg is not built";
+    std::string bytes = support::contents(support::source_folder() / "tests/fuzz/corpus/volume/even.vdb");
+    // A kind of value that nobody knows, and a text of 128 bytes, behind which a length is 2 GiB and more.
+    bytes.replace(148, 4, std::string("\0\0\0\x80", 4));
+    bytes[155] = '\0';
+    volume_.files = {folder_ / "smoke.vdb"};
+    std::ofstream(volume_.files[0], std::ios::binary) << bytes;
+    EXPECT_NE(refusal().find("takes more memory than a file of its size can need: it is damaged"), std::string::npos)
+        << refusal();
+}
+
 TEST_F(VolumeFile, TellsWhatItsGridsWillTake) {
     // Bricks, and even nodes of them; a grid of voxels twice as wide has an eighth of them.
     VdbFile::Place bricks = small_box(), even, wide;

@@ -216,6 +216,7 @@ class RenewedLimits {
 };
 
 int text_pipe = -1;
+rlim_t most_memory = RLIM_INFINITY;  ///< of the parent
 
 bool write_all(std::string_view text) {
     while (!text.empty()) {
@@ -320,6 +321,13 @@ void write_from_probe(const std::string& text) {
     if (!write_all(text)) _exit(probe_crashed);
 }
 
+void allow_more_memory(std::uintmax_t bytes) {
+    rlimit both{};
+    if (getrlimit(RLIMIT_AS, &both) != 0 || both.rlim_cur == RLIM_INFINITY) return;
+    both.rlim_cur = std::min({both.rlim_cur + bytes, both.rlim_max, most_memory});
+    setrlimit(RLIMIT_AS, &both);
+}
+
 bool is_probe(int argc, char** argv) {
     return argc > 1 && argv[1] == flag;
 }
@@ -334,6 +342,7 @@ void live_as_probe(int argc, char** argv, const std::map<std::string, ProbedRead
     const auto reading = readings.find(words[own_words - 1]);
     if (reading == readings.end()) _exit(probe_crashed);
 
+    most_memory = limit_of(RLIMIT_AS);
     // Libraries print to standard output.
     text_pipe = dup(STDOUT_FILENO);
     dup2(STDERR_FILENO, STDOUT_FILENO);

@@ -77,6 +77,9 @@ std::string text_of(ProbeEnd end, const std::string& name, const ProbeLimits& li
 using ProbedReading =
     std::function<std::string(const std::vector<std::string>& words, const BeginLimits& begin_limits)>;
 
+/// Raises this probe's limit of memory by so many bytes, up to that of its parent: for what was checked to be no fault.
+void allow_more_memory(std::uintmax_t bytes);
+
 bool is_probe(int argc, char** argv);
 
 /// Writes a part of the output at once.

@@ -236,7 +236,7 @@ Places places_of(const CoordBBox& box, const glm::dmat4& target_from_source) {
 /// Makes grids, within the limits of a file.
 class Maker {
   public:
-    explicit Maker(Source& source) : source_(source) {}
+    Maker(Source& source, const MakeRoom& room) : source_(source), room_(room) {}
 
     template <class T>
     core::SparseGrid<T> empty(const std::string& name, const Places& places) {
@@ -252,6 +252,12 @@ class Maker {
         bytes_ += bytes;
         if (bytes_ > static_cast<double>(most_grid_bytes))
             source_.refuse(name, "takes, with those before it, more than 2 GiB; scale the file's voxels up");
+        // chosen: by 16 MiB, since bricks come one by one (1 .. 64); twice, since lists move as they grow.
+        constexpr double step = 1 << 24;
+        if (bytes_ <= room_made_) return;
+        const double more = std::ceil((bytes_ - room_made_) / step) * step;
+        room_(static_cast<std::uintmax_t>(2 * more));
+        room_made_ += more;
     }
 
     /// The same voxels.
@@ -327,7 +333,8 @@ class Maker {
     }
 
     Source& source_;
-    double bytes_ = 0;
+    const MakeRoom& room_;
+    double bytes_ = 0, room_made_ = 0;
 };
 
 /// Corrects values by `right`, and tells how many changed.
@@ -379,10 +386,10 @@ class Reader : public VdbReader {
   public:
     Reader() { openvdb::initialize(); }
 
-    VolumeGrids read(std::span<const fs::path> files, const Volume& volume,
-                     std::vector<std::string>& notes) const override {
+    VolumeGrids read(std::span<const fs::path> files, const Volume& volume, std::vector<std::string>& notes,
+                     const MakeRoom& room) const override {
         Source source(files);
-        Maker maker(source);
+        Maker maker(source, room);
         VolumeGrids grids;
         {
             const FloatGrid::Ptr density = source.grid<FloatGrid>(volume.density_grid);

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <span>
 #include <sstream>
+#include <system_error>
 
 #include "core/error.h"
 #include "core/module.h"
@@ -15,9 +17,17 @@
 namespace render2mpeg::scene {
 namespace {
 
-/// chosen: the grids as OpenVDB and as we hold them, a GiB for the rest; a small file may hold large even parts, and
-/// 2 GiB of packed voxels take some 20 s.
-constexpr ProbeLimits volume_limits{2 * most_grid_bytes + (std::uintmax_t{1} << 30), 120, 1200};
+/// By the files' sizes: OpenVDB's nodes take at most 33 bytes for each of their masks' bytes, which are never packed.
+/// Even parts are let in as they are found, and 2 GiB of packed voxels take some 20 s.
+ProbeLimits limits_of(std::span<const std::filesystem::path> files) {
+    std::uintmax_t bytes = 0;
+    for (const std::filesystem::path& file : files) {
+        std::error_code failure;
+        const std::uintmax_t size = std::filesystem::file_size(file, failure);
+        bytes += failure ? 0 : size;
+    }
+    return {limits_for(bytes).memory, 120, 1200};
+}
 
 const VdbReader& reader() {
     static const VdbReader& reader = *core::module_function<const VdbReader*()>("vdb", "render2mpeg_vdb_reader")();
@@ -64,8 +74,9 @@ VolumeGrids read_in_other_process(const Volume& volume, const std::vector<std::f
     const std::string file = files.front().string();
     std::vector<std::string> words = words_of("volume", volume);
     add(words, files);
-    Probe probe(volume_limits, words);
-    const std::string said = text_of(probe.end(), file, volume_limits);
+    const ProbeLimits limits = limits_of(files);
+    Probe probe(limits, words);
+    const std::string said = text_of(probe.end(), file, limits);
     const int stored = probe.take_input();
     struct Closed {
         ~Closed() { close(file); }
@@ -96,8 +107,9 @@ std::shared_ptr<const VolumeGrids> read_volume(const Volume& volume, std::size_t
     EXPECTS(file < volume.files.size());
     const std::vector<std::filesystem::path> files = volume.files_of(file);
     std::vector<std::string> own;
-    auto grids = std::make_shared<VolumeGrids>(Probe::is_possible() ? read_in_other_process(volume, files, own)
-                                                                    : reader().read(files, volume, own));
+    auto grids =
+        std::make_shared<VolumeGrids>(Probe::is_possible() ? read_in_other_process(volume, files, own)
+                                                           : reader().read(files, volume, own, [](std::uintmax_t) {}));
     for (const std::string& note : own) notes.push_back(files.front().string() + ": " + note);
     return grids;
 }
@@ -108,14 +120,16 @@ VolumeOutline outline_of(const Volume& volume) {
     const std::size_t count = std::min<std::size_t>(volume.files.size(), 16);
     VolumeOutline outline;
     std::vector<std::string> words = words_of("outlines", volume);
+    std::vector<std::filesystem::path> all;
     for (std::size_t i = 0; i < count; ++i) {
         const std::vector<std::filesystem::path> files =
             volume.files_of(count == 1 ? 0 : i * (volume.files.size() - 1) / (count - 1));
         add(words, files);
+        all.insert(all.end(), files.begin(), files.end());
         if (!Probe::is_possible()) outline.hold(reader().outline(files, volume));
     }
     if (!Probe::is_possible()) return outline;
-    for (const std::string& line : lines_of(read_in_probe(words, volume.files.front().string(), volume_limits)))
+    for (const std::string& line : lines_of(read_in_probe(words, volume.files.front().string(), limits_of(all))))
         outline.hold(outline_from(line));
     return outline;
 }
@@ -156,7 +170,7 @@ std::string read_probed_volume(const std::vector<std::string>& words, const Begi
     begin_limits();
     std::vector<std::string> notes;
     const std::vector<std::filesystem::path> files(words.begin() + facts, words.end());
-    store_grids(library.read(files, volume, notes), STDIN_FILENO);
+    store_grids(library.read(files, volume, notes, allow_more_memory), STDIN_FILENO);
     std::string text;
     for (const std::string& note : notes) text += note + "\n";
     return text;
