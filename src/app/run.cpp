@@ -77,6 +77,7 @@ int run(int argc, char** argv) {
     keep_freed_memory();
     std::set_terminate(end_in_one_line);
     try {
+        expect_stack();
         const CommandLine line = parse({argv, argv + argc});
         if (line.exit_code) return *line.exit_code;
         show_progress_as(progress_style_from(line.progress));

@@ -22,6 +22,15 @@ OwnMemory own_memory() {
     return {resident * page, writable * page};
 }
 
+void expect_stack() {
+    // chosen: four times what the smallest film takes; with 64 KiB it crashes (64 .. 8192 KiB).
+    constexpr rlim_t least = rlim_t{1} << 20;
+    rlimit stack{};
+    if (getrlimit(RLIMIT_STACK, &stack) != 0 || stack.rlim_cur >= least) return;
+    throw core::Error("stack: " + std::to_string(stack.rlim_cur / 1024) + " KiB are allowed (ulimit -s); at least " +
+                      std::to_string(least / 1024) + " are needed");
+}
+
 std::uint64_t machine_memory() {
     return static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
 }

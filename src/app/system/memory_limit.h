@@ -20,6 +20,9 @@ std::uint64_t machine_memory();
 /// swapping.
 void hold_to(std::uint64_t limit, int threads);
 
+/// Throws core::Error where the stack is so small (`ulimit -s`) that libraries crash.
+void expect_stack();
+
 /// Lets the allocator keep freed memory: planes come and go with every frame, and page faults took a third of the eye's
 /// time.
 void keep_freed_memory();
