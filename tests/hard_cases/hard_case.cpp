@@ -1,5 +1,7 @@
 #include "tests/hard_cases/hard_case.h"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 
 #include "app/loop/pipeline.h"
@@ -103,6 +105,13 @@ Lit lit(const HardCase& hard_case, const SceneBuilder& scene, Way way) {
     keeper.finish();
     result.statistics = renderer.statistics();
     return result;
+}
+
+void expect_like(const Lit& film, const SceneBuilder& other, double tolerance) {
+    const HardCase plain;
+    const double expected = lit(plain, other, film.way).mean();
+    EXPECT_GT(expected, 0.0);
+    EXPECT_NEAR(film.mean() / expected, 1.0, tolerance);
 }
 
 SceneBuilder floor_from_above(float height, float albedo) {

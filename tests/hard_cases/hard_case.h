@@ -70,6 +70,9 @@ std::vector<HardCase> exposure_cases();
 /// Frames 0 to count - 1, one per second, of `scene` as `hard_case` wants it.
 Lit lit(const HardCase& hard_case, const SceneBuilder& scene, Way way);
 
+/// Mean luminance of a case's first frame beside that of another scene lit the same way.
+void expect_like(const Lit& film, const SceneBuilder& other, double tolerance);
+
 /// A floor of reflectance `albedo`, seen from straight above from `height` over it.
 SceneBuilder floor_from_above(float height = 2, float albedo = 0.5f);
 

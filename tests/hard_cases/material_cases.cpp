@@ -77,13 +77,6 @@ SceneBuilder goblet(double into) {
     return b;
 }
 
-void expect_like(const Lit& film, const SceneBuilder& other, double tolerance) {
-    const HardCase plain;
-    const double expected = lit(plain, other, film.way).mean();
-    EXPECT_GT(expected, 0.0);
-    EXPECT_NEAR(film.mean() / expected, 1.0, tolerance);
-}
-
 }  // namespace
 
 std::vector<HardCase> material_cases() {

@@ -23,7 +23,7 @@ OwnMemory own_memory() {
 }
 
 void expect_stack() {
-    // chosen: four times what the smallest film takes; with 64 KiB it crashes (64 .. 8192 KiB).
+    // chosen: an eighth of what Linux allows by default; 64 KiB crash.
     constexpr rlim_t least = rlim_t{1} << 20;
     rlimit stack{};
     if (getrlimit(RLIMIT_STACK, &stack) != 0 || stack.rlim_cur >= least) return;
