@@ -315,6 +315,27 @@ TEST(BlendFileSlow, WithoutNumpyNamesThePackageThatIsMissing) {
         << refused.output;
 }
 
+TEST(BlendOfANewerBlender, IsToldWithBothVersions) {
+    NEEDS_BLENDER();
+    const Folder folder;
+    make(folder, "markers");
+    const auto planned = [&] { return run(program() + " plan --within 0 " + path(folder, "markers.blend")); };
+    std::string file = contents(folder / "markers.blend");
+    ASSERT_EQ(file.substr(0, 7), "BLENDER");
+    // Its version is three digits behind pointers' size and byte order.
+    file.replace(9, 3, "909");
+    std::ofstream(folder / "markers.blend", std::ios::binary) << file;
+    const Outcome read = planned();
+    EXPECT_EQ(read.status, 0) << read.output;
+    EXPECT_NE(read.output.find("what Blender 9.9, which saved it, has and this one, "), std::string::npos)
+        << read.output;
+    std::ofstream(folder / "markers.blend", std::ios::binary) << "BLENDER17-01v0900" << std::string(64, ' ');
+    const Outcome refused = planned();
+    EXPECT_EQ(refused.status, 1);
+    EXPECT_NE(refused.output.find("markers.blend: it is of Blender 9.0, which this Blender "), std::string::npos)
+        << refused.output;
+}
+
 TEST(BlenderAimSlow, HasACarShowASign) {
     NEEDS_BLENDER();
     const Folder folder;
