@@ -36,6 +36,8 @@ cycles.samples = MOST_SAMPLES if adaptive else said["samples"]
 if adaptive:
     cycles.adaptive_threshold = said["samples"]
 cycles.seed, cycles.use_animated_seed, cycles.use_denoising = said["seed"], said["by_frame"], kind == "denoised"
+if hasattr(cycles, "use_light_tree"):
+    cycles.use_light_tree = True  # as new files have it; Blender turns it off in those of before 3.5
 if said["guiding"]:
     cycles.use_guiding = True
 if kind == "truth":

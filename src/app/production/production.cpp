@@ -120,7 +120,7 @@ void print_notes(const RenderJob& film, const RenderOptions& options) {
     std::vector<std::string> notes = film.animation->notes;
     for (const std::string& line : unused_options(options, film.kind, film.tolerance, film.preview))
         notes.push_back(line);
-    if (const std::string& said = options.frames.value_or(""); said.find_first_of(":") == std::string::npos)
+    if (options.frames && options.frames->find(':') == std::string::npos)
         notes.push_back(film.frames.first > 1 ? fmt::format("--frames {0} is one frame, number {0} from 0; the first "
                                                             "{0} are --frames 0:{1}",
                                                             film.frames.first, film.frames.first - 1)

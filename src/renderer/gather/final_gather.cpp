@@ -144,6 +144,7 @@ float share_of_lobe(const GatherRequest& request) {
     const SurfacePoint& p = request.point->point;
     if (request.which == RaysOf::lobes) return 1.0f;
     if (!p.bsdf.has_lobe() || !(glm::dot(p.shading_normal, p.outgoing) > 0.0f)) return 0.0f;
+    if (!p.bsdf.has_narrow_lobe()) return lobe_chance(p);
     if (!p.bsdf.has_diffuse()) return 1.0f;
     return std::clamp(std::round(lobe_chance(p) * batch_rays), 1.0f, batch_rays - 1.0f) / batch_rays;
 }

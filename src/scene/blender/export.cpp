@@ -165,8 +165,8 @@ std::string kept_log(const fs::path& folder) {
     const fs::path kept = folder.parent_path() / log_name;
     std::error_code failure;
     fs::rename(folder / log_name, kept, failure);
-    if (failure || last.empty()) return "; it said nothing";
-    std::string text = "; its last words, of " + kept.string() + ": ";
+    if (last.empty()) return "; it said nothing";
+    std::string text = "; its last words" + (failure ? std::string() : ", of " + kept.string()) + ": ";
     for (const std::string& line : last) text += (&line == last.data() ? "" : " / ") + line;
     return text;
 }
@@ -210,7 +210,9 @@ void run_blender(const fs::path& blend, const fs::path& blender, const fs::path&
     const ProbeEnd end = Probe(blender_limits(), words).end(stops);
     if (end.how == ProbeEnd::How::given_up) throw core::Error("reading", blend.string(), "interrupted");
     const nlohmann::json result = read_json(folder / result_name);
-    if (!result.is_object() && is_python(blender))
+    // A Python may lack the module; whatever else ends it is a crash.
+    if (!result.is_object() && is_python(blender) && end.how != ProbeEnd::How::killed &&
+        end.how != ProbeEnd::How::out_of_time)
         if (const std::string said = last_line(folder / "blender.log"); !said.empty())
             throw core::Error("reading", blend.string(), said);
     if (!result.is_object()) refuse(blend, folder, end);
@@ -235,7 +237,7 @@ fs::path blender_program() {
 }
 
 std::vector<std::string> words_of_blender(const fs::path& program) {
-    std::vector<std::string> words{program.string()};
+    std::vector<std::string> words{fs::absolute(program).string()};
     if (is_python(program)) words.push_back(core::installed_file("blender/bpy_program.py").string());
     return words;
 }
