@@ -30,8 +30,8 @@ TEST_F(Wall, LobesThatOneEyeSawAreFoundBetweenRecords) {
 }
 
 TEST_F(Wall, LobesThatAnotherEyeSawServeByHowFarItWas) {
-    // Two away, an eye that moves by 0.05 turns half vectors by a twentieth of the width, one that moves by 0.3 by more
-    // than an eighth.
+    // Two away, an eye that moves by 0.05 turns half vectors by a twentieth of the width, one that moves by 3 by more
+    // than all of it.
     const auto holds = [&](float moved, float relative) {
         records_.forget();
         strew(2, [](glm::vec2) { return 1.0f; });
@@ -41,7 +41,8 @@ TEST_F(Wall, LobesThatAnotherEyeSawServeByHowFarItWas) {
     EXPECT_TRUE(holds(0.0f, 0.01f));
     EXPECT_FALSE(holds(0.05f, 0.02f));
     EXPECT_TRUE(holds(0.05f, 0.04f));
-    EXPECT_FALSE(holds(0.3f, 10.0f));
+    EXPECT_TRUE(holds(0.3f, 0.2f));
+    EXPECT_FALSE(holds(3.0f, 10.0f));
 }
 
 TEST_F(Wall, RoundLobesTakeRecordsHoweverNarrowTheyAre) {

@@ -12,10 +12,16 @@ namespace {
 
 /// Widths of lobes that count as one.
 constexpr float alike_alpha = 0.1f;
-/// Half vectors that a record's lobe was looked at by may lie so far, in widths of the lobe, off those that the point
-/// looks by, since the eye was elsewhere, or the normal is another. chosen: 1 of 0.5, 1 and 2
+/// Half vectors that a record's lobe was looked at by may lie so far, in widths of the lobe, off those that this eye
+/// looks by there. chosen: 1 of 0.125 and 1; how far a surface bends a plane's residual tells
 /// (docs/measurements.md#irradiance-cache).
-constexpr float most_bend = 1.0f;
+constexpr float most_turn = 1.0f;
+
+/// Square of the change of half vectors as an eye sees a record now, over that of its lobe's width.
+float turned2(const IrradianceRecord& r, glm::vec3 eye) {
+    const glm::vec3 turn = 0.5f * (r.lobe.outgoing - eye) / r.lobe.alpha;
+    return glm::dot(turn, turn);
+}
 
 }  // namespace
 
@@ -27,8 +33,8 @@ std::optional<SeenLobe> lobe_at(const CacheQuery& q, const IrradianceRecord& r) 
     const glm::vec3 eye = r.is_of_frame() ? r.lobe.outgoing
                           : q.eye         ? core::normalize_or(*q.eye - r.position, p.outgoing)
                                           : p.outgoing;
+    if (turned2(r, eye) > most_turn * most_turn) return std::nullopt;
     const glm::vec3 turn = 0.5f * (r.lobe.outgoing - p.outgoing) - (r.shading_normal - p.shading_normal);
-    if (glm::dot(turn, turn) > most_bend * most_bend * alpha * alpha) return std::nullopt;
     GlossyRecord lobe = r.lobe;
     lobe.f0 += r.by_rays[1];
     lobe.schlick += r.by_rays[2];
@@ -37,8 +43,8 @@ std::optional<SeenLobe> lobe_at(const CacheQuery& q, const IrradianceRecord& r) 
 }
 
 bool is_lobe_seen_from(const IrradianceRecord& r, glm::vec3 eye) {
-    const glm::vec3 turn = 0.5f * (r.lobe.outgoing - core::normalize_or(eye - r.position, r.lobe.outgoing));
-    return r.lobe.alpha == 0.0f || glm::dot(turn, turn) <= most_bend * most_bend * r.lobe.alpha * r.lobe.alpha;
+    return r.lobe.alpha == 0.0f ||
+           turned2(r, core::normalize_or(eye - r.position, r.lobe.outgoing)) <= most_turn * most_turn;
 }
 
 /// A typical cosine of light stands for it in [Heitz2014, eq. 99].
