@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """blender -b --factory-startup -P make_users_of_files.py -- FOLDER: image, volume, cache and sound .blend, of which each uses
 the file picture.png, smoke.vdb, moves.mdd or voice.wav of the folder. Only the last is made."""
 import os

@@ -35,7 +35,11 @@ class FolderOnly : public Assimp::DefaultIOSystem {
     FolderOnly(const fs::path& folder, Animation& into)
         : folder_(fs::weakly_canonical(folder)), notes_(into.notes), files_(into.files) {}
 
-    bool Exists(const char* file) const override { return inside(file) && DefaultIOSystem::Exists(file); }
+    /// Assimp's own opens the file, and waits at a pipe.
+    bool Exists(const char* file) const override {
+        std::error_code failure;
+        return inside(file) && fs::exists(file, failure);
+    }
     Assimp::IOStream* Open(const char* file, const char* mode) override {
         if (inside(file)) {
             std::error_code failure;
