@@ -258,7 +258,8 @@ void FinalGather::trace(const GatherRequest& request, const Bundle& bundle, Trac
                           : !sky_.importance
                               ? sky_.lobe_brightest
                               : core::divide_or(sky_.lobe_brightest, sky_.importance(ray.direction), 0.0f);
-        if (hits[k].found()) out.rays[index[k]].nearness = 1.0f / std::max(hits[k].distance, request.extent);
+        if (hits[k].found())
+            out.rays[index[k]].nearness = core::divide_or(1.0f, std::max(hits[k].distance, request.extent), 0.0f);
         out.rays[index[k]].light = gather_rays_.follow(
             queries[k], hits[k], rules, bundle.numbers.at(bundle.first + index[k]), index[k], out.terms, out.traced);
     }
