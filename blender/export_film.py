@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
-"""blender -b --factory-startup --disable-autoexec -noaudio -P export_film.py -- SCENE FOLDER TEXTURE_SIZE
+"""blender -b --factory-startup --disable-autoexec -noaudio -P export_film.py -- SCENE FOLDER TEXTURE_SIZE LINES LAST_FRAME
 
 Writes what render2mpeg can show of a .blend, or of what Blender imports (USD, Alembic), to FOLDER: film.json (an animation
 file), scene.glb and images beside it, and export.json: {"error": "..."} or {"blender", "lost": [...],
@@ -384,8 +384,9 @@ class Strengths:
                 film.setdefault("materials", {})[name] = {"keys": keys, "interpolation": "linear"}
 
 
-def export(path, folder, texture_size, lines, still=False):
-    """Textures of a texel a pixel in pictures of this height, 0: the scene's own. `still`: the frame that it was saved at alone."""
+def export(path, folder, texture_size, lines, last=-1, still=False):
+    """Textures of a texel a pixel in pictures of this height, 0: the scene's own. `last`: frame of the film after which nothing is
+    wanted, or -1. `still`: the frame that it was saved at alone."""
     open_scene(path)
     from film_export import lamps, world
     from film_export.bakes import Bakes
@@ -408,6 +409,9 @@ def export(path, folder, texture_size, lines, still=False):
     # Blender bends light at every glass; open meshes are thin.
     film = {"title": os.path.basename(path), "scene": "scene.glb", "closed_glass_is_solid": True, "frame_rate": rate,
             "frames": max(1, round(len(frames) / own_rate * RATES[rate]))}
+    if last >= 0:  # a frame more, for what moves while it is exposed
+        frames = frames[:math.ceil(last / RATES[rate] * own_rate - 1e-6) + 2]
+        times = times[:len(frames)]
     format_of(scene, film, lost)
     look_of_film(scene, film, lost)
     if is_newer(bpy.data.version):
@@ -470,10 +474,10 @@ def used_files(path, more):
     return out
 
 
-def told(path, folder, texture_size, lines=0, still=False):
+def told(path, folder, texture_size, lines=0, last=-1, still=False):
     """The export's outcome, or what went wrong in one line."""
     try:
-        result = export(path, folder, texture_size, lines, still)
+        result = export(path, folder, texture_size, lines, last, still)
     except Refused as reason:
         result = {"error": str(reason)}
     except ModuleNotFoundError as missing:
@@ -487,14 +491,14 @@ def told(path, folder, texture_size, lines=0, still=False):
 
 
 def main():
-    path, folder, texture_size, lines = sys.argv[sys.argv.index("--") + 1:]
+    path, folder, texture_size, lines, last = sys.argv[sys.argv.index("--") + 1:]
     def write(result):
         with open(os.path.join(folder, "export.json"), "w") as file:
             json.dump(result, file, indent=1)
     version = saved_by(path)
     if is_newer(version):
         write({"error": too_new(version)})  # which stays where Blender crashes on it
-    write(told(path, folder, int(texture_size), int(lines)))
+    write(told(path, folder, int(texture_size), int(lines), int(last)))
 
 
 if __name__ == "__main__":

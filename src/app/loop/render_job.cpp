@@ -296,6 +296,12 @@ void take(RenderJob& film, const std::shared_ptr<const scene::Animation>& animat
         *animation, [images = film.images](int image) { return images->take(image); });
 }
 
+/// Last frame that a film is asked for, where its frames surely count at the file's own rate.
+std::optional<std::int64_t> last_frame_of(const RenderOptions& options) {
+    if (!options.frames || options.rate || options.coding.preset) return std::nullopt;
+    return frames_from(*options.frames).last;
+}
+
 /// The scene as its file has it. Throws core::Error.
 std::shared_ptr<scene::Animation> load(const RenderOptions& options) {
     check_scene(options.input);
@@ -303,8 +309,9 @@ std::shared_ptr<scene::Animation> load(const RenderOptions& options) {
     tell_activity(exports ? "Blender exports the scene" : "reading the scene");
     try {
         return std::make_shared<scene::Animation>(scene::load(
-            options.input, {options.camera, options.animation, options.sky, options.variant, light_of(options.light),
-                            options.size ? size_from(*options.size).height : 0, &InterruptGuard::requested}));
+            options.input,
+            {options.camera, options.animation, options.sky, options.variant, light_of(options.light),
+             options.size ? size_from(*options.size).height : 0, last_frame_of(options), &InterruptGuard::requested}));
     } catch (const core::Error& error) {
         if (InterruptGuard::requested()) throw Interrupted(error.what());
         throw;

@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 constexpr int texture_size = 1024;
 /// Exports kept of one .blend: the current one, and the last, which may be being read.
 constexpr std::size_t kept_exports = 2;
-constexpr const char *result_name = "export.json", *log_name = "blender.log";
+constexpr const char *result_name = "export.json", *film_name = "film.json", *log_name = "blender.log";
 
 bool is_program(const fs::path& file) {
     std::error_code failure;
@@ -59,7 +59,7 @@ nlohmann::json state_of_blender(const fs::path& program) {
 }
 
 /// Key of an export's inputs.
-std::string name_of(const fs::path& blend, const fs::path& script, const fs::path& blender, int lines) {
+std::string name_of(const fs::path& blend, const fs::path& script, const fs::path& blender, const ExportWish& wish) {
     core::Checksum sum;
     sum.add_file(blend);
     std::vector<fs::path> parts{script};
@@ -67,7 +67,8 @@ std::string name_of(const fs::path& blend, const fs::path& script, const fs::pat
         if (entry.path().extension() == ".py") parts.push_back(entry.path());
     std::sort(parts.begin(), parts.end());
     for (const fs::path& part : parts) sum.add_file(part);
-    sum.add(state_of_blender(blender).dump() + std::to_string(texture_size) + "," + std::to_string(lines));
+    sum.add(state_of_blender(blender).dump() + std::to_string(texture_size) + "," + std::to_string(wish.lines) +
+            (wish.last_frame ? "," + std::to_string(*wish.last_frame) : ""));
     return core::checksum_text(sum.value());
 }
 
@@ -103,6 +104,13 @@ std::string last_line(const fs::path& file) {
     return last;
 }
 
+/// Frames of an exported film; 0 where it does not say.
+std::int64_t frames_in(const fs::path& film) {
+    const nlohmann::json said = read_json(film);
+    const auto frames = said.is_object() ? said.find("frames") : said.end();
+    return frames != said.end() && frames->is_number_integer() ? frames->get<std::int64_t>() : 0;
+}
+
 /// First file that an export was made of and that is another now; empty where there is none. Throws
 /// nlohmann::json::exception.
 std::string changed_since(const nlohmann::json& result) {
@@ -124,7 +132,7 @@ std::optional<BlenderExport> finished(const fs::path& folder) {
     const nlohmann::json result = read_json(folder / result_name);
     try {
         if (!changed_since(result).empty()) return std::nullopt;
-        BlenderExport found{folder / "film.json", {}};
+        BlenderExport found{folder / film_name, {}};
         for (const nlohmann::json& line : result.at("lost"))
             found.notes.push_back("not kept: " + line.get<std::string>());
         return found;
@@ -199,14 +207,14 @@ class NewFolder {
 };
 
 void run_blender(const fs::path& blend, const fs::path& blender, const fs::path& script, const fs::path& folder,
-                 int lines, const std::function<bool()>& stops) {
+                 const ExportWish& wish, const std::function<bool()>& stops) {
     if (!Probe::is_possible()) throw core::Error("reading", blend.string(), "the program that runs Blender is missing");
     const std::vector<std::string> words{"blend",
                                          // A virtual environment is found by its link to a Python.
                                          (is_python(blender) ? fs::absolute(blender) : fs::canonical(blender)).string(),
                                          fs::absolute(script).string(), fs::absolute(blend).string(),
                                          fs::absolute(folder).string(), std::to_string(texture_size),
-                                         std::to_string(lines)};
+                                         std::to_string(wish.lines), std::to_string(wish.last_frame.value_or(-1))};
     const ProbeEnd end = Probe(blender_limits(), words).end(stops);
     if (end.how == ProbeEnd::How::given_up) throw core::Error("reading", blend.string(), "interrupted");
     const nlohmann::json result = read_json(folder / result_name);
@@ -242,7 +250,7 @@ std::vector<std::string> words_of_blender(const fs::path& program) {
     return words;
 }
 
-BlenderExport export_by_blender(const fs::path& file, int lines, const std::function<bool()>& stops) {
+BlenderExport export_by_blender(const fs::path& file, const ExportWish& wish, const std::function<bool()>& stops) {
     const fs::path blender = blender_program();
     if (blender.empty())
         throw core::Error("reading", file.string(),
@@ -251,11 +259,14 @@ BlenderExport export_by_blender(const fs::path& file, int lines, const std::func
                               "RENDER2MPEG_BLENDER, or export the scene as glTF with cameras and punctual lights");
     const fs::path script = core::installed_file("blender/export_film.py");
     const fs::path cache = cache_of(file);
-    const fs::path folder = cache / name_of(file, script, blender, lines);
-    if (std::optional<BlenderExport> known = finished(folder)) return *known;
+    const fs::path whole = cache / name_of(file, script, blender, {wish.lines, {}});
+    fs::path folder = cache / name_of(file, script, blender, wish);
+    for (const fs::path& made : {whole, folder})
+        if (std::optional<BlenderExport> known = finished(made)) return *known;
 
     const NewFolder made(folder.string() + "." + std::to_string(getpid()));
-    run_blender(file, blender, script, made.path(), lines, stops);
+    run_blender(file, blender, script, made.path(), wish, stops);
+    if (wish.last_frame && *wish.last_frame + 1 >= frames_in(made.path() / film_name)) folder = whole;
     std::error_code failure;
     fs::remove_all(folder, failure);
     fs::rename(made.path(), folder, failure);
@@ -268,7 +279,7 @@ BlenderExport export_by_blender(const fs::path& file, int lines, const std::func
 
 void become_blender(const std::vector<std::string>& words) {
     const std::string &program = words.at(0), &script = words.at(1), &blend = words.at(2), &folder = words.at(3),
-                      &size = words.at(4), &lines = words.at(5);
+                      &size = words.at(4), &lines = words.at(5), &last = words.at(6);
     // Blender's messages go to a log file; the parent's pipe stays unused.
     const int log = open((fs::path(folder) / log_name).c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
     if (log >= 0) {
@@ -286,7 +297,7 @@ void become_blender(const std::vector<std::string>& words) {
     unsetenv("PYTHONHOME");
     std::vector<std::string> command = words_of_blender(program);
     command.insert(command.end(), {"--background", "--factory-startup", "--disable-autoexec", "-noaudio", "--python",
-                                   script, "--", blend, folder, size, lines});
+                                   script, "--", blend, folder, size, lines, last});
     std::vector<char*> arguments;
     for (std::string& word : command) arguments.push_back(word.data());
     arguments.push_back(nullptr);

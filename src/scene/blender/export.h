@@ -1,7 +1,9 @@
 #pragma once
 // Has Blender export a .blend, and what it imports: USD, Alembic.
+#include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,11 +14,18 @@ struct BlenderExport {
     std::vector<std::string> notes;  ///< losses of the export, one line each: object and reason
 };
 
+/// Part of a film that an export is for.
+struct ExportWish {
+    int lines = 0;  ///< height of the pictures, for which textures are baked; 0: the scene's own
+    std::optional<std::int64_t> last_frame{};  ///< of the film at its own rate; none: its last
+};
+
 /// Export of a .blend, or of a scene that Blender imports, cached in FILE.export/ or the user's cache, keyed by the
-/// file, our script and Blender, by other files it uses, and by `lines`, the height of the pictures that its textures
-/// are baked for (0: the scene's own). Blender is $RENDER2MPEG_BLENDER, else `blender` on the PATH, limited in memory
-/// and time, and ended with all that it started once `stops` says so. Throws core::Error.
-BlenderExport export_by_blender(const std::filesystem::path& file, int lines, const std::function<bool()>& stops);
+/// file, our script and Blender, by other files it uses, and by the wish; one of the whole film serves each part of it.
+/// What moves is still a frame after the last one. Blender is $RENDER2MPEG_BLENDER, else `blender` on the PATH, limited
+/// in memory and time, and ended with all that it started once `stops` says so. Throws core::Error.
+BlenderExport export_by_blender(const std::filesystem::path& file, const ExportWish& wish,
+                                const std::function<bool()>& stops);
 
 /// $RENDER2MPEG_BLENDER, a path or a name on the PATH, else `blender` there; empty where there is none.
 std::filesystem::path blender_program();
@@ -26,7 +35,7 @@ std::filesystem::path blender_program();
 std::vector<std::string> words_of_blender(const std::filesystem::path& program);
 
 /// Becomes Blender within a probe. `words`: program, script, scene, output folder, longest side of baked textures,
-/// height of the pictures. Returns only on failure.
+/// height of the pictures, last frame or -1. Returns only on failure.
 void become_blender(const std::vector<std::string>& words);
 
 }  // namespace render2mpeg::scene

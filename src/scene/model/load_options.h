@@ -1,5 +1,6 @@
 #pragma once
 // Settings of the command line that override a scene's file.
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -17,7 +18,8 @@ struct LoadOptions {
     std::optional<std::string> variant{};    ///< name or index of one of glTF's variants of materials
     DefaultLight light = DefaultLight::studio;
     int lines = 0;  ///< height of the pictures, in pixels, for which Blender bakes textures; 0: the .blend's own
-    std::function<bool()> stops{};  ///< whether Blender's export is to be given up; empty: never
+    std::optional<std::int64_t> last_frame{};  ///< of the film at its own rate, after which Blender exports nothing
+    std::function<bool()> stops{};             ///< whether Blender's export is to be given up; empty: never
 };
 
 }  // namespace render2mpeg::scene
