@@ -170,5 +170,38 @@ TEST_F(BlendExportTogetherSlow, LightsTheGroundBelowAWideSpotAsCyclesDoes) {
     EXPECT_EQ(patches, 24) << compared.output;
 }
 
+TEST(BlendExportSlow, EndsWhereTheFilmThatIsAskedForEnds) {
+    if (!support::blender_is_there()) GTEST_SKIP() << "Blender is not installed";
+    const Folder folder;
+    const Outcome made =
+        support::blender("-P " + blender_script("make_blends.py") + " -- " + folder.path().string() + " instances");
+    ASSERT_EQ(made.status, 0) << made.output;
+    const std::filesystem::path blend = folder / "instances.blend", film = folder / "film.mpg";
+    const auto bytes_of = [&](const std::string& frames) {
+        const Outcome said = run(program() + " render --size 64x36 --quiet --frames " + frames + " " + blend.string() +
+                                 " -o " + film.string());
+        EXPECT_EQ(said.status, 0) << said.output;
+        std::string bytes = contents(film);
+        std::filesystem::remove(film);
+        return bytes;
+    };
+    const std::string part = bytes_of("0:1");
+    const json early =
+        json::parse(contents(std::filesystem::directory_iterator(blend.string() + ".export")->path() / "film.json"));
+    EXPECT_EQ(early["frames"], 8) << "it is as long as ever";
+    EXPECT_EQ(early.value("change", json::object()).value("Late", json::object()).value("keys", json::array()).size(),
+              0u)
+        << "it comes at the fifth frame";
+    EXPECT_NE(bytes_of("4:5"), part);
+    std::filesystem::remove_all(blend.string() + ".export");
+    bytes_of("0:7");
+    EXPECT_EQ(bytes_of("0:1"), part);
+    EXPECT_EQ(run(program() + " plan --within 0 " + blend.string()).status, 0);
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(blend.string() + ".export"),
+                            std::filesystem::directory_iterator{}),
+              2)
+        << "that of all frames at this size, which serves its parts, and that at its own";
+}
+
 }  // namespace
 }  // namespace render2mpeg::test

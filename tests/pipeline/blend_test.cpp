@@ -170,34 +170,6 @@ TEST(BlendFileSlow, IsExportedOnceUntilItChanges) {
     EXPECT_NE(std::distance(fs::directory_iterator(blend.string() + ".export"), fs::directory_iterator{}), 1);
 }
 
-TEST(BlendFileSlow, IsExportedAsFarAsItIsWanted) {
-    NEEDS_BLENDER();
-    const Folder folder;
-    make(folder, "instances");
-    const fs::path blend = folder / "instances.blend", film = folder / "film.mpg";
-    const auto bytes_of = [&](const std::string& frames) {
-        const Outcome said = run(program() + " render --size 64x36 --quiet --frames " + frames + " " + blend.string() +
-                                 " -o " + film.string());
-        EXPECT_EQ(said.status, 0) << said.output;
-        std::string bytes = contents(film);
-        fs::remove(film);
-        return bytes;
-    };
-    const std::string part = bytes_of("0:1");
-    const json early = json::parse(contents(export_of(blend) / "film.json"));
-    EXPECT_EQ(early["frames"], 8) << "it is as long as ever";
-    EXPECT_EQ(early.value("change", json::object()).value("Late", json::object()).value("keys", json::array()).size(),
-              0u)
-        << "it comes at the fifth frame";
-    EXPECT_NE(bytes_of("4:5"), part);
-    fs::remove_all(blend.string() + ".export");
-    bytes_of("0:7");
-    EXPECT_EQ(bytes_of("0:1"), part);
-    EXPECT_EQ(run(program() + " plan --within 0 " + blend.string()).status, 0);
-    EXPECT_EQ(std::distance(fs::directory_iterator(blend.string() + ".export"), fs::directory_iterator{}), 2)
-        << "that of all frames at this size, which serves its parts, and that at its own";
-}
-
 TEST(BlendFileSlow, BecomesAFilmWithItsRateSizeShotsAndInstances) {
     NEEDS_BLENDER();
     const Folder folder;

@@ -318,10 +318,6 @@ std::shared_ptr<scene::Animation> load(const RenderOptions& options) {
     }
 }
 
-}  // namespace
-
-namespace {
-
 /// Masters are not for the eye alone: they are lit as frames are, twice as finely.
 void settle_tolerance(RenderJob& film, const RenderOptions& options) {
     const bool coded = film.kind == OutputKind::film;
