@@ -95,7 +95,7 @@ def answer(call, files):
 def main():
     place = sys.argv[sys.argv.index("--") + 1]
     server = socket.socket(socket.AF_UNIX)
-    server.bind(place + ".new")
+    server.bind(os.path.relpath(place) + ".new")  # from the folder that `served` starts it in: a socket's name has at most 107 bytes
     server.listen(64)
     os.rename(place + ".new", place)
     server.settimeout(IDLE_SECONDS)
