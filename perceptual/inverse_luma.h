@@ -27,7 +27,8 @@ struct PixelLight {
 
 template <class A>
 void archive(A& a, PixelLight& light) {
-    a(light.luma, light.luminance, light.exponent);
+    auto& [luma, luminance, exponent] = light;
+    a(luma, luminance, exponent);
 }
 
 /// Distances in luma as distances in light: the inverse of the display for a pixel's own chromaticity

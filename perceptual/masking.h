@@ -17,7 +17,8 @@ struct ThresholdMap {
 
 template <class A>
 void archive(A& a, ThresholdMap& map) {
-    a(map.picture, map.blocks);
+    auto& [picture, blocks] = map;
+    a(picture, blocks);
 }
 
 /// Thresholds by luminance and contrast masking (docs/model/tolerance.md) from unrounded luma, or `y` without it; edges

@@ -81,12 +81,13 @@ struct TemporalState {
 /// Every member of what is kept between pictures.
 template <class A>
 void archive(A& a, Observation& o) {
-    a(o.number, o.visible, o.coefficients, o.thresholds, o.light, o.warped);
+    auto& [number, visible, coefficients, thresholds, light, warped] = o;
+    a(number, visible, coefficients, thresholds, light, warped);
 }
 template <class A>
 void archive(A& a, TemporalState& s) {
-    a(s.number, s.visible, s.coefficients, s.residual, s.thresholds, s.light, s.intra, s.emphasis, s.plan, s.errors);
-    a(s.tolerances);
+    auto& [number, visible, coefficients, residual, thresholds, light, intra, emphasis, plan, errors, tolerances] = s;
+    a(number, visible, coefficients, residual, thresholds, light, intra, emphasis, plan, errors, tolerances);
 }
 
 /// Errors of a future picture masked by a remembered one: the same for all pictures with the same coding plan.

@@ -40,7 +40,9 @@ class ArchiveBlocks {
     std::uint64_t checksum_ = 0xcbf29ce484222325ull;
 };
 
-/// Writes a file that has its name once it is whole. A type's values are told by `archive(archive, value)` beside it.
+/// Writes a file that has its name once it is whole. A type's values are told by `archive(archive, value)` beside it,
+/// which names all members in a structured binding, those that it leaves out as well: one that is added and forgotten
+/// does not compile.
 class ArchiveWriter : public ArchiveBlocks {
   public:
     /// `mark`: of what it holds, and of whom.
@@ -194,7 +196,8 @@ void archive(A& a, std::shared_ptr<const T>& value) {
 
 template <class A>
 void archive(A& a, Visible& v) {
-    a(v.frame, v.address, v.depth, v.geometric_normal, v.shading_normal, v.material, v.kind);
+    auto& [frame, address, depth, geometric_normal, shading_normal, material, kind] = v;
+    a(frame, address, depth, geometric_normal, shading_normal, material, kind);
 }
 
 /// Pairs of a map, in any order.

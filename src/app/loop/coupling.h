@@ -49,8 +49,9 @@ class Coupling {
     /// Its state between two frames.
     template <class A>
     friend void archive(A& a, Coupling& c) {
-        a(c.state_, c.kept_, c.reference_);
-        if constexpr (std::is_same_v<A, core::ArchiveReader>) c.requantised_.reset();
+        auto& [model, coding, settings, state, requantised, warped, kept, reference] = c;
+        a(state, kept, reference);
+        if constexpr (std::is_same_v<A, core::ArchiveReader>) requantised.reset();
     }
 
   private:

@@ -25,7 +25,8 @@ class GlareFilter {
 
     template <class A>
     friend void archive(A& a, GlareFilter& filter) {
-        a(filter.veil_);
+        auto& [glare, veil, statistics, shown] = filter;
+        a(veil);
     }
 
   private:

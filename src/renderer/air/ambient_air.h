@@ -52,8 +52,11 @@ class AmbientAir {
     /// What is known, and of which instant's light: `start` does not forget that.
     template <class A>
     friend void archive(A& a, AmbientAir& air) {
-        a(air.lit_frame_, air.known_, air.light_);
-        air.is_known_ = air.is_known_ || std::is_same_v<A, core::ArchiveReader>;
+        auto& [lit_frame, is_known, shines, bounces, least_distance, smooth, gather, known, light] = air;
+        a(lit_frame, known, light);
+        for (const auto& [corner, place] : known)
+            if (place >= light.size()) throw core::Error("light of the air is damaged");
+        is_known = is_known || std::is_same_v<A, core::ArchiveReader>;
     }
 
   private:

@@ -38,7 +38,8 @@ class IrradianceCache {
     /// All that it knows of the chunk.
     template <class A>
     friend void archive(A& a, IrradianceCache& c) {
-        a(c.records_, c.library_, c.left_, c.near_field_, c.history_, c.is_other_light_, c.last_error_scale_);
+        auto& [records, library, left, near_field, history, is_other_light, last_error_scale] = c;
+        a(records, library, left, near_field, history, is_other_light, last_error_scale);
     }
 
   private:

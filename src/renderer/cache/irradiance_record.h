@@ -81,9 +81,12 @@ struct IrradianceRecord {
 /// Every member of a record.
 template <class A>
 void archive(A& a, IrradianceRecord& r) {
-    a(r.address, r.back_side, r.path, r.capped, r.set, r.position, r.geometric_normal, r.shading_normal, r.seen_at);
-    a(r.direct, r.indirect, r.lobe, r.by_rays, r.ray_count, r.batch_variance, r.numbers, r.next_ray, r.known_rays);
-    a(r.pilot, r.is_pilot_now, r.baseline, r.tolerance, r.error, r.clamped, r.born, r.used);
+    auto& [address, back_side, path, capped, set, position, geometric_normal, shading_normal, seen_at, direct, indirect,
+           lobe, by_rays, ray_count, batch_variance, numbers, next_ray, known_rays, pilot, is_pilot_now, baseline,
+           tolerance, error, clamped, born, used] = r;
+    a(address, back_side, path, capped, set, position, geometric_normal, shading_normal, seen_at);
+    a(direct, indirect, lobe, by_rays, ray_count, batch_variance, numbers, next_ray, known_rays);
+    a(pilot, is_pilot_now, baseline, tolerance, error, clamped, born, used);
 }
 
 /// A record as it is found from pixels.
@@ -192,7 +195,8 @@ class RecordStore {
 
     template <class A>
     friend void archive(A& a, RecordStore& store) {
-        a(store.records_);
+        auto& [records] = store;
+        a(records);
     }
 
   private:

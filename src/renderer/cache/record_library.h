@@ -58,8 +58,9 @@ class RecordLibrary {
     /// Which of the known ones the chunk took.
     template <class A>
     friend void archive(A& a, RecordLibrary& library) {
-        a(library.taken_);
-        if (library.taken_.size() != library.known_.size()) throw core::Error("the light file has other records now");
+        auto& [known, notes, taken] = library;
+        a(taken);
+        if (taken.size() != known.size()) throw core::Error("the light file has other records now");
     }
 
   private:

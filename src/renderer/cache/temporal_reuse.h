@@ -24,7 +24,8 @@ struct FrameHistory {
 
 template <class A>
 void archive(A& a, FrameHistory& history) {
-    a(history.tiles, history.frame);
+    auto& [tiles, frame] = history;
+    a(tiles, frame);
 }
 
 /// Begins a frame: shares out its tolerances among points, reuses the light of points that are the very same as in the

@@ -45,7 +45,8 @@ struct FrameKey {
 
 template <class A>
 void archive(A& a, FrameKey& key) {
-    a(key.camera, key.fov, key.magnification, key.lit_frame, key.tolerance);
+    auto& [camera, fov, magnification, lit_frame, tolerance] = key;
+    a(camera, fov, magnification, lit_frame, tolerance);
 }
 
 /// The calibration of a chunk.
@@ -66,7 +67,8 @@ class FilmCalibration {
 
     template <class A>
     friend void archive(A& a, FilmCalibration& c) {
-        a(c.calibration_, c.last_, c.share_);
+        auto& [calibration, last, share] = c;
+        a(calibration, last, share);
     }
 
   private:

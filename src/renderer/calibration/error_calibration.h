@@ -40,8 +40,9 @@ class ErrorCalibration {
 
     template <class A>
     friend void archive(A& a, ErrorCalibration& c) {
-        a(c.needed_, c.next_, c.holds_, c.value_);
-        if (c.next_ > c.needed_.size()) throw core::Error("a calibration is damaged");
+        auto& [needed, next, holds, value] = c;
+        a(needed, next, holds, value);
+        if (next > needed.size()) throw core::Error("a calibration is damaged");
     }
 
   private:

@@ -52,7 +52,8 @@ class Caustics {
 
     template <class A>
     friend void archive(A& a, Caustics& caustics) {
-        a(caustics.budget_);
+        auto& [settings, budget] = caustics;
+        a(budget);
     }
 
   private:

@@ -33,12 +33,14 @@ class CellTable {
 
     template <class A>
     friend void archive(A& a, CellTable& table) {
-        a(table.slots_, table.used_);
-        const auto taken = std::ranges::count_if(table.slots_, [](const Slot& s) { return s.found.index != none; });
-        if (!std::has_single_bit(std::max<std::size_t>(table.slots_.size(), 1)) ||
-            static_cast<std::size_t>(taken) != table.used_ || 2 * table.used_ > table.slots_.size() ||
-            std::ranges::any_of(table.slots_,
-                                [&](const Slot& s) { return s.found.index != none && s.found.index >= table.used_; }))
+        auto& [slots, used] = table;
+        a(slots, used);
+        std::size_t taken = 0;
+        bool is_within = true;
+        for (const Slot& slot : slots)
+            if (slot.found.index != none) ++taken, is_within = is_within && slot.found.index < used;
+        if (!std::has_single_bit(std::max<std::size_t>(slots.size(), 1)) || taken != used || 2 * used > slots.size() ||
+            !is_within)
             throw core::Error("a table of cells is damaged");
     }
 
@@ -101,9 +103,10 @@ class LightCells {
     /// All but cells of one ray's own.
     template <class A>
     friend void archive(A& a, LightCells& cells) {
-        for (Shard& shard : cells.shards_) {
-            a(shard.table, shard.cells);
-            if (shard.cells.size() != shard.table.size()) throw core::Error("a table of cells is damaged");
+        auto& [all_shards] = cells;
+        for (auto& [table, own_table, known, own_cells] : all_shards) {
+            a(table, known);
+            if (known.size() != table.size()) throw core::Error("a table of cells is damaged");
         }
     }
 

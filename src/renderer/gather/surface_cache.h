@@ -50,7 +50,8 @@ class SurfaceCache {
     /// Cells of the posed instant.
     template <class A>
     friend void archive(A& a, SurfaceCache& cache) {
-        a(cache.cells_);
+        auto& [light, cells, rays] = cache;
+        a(cells);
     }
 
   private:
