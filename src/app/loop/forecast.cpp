@@ -101,7 +101,7 @@ FrameCost later_of(std::span<const FrameEntry> frames, const std::vector<std::in
     for (const FrameEntry& entry : frames) {
         if (std::ranges::find(firsts, entry.frame) != firsts.end()) continue;
         const int kind = entry.type == 'P' || entry.type == 'I' ? 0 : 1;
-        seconds[kind].add(entry.seconds);
+        seconds[kind].add(entry.cost.seconds);
         bytes[kind].add(static_cast<double>(entry.bytes));
     }
     if (seconds[0].count == 0 || seconds[1].count == 0) {

@@ -163,14 +163,7 @@ void ChunkLoop::restore() {
     RunStatistics earlier;
     app::restore(earlier, kept_->statistics());
     std::vector<FrameEntry> frames = std::exchange(statistics_.frames, {});
-    for (std::size_t i = 0; i < frames.size(); ++i) {
-        const FrameEntry& lit = earlier.frames.at(i);
-        frames[i].shadow_rays = lit.shadow_rays;
-        frames[i].direct_cut = lit.direct_cut;
-        frames[i].indirect_cut = lit.indirect_cut;
-        frames[i].records = lit.records;
-        frames[i].seconds = lit.seconds;
-    }
+    for (std::size_t i = 0; i < frames.size(); ++i) frames[i].cost = earlier.frames.at(i).cost;
     earlier.frames.clear();
     statistics_ = sum_of(earlier, statistics_);
     statistics_.frames = std::move(frames);

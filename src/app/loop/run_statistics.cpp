@@ -27,7 +27,7 @@ template <class Visit, class... Entries>
 void each_member(Visit&& visit, Entries&... s) {
     using enum How;
     ROWS(ADDED, frame, type, quantiser, mean_quantiser, bytes, planned_quantiser, tries, minimal, stuffing)
-    ROWS(ADDED, fullness_before, fullness_after, mse_y, ssim_y, pumping, shadow_rays, direct_cut, indirect_cut, seconds)
+    ROWS(ADDED, fullness_before, fullness_after, mse_y, ssim_y, pumping)
     visit("vectors_tried_exact", added, s.motion.evaluations.exact...);
     visit("vectors_tried_predicted", added, s.motion.evaluations.predicted...);
     visit("vectors_tried_searched", added, s.motion.evaluations.searched...);
@@ -35,9 +35,17 @@ void each_member(Visit&& visit, Entries&... s) {
     visit("vectors_chosen_predicted", added, s.motion.chosen.predicted...);
     visit("vectors_chosen_searched", added, s.motion.chosen.searched...);
     visit("searches", added, s.motion.searches...);
-    visit("records_created", added, s.records.created...);
-    visit("records_live", added, s.records.live...);
-    visit("records_served", added, s.records.served...);
+    visit("shadow_rays", added, s.cost.shadow_rays...);
+    visit("gather_rays", added, s.cost.gather_rays...);
+    visit("exposure_rays", added, s.cost.exposure_rays...);
+    visit("caustic_rays", added, s.cost.caustic_rays...);
+    visit("direct_cut", added, s.cost.direct_cut...);
+    visit("indirect_cut", added, s.cost.indirect_cut...);
+    visit("records_created", added, s.cost.records.created...);
+    visit("records_live", added, s.cost.records.live...);
+    visit("records_served", added, s.cost.records.served...);
+    visit("seconds", added, s.cost.seconds...);
+    visit("seconds_by_stage", added, s.cost.seconds_by_stage...);
 }
 
 template <class Visit, class... Counts>

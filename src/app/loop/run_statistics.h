@@ -45,6 +45,17 @@ struct RecordsEntry {
     double served = 0;       ///< share of its gather points that they, or the frame before, lit
 };
 
+using StageSeconds = std::array<double, static_cast<std::size_t>(Stage::count)>;
+
+/// What lighting a frame took, which is not found again where an earlier run lit it.
+struct LightingCost {
+    std::uint64_t shadow_rays = 0, gather_rays = 0, exposure_rays = 0, caustic_rays = 0;
+    double direct_cut = 0, indirect_cut = 0;  ///< clusters per gather point
+    RecordsEntry records;
+    double seconds = 0;               ///< CPU
+    StageSeconds seconds_by_stage{};  ///< of these
+};
+
 struct FrameEntry {
     std::int64_t frame = 0;
     char type = '-';  ///< I, P, B; '-': not coded
@@ -59,10 +70,7 @@ struct FrameEntry {
     encoder::MotionWork motion;                            ///< work of choosing its vectors
     double mse_y = 0, ssim_y = 1;                          ///< of the decoded picture against the rendered one
     double pumping = -1;  ///< from the decoded picture before (perceptual/pumping.h), code values; below 0: not known
-    std::uint64_t shadow_rays = 0;
-    double direct_cut = 0, indirect_cut = 0;  ///< clusters per gather point
-    RecordsEntry records;
-    double seconds = 0;  ///< CPU
+    LightingCost cost;
 };
 
 /// Rate control, counts of pictures.
@@ -101,10 +109,10 @@ struct GrainBits {
 };
 
 struct RunStatistics {
-    std::array<double, static_cast<std::size_t>(Stage::count)> seconds{};  ///< CPU, summed over threads
+    StageSeconds seconds{};  ///< CPU, summed over threads
     double wall = 0;
     double earlier_cpu = 0, earlier_wall = 0;  ///< of the runs that this one goes on from; `wall` has it in it
-    std::array<double, static_cast<std::size_t>(Stage::count)> earlier_seconds{};  ///< likewise, in `seconds`
+    StageSeconds earlier_seconds{};            ///< likewise, in `seconds`
     std::vector<FrameEntry> frames;
     int brightest_luma = 0;  ///< code value
     core::LightLevel light;
@@ -159,16 +167,21 @@ class StageTimer {
 /// Sets the CPU time of the entry that its scope adds.
 class FrameTimer {
   public:
-    explicit FrameTimer(RunStatistics& statistics) : statistics_(statistics), before_(statistics.frames.size()) {}
+    explicit FrameTimer(RunStatistics& statistics)
+        : statistics_(statistics), frames_before_(statistics.frames.size()), before_(statistics.seconds) {}
     ~FrameTimer() {
-        if (statistics_.frames.size() > before_) statistics_.frames.back().seconds = parallel::lane_seconds() - start_;
+        if (statistics_.frames.size() == frames_before_) return;
+        LightingCost& cost = statistics_.frames.back().cost;
+        cost.seconds = parallel::lane_seconds() - start_;
+        for (std::size_t i = 0; i < before_.size(); ++i) cost.seconds_by_stage[i] = statistics_.seconds[i] - before_[i];
     }
     FrameTimer(const FrameTimer&) = delete;
     FrameTimer& operator=(const FrameTimer&) = delete;
 
   private:
     RunStatistics& statistics_;
-    std::size_t before_;
+    std::size_t frames_before_;
+    StageSeconds before_;
     double start_ = parallel::lane_seconds();
 };
 

@@ -14,12 +14,15 @@ void StatisticsRecorder::lit(const LitFrame& frame) {
     const renderer::Statistics &before = frame.before, &after = frame.after;
     FrameEntry entry;
     entry.frame = frame.world.frame;
-    entry.shadow_rays = after.shadow_rays - before.shadow_rays;
+    entry.cost.shadow_rays = after.shadow_rays - before.shadow_rays;
+    entry.cost.gather_rays = after.gather_rays - before.gather_rays;
+    entry.cost.exposure_rays = after.exposure_rays - before.exposure_rays;
+    entry.cost.caustic_rays = after.caustic_rays - before.caustic_rays;
     const auto points = static_cast<double>(std::max<std::uint64_t>(1, after.gather_points - before.gather_points));
-    entry.direct_cut = static_cast<double>(after.direct_clusters - before.direct_clusters) / points;
-    entry.indirect_cut = static_cast<double>(after.indirect_clusters - before.indirect_clusters) / points;
-    entry.records = {after.cache.created - before.cache.created, after.cache.live,
-                     static_cast<double>(after.cache.served - before.cache.served) / points};
+    entry.cost.direct_cut = static_cast<double>(after.direct_clusters - before.direct_clusters) / points;
+    entry.cost.indirect_cut = static_cast<double>(after.indirect_clusters - before.indirect_clusters) / points;
+    entry.cost.records = {after.cache.created - before.cache.created, after.cache.live,
+                          static_cast<double>(after.cache.served - before.cache.served) / points};
     const bool first = statistics_.frames.size() == first_;
     statistics_.frames.push_back(entry);
     for (const std::uint8_t luma : frame.picture.y.values())

@@ -27,7 +27,7 @@ namespace {
 std::string chunk_text(const Chunk& chunk, const RunStatistics& statistics) {
     double seconds = 0, bytes = 0, quantiser = 0;
     for (const FrameEntry& entry : statistics.frames) {
-        seconds += entry.seconds;
+        seconds += entry.cost.seconds;
         bytes += static_cast<double>(entry.bytes);
         quantiser += entry.mean_quantiser / static_cast<double>(chunk.frames());
     }

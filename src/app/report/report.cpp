@@ -69,7 +69,8 @@ std::string sentence_of(const json& s) {
 json frames_of(const json& s) {
     json frames = json::object();
     for (const char* key :
-         {"frame", "type", "bytes", "mean_quantiser", "mse_y", "direct_cut", "indirect_cut", "seconds"}) {
+         {"frame", "type", "bytes", "mean_quantiser", "mse_y", "direct_cut", "indirect_cut", "gather_rays",
+          "shadow_rays", "records_created", "records_served", "seconds", "seconds_by_stage"}) {
         json& values = frames[key] = json::array();
         for (const json& frame : s.at("per_frame")) values.push_back(frame.at(key));
     }

@@ -167,6 +167,9 @@ json entry_of(const FrameEntry& frame) {
     json entry = json_of(frame);
     entry["type"] = std::string(1, frame.type);
     if (frame.pumping < 0) entry["pumping"] = nullptr;
+    json& stages = entry["seconds_by_stage"] = json::object();
+    for (std::size_t i = 0; i < stage_names.size(); ++i)
+        if (const double seconds = frame.cost.seconds_by_stage[i]; seconds > 0) stages[stage_names[i]] = seconds;
     return entry;
 }
 
