@@ -33,6 +33,12 @@ ALEMBIC, USD = ("Alembic", "alembic", "alembic_import"), ("USD", "usd", "usd_imp
 IMPORTERS = {".abc": ALEMBIC, ".usd": USD, ".usda": USD, ".usdc": USD, ".usdz": USD}
 
 
+def tell_step(folder, words):
+    """The export's step, for who waits for it."""
+    with open(os.path.join(folder, "step"), "w") as file:
+        file.write(words + "\n")
+
+
 def saved_by(path):
     """(major, minor) of the Blender that saved a .blend, by its first bytes, which compression mostly leaves as they are; else (0, 0)."""
     with open(path, "rb") as file:
@@ -427,6 +433,7 @@ def export(path, folder, texture_size, lines, last=-1, still=False):
     for thing in list(bpy.data.objects):
         if thing.type == "MESH" and (scene in thing.users_scene or not thing.users_scene):
             bakes.prepare(thing)
+    tell_step(folder, "light of the world")
     world.write(scene, film, folder, lost)
     far = world.hides_what_is_far(scene, film)
     window = bpy.context.window_manager.windows[0]
@@ -436,13 +443,14 @@ def export(path, folder, texture_size, lines, last=-1, still=False):
     volumes = Volumes(scene, frames, own_rate, RATES[film["frame_rate"]], film, folder, materials, lost)
 
     def watch(number, depsgraph):
+        tell_step(folder, f"frame {number + 1} of {len(frames)}")
         cameras.watch(number, depsgraph)
         strengths.watch(number, depsgraph)
         reflections.watch(number, depsgraph)
         volumes.watch(number, depsgraph)
     walk = Walk(scene, frames, watch, lost)
     walk.run()
-    bakes.run(walk, cameras)
+    bakes.run(walk, cameras, lambda words: tell_step(folder, words))
     window.scene = scene
     reflections.write(film, write_nodes(glb, walk, materials, volumes, times, film, lost))
     cameras.write(film)

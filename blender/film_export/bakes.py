@@ -97,8 +97,8 @@ class Bakes:
         for slot, material in wanted:
             self.jobs.setdefault((name, material.name_full), (thing, slot))
 
-    def run(self, walk, cameras):
-        """After it, when all places of all shapes are known."""
+    def run(self, walk, cameras, tell):
+        """After it, when all places of all shapes are known. `tell` is called with its steps."""
         things = {}
         for thing in walk.things.values():
             things.setdefault(thing.shape, []).append(thing)
@@ -116,9 +116,10 @@ class Bakes:
                 sizes[over.mesh_name] = max(size, sizes.get(over.mesh_name, 0))
                 slots = np.minimum(np.unique(over.shape.slots), len(over.materials) - 1)
                 used.setdefault(over.mesh_name, set()).update(over.materials[slot].name_full for slot in slots if over.materials[slot])
-        for (name, material), (thing, slot) in self.jobs.items():
-            if material in used.get(name, ()):
-                self.bake(name, self.baker.stage(thing.data, thing.matrix_world), slot, thing.material_slots[slot].material, sizes[name])
+        jobs = [(name, of) for (name, material), of in self.jobs.items() if material in used.get(name, ())]
+        for number, (name, (thing, slot)) in enumerate(jobs):
+            tell(f"textures {number + 1} of {len(jobs)}")
+            self.bake(name, self.baker.stage(thing.data, thing.matrix_world), slot, thing.material_slots[slot].material, sizes[name])
         self.baker.clear()
 
     def size_of(self, shape, things, cameras):

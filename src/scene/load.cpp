@@ -35,7 +35,8 @@ Animation film_of(const BlenderExport& exported, const std::filesystem::path& sc
 }
 
 Animation load_by_blender(const std::filesystem::path& file, const LoadOptions& options) {
-    const BlenderExport exported = export_by_blender(file, {options.lines, options.last_frame}, options.stops);
+    const BlenderExport exported =
+        export_by_blender(file, {options.lines, options.last_frame}, {options.stops, options.tells});
     Animation animation = film_of(exported, file, options);
     animation.files.insert(animation.files.begin(), file);
     animation.notes.insert(animation.notes.begin(), exported.notes.begin(), exported.notes.end());

@@ -71,6 +71,14 @@ std::string exporting(const std::string& film, const std::string& uses) {
            R"({"blender": "0", "lost": [], "uses": [)" + uses + "]}' > \"$3/export.json\"";
 }
 
+TEST(BlendExports, TellTheirSteps) {
+    const BlenderStandIn film(
+        "while [ \"$1\" != -- ]; do shift; done\necho 'frame 3 of 72' > \"$3/step\"; sleep 3; exit 1");
+    const Outcome said = run("export RENDER2MPEG_BLENDER=" + (film / "blender").string() + "; script -qec '" +
+                             program() + " plan --within 0 " + (film / "film.blend").string() + "' /dev/null");
+    EXPECT_NE(said.output.find("Blender exports the scene: frame 3 of 72"), std::string::npos) << said.output;
+}
+
 TEST(BlendExports, OfFilesThatChangeNameThem) {
     const BlenderStandIn film(exporting("{}", R"(["/proc/self/environ", 0, 1])"));
     const Outcome said = film.run_with(program(), "");

@@ -151,11 +151,6 @@ void settle_display(RenderJob& film, const RenderOptions& options) {
                          ": such a stream has 8 bits; choose a film, .mp4 or .mkv");
 }
 
-scene::DefaultLight light_of(const std::string& word) {
-    if (word == "none") return scene::DefaultLight::none;
-    return word == "even" ? scene::DefaultLight::even : scene::DefaultLight::studio;
-}
-
 /// White stays light and black dark: from the exposure to mid grey.
 float studio_exposure(float to_mid_grey) {
     // chosen: means of what is shown of 90 to 160 of 255 (docs/scenes.md).
@@ -296,22 +291,13 @@ void take(RenderJob& film, const std::shared_ptr<const scene::Animation>& animat
         *animation, [images = film.images](int image) { return images->take(image); });
 }
 
-/// Last frame that a film is asked for, where its frames surely count at the file's own rate.
-std::optional<std::int64_t> last_frame_of(const RenderOptions& options) {
-    if (!options.frames || options.rate || options.coding.preset) return std::nullopt;
-    return frames_from(*options.frames).last;
-}
-
 /// The scene as its file has it. Throws core::Error.
 std::shared_ptr<scene::Animation> load(const RenderOptions& options) {
     check_scene(options.input);
     const bool exports = core::scene_reader_of(options.input) == core::SceneReader::blender;
     tell_activity(exports ? "Blender exports the scene" : "reading the scene");
     try {
-        return std::make_shared<scene::Animation>(scene::load(
-            options.input,
-            {options.camera, options.animation, options.sky, options.variant, light_of(options.light),
-             options.size ? size_from(*options.size).height : 0, last_frame_of(options), &InterruptGuard::requested}));
+        return std::make_shared<scene::Animation>(scene::load(options.input, load_options_of(options)));
     } catch (const core::Error& error) {
         if (InterruptGuard::requested()) throw Interrupted(error.what());
         throw;

@@ -8,6 +8,8 @@
 
 #include "app/options/option_text.h"
 #include "app/options/usage_error.h"
+#include "app/system/interrupt.h"
+#include "app/system/progress.h"
 #include "core/text.h"
 #include "encoder/codec.h"
 
@@ -110,7 +112,32 @@ void set_glare(scene::Animation& animation, const std::string& given) {
 /// In smaller pictures too few pixels lie between edges of light. chosen: docs/measurements.md#irradiance-cache.
 constexpr std::int64_t least_pixels = 160 * 160;
 
+scene::DefaultLight light_of(const std::string& word) {
+    if (word == "none") return scene::DefaultLight::none;
+    return word == "even" ? scene::DefaultLight::even : scene::DefaultLight::studio;
+}
+
+/// Last frame that a film is asked for, where its frames surely count at the file's own rate.
+std::optional<std::int64_t> last_frame_of(const RenderOptions& options) {
+    if (!options.frames || options.rate || options.coding.preset) return std::nullopt;
+    return frames_from(*options.frames).last;
+}
+
 }  // namespace
+
+scene::LoadOptions load_options_of(const RenderOptions& options) {
+    scene::LoadOptions out;
+    out.camera = options.camera;
+    out.animation = options.animation;
+    out.sky = options.sky;
+    out.variant = options.variant;
+    out.light = light_of(options.light);
+    if (options.size) out.lines = size_from(*options.size).height;
+    out.last_frame = last_frame_of(options);
+    out.stops = &InterruptGuard::requested;
+    out.tells = [](const std::string& step) { tell_activity("Blender exports the scene: " + step); };
+    return out;
+}
 
 void change_scene(scene::Animation& animation, const RenderOptions& options) {
     set_exposure(animation, options);

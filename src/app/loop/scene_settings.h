@@ -6,9 +6,13 @@
 #include "app/loop/render_job.h"
 #include "perceptual/display.h"
 #include "renderer/renderer.h"
+#include "scene/model/load_options.h"
 #include "scene/preparation/traits.h"
 
 namespace render2mpeg::app {
+
+/// What of the command line decides how a scene is read. Throws UsageError.
+scene::LoadOptions load_options_of(const RenderOptions& options);
 
 /// --shutter, --f-stop, --focus, --fog, --glare and --transparent win over the scene. Throws UsageError for
 /// contradictions.

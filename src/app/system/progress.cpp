@@ -97,7 +97,12 @@ double Pace::per_second() const {
 namespace {
 
 ProgressStyle style = ProgressStyle::line;  ///< set once, before any work
-std::atomic<const char*> activity{""};
+std::mutex activity_mutex;
+std::string activity;
+std::string activity_now() {
+    const std::scoped_lock lock(activity_mutex);
+    return activity;
+}
 std::atomic<bool> has_advanced{false};  ///< any line of this process
 std::atomic<int> rewritten_lines{0};    ///< which show the activity themselves
 
@@ -124,7 +129,7 @@ std::string progress_line(const Standing& s, int columns, bool with_bar) {
     const std::string percent = fmt::format("  {:3.0f} %", 100 * share);
 
     // Before the first frame, tell the activity.
-    const std::string doing = s.done > 0 || *s.activity == '\0' ? "" : std::string("  ") + s.activity;
+    const std::string doing = s.done > 0 || s.activity.empty() ? "" : "  " + s.activity;
 
     // Drop the least telling parts until it fits; a bar needs ten cells.
     constexpr int fewest_cells = 10, most_cells = 24;
@@ -160,8 +165,9 @@ ProgressStyle progress_style_from(const std::string& name) {
     return ProgressStyle::line;
 }
 
-void tell_activity(const char* words) {
-    activity = words;
+void tell_activity(std::string words) {
+    const std::scoped_lock lock(activity_mutex);
+    activity = std::move(words);
 }
 
 std::jthread every(std::chrono::seconds pause, std::function<void()> tick) {
@@ -179,13 +185,13 @@ bool shows_words() {
 
 std::jthread tell_activities(bool quiet) {
     if (quiet || !shows_words()) return {};
-    return every(std::chrono::seconds(1), [told = "", seconds = 0, since = 0]() mutable {
+    return every(std::chrono::seconds(1), [told = std::string(), seconds = 0, since = 0]() mutable {
         // chosen: 10 s in logs, where a refusal is to stand alone, in one line; not tuned.
         const int first = can_rewrite_errors() ? 1 : 10;
         constexpr int again = 60;
-        const char* const now = activity;
+        const std::string now = activity_now();
         ++seconds;
-        if (seconds < first || *now == '\0' || has_advanced || rewritten_lines > 0) return;
+        if (seconds < first || now.empty() || has_advanced || rewritten_lines > 0) return;
         if (now == told && ++since < again) return;
         print_line(fmt::format("{} {}", clock_text(seconds), now));
         told = now;
@@ -237,7 +243,7 @@ void Progress::reckon(Clock::time_point now) {
     standing_.seconds = before_ + seconds(now - start_);
     standing_.left = pace_.left(standing_.total, seconds(now - advanced_at_));
     standing_.per_second = pace_.per_second();
-    standing_.activity = standing_.frames ? activity.load() : "";
+    standing_.activity = standing_.frames ? activity_now() : "";
 }
 
 void Progress::advance() {

@@ -51,7 +51,7 @@ struct Standing {
     double seconds = 0;          ///< since the beginning
     bool frames = true;          ///< they are counted: their rate is told
     std::optional<double> left;  ///< seconds to go; none: not known
-    const char* activity = "";   ///< current step of the current frame; empty: not shown
+    std::string activity;        ///< current step of the current frame; empty: not shown
 };
 
 /// One line of at most `columns` >= 20 characters: times, then bar, counts and rate as they fit.
@@ -65,8 +65,8 @@ enum class ProgressStyle { line, minute, json, openjd, none };
 ProgressStyle progress_style_from(const std::string& name);
 void show_progress_as(ProgressStyle style);
 
-/// Activity on all lines from now on; a literal.
-void tell_activity(const char* words);
+/// Activity on all lines from now on.
+void tell_activity(std::string words);
 
 /// Calls `tick` after each pause, until it is destroyed.
 [[nodiscard]] std::jthread every(std::chrono::seconds pause, std::function<void()> tick);

@@ -28,7 +28,8 @@ namespace fs = std::filesystem;
 constexpr int texture_size = 1024;
 /// Exports kept of one .blend: the current one, and the last, which may be being read.
 constexpr std::size_t kept_exports = 2;
-constexpr const char *result_name = "export.json", *film_name = "film.json", *log_name = "blender.log";
+constexpr const char *result_name = "export.json", *film_name = "film.json", *log_name = "blender.log",
+                     *step_name = "step";
 
 bool is_program(const fs::path& file) {
     std::error_code failure;
@@ -207,7 +208,7 @@ class NewFolder {
 };
 
 void run_blender(const fs::path& blend, const fs::path& blender, const fs::path& script, const fs::path& folder,
-                 const ExportWish& wish, const std::function<bool()>& stops) {
+                 const ExportWish& wish, const ExportWatch& watch) {
     if (!Probe::is_possible()) throw core::Error("reading", blend.string(), "the program that runs Blender is missing");
     const std::vector<std::string> words{"blend",
                                          // A virtual environment is found by its link to a Python.
@@ -215,7 +216,11 @@ void run_blender(const fs::path& blend, const fs::path& blender, const fs::path&
                                          fs::absolute(script).string(), fs::absolute(blend).string(),
                                          fs::absolute(folder).string(), std::to_string(texture_size),
                                          std::to_string(wish.lines), std::to_string(wish.last_frame.value_or(-1))};
-    const ProbeEnd end = Probe(blender_limits(), words).end(stops);
+    const ProbeEnd end = Probe(blender_limits(), words).end([&, step = std::string()]() mutable {
+        if (watch.tells)
+            if (std::string now = last_line(folder / step_name); !now.empty() && now != step) watch.tells(step = now);
+        return watch.stops && watch.stops();
+    });
     if (end.how == ProbeEnd::How::given_up) throw core::Error("reading", blend.string(), "interrupted");
     const nlohmann::json result = read_json(folder / result_name);
     // A Python may lack the module; whatever else ends it is a crash.
@@ -250,7 +255,7 @@ std::vector<std::string> words_of_blender(const fs::path& program) {
     return words;
 }
 
-BlenderExport export_by_blender(const fs::path& file, const ExportWish& wish, const std::function<bool()>& stops) {
+BlenderExport export_by_blender(const fs::path& file, const ExportWish& wish, const ExportWatch& watch) {
     const fs::path blender = blender_program();
     if (blender.empty())
         throw core::Error("reading", file.string(),
@@ -265,9 +270,10 @@ BlenderExport export_by_blender(const fs::path& file, const ExportWish& wish, co
         if (std::optional<BlenderExport> known = finished(made)) return *known;
 
     const NewFolder made(folder.string() + "." + std::to_string(getpid()));
-    run_blender(file, blender, script, made.path(), wish, stops);
-    if (wish.last_frame && *wish.last_frame + 1 >= frames_in(made.path() / film_name)) folder = whole;
+    run_blender(file, blender, script, made.path(), wish, watch);
     std::error_code failure;
+    fs::remove(made.path() / step_name, failure);
+    if (wish.last_frame && *wish.last_frame + 1 >= frames_in(made.path() / film_name)) folder = whole;
     fs::remove_all(folder, failure);
     fs::rename(made.path(), folder, failure);
     std::optional<BlenderExport> known = finished(folder);

@@ -9,6 +9,12 @@
 
 namespace render2mpeg::scene {
 
+/// Looked at while Blender exports a scene; each may be empty.
+struct ExportWatch {
+    std::function<bool()> stops{};                    ///< whether the export is to be given up
+    std::function<void(const std::string&)> tells{};  ///< gets its step: "frame 3 of 72"
+};
+
 struct BlenderExport {
     std::filesystem::path film;      ///< the animation file
     std::vector<std::string> notes;  ///< losses of the export, one line each: object and reason
@@ -23,9 +29,9 @@ struct ExportWish {
 /// Export of a .blend, or of a scene that Blender imports, cached in FILE.export/ or the user's cache, keyed by the
 /// file, our script and Blender, by other files it uses, and by the wish; one of the whole film serves each part of it.
 /// What moves is still a frame after the last one. Blender is $RENDER2MPEG_BLENDER, else `blender` on the PATH, limited
-/// in memory and time, and ended with all that it started once `stops` says so. Throws core::Error.
-BlenderExport export_by_blender(const std::filesystem::path& file, const ExportWish& wish,
-                                const std::function<bool()>& stops);
+/// in memory and time, and ended with all that it started once `watch.stops`
+/// says so. Throws core::Error.
+BlenderExport export_by_blender(const std::filesystem::path& file, const ExportWish& wish, const ExportWatch& watch);
 
 /// $RENDER2MPEG_BLENDER, a path or a name on the PATH, else `blender` there; empty where there is none.
 std::filesystem::path blender_program();

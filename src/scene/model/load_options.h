@@ -20,6 +20,7 @@ struct LoadOptions {
     int lines = 0;  ///< height of the pictures, in pixels, for which Blender bakes textures; 0: the .blend's own
     std::optional<std::int64_t> last_frame{};  ///< of the film at its own rate, after which Blender exports nothing
     std::function<bool()> stops{};             ///< whether Blender's export is to be given up; empty: never
+    std::function<void(const std::string&)> tells{};  ///< gets the step of that export; empty: nobody asks
 };
 
 }  // namespace render2mpeg::scene
