@@ -80,7 +80,8 @@ inline nlohmann::json lasting_statistics(const std::filesystem::path& file) {
          {"photon_rays", "photon_energy", "photon_energy_lost", "calibration_seconds", "sky_seconds", "layer_seconds"})
         s["counts"].erase(key);
     if (s["audit"].is_object()) s["audit"].erase("seconds");
-    for (nlohmann::json& frame : s["per_frame"]) frame.erase("seconds");
+    for (nlohmann::json& frame : s["per_frame"])
+        for (const char* time : {"seconds", "seconds_by_stage"}) frame.erase(time);
     round_numbers(s);
     return s;
 }

@@ -51,7 +51,8 @@ json lasting(const std::string& text) {
     for (const char* key : {"seconds", "passes", "peak_rss_mib", "command", "output"}) s.erase(key);
     for (const char* key : {"calibration_seconds", "sky_seconds", "layer_seconds"}) s["counts"].erase(key);
     if (s["audit"].is_object()) s["audit"].erase("seconds");
-    for (json& frame : s["per_frame"]) frame.erase("seconds");
+    for (json& frame : s["per_frame"])
+        for (const char* time : {"seconds", "seconds_by_stage"}) frame.erase(time);
     for (json& effect : s["effects"]) effect.erase("seconds");
     return s;
 }

@@ -36,7 +36,8 @@ json lasting(const std::filesystem::path& file) {
     for (const char* key : {"clamped_energy", "mean_error_scale"})
         counts[key] = std::round(1e9 * counts[key].get<double>());
     for (const char* key : {"luminance", "photon_energy", "photon_energy_lost"}) counts.erase(key);
-    for (json& frame : s["per_frame"]) frame.erase("seconds");
+    for (json& frame : s["per_frame"])
+        for (const char* time : {"seconds", "seconds_by_stage"}) frame.erase(time);
     return s;
 }
 
