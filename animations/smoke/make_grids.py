@@ -1,12 +1,12 @@
 #!/usr/bin/python3
-"""Writes smoke_0000.vdb to smoke_0047.vdb beside it: density in 64^3 voxels of a column of puffs that rise, swirl and grow. Needs Debian's
+"""Writes smoke_0000.vdb to smoke_0047.vdb beside it: density in 32^3 voxels of a column of puffs that rise, swirl and grow. Needs Debian's
 python3-openvdb and python3-numpy."""
 import os
 
 import numpy as np
 import pyopenvdb as vdb
 
-FRAMES, RATE, SIDE, VOXEL = 48, 24, 64, 1 / 32  # the box is 2 units wide and high
+FRAMES, RATE, SIDE, VOXEL = 48, 24, 32, 1 / 16  # the box is 2 units wide and high
 PUFFS_A_SECOND, LIFE = 9, 3.2                    # seconds
 FOLDER = os.path.dirname(os.path.abspath(__file__))
 

@@ -103,8 +103,19 @@ constexpr auto name_of = [](const auto& parameter) { return std::string(paramete
 INSTANTIATE_TEST_SUITE_P(Animations, EveryFilm, testing::Values("flash_cut"), name_of);
 INSTANTIATE_TEST_SUITE_P(AnimationsSlow, EveryFilm,
                          testing::Values("cornell", "colonnade", "many_lamps", "mirror_and_glass", "character",
-                                         "still_room"),
+                                         "still_room", "smoke"),
                          name_of);
+
+TEST(AnimationsSlow, AreReadAsTheyLieThere) {
+    int films = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(support::source_folder() / "animations")) {
+        if (!std::filesystem::exists(entry.path() / "film.json")) continue;
+        const auto said = run(program() + " plan --within 0 --size 32x32 " + entry.path().string());
+        EXPECT_EQ(said.status, 0) << said.output;
+        ++films;
+    }
+    EXPECT_GE(films, 14);
+}
 
 TEST(OutputKind, EveryFilmEndingGivesItsContainerWithAllPicturesSlow) {
     const Folder folder;

@@ -470,8 +470,8 @@ std::string film_text(const RenderJob& film) {
     const std::string name = scene.cameras[static_cast<std::size_t>(camera)].name;
     const auto shots = scene.shots.size();
     return core::printable(fmt::format(
-        "{}: {} frames ({} to {}; {:.2f} s) of {}x{} at {} Hz; camera {}{}; light: {}{}", scene.source,
-        film.frame_count(), film.frames.first, film.frames.last,
+        "{}: {} ({} to {}; {:.2f} s) of {}x{} at {} Hz; camera {}{}; light: {}{}", scene.source,
+        core::counted(static_cast<std::size_t>(film.frame_count()), "frame"), film.frames.first, film.frames.last,
         static_cast<double>(film.frame_count()) / film.rate.hertz.value(), film.format.width, film.format.height,
         film.rate.name, name.empty() ? std::to_string(camera) : "\"" + name + "\"",
         shots > 1 ? fmt::format(" first, {} shots", shots) : "", lights.empty() ? "none" : lights, volumes));
