@@ -428,8 +428,9 @@ def export(path, folder, texture_size, lines, last=-1, still=False):
 
     mix_sound(scene, film, folder, lost)
     scene.frame_set(frames[0])
-    materials = Materials(glb, folder, lost)
-    bakes = Bakes(materials, Baker(texture_size), lines or scene.render.resolution_y * scene.render.resolution_percentage / 100, lost)
+    baker = Baker(texture_size)
+    materials = Materials(glb, folder, baker, lost)
+    bakes = Bakes(materials, baker, lines or scene.render.resolution_y * scene.render.resolution_percentage / 100, lost)
     for thing in list(bpy.data.objects):
         if thing.type == "MESH" and (scene in thing.users_scene or not thing.users_scene):
             bakes.prepare(thing)

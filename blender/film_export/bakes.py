@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
+from . import angles
 from .hair import Strands
 from .looks import CHANNELS, Baked, Picture, socket_of
 from .nodes import is_level, is_steady
@@ -158,10 +159,30 @@ class Bakes:
             if channel in {"roughness", "metallic"} and isinstance(source, Picture):
                 wanted = any(isinstance(getattr(look, n), Baked) for n in ("roughness", "metallic"))
             if wanted:
-                out[channel] = self.value(copy, slot, (material.name_full, channel), made, socket_of(made.node_tree, source), size)
+                socket = socket_of(made.node_tree, source)
+                if angles.is_angled(socket) and channel in angles.COLORS + angles.NUMBERS:
+                    ends = self.ends(copy, slot, material, made, socket, size)
+                    out[channel], out[channel + " other"], out[channel + " share"] = ends
+                else:
+                    out[channel] = self.value(copy, slot, (material.name_full, channel), made, socket, size)
         if look.normal is not None and not isinstance(look.normal, tuple) and not is_level(look.normal):
             out["normal"] = self.baker.normal(copy, slot, made, look.normal, size)
         self.materials.share(name, material)
+
+    def ends(self, copy, slot, material, made, socket, size):
+        """What a socket has at the two angles between which the others lie, and the way between."""
+        steps = angles.cosines(angles.ROUGH_STEPS)
+
+        def seen(cosine, side):
+            with angles.seen_at(made.node_tree, cosine, socket) as there:
+                return self.baker.value(copy, slot, made, there, side)
+        rough = [seen(cosine, SMALLEST) for cosine in steps]
+        side = max(p.shape[0] for p in rough)
+        own, other, share, error = angles.ends_of([np.broadcast_to(p, (side, side, 4)) for p in rough])
+        if error > 0.03:
+            self.lost.add_of(material, "the angle changes places otherwise than others; near it", socket.node)
+        share = np.concatenate([share, np.ones((len(share), 1))], axis=1)[None]
+        return seen(steps[own], size), seen(steps[other], size), share
 
     def value(self, copy, slot, what, made, socket, size):
         """What a socket has on one mesh; baked once where it has the same everywhere."""

@@ -4,6 +4,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
+from . import angles
 from .nodes import incoming, output_of
 from .shapes import BAKE_UV, array_of
 
@@ -108,6 +109,19 @@ class Baker:
     def value(self, copy, slot, material, socket, size):
         """What a socket has all over the mesh, shown as light of that colour."""
         return self.bake_through(copy, slot, material, socket, ("ShaderNodeEmission", "Color", "EMIT"), size)
+
+    def by_angle(self, material, socket):
+        """What a socket has, where only the angle decides, by its steps: a row of pixels, each seen at one angle."""
+        mesh = bpy.data.meshes.new("render2mpeg angles")
+        mesh.from_pydata([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [], [(0, 1, 2, 3)])
+        mesh.uv_layers.new(name=BAKE_UV).data.foreach_set("uv", [0, 0, 1, 0, 1, 1, 0, 1])
+        mesh.materials.append(None)
+        copy = self.stage(mesh, Matrix())
+        with angles.seen_at(material.node_tree, angles.cosines(angles.STEPS), socket) as seen:
+            pixels = self.value(copy, 0, material, seen, angles.STEPS)
+        self.unstage()
+        bpy.data.meshes.remove(mesh)
+        return np.broadcast_to(pixels[0], (angles.STEPS, 4))[:, :3].astype(float)
 
     def normal(self, copy, slot, material, socket, size):
         """A socket's normals: those of a matt surface, whose light Cycles need not follow."""

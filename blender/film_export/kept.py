@@ -37,6 +37,8 @@ OTHERS = [
     ("TEX_IMAGE", "Image Texture", KEPT, "the file, on a UV map; else baked"),
     ("NORMAL_MAP", "Normal Map", KEPT, "likewise"),
     ("BUMP", "Bump", KEPT, "baked"),
+    ("FRESNEL", "Fresnel", KEPT, "curves over the angle, between two bakes where textures mix; both sides have the front's"),
+    ("LAYER_WEIGHT", "Layer Weight", KEPT, "likewise"),
     (None, "other textures, ramps, maths", KEPT, "baked, 64 to 1024 across: a texel per pixel of the nearest view"),
     (None, "textures of specular, IOR, subsurface, anisotropy, film", LOST,
      "the node's own value"),

@@ -3,12 +3,13 @@
 whose value has to be baked."""
 import math
 
+from .angles import COLORS, NODES, NUMBERS, is_angled
 from .nodes import incoming, number_of
 
 
 # Inputs that may be textures.
 CHANNELS = ("base", "metallic", "roughness", "emission", "strength", "alpha", "transmission", "coat", "coat_roughness", "sheen",
-            "specular_tint")
+            "specular_tint", "gloss")
 
 
 def dipole_reflectance(root, ior):
@@ -38,6 +39,14 @@ class Constant:
         return isinstance(other, Constant) and self.value == other.value
 
 
+class Angled(Constant):
+    """The same all over: `value` and `other`, and by steps of the angle (angles.py) the share of `other`."""
+
+    def __init__(self, value, other, share):
+        super().__init__(value)
+        self.other, self.share = other, share
+
+
 class Picture:
     """An image node's picture by a layer of coordinates: `channel` None for colour, else one of "RGBA"."""
 
@@ -61,7 +70,7 @@ class Look:
         self.specular_tint = Constant((1.0, 1.0, 1.0))
         self.model = "gltf"         # whose Principled BSDF the inputs are of
         self.specular = 0.5         # Blender's level
-        self.gloss = (0.0, 0.0, 0.0)  # of a lobe that reflects alike from all sides, over the rest
+        self.gloss = Constant((0.0, 0.0, 0.0))  # of a lobe that reflects alike from all sides, over the rest
         self.multiscatter = False
         self.coat_ior, self.coat_tint = 1.5, (1.0, 1.0, 1.0)
         self.diffuse_roughness = 0.0
@@ -302,12 +311,27 @@ class Reader:
         tint = self.tinted(node, "Sheen Tint", look.base)
         if isinstance(weight, Constant) and isinstance(tint, Constant):
             return Constant(tuple(weight.value * c for c in tint.value))
+        return self.product(weight, tint)
+
+    def product(self, *values):
         mixed = self.tree.nodes.new("ShaderNodeMixRGB")
         mixed.blend_type = "MULTIPLY"
         mixed.inputs[0].default_value = 1.0
-        for value, entry in zip((weight, tint), mixed.inputs[1:]):
+        for value, entry in zip(values, mixed.inputs[1:]):
             self.feed(value, entry)
         return Baked(mixed.outputs[0])
+
+    def tell_angles(self, look):
+        """What the film has no curve of."""
+        for node in self.tree.nodes:
+            if node.type in NODES and any(s.is_linked for s in node.inputs if s.name != "Normal"):
+                self.tell(node, "texture of its curve; the node's own value is used")
+        if isinstance(look.strength, Baked) and is_angled(look.strength.socket):
+            look.emission, look.strength, look.animated = self.product(look.emission, look.strength), Constant(1.0), None
+        for name in CHANNELS:
+            value = getattr(look, name)
+            if isinstance(value, Baked) and is_angled(value.socket) and name not in COLORS + NUMBERS:
+                self.tell(value.socket.node, f"{name.replace('_', ' ')} by the angle; as seen at one angle")
 
     def scaled(self, value, factor):
         if isinstance(value, Constant) or factor == 1.0:
@@ -450,38 +474,53 @@ class Reader:
         if isinstance(factor, Constant) and factor.value in (0.0, 1.0):
             return looks[int(factor.value)]
         source = incoming(node.inputs[0])
-        by_angle = source is not None and source.node.type in {"FRESNEL", "LAYER_WEIGHT"}
-        if by_angle and all(s is not None for s in shaders) and shaders[0].node.type == "BSDF_TRANSPARENT" and looks[1].surface:
-            # A pane as architects have it.
-            return Look(base=self.input(shaders[0].node, ["Color"], True), transmission=Constant(1.0), roughness=looks[1].roughness,
-                        ior=self.constant(source.node, ["IOR"], 1.5), normal=looks[1].normal)
+        if all(s is not None for s in shaders) and shaders[0].node.type == "BSDF_TRANSPARENT" and looks[1].surface:
+            index = self.index_of(source)
+            if index is not None:  # a pane as architects have it
+                return Look(base=self.input(shaders[0].node, ["Color"], True), transmission=Constant(1.0), roughness=looks[1].roughness,
+                            ior=index, normal=looks[1].normal)
         clear = [look.alpha == Constant(0.0) for look in looks]
         if clear[0] != clear[1]:
             return self.cut_out(node, looks[0] if clear[1] else looks[1], factor, clear[1])
-        if by_angle:
-            return self.coated(node, looks, source.node)
+        sum_of_both = None
         if isinstance(factor, Constant):
             sum_of_both = self.glossed(*looks, 1 - factor.value, factor.value)
-            if sum_of_both is not None:
-                return sum_of_both
-        return self.mixed(node, looks, node.inputs[0])
+        elif is_angled(source):
+            sum_of_both = self.glossed(*looks, self.rest_of(source), source)
+        return sum_of_both or self.mixed(node, looks, node.inputs[0])
+
+    def index_of(self, source):
+        """Of refraction, where a factor is Fresnel's; else None."""
+        if source is None or source.node.type not in NODES or source.name == "Facing":
+            return None
+        if source.node.type == "FRESNEL":
+            return self.constant(source.node, ["IOR"], 1.5)
+        return 1 / max(1 - self.constant(source.node, ["Blend"], 0.5), 1e-5)
+
+    def rest_of(self, source):
+        rest = self.tree.nodes.new("ShaderNodeMath")
+        rest.operation = "SUBTRACT"
+        rest.inputs[0].default_value = 1.0
+        self.tree.links.new(source, rest.inputs[1])
+        return rest.outputs[0]
 
     def glossed(self, first, second, a, b):
-        """Shares of a Diffuse BSDF and of a Glossy one, or of two Diffuse ones, as one surface; None for others."""
+        """Shares (numbers, or sockets) of a Diffuse BSDF and of a Glossy one, or of two Diffuse ones, as one surface; None for
+        others."""
         def scaled(look, share):
-            return tuple(min(share * c, 1.0) for c in look.base.value)
+            return Constant(tuple(min(share * c, 1.0) for c in look.base.value)) if isinstance(share, float) else self.product(look.base, Baked(share))
         if not all(isinstance(look.base, Constant) for look in (first, second)):
             return None
         if first.is_gloss() and second.is_matt():
             first, second, a, b = second, first, b, a
         if not first.is_matt() or first.diffuse_roughness != second.diffuse_roughness and second.is_matt():
             return None
-        if second.is_matt():
-            first.base = Constant(tuple(min(x + y, 1.0) for x, y in zip(scaled(first, a), scaled(second, b))))
+        if second.is_matt() and isinstance(a, float):
+            first.base = Constant(tuple(min(x + y, 1.0) for x, y in zip(scaled(first, a).value, scaled(second, b).value)))
             return first
         if not second.is_gloss():
             return None
-        second.base, second.gloss, second.metallic = Constant(scaled(first, a)), scaled(second, b), Constant(0.0)
+        second.base, second.gloss, second.metallic = scaled(first, a), scaled(second, b), Constant(0.0)
         second.model, second.diffuse_roughness = "principled-4", first.diffuse_roughness  # whose diffuse part is Lambert's
         second.normal = second.normal or first.normal
         return second
@@ -495,23 +534,9 @@ class Reader:
             if isinstance(factor, Constant):
                 look.alpha = Constant(1 - factor.value)
             else:
-                rest = self.tree.nodes.new("ShaderNodeMath")
-                rest.operation = "SUBTRACT"
-                rest.inputs[0].default_value = 1.0
                 source = factor.socket if isinstance(factor, Baked) else factor.node.outputs["Alpha" if factor.channel == "A" else "Color"]
-                self.tree.links.new(source, rest.inputs[1])
-                look.alpha = Baked(rest.outputs[0])
+                look.alpha = Baked(self.rest_of(source))
         return look
-
-    def coated(self, node, looks, fresnel):
-        """Diffuse below a gloss by Fresnel's factor: a dielectric, as one surface."""
-        under, gloss = looks
-        if gloss.metallic != Constant(1.0) or under.metallic == Constant(1.0):
-            self.tell(node, "mix of shaders by the angle; only the first is kept")
-            return under
-        under.roughness = gloss.roughness
-        under.ior = self.constant(fresnel, ["IOR"], 1.5) if "IOR" in fresnel.inputs else 1.5
-        return under
 
     def mixed(self, node, looks, factor):
         """Each input mixed by itself."""
@@ -543,6 +568,8 @@ class Reader:
             # What only one of them has is that one's: black emits nothing, whatever its colour.
             if name == "emission":
                 a, b = (b, b) if first.strength == Constant(0.0) else (a, a) if second.strength == Constant(0.0) else (a, b)
+            if name == "coat_roughness":
+                a, b = (b, b) if first.coat == Constant(0.0) else (a, a) if second.coat == Constant(0.0) else (a, b)
             if name == "base" and first.leaf != second.leaf:
                 out.base = a if first.leaf < second.leaf else b
                 continue
@@ -606,6 +633,7 @@ def look_of(material, tree, lost):
     if surface is None:
         return Look(base=Constant((0.0, 0.0, 0.0)), ior=1.0, alpha=Constant(0.0 if end.inputs["Volume"].is_linked else 1.0), nowhere=volume is not None)
     look = reader.shader(surface)
+    reader.tell_angles(look)
     look.attenuation = attenuation_of(reader, volume.node, look) if volume is not None else None
     if volume is not None and look.attenuation is None:
         reader.tell(volume.node, "volume within the surface" + ("" if look.refracts else ", which is no glass"))

@@ -6,8 +6,8 @@ import re
 import bpy
 import numpy as np
 
-from . import png
-from .looks import CHANNELS, Baked, Constant, Picture, free_path, look_of, without_bakes
+from . import angles, png
+from .looks import CHANNELS, Angled, Baked, Constant, Picture, free_path, look_of, without_bakes
 from .nodes import inline_groups, number_of
 from .shapes import BAKE_UV
 from .walk import curves_of
@@ -30,6 +30,7 @@ FIELDS = {
     "film_texture": None, "holdout": "hole", "mirrored": None, "anisotropy": "anisotropy", "anisotropy_rotation": "anisotropy_rotation", "anisotropy_texture": None,
     "diffuse_transmission": "leaf", "diffuse_transmission_texture": None, "diffuse_transmission_color": "leaf_color",
     "diffuse_transmission_color_texture": None, "hair": "hair", "subsurface": "subsurface",
+    "by_angle": "Layer Weight, Fresnel", "other_base_color_texture": "likewise", "other_emission_texture": "likewise",
 }
 READ_AS_THEY_ARE = {".png", ".jpg", ".jpeg", ".bmp", ".tga", ".tif", ".tiff", ".webp"}
 
@@ -44,13 +45,14 @@ class Told:
 class Materials:
     """glTF materials of a .blend's, each made when a shape first asks for it."""
 
-    def __init__(self, glb, folder, lost):
-        self.glb, self.folder, self.lost = glb, folder, lost
+    def __init__(self, glb, folder, baker, lost):
+        self.glb, self.folder, self.baker, self.lost = glb, folder, baker, lost
         self.looks, self.made, self.images, self.textures = {}, {}, {}, {}
         self.baked = {}     # (mesh, material) -> channel -> pixels
         self.alike = {}     # (mesh, material) -> the first mesh on which the material has the same pixels
         self.first = {}     # (material, hash of rounded pixels) -> that mesh
         self.holes = []     # names of glTF materials
+        self.by_angle = {}  # glTF material's name -> an animation file's curves
         self.strengths = {} # glTF material's name -> (material, node, input, factor at first)
 
     # Before the walk: what only Cycles can tell.
@@ -63,6 +65,7 @@ class Materials:
             if copy.use_nodes and copy.node_tree is not None:
                 inline_groups(copy.node_tree)
                 look = look_of(material, copy.node_tree, self.lost)
+                self.bend(look, copy)
             else:
                 from .looks import Look
                 look = Look(base=Constant(tuple(material.diffuse_color)[:3]), metallic=Constant(float(material.metallic)),
@@ -70,6 +73,18 @@ class Materials:
             known = self.looks[material.name_full] = (look, copy)
             self.tell_motion(material)
         return known
+
+    def bend(self, look, copy):
+        """Bakes what depends on the angle alone."""
+        for name in angles.COLORS + angles.NUMBERS:
+            value = getattr(look, name)
+            if isinstance(value, Baked) and angles.is_angled(value.socket) and angles.is_angled_alone(value.socket):
+                table = self.baker.by_angle(copy, value.socket)
+                own, other, share = angles.curve_of(table)
+                if name in angles.NUMBERS:
+                    own, other, share = own.mean(), other.mean(), share.mean(axis=1)
+                own = float(own) if name in angles.NUMBERS else tuple(own.tolist())
+                setattr(look, name, Angled(own, other.tolist(), share.tolist()))
 
     def tell_motion(self, material):
         tree = material.node_tree
@@ -124,10 +139,13 @@ class Materials:
         """What glTF has no words for: Blender's models, fibres of hair, light below surfaces."""
         for key, made in self.made.items():
             look = self.looks[key[0]][0] if key else None
-            model = {} if look is None else self.model_of(look)
+            model = {} if look is None else self.model_of(look, self.baked.get((key[1], key[0]), {}))
+            name = self.glb.document["materials"][made[0]]["name"]
+            if name in self.by_angle:
+                model["by_angle"] = self.by_angle[name]
             if look is None or not (look.hair or look.subsurface or model):
                 continue
-            says = film.setdefault("materials", {}).setdefault(self.glb.document["materials"][made[0]]["name"], {})
+            says = film.setdefault("materials", {}).setdefault(name, {})
             says.update(model)
             if look.hair:
                 says["hair"] = look.hair
@@ -136,15 +154,16 @@ class Materials:
                 says["subsurface"] = {"weight": round(below["weight"], 6), "free_path": [
                     round(free_path(r, a, below["method"], below["ior"]), 9) for r, a in zip(below["radius"], base)]}
 
-    def model_of(self, look):
+    def model_of(self, look, baked):
         """Whose Principled BSDF it is, and the inputs that glTF lacks."""
         says = {}
         if look.model != "gltf":
             says = {"model": look.model, "specular": round(min(max(look.specular, 0.0), 10.0), 6)}
             if look.multiscatter != (look.model == "principled-4"):
                 says["multiscatter"] = look.multiscatter
-            if any(look.gloss):
-                says["gloss"] = [round(min(max(c, 0.0), 1.0), 6) for c in look.gloss]
+            gloss = look.gloss.value if isinstance(look.gloss, Constant) else baked.get("gloss", np.zeros((1, 1, 4)))[..., :3].reshape(-1, 3).mean(axis=0)
+            if any(gloss):
+                says["gloss"] = [round(min(max(float(c), 0.0), 1.0), 6) for c in gloss]
             if look.coat != Constant(0.0) and (look.coat_ior, look.coat_tint) != (1.5, (1.0, 1.0, 1.0)):
                 says["coat_ior"], says["coat_tint"] = round(min(max(look.coat_ior, 1.0), 5.0), 6), list(look.coat_tint)
         if look.diffuse_roughness:
@@ -191,6 +210,7 @@ class Materials:
                 if look.attenuation:
                     volume["attenuationColor"], volume["attenuationDistance"] = list(look.attenuation[0]), look.attenuation[1]
         self.make_layers(look, baked, stem, extensions, layers)
+        self.make_curves(look, baked, stem, says, material)
         if abs(look.ior - 1.5) > 1e-4:
             extensions["KHR_materials_ior"] = {"ior": min(max(look.ior, 1.0), 10.0)}
         if isinstance(look.normal, tuple):
@@ -209,6 +229,40 @@ class Materials:
         if look.anisotropy > 0 and look.brushed and look.normal is None:
             self.glb.brushed.add(index)
         return index, layers or [None]
+
+    def make_curves(self, look, baked, stem, says, material):
+        """Inputs that depend on the angle; glTF has the ends that are larger."""
+        curves = {}
+        for name in angles.COLORS + angles.NUMBERS:
+            value, other = getattr(look, name), baked.get(name + " other")
+            is_color = name in angles.COLORS
+            if isinstance(value, Angled):
+                curve = {"other": value.other, "share": value.share}
+            elif other is not None:
+                share = baked[name + " share"][0, :, :3]
+                flat = other[..., :3].reshape(-1, 3).mean(axis=0)
+                curve = {"other": flat.tolist() if is_color else float(flat.mean()), "share": (share if is_color else share.mean(axis=1)).tolist()}
+                if not self.is_flat(other) and name in {"base", "emission"}:
+                    peak = max(float(other[..., :3].max()), 1e-9) if name == "emission" else 1.0
+                    curve["other"] = peak
+                    curve["texture"] = f"{stem}-{name}-other.png"
+                    png.write(os.path.join(self.folder, curve["texture"]), png.srgb(np.clip(other[..., :3] / peak, 0, 1)))
+                elif not self.is_flat(other):
+                    self.lost.add_of(material, f"texture of {name} by the angle; its mean is used")
+            else:
+                continue
+            if name == "emission":
+                strength = look.strength.value if isinstance(look.strength, Constant) else 1.0
+                curve["other"] = (np.array(curve["other"]) * strength).tolist()
+            top = 1e6 if name == "emission" else 1.0
+            curves["base_color" if name == "base" else name] = {key: np.clip(v, 0, top if key == "other" else 1).round(6).tolist()
+                                                               if key != "texture" else v for key, v in curve.items()}
+        if curves:
+            self.by_angle[says["name"]] = curves
+
+    def is_textured(self, baked, name):
+        """Whether one of its ends is; the other one has the same coordinates then."""
+        return any(not self.is_flat(baked[end]) for end in (name, name + " other") if end in baked)
 
     def make_base(self, look, baked, stem, says, layers, material):
         pbr = says["pbrMetallicRoughness"]
@@ -231,7 +285,7 @@ class Materials:
             transform = None if alpha is not None else look.alpha.transform
             pixels[..., :3] = png.srgb(pixels[..., :3])
         elif base is not None:
-            if self.is_flat(base):
+            if not self.is_textured(baked, "base"):
                 factor[:3] = [float(min(max(c, 0), 1)) for c in base[0, 0, :3]]
             else:
                 pixels, layer = png.srgb(base[..., :3]), BAKE_UV
@@ -240,7 +294,7 @@ class Materials:
         if pixels is not None:
             pbr["baseColorTexture"] = self.use(self.write(stem + "-colour", pixels, layer, transform), layers)
         pbr["baseColorFactor"] = factor
-        if not isinstance(look.alpha, Constant) or factor[3] < 1:
+        if not isinstance(look.alpha, Constant) or factor[3] < 1 or isinstance(look.alpha, Angled):
             clip = getattr(material, "blend_method", "") == "CLIP"
             says["alphaMode"] = "MASK" if clip else "BLEND"
             if clip:
@@ -315,11 +369,11 @@ class Materials:
             factor = np.maximum(np.array(color.value, dtype=float), 0)
         elif isinstance(color, Picture) and pixels is None:
             told = self.picture(color)
-        elif self.is_flat(pixels):
+        elif not self.is_textured(baked, "emission"):
             factor = np.maximum(pixels[0, 0, :3].astype(float), 0)
         power = max(self.constant(strength, None), 0.0) if isinstance(strength, Constant) else 1.0
         lit = baked.get("strength")
-        if not isinstance(strength, Constant) or (pixels is not None and not self.is_flat(pixels)):
+        if not isinstance(strength, Constant) or (pixels is not None and self.is_textured(baked, "emission")):
             light = np.ones((1, 1, 3)) if pixels is None else pixels[..., :3]
             if lit is not None:
                 light = light * self.fitted(lit, light if light.shape[0] > 1 else lit)[..., :1]

@@ -20,9 +20,9 @@ STEADY = {"RGB", "VALUE", "MATH", "MIX_RGB", "MIX", "VALTORGB", "HUE_SAT", "GAMM
           "COMBINE_COLOR", "SEPARATE_COLOR", "COMBXYZ", "SEPXYZ", "CLAMP", "MAP_RANGE", "CURVE_RGB", "CURVE_FLOAT", "VECT_MATH", "BLACKBODY"}
 
 
-def is_steady(socket):
+def is_steady(socket, steady=STEADY):
     """Whether nothing that feeds a socket depends on where it is asked."""
-    return socket.node.type in STEADY and all(is_steady(s) for s in map(incoming, socket.node.inputs) if s is not None)
+    return socket.node.type in steady and all(is_steady(s, steady) for s in map(incoming, socket.node.inputs) if s is not None)
 
 
 def is_level(socket):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """blender -b --factory-startup -noaudio --python-exit-code 1 -P make_surfaces.py -- FOLDER NAME...
 
-Writes FOLDER/NAME.blend: `chart`, `room_KIND_GREY` (a closed room of KIND diffuse or of a Principled specular, of that
+Writes FOLDER/NAME.blend: `chart`, `angles`, `room_KIND_GREY` (a closed room of KIND diffuse or of a Principled specular, of that
 reflectance in hundredths), `furnished`, `outdoors`, `mirrors`, `foggy`. What surfaces reflect is what they are about.
 """
 import math
@@ -103,6 +103,75 @@ def chart():
         add_primitive("uv_sphere", material, smooth=True, radius=0.34, location=(x, 0, z), segments=48, ring_count=24)
     camera = add_camera((0, -20, 0), (0, 0, 0))
     camera.data.type, camera.data.ortho_scale = "ORTHO", COLUMNS
+
+
+def by_angle(name, feed, **inputs):
+    """A Principled BSDF of which `feed`, given the tree, names input and socket."""
+    material = add_material(name, (0.5, 0.3, 0.2))
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    entry, socket = feed(lambda kind, **says: filled(nodes.new("ShaderNode" + kind), says), links)
+    shader = nodes["Principled BSDF"]
+    for key, value in inputs.items():
+        input_of(shader, LATER_NAMES.get(key, key), key).default_value = value
+    if entry == "Surface":
+        links.new(socket(shader), nodes["Material Output"].inputs["Surface"])
+    else:
+        links.new(socket, input_of(shader, LATER_NAMES.get(entry, entry), entry))
+    return material
+
+
+def filled(node, says):
+    for key, value in says.items():
+        node.inputs[key].default_value = value
+    return node
+
+
+def angled_materials():
+    """Layer Weight and Fresnel in a colour, between textures, in light, in roughness, between shaders, in coverage."""
+    def ramp(new, links):
+        node = new("ValToRGB")
+        node.color_ramp.elements[0].color, node.color_ramp.elements[1].color = (0.6, 0.05, 0.02, 1), (0.05, 0.1, 0.7, 1)
+        node.color_ramp.elements.new(0.5).color = (0.05, 0.5, 0.1, 1)
+        links.new(new("LayerWeight", Blend=0.3).outputs["Facing"], node.inputs[0])
+        return "Base Color", node.outputs[0]
+
+    def textures(new, links):
+        mix = new("MixRGB")
+        for source, entry in zip((new("Fresnel", IOR=2.0), new("TexNoise", Scale=2.0), new("TexVoronoi")), mix.inputs):
+            links.new(source.outputs["Color" if "Color" in source.outputs else 0], entry)
+        return "Base Color", mix.outputs[0]
+
+    def shaders(new, links):
+        def joined(_):
+            mix = new("MixShader")
+            for source, entry in zip((new("Fresnel"), new("BsdfDiffuse", Color=(0.5, 0.3, 0.2, 1)), new("BsdfGlossy", Roughness=0.3)), mix.inputs):
+                links.new(source.outputs[0], entry)
+            return mix.outputs[0]
+        return "Surface", joined
+
+    def cover(new, links):
+        def veiled(shader):
+            mix = new("MixShader")
+            for source, entry in zip((new("LayerWeight").outputs["Facing"], new("BsdfTransparent").outputs[0], shader.outputs[0]), mix.inputs):
+                links.new(source, entry)
+            return mix.outputs[0]
+        return "Surface", veiled
+
+    return [by_angle("ramp", ramp), by_angle("textures", textures), by_angle("shaders", shaders), by_angle("veil", cover),
+            by_angle("fresnel", lambda new, links: ("Base Color", new("Fresnel").outputs[0])),
+            by_angle("light", lambda new, links: ("Emission Strength", new("LayerWeight").outputs["Facing"]), Emission=(1, 0.5, 0.2, 1))]
+
+
+def angles():
+    """A ball of each on a floor that faces away."""
+    scene = start_of_all_light()
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 144, 96, 100
+    world_of((0.3, 0.4, 0.6))
+    add_lamp("SUN", (0, 0, 9), (-2, 3, 0), energy=2, angle=0.1)
+    add_primitive("plane", by_angle("floor", lambda new, links: ("Base Color", new("LayerWeight").outputs["Facing"])), size=12)
+    for k, material in enumerate(angled_materials()):
+        add_primitive("uv_sphere", material, smooth=True, radius=0.6, location=(1.4 * (k % 3 - 1), 1.6 * (k // 3), 0.6), segments=48, ring_count=24)
+    add_camera((0, -6, 2.5), (0, 0.6, 0.5))
 
 
 def room(kind, grey):
@@ -245,7 +314,7 @@ def main():
     folder, *names = sys.argv[sys.argv.index("--") + 1:]
     for name in names:
         what, *parts = [name] if name == "lost_nodes" else name.split("_")
-        {"lost_nodes": lost_nodes, "chart": chart, "furnished": furnished, "outdoors": outdoors, "mirrors": mirrors, "foggy": foggy, "room": lambda: room(parts[0], int(parts[1]) / 100)}[what]()
+        {"lost_nodes": lost_nodes, "chart": chart, "angles": angles, "furnished": furnished, "outdoors": outdoors, "mirrors": mirrors, "foggy": foggy, "room": lambda: room(parts[0], int(parts[1]) / 100)}[what]()
         bpy.ops.wm.save_as_mainfile(filepath=os.path.join(os.path.abspath(folder), name + ".blend"), check_existing=False)
 
 

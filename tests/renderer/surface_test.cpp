@@ -230,6 +230,51 @@ TEST(Emission, IsAveragedOverATexturedTriangle) {
     EXPECT_FLOAT_EQ(lower.x, 2 * lower.y);
 }
 
+TEST(Emission, ByTheAngleIsItsMeanForLightPoints) {
+    SceneBuilder builder;
+    const int lamp = builder.add_emitter({8, 4, 2});
+    // By the cosine itself.
+    scene::AngleCurve curve{scene::AngledInput::emission, glm::vec3(0), {}};
+    for (int k = 0; k <= 64; ++k) curve.share.emplace_back(1.0f - static_cast<float>(k * k) / 4096.0f);
+    builder.material(lamp).by_angle = {curve};
+    builder.add_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, lamp);
+    const Stage stage(builder);
+    for (const float cosine : {1.0f, 0.7f, 0.3f, 0.05f})
+        EXPECT_NEAR(at_middle(stage, {std::sqrt(1 - cosine * cosine), 0, cosine}).emission.x, 8 * cosine, 0.01f);
+    EXPECT_NEAR(stage.posed_scene().mean_emission(0, 0).x, 8 * 2 / 3.0f, 0.01f);
+    EXPECT_FLOAT_EQ(stage.posed_scene().mean_emission({0, 0, 0.2f, 0.2f}, SurfaceFootprint{}).x,
+                    stage.posed_scene().mean_emission(0, 0).x);
+}
+
+TEST(Materials, ThatChangeWithTheAngleAreAsTheyAreSeen) {
+    const TestImage own(1, 1, {255, 0, 0}), other(1, 1, {0, 255, 0});
+    SceneBuilder builder;
+    const int index = builder.add_material({1, 1, 1});
+    scene::Material& material = builder.material(index);
+    material.base_color_texture = own.add_to(builder);
+    material.other_base_color_texture = other.add_to(builder);
+    material.alpha_mode = scene::AlphaMode::blend;
+    const std::vector<glm::vec3> share{glm::vec3(1), glm::vec3(0.5f), glm::vec3(0)};
+    material.by_angle = {{scene::AngledInput::base_color, glm::vec3(0.5f), share},
+                         {scene::AngledInput::alpha, glm::vec3(0.2f), share}};
+    builder.add_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, index);
+    const Stage stage(builder);
+    const renderer::PosedScene& scene = stage.posed_scene();
+    const auto seen_at = [&](float cosine) { return at_middle(stage, {std::sqrt(1 - cosine * cosine), 0, cosine}); };
+    EXPECT_NEAR(seen_at(1).bsdf.diffuse.x, 1, 1e-4f);
+    EXPECT_NEAR(seen_at(1).bsdf.diffuse.y, 0, 1e-4f);
+    EXPECT_NEAR(seen_at(1).alpha, 1, 1e-4f);
+    // The root of a quarter is half way.
+    const SurfacePoint oblique = seen_at(0.25f);
+    EXPECT_NEAR(oblique.bsdf.diffuse.x, 0.5f, 1e-3f);
+    EXPECT_NEAR(oblique.bsdf.diffuse.y, 0.25f, 1e-3f);
+    EXPECT_NEAR(oblique.alpha, 0.6f, 1e-3f);
+    // Shadow rays ask by their own angle, whatever its side.
+    const core::SurfaceAddress place{0, 0, 0.25f, 0.5f};
+    EXPECT_NEAR(scene.transmittance_at(place, {0, 0, -1}).x, 0, 1e-4f);
+    EXPECT_NEAR(scene.transmittance_at(place, {std::sqrt(1 - 0.0625f), 0, 0.25f}).x, 0.4f, 1e-3f);
+}
+
 TEST(Materials, FollowMetallicRoughness) {
     // A rough dielectric: 4 % at normal incidence, the rest of the light meets the colour below.
     const Stage plastic(quad_of([](SceneBuilder& b) {

@@ -82,6 +82,8 @@ bool shines_evenly(const scene::Animation& film, std::uint32_t object) {
     const scene::Object& o = film.objects[object];
     const scene::Material& material = film.materials[static_cast<std::size_t>(o.material)];
     return o.mobility != scene::Mobility::deforming && !material.emission_texture.present() && !material.unlit &&
+           material.curve_of(scene::AngledInput::emission) == nullptr &&
+           material.curve_of(scene::AngledInput::alpha) == nullptr &&
            (material.alpha_mode == scene::AlphaMode::opaque ||
             (material.alpha_mode == scene::AlphaMode::blend && !material.base_color_texture.present() &&
              !material.alpha_texture.present()));

@@ -77,17 +77,14 @@ void cut(const Cell& whole, int n, std::vector<Cell>& out) {
             }
 }
 
-/// The mean radiance of a cell: the texture, filtered over the parallelogram that the cell is half of, seen along the
-/// normal.
+/// The mean radiance of a cell: the texture, filtered over the parallelogram that the cell is half of, seen from all
+/// sides.
 glm::vec3 radiance_of(const PosedScene& posed_scene, const scene::Triangle& t, std::uint32_t object, const Cell& cell) {
     const glm::vec2 middle = cell.corner + (cell.edge_u + cell.edge_v) / 3.0f;
-    const glm::vec3 normal = posed_scene.front_normal(object, cell.primitive);
     const glm::vec3 edge1 = t.b - t.a, edge2 = t.c - t.a;
     const SurfaceFootprint footprint{edge1 * cell.edge_u.x + edge2 * cell.edge_u.y,
                                      edge1 * cell.edge_v.x + edge2 * cell.edge_v.y};
-    return posed_scene
-        .surface_at({object, cell.primitive, middle.x, middle.y}, cell.front ? normal : -normal, footprint)
-        .emission;
+    return posed_scene.mean_emission({object, cell.primitive, middle.x, middle.y}, footprint);
 }
 
 Emitter emitter_of(const PosedScene& posed_scene, const scene::Snapshot& snapshot, std::uint32_t object,

@@ -10,7 +10,8 @@ constexpr std::size_t role_count = static_cast<std::size_t>(TextureRole::count);
 bool is_color(TextureRole role) {
     return role == TextureRole::base_color || role == TextureRole::emission ||
            role == TextureRole::specular_glossiness || role == TextureRole::specular_tint ||
-           role == TextureRole::sheen || role == TextureRole::diffuse_transmission_color;
+           role == TextureRole::sheen || role == TextureRole::diffuse_transmission_color ||
+           role == TextureRole::other_base_color || role == TextureRole::other_emission;
 }
 
 TextureKey key_of(const scene::Material& material, TextureRole role) {
@@ -33,6 +34,7 @@ bool is_looked_at(const scene::Material& material, TextureRole role, const Plan&
         case TextureRole::normal:
             return !material.unlit && plan.runs(Pass::normal_maps);
         case TextureRole::emission:
+        case TextureRole::other_emission:
             return !material.unlit && material.emits();
         case TextureRole::transmission:
             return !material.unlit && material.transmission > 0 && plan.runs(Pass::glass);
@@ -96,6 +98,10 @@ const scene::TextureUse& use_of(const scene::Material& material, TextureRole rol
             return material.diffuse_transmission_texture;
         case TextureRole::diffuse_transmission_color:
             return material.diffuse_transmission_color_texture;
+        case TextureRole::other_base_color:
+            return material.other_base_color_texture;
+        case TextureRole::other_emission:
+            return material.other_emission_texture;
         default:
             return material.base_color_texture;
     }

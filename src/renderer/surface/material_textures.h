@@ -33,6 +33,8 @@ enum class TextureRole {
     anisotropy,
     diffuse_transmission,
     diffuse_transmission_color,
+    other_base_color,
+    other_emission,
     count
 };
 

@@ -127,10 +127,11 @@ struct PosedScene::Impl {
         shape.mesh = &animation.meshes[static_cast<std::size_t>(animation.objects[address.object].mesh)];
         set_corners(shape, address);
         const scene::Object& object = animation.objects[address.object];
-        const bool is_glass = animation.materials[material].transmission > 0.0f;
+        const scene::Material& m = animation.materials[material];
+        const bool by_angle = m.transmission > 0.0f || !m.by_angle.empty();
         const bool is_pane = object.body == scene::Body::slab && !still->media.empty();
         return still->materials.transmittance_at(
-            material, shape, *snapshot, is_glass ? cosine_at(address, shape, direction) : 1.0f,
+            material, shape, *snapshot, by_angle ? cosine_at(address, shape, direction) : 1.0f,
             is_pane ? &*still->media[address.object] : nullptr, object.pane_thickness);
     }
 
@@ -305,7 +306,7 @@ glm::vec3 PosedScene::mean_emission(std::uint32_t object, std::uint32_t primitiv
     if (m.unlit || !m.emits() || !impl_->snapshot->objects[object].present) return glm::vec3{0.0f};
     const float factor = impl_->snapshot->emission_factor[material];
     SurfaceShape shape = impl_->shape({object, primitive, 0.0f, 0.0f}, {});
-    if (!m.emission_texture.present()) return factor * impl_->still->materials.emission_at(material, shape);
+    if (!m.emission_texture.present()) return factor * impl_->still->materials.emission_at(material, shape, {});
 
     // Average over 4 x 4 similar triangles, each filtered over a parallelogram of its area.
     constexpr int split = 4;
@@ -318,10 +319,16 @@ glm::vec3 PosedScene::mean_emission(std::uint32_t object, std::uint32_t primitiv
             const float third = j % 2 == 0 ? 1.0f / 3.0f : 2.0f / 3.0f;
             const float u = (static_cast<float>(j / 2) + third) / split, v = (static_cast<float>(i) + third) / split;
             shape.weights = {1.0f - u - v, u, v};
-            sum += impl_->still->materials.emission_at(material, shape);
+            sum += impl_->still->materials.emission_at(material, shape, {});
         }
     }
     return factor * sum / static_cast<float>(split * split);
+}
+
+glm::vec3 PosedScene::mean_emission(const core::SurfaceAddress& address, const SurfaceFootprint& footprint) const {
+    const std::uint32_t material = impl_->material_of(address.object);
+    return impl_->snapshot->emission_factor[material] *
+           impl_->still->materials.emission_at(material, impl_->shape(address, footprint), {});
 }
 
 SurfaceFootprint PosedScene::normal_change(const core::SurfaceAddress& address, const SurfaceFootprint& footprint,

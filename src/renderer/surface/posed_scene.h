@@ -84,6 +84,8 @@ class PosedScene {
     /// Mean radiance that the front of a triangle emits at the posed instant, texture and animated factor included; 0
     /// for unlit materials, which light nothing.
     glm::vec3 mean_emission(std::uint32_t object, std::uint32_t primitive) const;
+    /// The same of a part of it.
+    glm::vec3 mean_emission(const core::SurfaceAddress& address, const SurfaceFootprint& footprint) const;
 
     /// How the unit normal that smooth shading interpolates changes over a footprint: `dx`, `dy` are differences of
     /// normals, 0 on flat triangles. On the side of the triangle's front.

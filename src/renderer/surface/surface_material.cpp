@@ -38,10 +38,6 @@ glm::vec3 fresnel(glm::vec3 f0, float cosine, glm::vec3 f90 = glm::vec3{1.0f}) {
     return f;
 }
 
-float metallic_of(const scene::Material& m, glm::vec4 texel) {
-    return std::clamp(m.metallic * texel.b, 0.0f, 1.0f);
-}
-
 /// Share of light that passes glass which it meets with this cosine [KHR_materials_transmission].
 glm::vec3 passing_glass(glm::vec3 color, float metallic, float transmission, glm::vec3 f0, float f90, float cosine) {
     return color * ((1.0f - metallic) * transmission) * (1.0f - fresnel(f0, cosine, glm::vec3{f90}));
@@ -158,9 +154,35 @@ glm::vec4 SurfaceMaterials::look_up(std::uint32_t material, TextureRole role, co
     return texture->sample(site.uv, site.footprint);
 }
 
+/// An input as it is seen from a direction; without a cosine from all.
+glm::vec3 SurfaceMaterials::seen(std::uint32_t material, scene::AngledInput input, glm::vec3 value,
+                                 const SurfaceShape& shape, std::optional<float> cosine) const {
+    const scene::AngleCurve* curve = animation_.materials[material].curve_of(input);
+    if (curve == nullptr) return value;
+    glm::vec3 other = curve->other;
+    if (input == scene::AngledInput::base_color)
+        other *= glm::vec3(vertex_color(shape) * look_up(material, TextureRole::other_base_color, shape));
+    if (input == scene::AngledInput::emission)
+        other *= glm::vec3(look_up(material, TextureRole::other_emission, shape));
+    return glm::mix(value, other, cosine ? curve->share_at(*cosine) : curve->mean_share());
+}
+
+float SurfaceMaterials::seen(std::uint32_t material, scene::AngledInput input, float value, float cosine) const {
+    const scene::AngleCurve* curve = animation_.materials[material].curve_of(input);
+    return curve == nullptr ? value : std::lerp(value, curve->other.x, curve->share_at(cosine).x);
+}
+
+float SurfaceMaterials::metallic_at(std::uint32_t material, glm::vec4 texel, float cosine) const {
+    const float own = animation_.materials[material].metallic * texel.b;
+    return std::clamp(seen(material, scene::AngledInput::metallic, own, cosine), 0.0f, 1.0f);
+}
+
 glm::vec4 SurfaceMaterials::base_color_at(std::uint32_t material, const SurfaceShape& shape,
-                                          const scene::Snapshot& snapshot) const {
-    return snapshot.base_color[material] * vertex_color(shape) * look_up(material, TextureRole::base_color, shape);
+                                          const scene::Snapshot& snapshot, float cosine) const {
+    const glm::vec4 own =
+        snapshot.base_color[material] * vertex_color(shape) * look_up(material, TextureRole::base_color, shape);
+    return {seen(material, scene::AngledInput::base_color, glm::vec3(own), shape, cosine),
+            seen(material, scene::AngledInput::alpha, own.a, cosine)};
 }
 
 float SurfaceMaterials::coverage(std::uint32_t material, const SurfaceShape& shape, float base_alpha) const {
@@ -171,10 +193,11 @@ float SurfaceMaterials::coverage(std::uint32_t material, const SurfaceShape& sha
     return std::clamp(alpha, 0.0f, 1.0f);
 }
 
-float SurfaceMaterials::transmission_at(std::uint32_t material, const SurfaceShape& shape) const {
+float SurfaceMaterials::transmission_at(std::uint32_t material, const SurfaceShape& shape, float cosine) const {
     const float factor = animation_.materials[material].transmission;
     if (!glass_ || !(factor > 0.0f)) return 0.0f;
-    return std::clamp(factor * look_up(material, TextureRole::transmission, shape).r, 0.0f, 1.0f);
+    const float own = factor * look_up(material, TextureRole::transmission, shape).r;
+    return std::clamp(seen(material, scene::AngledInput::transmission, own, cosine), 0.0f, 1.0f);
 }
 
 bool SurfaceMaterials::is_translucent(std::uint32_t material) const {
@@ -183,6 +206,7 @@ bool SurfaceMaterials::is_translucent(std::uint32_t material) const {
     if (!alpha_ || m.alpha_mode == scene::AlphaMode::opaque) return false;
     // Without an image only the factor and the vertices can make holes.
     if (m.base_color_texture.present() || m.alpha_texture.present()) return true;
+    if (m.curve_of(scene::AngledInput::alpha) != nullptr) return true;
     const float full = m.alpha_mode == scene::AlphaMode::mask ? m.alpha_cutoff : 1.0f;
     if (m.base_color.a < full || is_faded(animation_, material)) return true;
     for (const scene::Object& object : animation_.objects) {
@@ -192,23 +216,25 @@ bool SurfaceMaterials::is_translucent(std::uint32_t material) const {
     return false;
 }
 
-glm::vec3 SurfaceMaterials::emission_at(std::uint32_t material, const SurfaceShape& shape) const {
+glm::vec3 SurfaceMaterials::emission_at(std::uint32_t material, const SurfaceShape& shape,
+                                        std::optional<float> cosine) const {
     const scene::Material& m = animation_.materials[material];
     if (m.unlit || !m.emits()) return glm::vec3{0.0f};
-    return m.emission * glm::vec3(look_up(material, TextureRole::emission, shape));
+    return seen(material, scene::AngledInput::emission,
+                m.emission * glm::vec3(look_up(material, TextureRole::emission, shape)), shape, cosine);
 }
 
 glm::vec3 SurfaceMaterials::transmittance_at(std::uint32_t material, const SurfaceShape& shape,
                                              const scene::Snapshot& snapshot, float cosine, const Medium* pane,
                                              float thickness) const {
     const scene::Material& m = animation_.materials[material];
-    const glm::vec4 base = base_color_at(material, shape, snapshot);
+    const glm::vec4 base = base_color_at(material, shape, snapshot, cosine);
     const float covered = coverage(material, shape, base.a);
     const glm::vec3 holes{1.0f - covered};
     if (m.unlit || covered <= 0.0f) return holes;
-    const float transmission = transmission_at(material, shape);
+    const float transmission = transmission_at(material, shape, cosine);
     if (!(transmission > 0.0f) || m.specular_glossiness) return holes;
-    const float metallic = metallic_of(m, look_up(material, TextureRole::metallic_roughness, shape));
+    const float metallic = metallic_at(material, look_up(material, TextureRole::metallic_roughness, shape), cosine);
     const Dielectric interface = dielectric_at(material, shape);
     const glm::vec3 color = glass_color(m, unit_range(glm::vec3(base)));
     if (pane == nullptr)
@@ -222,20 +248,20 @@ void SurfaceMaterials::fill(SurfacePoint& point, const SurfaceShape& shape, cons
                             float index) const {
     const std::uint32_t material = point.material;
     const scene::Material& m = animation_.materials[material];
-    const glm::vec4 base = base_color_at(material, shape, object.snapshot());
-    point.alpha = coverage(material, shape, base.a);
-    point.unlit = m.unlit;
     float variance = 0.0f;
     bend_normal(point, shape, object, variance);
+    const float cosine = glm::dot(point.shading_normal, point.outgoing);
+    const glm::vec4 base = base_color_at(material, shape, object.snapshot(), cosine);
+    point.alpha = coverage(material, shape, base.a);
+    point.unlit = m.unlit;
     if (m.unlit) {
         point.emission = glm::max(glm::vec3(base), glm::vec3{0.0f});
         return;
     }
     if (!point.back_side || m.double_sided)
-        point.emission = object.snapshot().emission_factor[material] * emission_at(material, shape);
+        point.emission = object.snapshot().emission_factor[material] * emission_at(material, shape, cosine);
     point.fibre = hair_ && m.hair && shape.mesh->has_curves();
     if (point.fibre) return;
-    const float cosine = glm::dot(point.shading_normal, point.outgoing);
     const glm::vec3 color = unit_range(glm::vec3(base));
     Detail detail;
     detail.normal_variance = variance;
@@ -342,7 +368,8 @@ void SurfaceMaterials::add_sheen(std::uint32_t material, const SurfaceShape& sha
 void SurfaceMaterials::add_coat(std::uint32_t material, const SurfaceShape& shape, float cos_outgoing,
                                 Bsdf& bsdf) const {
     const scene::Material& m = animation_.materials[material];
-    const float share = std::clamp(m.coat * look_up(material, TextureRole::coat, shape).r, 0.0f, 1.0f);
+    const float own = m.coat * look_up(material, TextureRole::coat, shape).r;
+    const float share = std::clamp(seen(material, scene::AngledInput::coat, own, cos_outgoing), 0.0f, 1.0f);
     const float roughness =
         std::clamp(m.coat_roughness * look_up(material, TextureRole::coat_roughness, shape).g, 0.0f, 1.0f);
     constexpr float f0 = 0.04f;
@@ -382,15 +409,15 @@ void SurfaceMaterials::reflect_as_blender(std::uint32_t material, const SurfaceS
     PrincipledInputs in;
     in.model = m.model;
     in.base = base_color;
-    in.metallic = metallic_of(m, look_up(material, TextureRole::metallic_roughness, shape));
+    in.metallic = metallic_at(material, look_up(material, TextureRole::metallic_roughness, shape), cosine);
     in.roughness = roughness;
-    in.transmission = transmission_at(material, shape);
+    in.transmission = transmission_at(material, shape, cosine);
     const float level = m.specular_level * look_up(material, TextureRole::specular_weight, shape).a;
     in.glass_f0 = f0_of(m.ior);
     in.specular_f0 =
         m.model == scene::SurfaceModel::principled_3 ? 0.08f * level : std::min(2.0f * level * f0_of(m.ior), 1.0f);
     in.tint = m.specular_tint * glm::vec3(look_up(material, TextureRole::specular_tint, shape));
-    in.gloss = m.gloss;
+    in.gloss = seen(material, scene::AngledInput::gloss, m.gloss, shape, cosine);
     in.multiscatter = m.multiscatter;
     in.cosine = cosine;
     in.smooth = mirrors_ && roughness < scene::mirror_roughness && !bsdf.is_stretched();
@@ -419,11 +446,12 @@ Bsdf SurfaceMaterials::bsdf_at(std::uint32_t material, const SurfaceShape& shape
         // Mix metal and dielectric; transmission takes the place of the dielectric's diffuse part
         // [KHR_materials_transmission].
         const glm::vec4 texel = look_up(material, TextureRole::metallic_roughness, shape);
-        const float metallic = metallic_of(m, texel);
-        const float transmission = transmission_at(material, shape);
+        const float metallic = metallic_at(material, texel, cos_outgoing);
+        const float transmission = transmission_at(material, shape, cos_outgoing);
         const Dielectric interface = dielectric_at(material, shape);
         surface = {largest(interface.f0), metallic, base_color, interface.f90};
-        roughness = std::clamp(m.roughness * texel.g, 0.0f, 1.0f);
+        roughness = seen(material, scene::AngledInput::roughness, m.roughness * texel.g, cos_outgoing);
+        roughness = std::clamp(roughness, 0.0f, 1.0f);
         bsdf.f0 = glm::mix(interface.f0, base_color, metallic);
         bsdf.f90 = glm::vec3{1.0f - (1.0f - metallic) * (1.0f - interface.f90)};
         bsdf.diffuse =

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <optional>
 
 #include "renderer/geometry/surface_shape.h"
 #include "renderer/surface/dielectric.h"
@@ -19,11 +20,12 @@ class SurfaceMaterials {
     /// before; 0: glass is thin.
     void fill(SurfacePoint& point, const SurfaceShape& shape, const ObjectInstant& object, float index = 0) const;
 
-    /// Light of the front, textured, without the animated factor; 0 for unlit materials.
-    glm::vec3 emission_at(std::uint32_t material, const SurfaceShape& shape) const;
+    /// Light of the front, textured, without the animated factor; 0 for unlit materials. To a direction with this
+    /// cosine to the normal; without one the mean of all.
+    glm::vec3 emission_at(std::uint32_t material, const SurfaceShape& shape, std::optional<float> cosine) const;
 
-    /// Share of light that goes straight through at a point, for shadow rays: holes, and glass that the ray meets with
-    /// this cosine to the normal, > 0. `pane`: medium of the pane, so thick, of which this is a face; null: of none.
+    /// Share of light that goes straight through at a point, for shadow rays that meet it with this cosine to the
+    /// normal, > 0: holes, and glass. `pane`: medium of the pane, so thick, of which this is a face; null: of none.
     glm::vec3 transmittance_at(std::uint32_t material, const SurfaceShape& shape, const scene::Snapshot& snapshot,
                                float cosine, const Medium* pane, float thickness) const;
 
@@ -32,9 +34,14 @@ class SurfaceMaterials {
 
   private:
     glm::vec4 look_up(std::uint32_t material, TextureRole role, const SurfaceShape& shape) const;
-    glm::vec4 base_color_at(std::uint32_t material, const SurfaceShape& shape, const scene::Snapshot& snapshot) const;
+    glm::vec3 seen(std::uint32_t material, scene::AngledInput input, glm::vec3 value, const SurfaceShape& shape,
+                   std::optional<float> cosine) const;
+    float seen(std::uint32_t material, scene::AngledInput input, float value, float cosine) const;
+    glm::vec4 base_color_at(std::uint32_t material, const SurfaceShape& shape, const scene::Snapshot& snapshot,
+                            float cosine) const;
     float coverage(std::uint32_t material, const SurfaceShape& shape, float base_alpha) const;
-    float transmission_at(std::uint32_t material, const SurfaceShape& shape) const;
+    float transmission_at(std::uint32_t material, const SurfaceShape& shape, float cosine) const;
+    float metallic_at(std::uint32_t material, glm::vec4 texel, float cosine) const;
     void bend_normal(SurfacePoint& point, const SurfaceShape& shape, const ObjectInstant& object,
                      float& variance) const;
     /// Reflectance of a dielectric interface at normal and at grazing incidence [KHR_materials_specular].

@@ -43,10 +43,12 @@ inline const Keys ring = core::words_in("count radius from to");
 inline const Keys material = core::words_in(
     "base_color texture texture_scale alpha alpha_cutoff metallic roughness normal_texture normal_scale emission "
     "emission_texture transmission ior solid attenuation attenuation_distance dispersion hair subsurface "
-    "model specular multiscatter gloss coat_ior coat_tint diffuse_roughness "
+    "model specular multiscatter gloss coat_ior coat_tint diffuse_roughness by_angle "
     "double_sided unlit holdout power keys interpolation loop");
 inline const Keys hair = core::words_in("color absorption melanin redness roughness azimuthal_roughness coat ior tilt");
 inline const Keys subsurface = core::words_in("weight free_path");
+inline const Keys by_angle = core::words_in("base_color emission gloss metallic roughness alpha transmission coat");
+inline const Keys angle_curve = core::words_in("other texture share");
 inline const Keys material_key = core::words_in("at power");
 inline const Keys checker = core::words_in("checker squares");
 inline const Keys sky = core::words_in("color image rotation strength zenith horizon ground");

@@ -102,6 +102,13 @@ void change_subsurface(const JsonValue& value, Material& material) {
     material.subsurface = spreads ? std::optional(below) : std::nullopt;
 }
 
+/// What share of the other value there is, by steps of the angle: numbers or triples.
+std::vector<glm::vec3> shares_of(const JsonValue& value) {
+    std::vector<glm::vec3> shares;
+    for (const JsonValue& one : value.list(2, 1025)) shares.push_back(one.channels(1));
+    return shares;
+}
+
 }  // namespace
 
 fs::path Looks::file_below(const fs::path& folder, const JsonValue& name) {
@@ -153,6 +160,30 @@ TextureUse Looks::texture_of(const JsonValue& value) {
     return use;
 }
 
+void Looks::change_by_angle(const JsonValue& value, Material& material) {
+    value.allow_only(keys::by_angle);
+    material.by_angle.clear();
+    for (std::size_t k = 0; k < keys::by_angle.size(); ++k) {
+        const auto says = value.find(keys::by_angle[k]);
+        if (!says) continue;
+        says->allow_only(keys::angle_curve);
+        AngleCurve curve;
+        curve.input = static_cast<AngledInput>(k);
+        curve.share = shares_of(says->need("share"));
+        const bool is_base = curve.input == AngledInput::base_color, shines = curve.input == AngledInput::emission;
+        curve.other = is_base || shines || curve.input == AngledInput::gloss
+                          ? says->need("other").color(shines ? brightest : 1)
+                          : glm::vec3(static_cast<float>(says->need("other").number(0, 1)));
+        material.by_angle.push_back(std::move(curve));
+        const auto texture = says->find("texture");
+        if (!texture) continue;
+        if (!is_base && !shines) texture->fail("is for base_color and emission");
+        TextureUse use = is_base ? material.base_color_texture : material.emission_texture;
+        use.image = texture_of(*texture).image;
+        (is_base ? material.other_base_color_texture : material.other_emission_texture) = use;
+    }
+}
+
 void Looks::change(const JsonValue& value, int index) {
     value.allow_only(keys::material);
     const auto material = [&]() -> Material& { return film_.materials[static_cast<std::size_t>(index)]; };
@@ -176,6 +207,7 @@ void Looks::change(const JsonValue& value, int index) {
     change_model(value, material());
     change_body(value, material());
     if (const auto v = value.find("subsurface")) change_subsurface(*v, material());
+    if (const auto v = value.find("by_angle")) change_by_angle(*v, material());
     if (const auto v = value.find("hair")) change_hair(*v, material());
     const bool derived = value.has("metallic") || value.has("roughness") || value.has("transmission");
     if (material().specular_glossiness && derived) material().specular_glossiness = false;

@@ -3,7 +3,9 @@
 #include <glm/glm.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "scene/model/angle_curve.h"
 #include "scene/model/hair.h"
 #include "scene/model/image_source.h"
 
@@ -111,12 +113,23 @@ struct Material {
     glm::vec3 diffuse_transmission_color{1, 1, 1};  ///< 0..1
     TextureUse diffuse_transmission_color_texture;  ///< sRGB
 
+    /// Inputs that change with the angle, each at most once. Textures of the other values have the coordinates of the
+    /// first ones.
+    std::vector<AngleCurve> by_angle;
+    TextureUse other_base_color_texture, other_emission_texture;
+
     std::optional<Hair> hair;
     std::optional<Subsurface> subsurface;
 
     bool changes_specular() const {
         return specular_weight != 1 || specular_tint != glm::vec3(1) || specular_weight_texture.present() ||
                specular_tint_texture.present();
+    }
+    /// Null where it is the same from all sides.
+    const AngleCurve* curve_of(AngledInput input) const {
+        for (const AngleCurve& curve : by_angle)
+            if (curve.input == input) return &curve;
+        return nullptr;
     }
     bool has_gloss() const { return gloss.x > 0 || gloss.y > 0 || gloss.z > 0; }
     bool has_sheen() const { return sheen.x > 0 || sheen.y > 0 || sheen.z > 0; }
@@ -157,6 +170,8 @@ inline constexpr NamedTexture texture_uses[] = {
     {&Material::anisotropy_texture, "anisotropy texture"},
     {&Material::diffuse_transmission_texture, "diffuse transmission texture"},
     {&Material::diffuse_transmission_color_texture, "diffuse transmission colour texture"},
+    {&Material::other_base_color_texture, "other base colour texture"},
+    {&Material::other_emission_texture, "other emission texture"},
 };
 
 }  // namespace render2mpeg::scene

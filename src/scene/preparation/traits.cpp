@@ -9,15 +9,18 @@ namespace {
 
 /// Possible effects of a material, with its textures taken at their extremes (they multiply the factors by 0..1).
 void add_material(const Material& material, Traits& traits) {
-    const bool rough_texture =
-        material.metallic_roughness_texture.present() || material.specular_glossiness_texture.present();
+    const bool rough_texture = material.metallic_roughness_texture.present() ||
+                               material.specular_glossiness_texture.present() ||
+                               material.curve_of(AngledInput::roughness) != nullptr;
     const float roughness = material.specular_glossiness ? 1 - material.glossiness : material.roughness;
     const float largest_roughness = material.specular_glossiness && rough_texture ? 1.0f : roughness;
     const float smallest_roughness = rough_texture && !material.specular_glossiness ? 0.0f : roughness;
-    const bool all_metal =
-        !material.specular_glossiness && material.metallic >= 1 && !material.metallic_roughness_texture.present();
+    const bool all_metal = !material.specular_glossiness && material.metallic >= 1 &&
+                           !material.metallic_roughness_texture.present() &&
+                           material.curve_of(AngledInput::metallic) == nullptr;
     const bool has_base = material.base_color.x > 0 || material.base_color.y > 0 || material.base_color.z > 0;
-    const bool all_glass = material.transmission >= 1 && !material.transmission_texture.present();
+    const bool all_glass = material.transmission >= 1 && !material.transmission_texture.present() &&
+                           material.curve_of(AngledInput::transmission) == nullptr;
     const bool reflects = material.specular_glossiness
                               ? material.specular != glm::vec3(0)
                               : material.ior > 1 || (material.metallic > 0 && has_base) || material.has_gloss();
@@ -140,7 +143,7 @@ Traits traits_of(const Animation& animation) {
         if (by_node) traits.objects_move = true;
         if (deforms(animation, object, moves)) traits.objects_deform = true;
         if (material.emits() && !material.unlit && !material.emission_texture.present() &&
-            object.mobility != Mobility::deforming)
+            material.curve_of(AngledInput::emission) == nullptr && object.mobility != Mobility::deforming)
             traits.has_even_lamps = true;
         if (material.emits() && (by_node || deforms(animation, object, moves))) traits.lights_change = true;
     }
@@ -166,7 +169,8 @@ float mirrored_share(const Material& m) {
         return smooth ? largest(m.specular) : 0.0f;
     }
     const float r = (m.ior - 1.0f) / (m.ior + 1.0f);
-    const bool smooth = m.roughness < mirror_roughness || m.metallic_roughness_texture.present();
+    const bool smooth = m.roughness < mirror_roughness || m.metallic_roughness_texture.present() ||
+                        m.curve_of(AngledInput::roughness) != nullptr;
     const float share =
         smooth ? std::max(m.metallic * largest(glm::vec3(m.base_color)), r * r * m.specular_weight) : 0.0f;
     return m.coat_roughness < mirror_roughness ? std::max(share, 0.04f * m.coat) : share;
