@@ -114,8 +114,15 @@ def node_strength(thing, light, lost):
     return (1, 1, 1), 1.0
 
 
+def is_portal(light):
+    """Whether it only tells Cycles where light of the world comes in."""
+    return light.type == "AREA" and getattr(getattr(light, "cycles", None), "is_portal", False)
+
+
 def described(thing, times, lost):
     light = thing.light
+    if is_portal(light):
+        return None
     present = [n for n, m in enumerate(thing.matrices) if m is not None]
     first = thing.matrices[present[0]]
     scale = np.linalg.norm(first[:3, :3], axis=0)

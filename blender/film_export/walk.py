@@ -125,7 +125,8 @@ class Walk:
         bpy.utils.register_class(Engine)
         render = self.scene.render
         render.engine, render.use_compositing, render.use_sequencer = Engine.bl_idname, False, False
-        render.use_multiview, render.use_border = False, False
+        # Freestyle would draw, and ends Blender where a set of lines has no style.
+        render.use_multiview, render.use_border, render.use_freestyle = False, False, False
         bpy.ops.render.render(scene=self.scene.name)
         if self.trouble:
             raise self.trouble

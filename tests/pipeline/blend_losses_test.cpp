@@ -1,0 +1,50 @@
+// What of a .blend a film shows otherwise than Cycles, and tells (tests/blender/make_losses.py).
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "pipeline/fixture.h"
+
+namespace render2mpeg::test {
+namespace {
+
+using nlohmann::json;
+using support::Outcome;
+
+/// A scene's export and what `plan` says of it, made once.
+class BlendLossesTogetherSlow : public testing::Test {
+  protected:
+    static void SetUpTestSuite() {
+        if (!support::blender_is_there()) return;
+        folder_ = std::make_unique<Folder>();
+        const Outcome made =
+            support::blender("-P " + support::blender_script("make_losses.py") + " -- " + folder_->path().string());
+        ASSERT_EQ(made.status, 0) << made.output;
+        const Outcome said = run(program() + " plan --within 0 " + path(*folder_, "told.blend"));
+        ASSERT_EQ(said.status, 0) << said.output;
+        said_ = said.output;
+        for (const auto& entry : std::filesystem::directory_iterator(path(*folder_, "told.blend.export")))
+            film_ = json::parse(contents(entry.path() / "film.json"));
+    }
+    static void TearDownTestSuite() { folder_.reset(); }
+    void SetUp() override {
+        if (!folder_) GTEST_SKIP() << "Blender is not installed";
+    }
+
+    static bool tells(const std::string& line) { return said_.find("not kept: " + line) != std::string::npos; }
+
+    static inline std::unique_ptr<Folder> folder_;
+    static inline std::string said_;
+    static inline json film_;
+};
+
+TEST_F(BlendLossesTogetherSlow, PortalsAreNoLamps) {
+    ASSERT_EQ(film_["lights"].size(), 1u);
+    EXPECT_EQ(film_["lights"][0]["name"], "Sun");
+}
+
+}  // namespace
+}  // namespace render2mpeg::test
