@@ -167,8 +167,11 @@ def look_of_film(scene, film, lost):
     from film_export.view import view_of
     view, render = scene.view_settings, scene.render
     exposure = view.exposure
-    if scene.render.engine == "CYCLES":
-        exposure += math.log2(max(scene.cycles.film_exposure, 1e-6))
+    film_exposure = getattr(getattr(scene, "cycles", None), "film_exposure", 1.0)
+    if not render.engine.startswith(("BLENDER_EEVEE", "BLENDER_WORKBENCH")):
+        exposure += math.log2(max(film_exposure, 1e-6))
+    elif abs(film_exposure - 1) > 1e-4:
+        lost.add(scene, f"film exposure {film_exposure:g} of Cycles, which its own renderer, {render.engine}, has not; not used")
     film["exposure"] = round(min(max(exposure, -50), 50), 6)
     name, gamma = view_of(scene, lambda text: lost.add(scene, text))
     film["view"] = {"name": name, "gamma": round(gamma, 6)} if abs(gamma - 1) > 1e-4 else name
@@ -231,8 +234,6 @@ def other_things(scene, lost):
             continue
         if thing.is_shadow_catcher:
             lost.add(thing, "shadow catcher")
-        if not thing.visible_camera:
-            lost.add(thing, "hidden from cameras only; it is seen")
 
 
 def holes_in(scene):
@@ -256,7 +257,9 @@ def write_nodes(glb, walk, materials, volumes, times, film, lost):
     from film_export.hair import Strands, add_strands
     from film_export.keys import json_number, thinned
     from film_export.shapes import add_mesh
+    from film_export.visibility import Visibility
 
+    visibility = Visibility(walk.scene, lost)
     meshes, names, numbers, change, shaped, holes = {}, set(), {}, {}, {}, holes_in(walk.scene)
     for key, thing in walk.things.items():
         if thing.kind == "LIGHT":
@@ -300,6 +303,8 @@ def write_nodes(glb, walk, materials, volumes, times, film, lost):
             change[name] = {"keys": keys}
         if key[-1 if key[0] == "object" else 2] in holes:
             change.setdefault(name, {})["material"] = {"holdout": True}
+        visibility.write(key, change.setdefault(name, {}))
+    change = {name: says for name, says in change.items() if says}
     if change:
         film["change"] = change
     return shaped

@@ -54,7 +54,7 @@ class Cameras:
                 away = there - now.matrix_world.translation
                 distance = abs(away.dot(now.matrix_world.to_3x3().col[2].normalized()))
             self.poses[camera.name_full].append({
-                "position": matrix[:3, 3], "eye": np.array(now.matrix_world.translation, dtype=float), "rotate": turns(rotation_of(matrix)), "lens": lens, "clip": data.clip_start,
+                "position": matrix[:3, 3], "eye": np.array(now.matrix_world.translation, dtype=float), "rotate": turns(rotation_of(matrix)), "lens": lens, "clip": (data.clip_start, data.clip_end),
                 "f": focus.aperture_fstop if focus.use_dof else None, "focus": distance})
 
     def tell_losses(self, camera, poses):
@@ -64,6 +64,8 @@ class Cameras:
         first = poses[0]
         if np.max(np.ptp([self.shift_of(camera, p) for p in poses], axis=0)) > 1e-4:
             self.lost.add(camera, "animated lens shift; as on the first frame")
+        if any(pose["clip"] != first["clip"] for pose in poses):
+            self.lost.add(camera, "animated clip start or end; as on the first frame")
         if first["f"] is not None and not self.opens_wide(camera, first):
             self.lost.add(camera, f"depth of field (f/{first['f']:.3g}, focus at {first['focus']:.3g} m)")
         if data.type == "ORTHO" and any(abs(p["lens"][1, 1] / first["lens"][1, 1] - 1) > 1e-4 for p in poses):
@@ -96,8 +98,11 @@ class Cameras:
         poses = self.poses[camera.name_full]
         self.tell_losses(camera, poses)
         says = {"interpolation": "linear"}
-        if poses[0]["clip"] > 0:
-            says["near"] = json_number(poses[0]["clip"])
+        near, far = poses[0]["clip"]
+        if near > 0:
+            says["near"] = json_number(near)
+        if far > near:
+            says["far"] = json_number(far)
         shift = self.shift_of(camera, poses[0])
         if np.max(np.abs(shift)) > 1e-6:
             says["shift"] = [json_number(s) for s in shift]

@@ -27,7 +27,7 @@ FIELDS = {
     "coat_texture": "coat", "coat_roughness": "coat_roughness", "coat_roughness_texture": "coat_roughness", "sheen": "sheen",
     "sheen_texture": "sheen", "sheen_roughness": "sheen_roughness", "sheen_roughness_texture": None,
     "iridescence": "film", "iridescence_texture": None, "film_ior": "film_ior", "film_thinnest": "film", "film_thickest": "film",
-    "film_texture": None, "holdout": "hole", "mirrored": None, "anisotropy": "anisotropy", "anisotropy_rotation": "anisotropy_rotation", "anisotropy_texture": None,
+    "film_texture": None, "holdout": "hole", "seen": "visible_camera", "mirrored": None, "anisotropy": "anisotropy", "anisotropy_rotation": "anisotropy_rotation", "anisotropy_texture": None,
     "diffuse_transmission": "leaf", "diffuse_transmission_texture": None, "diffuse_transmission_color": "leaf_color",
     "diffuse_transmission_color_texture": None, "hair": "hair", "subsurface": "subsurface",
     "by_angle": "Layer Weight, Fresnel", "other_base_color_texture": "likewise", "other_emission_texture": "likewise",

@@ -46,5 +46,19 @@ TEST_F(BlendLossesTogetherSlow, PortalsAreNoLamps) {
     EXPECT_EQ(film_["lights"][0]["name"], "Sun");
 }
 
+TEST_F(BlendLossesTogetherSlow, ExposureAndPlanesOfTheCameraAreKept) {
+    EXPECT_EQ(film_["exposure"], 1.0);
+    EXPECT_NEAR(film_["cameras"]["Camera"]["near"].get<double>(), 0.5, 1e-6);
+    EXPECT_NEAR(film_["cameras"]["Camera"]["far"].get<double>(), 40, 1e-6);
+    EXPECT_TRUE(tells("Camera: animated clip start or end")) << said_;
+}
+
+TEST_F(BlendLossesTogetherSlow, WhatCamerasLookThroughLightMeets) {
+    EXPECT_EQ(film_["change"]["Unseen"], json({{"material", {{"seen", false}}}}));
+    EXPECT_EQ(film_["change"]["Nowhere"], json({{"visible", false}}));
+    EXPECT_TRUE(tells("Shadowless: ray visibility: hidden from shadow rays")) << said_;
+    for (const char* kept : {"Unseen: ", "Nowhere: "}) EXPECT_FALSE(tells(kept)) << said_;
+}
+
 }  // namespace
 }  // namespace render2mpeg::test

@@ -87,6 +87,7 @@ void read_camera(const JsonValue& value, const std::string& name, std::size_t in
         lens.shift = glm::vec2(shift[0].number(-10, 10), shift[1].number(-10, 10));
     }
     value.set("near", lens.near, 0, 1e6);
+    value.set("far", lens.far, 1e-6, 1e9);
 
     // An orthographic camera has a height instead.
     const Curve fov = curve_of(value, {"fov", 1, 0.1, 175, true}, clock, keys::camera_key);

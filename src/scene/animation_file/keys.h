@@ -24,7 +24,7 @@ inline const Keys glare = core::words_in("kind strength size seed");
 inline const Keys view = core::words_in("name gamma");
 inline const Keys camera = core::words_in(
     "position look_at rotate roll fov height interpolation keys loop near shift f_stop focus sensor_height "
-    "blades blade_rotation squeeze");
+    "blades blade_rotation squeeze far");
 inline const Keys camera_key = core::words_in("at position look_at rotate roll fov f_stop focus");
 inline const Keys shot = core::words_in("at camera");
 inline const Keys light = core::words_in(
@@ -44,7 +44,7 @@ inline const Keys material = core::words_in(
     "base_color texture texture_scale alpha alpha_cutoff metallic roughness normal_texture normal_scale emission "
     "emission_texture transmission ior solid attenuation attenuation_distance dispersion hair subsurface "
     "model specular multiscatter gloss coat_ior coat_tint diffuse_roughness by_angle "
-    "double_sided unlit holdout power keys interpolation loop");
+    "double_sided unlit holdout seen power keys interpolation loop");
 inline const Keys hair = core::words_in("color absorption melanin redness roughness azimuthal_roughness coat ior tilt");
 inline const Keys subsurface = core::words_in("weight free_path");
 inline const Keys by_angle = core::words_in("base_color emission gloss metallic roughness alpha transmission coat");

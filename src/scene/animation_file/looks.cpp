@@ -214,6 +214,7 @@ void Looks::change(const JsonValue& value, int index) {
     if (const auto v = value.find("double_sided")) material().double_sided = v->boolean();
     if (const auto v = value.find("unlit")) material().unlit = v->boolean();
     if (const auto v = value.find("holdout")) material().holdout = v->boolean();
+    if (const auto v = value.find("seen")) material().seen = v->boolean();
 
     // Coverage: a number below 1 blends, a word chooses how the texture's alpha is taken.
     value.set("alpha_cutoff", material().alpha_cutoff, 0, 1);
@@ -289,8 +290,20 @@ int Looks::material_of(const JsonValue& value, int base) {
     }
     film_.materials.push_back(std::move(copy));
     const int index = static_cast<int>(film_.materials.size()) - 1;
+    copy_power(base, index);
     change(value, index);
     return made_[place] = index;
+}
+
+/// A copy shines when its original does.
+void Looks::copy_power(int from, int to) {
+    const std::size_t tracks = film_.tracks.size();
+    for (std::size_t i = 0; i < tracks; ++i) {
+        Track track = film_.tracks[i];
+        if (track.target != TrackTarget::emission || track.index != from) continue;
+        track.index = to;
+        film_.tracks.push_back(std::move(track));
+    }
 }
 
 int Looks::recolored(int material, glm::vec3 color) {
@@ -304,13 +317,7 @@ int Looks::recolored(int material, glm::vec3 color) {
         copy.base_color = glm::vec4(glm::min(color, glm::vec3(1)), copy.base_color.a);
     film_.materials.push_back(std::move(copy));
     const int index = static_cast<int>(film_.materials.size()) - 1;
-    const std::size_t tracks = film_.tracks.size();
-    for (std::size_t i = 0; i < tracks; ++i) {
-        Track track = film_.tracks[i];
-        if (track.target != TrackTarget::emission || track.index != material) continue;
-        track.index = index;
-        film_.tracks.push_back(std::move(track));
-    }
+    copy_power(material, index);
     return recolored_[{material, key}] = index;
 }
 

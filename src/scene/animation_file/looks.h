@@ -44,6 +44,7 @@ class Looks {
   private:
     void change(const JsonValue& value, int material);
     void change_by_angle(const JsonValue& value, Material& material);
+    void copy_power(int from, int to);
     TextureUse texture_of(const JsonValue& value);
     TextureUse checker_of(const JsonValue& value);
     int add_image(ImageSource image);

@@ -55,6 +55,7 @@ struct Material {
     float alpha_cutoff = 0.5f;
     bool double_sided = false;
     bool holdout = false;   ///< the camera sees a hole in its place, light a surface
+    bool seen = true;       ///< false: the camera looks through it, light meets it
     bool mirrored = false;  ///< mirrors and bodies of glass show the emission that alpha hides
     bool unlit = false;     ///< shows base_color as radiance, casts shadows, neither receives nor reflects light
 
