@@ -177,6 +177,10 @@ def look_of_film(scene, film, lost):
     film["view"] = {"name": name, "gamma": round(gamma, 6)} if abs(gamma - 1) > 1e-4 else name
     if render.use_motion_blur:
         add_shutter(scene, film, lost)
+    for is_on, what in ((render.use_freestyle, "lines of Freestyle"), (render.use_multiview, "stereoscopy, and other views; the camera's own is rendered"),
+                        (render.use_stamp, "metadata burnt into pictures")):
+        if is_on:
+            lost.add(scene, what)
     if render.use_border:
         lost.add(scene, "render region; the whole picture is rendered")
     if render.film_transparent:
@@ -403,7 +407,7 @@ def export(path, folder, texture_size, lines, last=-1, still=False):
     from film_export.bakes import Bakes
     from film_export.baking import Baker
     from film_export.cameras import Cameras
-    from film_export.files import tell_folders
+    from film_export.files import tell_missing
     from film_export.glb import Glb
     from film_export.lost import Lost
     from film_export.materials import Materials
@@ -429,7 +433,7 @@ def export(path, folder, texture_size, lines, last=-1, still=False):
         lost.add(os.path.basename(path), f"what Blender {bpy.data.version[0]}.{bpy.data.version[1]}, which saved it, has and this one, {bpy.app.version_string}, has not")
     scripts_in(lost)
     other_things(scene, lost)
-    tell_folders(lost)
+    tell_missing(lost)
 
     mix_sound(scene, film, folder, lost)
     scene.frame_set(frames[0])

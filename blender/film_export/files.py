@@ -70,10 +70,21 @@ def unreadable():
     return found
 
 
-def tell_folders(lost):
-    """Folders in files' places, which Blender takes for missing files."""
-    for kind in OF_FILES:
+def is_there(thing, path):
+    """Whether a thing's file, or one of its sequence or tiles, is; or none is asked for."""
+    moves = getattr(thing, "source", "") in {"SEQUENCE", "TILED"} or getattr(thing, "is_sequence", False)
+    return os.path.exists(path) or moves and bool(siblings(path))
+
+
+def tell_missing(lost):
+    """Files that are not there, and folders in their places."""
+    for kind in ("libraries", *OF_FILES):
         for thing in getattr(bpy.data, kind):
-            path = bpy.path.abspath(thing.filepath, library=thing.library) if thing.filepath else ""
-            if thing.users and os.path.isdir(path):
+            named = thing.filepath if getattr(thing, "source", "FILE") not in {"GENERATED", "VIEWER"} else ""
+            path = bpy.path.abspath(named, library=thing.library) if named and named != "<builtin>" else ""
+            if not path or not thing.users and kind != "libraries" or getattr(thing, "packed_file", None) or getattr(thing, "packed_files", None):
+                continue
+            if os.path.isdir(path):
                 lost.add(thing, f"{path} is a folder, not a file")
+            elif not is_there(thing, path):
+                lost.add(thing, f"{path} is missing" + ("; pink, as Cycles shows it" if kind == "images" else ""))

@@ -60,5 +60,19 @@ TEST_F(BlendLossesTogetherSlow, WhatCamerasLookThroughLightMeets) {
     for (const char* kept : {"Unseen: ", "Nowhere: "}) EXPECT_FALSE(tells(kept)) << said_;
 }
 
+TEST_F(BlendLossesTogetherSlow, MissingImagesAreToldByPlanAndByRender) {
+    const std::string line = "Gone: " + (folder_->path() / "nowhere/gone.png").string() + " is missing; pink";
+    EXPECT_TRUE(tells(line)) << said_;
+    const Outcome made = run(program() + " render " + path(*folder_, "told.blend") + " -o " + path(*folder_, "f.png") +
+                             " --frames 0:0 --size 16x9");
+    EXPECT_EQ(made.status, 0);
+    EXPECT_NE(made.output.find("not kept: " + line), std::string::npos) << made.output;
+}
+
+TEST_F(BlendLossesTogetherSlow, LinesOtherEyesAndBurntInWordsAreTold) {
+    for (const char* what : {"lines of Freestyle", "stereoscopy", "metadata burnt into pictures"})
+        EXPECT_TRUE(tells(std::string("Scene: ") + what)) << said_;
+}
+
 }  // namespace
 }  // namespace render2mpeg::test
