@@ -403,7 +403,7 @@ def export(path, folder, texture_size, lines, last=-1, still=False):
     """Textures of a texel a pixel in pictures of this height, 0: the scene's own. `last`: frame of the film after which nothing is
     wanted, or -1. `still`: the frame that it was saved at alone."""
     open_scene(path)
-    from film_export import lamps, world
+    from film_export import lamps, limits, world
     from film_export.bakes import Bakes
     from film_export.baking import Baker
     from film_export.cameras import Cameras
@@ -468,6 +468,7 @@ def export(path, folder, texture_size, lines, last=-1, still=False):
               if thing.kind == "LIGHT" and not (far and thing.light.type == "SUN")]
     if any(lights):
         film["lights"] = film.get("lights", []) + [light for light in lights if light]
+    limits.tell(scene, walk, materials, lost)
     strengths.write(film, times)
     for name in materials.holes:
         film.setdefault("materials", {}).setdefault(name, {})["holdout"] = True

@@ -74,5 +74,11 @@ TEST_F(BlendLossesTogetherSlow, LinesOtherEyesAndBurntInWordsAreTold) {
         EXPECT_TRUE(tells(std::string("Scene: ") + what)) << said_;
 }
 
+TEST_F(BlendLossesTogetherSlow, LimitsThatHoldLightBackAreTold) {
+    for (const char* what :
+         {"6 transparent bounces", "clamp 3 of direct light", "clamp 1 of indirect light", "0 diffuse bounces"})
+        EXPECT_TRUE(tells(std::string("Scene: ") + what)) << said_;
+}
+
 }  // namespace
 }  // namespace render2mpeg::test
