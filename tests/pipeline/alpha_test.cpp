@@ -83,6 +83,25 @@ TEST_F(Alpha, IsOneWhereTheSkyIsSeenAndHolesStay) {
     EXPECT_NEAR(lit.pixels.at(40, 8).x, 0.5f, 0.01f);
 }
 
+TEST_F(Alpha, IsThatOfWhatTheCameraLooksAtWithinItsPlanes) {
+    std::string film = thirds;
+    const std::string hole = R"("base_color": [1, 0, 0], "holdout": true)", camera = R"("height": 2)";
+    film.replace(film.find(hole), hole.size(),
+                 R"("base_color": 0, "emission": [4, 0, 0], "double_sided": true, "seen": false)");
+    std::ofstream(folder_ / "thirds.json") << film;
+    render("g.%04d.exr", "--frames 0:0");
+    const image::Image lit = read("g.0000.exr");
+    EXPECT_EQ(lit.pixels.at(24, 12), glm::vec4(0)) << "nothing is behind it";
+    EXPECT_EQ(lit.pixels.at(24, 4).w, 1) << "the wall behind it";
+    EXPECT_GT(lit.pixels.at(24, 4).x, 2 * lit.pixels.at(24, 4).y) << "is lit by what the camera does not see";
+    film.replace(film.find(camera), camera.size(), R"("height": 2, "far": 10.5)");
+    std::ofstream(folder_ / "thirds.json") << film;
+    render("h.%04d.exr", "--frames 0:0");
+    const image::Image cut = read("h.0000.exr");
+    EXPECT_EQ(cut.pixels.at(24, 4), glm::vec4(0)) << "the wall lies beyond";
+    EXPECT_EQ(cut.pixels.at(8, 4).w, 1) << "the other does not";
+}
+
 TEST_F(Alpha, OfLayersIsThatOfTheirMattes) {
     render("c.%04d.exr", "--frames 0:0 --aov " + path(folder_, "layers"));
     const image::ExrChannels read = image::read_exr(folder_ / "layers/frame_0000.exr", [](const std::string& name) {

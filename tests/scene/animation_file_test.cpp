@@ -213,6 +213,30 @@ TEST_F(AnimationFile, SaysWhetherGlassIsSolidWhereItIsClosed) {
     EXPECT_EQ(thickness(closed, R"("roughness": 0.5)"), Thickness::thin) << "it is no glass";
 }
 
+TEST_F(AnimationFile, MaterialsMayChangeWithTheAngleAndBeLookedThrough) {
+    const Animation read = film(R"({
+      "materials": { "m": { "base_color": 1, "emission": 2, "seen": false, "by_angle": {
+        "base_color": { "other": [0.5, 0, 0], "share": [1, [0, 0.5, 1]] }, "coat": { "other": 0.25, "share": [0, 1, 1] },
+        "emission": { "other": 9, "share": [0, 1] } } } },
+      "objects": [{ "shape": "box", "material": "m" }] })");
+    ASSERT_EQ(read.materials.size(), 1u);
+    const Material& m = read.materials[0];
+    EXPECT_FALSE(m.seen);
+    ASSERT_EQ(m.by_angle.size(), 3u);
+    ASSERT_NE(m.curve_of(AngledInput::coat), nullptr);
+    EXPECT_EQ(m.curve_of(AngledInput::gloss), nullptr);
+    EXPECT_EQ(m.curve_of(AngledInput::coat)->other.x, 0.25f);
+    EXPECT_EQ(m.curve_of(AngledInput::base_color)->share_at(0), glm::vec3(1));
+    EXPECT_EQ(m.curve_of(AngledInput::base_color)->share_at(1), glm::vec3(0, 0.5f, 1));
+    EXPECT_EQ(m.curve_of(AngledInput::emission)->other, glm::vec3(9));
+    expect_complaint(
+        R"({ "materials": { "m": { "by_angle": { "coat": { "share": [0, 1] } } } }, "objects": [{ "shape": "box", "material": "m" }] })",
+        {"by_angle.coat", "other"});
+    expect_complaint(
+        R"({ "materials": { "m": { "by_angle": { "coat": { "other": 0, "share": [1] } } } }, "objects": [{ "shape": "box", "material": "m" }] })",
+        {"share"});
+}
+
 TEST_F(AnimationFile, CameraPathsHitTheirKeys) {
     for (const char* passage : {"smooth", "ease", "linear", "step"}) {
         Animation a = film(std::string(R"({"objects": [{"shape": "box"}], "camera": {"interpolation": ")") + passage +
