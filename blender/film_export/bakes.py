@@ -7,10 +7,10 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from . import angles
+from . import angles, rays
 from .hair import Strands
 from .looks import CHANNELS, Baked, Picture, socket_of
-from .nodes import is_level, is_steady
+from .nodes import is_level, is_steady, output_of
 from .shapes import BAKE_UV, array_of
 
 SMALLEST = 64
@@ -107,6 +107,7 @@ class Bakes:
         for key, over in walk.shapes.items():
             if over.shape is None or isinstance(over.shape, Strands) or key not in things or not self.wanted_of(over.materials):
                 continue
+            self.tell_shared(over, things[key])
             over.mesh_name = self.shown_by.get(over.mesh_name)
             ready = BAKE_UV in over.shape.uv and all((over.mesh_name, m.name_full) in self.jobs for _, m in self.wanted_of(over.materials))
             size = self.size_of(over.shape, things[key], cameras)
@@ -120,8 +121,15 @@ class Bakes:
         jobs = [(name, of) for (name, material), of in self.jobs.items() if material in used.get(name, ())]
         for number, (name, (thing, slot)) in enumerate(jobs):
             tell(f"textures {number + 1} of {len(jobs)}")
-            self.bake(name, self.baker.stage(thing.data, thing.matrix_world), slot, thing.material_slots[slot].material, sizes[name])
+            self.bake(name, self.baker.stage(thing.data, thing.matrix_world, thing), slot, thing.material_slots[slot].material, sizes[name])
         self.baker.clear()
+
+    def tell_shared(self, over, things):
+        """A shape has one texture, whatever objects have it."""
+        for _, material in self.wanted_of(over.materials) if len(things) > 1 else ():
+            node = rays.differing(output_of(self.materials.look(material)[1].node_tree))
+            if node is not None:
+                self.lost.add_of(material, "differs between objects of one mesh; all have the first one's", node)
 
     def size_of(self, shape, things, cameras):
         """A power of two with at least a texel for each pixel, within bounds."""

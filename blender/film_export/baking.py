@@ -28,13 +28,15 @@ class Baker:
         node.image = bpy.data.images.new("render2mpeg blank", 4, 4)
         self.blank.node_tree.nodes.active = node
 
-    def stage(self, mesh, matrix):
-        """An object of a mesh, and nothing else in the scene."""
+    def stage(self, mesh, matrix, like=None):
+        """An object of a mesh, with what an object says of itself, and nothing else in the scene."""
         if self.scene is None:
             self.prepare()
         self.unstage()
         copy = bpy.data.objects.new("render2mpeg bake", mesh)
         copy.matrix_world = matrix
+        if like is not None:
+            copy.color, copy.pass_index = like.color, like.pass_index
         self.scene.collection.objects.link(copy)
         bpy.context.window_manager.windows[0].scene = self.scene
         self.scene.view_layers[0].objects.active = copy

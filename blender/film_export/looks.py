@@ -3,6 +3,7 @@
 whose value has to be baked."""
 import math
 
+from . import rays
 from .angles import COLORS, NODES, NUMBERS, is_angled
 from .nodes import incoming, number_of
 
@@ -625,6 +626,8 @@ def look_of(material, tree, lost):
     end = output_of(tree)
     if end is None:
         return Look(base=Constant((0.0, 0.0, 0.0)), ior=1.0)
+    rays.tell(end, reader.tell)
+    rays.look_from_camera(tree)
     volume = incoming(end.inputs["Volume"])
     raised = incoming(end.inputs["Displacement"])
     if raised is not None:
