@@ -66,7 +66,7 @@ def luma(path):
 def signal(x):
     """R'G'B' of exposed light (docs/model/display.md)."""
     y = np.where(x <= 0.625, x, 1 - 0.375**2 / np.maximum(x - 0.25, 0.375))
-    return np.where(y < 0.018053968510807, 4.5 * y, 1.09929682680944 * np.maximum(y, 1e-9) ** 0.45 - 0.09929682680944)
+    return np.where(y <= 0.0031308, 12.92 * y, 1.055 * np.maximum(y, 1e-9) ** (1 / 2.4) - 0.055)
 
 
 def codes(pixels, exposure):

@@ -166,10 +166,9 @@ double quantiser_like(Codec codec, double mpeg2_quantiser);
 /// The inverse: MPEG-2's equivalent of a codec's quantiser, not rounded; below 1 where MPEG-2 has none as fine.
 double mpeg2_quantiser_like(Codec codec, double quantiser);
 
-/// The number of a transfer function in a codec's table: sRGB's, or BT.709's; where a table lacks sRGB's, BT.709's is
-/// the nearest.
-constexpr int transfer_number(Codec codec, bool srgb) {
-    return srgb && facts_of(codec).has_srgb ? 13 : 1;
+/// The number of sRGB's curve in a codec's table; where that lacks it BT.709's, shown alike or by a television's curve.
+constexpr int transfer_number(Codec codec) {
+    return facts_of(codec).has_srgb ? 13 : 1;
 }
 
 /// End code after the last picture of a film; empty where a codec has none.

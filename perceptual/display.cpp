@@ -104,11 +104,10 @@ core::Picture picture_of(int width, int height, ColorMatrix matrix, Chroma chrom
     return picture;
 }
 
-/// The view `neutral` with sRGB's curve.
-glm::vec3 neutral_srgb(glm::vec3 exposed) {
-    glm::vec3 signal;
-    for (int c = 0; c < 3; ++c) signal[c] = core::linear_to_srgb(Display::tone_curve(std::max(exposed[c], 0.0f)));
-    return signal;
+/// Signals of the view `neutral`.
+glm::vec3 neutral_signals(glm::vec3 exposed) {
+    const SignalCurve& curve = SignalCurve::instance();
+    return {curve.signal(exposed.x), curve.signal(exposed.y), curve.signal(exposed.z)};
 }
 
 float largest(glm::vec3 v) {
@@ -141,11 +140,14 @@ Display::Display(float exposure, ColorMatrix matrix, const core::View& view, Chr
     : exposure_(exposure), gain_(std::exp2(exposure)), matrix_(matrix), chroma_(chroma), grain_(grain) {
     EXPECTS(std::abs(exposure) <= max_exposure);
     if (view.name != core::ViewName::neutral) view_ = std::make_shared<const ViewTransform>(view);
-    has_srgb_ = view.is_blenders();
+    is_hdr_ = view.is_hdr();
+}
+
+glm::vec3 Display::signals_of(glm::vec3 exposed) const {
+    return view_ ? view_->signals(exposed) : neutral_signals(exposed);
 }
 
 core::Picture Display::develop(const core::Radiance& radiance) const {
-    const SignalCurve& curve = SignalCurve::instance();
     const core::Plane<glm::vec3>& light = radiance.combined;
     core::Picture picture =
         picture_of(light.width(), light.height(), matrix_, chroma_, [&](int y, std::span<glm::vec3> row) {
@@ -154,9 +156,7 @@ core::Picture Display::develop(const core::Radiance& radiance) const {
             for (std::size_t x = 0; x < row.size(); ++x) {
                 const glm::vec3 c = from[x];
                 finite += c.x * 0.0f + c.y * 0.0f + c.z * 0.0f;
-                row[x] =
-                    view_ ? view_->signals(c * gain_)
-                          : glm::vec3(curve.signal(c.x * gain_), curve.signal(c.y * gain_), curve.signal(c.z * gain_));
+                row[x] = signals_of(c * gain_);
             }
             return finite;
         });
@@ -195,11 +195,8 @@ core::LightLevel Display::level_of(const core::Plane<glm::vec3>& light) const {
 }
 
 float luma_of(const Display& display, glm::vec3 radiance) {
-    const SignalCurve& curve = SignalCurve::instance();
-    const glm::vec3 c = radiance * std::exp2(display.exposure());
-    const glm::vec3 signal = display.view() ? display.view()->signals(c)
-                                            : glm::vec3(curve.signal(c.x), curve.signal(c.y), curve.signal(c.z));
-    return 16.0f + 219.0f * glm::dot(luma_weights(display.matrix()), signal);
+    const glm::vec3 signals = display.signals_of(radiance * std::exp2(display.exposure()));
+    return 16.0f + 219.0f * glm::dot(luma_weights(display.matrix()), signals);
 }
 
 core::Picture picture_of_signals(const core::Plane<glm::vec3>& signals, ColorMatrix matrix, Chroma chroma) {
@@ -215,15 +212,6 @@ core::Picture picture_of_signals(const core::Plane<glm::vec3>& signals, ColorMat
     });
 }
 
-core::Picture picture_of_srgb(const core::Plane<glm::vec3>& codes, ColorMatrix matrix, Chroma chroma) {
-    core::Plane<glm::vec3> signals = codes;
-    for (glm::vec3& pixel : signals.values())
-        for (int c = 0; c < 3; ++c)
-            pixel[c] = static_cast<float>(
-                opto_electronic(static_cast<double>(core::srgb_to_linear(std::clamp(pixel[c], 0.0f, 1.0f)))));
-    return picture_of_signals(signals, matrix, chroma);
-}
-
 std::vector<std::uint8_t> Display::develop_srgb(const core::Radiance& radiance) const {
     const core::Plane<glm::vec3>& light = radiance.combined;
     std::optional<core::FilmGrain> grain;
@@ -237,7 +225,7 @@ std::vector<std::uint8_t> Display::develop_srgb(const core::Radiance& radiance) 
     for (std::size_t i = 0; i < light.size(); ++i) {
         const glm::vec3 c = light.values()[i];
         EXPECTS(core::is_finite(c));
-        glm::vec3 signal = has_srgb_ ? view_->signals(c * gain_) : neutral_srgb(c * gain_);
+        glm::vec3 signal = is_hdr_ ? neutral_signals(c * gain_) : signals_of(c * gain_);
         if (grain) {
             const float luma = 16.0f + 219.0f * glm::dot(luma_weights(matrix_), signal);
             signal = glm::clamp(signal + grain->deviation(luma) * noise.values()[i] / 219.0f, 0.0f, 1.0f);
@@ -273,7 +261,7 @@ glm::vec3 Display::with_luma(glm::vec3 radiance, float luma) const {
     if (!(wanted > 0.0f)) return glm::vec3(0.0f);
     const float most = luma_at(hue * SignalCurve::brightest).signal;
     if (wanted >= most) return hue * (SignalCurve::brightest / gain_);
-    const float least = view_ ? 1e-12f : wanted / (4.5f * glm::dot(luma_weights(matrix_), hue));
+    const float least = view_ ? 1e-12f : wanted / (core::srgb_slope_at_black * glm::dot(luma_weights(matrix_), hue));
     float low = least, high = SignalCurve::brightest;
 
     // Find the peak p with signal(p) = wanted. f = signal / (most - signal) is proportional to p at both ends and a
@@ -314,10 +302,10 @@ float auto_exposure(std::span<const float> surfaces, std::span<const float> sky)
     if (lit.empty()) return 0.0f;
     std::sort(lit.begin(), lit.end());
 
-    // Leave out what no exposure that suits the bright samples could show: mid grey lies 7.5 stops above the first code
-    // value, and bright samples some 2.5 above mid grey. chosen: ten stops below the 90th percentile, tried 6 .. 14
-    // with a third of the samples in unlit corners: 6 leaves out what is seen, 12 is led 0.9 EV astray by what is
-    // black.
+    // Leave out what is next to black with any exposure that suits the bright samples: those lie some 2.5 stops above
+    // mid grey, which makes ten stops below them three code values. chosen: ten stops below the 90th percentile, tried
+    // 6 .. 14 with a third of the samples in unlit corners: 6 leaves out what is seen, 12 is led 0.9 EV astray by what
+    // is black.
     const float bright = lit[(lit.size() - 1) * 9 / 10];
     const auto first = std::lower_bound(lit.begin(), lit.end(), bright / 1024.0f);
 
@@ -348,7 +336,7 @@ std::vector<std::uint8_t> shown_rgb(const core::Picture& picture, const PictureC
             const float red = luma + red_scale * chroma_at(picture.cr, x, y);
             const float green = (luma - weight.x * red - weight.z * blue) / weight.y;
             glm::vec3 signals = glm::clamp(glm::vec3(red, green, blue), 0.0f, 1.0f);
-            if (hdr) signals = neutral_srgb(hdr->shown_light(signals));
+            if (hdr) signals = neutral_signals(hdr->shown_light(signals));
             for (int c = 0; c < 3; ++c) codes.push_back(static_cast<std::uint8_t>(std::lround(255 * signals[c])));
         }
     return codes;

@@ -49,8 +49,8 @@ class Display {
     /// The same with alpha, which `radiance` is multiplied by and the picture is not.
     core::Picture develop(const core::Radiance& radiance, const core::Mattes& mattes) const;
 
-    /// The same to sRGB code values 0..255, 3 per pixel; Blender's views have their own signals, those of high dynamic
-    /// range are shown as `neutral`.
+    /// The same to sRGB code values 0..255, 3 per pixel: the signals of the film; views of high dynamic range are shown
+    /// as `neutral`.
     std::vector<std::uint8_t> develop_srgb(const core::Radiance& radiance) const;
 
     /// Monotone tone curve from exposed light >= 0 to [0, 1].
@@ -62,6 +62,9 @@ class Display {
     /// exposure makes 1, so that the result is finite and its luma never above l + 1e-4. Elsewhere it is l to 1e-4 code
     /// values.
     glm::vec3 with_luma(glm::vec3 radiance, float luma) const;
+
+    /// Full-range R'G'B' of exposed light: sRGB code values over 255, but of views of high dynamic range.
+    glm::vec3 signals_of(glm::vec3 exposed) const;
 
     float exposure() const { return exposure_; }
     ColorMatrix matrix() const { return matrix_; }
@@ -79,7 +82,7 @@ class Display {
     ColorMatrix matrix_;
     Chroma chroma_;
     int grain_;
-    bool has_srgb_ = false;  ///< the view's signals are sRGB code values
+    bool is_hdr_;
     std::shared_ptr<const ViewTransform> view_;
 };
 
@@ -89,13 +92,10 @@ float luma_of(const Display& display, glm::vec3 radiance);
 /// Light that is multiplied by alpha, without that; where alpha is 0 it is black.
 core::Radiance unmultiplied(const core::Radiance& radiance, const core::Mattes& mattes);
 
-/// A picture of full-range signals R', G', B', clamped to [0, 1], with BT.709's primaries. Finite values.
+/// A picture of full-range signals R', G', B', clamped to [0, 1], with BT.709's primaries: inverts develop_srgb but for
+/// rounding. Finite values.
 core::Picture picture_of_signals(const core::Plane<glm::vec3>& signals, ColorMatrix matrix,
                                  Chroma chroma = Chroma::halved);
-
-/// A picture of sRGB code values in [0, 1], with BT.709's transfer function: inverts develop_srgb but for rounding.
-/// Finite values.
-core::Picture picture_of_srgb(const core::Plane<glm::vec3>& codes, ColorMatrix matrix, Chroma chroma = Chroma::halved);
 
 /// The matrix for a picture with this number of lines in this view.
 inline ColorMatrix matrix_for(int height, const core::View& view = {}) {

@@ -14,7 +14,7 @@ constexpr float least_exponent = 0.05f, largest_exponent = 20.0f;
 
 /// The grey light, exposed, that has this signal.
 double neutral_grey(double signal) {
-    const double linear = inverse_opto_electronic(signal);
+    const double linear = core::srgb_to_linear(signal);
     const double light = linear < 1.0 ? inverse_tone_curve(linear) : 1e30;
     return std::min(light, static_cast<double>(SignalCurve::brightest));
 }
@@ -39,7 +39,8 @@ InverseLuma::InverseLuma(const Display& display)
     log_light_[entries] = log_light_[entries - 1];
     grey_slope_[entries] = grey_slope_[entries - 1];
     darkest_light_ = std::exp2(at(log_light_, darkest)) / gain_;
-    darkest_step_ = view_ ? std::exp2(at(log_light_, 0.5f)) / gain_ : 0.5f / (range * 4.5f * gain_);
+    darkest_step_ =
+        view_ ? std::exp2(at(log_light_, 0.5f)) / gain_ : 0.5f / (range * core::srgb_slope_at_black * gain_);
 }
 
 float InverseLuma::slope_of(glm::vec3 color) const {

@@ -1,7 +1,8 @@
 #include "perceptual/signal_curve.h"
 
 #include <algorithm>
-#include <cmath>
+
+#include "core/color.h"
 
 namespace render2mpeg::perceptual {
 namespace {
@@ -13,11 +14,6 @@ namespace {
 // chosen: 0.625 of 0.5 to 0.8 (docs/measurements.md#pictures). A dyadic number, so that the knee is a segment's border
 // in SignalCurve.
 constexpr double knee = 0.625;
-
-// The solutions of alpha x^0.45 - (alpha - 1) = 4.5 x with equal slopes [BT2020, table 4, note]; BT.709 prints them
-// as 1.099 and 0.018, which leaves a step of 2e-4.
-constexpr double alpha = 1.09929682680944;
-constexpr double beta = 0.018053968510807;
 
 }  // namespace
 
@@ -33,19 +29,12 @@ double inverse_tone_curve(double display_linear) {
     return d * d / (1.0 - display_linear) - d + knee;
 }
 
-double opto_electronic(double display_linear) {
-    return display_linear < beta ? 4.5 * display_linear : alpha * std::pow(display_linear, 0.45) - (alpha - 1.0);
-}
-
-double inverse_opto_electronic(double signal) {
-    return signal < 4.5 * beta ? signal / 4.5 : std::pow((signal + (alpha - 1.0)) / alpha, 1.0 / 0.45);
-}
-
 const SignalCurve& SignalCurve::instance() {
     static const SignalCurve curve;
     return curve;
 }
 
-SignalCurve::SignalCurve() : CurveTable([](double exposed) { return opto_electronic(tone_curve(exposed)); }, 4.5f) {}
+SignalCurve::SignalCurve()
+    : CurveTable([](double exposed) { return core::linear_to_srgb(tone_curve(exposed)); }, core::srgb_slope_at_black) {}
 
 }  // namespace render2mpeg::perceptual

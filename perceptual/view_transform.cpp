@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/color.h"
 #include "core/error.h"
 #include "perceptual/signal_curve.h"
 
@@ -81,14 +82,6 @@ double lowered(const Sigmoid& s, double y) {
                    : s.x + Arm(1 - s.x, 1 - s.y, s.slope, s.shoulder).inverse(y - s.y);
 }
 
-double srgb(double linear) {
-    const double shown = std::min(linear, 1.0);
-    return shown <= 0.0031308 ? 12.92 * shown : 1.055 * std::pow(shown, 1 / 2.4) - 0.055;
-}
-double inverse_srgb(double signal) {
-    return signal <= 12.92 * 0.0031308 ? signal / 12.92 : std::pow((signal + 0.055) / 1.055, 2.4);
-}
-
 /// Light that the curves of high dynamic range take for infinite: their tables end there. chosen: 12 stops above
 /// white, 0.04 % below the display's.
 constexpr double hdr_brightest = 4096;
@@ -120,7 +113,7 @@ double inverse_hlg(double signal) {
 /// The curve of one channel; AgX's gives a display's light, which is still to mix.
 double curve(const core::View& view, double light) {
     const core::ViewName name = view.name;
-    if (name == core::ViewName::standard) return srgb(light);
+    if (name == core::ViewName::standard) return core::linear_to_srgb(std::min(light, 1.0));
     if (name == core::ViewName::pq) return pq(tone_curve(light * pq_white / view.peak) * view.peak / pq_brightest);
     if (name == core::ViewName::hlg) return hlg(tone_curve(light * hlg_white));
     const double place = (std::log2(light) - darkest_stop) / (brightest_stop - darkest_stop);
@@ -129,14 +122,14 @@ double curve(const core::View& view, double light) {
 }
 double inverse_curve(const core::View& view, double signal) {
     const core::ViewName name = view.name;
-    if (name == core::ViewName::standard) return inverse_srgb(signal);
+    if (name == core::ViewName::standard) return core::srgb_to_linear(signal);
     if (view.is_hdr()) {
         const bool is_pq = name == core::ViewName::pq;
         const double shown = is_pq ? inverse_pq(signal) * pq_brightest / view.peak : inverse_hlg(signal);
         const double white = is_pq ? pq_white / view.peak : hlg_white;
         return shown < 1 ? std::min(inverse_tone_curve(shown) / white, hdr_brightest) : hdr_brightest;
     }
-    if (name == core::ViewName::agx) signal = std::pow(inverse_srgb(signal), 1 / agx_power);
+    if (name == core::ViewName::agx) signal = std::pow(core::srgb_to_linear(signal), 1 / agx_power);
     return std::exp2(darkest_stop + (brightest_stop - darkest_stop) * lowered(sigmoid_of(name), signal));
 }
 
@@ -160,7 +153,7 @@ const glm::mat3 agx_outset{
 
 /// Of the line below the table, which ends at 2^-24.
 float slope_at_black(const core::View& view) {
-    if (view.name == core::ViewName::standard) return 12.92f;
+    if (view.name == core::ViewName::standard) return core::srgb_slope_at_black;
     return view.is_hdr() ? static_cast<float>(std::exp2(24) * curve(view, std::exp2(-24))) : 0.0f;
 }
 

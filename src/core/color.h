@@ -2,6 +2,7 @@
 // Luminance, and the sRGB curve.
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <glm/glm.hpp>
 
 namespace render2mpeg::core {
@@ -27,12 +28,16 @@ inline float noticed(glm::vec3 difference) {
 }
 
 /// sRGB code value in [0, 1] to linear light. [sRGB, 5.2]
-inline float srgb_to_linear(float v) {
-    return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
+template <std::floating_point T>
+T srgb_to_linear(T v) {
+    return v <= T(0.04045) ? v / T(12.92) : std::pow((v + T(0.055)) / T(1.055), T(2.4));
 }
-/// Linear light in [0, 1] to sRGB code value. [sRGB, 5.2]
-inline float linear_to_srgb(float v) {
-    return v <= 0.0031308f ? v * 12.92f : 1.055f * std::pow(v, 1.0f / 2.4f) - 0.055f;
+/// Linear light in [0, 1] to sRGB code value, of pictures and of films. [sRGB, 5.2]
+template <std::floating_point T>
+T linear_to_srgb(T v) {
+    return v <= T(0.0031308) ? v * T(12.92) : T(1.055) * std::pow(v, T(1) / T(2.4)) - T(0.055);
 }
+/// Slope of linear_to_srgb at 0, nowhere steeper.
+inline constexpr float srgb_slope_at_black = 12.92f;
 
 }  // namespace render2mpeg::core

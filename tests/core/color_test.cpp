@@ -15,11 +15,11 @@ TEST(Luminance, OfWhiteIsOneAndIsLinear) {
 
 TEST(Srgb, HasItsPublishedValues) {
     // Code values 0, 10, 118, 188, 255 of IEC 61966-2-1's curve, computed in double precision.
-    EXPECT_EQ(srgb_to_linear(0), 0);
+    EXPECT_EQ(srgb_to_linear(0.0f), 0);
     EXPECT_NEAR(srgb_to_linear(10 / 255.0f), 0.0030352698, 1e-8);
     EXPECT_NEAR(srgb_to_linear(118 / 255.0f), 0.1811642442, 1e-6);
     EXPECT_NEAR(srgb_to_linear(188 / 255.0f), 0.5028864580, 1e-6);
-    EXPECT_FLOAT_EQ(srgb_to_linear(1), 1);
+    EXPECT_FLOAT_EQ(srgb_to_linear(1.0f), 1);
 }
 
 TEST(Srgb, IsUndoneByItsInverseAndRises) {

@@ -46,26 +46,16 @@ std::string write_patches(const Folder& folder, PatchSize size) {
     return base + ".%02d.png";
 }
 
-/// A film of them with sRGB's or with BT.709's curve.
-std::string film_of_patches(const Folder& folder, const std::string& codec, PatchSize size, bool srgb) {
-    const std::string film =
-        path(folder, codec + std::to_string(size.height) + (srgb ? "s" : "n") + (codec == "mpeg2" ? ".mkv" : ".mp4"));
-    const auto made =
-        run(program() + " encode " + path(folder, "p" + std::to_string(size.height) + ".%02d.png") +
-            (srgb ? " --view standard" : "") + " --quiet --encoder fast -q 1 --codec " + codec + " -o " + film);
+std::string name_of(const std::string& codec, PatchSize size) {
+    return codec + std::to_string(size.height);
+}
+
+std::string film_of_patches(const Folder& folder, const std::string& codec, PatchSize size) {
+    const std::string film = path(folder, name_of(codec, size) + (codec == "mpeg2" ? ".mkv" : ".mp4"));
+    const auto made = run(program() + " encode " + path(folder, "p" + std::to_string(size.height) + ".%02d.png") +
+                          " --quiet --encoder fast -q 1 --codec " + codec + " -o " + film);
     EXPECT_EQ(made.status, 0) << made.output;
     return film;
-}
-
-/// What BT.709's curve makes of an sRGB code value.
-int as_bt709(int code) {
-    const double v = code / 255.0, light = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
-    const double signal = light < 0.018 ? 4.5 * light : 1.099 * std::pow(light, 0.45) - 0.099;
-    return static_cast<int>(std::lround(255 * signal));
-}
-
-int wanted(const Colour& patch, std::size_t channel, bool srgb) {
-    return srgb ? patch[channel] : as_bt709(patch[channel]);
 }
 
 /// Whether this machine codes with it.
@@ -83,32 +73,29 @@ TEST(Colours, AreTaggedAndComeBackWithinTwoCodesInFfmpegSlow) {
         write_patches(folder, size);
         for (const char* codec : {"mpeg2", "h264", "hevc", "av1"}) {
             if (!can_code(codec)) continue;
-            for (const bool srgb : {true, false}) {
-                const std::string film = film_of_patches(folder, codec, size, srgb);
-                SCOPED_TRACE(film);
-                const json stream = ffprobe(film);
-                const bool has_srgb = srgb && std::string(codec) != "mpeg2";
-                EXPECT_EQ(stream.value("color_transfer", ""), has_srgb ? "iec61966-2-1" : "bt709");
-                EXPECT_EQ(stream.value("color_primaries", ""), "bt709");
-                EXPECT_EQ(stream.value("color_space", ""), size.height < 720 ? "smpte170m" : "bt709");
-                const auto decoded = run("ffmpeg -v error -err_detect explode -i " + film +
-                                         " -frames:v 1 -f rawvideo -pix_fmt rgb24 "
-                                         "-sws_flags accurate_rnd+full_chroma_int -");
-                ASSERT_EQ(decoded.output.size(), static_cast<std::size_t>(3 * size.width * size.height));
-                for (std::size_t i = 0; i < patches.size(); ++i)
-                    for (std::size_t c = 0; c < 3; ++c) {
-                        const std::size_t x = (2 * i + 1) * static_cast<std::size_t>(size.width) / 16;
-                        EXPECT_NEAR(static_cast<unsigned char>(decoded.output[3 * x + c]), wanted(patches[i], c, srgb),
-                                    2)
-                            << "patch " << i << " channel " << c;
-                    }
-            }
+            const std::string film = film_of_patches(folder, codec, size);
+            SCOPED_TRACE(film);
+            const json stream = ffprobe(film);
+            EXPECT_EQ(stream.value("color_transfer", ""), std::string(codec) == "mpeg2" ? "bt709" : "iec61966-2-1");
+            EXPECT_EQ(stream.value("color_primaries", ""), "bt709");
+            EXPECT_EQ(stream.value("color_space", ""), size.height < 720 ? "smpte170m" : "bt709");
+            const auto decoded = run("ffmpeg -v error -err_detect explode -i " + film +
+                                     " -frames:v 1 -f rawvideo -pix_fmt rgb24 "
+                                     "-sws_flags accurate_rnd+full_chroma_int -");
+            ASSERT_EQ(decoded.output.size(), static_cast<std::size_t>(3 * size.width * size.height));
+            for (std::size_t i = 0; i < patches.size(); ++i)
+                for (std::size_t c = 0; c < 3; ++c) {
+                    const std::size_t x = (2 * i + 1) * static_cast<std::size_t>(size.width) / 16;
+                    EXPECT_NEAR(static_cast<unsigned char>(decoded.output[3 * x + c]), patches[i][c], 2)
+                        << "patch " << i << " channel " << c;
+                }
         }
     }
 }
 
-/// A page that looks at the first pictures of many films, and says the colours in their middle row.
-constexpr const char* patch_page = R"(<!DOCTYPE html><html><body><script>
+/// A page that looks at the first pictures of many films, and says the mean colours of their cells: 8 columns and
+/// `rows` rows, without a quarter of each at each side.
+constexpr const char* cells_page = R"(<!DOCTYPE html><html><body><script>
 const until = (target, event) => new Promise((done, fail) => {
   target.addEventListener(event, done, {once: true});
   target.addEventListener('error', () => fail(event), {once: true});
@@ -129,8 +116,13 @@ async function colours(film) {
     pen.drawImage(video, 0, 0);
     await new Promise((done) => setTimeout(done, 20));
   }
-  return [...Array(8).keys()].map((i) => [...pen.getImageData(
-      Math.floor((2 * i + 1) * canvas.width / 16), Math.floor(canvas.height / 2), 1, 1).data.slice(0, 3)]);
+  const cell = (i) => {
+    const wide = canvas.width / 8, high = canvas.height / rows;
+    const {data} = pen.getImageData(Math.floor((i % 8 + 0.25) * wide), Math.floor((Math.floor(i / 8) + 0.25) * high),
+                                    Math.floor(wide / 2), Math.floor(high / 2));
+    return [0, 1, 2].map((c) => data.filter((_, k) => k % 4 === c).reduce((a, b) => a + b, 0) / (data.length / 4));
+  };
+  return [...Array(8 * rows).keys()].map(cell);
 }
 (async () => {
   const found = {};
@@ -139,42 +131,134 @@ async function colours(film) {
 })();
 </script></body></html>)";
 
+using Cells = std::vector<std::array<double, 3>>;
+
+/// The same cells of a picture of RGB code values.
+Cells cells_of(const std::string& codes, PatchSize size, int rows) {
+    Cells cells;
+    const int wide = size.width / 8, high = size.height / rows;
+    for (int i = 0; i < 8 * rows; ++i) {
+        std::array<double, 3> sum{};
+        for (int y = i / 8 * high + high / 4; y < i / 8 * high + high / 4 + high / 2; ++y)
+            for (int x = i % 8 * wide + wide / 4; x < i % 8 * wide + wide / 4 + wide / 2; ++x)
+                for (std::size_t c = 0; c < 3; ++c)
+                    sum[c] += static_cast<unsigned char>(codes[3 * static_cast<std::size_t>(y * size.width + x) + c]);
+        for (double& value : sum) value /= (wide / 2) * (high / 2);
+        cells.push_back(sum);
+    }
+    return cells;
+}
+
+/// Films that a browser is to show as `shown`.
+class ShownFilms {
+  public:
+    explicit ShownFilms(const Folder& folder, int rows)
+        : folder_(folder), rows_(rows), page_(path(folder, "page.html")) {
+        std::ofstream(page_) << "<script>const films = {}, rows = " << rows << ";</script>";
+    }
+    void add(const std::string& name, const std::string& film, PatchSize size, const std::string& codes) {
+        put_film(page_, "film_" + name, film);
+        std::ofstream(page_, std::ios::app) << "<script>films." << name << " = film_" << name << ";</script>";
+        films_.push_back({name, size, cells_of(codes, size, rows_)});
+    }
+    void expect_within(double codes) const {
+        std::ofstream(page_, std::ios::app) << cells_page;
+        const json seen = said_by_page(folder_, page_);
+        for (const Film& film : films_) {
+            SCOPED_TRACE(film.name);
+            ASSERT_TRUE(seen.at(film.name).is_array()) << seen.at(film.name);
+            for (std::size_t i = 0; i < film.cells.size(); ++i)
+                for (std::size_t c = 0; c < 3; ++c)
+                    EXPECT_NEAR(seen.at(film.name).at(i).at(c).get<double>(),
+                                film.cells[i][c] - lost(film.cells[i], c, film.size.height), codes)
+                        << "cell " << i << ", " << c;
+        }
+    }
+
+  private:
+    struct Film {
+        std::string name;
+        PatchSize size;
+        Cells cells;
+    };
+    /// Without a graphics card Chromium multiplies Cb by 2 where BT.709 says 2.112 and BT.601 2.018, its constants
+    /// being of 8 bits: of blue, so much of the colour difference is missing, whatever a film says.
+    static double lost(const std::array<double, 3>& color, std::size_t channel, int height) {
+        if (channel != 2) return 0;
+        return height >= 720 ? 0.053 * (color[2] - (0.2126 * color[0] + 0.7152 * color[1] + 0.0722 * color[2]))
+                             : 0.009 * (color[2] - (0.299 * color[0] + 0.587 * color[1] + 0.114 * color[2]));
+    }
+
+    const Folder& folder_;
+    int rows_;
+    std::string page_;
+    std::vector<Film> films_;
+};
+
 TEST(Colours, ComeBackInABrowserSlow) {
     if (browser().empty()) GTEST_SKIP() << "no chromium or google-chrome is installed";
     const Folder folder;
-    const std::string page = path(folder, "page.html");
-    std::ofstream(page) << "<script>const films = {};</script>";
-    std::vector<std::pair<PatchSize, std::string>> films;
+    ShownFilms films(folder, 1);
     for (const PatchSize size : {PatchSize{176, 144}, PatchSize{480, 480}, PatchSize{256, 720}, PatchSize{1920, 1080},
                                  PatchSize{3840, 2160}}) {
         write_patches(folder, size);
+        const std::string codes = codes_of(path(folder, "p" + std::to_string(size.height) + ".00.png"));
         for (const std::string codec : {"h264", "av1"})
-            for (const bool srgb : {true, false}) {
-                if (!can_code(codec)) continue;
-                const std::string name = codec + std::to_string(size.height) + (srgb ? "s" : "n");
-                put_film(page, "film_" + name, film_of_patches(folder, codec, size, srgb));
-                std::ofstream(page, std::ios::app) << "<script>films." << name << " = film_" << name << ";</script>";
-                films.emplace_back(size, name);
-            }
+            if (can_code(codec)) films.add(name_of(codec, size), film_of_patches(folder, codec, size), size, codes);
     }
-    std::ofstream(page, std::ios::app) << patch_page;
-    const json seen = said_by_page(folder, page);
-    for (const auto& [size, name] : films) {
-        SCOPED_TRACE(name);
-        ASSERT_TRUE(seen.at(name).is_array()) << seen.at(name);
-        for (std::size_t i = 0; i < patches.size(); ++i) {
-            const auto at = [&](std::size_t c) {
-                return static_cast<double>(wanted(patches[i], c, name.back() == 's'));
-            };
-            const double blue = size.height >= 720 ? at(2) - (0.2126 * at(0) + 0.7152 * at(1) + 0.0722 * at(2))
-                                                   : at(2) - (0.299 * at(0) + 0.587 * at(1) + 0.114 * at(2));
-            for (std::size_t c = 0; c < 3; ++c) {
-                // Without a graphics card Chromium multiplies Cb by 2 where BT.709 says 2.112 and BT.601 2.018, its
-                // constants being of 8 bits: of blue, so much of the colour difference is missing, whatever a film
-                // says.
-                const double lost = c == 2 ? (size.height >= 720 ? 0.053 : 0.009) * blue : 0;
-                EXPECT_NEAR(seen.at(name).at(i).at(c).get<double>(), at(c) - lost, 2.01) << "patch " << i << ", " << c;
-            }
+    films.expect_within(2.01);
+}
+
+TEST(Colours, OfARenderedFilmAreThoseOfItsStillInABrowserSlow) {
+    if (browser().empty()) GTEST_SKIP() << "no chromium or google-chrome is installed";
+    const Folder folder;
+    ShownFilms films(folder, 4);
+    for (const PatchSize size : {PatchSize{176, 144}, PatchSize{256, 720}}) {
+        const std::string name = "r" + std::to_string(size.height),
+                          render = program() + " render " + support::plain_film() + " --size " +
+                                   std::to_string(size.width) + "x" + std::to_string(size.height) +
+                                   " --samples 1 --exposure 0 --tolerance fixed=10% --quiet --frames 0:1 -q 1 -o ";
+        ASSERT_EQ(run(render + path(folder, name + ".%04d.png")).status, 0);
+        for (const std::string codec : {"h264", "av1"}) {
+            if (!can_code(codec)) continue;
+            const std::string film = path(folder, name + codec + ".mp4");
+            ASSERT_EQ(run(render + film + " --encoder fast --codec " + codec).status, 0);
+            films.add(name + codec, film, size, codes_of(path(folder, name + ".0001.png")));
+        }
+    }
+    films.expect_within(2.01);
+}
+
+/// Largest difference of a lossless film's first picture from a still.
+int farthest(const std::string& film, const std::string& still) {
+    const std::string a = codes_of(film), b = codes_of(still);
+    EXPECT_EQ(a.size(), b.size());
+    EXPECT_FALSE(a.empty());
+    int most = 0;
+    for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
+        most = std::max(most, std::abs(static_cast<unsigned char>(a[i]) - static_cast<unsigned char>(b[i])));
+    return most;
+}
+
+TEST(Colours, AreThoseOfStillsInEveryViewAndByEveryWaySlow) {
+    const Folder folder;
+    const std::string render = program() + " render " + support::plain_film() +
+                               " --size 64x48 --samples 1 --exposure 1 --tolerance fixed=10% --quiet --frames 0:1 ";
+    for (const std::string view : {"neutral", "standard", "filmic", "agx"}) {
+        SCOPED_TRACE(view);
+        const std::string still = path(folder, view + ".%04d.png"), first = path(folder, view + ".0000.png"),
+                          master = " --view " + view + " --codec ffv1 -o " + path(folder, view);
+        ASSERT_EQ(run(render + "--view " + view + " -o " + still).status, 0);
+        // Sampling follows the view: light is its own in each.
+        const std::string light = path(folder, view + ".%04d.exr");
+        ASSERT_EQ(run(render + "--view " + view + " -o " + light).status, 0);
+        ASSERT_EQ(run(render + master + "_rendered.mkv").status, 0);
+        ASSERT_EQ(run(program() + " encode " + still + " --quiet" + master + "_of_png.mkv").status, 0);
+        ASSERT_EQ(run(program() + " encode " + light + " --exposure 1 --quiet" + master + "_of_exr.mkv").status, 0);
+        for (const std::string way : {"_rendered", "_of_png", "_of_exr"}) {
+            const std::string film = path(folder, view + way + ".mkv");
+            EXPECT_LE(farthest(film, first), 1) << way;
+            EXPECT_EQ(ffprobe(film).value("color_transfer", ""), "iec61966-2-1") << way;
         }
     }
 }

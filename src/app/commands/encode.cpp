@@ -135,7 +135,7 @@ Job prepare(const EncodeOptions& options) {
     // The writer of both may open this one first.
     std::unique_ptr<MotionPipe> motion_pipe;
     if (has_pipe) motion_pipe = std::make_unique<MotionPipe>(*options.motion);
-    const FilmSignals signals{{}, view.is_blenders(), view, chroma_of(codec_of(options.coding, options.output), view)};
+    const FilmSignals signals{{}, view, chroma_of(codec_of(options.coding, options.output), view)};
     job.frames = open_frames(options.input, options.exposure, wanted, signals, shared);
     encoder::Settings& coding = job.film.coding;
     const Preset* preset = preset_of(options.coding);

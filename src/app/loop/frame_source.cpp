@@ -105,7 +105,7 @@ class ImageFrames : public FrameSource {
     ImageFrames(const std::filesystem::path& pattern, std::optional<float> exposure,
                 const std::optional<FrameRange>& wanted, const FilmSignals& film,
                 std::shared_ptr<SharedChannels> shared)
-        : pattern_(pattern), keeps_codes_(film.keeps_codes), chroma_(film.chroma), shared_(std::move(shared)) {
+        : pattern_(pattern), chroma_(film.chroma), shared_(std::move(shared)) {
         frames_ = wanted ? *wanted : frames_on_disk(pattern);
         for (std::int64_t n = frames_.first; n <= frames_.last; ++n)
             if (!std::filesystem::exists(numbered(pattern_, n)))
@@ -138,8 +138,7 @@ class ImageFrames : public FrameSource {
             radiance.combined = colors;
             picture = display_->develop(radiance);
         } else {
-            picture = keeps_codes_ ? perceptual::picture_of_signals(colors, matrix_, chroma_)
-                                   : perceptual::picture_of_srgb(colors, matrix_, chroma_);
+            picture = perceptual::picture_of_signals(colors, matrix_, chroma_);
         }
         picture.number = frame;
         return picture;
@@ -170,7 +169,6 @@ class ImageFrames : public FrameSource {
 
     std::filesystem::path pattern_;
     std::optional<perceptual::Display> display_;
-    bool keeps_codes_;
     perceptual::Chroma chroma_;
     perceptual::ColorMatrix matrix_ = perceptual::ColorMatrix::bt709;
     std::shared_ptr<SharedChannels> shared_;

@@ -46,8 +46,7 @@ class FrameSource {
 /// Signals of a film made of images.
 struct FilmSignals {
     std::optional<perceptual::ColorMatrix> matrix = {};  ///< none: by the pictures' height
-    bool keeps_codes = false;  ///< PNG's code values are the film's R'G'B' as they are, whatever curve they have
-    core::View view = {};      ///< of scene-linear images
+    core::View view = {};                                ///< of scene-linear images
     perceptual::Chroma chroma = perceptual::Chroma::halved;
 };
 

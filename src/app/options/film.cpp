@@ -226,7 +226,7 @@ int quantiser_of(const CodingOptions& options, encoder::Codec codec, const core:
 
 /// Declares how a view's signals are to be shown.
 void declare_colors(encoder::Settings& coding, const core::View& view) {
-    coding.transfer_characteristics = encoder::transfer_number(coding.codec, view.is_blenders());
+    coding.transfer_characteristics = encoder::transfer_number(coding.codec);
     if (!view.is_hdr()) return;
     const encoder::CodecFacts& facts = encoder::facts_of(coding.codec);
     if (!facts.has_more_than_8_bits() || coding.codec == encoder::Codec::dnxhr)

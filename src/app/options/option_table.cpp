@@ -172,8 +172,7 @@ Rows picture_rows(CommandLine& line) {
          "What bright light becomes: `neutral`; as in Blender, also `filmic-high-contrast` and so on; or high dynamic "
          "range, pq or hlg in BT.2020 (default: the animation file's or the .blend's, or neutral)",
          "neutral|standard|filmic|agx|pq|hlg", reads<core::view_from>, Idle::undeveloped},
-        {"--view@encode", picture, &o.view,
-         "As for render; PNG frames of Blender's views keep their code values (default: neutral)",
+        {"--view@encode", picture, &o.view, "As for render; PNG frames keep their code values (default: neutral)",
          "neutral|standard|filmic|agx|pq|hlg", reads<core::view_from>},
         {"--grain", picture, &o.grain,
          "Grain of a film of this speed, 50 to 6400; AV1's decoders add it (default: the animation file's, or 0)",
