@@ -287,7 +287,8 @@ class Reader:
         look.sheen = self.sheen_of(node, look)
         look.sheen_roughness = self.constant_or(node, ["Sheen Roughness"], 0.5)
         look.specular_tint = self.tinted(node, "Specular Tint", look.base)
-        self.brush(node, look, self.constant_or(node, ["Anisotropic"], 0.0), self.constant_or(node, ["Anisotropic Rotation"], 0.0))
+        strength = self.constant_or(node, ["Anisotropic"], 0.0)
+        self.brush(node, look, strength, math.sqrt(1 - 0.9 * min(abs(strength), 1.0)), self.constant_or(node, ["Anisotropic Rotation"], 0.0))
         look.film = self.constant_or(node, ["Thin Film Thickness"], 0.0)
         look.film_ior = self.constant_or(node, ["Thin Film IOR"], 1.3)
 
@@ -349,14 +350,14 @@ class Reader:
         else:
             self.tree.links.new(socket_of(self.tree, value), entry)
 
-    def brush(self, node, look, strength, turns):
+    def brush(self, node, look, strength, aspect, turns):
         """Cycles' lobe is alpha / aspect by alpha * aspect wide, glTF's alpha + (1 - alpha) strength^2 by alpha."""
         if not strength:
             return
         if not isinstance(look.roughness, Constant):
             look.anisotropy = math.sqrt(abs(strength))
         else:
-            alpha, aspect = look.roughness.value ** 2, math.sqrt(1 - 0.9 * min(abs(strength), 1.0))
+            alpha = look.roughness.value ** 2
             narrow, wide = alpha * aspect, min(alpha / aspect, 1.0)
             look.roughness = Constant(math.sqrt(narrow))
             look.anisotropy = math.sqrt(max(wide - narrow, 0.0) / max(1 - narrow, 1e-6))
@@ -399,7 +400,8 @@ class Reader:
 
     def read_bsdf_anisotropic(self, node):
         look = self.read_bsdf_glossy(node)
-        self.brush(node, look, self.constant_or(node, ["Anisotropy"], 0.0), self.constant_or(node, ["Rotation"], 0.0))
+        strength = self.constant_or(node, ["Anisotropy"], 0.0)
+        self.brush(node, look, strength, 1 - min(abs(strength), 0.99), self.constant_or(node, ["Rotation"], 0.0))
         return look
 
     def read_bsdf_metallic(self, node):
@@ -454,7 +456,7 @@ class Reader:
     def read_add_shader(self, node):
         looks = [self.shader(s) for s in (incoming(i) for i in node.inputs[:2]) if s is not None]
         if not looks:
-            return Look(base=Constant((0.0, 0.0, 0.0)), alpha=Constant(0.0))
+            return Look(base=Constant((0.0, 0.0, 0.0)), ior=1.0)
         looks.sort(key=lambda look: not look.surface)
         first = looks[0]
         if len(looks) > 1:

@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 
 from . import angles, png
+from .hair import Strands
 from .looks import CHANNELS, Angled, Baked, Constant, Picture, free_path, look_of, without_bakes
 from .nodes import inline_groups, number_of
 from .shapes import BAKE_UV
@@ -123,6 +124,8 @@ class Materials:
         if baked is None and self.needs_bake(look):
             self.lost.add_of(material, "textures that cannot be baked on this shape; grey", thing=thing)
             look = without_bakes(look)
+        if look.hair and not isinstance(shape, Strands):
+            self.lost.add_of(material, "scattering of hair on a surface, which is no hair", thing=thing)
         shines = look.strength != Constant(0.0) and look.emission != Constant((0.0, 0.0, 0.0))
         sides = closed and shines
         body = closed and look.refracts

@@ -47,8 +47,13 @@ def feed(tree, node):
         return
     place = tree.nodes.new("ShaderNodeTexCoord").outputs["Generated"]
     entry = next((s for s in node.inputs if s.enabled and s.type in {"RGBA", "VECTOR"} and s.name not in {"Normal", "Tangent"}), None)
-    entry = entry or next((s for s in node.inputs if s.enabled and s.type == "VALUE" and node.type not in {"FRESNEL", "LAYER_WEIGHT"}), None)
+    entry = entry or next((s for s in node.inputs if s.enabled and s.type == "VALUE" and node.type not in {"FRESNEL", "LAYER_WEIGHT", "BLACKBODY", "WAVELENGTH"}), None)
     if entry is not None:
+        if node.type == "NORMAL_MAP":  # a little off
+            bend = tree.nodes.new("ShaderNodeMixRGB")
+            bend.inputs[0].default_value, bend.inputs[1].default_value = 0.2, (0.5, 0.5, 1, 1)
+            tree.links.new(place, bend.inputs[2])
+            place = bend.outputs[0]
         tree.links.new(place, entry)
 
 
