@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <fstream>
 #include <map>
 #include <string>
@@ -95,6 +96,17 @@ TEST(BlendExports, ThatAreNoFilmsAreRefusedByTheNameOfTheScene) {
     EXPECT_NE(said.output.find("film.blend: its export by Blender: size[0]: expected"), std::string::npos)
         << said.output;
     EXPECT_EQ(said.output.find("film.json"), std::string::npos) << said.output;
+}
+
+TEST(BlendExports, ThatWereKilledAreRemovedByLaterOnes) {
+    const BlenderStandIn film(exporting("{}", ""));
+    const fs::path dead = film / "film.blend.export/0123456789abcdef.17", young = film / "film.blend.export/fedc.18";
+    for (const fs::path& folder : {dead, young}) fs::create_directories(folder);
+    std::ofstream(dead / "scene.glb") << "half of it";
+    fs::last_write_time(dead, fs::file_time_type::clock::now() - std::chrono::hours(25));
+    film.run_with(program(), "");
+    EXPECT_FALSE(fs::exists(dead));
+    EXPECT_TRUE(fs::exists(young)) << "another run may be making it";
 }
 
 TEST(BlendFilesThatUseSlow, WhatIsNoPlainFileAreRefusedByItsName) {

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -142,13 +143,17 @@ std::optional<BlenderExport> finished(const fs::path& folder) {
     }
 }
 
-/// Keeps the newest exports.
+/// Keeps the newest exports, and what other runs are making, which no export takes a day for.
 void remove_old(const fs::path& cache) {
     std::error_code failure;
     std::vector<std::pair<fs::file_time_type, fs::path>> all;
+    const auto dead = fs::file_time_type::clock::now() - std::chrono::hours(24);
     for (const fs::directory_entry& entry : fs::directory_iterator(cache, failure))
         if (fs::is_regular_file(entry.path() / result_name, failure))
             all.emplace_back(fs::last_write_time(entry.path() / result_name, failure), entry.path());
+        else if (entry.is_directory(failure) && entry.path().has_extension() &&
+                 fs::last_write_time(entry.path(), failure) < dead)
+            fs::remove_all(entry.path(), failure);
     std::sort(all.rbegin(), all.rend());
     for (std::size_t k = kept_exports; k < all.size(); ++k) fs::remove_all(all[k].second, failure);
 }
