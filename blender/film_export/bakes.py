@@ -14,6 +14,7 @@ from .nodes import is_level, is_steady, output_of
 from .shapes import BAKE_UV, array_of
 
 SMALLEST = 64
+PLACES_AT_ONCE = 64
 # Nodes whose values differ between objects of one shape.
 OF_ONE_OBJECT = {"NEW_GEOMETRY", "OBJECT_INFO", "ATTRIBUTE", "VERTEX_COLOR", "CAMERA", "PARTICLE_INFO", "TEX_POINTDENSITY"}
 
@@ -54,13 +55,17 @@ def pixels_across(shape, places, cameras, height):
     """The root of the pixels that all of a shape's surface has where it is nearest to a camera. `places`: (frame, matrix)."""
     points, area = points_on(shape)
     largest = 0.0
-    for frame, matrix in places:
-        scale = float(np.linalg.norm(matrix[:3, :3], axis=0).max())
-        there = points @ matrix[:3, :3].T + matrix[:3, 3]
+    for first in range(0, len(places), PLACES_AT_ONCE):
+        some = places[first:first + PLACES_AT_ONCE]
+        matrices = np.array([matrix for _, matrix in some])
+        scales = np.linalg.norm(matrices[:, :3, :3], axis=1).max(axis=1)
+        there = points @ matrices[:, :3, :3].transpose(0, 2, 1) + matrices[:, None, :3, 3]
         for poses in cameras:
-            lens, eye = poses[frame]["lens"], poses[frame]["eye"]
-            away = 1.0 if lens[3, 3] == 1 else max(float(np.linalg.norm(there - eye, axis=1).min()), 1e-6)
-            largest = max(largest, scale * lens[1, 1] * height / 2 / away)
+            lenses = np.array([poses[frame]["lens"] for frame, _ in some])
+            apart = there - np.array([poses[frame]["eye"] for frame, _ in some])[:, None]
+            away = np.sqrt(np.einsum("ijk,ijk->ij", apart, apart).min(axis=1))
+            away = np.where(lenses[:, 3, 3] == 1, 1.0, np.maximum(away, 1e-6))
+            largest = max(largest, float((scales * lenses[:, 1, 1] / away).max()) * height / 2)
     return math.sqrt(area) * largest
 
 
