@@ -63,7 +63,8 @@ struct Settings {
     Effort effort = Effort::quality;
     Tune tune = Tune::psnr;
     RateControl rate_control;
-    int aspect_ratio_code = 1;    ///< aspect_ratio_information [H262, table 6-3]; 1: square pixels
+    core::Rational pixel_aspect{1, 1};  ///< width by height of a pixel
+    int aspect_ratio_code = 1;  ///< MPEG-2's aspect_ratio_information [H262, table 6-3]; 1: square; 0: it has none such
     int matrix_coefficients = 1;  ///< [H262, table 6-9]; 1: BT.709, 6: BT.601; of libraries' codecs also 9: BT.2020
     int color_primaries = 1;      ///< [H262, table 6-7]; 1: BT.709's; of libraries' codecs also 9: BT.2020's
     /// [H262, table 6-8]; 1: BT.709's curve, 2: none that the table has. Of libraries' codecs also 13: sRGB's, 16: PQ,

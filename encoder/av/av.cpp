@@ -43,7 +43,7 @@ SequenceFacts sequence_of(const encoder::Settings& settings, std::span<const std
     facts.headers = taken_apart(settings.codec, picture).headers;
     facts.width = settings.width;
     facts.height = settings.height;
-    facts.aspect_ratio_code = settings.aspect_ratio_code;
+    facts.pixel_aspect = settings.pixel_aspect;
     facts.rate = settings.rate;
     facts.progressive = true;
     // B pictures that others refer to stand in the middle of two or more (encoder/codec.h).

@@ -19,10 +19,17 @@ std::size_t next_start_code(std::span<const std::uint8_t> bytes, std::size_t fro
     return static_cast<std::size_t>(at - bytes.begin());
 }
 
-bool read_header(Bits bits, SequenceFacts& facts) {
+/// Codes 2 to 4 give the display's aspect ratio [H262, 6.3.3].
+core::Rational pixel_of(std::uint32_t aspect_ratio_code, int width, int height) {
+    constexpr core::Rational displays[] = {{4, 3}, {16, 9}, {221, 100}};
+    if (aspect_ratio_code < 2 || aspect_ratio_code > 4 || width == 0) return {1, 1};
+    return core::product(displays[aspect_ratio_code - 2], {height, width});
+}
+
+bool read_header(Bits bits, SequenceFacts& facts, std::uint32_t& aspect_ratio_code) {
     facts.width = static_cast<int>(bits.read(12));
     facts.height = static_cast<int>(bits.read(12));
-    facts.aspect_ratio_code = static_cast<int>(bits.read(4));
+    aspect_ratio_code = bits.read(4);
     const auto rate_code = bits.read(4);
     if (rate_code < 1 || rate_code > core::mpeg2_frame_rates().size()) return false;
     facts.rate = core::mpeg2_frame_rates()[rate_code - 1];
@@ -63,12 +70,13 @@ bool read_extension(Bits bits, SequenceFacts& facts) {
 SequenceFacts read_sequence(std::span<const std::uint8_t> picture) {
     SequenceFacts facts;
     bool has_header = false, has_extension = false;
+    std::uint32_t aspect_ratio_code = 1;
     std::size_t at = next_start_code(picture, 0);
     for (; at + 4 <= picture.size(); at = next_start_code(picture, at + 4)) {
         const std::uint8_t code = picture[at + 3];
         const Bits payload(picture.subspan(at + 4, next_start_code(picture, at + 4) - at - 4));
         if (!has_header) {
-            if (at != 0 || code != sequence_start_code || !read_header(payload, facts)) break;
+            if (at != 0 || code != sequence_start_code || !read_header(payload, facts, aspect_ratio_code)) break;
             has_header = true;
         } else if (code == extension_start_code) {
             has_extension |= read_extension(payload, facts);
@@ -81,6 +89,7 @@ SequenceFacts read_sequence(std::span<const std::uint8_t> picture) {
             "the first coded picture of the film does not begin with an MPEG-2 sequence header and extension");
 
     facts.headers.assign(picture.begin(), picture.begin() + static_cast<std::ptrdiff_t>(std::min(at, picture.size())));
+    facts.pixel_aspect = pixel_of(aspect_ratio_code, facts.width, facts.height);
     facts.bit_rate *= 400;           // bit_rate counts 400 bits per second [H262, 6.3.3]
     facts.buffer_bits *= 16 * 1024;  // vbv_buffer_size counts 16 * 1024 bits
     return facts;

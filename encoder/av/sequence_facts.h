@@ -14,10 +14,10 @@ namespace render2mpeg::av {
 struct SequenceFacts {
     std::vector<std::uint8_t> headers;  ///< sequence header and all that follows up to the first GOP or picture
     int width = 0, height = 0;
-    int aspect_ratio_code = 1;     ///< [H262, table 6-3]
-    core::FrameRate rate;          ///< as declared; shown pictures per second where no field is repeated
-    std::int64_t bit_rate = 0;     ///< bits per second
-    std::int64_t buffer_bits = 0;  ///< vbv_buffer_size
+    core::Rational pixel_aspect{1, 1};  ///< width by height of a pixel
+    core::FrameRate rate;               ///< as declared; shown pictures per second where no field is repeated
+    std::int64_t bit_rate = 0;          ///< bits per second
+    std::int64_t buffer_bits = 0;       ///< vbv_buffer_size
     bool progressive = false;
     int decoding_delay = 1;   ///< pictures between decoding and showing; 0: there are no B pictures
     int color_primaries = 2;  ///< [H262, tables 6-7 to 6-9]; 2: not said

@@ -1,7 +1,5 @@
 #include "encoder/av/y4m_reader.h"
 
-#include <algorithm>
-#include <array>
 #include <charconv>
 #include <sstream>
 #include <string_view>
@@ -12,7 +10,6 @@
 namespace render2mpeg::av {
 namespace {
 
-using Samples = core::Plane<std::uint8_t>;
 using Siting = Y4mFormat::Siting;
 
 std::optional<std::int64_t> whole_number(std::string_view text) {
@@ -43,60 +40,40 @@ int extent(std::string_view text, const std::string& file) {
     return static_cast<int>(*value);
 }
 
-Siting siting_of(std::string_view tag, const std::string& file) {
-    if (tag == "420" || tag == "420jpeg") return Siting::jpeg;
-    if (tag == "420mpeg2") return Siting::mpeg2;
-    if (tag == "420paldv") return Siting::paldv;
+/// Reads "420jpeg", "422p10", "mono12".
+void read_kind(std::string_view tag, const std::string& file, Y4mFormat& format) {
+    using Chroma = Y4mFormat::Chroma;
+    struct Kind {
+        std::string_view name;
+        Chroma chroma;
+        Siting siting;
+        std::string_view before_depth;  ///< what stands between the name and a depth other than 8
+    };
+    static constexpr Kind kinds[] = {
+        {"420jpeg", Chroma::c420, Siting::jpeg, "-"},   {"420mpeg2", Chroma::c420, Siting::mpeg2, "-"},
+        {"420paldv", Chroma::c420, Siting::paldv, "-"}, {"420", Chroma::c420, Siting::jpeg, "p"},
+        {"422", Chroma::c422, Siting::mpeg2, "p"},      {"444", Chroma::c444, Siting::mpeg2, "p"},
+        {"mono", Chroma::none, Siting::mpeg2, ""}};
+    for (const Kind& kind : kinds) {
+        if (!tag.starts_with(kind.name)) continue;
+        std::string_view rest = tag.substr(kind.name.size());
+        format.chroma = kind.chroma;
+        format.siting = rest.empty() ? kind.siting : Siting::mpeg2;  // as films of more than 8 bits have it
+        if (rest.empty()) return;
+        if (!rest.starts_with(kind.before_depth)) break;
+        rest.remove_prefix(kind.before_depth.size());
+        format.depth = static_cast<int>(whole_number(rest).value_or(0));
+        if (format.depth >= 9 && format.depth <= 16) return;
+        break;
+    }
     throw core::Error("reading", file,
                       "pictures of kind C" + std::string(tag) +
-                          " are not read: MPEG-2 Main Profile is 8-bit 4:2:0 (C420jpeg, C420mpeg2, C420paldv)");
+                          " are not read: expected 420, 422, 444 or mono, of 8 to 16 bits (C420jpeg, C422p10)");
 }
 
 void check_scanning(std::string_view tag, const std::string& file) {
     if (tag == "p" || tag == "?") return;
     throw core::Error("reading", file, "interlaced pictures (I" + std::string(tag) + ") are not read");
-}
-
-/// Weights of four neighbours for a point a quarter of the way back from sample 1 (of 0, 1, 2, 3 at -2, -1, 0, 1: from
-/// the third towards the second), times 128: the cubic through the middle two. [Catmull1974]
-constexpr std::array<int, 4> quarter_back{-3, 29, 111, -9};
-
-/// Value at place i - 1/4 (direction -1) or i + 1/4 (direction 1) of a line of samples; ends are repeated.
-template <class At>
-std::uint8_t quarter(const At& at, int i, int last, int direction) {
-    int sum = 64;
-    for (int k = 0; k < 4; ++k)
-        sum += quarter_back[static_cast<std::size_t>(k)] * at(std::clamp(i - direction * (k - 2), 0, last));
-    return static_cast<std::uint8_t>(std::clamp(sum, 0, 128 * 255 + 127) >> 7);
-}
-
-Samples moved_across(const Samples& from, int direction) {
-    Samples to(from.width(), from.height());
-    for (int y = 0; y < from.height(); ++y)
-        for (int x = 0; x < from.width(); ++x)
-            to.at(x, y) = quarter([&](int i) { return from.at(i, y); }, x, from.width() - 1, direction);
-    return to;
-}
-
-Samples moved_down(const Samples& from, int direction) {
-    Samples to(from.width(), from.height());
-    for (int y = 0; y < from.height(); ++y)
-        for (int x = 0; x < from.width(); ++x)
-            to.at(x, y) = quarter([&](int i) { return from.at(x, i); }, y, from.height() - 1, direction);
-    return to;
-}
-
-/// [BT709, 3.4 and 3.5]: 255 steps of full range become 219 of luma above 16 and 224 of chroma about 128.
-void limit_range(core::Picture& picture) {
-    picture.luma = core::Plane<float>(picture.width(), picture.height());
-    for (std::size_t i = 0; i < picture.y.size(); ++i) {
-        const float luma = 16.0f + 219.0f * static_cast<float>(picture.y.values()[i]) / 255.0f;
-        picture.luma.values()[i] = luma;
-        picture.y.values()[i] = static_cast<std::uint8_t>(luma + 0.5f);
-    }
-    for (Samples* plane : {&picture.cb, &picture.cr})
-        for (std::uint8_t& v : plane->values())
-            v = static_cast<std::uint8_t>(128.5f + 224.0f * (static_cast<float>(v) - 128.0f) / 255.0f);
 }
 
 /// A line without its end; nothing if there is none within `longest` bytes.
@@ -138,7 +115,7 @@ Y4mFormat read_header(std::istream& stream, const std::string& name) {
                 check_scanning(value, name);
                 break;
             case 'C':
-                format.siting = siting_of(value, name);
+                read_kind(value, name, format);
                 break;
             case 'X':
                 if (value == "COLORRANGE=FULL") format.full_range = true;
@@ -163,26 +140,13 @@ void check_frame(const std::optional<std::string>& line, const std::string& name
             throw core::Error("reading", name, object, "interlaced pictures are not read");
 }
 
-/// Reads the samples of a picture and makes them MPEG-2's. The stream has failed where they are not all there.
-core::Picture read_picture(std::istream& stream, const Y4mFormat& format, std::int64_t frame) {
+/// Reads a picture. The stream has failed where its samples are not all there.
+core::Picture read_picture(std::istream& stream, const Y4mFormat& format, bool full_chroma, std::int64_t frame) {
+    std::vector<std::uint8_t> bytes(bytes_of(format));
+    stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     core::Picture picture;
+    if (stream) picture = picture_of(format, bytes, full_chroma);
     picture.number = frame;
-    picture.y = Samples(format.width, format.height);
-    picture.cb = picture.cr = Samples((format.width + 1) / 2, (format.height + 1) / 2);
-    for (Samples* plane : {&picture.y, &picture.cb, &picture.cr})
-        stream.read(reinterpret_cast<char*>(plane->values().data()), static_cast<std::streamsize>(plane->size()));
-    if (!stream) return picture;
-
-    // Move chroma to where MPEG-2 has it. In its own samples: `jpeg` lies a quarter too far right; `paldv` has Cr a
-    // quarter too high and Cb a quarter too low.
-    if (format.siting == Siting::jpeg) {
-        picture.cb = moved_across(picture.cb, -1);
-        picture.cr = moved_across(picture.cr, -1);
-    } else if (format.siting == Siting::paldv) {
-        picture.cb = moved_down(picture.cb, -1);
-        picture.cr = moved_down(picture.cr, 1);
-    }
-    if (format.full_range) limit_range(picture);
     return picture;
 }
 
@@ -192,7 +156,7 @@ std::string frame_name(std::int64_t number) {
 
 }  // namespace
 
-Y4mReader::Y4mReader(const std::filesystem::path& file) : file_(file) {
+Y4mReader::Y4mReader(const std::filesystem::path& file, bool full_chroma) : file_(file), full_chroma_(full_chroma) {
     std::error_code ignored;
     if (!std::filesystem::exists(file_, ignored)) throw core::Error("reading", file_.string(), "no such file");
     if (!std::filesystem::is_regular_file(file_, ignored)) throw core::Error("reading", file_.string(), "not a file");
@@ -203,10 +167,7 @@ Y4mReader::Y4mReader(const std::filesystem::path& file) : file_(file) {
 }
 
 void Y4mReader::find_frames() {
-    const std::uint64_t size = std::filesystem::file_size(file_);
-    const std::uint64_t columns = static_cast<std::uint64_t>(format_.width),
-                        rows = static_cast<std::uint64_t>(format_.height);
-    const std::uint64_t frame = columns * rows + 2 * ((columns + 1) / 2) * ((rows + 1) / 2);
+    const std::uint64_t size = std::filesystem::file_size(file_), frame = bytes_of(format_);
     std::uint64_t at = static_cast<std::uint64_t>(stream_.tellg());
     while (at < size) {
         const std::string object = frame_name(frames());
@@ -224,18 +185,18 @@ core::Picture Y4mReader::read(std::int64_t frame) {
     EXPECTS(frame >= 0 && frame < frames());
     stream_.clear();
     stream_.seekg(static_cast<std::streamoff>(offsets_[static_cast<std::size_t>(frame)]));
-    core::Picture picture = read_picture(stream_, format_, frame);
+    core::Picture picture = read_picture(stream_, format_, full_chroma_, frame);
     if (!stream_) throw core::Error("reading", file_.string(), frame_name(frame), "it cannot be read");
     return picture;
 }
 
-Y4mPipe::Y4mPipe(std::istream& stream, std::string name)
-    : stream_(stream), name_(std::move(name)), format_(read_header(stream, name_)) {}
+Y4mPipe::Y4mPipe(std::istream& stream, std::string name, bool full_chroma)
+    : stream_(stream), name_(std::move(name)), format_(read_header(stream, name_)), full_chroma_(full_chroma) {}
 
 std::optional<core::Picture> Y4mPipe::next() {
     if (stream_.peek() == std::istream::traits_type::eof()) return {};
     check_frame(line_of(stream_, longest_line), name_, frame_name(frames_));
-    core::Picture picture = read_picture(stream_, format_, frames_);
+    core::Picture picture = read_picture(stream_, format_, full_chroma_, frames_);
     if (!stream_) throw core::Error("reading", name_, frame_name(frames_), "it is cut off");
     ++frames_;
     return picture;

@@ -1,8 +1,8 @@
 #include "core/rational.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <numeric>
 #include <string_view>
 
@@ -35,6 +35,33 @@ Rational lowest_terms(std::int64_t num, std::int64_t den) {
     return {num / g, den / g};
 }
 
+/// A positive number that is the whole text; 0 for anything else.
+double number(std::string_view text) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return error == std::errc{} && end == text.data() + text.size() && std::isfinite(value) ? std::max(value, 0.0) : 0;
+}
+
+/// The fraction itself where both numbers are whole, else the nearest thousandth.
+Rational fraction(double num, double den) {
+    constexpr double most = 1e6;
+    if (num == std::floor(num) && den == std::floor(den) && num <= most && den <= most)
+        return lowest_terms(static_cast<std::int64_t>(num), static_cast<std::int64_t>(den));
+    return lowest_terms(std::llround(1000 * num / den), 1000);
+}
+
+/// chosen: from time lapse to what players show; levels of codecs end at 300.
+constexpr double least_hertz = 0.1, most_hertz = 240;
+
+/// The nearest thousandth without zeros at its end: "12", "119.88".
+std::string decimals_of(Rational value) {
+    const std::int64_t thousands = (1000 * value.num + value.den / 2) / value.den;
+    std::string text = std::to_string(thousands / 1000) + "." + std::to_string(1000 + thousands % 1000).substr(1);
+    text.erase(text.find_last_not_of('0') + 1);
+    if (text.back() == '.') text.pop_back();
+    return text;
+}
+
 }  // namespace
 
 Rational ratio_from(const std::string& text) {
@@ -43,6 +70,11 @@ Rational ratio_from(const std::string& text) {
     const std::int64_t b = colon == std::string::npos ? 0 : thousandths(std::string_view(text).substr(colon + 1));
     if (a == 0 || b == 0) throw Error("ratio " + text + ": expected WIDTH:HEIGHT, e.g. 16:9 or 2.21:1");
     return lowest_terms(a, b);
+}
+
+std::string text_of(Rational ratio) {
+    if (std::min(ratio.num, ratio.den) < 100) return std::to_string(ratio.num) + ":" + std::to_string(ratio.den);
+    return decimals_of(ratio) + ":1";
 }
 
 Rational product(Rational a, Rational b) {
@@ -59,23 +91,24 @@ const std::vector<FrameRate>& mpeg2_frame_rates() {
 
 FrameRate frame_rate_from(const std::string& text) {
     // Read a fraction or a decimal number.
-    char* end = nullptr;
-    double hertz = std::strtod(text.c_str(), &end);
-    if (end != text.c_str() && *end == '/') {
-        const char* denominator = end + 1;
-        const double d = std::strtod(denominator, &end);
-        hertz = end != denominator && d > 0 ? hertz / d : -1;
-    }
-    const bool whole = !text.empty() && *end == '\0' && std::isfinite(hertz);
+    const std::size_t slash = std::min(text.find('/'), text.size());
+    const std::string_view all = text;
+    const double num = number(all.substr(0, slash)), den = slash < text.size() ? number(all.substr(slash + 1)) : 1;
+    const double hertz = den > 0 ? num / den : 0;
+    if (!(hertz >= least_hertz && hertz <= most_hertz))
+        throw Error("frame rate " + text +
+                    ": expected 0.1 to 240 pictures a second, e.g. 25, 29.97, 12.5 or 30000/1001");
 
-    // Take the nearest rate within 0.005 Hz: users write 23.98, 29.97 and 59.94 for rates that are no such decimals.
+    // Take television's rates within 0.005 Hz: users write 23.98, 29.97 and 119.88 for rates that are no such decimals.
     // chosen: 0.005 tells 23.98 from 24 and 29.97 from 30, whose distances are 0.02 and 0.03.
-    if (whole)
-        for (const FrameRate& rate : mpeg2_frame_rates())
-            if (std::abs(rate.hertz.value() - hertz) < 0.005) return rate;
-    std::string list;
-    for (const FrameRate& rate : mpeg2_frame_rates()) list += (list.empty() ? "" : ", ") + std::string(rate.name);
-    throw Error("frame rate " + text + ": films have one of " + list + " pictures a second");
+    for (const FrameRate& rate : mpeg2_frame_rates())
+        if (std::abs(rate.hertz.value() - hertz) < 0.005) return rate;
+    for (const std::int64_t near : {48, 72, 90, 96, 120, 144, 240})
+        if (std::abs(static_cast<double>(near) / 1.001 - hertz) < 0.005)
+            return {{near * 1000, 1001}, 0, decimals_of({near * 1000, 1001})};
+    const Rational rate = fraction(num, den);
+    const bool is_decimal = 1000 % rate.den == 0;
+    return {rate, 0, is_decimal ? decimals_of(rate) : std::to_string(rate.num) + "/" + std::to_string(rate.den)};
 }
 
 Rational time_of(std::int64_t frame, const FrameRate& rate) {

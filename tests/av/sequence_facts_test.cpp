@@ -60,7 +60,7 @@ TEST(SequenceFacts, JoinsHeaderAndExtensions) {
         const av::SequenceFacts facts = av::read_sequence(s.bytes);
         EXPECT_EQ(facts.width, 5000);
         EXPECT_EQ(facts.height, 4100);
-        EXPECT_EQ(facts.aspect_ratio_code, 3);
+        EXPECT_EQ(facts.pixel_aspect, core::product({16, 9}, {4100, 5000}));
         EXPECT_EQ(facts.bit_rate, 2499999 * std::int64_t{400});
         EXPECT_EQ(facts.buffer_bits, 200000 * std::int64_t{16384});
         EXPECT_TRUE(facts.progressive);

@@ -165,9 +165,82 @@ TEST(Y4mReader, FullRangeBecomesLimited) {
     EXPECT_EQ(read.cr.at(0, 0), 128);
 }
 
+/// Samples of a wave over the picture, one where each `across` and `down` of luma's are, the first at (0, y0).
+void put_samples(std::string& bytes, int width, int height, int across, int down, double y0, int depth,
+                 const std::function<double(double, double)>& wave) {
+    for (int y = 0; y < (height + down - 1) / down; ++y)
+        for (int x = 0; x < (width + across - 1) / across; ++x) {
+            const auto code = std::lround(wave(across * x, down * y + y0) * (1 << (depth - 8)));
+            bytes.push_back(static_cast<char>(code & 255));
+            if (depth > 8) bytes.push_back(static_cast<char>(code >> 8));
+        }
+}
+
+TEST(Y4mReader, TakesAllDepthsAndKindsOfChroma) {
+    constexpr int width = 65, height = 47;
+    const auto luma = [](double x, double y) { return 120 + 60 * std::sin(x / 9 + y / 7); };
+    const auto chroma = [](double x, double y) { return 128 + 50 * std::sin(x / 11) + 40 * std::cos(y / 8); };
+    struct Case {
+        const char* tag;
+        int across, down, depth;
+    };
+    for (const Case& c : {Case{"422", 2, 1, 8},
+                          {"444", 1, 1, 8},
+                          {"420p10", 2, 2, 10},
+                          {"422p10", 2, 1, 10},
+                          {"444p12", 1, 1, 12},
+                          {"444p16", 1, 1, 16},
+                          {"420p9", 2, 2, 9}}) {
+        SCOPED_TRACE(c.tag);
+        const Folder folder;
+        std::string bytes;
+        put_samples(bytes, width, height, 1, 1, 0, c.depth, luma);
+        for (int plane = 0; plane < 2; ++plane)
+            put_samples(bytes, width, height, c.across, c.down, c.down == 2 ? 0.5 : 0, c.depth, chroma);
+        std::ofstream(folder / "film.y4m", std::ios::binary)
+            << "YUV4MPEG2 W" << width << " H" << height << " F25:1 C" << c.tag << "\nFRAME\n"
+            << bytes;
+        const core::Picture read = av::Y4mReader(folder / "film.y4m", true).read(0);
+        ASSERT_EQ(av::Y4mReader(folder / "film.y4m").frames(), 1);
+        EXPECT_TRUE(av::Y4mReader(folder / "film.y4m").read(0).full_cb.empty()) << "nobody asked for it";
+        ASSERT_EQ(read.full_cr.size(), read.luma.size());
+        ASSERT_EQ(read.cb.size(), std::size_t{33 * 24});
+        const double step = 0.501 / (1 << (c.depth - 8));
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x) {
+                ASSERT_NEAR(read.luma.at(x, y), luma(x, y), step);
+                ASSERT_EQ(read.y.at(x, y), std::lround(read.luma.at(x, y)));
+                // Straight lines between samples of the wave err by half a code value, more at borders.
+                if (x < 2 || y < 2 || x > width - 3 || y > height - 3) continue;
+                ASSERT_NEAR(read.full_cb.at(x, y), chroma(x, y), c.across == 1 ? step : 0.6 + step);
+                if (x % 2 == 0 && y % 2 == 0) {
+                    ASSERT_NEAR(read.cb.at(x / 2, y / 2), chroma(x, y + 0.5), 0.8 + step);
+                }
+            }
+        EXPECT_TRUE(read.cb == read.cr && read.full_cb == read.full_cr);
+    }
+}
+
+TEST(Y4mReader, PicturesWithoutChromaAreGrey) {
+    const Folder folder;
+    std::string bytes;
+    for (const int code : {0, 1 << 15, 65535, 40000}) {
+        bytes.push_back(static_cast<char>(code & 255));
+        bytes.push_back(static_cast<char>(code >> 8));
+    }
+    std::ofstream(folder / "film.y4m", std::ios::binary) << "YUV4MPEG2 W2 H2 F25:1 Cmono16 XCOLORRANGE=FULL\nFRAME\n"
+                                                         << bytes;
+    const core::Picture read = av::Y4mReader(folder / "film.y4m", true).read(0);
+    EXPECT_EQ(read.y.at(0, 0), 16);
+    EXPECT_NEAR(read.luma.at(1, 0), 16 + 219 * 32768.0 / 65535, 1e-4);
+    EXPECT_EQ(read.y.at(0, 1), 235);
+    EXPECT_EQ(read.cb.at(0, 0), 128);
+    EXPECT_EQ(read.cr.at(0, 0), 128);
+}
+
 TEST(Y4mReader, RefusesOtherKindsByName) {
     const core::Picture picture = noisy(8, 8, 1);
-    for (const char* kind : {"422", "444", "420p10", "mono", "411", "444alpha"}) {
+    for (const char* kind : {"411", "444alpha", "420p8", "420p17", "422p", "mono-10", "420jpegp10"}) {
         const Folder folder;
         expect_refusal(written(folder, std::string("YUV4MPEG2 W8 H8 F25:1 Ip C") + kind, picture),
                        std::string("C") + kind);

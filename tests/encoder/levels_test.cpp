@@ -55,13 +55,13 @@ TEST(Levels, WhatNoneAllowsIsRefusedByNamingTheLimit) {
     EXPECT_TRUE(says(level_refusal(settings(16, 16, 4, 0)), "gop 0"));
     Settings s = settings(16, 16);
     s.rate = {};
-    EXPECT_TRUE(says(level_refusal(s), "no such rate"));
+    EXPECT_TRUE(says(level_refusal(s), "MPEG-2 has 23.976"));
     s = settings(16, 16);
     s.matrix_coefficients = 2;
     EXPECT_TRUE(says(level_refusal(s), "matrix coefficients 2"));
     s = settings(16, 16);
     s.aspect_ratio_code = 5;
-    EXPECT_TRUE(says(level_refusal(s), "aspect ratio code 5"));
+    EXPECT_TRUE(says(level_refusal(s), "MPEG-2 has square ones"));
     EXPECT_EQ(level_refusal(settings(1920, 1080, 1, 1, 5)), "");
 }
 

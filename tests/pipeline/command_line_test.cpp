@@ -85,7 +85,7 @@ TEST(Refusal, NamesTheOptionAndWhatWouldBeRight) {
         EXPECT_NE(outcome.output.find(words), std::string::npos) << outcome.output;
         EXPECT_EQ(folder.entries(), 0u);
     };
-    refused(start + out + " --fps 31", "23.976, 24, 25, 29.97, 30, 50, 59.94, 60");
+    refused(start + out + " --fps 31", "frame rate 31: MPEG-2 has 23.976, 24, 25, 29.97, 30, 50, 59.94, 60");
     refused(start + out + " --size 640", "WIDTHxHEIGHT");
     refused(start + out + " --frames 9:3", "FIRST:LAST");
     refused(start + out + " --quantiser 32", "quantiser");

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <fstream>
+#include <limits>
 
 #include "image/image.h"
 #include "pipeline/fixture.h"
@@ -158,7 +160,7 @@ TEST(Encode, RefusesInOneLineAndLeavesNothing) {
     std::filesystem::copy_file(folder / "v.0.exr", folder / "v.5.exr");
     std::ofstream(folder / "x.avi").close();
     std::ofstream(folder / "broken.0.exr") << "not an image";
-    std::ofstream(folder / "c422.y4m") << "YUV4MPEG2 W8 H8 F25:1 C422\nFRAME\n" << std::string(128, 'x');
+    std::ofstream(folder / "c411.y4m") << "YUV4MPEG2 W8 H8 F25:1 C411\nFRAME\n" << std::string(128, 'x');
     std::ofstream(folder / "rate.y4m") << "YUV4MPEG2 W8 H8 F31:1 C420mpeg2\nFRAME\n" << std::string(96, 'x');
     std::ofstream(folder / "shape.y4m") << "YUV4MPEG2 W8 H8 A3:1 F25:1 C420mpeg2\nFRAME\n" << std::string(96, 'x');
     const std::size_t entries = folder.entries();
@@ -176,7 +178,7 @@ TEST(Encode, RefusesInOneLineAndLeavesNothing) {
     refused("broken.%d.exr", "", "broken.0.exr");
     refused("v.%d.exr", "", "frame 2 is missing");
     refused("v.%d.exr", "--frames 3:5", "v.3.exr");
-    refused("c422.y4m", "", "C422");
+    refused("c411.y4m", "", "C411");
     refused("rate.y4m", "", "23.976, 24, 25, 29.97, 30, 50, 59.94, 60");
     refused("shape.y4m", "", "3:1");
     refused("pan.y4m", "--frames 0:2", "frames 0 to 1");
@@ -201,6 +203,117 @@ TEST(Encode, HelpShowsEveryOptionWithItsDefault) {
          {"FRAMES", "--output", "--motion", "--motion-convention", "=blender", "--fps", "--frames", "--exposure",
           "--quantiser", "=4", "--gop", "=60", "--threads", "--stats", "--quiet", ".mpg", "%04d", ".y4m"})
         EXPECT_NE(help.output.find(words), std::string::npos) << words;
+}
+
+/// Pictures of a film as ffmpeg decodes them to this pixel format.
+std::string decoded(const std::string& film, const std::string& pixels) {
+    const auto shown = run("ffmpeg -v error -xerror -i " + film + " -f rawvideo -pix_fmt " + pixels + " -");
+    EXPECT_EQ(shown.status, 0);
+    return shown.output;
+}
+
+TEST(Encode, AMasterHasAllThatY4mHas) {
+    const Folder folder;
+    for (const std::string pixels : {"yuv444p12le", "yuv422p10le", "yuv420p10le"}) {
+        SCOPED_TRACE(pixels);
+        const std::string source = inside(folder, pixels + ".y4m");
+        ASSERT_EQ(run("ffmpeg -v error -f lavfi -i testsrc2=s=64x48:r=12:d=0.25 -vf format=" + pixels + " -strict -1 " +
+                      source)
+                      .status,
+                  0);
+        ASSERT_EQ(
+            run(program() + " encode " + source + " --codec ffv1 --quiet -o " + inside(folder, pixels + ".mkv")).status,
+            0);
+        const std::string film = inside(folder, pixels + ".mkv");
+        EXPECT_EQ(ffprobe(film).value("r_frame_rate", ""), "12/1");
+        if (pixels == "yuv444p12le") {
+            EXPECT_TRUE(decoded(film, pixels) == decoded(source, pixels)) << "bit by bit";
+            continue;
+        }
+        // Luma has all its bits; chroma that the master has more of is interpolated.
+        EXPECT_TRUE(decoded(film, "gray10le") == decoded(source, "gray10le"));
+    }
+}
+
+TEST(Encode, FilmsHaveAnyRateAndShapeWhereTheirCodecsDo) {
+    const Folder folder;
+    ASSERT_EQ(
+        run("ffmpeg -v error -f lavfi -i testsrc2=s=96x64:r=15:d=1 -vf setsar=2/1 " + inside(folder, "s.y4m")).status,
+        0);
+    const std::pair<const char*, const char*> films[] = {{"h.mp4", ""},
+                                                         {"h.mkv", ""},
+                                                         {"h.ts", " --codec h264"},
+                                                         {"e.mp4", " --codec hevc"},
+                                                         {"a.mp4", " --codec av1"},
+                                                         {"p.mov", " --codec prores"},
+                                                         {"f.mkv", " --codec ffv1"}};
+    for (const auto& [name, codec] : films)
+        for (const auto& [rate, told] : {std::pair{"", "15/1"},
+                                         {" --fps 12.5", "25/2"},
+                                         {" --fps 48", "48/1"},
+                                         {" --fps 120000/1001", "120000/1001"}}) {
+            SCOPED_TRACE(std::string(name) + rate);
+            const auto made = run(program() + " encode -y " + inside(folder, "s.y4m") + codec + rate +
+                                  " --encoder fast --quiet -o " + inside(folder, name));
+            if (made.output.find("FFmpeg with") != std::string::npos) continue;  // this machine's FFmpeg lacks it
+            ASSERT_EQ(made.status, 0) << made.output;
+            const json stream = ffprobe(inside(folder, name));
+            EXPECT_EQ(stream.value("sample_aspect_ratio", ""), "2:1");
+            // Matroska counts nanoseconds; of a transport stream's clock ffprobe guesses 120.
+            double num = 0, den = 1, wanted_num = 0, wanted_den = 1;
+            std::sscanf(stream.value("r_frame_rate", "").c_str(), "%lf/%lf", &num, &den);
+            std::sscanf(told, "%lf/%lf", &wanted_num, &wanted_den);
+            EXPECT_NEAR(num / den, wanted_num / wanted_den, std::string(name) == "h.ts" ? 0.12 : 1e-3);
+            EXPECT_EQ(frames_by_ffmpeg(folder / name), 15);
+        }
+    const auto refused = run(program() + " encode " + inside(folder, "s.y4m") + " -o " + inside(folder, "s.mpg"));
+    EXPECT_EQ(refused.status, 2);
+    EXPECT_NE(refused.output.find("MPEG-2 has"), std::string::npos) << refused.output;
+}
+
+TEST(Encode, InfiniteLightIsWhite) {
+    const Folder folder;
+    constexpr int side = 64;
+    const float infinite = std::numeric_limits<float>::infinity();
+    std::vector<image::Channel> channels;
+    for (const auto& [name, value] : {std::pair{"R", infinite}, {"G", -infinite}, {"B", std::nanf("")}}) {
+        channels.push_back({name, std::vector<float>(side * side, 0.18f), false});
+        std::fill_n(channels.back().values.begin(), side * side / 2, value);
+    }
+    image::write_exr(folder / "f.0.exr", side, side, channels);
+    const auto told = statistics(folder, inside(folder, "f.%d.exr") + " --codec ffv1 -o " + inside(folder, "f.mkv"));
+    EXPECT_EQ(told.at("counts").at("non_finite"), 3 * side * side / 2);
+    const std::string codes = codes_of(inside(folder, "f.mkv"));
+    ASSERT_EQ(codes.size(), std::size_t{3 * side * side});
+    const auto code = [&](std::size_t pixel, std::size_t channel) {
+        return static_cast<unsigned char>(codes[3 * pixel + channel]);
+    };
+    EXPECT_GE(code(0, 0), 254);
+    EXPECT_LE(code(0, 1), 1);
+    EXPECT_LE(code(0, 2), 1);
+    EXPECT_NEAR(code(side * side - 1, 0), 118, 1);
+}
+
+TEST(Encode, TakesFramesOfTiffAndJpeg) {
+    const Folder folder;
+    const std::string source = "ffmpeg -v error -f lavfi -i testsrc2=s=64x48:r=25:d=0.12 ";
+    ASSERT_EQ(run(source + "-pix_fmt rgb48le " + inside(folder, "t.%02d.tif")).status, 0);
+    ASSERT_EQ(run(source + "-pix_fmt rgb48be " + inside(folder, "p.%02d.png")).status, 0);
+    ASSERT_EQ(run(source + "-q:v 1 -pix_fmt yuvj444p " + inside(folder, "j.%02d.jpg")).status, 0);
+    for (const std::string frames : {"t.%02d.tif", "p.%02d.png", "j.%02d.jpg"})
+        ASSERT_EQ(run(program() + " encode " + inside(folder, frames) + " --codec ffv1 --quiet -o " +
+                      inside(folder, frames.substr(0, 1) + ".mkv"))
+                      .status,
+                  0)
+            << frames;
+    const std::string png = decoded(inside(folder, "p.mkv"), "yuv444p12le");
+    EXPECT_TRUE(decoded(inside(folder, "t.mkv"), "yuv444p12le") == png);
+    const std::string jpeg = codes_of(inside(folder, "j.mkv")), still = codes_of(inside(folder, "j.01.jpg"));
+    ASSERT_EQ(jpeg.size(), still.size());
+    double off = 0;
+    for (std::size_t i = 0; i < jpeg.size(); ++i)
+        off += std::abs(static_cast<unsigned char>(jpeg[i]) - static_cast<unsigned char>(still[i]));
+    EXPECT_LT(off / static_cast<double>(jpeg.size()), 3);
 }
 
 }  // namespace

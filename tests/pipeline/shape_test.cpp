@@ -33,7 +33,7 @@ ShapeWishes frames(Size size, const char* rate, std::optional<core::Rational> sh
 
 void expect_refused(const ShapeWishes& wishes, const char* preset, std::initializer_list<const char*> words) {
     try {
-        settle_shape(wishes, preset != nullptr ? &preset_from(preset) : nullptr, true);
+        settle_shape(wishes, preset != nullptr ? &preset_from(preset) : nullptr);
         FAIL() << "not refused: " << *words.begin();
     } catch (const core::Error& error) {
         const std::string line = error.what();
@@ -48,16 +48,16 @@ TEST(Shape, FollowsTheScenesCameraWhereNobodySaysASize) {
     for (const auto& [shape, size] : shapes) {
         ShapeWishes wishes = scene({}, nullptr);
         wishes.framed = shape;
-        const Size settled = settle_shape(wishes, nullptr, true).size;
+        const Size settled = settle_shape(wishes, nullptr).size;
         EXPECT_EQ(settled.width, size.width);
         EXPECT_EQ(settled.height, size.height);
         wishes.source_size = Size{320, 200};
-        EXPECT_EQ(settle_shape(wishes, nullptr, true).size.width, 320) << "the animation file says more";
+        EXPECT_EQ(settle_shape(wishes, nullptr).size.width, 320) << "the animation file says more";
     }
 }
 
 TEST(Shape, WithoutAPresetPixelsAreSquareUnlessSomebodySaysOtherwise) {
-    const Shape plain = settle_shape(scene({}, nullptr), nullptr, true);
+    const Shape plain = settle_shape(scene({}, nullptr), nullptr);
     EXPECT_EQ(plain.size.width, 512);
     EXPECT_EQ(plain.rate.code, 3);
     EXPECT_EQ(plain.pixel_aspect, (core::Rational{1, 1}));
@@ -65,29 +65,46 @@ TEST(Shape, WithoutAPresetPixelsAreSquareUnlessSomebodySaysOtherwise) {
 
     ShapeWishes wishes = scene(Size{720, 576}, "25");
     wishes.display_aspect = core::Rational{16, 9};
-    EXPECT_EQ(settle_shape(wishes, nullptr, true).pixel_aspect, (core::Rational{64, 45}));
-    EXPECT_EQ(settle_shape(wishes, nullptr, true).aspect_ratio_code, 3);
+    EXPECT_EQ(settle_shape(wishes, nullptr).pixel_aspect, (core::Rational{64, 45}));
+    EXPECT_EQ(settle_shape(wishes, nullptr).aspect_ratio_code, 3);
     wishes = scene(Size{720, 480}, "30", core::Rational{4, 3});
-    EXPECT_EQ(settle_shape(wishes, nullptr, true).pixel_aspect, (core::Rational{8, 9}));
-    EXPECT_EQ(settle_shape(wishes, nullptr, true).aspect_ratio_code, 2);
+    EXPECT_EQ(settle_shape(wishes, nullptr).pixel_aspect, (core::Rational{8, 9}));
+    EXPECT_EQ(settle_shape(wishes, nullptr).aspect_ratio_code, 2);
     // The command line wins over the file; broadcasting's 12:11 is 4:3 on 704 of the 720 columns.
     wishes.pixel_aspect = core::Rational{12, 11};
     wishes.size = Size{704, 576};
-    EXPECT_EQ(settle_shape(wishes, nullptr, true).pixel_aspect, (core::Rational{12, 11}));
-    EXPECT_EQ(settle_shape(wishes, nullptr, true).aspect_ratio_code, 2);
+    EXPECT_EQ(settle_shape(wishes, nullptr).pixel_aspect, (core::Rational{12, 11}));
+    EXPECT_EQ(settle_shape(wishes, nullptr).aspect_ratio_code, 2);
 }
 
-TEST(Shape, AFilmHasOneOfMpeg2sShapesAndOtherOutputsAnyOne) {
-    ShapeWishes wishes = scene(Size{720, 576}, "25");
+TEST(Shape, OnlyMpeg2HasButFour) {
+    ShapeWishes wishes = scene(Size{720, 576}, "12.5");
     wishes.display_aspect = core::Rational{239, 100};
-    expect_refused(wishes, nullptr, {"720x576", "2.390", "16:9", "2.21:1"});
-    const Shape frames = settle_shape(wishes, nullptr, false);
-    EXPECT_NEAR(frames.pixel_aspect.value() * 720 / 576, 2.39, 1e-12);
+    const Shape shape = settle_shape(wishes, nullptr);
+    EXPECT_NEAR(shape.pixel_aspect.value() * 720 / 576, 2.39, 1e-12);
+    encoder::Settings film = coding_settings({}, shape, 0, "film.mp4");
+    EXPECT_EQ(film.codec, encoder::Codec::h264);
+    EXPECT_EQ(film.pixel_aspect, shape.pixel_aspect);
+    EXPECT_EQ(film.rate.hertz, (core::Rational{25, 2}));
+    const auto refused = [&](const char* word) {
+        try {
+            encoder::check(film);
+            FAIL() << "not refused: " << word;
+        } catch (const core::Error& error) {
+            EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << error.what();
+        }
+    };
+    film = coding_settings({}, shape, 0, "film.mpg");
+    refused("2.39:1");
+    film.aspect_ratio_code = 1;
+    refused("frame rate 12.5: MPEG-2 has 23.976");
+    film.rate = core::frame_rate_from("25");
+    EXPECT_NO_THROW(encoder::check(film));
 }
 
 TEST(Shape, APresetTakesTheNearestOfItsRatesAndShapesForAScene) {
     const auto settled = [](const char* preset, const ShapeWishes& wishes) {
-        return settle_shape(wishes, &preset_from(preset), true);
+        return settle_shape(wishes, &preset_from(preset));
     };
     const Shape pal = settled("dvd-pal", scene(Size{1280, 720}, "60", core::Rational{1280, 720}));
     EXPECT_EQ(pal.size.width, 720);
@@ -132,10 +149,9 @@ TEST(Shape, WhatContradictsAPresetIsRefusedByOneLineThatNamesBoth) {
     expect_refused(frames({720, 576}, "24", core::Rational{16, 9}), "dvd-pal", {"frames.y4m", "24", "--for dvd-pal"});
     expect_refused(frames({720, 576}, "25"), "dvd-pal", {"frames.y4m", "--for dvd-pal", "--display-aspect"});
     expect_refused(frames({720, 576}, "25", core::Rational{5, 4}), "dvd-pal", {"5:4", "--for dvd-pal"});
-    EXPECT_EQ(
-        settle_shape(frames({720, 576}, "25", core::Rational{4, 3}), &preset_from("dvd-pal"), true).aspect_ratio_code,
-        2);
-    EXPECT_EQ(settle_shape(frames({1280, 720}, nullptr), &preset_from("atsc"), true).aspect_ratio_code, 3);
+    EXPECT_EQ(settle_shape(frames({720, 576}, "25", core::Rational{4, 3}), &preset_from("dvd-pal")).aspect_ratio_code,
+              2);
+    EXPECT_EQ(settle_shape(frames({1280, 720}, nullptr), &preset_from("atsc")).aspect_ratio_code, 3);
 }
 
 TEST(Preset, GopsStayWithinTheirFields) {
@@ -143,7 +159,7 @@ TEST(Preset, GopsStayWithinTheirFields) {
     const auto coding = [&](const char* preset, const char* rate) {
         options.preset = preset;
         ShapeWishes wishes = scene({}, rate);
-        const encoder::Settings s = coding_settings(options, settle_shape(wishes, &preset_from(preset), true), 0, {});
+        const encoder::Settings s = coding_settings(options, settle_shape(wishes, &preset_from(preset)), 0, {});
         EXPECT_NO_THROW(encoder::check(s));
         return s;
     };
@@ -188,7 +204,7 @@ TEST(Preset, GopsStayWithinTheirFields) {
 }
 
 TEST(Gops, AreLongWhereNobodySaysAndChunksAreNoLongerForIt) {
-    const encoder::Settings s = coding_settings({}, settle_shape(scene({}, "30"), nullptr, true), 0, {});
+    const encoder::Settings s = coding_settings({}, settle_shape(scene({}, "30"), nullptr), 0, {});
     EXPECT_EQ(s.gop, 60);
     const std::vector<Chunk> chunks = chunks_of({0, 129}, s.gop), of_short_gops = chunks_of({0, 129}, 15);
     ASSERT_EQ(chunks.size(), 3u);

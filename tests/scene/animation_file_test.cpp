@@ -83,7 +83,7 @@ TEST_F(AnimationFile, NamesThePlaceOfWrongTypesAndRanges) {
     expect_complaint(R"({"camera": {"projection": "equirectangular"}})", {"camera.projection", "panoramas", "`fov`"});
     expect_complaint(R"({"frames": 2.5})", {"frames", "whole number", "2.5"});
     expect_complaint(R"({"frames": [5, 2]})", {"frames[1]", "from 5"});
-    expect_complaint(R"({"frame_rate": 26})", {"frame_rate", "29.97"});
+    expect_complaint(R"({"frame_rate": 260})", {"frame_rate", "29.97"});
     expect_complaint(R"({"materials": {"a": {"base_color": [1, 2, 0]}}})",
                      {"materials.a.base_color[1]", "from 0 to 1"});
     expect_complaint(R"({"materials": {"a": {"base_color": "#12345"}}})", {"materials.a.base_color", "#ff8000"});

@@ -209,7 +209,7 @@ TEST(Complete, RefusesWhatTheRestReliesOn) {
     expect_refused(broken([](Animation& f) { f.cameras[0].vertical_fov = nan; }), "field of view");
     expect_refused(broken([](Animation& f) { f.cameras[0].node = 9; }), "node 9");
     expect_refused(broken([](Animation& f) { f.shots = {{0, 1}}; }), "camera 1");
-    expect_refused(broken([](Animation& f) { f.frame_rate = "31"; }), "31");
+    expect_refused(broken([](Animation& f) { f.frame_rate = "310"; }), "310");
     expect_refused(broken([](Animation& f) {
                        f.tracks.push_back({TrackTarget::scale, 9, Interpolation::linear, 3, {0}, {1, 1, 1}});
                    }),

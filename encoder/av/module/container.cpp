@@ -14,25 +14,6 @@
 namespace render2mpeg::av {
 namespace {
 
-/// Width by height of a pixel [H262, 6.3.3: codes 2 to 4 give the display's aspect ratio].
-AVRational pixel_aspect(const SequenceFacts& facts) {
-    AVRational display{0, 1};
-    switch (facts.aspect_ratio_code) {
-        case 2:
-            display = {4, 3};
-            break;
-        case 3:
-            display = {16, 9};
-            break;
-        case 4:
-            display = {221, 100};
-            break;
-        default:
-            return {1, 1};
-    }
-    return av_mul_q(display, {facts.height, facts.width});
-}
-
 /// Bytes of one pack of a program stream: a sector of a disc [H222, 2.5.3.3 leaves it open; libavformat's default].
 constexpr std::int64_t pack_bytes = 2048;
 
@@ -171,7 +152,8 @@ class File final : public Container {
         if (stream == nullptr || !packet_) check(AVERROR(ENOMEM), messages);
         stream->time_base = field_;
         stream->avg_frame_rate = stream->r_frame_rate = av_inv_q(frame_);
-        stream->sample_aspect_ratio = pixel_aspect(facts);
+        stream->sample_aspect_ratio = {static_cast<int>(facts.pixel_aspect.num),
+                                       static_cast<int>(facts.pixel_aspect.den)};
 
         AVCodecParameters& codec = *stream->codecpar;
         codec.codec_type = AVMEDIA_TYPE_VIDEO;

@@ -95,9 +95,7 @@ encoder::PictureType type_of(AVPictureType type) {
 }
 
 AVRational pixel_aspect(const encoder::Settings& settings) {
-    const AVRational display[] = {{0, 1}, {0, 1}, {4, 3}, {16, 9}, {221, 100}};  // [H262, table 6-3]
-    const AVRational shape = display[std::clamp(settings.aspect_ratio_code, 0, 4)];
-    return shape.num == 0 ? AVRational{1, 1} : av_mul_q(shape, {settings.height, settings.width});
+    return {static_cast<int>(settings.pixel_aspect.num), static_cast<int>(settings.pixel_aspect.den)};
 }
 
 /// While it lives, memory that is handed out holds the same bytes whatever was there before: x265 reads some that it

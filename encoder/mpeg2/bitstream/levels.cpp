@@ -47,6 +47,16 @@ void check_range(const char* what, int value, int low, int high) {
                       std::to_string(high));
 }
 
+/// Checks that MPEG-2 has pixels of this shape [H262, table 6-3].
+void check_shape(const Settings& s) {
+    if (s.aspect_ratio_code >= 1 && s.aspect_ratio_code <= 4) return;
+    const core::Rational shown = core::product(s.pixel_aspect, {s.width, s.height});
+    throw core::Error("pixels of " + core::text_of(s.pixel_aspect) + " in a picture of " + size_of(s) + ", shown as " +
+                      core::text_of(shown) +
+                      ": MPEG-2 has square ones, and pictures of 4:3, 16:9 and 2.21:1; other codecs have any (--codec "
+                      "h264)");
+}
+
 /// Checks the user's rate settings, each where it has a meaning.
 void check_rates(const Settings& s) {
     const RateControl& r = s.rate_control;
@@ -81,7 +91,7 @@ void check_ranges(const Settings& s) {
         throw core::Error("gop " + std::to_string(s.gop) + ": must be at most " + std::to_string(most_gop));
     check_rates(s);
     check_range("B pictures in a row", s.b_pictures, 0, 3);
-    check_range("aspect ratio code", s.aspect_ratio_code, 1, 4);
+    check_shape(s);
     if (s.transfer_characteristics != 1 && s.transfer_characteristics != 2)
         throw core::Error("transfer characteristics " + std::to_string(s.transfer_characteristics) +
                           ": expected 1 (BT.709) or 2 (unspecified)");
@@ -91,9 +101,13 @@ void check_ranges(const Settings& s) {
     if (s.cadence == Cadence::pulldown && s.rate.code != 1 && s.rate.code != 2)
         throw core::Error("frame rate " + std::string(s.rate.name) +
                           " with repeated fields: must be 23.976 or 24, which are shown at 29.97 and 30 Hz");
-    for (const core::FrameRate& rate : core::mpeg2_frame_rates())
+    std::string list;
+    for (const core::FrameRate& rate : core::mpeg2_frame_rates()) {
         if (rate.code == s.rate.code && rate.hertz == s.rate.hertz) return;
-    throw core::Error("frame rate code " + std::to_string(s.rate.code) + ": MPEG-2 has no such rate");
+        list += (list.empty() ? "" : ", ") + rate.name;
+    }
+    throw core::Error("frame rate " + s.rate.name + ": MPEG-2 has " + list +
+                      " pictures a second; other codecs have any (--codec h264)");
 }
 
 }  // namespace

@@ -141,7 +141,7 @@ Job prepare(const EncodeOptions& options) {
     const Preset* preset = preset_of(options.coding);
     if (preset != nullptr) preset->check_output(options.output);
     job.film.frames = job.frames->frames();
-    coding = coding_settings(options.coding, settle_shape(wishes_of(options, *job.frames), preset, true),
+    coding = coding_settings(options.coding, settle_shape(wishes_of(options, *job.frames), preset),
                              job.film.frames.first, options.output, view);
     if (options.grain) coding.grain = grain_from(*options.grain);
     job.film.keyframes = keyframes_of(options.coding);

@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <iostream>
 #include <map>
 #include <mutex>
+#include <string_view>
 #include <utility>
 
 #include "app/loop/statistics_recorder.h"
@@ -46,7 +49,8 @@ class Y4mSource : public FrameSource {
 
 class Y4mFrames : public Y4mSource {
   public:
-    Y4mFrames(const std::filesystem::path& file, const std::optional<FrameRange>& wanted) : reader_(file) {
+    Y4mFrames(const std::filesystem::path& file, const std::optional<FrameRange>& wanted, perceptual::Chroma chroma)
+        : reader_(file, chroma == perceptual::Chroma::full) {
         take(reader_.format());
         frames_ = {0, reader_.frames() - 1};
         if (wanted) check_range(*wanted, frames_, file.string());
@@ -64,7 +68,8 @@ class Y4mFrames : public Y4mSource {
 /// Y4M from standard input. A reader keeps the frames that others asked for.
 class PipedFrames : public Y4mSource {
   public:
-    explicit PipedFrames(const std::optional<FrameRange>& wanted) : pipe_(std::cin, "standard input") {
+    PipedFrames(const std::optional<FrameRange>& wanted, perceptual::Chroma chroma)
+        : pipe_(std::cin, "standard input", chroma == perceptual::Chroma::full) {
         take(pipe_.format());
         frames_ = {0, most_piped_frames - 1};
         is_open_ended_ = true;
@@ -161,7 +166,9 @@ class ImageFrames : public FrameSource {
             for (int c = 0; c < 3; ++c) {
                 const float value = image.pixels.values()[i][c];
                 found += std::isfinite(value) ? 0u : 1u;
-                colors.values()[i][c] = std::isfinite(value) ? value : 0.0f;
+                // Half floats overflow at lamps.
+                const float instead = value > 0 ? image::overflowed : 0.0f;
+                colors.values()[i][c] = std::isfinite(value) ? value : instead;
             }
         non_finite_ += found;
         return colors;
@@ -185,16 +192,18 @@ std::unique_ptr<FrameSource> open_frames(const std::filesystem::path& input, std
                                          std::shared_ptr<SharedChannels> shared) {
     if (input == "-") {
         if (exposure) throw core::Error("exposure: the frames of standard input are as a display shows them");
-        return std::make_unique<PipedFrames>(wanted);
+        return std::make_unique<PipedFrames>(wanted, film.chroma);
     }
     const std::string ending = core::ending_of(input);
     if (ending == ".y4m") {
         if (exposure)
             throw core::Error("exposure: the frames of " + input.string() +
                               " are as a display shows them; only scene-linear ones (EXR) are exposed");
-        return std::make_unique<Y4mFrames>(input, wanted);
+        return std::make_unique<Y4mFrames>(input, wanted, film.chroma);
     }
-    if (ending != ".exr" && ending != ".png") throw core::Error("reading", input.string(), not_frames(input));
+    constexpr std::array<std::string_view, 6> images{".exr", ".png", ".tif", ".tiff", ".jpg", ".jpeg"};
+    if (std::ranges::find(images, ending) == images.end())
+        throw core::Error("reading", input.string(), not_frames(input));
     if (!is_numbered(input))
         throw core::Error("reading", input.string(),
                           "numbered images need one frame number in their name, e.g. frames.%04d" + ending);

@@ -51,9 +51,9 @@ struct FilmSignals {
 };
 
 /// Opens `-` (Y4M from standard input), `film.y4m`, `frames.%04d.exr` (scene-linear, developed with `exposure` EV,
-/// default 0) or `frames.%04d.png` (sRGB). Only the `wanted` frames need exist, else all between the first and last
-/// number. `shared` receives motion channels of OpenEXR frames unless null. Throws core::Error, also for an unused
-/// exposure.
+/// default 0; TIFF of floats likewise) or `frames.%04d.png` (sRGB; TIFF and JPEG likewise). Only the `wanted` frames
+/// need exist, else all between the first and last number. `shared` receives motion channels of OpenEXR frames unless
+/// null. Throws core::Error, also for an unused exposure.
 std::unique_ptr<FrameSource> open_frames(const std::filesystem::path& input, std::optional<float> exposure,
                                          const std::optional<FrameRange>& wanted, const FilmSignals& film = {},
                                          std::shared_ptr<SharedChannels> shared = nullptr);

@@ -329,9 +329,9 @@ RenderJob prepare(const RenderOptions& wanted) {
     const std::shared_ptr<scene::Animation> loaded = load(options);
     const Preset* preset = preset_of(options.coding);
     if (preset != nullptr) preset->check_output(options.output);
-    Shape shape = settle_shape(wishes_of(options, *loaded), preset, film.kind == OutputKind::film);
+    Shape shape = settle_shape(wishes_of(options, *loaded), preset);
     if (film.preview && !options.size && !options.effort && preset == nullptr)
-        shape = settle_shape(half_of(wishes_of(options, *loaded), shape), preset, film.kind == OutputKind::film);
+        shape = settle_shape(half_of(wishes_of(options, *loaded), shape), preset);
     film.rate = shape.rate;
     scene::fit_automatic_camera(*loaded,
                                 static_cast<double>(shape.size.width) / shape.size.height * shape.pixel_aspect.value());

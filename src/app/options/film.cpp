@@ -376,6 +376,7 @@ encoder::Settings coding_settings(const CodingOptions& options, const Shape& sha
             throw UsageError("--level " + *options.level +
                              ": MPEG-2's follows from size and rate; choose --codec h264");
     }
+    coding.pixel_aspect = shape.pixel_aspect;
     coding.aspect_ratio_code = shape.aspect_ratio_code;
     coding.matrix_coefficients = static_cast<int>(perceptual::matrix_for(shape.size.height));
     if (output.empty() || av::is_film(output)) declare_colors(coding, view);

@@ -318,7 +318,8 @@ std::string not_a_scene(const std::filesystem::path& file) {
 }
 
 std::string not_frames(const std::filesystem::path& file) {
-    if (!is_one_of(films, file)) return "frames are a .y4m file, or numbered images such as frames.%04d.exr or .png";
+    if (!is_one_of(films, file))
+        return "frames are a .y4m file, or numbered images such as frames.%04d.exr, .png, .tif or .jpg";
     return "it is coded; its pictures come by `ffmpeg -i " + quoted(file.string()) +
            " -f yuv4mpegpipe - | render2mpeg encode - -o new.mpg`";
 }

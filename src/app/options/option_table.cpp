@@ -58,7 +58,7 @@ Rows file_rows(CommandLine& line) {
          "installed, or any format that Assimp reads (.obj, .ply, .fbx, .dae, .3ds, ...)",
          Required()},
         {"FRAMES", "", &o.input,
-         "A .y4m file (8-bit 4:2:0), numbered images: frames.%04d.exr (scene-linear) or .png; or `-`: Y4M from "
+         "A .y4m file, numbered images: frames.%04d.exr (scene-linear), .png, .tif or .jpg; or `-`: Y4M from "
          "standard input, as another program makes it",
          Required()},
         {"FILE", "", &line.info.input, "Film in any container, or a bare MPEG-2 video stream", Required()},

@@ -67,11 +67,7 @@ double fields_per_picture(const Preset& preset, const core::FrameRate& rate) {
     return preset.fields && rate.code == 1 ? 2.5 : 2;
 }
 
-std::string text_of(core::Rational ratio) {
-    // 2.21:1 is how that shape is known; others are ratios of whole numbers.
-    if (ratio == core::Rational{221, 100}) return "2.21:1";
-    return fmt::format("{}:{}", ratio.num, ratio.den);
-}
+using core::text_of;
 
 std::string text_of(Size size) {
     return fmt::format("{}x{}", size.width, size.height);
@@ -240,7 +236,7 @@ ShapeWishes shape_wishes(const CodingOptions& options) {
     return wishes;
 }
 
-Shape settle_shape(const ShapeWishes& wishes, const Preset* preset, bool film) {
+Shape settle_shape(const ShapeWishes& wishes, const Preset* preset) {
     Shape shape;
     shape.size = settle_size(wishes, preset);
     const PresetPicture* picture = preset != nullptr ? preset->picture_of(shape.size) : nullptr;
@@ -259,11 +255,6 @@ Shape settle_shape(const ShapeWishes& wishes, const Preset* preset, bool film) {
     if (wishes.pixel_aspect) shape.pixel_aspect = *wishes.pixel_aspect;
     if (display) shape.pixel_aspect = pixel_of(*display, shape.size);
     shape.aspect_ratio_code = aspect_ratio_code(shape.pixel_aspect, shape.size);
-    if (film && shape.aspect_ratio_code == 0)
-        throw UsageError(fmt::format(
-            "pixels of {} in a picture of {}, shown as {:.3f}:1: MPEG-2 has square ones, and pictures of 4:3, 16:9 and "
-            "2.21:1",
-            text_of(shape.pixel_aspect), text_of(shape.size), display_of(shape.pixel_aspect, shape.size).value()));
     return shape;
 }
 

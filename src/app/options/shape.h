@@ -71,8 +71,7 @@ struct ShapeWishes {
 
 ShapeWishes shape_wishes(const CodingOptions& options);
 
-/// `preset` may be null. `film`: it is to be coded. Throws core::Error for contradictions to the preset, and shapes
-/// MPEG-2 does not have.
-Shape settle_shape(const ShapeWishes& wishes, const Preset* preset, bool film);
+/// `preset` may be null. Throws core::Error for contradictions to the preset.
+Shape settle_shape(const ShapeWishes& wishes, const Preset* preset);
 
 }  // namespace render2mpeg::app

@@ -30,9 +30,10 @@ std::string count_of(std::uint64_t count) {
 }
 
 /// The shape that the film is shown in, where it is not that of square pixels.
-const char* shape_text(const encoder::Settings& coding) {
+std::string shape_text(const encoder::Settings& coding) {
     static constexpr std::array shapes{"", "", " (4:3)", " (16:9)", " (2.21:1)"};
-    return shapes.at(static_cast<std::size_t>(coding.aspect_ratio_code));
+    if (coding.aspect_ratio_code > 0) return shapes.at(static_cast<std::size_t>(coding.aspect_ratio_code));
+    return " (pixels of " + core::text_of(coding.pixel_aspect) + ")";
 }
 
 std::string rate_text(const encoder::Settings& coding) {

@@ -112,7 +112,7 @@ FilmClock read_format(const JsonValue& value, Animation& film) {
     if (const auto rate = value.find("frame_rate")) {
         std::string text;
         if (rate->is_number()) {
-            text = std::to_string(rate->number(1, 1000));
+            text = std::to_string(rate->number(0.1, 1000));
             text.erase(text.find_last_not_of('0') + 1);
             if (text.back() == '.') text.pop_back();
         } else {
