@@ -401,7 +401,8 @@ class Reader:
     def read_bsdf_anisotropic(self, node):
         look = self.read_bsdf_glossy(node)
         strength = self.constant_or(node, ["Anisotropy"], 0.0)
-        self.brush(node, look, strength, 1 - min(abs(strength), 0.99), self.constant_or(node, ["Rotation"], 0.0))
+        # Narrow along the tangent, where the Principled BSDF is wide.
+        self.brush(node, look, -strength, 1 - min(abs(strength), 0.99), self.constant_or(node, ["Rotation"], 0.0))
         return look
 
     def read_bsdf_metallic(self, node):

@@ -37,7 +37,7 @@ TEST(Exporter, KnowsEveryFieldOfTheRenderersMaterials) {
     fields = std::regex_replace(fields, std::regex("///?[^\n]*"), "");
     std::set<std::string> wanted = found_in(
         fields,
-        R"((?:std::string|glm::vec[34]|TextureUse|float|bool|AlphaMode|Thickness|SurfaceModel|std::(?:optional|vector)<[A-Za-z]+>|, ) ?([a-z_]+)\s*(?:[;{=]|,))");
+        R"((?:std::string|glm::vec[34]|TextureUse|float|bool|AlphaMode|Thickness|SurfaceModel|std::(?:optional|vector)<[A-Za-z]+>|, ) ?([a-z_]+)\s*(?=[;{=,]))");
     for (const std::string& second : found_in(fields, R"(=\s*[0-9.f]+,\s*([a-z_]+)\s*=)")) wanted.insert(second);
     const std::size_t table = exporter.find("FIELDS = {"), close = exporter.find("\n}\n", table);
     const std::set<std::string> told = found_in(exporter.substr(table, close - table), R"re("([a-z_]+)":)re");

@@ -63,8 +63,8 @@ TEST_F(BlendLossesTogetherSlow, WhatCamerasLookThroughLightMeets) {
 TEST_F(BlendLossesTogetherSlow, MissingImagesAreToldByPlanAndByRender) {
     const std::string line = "Gone: " + (folder_->path() / "nowhere/gone.png").string() + " is missing; pink";
     EXPECT_TRUE(tells(line)) << said_;
-    const Outcome made = run(program() + " render " + path(*folder_, "told.blend") + " -o " + path(*folder_, "f.png") +
-                             " --frames 0:0 --size 16x9");
+    const Outcome made = run(program() + " render " + path(*folder_, "told.blend") + " -o " +
+                             path(*folder_, "f%04d.png") + " --frames 0:0 --size 16x9");
     EXPECT_EQ(made.status, 0);
     EXPECT_NE(made.output.find("not kept: " + line), std::string::npos) << made.output;
 }

@@ -15,6 +15,8 @@
 namespace render2mpeg::renderer {
 namespace {
 
+using Input = scene::AngledInput;
+
 float largest(glm::vec3 v) {
     return std::max({v.x, v.y, v.z});
 }
@@ -450,8 +452,7 @@ Bsdf SurfaceMaterials::bsdf_at(std::uint32_t material, const SurfaceShape& shape
         const float transmission = transmission_at(material, shape, cos_outgoing);
         const Dielectric interface = dielectric_at(material, shape);
         surface = {largest(interface.f0), metallic, base_color, interface.f90};
-        roughness = seen(material, scene::AngledInput::roughness, m.roughness * texel.g, cos_outgoing);
-        roughness = std::clamp(roughness, 0.0f, 1.0f);
+        roughness = std::clamp(seen(material, Input::roughness, m.roughness * texel.g, cos_outgoing), 0.0f, 1.0f);
         bsdf.f0 = glm::mix(interface.f0, base_color, metallic);
         bsdf.f90 = glm::vec3{1.0f - (1.0f - metallic) * (1.0f - interface.f90)};
         bsdf.diffuse =
