@@ -51,7 +51,7 @@ struct Standing {
     double seconds = 0;          ///< since the beginning
     bool frames = true;          ///< they are counted: their rate is told
     std::optional<double> left;  ///< seconds to go; none: not known
-    std::string activity;        ///< current step of the current frame; empty: not shown
+    std::string activity{};      ///< current step of the current frame; empty: not shown
 };
 
 /// One line of at most `columns` >= 20 characters: times, then bar, counts and rate as they fit.
