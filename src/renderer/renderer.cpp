@@ -121,7 +121,8 @@ struct Renderer::Impl {
     /// Adds a frame to the statistics.
     void count(const ShadeCounts& counts, const core::Visible& visible) {
         add(counts, visible, statistics);
-        statistics.gather_rays += gathered_rays() - std::exchange(counted_rays, gathered_rays());
+        statistics.gather_rays += gathered_rays() - counted_rays;
+        counted_rays = gathered_rays();
     }
 
     Frame refined(Frame frame, const core::ToleranceMap& tolerance);
