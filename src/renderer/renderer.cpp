@@ -262,10 +262,8 @@ core::Radiance Renderer::Impl::gather_sparse(const scene::Snapshot& snapshot, co
                                              ShadeCounts& counts) {
     const Frame thin = every_fourth_pixel(context.seen);
     const LightingContext few = context_of(snapshot, thin, context.ungathered, context.tolerance);
-    const FrameLight light = caches && lights.by_rays() ? cache.rough_light(few, snapshot, cut_limits(), final_gather,
-                                                                            counts, statistics.cache)
-                                                        : gather_all(snapshot, few, cut_limits(), counts);
-    core::Radiance radiance = shade(few, light, plan.runs(Pass::layers), counts);
+    core::Radiance radiance =
+        shade(few, gather_all(snapshot, few, cut_limits(), counts), plan.runs(Pass::layers), counts);
     interpolate_light(context.seen, context.ungathered, radiance);
     return radiance;
 }

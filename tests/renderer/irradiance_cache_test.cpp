@@ -76,23 +76,6 @@ TEST(IrradianceCache, AFinerToleranceGoesOnWithTheRecordsInItsPlaces) {
     EXPECT_GT(2 * fine.cache.created, coarse.gather_points) << "and most have one";
 }
 
-TEST(IrradianceCache, AFrameGoesOnWithTheRecordsOfItsRoughLook) {
-    Settings s = cache_settings(true);
-    s.indirect = Indirect::rays;
-    FilmStage alone(walk(false), s), looked(walk(false), s);
-    const core::Radiance wanted = alone.cut(0.05f, 0);
-    const scene::Snapshot world = looked.at(0);
-    const LightOrder roughly{core::ToleranceMap::uniform(cache_size, cache_size, {0.0f, 0.3f}), LightingMode::sparse};
-    looked.renderer().light(world, looked.renderer().look(world), roughly);
-    const std::uint64_t of_look = looked.statistics().cache.created;
-    EXPECT_GT(of_look, std::uint64_t{cache_size * cache_size / 32}) << "most of its points have one";
-    const core::Radiance frame = looked.cut(0.05f, 0);
-    EXPECT_LT(looked.statistics().gather_rays, alone.statistics().gather_rays)
-        << "rays of the look are not traced again";
-    EXPECT_LT(looked.statistics().cache.created - of_look, alone.statistics().cache.created) << "nor are records made";
-    EXPECT_LE(share_over(frame, wanted, 0.1f), 0.02);
-}
-
 TEST(IrradianceCache, PointsSeenInAMirrorShareTheirRaysSlow) {
     test::SceneBuilder b = walk(false);
     const int mirror = b.add_material({1, 1, 1});

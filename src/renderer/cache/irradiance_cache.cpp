@@ -32,16 +32,13 @@ void IrradianceCache::cut_to(const Frame& seen, const scene::Snapshot& snapshot)
     library_.note(records_.thin(snapshot.frame, grid), near_field_, left_);
 }
 
-void IrradianceCache::take_known(const FrameState& frame, CacheCounts& counts) {
-    if (frame.rays != nullptr) near_field_ = frame.rays->near_field().key();
-    if (library_.is_empty()) return;
+std::uint64_t IrradianceCache::take_known(const Frame& seen, std::int64_t frame) {
     const std::size_t before = records_.size();
-    for (const GatherTile& tile : frame.seen().tiles)
+    for (const GatherTile& tile : seen.tiles)
         for (const GatherPoint& p : tile)
             if (uses_cache(p) && !p.reached_by_specular())
-                if (const auto record = library_.take(p.point, near_field_, frame.snapshot.frame))
-                    records_.insert(*record);
-    counts.known += records_.size() - before;
+                if (const auto record = library_.take(p.point, near_field_, frame)) records_.insert(*record);
+    return records_.size() - before;
 }
 
 void IrradianceCache::forget_records() {
@@ -76,7 +73,8 @@ FrameLight IrradianceCache::light(const LightingContext& context, const scene::S
         else
             forget_records();
     }
-    take_known(frame, counts);
+    if (rays != nullptr) near_field_ = rays->near_field().key();
+    if (!library_.is_empty()) counts.known += take_known(context.seen, snapshot.frame);
     // Reuse the last frame's light,
     start(frame, history_, reused_error);
     // ask the cache for the rest, or gather it,
@@ -86,23 +84,6 @@ FrameLight IrradianceCache::light(const LightingContext& context, const scene::S
     FrameLight light = finish(frame, history_);
     frame.counts.live = frame.counts.most = records_.size();
     counts.add(frame.counts);
-    shade_counts.add(frame.shade_counts);
-    return light;
-}
-
-FrameLight IrradianceCache::rough_light(const LightingContext& context, const scene::Snapshot& snapshot,
-                                        const CutLimits& limits, FinalGather& rays, ShadeCounts& shade_counts,
-                                        CacheCounts& counts) {
-    if (snapshot.cut_before) cut_to(context.seen, snapshot);
-    if (std::exchange(is_other_light_, false)) forget_records();
-    records_.drop([](const IrradianceRecord& r) { return r.is_of_frame(); });
-    FrameState frame(context, snapshot, limits, &rays, records_);
-    take_known(frame, counts);
-    FrameHistory of_points;
-    start(frame, of_points, 1.0f);
-    light_points(frame);
-    FrameLight light = finish(frame, of_points);
-    counts.created += frame.counts.created;
     shade_counts.add(frame.shade_counts);
     return light;
 }

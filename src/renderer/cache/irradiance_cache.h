@@ -24,10 +24,6 @@ class IrradianceCache {
     FrameLight light(const LightingContext& context, const scene::Snapshot& snapshot, const CutLimits& limits,
                      FinalGather* rays, ShadeCounts& shade_counts, CacheCounts& counts);
 
-    /// Light of some points of a frame, the first of a shot, which is lit next: their records stay for it.
-    FrameLight rough_light(const LightingContext& context, const scene::Snapshot& snapshot, const CutLimits& limits,
-                           FinalGather& rays, ShadeCounts& shade_counts, CacheCounts& counts);
-
     /// How many records lie in each pixel of a picture, seen or hidden.
     core::Plane<float> density(const scene::Camera& camera, const scene::PictureFormat& format) const;
 
@@ -50,8 +46,8 @@ class IrradianceCache {
     /// Another shot: forgets the last frame, and records of surfaces that are so far now that they crowd its pixels.
     void cut_to(const Frame& seen, const scene::Snapshot& snapshot);
     void forget_records();
-    /// Takes records of earlier runs that lie where points of the frame do.
-    void take_known(const FrameState& frame, CacheCounts& counts);
+    /// Takes records of earlier runs that lie where points of the frame do. Their number.
+    std::uint64_t take_known(const Frame& seen, std::int64_t frame);
 
     RecordStore records_;
     RecordLibrary library_;
