@@ -141,12 +141,14 @@ class Materials:
     def write_more(self, film):
         """What glTF has no words for: Blender's models, fibres of hair, light below surfaces."""
         for key, made in self.made.items():
-            look = self.looks[key[0]][0] if key else None
-            model = {} if look is None else self.model_of(look, self.baked.get((key[1], key[0]), {}))
+            if key is None:  # of what has no material
+                continue
+            look = self.looks[key[0]][0]
+            model = self.model_of(look, self.baked.get((key[1], key[0]), {}))
             name = self.glb.document["materials"][made[0]]["name"]
             if name in self.by_angle:
                 model["by_angle"] = self.by_angle[name]
-            if look is None or not (look.hair or look.subsurface or model):
+            if not (look.hair or look.subsurface or model):
                 continue
             says = film.setdefault("materials", {}).setdefault(name, {})
             says.update(model)

@@ -82,7 +82,11 @@ def material_of(name, kind, output):
         clamp = tree.nodes.new("ShaderNodeMixRGB")
         clamp.use_clamp, clamp.inputs[0].default_value = True, 0
         tree.links.new(socket, clamp.inputs[1])
-        tree.links.new(clamp.outputs[0], shader.inputs["Base Color"])
+        # White would send more than it receives, which only Cycles' Principled BSDF does.
+        dim = tree.nodes.new("ShaderNodeMixRGB")
+        dim.inputs[0].default_value, dim.inputs[2].default_value = 0.2, (0, 0, 0, 1)
+        tree.links.new(clamp.outputs[0], dim.inputs[1])
+        tree.links.new(dim.outputs[0], shader.inputs["Base Color"])
     return material
 
 

@@ -180,7 +180,7 @@ const std::vector<Mistake>& contradictions() {
         {"render S -o x.png", 2, {"x.png", "frames.%04d.png"}},
         {"render S -o empty", 2, {"empty", "needs an ending", "empty.mpg"}},
         {"render S -o \"\"", 2, {"a word of the command is empty", "variable"}},
-        {"render S -o x.mpg --fps 26", 2, {"--fps 26: films have one of", "29.97"}},
+        {"render S -o x.mpg --fps 26", 2, {"frame rate 26: MPEG-2 has", "29.97", "--codec h264"}},
         {"render S -o x.mpg --size 99999x8", 2, {"--size 99999x8", "from 1 to 16383"}},
         {"render S -o x.mpg --view Filmic", 2, {"--view Filmic", "did you mean filmic?"}},
         {"render S -o x.mpg --transparent yes", 2, {"--transparent yes: expected on, off"}},

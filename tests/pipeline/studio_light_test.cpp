@@ -69,8 +69,8 @@ const std::vector<StudioModel> studio_models{
 TEST(StudioLightSlow, ExposesWhatIsShown) {
     for (const StudioModel& model : studio_models) {
         const StudioLuma luma = luma_in_studio(model.objects);
-        EXPECT_GT(luma.model, 90) << model.name;
-        EXPECT_LT(luma.model, 160) << model.name;
+        EXPECT_GT(luma.model, 100) << model.name;
+        EXPECT_LT(luma.model, 168) << model.name;
         EXPECT_LT(luma.around, 245) << model.name << ": nothing around it is burnt";
     }
 }
