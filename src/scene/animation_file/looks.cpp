@@ -102,7 +102,7 @@ void change_subsurface(const JsonValue& value, Material& material) {
     material.subsurface = spreads ? std::optional(below) : std::nullopt;
 }
 
-/// What share of the other value there is, by steps of the angle: numbers or triples.
+/// Shares of the other value by steps of the angle: numbers or triples.
 std::vector<glm::vec3> shares_of(const JsonValue& value) {
     std::vector<glm::vec3> shares;
     for (const JsonValue& one : value.list(2, 1025)) shares.push_back(one.channels(1));

@@ -28,9 +28,8 @@ struct ExportWish {
 
 /// Export of a .blend, or of a scene that Blender imports, cached in FILE.export/ or the user's cache, keyed by the
 /// file, our script and Blender, by other files it uses, and by the wish; one of the whole film serves each part of it.
-/// What moves is still a frame after the last one. Blender is $RENDER2MPEG_BLENDER, else `blender` on the PATH, limited
-/// in memory and time, and ended with all that it started once `watch.stops`
-/// says so. Throws core::Error.
+/// Motion ends a frame after the last one. Blender is $RENDER2MPEG_BLENDER, else `blender` on the PATH, limited in
+/// memory and time, and ended with all that it started once `watch.stops` says so. Throws core::Error.
 BlenderExport export_by_blender(const std::filesystem::path& file, const ExportWish& wish, const ExportWatch& watch);
 
 /// $RENDER2MPEG_BLENDER, a path or a name on the PATH, else `blender` there; empty where there is none.
