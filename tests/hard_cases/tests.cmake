@@ -8,5 +8,6 @@ render2mpeg_test(hard_cases SPARE "InEveryWaySlow/.*[a-m]$" SOURCES ${sources}
   WITHOUT Each/HardCases.HaveTheOutcomeThatIsRight/AClosedRoomThatAbsorbsNothing
           Each/HardCases.HaveTheOutcomeThatIsRight/ACutInEveryFrame
           Each/HardCases.HaveTheOutcomeThatIsRight/ALampBesideAHiddenOne1e12TimesAsBright
+          Each/HardCases.HaveTheOutcomeThatIsRight/AnOpenShutterOverWhatStandsStill
   LIBS render2mpeg_app render2mpeg_test_scenes PkgConfig::hard_cases_libavcodec
        PkgConfig::hard_cases_libmpeg2)

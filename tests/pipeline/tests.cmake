@@ -1,7 +1,9 @@
 render2mpeg_test(pipeline BLENDER "[.](Films/)?Blend[A-Z][A-Za-z]*Slow|CyclesFramesSlow|BlenderExtensionSlow[.][MGB]|BesideCycles.*Slow|LiveWindow" STARTS_PROGRAMS OPENS_MODULES LIBS render2mpeg_app render2mpeg_test_stages nlohmann_json::nlohmann_json
-  WITHOUT Codecs.AreChosenByTheEndingOrByName CoupledLoop.MaskingByTheDecodedPictureLightsTheFilmInAWayOfItsOwn
+  WITHOUT AlsoFilms.HaveTheExposureThatIsMeasuredAndThePeakThatIsAskedFor AlsoFilms.InTheSameViewHaveTheSameBytes
+          ChunksAtOnce.ChangeNoByteOfAFilmForAnyNumberOfThreads Codecs.AreChosenByTheEndingOrByName CoupledLoop.MaskingByTheDecodedPictureLightsTheFilmInAWayOfItsOwn
           FogInFilms.CostsNothingWhereThereIsNoneAndComesFromFileOrCommandLine ImageReader.HandsOverThePixelsThatAreReadHere
-          Tune.LoosensNoOptionThatIsIdle)
+          LightCache.AndFilmsAreTheSameForAnyNumberOfLightPointsSinceRaysBringTheLight
+          LiveView.OfAGivenCameraIsThatOfTheFilmsOwnInTheSamePlace Tune.LoosensNoOptionThatIsIdle Tune.SaysWhatIsOutOfReach)
 if(TARGET test_pipeline)
   add_dependencies(test_pipeline render2mpeg shell_pages)
 endif()

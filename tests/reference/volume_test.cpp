@@ -304,7 +304,7 @@ TEST(Volume, BlackBodiesAreWhiteAtDaylightAndRedWhenCold) {
 }
 
 TEST(Volume, OddOnesAreLitWithoutNaN) {
-    std::vector<scene::Volume> odd(8, even_cube(8));
+    std::vector<scene::Volume> odd(8, even_cube(4));
     odd[0].density = 0;
     odd[1].density = 1e9f;
     odd[2].grids = grids_of(1, glm::dvec3(0), 0.1, [](glm::vec3) { return 5.0f; });
@@ -314,10 +314,10 @@ TEST(Volume, OddOnesAreLitWithoutNaN) {
     odd[4].color = {1, 0.5f, 0};
     odd[4].absorption_color = {0.2f, 1, 0.5f};
     odd[5].grids = std::make_shared<const scene::VolumeGrids>();
-    odd[6].grids = grids_of(8, glm::dvec3(-1), 2, [](glm::vec3) { return 1e37f; });
+    odd[6].grids = grids_of(4, glm::dvec3(-1), 2, [](glm::vec3) { return 1e37f; });
     odd[6].density = 1000;
     scene::VolumeGrids hot = *odd[7].grids;
-    hot.temperature = grids_of(8, glm::dvec3(-1), 2, [](glm::vec3) { return 1e30f; })->density;
+    hot.temperature = grids_of(4, glm::dvec3(-1), 2, [](glm::vec3) { return 1e30f; })->density;
     odd[7].grids = std::make_shared<const scene::VolumeGrids>(std::move(hot));
     odd[7].blackbody_intensity = 1;
     for (const scene::Volume& volume : odd)
@@ -325,7 +325,7 @@ TEST(Volume, OddOnesAreLitWithoutNaN) {
             SceneBuilder b;
             b.add_box({-3, -3, -3}, {3, 3, 9}, b.add_material({0.5f, 0.5f, 0.5f}), true);
             b.film().volumes.push_back(volume);
-            b.film().volumes.push_back(even_cube(8));
+            b.film().volumes.push_back(even_cube(4));
             b.add_point_light({0.3f, 0.4f, 0.2f}, 10);
             b.add_sun({0, 0, -1}, 1);
             b.add_camera({0, 0, eye}, {0, 0, 0}, 0.6f);

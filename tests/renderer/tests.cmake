@@ -3,5 +3,8 @@ render2mpeg_test(renderer LIBS render2mpeg_renderer render2mpeg_path_tracer rend
           LightPaths.HoldNoCausticOfAMirrorOnTheFirstSurface LobeRays.AreAsManyAsTheToleranceAsksFor
           LobeRays.OfAFloorShowAShiningBoxHoweverFewLightPointsItHas LobeRays.OfAFloorShowTheLightOfAWall
           NearLight.IsOfTheViewBehindACut Panes.CostNoPhotonsBelowASkyAndBallsDo Panes.PassTheSkyToGatherRays
-          PointsOfAPixel.KeepBoundsTogether SolidGlass.PassesTheSkyHoweverWideTheSceneIs
+          PointsOfAPixel.KeepBoundsTogether
+          Roughness/GlossyFloor.IsServedByRecordsAndShowsTheWallWhereItIs/1
+          Roughness/GlossyFloor.IsServedByRecordsAndShowsTheWallWhereItIs/2 Shade.IsBrighterByExactlyWhatTheLightIs
+          SolidGlass.PassesTheSkyHoweverWideTheSceneIs
           SolidGlass.PassesWhatSurfacesBounceWhereCausticsHaveLightOfLamps)
