@@ -185,6 +185,7 @@ const std::vector<Mistake>& contradictions() {
         {"render S -o x.mpg --view Filmic", 2, {"--view Filmic", "did you mean filmic?"}},
         {"render S -o x.mpg --transparent yes", 2, {"--transparent yes: expected on, off"}},
         {"render S -o x.mpg --keyframes none.txt", 2, {"none.txt: expected frame numbers", "there is no such file"}},
+        {"render S -o x.mpg --keyframes /dev/zero", 2, {"/dev/zero: expected frame numbers", "it is a device"}},
         {"farm S -o x.mpg", 2, {"--to is missing", "slurm", "flamenco"}},
         {"farm S -o - --to slurm", 2, {"-o -", "-o film.mpg"}},
     };

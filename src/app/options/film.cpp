@@ -12,6 +12,7 @@
 #include "app/options/output_kind.h"
 #include "app/options/usage_error.h"
 #include "core/error.h"
+#include "core/plain_file.h"
 #include "core/text.h"
 #include "encoder/av/av.h"
 #include "encoder/av/coders.h"
@@ -112,14 +113,12 @@ bool is_list(const std::string& text) {
 
 /// The file's text without comments.
 std::string read_file(const std::string& name) {
+    if (const std::string why = core::why_no_plain_file(name); !why.empty())
+        throw UsageError("keyframes " + name + ": expected frame numbers such as 0,48,96, or a file with them; " + why);
     std::ifstream stream(name);
-    if (!stream)
-        throw UsageError("keyframes " + name +
-                         ": expected frame numbers such as 0,48,96, or a file with them; there is no such file");
     std::string text, line;
     while (std::getline(stream, line)) text += line.substr(0, line.find('#')) + "\n";
-    // Folders can be opened, but not read.
-    if (stream.bad()) throw UsageError("keyframes " + name + ": cannot be read");
+    if (!stream.eof()) throw UsageError("keyframes " + name + ": cannot be read");
     return text;
 }
 
