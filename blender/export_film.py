@@ -407,6 +407,7 @@ def export(path, folder, texture_size, lines, last=-1, still=False):
     from film_export.bakes import Bakes
     from film_export.baking import Baker
     from film_export.cameras import Cameras
+    from film_export.fields import Voxels
     from film_export.files import tell_missing
     from film_export.glb import Glb
     from film_export.lost import Lost
@@ -439,7 +440,8 @@ def export(path, folder, texture_size, lines, last=-1, still=False):
     scene.frame_set(frames[0])
     baker = Baker(texture_size)
     materials = Materials(glb, folder, baker, lost)
-    bakes = Bakes(materials, baker, lines or scene.render.resolution_y * scene.render.resolution_percentage / 100, lost)
+    lines = lines or scene.render.resolution_y * scene.render.resolution_percentage / 100
+    bakes = Bakes(materials, baker, lines, lost)
     for thing in list(bpy.data.objects):
         if thing.type == "MESH" and (scene in thing.users_scene or not thing.users_scene):
             bakes.prepare(thing)
@@ -450,7 +452,8 @@ def export(path, folder, texture_size, lines, last=-1, still=False):
     window.scene = scene
 
     cameras, strengths, reflections = Cameras(scene, frames, times, lost), Strengths(materials), Reflections(scene, times, lost)
-    volumes = Volumes(scene, frames, own_rate, RATES[film["frame_rate"]], film, folder, materials, lost)
+    voxels = Voxels(baker, cameras, lines, lambda words: tell_step(folder, words))
+    volumes = Volumes(scene, frames, own_rate, RATES[film["frame_rate"]], film, folder, materials, voxels, lost)
 
     def watch(number, depsgraph):
         tell_step(folder, f"frame {number + 1} of {len(frames)}")

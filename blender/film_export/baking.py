@@ -77,9 +77,9 @@ class Baker:
         return bpy.context.temp_override(window=bpy.context.window_manager.windows[0], scene=self.scene, view_layer=self.scene.view_layers[0],
                                          active_object=copy, object=copy, selected_objects=[copy], selected_editable_objects=[copy])
 
-    def bake(self, copy, slot, material, kind, size):
+    def bake(self, copy, slot, material, kind, size, alike=0.5 / 255):
         """EMIT or NORMAL of one of its materials: rows from the bottom up, linear, four channels. Where no face is, it is the
-        mean of the rest; one texel where they all are alike, or none has a face."""
+        mean of the rest; one texel where they all are alike (by default within half of a code of 8 bits), or none has a face."""
         tree = material.node_tree
         copy.data.uv_layers.active = copy.data.uv_layers[BAKE_UV]
         image = bpy.data.images.new("render2mpeg bake", size, size, alpha=True, float_buffer=True)
@@ -104,13 +104,13 @@ class Baker:
         covered = pixels[..., 3] > 0
         if covered.any():
             pixels[~covered] = pixels[covered].mean(axis=0, dtype=float)
-        # Half of a code of 8 bits; what is no number is not even.
-        even = np.max(np.ptp(pixels[..., :3].reshape(-1, 3), axis=0)) < 0.5 / 255
+        # What is no number is not even.
+        even = np.max(np.ptp(pixels[..., :3].reshape(-1, 3), axis=0)) < alike
         return pixels.mean(axis=(0, 1), keepdims=True) if even else pixels
 
-    def value(self, copy, slot, material, socket, size):
+    def value(self, copy, slot, material, socket, size, **more):
         """What a socket has all over the mesh, shown as light of that colour."""
-        return self.bake_through(copy, slot, material, socket, ("ShaderNodeEmission", "Color", "EMIT"), size)
+        return self.bake_through(copy, slot, material, socket, ("ShaderNodeEmission", "Color", "EMIT"), size, **more)
 
     def by_angle(self, material, socket):
         """What a socket has, where only the angle decides, by its steps: a row of pixels, each seen at one angle."""
@@ -129,7 +129,7 @@ class Baker:
         """A socket's normals: those of a matt surface, whose light Cycles need not follow."""
         return self.bake_through(copy, slot, material, socket, ("ShaderNodeBsdfDiffuse", "Normal", "NORMAL"), size)
 
-    def bake_through(self, copy, slot, material, socket, means, size):
+    def bake_through(self, copy, slot, material, socket, means, size, **more):
         shader, entry, kind = means
         tree = material.node_tree
         end = output_of(tree)
@@ -138,7 +138,7 @@ class Baker:
         tree.links.new(socket, node.inputs[entry])
         tree.links.new(node.outputs[0], end.inputs["Surface"])
         try:
-            return self.bake(copy, slot, material, kind, size)
+            return self.bake(copy, slot, material, kind, size, **more)
         finally:
             tree.nodes.remove(node)
             if before is not None:

@@ -72,7 +72,8 @@ class Materials:
                 look = Look(base=Constant(tuple(material.diffuse_color)[:3]), metallic=Constant(float(material.metallic)),
                             roughness=Constant(float(material.roughness)))
             known = self.looks[material.name_full] = (look, copy)
-            self.tell_motion(material)
+            if not known[0].nowhere:  # media tell their own
+                self.tell_motion(material)
         return known
 
     def bend(self, look, copy):
@@ -87,7 +88,8 @@ class Materials:
                 own = float(own) if name in angles.NUMBERS else tuple(own.tolist())
                 setattr(look, name, Angled(own, other.tolist(), share.tolist()))
 
-    def tell_motion(self, material):
+    def tell_motion(self, material, followed=()):
+        """Tells what moves by keys or drivers and is not followed, but for nodes of these names."""
         tree = material.node_tree
         if tree is None or tree.animation_data is None:
             return
@@ -101,6 +103,8 @@ class Materials:
                 where = list(node.inputs).index(node.inputs[look.animated[1]])
                 if curve.data_path == f"{follows}.inputs[{where}].default_value":
                     continue
+            if any(curve.data_path.startswith(f'nodes["{name}"]') for name in followed):
+                continue
             self.lost.add_of(material, f"animated {curve.data_path}; as on the first frame")
 
     def needs_bake(self, look):

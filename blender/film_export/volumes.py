@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
-"""Volumes: OpenVDB's files of Volume objects and of baked gas domains, and boxes with an even medium.
+"""Volumes: OpenVDB's files of Volume objects and of baked gas domains, and meshes filled with a medium.
 
 Measured with Cycles of Blender 3.4: a mesh's medium counts per unit of the world, whatever its object's scale, and emission is not
 multiplied by density. Cycles' source: so does a domain's; a Volume object's density counts per unit of its own space, of which the
@@ -13,6 +13,7 @@ import shutil
 import bpy
 import numpy as np
 
+from . import fields
 from .keys import json_number
 from .nodes import incoming, number_of, output_of
 
@@ -25,7 +26,8 @@ class Unknown(Exception):
 
 
 def grid_and_factor(socket):
-    """(grid's name or None, factor) of an input that is a number, a grid, or a product of both."""
+    """(grid or None, factor) of an input that is a number, a grid, or a product of both. A grid is the name of a file's, or the
+    socket of nodes that say other values from place to place."""
     source = incoming(socket)
     if source is None:
         return None, number_of(socket.default_value)
@@ -40,7 +42,7 @@ def grid_and_factor(socket):
         (a, x), (b, y) = map(grid_and_factor, node.inputs[:2])
         if a is None or b is None:
             return a if b is None else b, x * y
-    raise Unknown(node, "is none of Attribute, Volume Info, Value and their products")
+    return source, 1.0
 
 
 def color_of(socket):
@@ -50,7 +52,14 @@ def color_of(socket):
         return None, np.clip(np.array(socket.default_value[:3]), 0, None)
     if source.node.type == "RGB":
         return None, np.clip(np.array(source.default_value[:3]), 0, None)
-    return grid_and_factor(socket)[0], np.ones(3)
+    return name_of(grid_and_factor(socket)[0], "colours"), np.ones(3)
+
+
+def name_of(grid, what):
+    """The same grid, if a file has it."""
+    if fields.is_field(grid):
+        raise Unknown(grid.node, f"gives {what} that differ from place to place")
+    return grid
 
 
 def plain_color(node, socket):
@@ -103,8 +112,10 @@ class Medium:
             raise Unknown(node, "is no volume that is kept")
 
     def glow(self, node, grid, radiance):
+        if fields.is_field(grid) and self.density_grid is None and not np.any(self.scattering + self.absorption > 0):
+            self.density_grid = grid
         if grid is not None and np.any(radiance > 0) and grid != self.density_grid:
-            raise Unknown(node, f"shines by a grid of its own, {grid}")
+            raise Unknown(node, f"shines by a grid of its own, {getattr(grid, 'name', grid)}")
         self.emission = self.emission + np.clip(radiance, 0, None)
 
     def add_principled(self, node):
@@ -122,10 +133,10 @@ class Medium:
         self.glow(node, grid, strength * plain_color(node, inputs["Emission Color"]))
         grid, intensity = grid_and_factor(inputs["Blackbody Intensity"])
         if grid is not None:
-            raise Unknown(node, f"glows by a grid of its own, {grid}")
+            raise Unknown(node, f"glows by a grid of its own, {getattr(grid, 'name', grid)}")
         self.blackbody, self.tint = min(max(intensity, 0.0), 1.0), plain_color(node, inputs["Blackbody Tint"])
         grid, self.temperature = grid_and_factor(inputs["Temperature"])
-        grid = grid or inputs["Temperature Attribute"].default_value
+        grid = name_of(grid, "temperatures") or inputs["Temperature Attribute"].default_value
         if grid:
             self.grids["temperature"] = grid
 
@@ -210,7 +221,9 @@ def box_of(shape):
 class Volumes:
     """Collects the film's `volumes`."""
 
-    def __init__(self, scene, frames, own_rate, film_rate, film, folder, materials, lost):
+    def __init__(self, scene, frames, own_rate, film_rate, film, folder, materials, voxels, lost):
+        """`voxels`: fields.Voxels."""
+        self.voxels = voxels
         self.scene, self.frames, self.own_rate, self.film_rate, self.film = scene, frames, own_rate, film_rate, film
         self.folder, self.materials, self.lost = folder, materials, lost
         self.uses = []
@@ -258,7 +271,7 @@ class Volumes:
             material = next(m for m in over.materials if m is not None)
             original = bpy.data.objects.get(over.object_name)
             domain = domain_of(original) if original is not None else None
-            says = self.of_domain(thing, material, original, domain, first) if domain is not None else self.of_box(thing, material, over, first)
+            says = self.of_domain(thing, material, original, domain, first) if domain is not None else self.of_mesh(thing, material, over, first)
         if says:
             present = [m is not None for m in thing.matrices]
             shown = says.pop("shown", [True] * len(present))
@@ -271,18 +284,45 @@ class Volumes:
         keys = [k for k in range(len(shown)) if k == 0 or shown[k] != shown[k - 1]]
         says["keys"] = [{"at": json_number(k / self.own_rate), "visible": shown[k]} for k in keys]
 
-    def of_box(self, thing, material, over, matrix):
+    def of_mesh(self, thing, material, over, matrix):
         medium, box = self.medium_of(material, thing.name), box_of(over.shape)
         if medium is None:
             return None
-        if box is None or over.bending:
-            self.lost.add(thing.name, "a volume in a shape that is no box along its axes, or bends; it is not there in the film")
+        if over.bending or box is None and not over.shape.is_closed():
+            self.lost.add(thing.name, f"a volume in a shape that {'bends' if over.bending else 'is open'}; it is not there in the film")
             return None
         if medium.blackbody > 0:
             self.lost.add(thing.name, "blackbody of a volume without grids")
             medium.blackbody = 0.0
-        middle, size = box
-        return {"position": [json_number(v) for v in middle], "size": [json_number(v) for v in size], **medium.says(scale_of(matrix))}
+        field = medium.density_grid if fields.is_field(medium.density_grid) else None
+        if box is not None and field is None:
+            self.materials.tell_motion(material)
+            middle, size = box
+            return {"position": [json_number(v) for v in middle], "size": [json_number(v) for v in size], **medium.says(scale_of(matrix))}
+        return self.of_voxels(thing, material, over, medium, field, box is not None)
+
+    def of_voxels(self, thing, material, over, medium, field, fills):
+        """Of a density that differs from place to place, or a shape that is no box: a grid, for each frame where nodes move."""
+        self.materials.tell_motion(material, fields.nodes_before(field))
+        made = self.materials.look(material)[1]
+        grid = fields.Grid(self.voxels, thing, over, made, field, fills)
+        number, names = len(self.film.get("volumes", [])), {}
+
+        def path_at(frame):
+            k = list(self.frames).index(frame)
+            if thing.matrices[k] is None:
+                return None
+            at = k if grid.moves else 0
+            if at not in names:
+                names[at] = f"density{number:03d}_{at:05d}.vdb"
+                grid.write(os.path.join(self.folder, names[at]), frame, thing.matrices[k])
+            return names[at]
+        paths = self.paths_by_frame(path_at)[0]
+        self.voxels.done(self.scene)
+        if field is not None and medium.emission.max() > 0 and medium.says(1)["density"] > 0:
+            self.lost.add(thing.name, "emission of a volume; it shines where it is dense")
+        first = next(m for m in thing.matrices if m is not None)
+        return {"file": paths if grid.moves else paths[0], "density_grid": fields.GRID, **medium.says(scale_of(first))}
 
     def of_files(self, thing, material, path_at, matrix, place=None, more_at=None):
         """`place`: (position, scale) of a file's space in the thing's. `more_at`: files of more grids."""
@@ -291,6 +331,10 @@ class Volumes:
             return None
         paths, shown = self.paths_by_frame(path_at)
         more = self.paths_by_frame(more_at)[0] if more_at else []
+        if fields.is_field(medium.density_grid):
+            self.lost.add_of(material, "is none of Attribute, Volume Info, Value and their products; the volume is not there in the film", medium.density_grid.node, thing.name)
+            return None
+        self.materials.tell_motion(material)
         grids = next((g for g in map(grids_of, dict.fromkeys(p for p in paths if p)) if g), None)
         missing = next((p for p in paths + more if p and not os.path.isfile(p)), None)
         if grids is None or missing:

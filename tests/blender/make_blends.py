@@ -520,6 +520,32 @@ def pane():
     return material
 
 
+def cloud():
+    """A drifting cloud of noise in a ball, which scatters as often as light does."""
+    scene = start(6)
+    scene.cycles.volume_bounces = scene.cycles.max_bounces = 64
+    world_of((0.3, 0.4, 0.5))
+    add_lamp("SUN", (0, 0, 5), (3, 2, 0), energy=3, angle=0.1)
+    material = bpy.data.materials.new("Cloud")
+    material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    end, medium, place, noise, shape = (tree.nodes.new("Shader" + kind) for kind in (
+        "NodeOutputMaterial", "NodeVolumePrincipled", "NodeTexCoord", "NodeTexNoise", "NodeMapRange"))
+    noise.noise_dimensions = "4D"
+    noise.inputs["Scale"].default_value = 2
+    shape.inputs["From Min"].default_value, shape.inputs["From Max"].default_value, shape.inputs["To Max"].default_value = 0.4, 0.7, 5
+    medium.inputs["Color"].default_value = (0.8, 0.7, 0.6, 1)
+    for source, entry in ((place.outputs["Object"], noise.inputs["Vector"]), (noise.outputs["Fac"], shape.inputs["Value"]),
+                          (shape.outputs[0], medium.inputs["Density"]), (medium.outputs[0], end.inputs["Volume"])):
+        tree.links.new(source, entry)
+    for frame, noise.inputs["W"].default_value in ((1, 0), (6, 2)):
+        noise.inputs["W"].keyframe_insert("default_value", frame=frame)
+    add_primitive("uv_sphere", material, radius=1.3, location=(0, 0, 1.5), segments=48, ring_count=24)
+    add_primitive("plane", add_matt("Floor", (0.6, 0.6, 0.6)), size=12)
+    add_camera((0, -6, 2.5), (0, 0, 1.2))
+
+
 def procedural():
     """Materials of noise, bricks and bumps that only Blender can evaluate; one in a group."""
     start(4)
@@ -628,7 +654,7 @@ def hostile():
 
 
 FILMS = {film.__name__: film for film in (tracked_camera, markers, lamps_and_sky, looks, armature_and_shapes, fur, groomed_head, curves, instances, glass_and_emission,
-                                          procedural, odds_and_ends, hostile, open_shutter, shallow_focus, holes)}
+                                          procedural, cloud, odds_and_ends, hostile, open_shutter, shallow_focus, holes)}
 
 
 def main():

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """blender -b --factory-startup -P make_volumes.py -- FOLDER
 
-Writes FOLDER/volumes.blend: a baked gas domain, a sequence of its files as a Volume object, a box and a ball with even media, and a box
-whose medium is made of nodes that are not kept.
+Writes FOLDER/volumes.blend: a baked gas domain, a sequence of its files as a Volume object, a box and a ball with even media, a moving
+box whose density depends on where in the world it is, a ball whose density moves, and media that are not kept.
 """
 import os
 import sys
@@ -54,9 +54,46 @@ cube("Even", medium("Even", Density=0.5, Color=(0.8, 0.7, 0.6, 1), Anisotropy=0.
 bpy.ops.mesh.primitive_uv_sphere_add(location=(4, 4, 1))
 bpy.context.object.name = "Ball"
 bpy.context.object.data.materials.append(medium("Ball"))
-noisy = medium("Noisy")
-noisy.node_tree.links.new(noisy.node_tree.nodes.new("ShaderNodeTexNoise").outputs["Fac"], noisy.node_tree.nodes["Principled Volume"].inputs["Density"])
-cube("Noisy", noisy, location=(8, 0, 0))
+
+
+def feed(name, *links):
+    """A material whose density comes from nodes: (node, output, next node's input or setting)..."""
+    material = medium(name)
+    tree, source = material.node_tree, None
+    for kind, entry, way_out, settings in links:
+        node = tree.nodes.new(kind)
+        for key, value in settings.items():
+            if key in node.inputs:
+                node.inputs[key].default_value = value
+            else:
+                setattr(node, key, value)
+        if source is not None:
+            tree.links.new(source, node.inputs[entry])
+        source = node.outputs[way_out]
+    tree.links.new(source, tree.nodes["Principled Volume"].inputs["Density"])
+    return material
+
+
+# Density 2 (x - 7.5) of the world's x.
+cube("Ramp", feed("Ramp", ("ShaderNodeNewGeometry", None, "Position", {}), ("ShaderNodeSeparateXYZ", 0, "X", {}),
+                  ("ShaderNodeMapRange", "Value", 0, {"From Min": 7.5, "From Max": 8.5, "To Max": 2.0})), location=(8, 0, 0))
+ramp = bpy.context.object
+ramp.keyframe_insert("location", frame=1)
+ramp.location.x = 8.25
+ramp.keyframe_insert("location", frame=6)
+noise = feed("Noise", ("ShaderNodeTexCoord", None, "Object", {}), ("ShaderNodeTexNoise", "Vector", "Fac", {"noise_dimensions": "4D"}))
+entry = noise.node_tree.nodes["Noise Texture"].inputs["W"]
+for frame, entry.default_value in ((1, 0.0), (6, 3.0)):
+    entry.keyframe_insert("default_value", frame=frame)
+bpy.ops.mesh.primitive_uv_sphere_add(location=(8, 4, 1))
+bpy.context.object.name = "Noise"
+bpy.context.object.data.materials.append(noise)
+tinted = medium("Tinted")
+tinted.node_tree.links.new(tinted.node_tree.nodes.new("ShaderNodeTexNoise").outputs["Color"], tinted.node_tree.nodes["Principled Volume"].inputs["Color"])
+cube("Tinted", tinted, location=(8, 8, 0))
+bpy.ops.mesh.primitive_plane_add(location=(8, 12, 0))
+bpy.context.object.name = "Open"
+bpy.context.object.data.materials.append(medium("Open"))
 
 cloud = bpy.data.volumes.new("Cloud")
 cloud.filepath, cloud.is_sequence = os.path.join(folder, "cache", "data", "fluid_data_0001.vdb"), True

@@ -469,7 +469,8 @@ INSTANTIATE_TEST_SUITE_P(Films, BlendBesideCyclesSlow,
                                          Film{"instances", "0 7", 0.03, 30}, Film{"fur", "2", 0.03, 32},
                                          Film{"groomed_head", "0", 0.03, 32}, Film{"curves", "0", 0.03, 32},
                                          Film{"glass_and_emission", "5", 0.03, 30}, Film{"procedural", "0", 0.03, 30},
-                                         Film{"open_shutter", "1 2", 0.01, 38}, Film{"shallow_focus", "0", 0.01, 37}),
+                                         Film{"cloud", "0 5", 0.02, 30}, Film{"open_shutter", "1 2", 0.01, 38},
+                                         Film{"shallow_focus", "0", 0.01, 37}),
                          [](const auto& film) { return film.param.name; });
 
 }  // namespace
