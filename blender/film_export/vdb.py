@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0 OR GPL-3.0-or-later
 """Writes a grid of floats as an OpenVDB file (version 224, not compressed), which Blender's own Python cannot before 4.4.
 
-Museth (VDB, 2013) has the tree: leaves of 8^3 voxels in nodes of 16^3 leaves in nodes of 32^3 of those, z fastest in each.
+[Museth2013] has the tree: leaves of 8^3 voxels in nodes of 16^3 leaves in nodes of 32^3 of those, z fastest in each.
 """
 import struct
 import uuid
@@ -48,7 +48,7 @@ def write(path, name, values, low, sides):
     leaves = leaves_of(values)
     filled = np.argwhere(values > 0)[:, ::-1]
     ends = (filled.min(axis=0), filled.max(axis=0)) if len(filled) else ((0, 0, 0), (-1, -1, -1))
-    matrix = np.diag([*sides, 1.0])
+    matrix = np.diag(np.append(sides, 1.0))
     matrix[3, :3] = np.asarray(low, dtype=float) + np.asarray(sides) / 2
 
     nodes = {}  # place of a node of leaves -> places of its leaves
