@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <ctime>
@@ -8,8 +9,8 @@
 namespace render2mpeg::renderer {
 
 /// The CPU time of something that happens so often, and takes so little, that reading a clock each time would take
-/// more: every 256th time is measured and stands for the others. Any number of threads; the sum is no function of the
-/// input, and nothing may depend on it.
+/// more: every 256th time is measured, less what the clock takes by itself, and stands for the others. Any number of
+/// threads; the sum is no function of the input, and nothing may depend on it.
 class SampledClock {
   public:
     template <class Work>
@@ -18,12 +19,14 @@ class SampledClock {
         constexpr unsigned period = 256;
         thread_local unsigned count = 0;
         if (++count % period != 0) return std::forward<Work>(work)();
-        const std::int64_t begin = now();
+        const std::int64_t before = now(), begin = now();
         auto result = std::forward<Work>(work)();
-        nanoseconds_.fetch_add(period * (now() - begin), std::memory_order_relaxed);
+        nanoseconds_.fetch_add(period * ((now() - begin) - (begin - before)), std::memory_order_relaxed);
         return result;
     }
-    double seconds() const { return 1e-9 * static_cast<double>(nanoseconds_.load(std::memory_order_relaxed)); }
+    double seconds() const {
+        return 1e-9 * static_cast<double>(std::max(nanoseconds_.load(std::memory_order_relaxed), std::int64_t{0}));
+    }
 
   private:
     static std::int64_t now() {
