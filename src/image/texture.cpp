@@ -315,6 +315,11 @@ void Texture::append_linear(std::span<const glm::vec4> linear, bool in_codes) {
     }
 }
 
+float Texture::texel(int x, int y, int channel) const {
+    const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(width()) + static_cast<std::size_t>(x);
+    return codes_.empty() ? floats_[i][channel] : tables.linear[codes_[i * 4 + static_cast<std::size_t>(channel)]];
+}
+
 Texture::Probes Texture::cover(glm::vec2 uv, const Footprint& footprint) const {
     const glm::vec2 size{width(), height()};
     const glm::vec2 a = footprint.dx * size, b = footprint.dy * size;

@@ -65,6 +65,11 @@ class Texture {
     glm::vec4 mean() const { return mean_; }
     int width() const { return levels_.empty() ? 0 : levels_.front().width; }
     int height() const { return levels_.empty() ? 0 : levels_.front().height; }
+    core::Wrap wrap_u() const { return wrap_u_; }
+    core::Wrap wrap_v() const { return wrap_v_; }
+    /// A channel of a texel of the finest level, as samples without a footprint mix it: in codes the fourth, or any of
+    /// a linear image whose alpha is no coverage.
+    float texel(int x, int y, int channel) const;
     /// Of all levels.
     std::size_t bytes() const { return codes_.size() + floats_.size() * sizeof(glm::vec4); }
 
