@@ -13,6 +13,7 @@
 #include "encoder/codec.h"
 #include "image/image.h"
 #include "renderer/lights/anchors.h"
+#include "renderer/surface/opacity_map.h"
 #include "scene/preparation/traits.h"
 
 namespace render2mpeg::app {
@@ -82,6 +83,18 @@ std::uint64_t in_chunk(const scene::Volume& volume, std::uint64_t lamps) {
            (volume.grids ? 0 : volume.outline.bytes);
 }
 
+/// Tables of where textures cut out surfaces.
+std::uint64_t for_cut_outs(const scene::Animation& scene) {
+    std::uint64_t triangles = 0;
+    for (const scene::Object& object : scene.objects) {
+        const scene::Material& m = scene.materials[static_cast<std::size_t>(object.material)];
+        if (m.alpha_mode != scene::AlphaMode::opaque && (m.base_color_texture.present() || m.alpha_texture.present()))
+            triangles += scene.meshes[static_cast<std::size_t>(object.mesh)].primitives();
+    }
+    return std::min<std::uint64_t>(triangles * renderer::OpacityMaps::most_bytes_of_triangle,
+                                   renderer::OpacityMaps::most_bytes);
+}
+
 std::string size_text(std::uint64_t bytes) {
     const double mib = static_cast<double>(bytes) / (1 << 20);
     return mib < 1000 ? fmt::format("{:.0f} MiB", mib) : fmt::format("{:.1f} GiB", mib / 1024);
@@ -104,6 +117,7 @@ MemoryNeed memory_need(const RenderJob& film) {
         need.textures += pixels * (header.bytes ? 4 : 16) * 4 / 3;
         need.decoding = std::max(need.decoding, per_decoded_pixel * pixels);
     }
+    need.textures += for_cut_outs(scene);
     if (film.plan.runs(renderer::Pass::volumes))
         for (const scene::Volume& volume : scene.volumes) {
             const std::uint64_t own = in_chunk(volume, scene.lights.size());

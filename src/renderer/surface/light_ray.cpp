@@ -46,8 +46,9 @@ glm::vec3 LightRay::left_by_air(const PosedScene& scene, float distance) const {
     return air->left_of_light(origin + distance * direction, -direction, std::numeric_limits<float>::infinity());
 }
 
-SurfacePoint LightRay::surface_at(const PosedScene& scene, const Hit& hit, const SurfaceFootprint& footprint) const {
-    return scene.surface_in(media, band, hit.address, -direction, footprint, time);
+SurfacePoint LightRay::surface_at(const PosedScene& scene, const Hit& hit, const SurfaceFootprint& footprint,
+                                  Holes holes) const {
+    return scene.surface_in(media, band, hit.address, -direction, footprint, time, holes);
 }
 
 void LightRay::leave(const SurfacePoint& point, glm::vec3 to) {

@@ -29,7 +29,8 @@ struct LightRay {
     glm::vec3 left_by_air(const PosedScene& scene, float distance) const;
 
     /// The surface as the ray meets it.
-    SurfacePoint surface_at(const PosedScene& scene, const Hit& hit, const SurfaceFootprint& footprint = {}) const;
+    SurfacePoint surface_at(const PosedScene& scene, const Hit& hit, const SurfaceFootprint& footprint = {},
+                            Holes holes = Holes::filled) const;
 
     /// Leaves a surface in a direction, unit.
     void leave(const SurfacePoint& point, glm::vec3 to);

@@ -14,6 +14,7 @@
 #include "renderer/base/sampled_clock.h"
 #include "renderer/geometry/strands.h"
 #include "renderer/geometry/surface_shape.h"
+#include "renderer/surface/opacity_map.h"
 #include "renderer/surface/surface_material.h"
 #include "renderer/surface/texture_store.h"
 #include "scene/volumes/volume_reader.h"
@@ -52,6 +53,7 @@ std::vector<std::optional<Medium>> media_of(const scene::Animation& animation, c
 struct PosedScene::Still {
     Still(const scene::Animation& film, const Plan& plan, TextureStore& store)
         : materials(film, plan, store),
+          opacity(film, materials),
           media(media_of(film, plan)),
           sky(plan.runs(Pass::sky_background) || plan.runs(Pass::sky_light) ? store.sky() : nullptr),
           notes(store.notes()),
@@ -60,6 +62,7 @@ struct PosedScene::Still {
           volume_reader(film) {}
 
     SurfaceMaterials materials;
+    OpacityMaps opacity;
     std::vector<std::optional<Medium>> media;
     std::shared_ptr<const image::SkyMap> sky;
     std::vector<std::string> notes;
@@ -79,11 +82,14 @@ struct PosedScene::Impl {
         fill_air({});
     }
 
+    static glm::vec3 passing(Opacity known) { return glm::vec3(known == Opacity::clear ? 1.0f : 0.0f); }
+
     /// The ray tracer's question, asked of this object.
     RayTracer::Transmittance passing() {
         return [this](const core::SurfaceAddress& address, glm::vec3 direction, Bodies bodies) {
             if (bodies == Bodies::block && animation.objects[address.object].body == scene::Body::solid)
                 return glm::vec3{0.0f};
+            if (const Opacity known = still->opacity.at(address); known != Opacity::mixed) return passing(known);
             return layer_clock.time([&] { return transmittance(address, direction); });
         };
     }
@@ -239,7 +245,8 @@ SurfacePoint PosedScene::surface_at(const core::SurfaceAddress& address, glm::ve
 }
 
 SurfacePoint PosedScene::surface_in(const MediaStack& media, Band band, const core::SurfaceAddress& address,
-                                    glm::vec3 outgoing, const SurfaceFootprint& footprint, float time) const {
+                                    glm::vec3 outgoing, const SurfaceFootprint& footprint, float time,
+                                    Holes holes) const {
     const ObjectInstant object(*impl_->snapshot, address.object, time);
     const bool is_strand = object.mesh().has_curves();
     const SurfaceShape shape =
@@ -261,7 +268,7 @@ SurfacePoint PosedScene::surface_in(const MediaStack& media, Band band, const co
         if (point.back_side) around.begin_inside(address.object, *medium);
         index = around.index_across(address.object, *medium, point.back_side, band);
     }
-    impl_->still->materials.fill(point, shape, object, index);
+    impl_->still->materials.fill(point, shape, object, index, holes);
     return point;
 }
 
@@ -293,7 +300,16 @@ SurfaceShape PosedScene::shape_at(const core::SurfaceAddress& address, float tim
 }
 
 glm::vec3 PosedScene::transmittance_at(const core::SurfaceAddress& address, glm::vec3 direction) const {
-    return impl_->transmittance(address, direction);
+    const Opacity known = impl_->still->opacity.at(address);
+    return known != Opacity::mixed ? Impl::passing(known) : impl_->transmittance(address, direction);
+}
+
+glm::vec3 PosedScene::origin_behind(const core::SurfaceAddress& address, glm::vec3 direction) const {
+    const SurfaceShape shape = impl_->shape(address, {});
+    const float side = glm::dot(shape.front_normal, -direction) < 0.0f ? 1.0f : -1.0f;
+    // In the triangle's plane a ray goes on above it, as offset_origin has it.
+    const bool behind = side * glm::dot(direction, shape.front_normal) > 0.0f;
+    return shape.position + (behind ? side : -side) * shape.position_error * shape.front_normal;
 }
 
 glm::vec3 PosedScene::front_normal(std::uint32_t object, std::uint32_t primitive) const {

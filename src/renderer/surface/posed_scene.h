@@ -64,7 +64,8 @@ class PosedScene {
 
     /// The same where a ray meets the surface from within these media. `band`: what light it carries.
     SurfacePoint surface_in(const MediaStack& media, Band band, const core::SurfaceAddress& address, glm::vec3 outgoing,
-                            const SurfaceFootprint& footprint = {}, float time = scene::middle_time) const;
+                            const SurfaceFootprint& footprint = {}, float time = scene::middle_time,
+                            Holes holes = Holes::filled) const;
 
     /// Medium of the body of glass that an object bounds; null: it bounds none, or the plan bends no light.
     const Medium* medium_within(std::uint32_t object) const;
@@ -77,6 +78,9 @@ class PosedScene {
     /// Share of light that goes straight through a surface, as shadow rays of that direction have it
     /// (RayTracer::Transmittance).
     glm::vec3 transmittance_at(const core::SurfaceAddress& address, glm::vec3 direction) const;
+
+    /// Where a ray of the shutter's middle goes on that met a hole there.
+    glm::vec3 origin_behind(const core::SurfaceAddress& address, glm::vec3 direction) const;
 
     /// Unit normal of the triangle's front at the posed instant; (0, 0, 1) for a triangle that has shrunk to nothing.
     glm::vec3 front_normal(std::uint32_t object, std::uint32_t primitive) const;

@@ -91,13 +91,6 @@ void lay_below_mirror(Bsdf& bsdf, const Interface& surface, float cosine) {
     bsdf.diffuse = glm::min(passes * bsdf.diffuse, glm::max(1.0f - bsdf.mirror - bsdf.transmission, glm::vec3{0.0f}));
 }
 
-/// Whether a track moves the material's base colour, and so its alpha.
-bool is_faded(const scene::Animation& animation, std::uint32_t material) {
-    return std::any_of(animation.tracks.begin(), animation.tracks.end(), [&](const scene::Track& track) {
-        return track.target == scene::TrackTarget::base_color && track.index == static_cast<int>(material);
-    });
-}
-
 /// Parts the Lambert reflectance of `bsdf`, made for the mixture of both colours, among the two sides.
 void part_sides(Bsdf& bsdf, glm::vec3 base_color, float share, glm::vec3 color, float cosine) {
     const float passes = bsdf.has_lobe() ? 1.0f - bsdf.covered * mean_schlick(cosine) : 1.0f;
@@ -210,12 +203,20 @@ bool SurfaceMaterials::is_translucent(std::uint32_t material) const {
     if (m.base_color_texture.present() || m.alpha_texture.present()) return true;
     if (m.curve_of(scene::AngledInput::alpha) != nullptr) return true;
     const float full = m.alpha_mode == scene::AlphaMode::mask ? m.alpha_cutoff : 1.0f;
-    if (m.base_color.a < full || is_faded(animation_, material)) return true;
+    if (m.base_color.a < full || scene::is_faded(animation_, material)) return true;
     for (const scene::Object& object : animation_.objects) {
         const auto mesh = static_cast<std::size_t>(object.mesh);
         if (object.material == static_cast<int>(material) && !animation_.meshes[mesh].colors.empty()) return true;
     }
     return false;
+}
+
+bool SurfaceMaterials::is_cut_out(std::uint32_t material) const {
+    const scene::Material& m = animation_.materials[material];
+    return alpha_ && m.alpha_mode != scene::AlphaMode::opaque && m.transmission == 0.0f &&
+           m.curve_of(Input::alpha) == nullptr && !scene::is_faded(animation_, material) &&
+           (textures_.of(material, TextureRole::base_color) != nullptr ||
+            textures_.of(material, TextureRole::alpha) != nullptr);
 }
 
 glm::vec3 SurfaceMaterials::emission_at(std::uint32_t material, const SurfaceShape& shape,
@@ -246,8 +247,8 @@ glm::vec3 SurfaceMaterials::transmittance_at(std::uint32_t material, const Surfa
            covered * color * ((1.0f - metallic) * transmission) * passing_pane(*pane, reflected, cosine, thickness);
 }
 
-void SurfaceMaterials::fill(SurfacePoint& point, const SurfaceShape& shape, const ObjectInstant& object,
-                            float index) const {
+void SurfaceMaterials::fill(SurfacePoint& point, const SurfaceShape& shape, const ObjectInstant& object, float index,
+                            Holes holes) const {
     const std::uint32_t material = point.material;
     const scene::Material& m = animation_.materials[material];
     float variance = 0.0f;
@@ -256,6 +257,7 @@ void SurfaceMaterials::fill(SurfacePoint& point, const SurfaceShape& shape, cons
     const glm::vec4 base = base_color_at(material, shape, object.snapshot(), cosine);
     point.alpha = coverage(material, shape, base.a);
     point.unlit = m.unlit;
+    if (holes == Holes::bare && point.alpha == 0.0f && !m.unlit && !m.emits()) return;
     if (m.unlit) {
         point.emission = glm::max(glm::vec3(base), glm::vec3{0.0f});
         return;

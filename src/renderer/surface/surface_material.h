@@ -18,7 +18,8 @@ class SurfaceMaterials {
     /// Fills in normals, bsdf, emission, alpha and unlit of a point whose geometry (`shape`, `outgoing`, `back_side`,
     /// geometric normal) is known. `index`: where a body of glass is entered or left, what lies beyond over what lies
     /// before; 0: glass is thin.
-    void fill(SurfacePoint& point, const SurfaceShape& shape, const ObjectInstant& object, float index = 0) const;
+    void fill(SurfacePoint& point, const SurfaceShape& shape, const ObjectInstant& object, float index = 0,
+              Holes holes = Holes::filled) const;
 
     /// Light of the front, textured, without the animated factor; 0 for unlit materials. To a direction with this
     /// cosine to the normal; without one the mean of all.
@@ -31,6 +32,11 @@ class SurfaceMaterials {
 
     /// Whether surfaces of a material may let light through somewhere.
     bool is_translucent(std::uint32_t material) const;
+
+    /// Whether textures alone say where surfaces of a material are holes, at all instants and from all sides, but for
+    /// colours of vertices.
+    bool is_cut_out(std::uint32_t material) const;
+    const MaterialTextures& textures() const { return textures_; }
 
   private:
     glm::vec4 look_up(std::uint32_t material, TextureRole role, const SurfaceShape& shape) const;

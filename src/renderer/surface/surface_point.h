@@ -1,5 +1,6 @@
 #pragma once
 // A point of a surface as shading needs it.
+#include <cstdint>
 #include <glm/glm.hpp>
 
 #include "core/surface_address.h"
@@ -8,6 +9,9 @@
 #include "renderer/surface/bsdf.h"
 
 namespace render2mpeg::renderer {
+
+/// Whether a point that is all hole gets its reflectances, which nobody sees there; `bare` takes less time.
+enum class Holes : std::uint8_t { filled, bare };
 
 /// All that shading needs to know of one point, its material's textures looked up.
 struct SurfacePoint {

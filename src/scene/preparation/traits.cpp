@@ -162,6 +162,12 @@ Traits traits_of(const Animation& animation) {
     return traits;
 }
 
+bool is_faded(const Animation& animation, std::uint32_t material) {
+    return std::any_of(animation.tracks.begin(), animation.tracks.end(), [&](const Track& track) {
+        return track.target == TrackTarget::base_color && track.index == static_cast<int>(material);
+    });
+}
+
 float mirrored_share(const Material& m) {
     const auto largest = [](glm::vec3 v) { return std::max({v.x, v.y, v.z}); };
     if (m.specular_glossiness) {

@@ -57,6 +57,9 @@ inline constexpr float mirror_roughness = 0.1f;
 /// Share of light that a surface mirrors, about, seen from above; 0: it mirrors none.
 float mirrored_share(const Material& material);
 
+/// Whether a track moves the material's base colour, and so its alpha.
+bool is_faded(const Animation& animation, std::uint32_t material);
+
 /// Below this perceptual roughness a lobe counts as narrow: light points stand too far apart in it, and rays look along
 /// it (final_gather.h). chosen: 0.35, where half the lobe spans some 14 degrees; not tuned.
 inline constexpr float narrow_roughness = 0.35f;
