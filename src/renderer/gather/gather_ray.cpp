@@ -80,6 +80,15 @@ float by_lobe_rays(glm::vec3 emission, float distance, float intensity) {
     return 1.0f - lobe::by_trees(disc2, 1.0f / lobe::lobe_rays_disc2);
 }
 
+/// Light of a surface that shines, as far as rays count it that asked for lights, or those of lobes.
+glm::vec3 shining(glm::vec3 passing, const SurfacePoint& p, float distance, const RayRules& rules, bool behind_body) {
+    if (const AskedLights* asked = rules.asked)
+        return passing * p.emission *
+               asked->share(asked->lights.surface_density(asked->query, p.address), asked->choices.surfaces);
+    if (behind_body) return glm::vec3(0);
+    return passing * p.emission * by_lobe_rays(p.emission, distance, rules.shining[p.address.object]);
+}
+
 /// Turns a ray of this weight straight on or mirrored, as likely as either is; false: it ends, as most do where little
 /// goes on.
 bool go_on(const PosedScene& scene, const SurfacePoint& p, float choice, glm::vec3& direction, glm::vec3& weight,
@@ -110,8 +119,10 @@ GatherRays::GatherRays(const PosedScene& posed_scene, const Plan& plan)
     extent_ = glm::length(film.bounds_max - film.bounds_min);
     extent_level_ = extent_ > 0.0f ? std::ilogb(extent_) : 0;
     for (const scene::Material& m : film.materials) {
-        plain_.push_back(m.alpha_mode == scene::AlphaMode::opaque && m.transmission == 0.0f && !m.unlit &&
-                         !(plan.runs(Pass::mirrors) && scene::mirrored_share(m) > least_passing));
+        const bool plain = m.transmission == 0.0f && !m.unlit &&
+                           !(plan.runs(Pass::mirrors) && scene::mirrored_share(m) > least_passing);
+        plain_.push_back(plain && m.alpha_mode == scene::AlphaMode::opaque);
+        cut_out_.push_back(plain && m.alpha_mode != scene::AlphaMode::opaque);
         shines_.push_back(m.emits() && !m.unlit);
     }
     if (!plan.runs(Pass::hair)) return;
@@ -204,10 +215,6 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, const
     const AskedLights* asked = rules.asked;
     glm::vec3 passing(1), known(0);
     TermReservoir chosen(index, numbers.uniform(0));
-    const auto finished = [&] {
-        if (bounces_ && rules.bounces) chosen.put(terms);
-        return known;
-    };
     float distance = 0;
     // Lamps and the sky in mirrors are caustics on what gathers by hemispheres.
     const bool sees_lights = asked != nullptr || rules.is_lobe;
@@ -225,25 +232,29 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, const
         }
         if (!hit.found()) {
             if (!behind_body && (!mirrored || sees_lights)) known += passing * escaped(ray.direction, rules, mirrored);
-            return finished();
+            break;
         }
         distance += hit.distance;
         const auto material = static_cast<std::size_t>(posed_scene_.animation().objects[hit.address.object].material);
         const CellQuery place = cell_query(ray, hit, distance, rules, numbers.at(static_cast<std::uint64_t>(step)));
         const bool shines = shines_[material] && (asked != nullptr || !rules.shining.empty());
-        if (plain_[material] && !mirrored && !shines) {
+        // What is cut out is plain, or not there.
+        const bool cut_out = cut_out_[material] && !shines;
+        const float ahead = cut_out ? posed_scene_.transmittance_at(hit.address, ray.direction).x : 0.0f;
+        if ((plain_[material] || cut_out) && ahead == 0.0f && !mirrored && !shines) {
             chosen.offer(passing, place);
-            return finished();
+            break;
+        }
+        if (ahead == 1.0f) {
+            if (!(core::luminance(passing) > least_passing)) break;
+            ray.origin = posed_scene_.origin_behind(hit.address, ray.direction);
+            continue;
         }
 
         // Look at what passes or mirrors.
         const SurfacePoint p = posed_scene_.surface_at(hit.address, -ray.direction);
         // Lamps in mirrors would be found by one ray in thousands.
-        if (asked != nullptr && shines_[material] && !mirrored)
-            known += passing * p.emission *
-                     asked->share(asked->lights.surface_density(asked->query, hit.address), asked->choices.surfaces);
-        if (shines && asked == nullptr && !mirrored && !behind_body)
-            known += passing * p.emission * by_lobe_rays(p.emission, distance, rules.shining[hit.address.object]);
+        if (shines && !mirrored) known += shining(passing, p, distance, rules, behind_body);
         if (asked == nullptr && sky_in_panes_ > 0.0f && !behind_body && !mirrored)
             known += passing * sky_in_pane(p, rules.solid_angle, rays);
         const glm::vec3 shown = passing * p.alpha;
@@ -255,7 +266,8 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, const
         if (!go_on(posed_scene_, p, choice, ray.direction, passing, mirrored)) break;
         ray.origin = offset_origin(p, ray.direction);
     }
-    return finished();
+    if (bounces_ && rules.bounces) chosen.put(terms);
+    return known;
 }
 
 }  // namespace render2mpeg::renderer

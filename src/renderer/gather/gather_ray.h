@@ -108,6 +108,7 @@ class GatherRays {
     int extent_level_;          ///< power of two in it: scaled scenes have the same cells
     std::vector<bool> plain_;   ///< by material: opaque, neither mirror nor glass
     std::vector<bool> shines_;
+    std::vector<bool> cut_out_;       ///< by material: plain but for holes
     std::vector<float> fibre_cells_;  ///< by object: the least size of cells among its strands, in its own space;
                                       ///< empty: there is no hair
 };

@@ -212,7 +212,7 @@ void EyePaths::follow(PathState path, Hit hit, EyeSample& sample, SeeCounts& cou
         const SurfaceFootprint footprint = path.ray.footprint_at(hit.distance, plane);
         Fragment fragment;
         SurfacePoint& point = fragment.point;
-        point = path.ray.surface_at(posed_scene_, hit, footprint);
+        point = path.ray.surface_at(posed_scene_, hit, footprint, Holes::bare);
         if (!path.specular() && !posed_scene_.animation().materials[point.material].seen) point.alpha = 0.0f;
         if (edits_) aim_reflection(posed_scene_, path.ray.time, point);
         if (point.alpha == 0.0f && path.turned() && posed_scene_.animation().materials[point.material].mirrored)
