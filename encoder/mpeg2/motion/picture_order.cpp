@@ -8,7 +8,7 @@
 
 namespace render2mpeg::encoder::mpeg2 {
 
-std::int64_t next_reference_after(std::int64_t rest, int most_b, const PictureFacts& facts) {
+std::int64_t next_reference_after(std::int64_t rest, bool ends_intra, int most_b, const PictureFacts& facts) {
     EXPECTS(rest >= 1 && most_b >= 0);
     if (facts.b_pictures) return std::min<std::int64_t>({rest, most_b + 1, *facts.b_pictures + 1});
     // Refer no further than vectors hold, but spare no B picture altogether: half of a distance of two is one.
@@ -19,7 +19,12 @@ std::int64_t next_reference_after(std::int64_t rest, int most_b, const PictureFa
         furthest = std::clamp(static_cast<std::int64_t>(nonuniform_reach / nonuniformity), least, furthest);
     // The mean of two references is right in the middle between them alone.
     if (facts.light_change.value_or(0) > steady_light) furthest = least;
-    const std::int64_t runs = (rest + furthest - 1) / furthest;
+    std::int64_t runs = (rest + furthest - 1) / furthest;
+    // Keep the longest run for the end: an I picture costs the same however far away, a P picture does not.
+    if (ends_intra && runs > 1) {
+        rest -= (rest + runs - 1) / runs;
+        --runs;
+    }
     return (rest + runs - 1) / runs;
 }
 
@@ -39,7 +44,7 @@ PicturePlan PictureOrder::plan(std::int64_t number, const PictureFacts& facts, b
             const std::int64_t next_gop = gop_start_ + gop_;
             const std::int64_t left = std::min(facts.frames_left, next_gop - (may_open ? 0 : 1) - number);
             earlier_ = later_;
-            later_ = number - 1 + next_reference_after(left + 1, b_pictures_, facts);
+            later_ = number - 1 + next_reference_after(left + 1, number + left == next_gop, b_pictures_, facts);
             if (later_ == next_gop) intra_place_ = number;
         }
         plan.type = number < later_ ? PictureType::bidirectional : PictureType::predicted;

@@ -11,8 +11,8 @@ namespace render2mpeg::encoder::mpeg2 {
 /// How far from an I or P picture the next P picture is to lie, >= 1, where `rest` >= 1 pictures of the GOP follow.
 /// Runs of B pictures are as long as a look-ahead says, else as `most_b`, the motion's non-uniformity and the change of
 /// light allow (PictureFacts), and as alike as the rest can be parted: so no lone picture is left over at the GOP's
-/// end.
-std::int64_t next_reference_after(std::int64_t rest, int most_b, const PictureFacts& facts);
+/// end. `ends_intra`: the last run ends at the next GOP's I picture; none before it is longer.
+std::int64_t next_reference_after(std::int64_t rest, bool ends_intra, int most_b, const PictureFacts& facts);
 
 /// Decides types and references, in display order.
 class PictureOrder {
