@@ -39,17 +39,20 @@ bool shows(const core::Visible& there, int x, int y, const Point& point) {
     return normal == point.normal || glm::dot(normal.unpack(), point.normal.unpack()) >= normal_reach;
 }
 
-/// The mean about a position between the centres of pixel (x, y) and of (x + 1, y + 1), which may lie outside.
+/// The mean about a position between the centres of pixel (x, y) and of (x + 1, y + 1), which may lie outside; beyond
+/// the seam where the picture wraps.
 template <class T>
-T fetch(const core::Plane<T>& values, const core::Visible& there, int x, int y, glm::vec2 within, const Point& point) {
+T fetch(const core::Plane<T>& values, const core::Visible& there, int x, int y, glm::vec2 within, const Point& point,
+        bool wraps) {
     T sum(0.0f);
     float weights = 0.0f;
     for (int j = 0; j < 2; ++j)
         for (int i = 0; i < 2; ++i) {
             const float weight = (i == 0 ? 1.0f - within.x : within.x) * (j == 0 ? 1.0f - within.y : within.y);
-            const bool inside = x + i >= 0 && y + j >= 0 && x + i < values.width() && y + j < values.height();
-            if (!(weight > 0.0f) || !inside || !shows(there, x + i, y + j, point)) continue;
-            sum += weight * values.at(x + i, y + j);
+            const int column = wraps ? (x + i + values.width()) % values.width() : x + i;
+            const bool inside = column >= 0 && y + j >= 0 && column < values.width() && y + j < values.height();
+            if (!(weight > 0.0f) || !inside || !shows(there, column, y + j, point)) continue;
+            sum += weight * values.at(column, y + j);
             weights += weight;
         }
     return weights > 0.0f ? sum / weights : T(no_partner);
@@ -70,7 +73,8 @@ core::Plane<T> warp(const core::Plane<T>& values, const core::Visible& there, co
         for (int x = 0; x < here.width(); ++x) {
             if (motion != nullptr && motion->kind.row(y)[x] == core::PixelClass::none) continue;
             const glm::vec2 vector = motion == nullptr ? glm::vec2(0.0f) : motion->vector.row(y)[x];
-            const glm::vec2 place = glm::vec2(static_cast<float>(x), static_cast<float>(y)) + vector;
+            glm::vec2 place = glm::vec2(static_cast<float>(x), static_cast<float>(y)) + vector;
+            if (motion != nullptr) place.x = motion->column(place.x);
             // Written so that a position that is not a number is outside, too.
             if (!(place.x > -0.5f && place.x < right - 0.5f && place.y > -0.5f && place.y < bottom - 0.5f)) continue;
             const int left = static_cast<int>(place.x + 1.0f) - 1, top = static_cast<int>(place.y + 1.0f) - 1;
@@ -78,7 +82,8 @@ core::Plane<T> warp(const core::Plane<T>& values, const core::Visible& there, co
             const float depth = motion == nullptr ? here.depth.row(y)[x] : motion->depth_in_reference.row(y)[x];
             out[x] = fetch(values, there, left, top, within,
                            {here.address.row(y)[x], here.geometric_normal.row(y)[x], here.material.row(y)[x],
-                            here.kind.row(y)[x], depth});
+                            here.kind.row(y)[x], depth},
+                           motion != nullptr && motion->wraps);
         }
     }
     return warped;

@@ -29,7 +29,10 @@ template <class T>
 std::optional<float> value_along(const core::MotionField& motion, const core::Plane<T>& before, int x, int y) {
     if (motion.kind.at(x, y) == core::PixelClass::none) return std::nullopt;
     const glm::vec2 v = motion.vector.at(x, y);
-    const float px = static_cast<float>(x) + v.x, py = static_cast<float>(y) + v.y;
+    float px = motion.column(static_cast<float>(x) + v.x);
+    const float py = static_cast<float>(y) + v.y;
+    // Half a pixel beyond either edge of a panorama its other edge is as near.
+    if (motion.wraps) px = std::clamp(px, 0.0f, static_cast<float>(before.width() - 1));
     if (!(px >= 0 && py >= 0)) return std::nullopt;
     if (!(px <= static_cast<float>(before.width() - 1) && py <= static_cast<float>(before.height() - 1)))
         return std::nullopt;

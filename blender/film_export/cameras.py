@@ -29,6 +29,16 @@ def cuts(scene, frames):
     return out
 
 
+def panorama_of(data):
+    """What Cycles knows of a panoramic camera."""
+    return data if hasattr(data, "panorama_type") else data.cycles  # Blender 5 | before
+
+
+def is_panorama(camera):
+    """Whether it has a panorama that the film can have."""
+    return camera.data.type == "PANO" and panorama_of(camera.data).panorama_type == "EQUIRECTANGULAR"
+
+
 class Cameras:
     def __init__(self, scene, frames, times, lost):
         self.scene, self.times, self.lost = scene, times, lost
@@ -59,8 +69,9 @@ class Cameras:
 
     def tell_losses(self, camera, poses):
         data = camera.data
-        if data.type == "PANO":
-            self.lost.add(camera, "panoramic lens, which films do not have; shown as a perspective one")
+        if data.type == "PANO" and not is_panorama(camera):
+            kind = panorama_of(data).panorama_type.lower().replace("_", " ")
+            self.lost.add(camera, f"panoramic lens ({kind}), which films do not have; shown as a perspective one")
         first = poses[0]
         if np.max(np.ptp([self.shift_of(camera, p) for p in poses], axis=0)) > 1e-4:
             self.lost.add(camera, "animated lens shift; as on the first frame")
@@ -103,11 +114,16 @@ class Cameras:
             says["near"] = json_number(near)
         if far > near:
             says["far"] = json_number(far)
-        shift = self.shift_of(camera, poses[0])
+        shift = np.zeros(2) if is_panorama(camera) else self.shift_of(camera, poses[0])
         if np.max(np.abs(shift)) > 1e-6:
             says["shift"] = [json_number(s) for s in shift]
         quantities = {"position": ([p["position"] for p in poses], 1e-5), "rotate": (unwound([p["rotate"] for p in poses]), 1e-3)}
-        if camera.data.type == "ORTHO":
+        if is_panorama(camera):
+            seen = panorama_of(camera.data)
+            says["projection"] = "equirectangular"
+            says["longitudes"] = [round(math.degrees(a), 4) for a in (seen.longitude_min, seen.longitude_max)]
+            says["latitudes"] = [round(math.degrees(a), 4) for a in (seen.latitude_min, seen.latitude_max)]
+        elif camera.data.type == "ORTHO":
             says["height"] = json_number(2 / poses[0]["lens"][1, 1])
         else:
             fov = [[math.degrees(2 * math.atan(1 / p["lens"][1, 1]))] for p in poses]

@@ -1,5 +1,6 @@
 #pragma once
 // The border type of exact motion, per picture and reference.
+#include <cmath>
 #include <cstdint>
 #include <glm/glm.hpp>
 
@@ -18,6 +19,14 @@ struct MotionField {
     Plane<float> depth_in_reference;
     /// `none`: the point does not exist in the reference or lies behind its camera.
     Plane<PixelClass> kind;
+    bool wraps = false;  ///< the reference's columns go on from the right edge to the left one: a panorama's
+
+    /// A column of the reference's picture, where that wraps at -0.5 to the width - 0.5.
+    float column(float x) const {
+        if (!wraps) return x;
+        const auto turn = static_cast<float>(vector.width());
+        return x - turn * std::floor((x + 0.5f) / turn);
+    }
 };
 
 }  // namespace render2mpeg::core

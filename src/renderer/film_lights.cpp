@@ -118,8 +118,7 @@ bool FilmLights::shine(const scene::Snapshot& snapshot, const LightChange& chang
 NearField FilmLights::near_field_of(const scene::Snapshot& snapshot, std::span<const LightPoint> lights,
                                     const LightChange& change) const {
     if (!snapshot.cut_before && !change.sources) return sky_of_rays_.near_field;
-    return NearField(
-        lights, sample_view(posed_scene_, plan_, snapshot.camera, {settings_.format.width, settings_.format.height}));
+    return NearField(lights, sample_view(posed_scene_, plan_, snapshot.camera));
 }
 
 /// Light points that trees hold: all but those of area lamps, and of the sky that gather rays see.

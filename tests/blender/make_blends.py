@@ -653,8 +653,35 @@ def hostile():
     cube.data.materials[0] = material
 
 
+def panorama(longitudes=(-180, 180), latitudes=(-90, 90)):
+    """All about a tilted camera, with things behind it, above and below."""
+    scene = start(1)
+    scene.render.resolution_x, scene.render.resolution_y = 256, 128
+    world_of((0.5, 0.6, 0.8))
+    add_lamp("SUN", (0, 0, 5), (1, 2, 0), energy=2.0, angle=0.1)
+    add_primitive("plane", add_matt("Floor", (0.5, 0.5, 0.45)), size=30)
+    for k in range(7):
+        turn = 0.9 * k
+        add_primitive("cube", add_matt(f"Box {k}", (0.2 + 0.1 * k, 0.4, 0.8 - 0.1 * k)), size=0.9, rotation=(0, 0, 0.3 * k),
+                      location=(3 * math.cos(turn), 3 * math.sin(turn), 0.45))
+    add_primitive("cube", add_matt("Above", (0.7, 0.3, 0.2)), size=1.2, location=(0.2, 0.1, 4))
+    add_primitive("uv_sphere", add_matt("Below", (0.3, 0.6, 0.3)), smooth=True, radius=0.4, location=(0, 0.1, 0.4), segments=48, ring_count=24)
+    camera = add_camera((0, 0, 1.8), (1, -2, 1.5))
+    camera.data.type = "PANO"
+    seen = camera.data if hasattr(camera.data, "panorama_type") else camera.data.cycles
+    seen.panorama_type = "EQUIRECTANGULAR"
+    seen.longitude_min, seen.longitude_max = map(math.radians, longitudes)
+    seen.latitude_min, seen.latitude_max = map(math.radians, latitudes)
+
+
+def panorama_window():
+    """A part of it, as wide as it is high."""
+    panorama((-40, 80), (-70, 50))
+    bpy.context.scene.render.resolution_x = 128
+
+
 FILMS = {film.__name__: film for film in (tracked_camera, markers, lamps_and_sky, looks, armature_and_shapes, fur, groomed_head, curves, instances, glass_and_emission,
-                                          procedural, cloud, odds_and_ends, hostile, open_shutter, shallow_focus, holes)}
+                                          procedural, cloud, odds_and_ends, hostile, open_shutter, shallow_focus, holes, panorama, panorama_window)}
 
 
 def main():

@@ -73,12 +73,20 @@ std::vector<HardCase> view_cases() {
         {"parallel rays across no height",
          "division by it",
          "a line that names the camera",
-         [] { return seen_by([](scene::CameraLens& lens) { lens.perspective = false, lens.y_magnification = 0; }); },
+         [] {
+             return seen_by([](scene::CameraLens& lens) {
+                 lens.projection = scene::ProjectionKind::orthographic, lens.y_magnification = 0;
+             });
+         },
          {},
          {},
          "camera 0"},
         {"parallel rays", "a camera without a place: depth and distance are not the same", "the floor",
-         [] { return seen_by([](scene::CameraLens& lens) { lens.perspective = false, lens.y_magnification = 1; }); },
+         [] {
+             return seen_by([](scene::CameraLens& lens) {
+                 lens.projection = scene::ProjectionKind::orthographic, lens.y_magnification = 1;
+             });
+         },
          [](const Lit& film) { EXPECT_GT(film.at(16, 16).y, 0.9f * 0.5f / std::numbers::pi_v<float> / 4); }},
         {"a picture that is white all over", "the tone curve has no inverse where it clips", "white, and a small film",
          [] { return bright_wall(1e6f); },

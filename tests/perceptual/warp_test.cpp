@@ -53,6 +53,19 @@ TEST(Carry, InterpolatesBetweenFourPixels) {
         << "less than half a pixel beyond the last centre, inside";
 }
 
+TEST(Carry, GoesOnBeyondTheSeamOfAPanorama) {
+    core::MotionField field = motion({2.25f, 0});
+    field.wraps = true;
+    const core::Plane<float> warped = warp(ramp(), wall(), wall(), &field);
+    EXPECT_FLOAT_EQ(warped.at(2, 3), 1 + 3 * 4.25f + 20 * 3);
+    EXPECT_FLOAT_EQ(warped.at(size - 1, 3), 1 + 3 * 1.25f + 20 * 3);
+    const float last = ramp().at(size - 1, 3), first = ramp().at(0, 3);
+    EXPECT_FLOAT_EQ(warped.at(size - 3, 3), 0.75f * last + 0.25f * first) << "between the last column and the first";
+    EXPECT_FLOAT_EQ(*value_along(field, ramp(), size - 1, 3), 1 + 3 * 1.25f + 20 * 3);
+    field.vector = core::Plane<glm::vec2>(size, size, {-3, 0});
+    EXPECT_FLOAT_EQ(warp(ramp(), wall(), wall(), &field).at(1, 0), 1 + 3 * (size - 2));
+}
+
 TEST(Carry, FindsNoPartnerInAnotherThing) {
     const core::MotionField still = motion({0, 0});
     const auto partner = [&](auto change) {

@@ -404,6 +404,27 @@ std::vector<Row> rows_in(const std::string& text) {
     return rows;
 }
 
+TEST(BlendFileSlow, ShowsPanoramasAsCyclesDoes) {
+    NEEDS_BLENDER();
+    for (const std::string name : {"panorama", "panorama_window"}) {
+        const Folder folder;
+        make(folder, name);
+        const std::string blend = path(folder, name + ".blend");
+        const Outcome ours = run(program() + " render " + blend + " -o " + path(folder, "ours%04d.exr") +
+                                 " --frames 0:0 --exposure 0 --tolerance fixed=2% --samples 16 --edge-samples 64");
+        ASSERT_EQ(ours.status, 0) << ours.output;
+        EXPECT_EQ(ours.output.find("not kept"), std::string::npos) << ours.output;
+        EXPECT_EQ(ours.output.find("stretched"), std::string::npos) << ours.output;
+        const Outcome compared = held_against_cycles(blend, folder, "0 --samples 128");
+        ASSERT_EQ(compared.status, 0) << compared.output;
+        const std::vector<Row> rows = rows_in(compared.output);
+        ASSERT_EQ(rows.size(), 1u) << compared.output;
+        EXPECT_NEAR(rows[0].mean, 1, 0.01) << compared.output;
+        EXPECT_GE(rows[0].psnr, 33) << compared.output;
+        EXPECT_LT(std::hypot(rows[0].right, rows[0].up), 0.1) << compared.output;
+    }
+}
+
 TEST(BlendViewsSlow, AreShownAsBlenderShowsThem) {
     NEEDS_BLENDER();
     const Folder folder;

@@ -31,6 +31,8 @@ const std::vector<Mistake>& commands() {
         {"render S -o x.mpg --fog 0", 2, {"--fog", "above 0"}},
         {"render S -o x.mpg --fog -3", 2, {"--fog", "above 0"}},
         {"render S -o x.mpg --fog inf", 2, {"--fog", "above 0"}},
+        {"render S -o x.mpg --projection fisheye", 2, {"--projection", "equirectangular", "vr180"}},
+        {"render S -o x.mpg --projection vr180 --f-stop 2 --focus 1", 2, {"--f-stop 2", "a panorama has no lens"}},
         {"render S -o x.mpg --glare bright", 2, {"--glare", "bright", "static:0.2"}},
         {"render S -o x.mpg --glare static:0.7", 2, {"--glare", "0 to 0.5"}},
         {"render S -o x.mpg --grain fine", 2, {"--grain", "fine", "50 to 6400"}},

@@ -47,7 +47,7 @@ int add_unlit(SceneBuilder& b, glm::vec3 color = glm::vec3(1)) {
 /// A parallel camera that shows one unit in each pixel, from z = 50 down.
 void add_plan_view(SceneBuilder& b) {
     scene::CameraLens lens;
-    lens.perspective = false;
+    lens.projection = scene::ProjectionKind::orthographic;
     lens.y_magnification = size / 2.0f;
     b.add_camera(lens, {0, 0, 50}, {0, 0, 0});
 }

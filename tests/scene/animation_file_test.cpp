@@ -80,7 +80,16 @@ TEST_F(AnimationFile, NamesThePlaceOfWrongTypesAndRanges) {
                      {"camera.keys[3].position", "a list of 3", "a list of 2"});
     expect_complaint(R"({"camera": {"position": [0, "one", 2]}})", {"camera.position[1]", "number", "\"one\""});
     expect_complaint(R"({"camera": {"fov": 190}})", {"camera.fov", "175", "190"});
-    expect_complaint(R"({"camera": {"projection": "equirectangular"}})", {"camera.projection", "panoramas", "`fov`"});
+    expect_complaint(R"({"camera": {"projection": "mercator"}})", {"camera.projection", "equirectangular", "vr180"});
+    expect_complaint(R"({"camera": {"projection": "vr180", "f_stop": 2, "focus": 1}})", {"camera.f_stop", "no lens"});
+    expect_complaint(R"({"camera": {"projection": "vr180", "height": 2}})", {"camera", "panorama"});
+    expect_complaint(R"({"camera": {"projection": "equirectangular", "fov": 60}})",
+                     {"camera", "`fov`", "`projection`"});
+    expect_complaint(R"({"camera": {"projection": "equirectangular", "latitudes": [30, -30]}})",
+                     {"camera.latitudes", "lower"});
+    expect_complaint(R"({"camera": {"longitudes": [-90, 90]}})", {"camera.longitudes", "`projection`"});
+    expect_complaint(R"({"camera": {"projection": "vr180", "longitudes": [-90, 90]}})",
+                     {"camera.longitudes", "`equirectangular`"});
     expect_complaint(R"({"frames": 2.5})", {"frames", "whole number", "2.5"});
     expect_complaint(R"({"frames": [5, 2]})", {"frames[1]", "from 5"});
     expect_complaint(R"({"frame_rate": 260})", {"frame_rate", "29.97"});

@@ -184,7 +184,7 @@ TEST(BentReflections, HoldForParallelEyesAndWhileTheShutterIsOpen) {
     const int seen = add_edit(b, mirror, {0, 0, 1}, {2, 1, 3}, 0.2f, 0.2f);
     b.add_track(TrackTarget::translation, seen, 3, {0, 1}, {2, 1, 3, 1, 2, 3});
     CameraLens lens;
-    lens.perspective = false;
+    lens.projection = ProjectionKind::orthographic;
     lens.y_magnification = 2;
     b.add_camera(lens, {0, 0, 5}, {0, 0, 0});
     b.film().shutter.angle = 360;

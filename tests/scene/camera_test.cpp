@@ -23,7 +23,7 @@ CameraLens lens(double fov) {
 
 CameraLens orthographic(float magnification) {
     CameraLens result;
-    result.perspective = false;
+    result.projection = ProjectionKind::orthographic;
     result.y_magnification = magnification;
     return result;
 }

@@ -257,16 +257,16 @@ TEST_F(Gltf, CamerasAreChosenByNameOrIndex) {
     file.json["nodes"] = {{{"mesh", 0}}, {{"camera", 0}, {"translation", {0, 0, 5}}}, {{"camera", 1}}};
     file.json["scenes"][0]["nodes"] = {0, 1, 2};
     const Camera first = gltf_at(load_file(file), 0).camera;
-    EXPECT_TRUE(first.perspective());
+    EXPECT_TRUE(first.has_eye());
     EXPECT_EQ(first.position(), glm::vec3(0, 0, 5));
     EXPECT_EQ(first.lens().vertical_fov, 0.5f);
     const Camera by_name = gltf_at(load_file(file, {"above", {}, {}}), 0).camera,
                  by_index = gltf_at(load_file(file, {"1", {}, {}}), 0).camera;
-    EXPECT_FALSE(by_name.perspective());
+    EXPECT_FALSE(by_name.has_eye());
     EXPECT_EQ(by_name.lens().y_magnification, 3);
     EXPECT_EQ(first.lens().aspect, 1.5f);
     EXPECT_FLOAT_EQ(by_name.lens().aspect, 2.0f / 3);
-    EXPECT_FALSE(by_index.perspective());
+    EXPECT_FALSE(by_index.has_eye());
     EXPECT_THROW(load_file(file, {"below", {}, {}}), core::Error);
     EXPECT_THROW(load_file(file, {"2", {}, {}}), core::Error);
 }

@@ -53,12 +53,12 @@ void read_lens(const std::string& key, const json& value, scene::Viewpoint& view
     if (key == "fov") {
         const auto angle = static_cast<float>(glm::radians(number_of(value, key)));
         if (!(angle > 1e-6f && angle < 3.1415f)) refuse(key, "degrees of the picture's height, between 0 and 180");
-        view.lens.perspective = true;
+        view.lens.projection = scene::ProjectionKind::perspective;
         view.lens.vertical_fov = angle;
     } else if (key == "height") {
         const auto half = static_cast<float>(number_of(value, key) / 2);
         if (!(half >= 1e-12f)) refuse(key, "the height that is seen, above 0");
-        view.lens.perspective = false;
+        view.lens.projection = scene::ProjectionKind::orthographic;
         view.lens.y_magnification = half;
     } else if (key == "shift") {
         const auto shift = numbers_of(value, key, 2, "two numbers");

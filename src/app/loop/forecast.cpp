@@ -467,13 +467,14 @@ std::string film_text(const RenderJob& film) {
     if (traits.has_emissive_surfaces) add("surfaces that shine");
     if (traits.has_shining_sky) add("the sky");
     const std::string volumes = scene.volumes.empty() ? "" : "; " + core::counted(scene.volumes.size(), "volume");
-    const std::string name = scene.cameras[static_cast<std::size_t>(camera)].name;
+    const scene::CameraLens& lens = scene.cameras[static_cast<std::size_t>(camera)];
+    const std::string panorama = lens.is_panorama() ? ", a panorama of " + scene::text_of(lens.window) : "";
     const auto shots = scene.shots.size();
     return core::printable(fmt::format(
-        "{}: {} ({} to {}; {:.2f} s) of {}x{} at {} Hz; camera {}{}; light: {}{}", scene.source,
+        "{}: {} ({} to {}; {:.2f} s) of {}x{} at {} Hz; camera {}{}{}; light: {}{}", scene.source,
         core::counted(static_cast<std::size_t>(film.frame_count()), "frame"), film.frames.first, film.frames.last,
         static_cast<double>(film.frame_count()) / film.rate.hertz.value(), film.format.width, film.format.height,
-        film.rate.name, name.empty() ? std::to_string(camera) : "\"" + name + "\"",
+        film.rate.name, lens.name.empty() ? std::to_string(camera) : "\"" + lens.name + "\"", panorama,
         shots > 1 ? fmt::format(" first, {} shots", shots) : "", lights.empty() ? "none" : lights, volumes));
 }
 

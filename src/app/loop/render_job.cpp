@@ -327,12 +327,14 @@ RenderJob prepare(const RenderOptions& wanted) {
     settle_tolerance(film, options);
 
     const std::shared_ptr<scene::Animation> loaded = load(options);
+    if (options.projection) set_projection(*loaded, *options.projection);
     const Preset* preset = preset_of(options.coding);
     if (preset != nullptr) preset->check_output(options.output);
     Shape shape = settle_shape(wishes_of(options, *loaded), preset);
     if (film.preview && !options.size && !options.effort && preset == nullptr)
         shape = settle_shape(half_of(wishes_of(options, *loaded), shape), preset);
     film.rate = shape.rate;
+    tell_shape(*loaded, shape.size);
     scene::fit_automatic_camera(*loaded,
                                 static_cast<double>(shape.size.width) / shape.size.height * shape.pixel_aspect.value());
     if (loaded->frame_rate) change_rate(*loaded, core::frame_rate_from(*loaded->frame_rate), film.rate);
@@ -414,6 +416,13 @@ RenderJob at_effort(const RenderJob& film, const Effort& effort) {
     return changed;
 }
 
+/// Takes of a panorama's rows as many pixels as their solid angle is worth, evenly; all of a flat picture.
+bool counts_in_mean(const scene::Camera& camera, int pixel, int width) {
+    const float weight = camera.weight_of_row(pixel / width);
+    const auto before = static_cast<float>(pixel % width);
+    return std::floor((before + 1) * weight) > std::floor(before * weight);
+}
+
 float measure_exposure(const RenderJob& film) {
     // chosen: of 3 to 12 frames and 48 to 192 pixels (bench/tables/pictures.csv). Light of one pixel in 4 x 4 costs
     // a quarter of that of all pixels of half the size, which smaller films have.
@@ -451,6 +460,7 @@ float measure_exposure(const RenderJob& film) {
         const renderer::Lit lit = renderer.light(world, renderer.look(world), {about, mode});
         const core::Radiance& radiance = lit.radiance;
         for (std::size_t p = 0; p < radiance.combined.size(); ++p) {
+            if (!counts_in_mean(world.camera, static_cast<int>(p), small.format.width)) continue;
             const float luminance = core::luminance(radiance.combined.values()[p]);
             const bool of_stage =
                 stage >= 0 && lit.frame.visible.address.values()[p].object == static_cast<unsigned>(stage);

@@ -119,7 +119,7 @@ std::pair<std::filesystem::path, std::string> mark_of(const RenderJob& film, con
 json light_identity_of(const RenderJob& film, const RenderOptions& options) {
     const renderer::Settings& s = film.rendering;
     json words = json::object();
-    for (const char* name : {"--animation", "--camera", "--variant", "--sky", "--fog"})
+    for (const char* name : {"--animation", "--camera", "--projection", "--variant", "--sky", "--fog"})
         if (options.is_given(name)) words[name] = options.said.at(name);
     return {{"render2mpeg", program_text()},
             {"instruction set", core::name_of(s.isa)},

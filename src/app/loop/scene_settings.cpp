@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <string_view>
 
@@ -73,6 +74,8 @@ void set_f_stop(scene::Animation& animation, const RenderOptions& options) {
     const float f_stop = f_stop_from(*options.f_stop);
     forget_tracks(animation, scene::TrackTarget::f_stop);
     for (scene::CameraLens& lens : animation.cameras) {
+        if (f_stop > 0 && lens.is_panorama())
+            throw UsageError("--f-stop " + *options.f_stop + ": a panorama has no lens, all of it is sharp");
         lens.f_stop = f_stop;
         if (f_stop > 0 && !has_focus(lens))
             throw UsageError("--f-stop " + *options.f_stop +
@@ -137,6 +140,38 @@ scene::LoadOptions load_options_of(const RenderOptions& options) {
     out.stops = &InterruptGuard::requested;
     out.tells = [](const std::string& step) { tell_activity("Blender exports the scene: " + step); };
     return out;
+}
+
+void set_projection(scene::Animation& animation, const std::string& name) {
+    const auto known = std::ranges::find(scene::panorama_names, name);
+    const scene::SphereWindow& window =
+        scene::panorama_windows[static_cast<std::size_t>(known - scene::panorama_names.begin())];
+    bool open = false;
+    for (scene::CameraLens& lens : animation.cameras) {
+        if (lens.projection == scene::ProjectionKind::orthographic)
+            throw UsageError(fmt::format(
+                "--projection {}: the camera \"{}\" is one of parallel rays, which has no place to look around from",
+                name, lens.name));
+        open = open || lens.f_stop > 0;
+        scene::make_panorama(lens, window);
+    }
+    forget_tracks(animation, scene::TrackTarget::field_of_view);
+    forget_tracks(animation, scene::TrackTarget::f_stop);
+    if (open)
+        animation.notes.push_back(fmt::format("--projection {}: a panorama has no lens, all of it is sharp", name));
+}
+
+void tell_shape(scene::Animation& animation, Size size) {
+    for (const scene::CameraLens& lens : animation.cameras) {
+        if (!lens.is_panorama()) continue;
+        // chosen: a thousandth, less than a pixel of 640.
+        const double shape = static_cast<double>(size.width) / size.height / lens.window.aspect();
+        if (std::abs(shape - 1) < 1e-3) continue;
+        animation.notes.push_back(
+            fmt::format("{}x{}: a panorama of {} is {:.3g} times as wide as high; it is stretched", size.width,
+                        size.height, scene::text_of(lens.window), lens.window.aspect()));
+        return;
+    }
 }
 
 void change_scene(scene::Animation& animation, const RenderOptions& options) {

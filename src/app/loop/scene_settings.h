@@ -14,6 +14,12 @@ namespace render2mpeg::app {
 /// What of the command line decides how a scene is read. Throws UsageError.
 scene::LoadOptions load_options_of(const RenderOptions& options);
 
+/// --projection: all cameras show panoramas. Throws UsageError where one has no eye.
+void set_projection(scene::Animation& animation, const std::string& name);
+
+/// Notes where panoramas are stretched in pictures of this size.
+void tell_shape(scene::Animation& animation, Size size);
+
 /// --shutter, --f-stop, --focus, --fog, --glare and --transparent win over the scene. Throws UsageError for
 /// contradictions.
 void change_scene(scene::Animation& animation, const RenderOptions& options);

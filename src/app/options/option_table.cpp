@@ -89,6 +89,9 @@ Rows scene_rows(CommandLine& line) {
     RenderOptions& o = line.render;
     return {
         {"--camera", scene, &o.camera, "Camera to look through, by name or index (default: the first)", "NAME"},
+        {"--projection", scene, &o.projection,
+         "Panoramas of all cameras: `equirectangular`, all around, or `vr180`, half of it (default: the scene's)",
+         Words{"equirectangular|vr180"}},
         {"--animation", scene, &o.animation, "Animation to play, by name or index (default: all at once)", "NAME"},
         {"--variant", scene, &o.variant, "Variant of a glTF file's materials, by name or index (default: none of them)",
          "NAME"},

@@ -72,8 +72,8 @@ struct Hire {
 
 /// What is given wins over the animation file.
 struct RenderOptions : FilmOptions {
-    std::optional<std::string> size, tolerance, shutter, f_stop, focus, fog, glare, transparent, sky, camera, animation,
-        variant, isa, effort, memory;
+    std::optional<std::string> size, tolerance, shutter, f_stop, focus, fog, glare, transparent, sky, camera,
+        projection, animation, variant, isa, effort, memory;
     int samples = 4, vpls = 4096, audit = 0;
     std::optional<int> edge_samples, exposure_samples, chunks_at_once;
     std::string indirect = "rays", caustics = "on", masking = "warped", exposure = "auto", clamp = "bounded",

@@ -149,7 +149,7 @@ Column Airlight::column(glm::vec2 position, Rungs rungs, std::uint64_t& rays) co
     column.rungs = std::move(rungs);
     if (column.rungs.empty()) return column;
     const scene::Ray eye = camera_.ray_through(position);
-    const float cosine = glm::dot(eye.direction, camera_.forward());
+    const float cosine = glm::dot(eye.direction, camera_.depth_axis(eye.direction));
     const float near = core::divide_or(std::max(camera_.lens().near, 0.0f), cosine, 0.0f);
     std::vector<float> ends;
     for (const int rung : column.rungs) ends.push_back(distance_of(rung));

@@ -38,8 +38,8 @@ AmbientColumns::AmbientColumns(const PosedScene& posed_scene, const Frame& seen,
     for (int y = 0; y < down; ++y)
         for (int x = 0; x < across_; ++x) {
             const scene::Ray eye = camera.ray_through(glm::vec2(tile_size * x, tile_size * y));
-            const float near =
-                core::divide_or(std::max(camera.lens().near, 0.0f), glm::dot(eye.direction, camera.forward()), 0.0f);
+            const float near = core::divide_or(std::max(camera.lens().near, 0.0f),
+                                               glm::dot(eye.direction, camera.depth_axis(eye.direction)), 0.0f);
             columns_.push_back({eye.origin + near * eye.direction, eye.direction, {}});
         }
     // As far as is looked anywhere, or light changes.

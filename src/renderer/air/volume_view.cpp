@@ -24,7 +24,7 @@ void add_pixel(const PosedScene& scene, glm::ivec2 pixel, std::span<const AirSpa
     constexpr float share = 1.0f / static_cast<float>(std::size(ray_places));
     for (const glm::vec2 place : ray_places) {
         const scene::Ray eye = camera.ray_through(glm::vec2(pixel) + place);
-        const float cosine = glm::dot(eye.direction, camera.forward());
+        const float cosine = glm::dot(eye.direction, camera.depth_axis(eye.direction));
         const float near = core::divide_or(std::max(camera.lens().near, 0.0f), cosine, 0.0f);
         std::fill(light.begin(), light.end(), glm::vec3(0));
         scene.air()->add_light(eye.origin + near * eye.direction, eye.direction, VolumeView::eye, distances.data(),

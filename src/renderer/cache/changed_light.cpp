@@ -29,7 +29,7 @@ void for_each_of(std::size_t count, const Body& body) {
 /// Extent of a pixel at a place of the picture, world.
 float extent_at(const scene::Camera& camera, glm::vec3 place) {
     const auto seen = camera.project(place);
-    return camera.pixel_size() * (camera.perspective() && seen ? seen->depth : 1.0f);
+    return camera.pixel_extent(seen ? seen->depth : 1.0f);
 }
 
 /// Poses a record as its surface lies now, and the receiver in its place. False: it is gone, or another.
@@ -49,7 +49,7 @@ bool pose(const PosedScene& scene, const scene::Camera& camera, IrradianceRecord
         r.geometric_normal = p.geometric_normal;
         r.shading_normal = p.shading_normal;
     }
-    if (camera.perspective() && !is_lobe_seen_from(r, camera.position())) return false;
+    if (camera.has_eye() && !is_lobe_seen_from(r, camera.position())) return false;
     if (glossy) p.bsdf.alpha = r.lobe.alpha;
     receiver = plain_receiver(receiver);
     return true;
@@ -97,7 +97,7 @@ RecordUpdate updated(const FrameState& frame, const SurfaceMark& mark, const Gat
     const IrradianceRecord& r = frame.records[mark.record];
     const float shown = receives(receiver), shown2 = shown * shown;
     RecordUpdate now{r.pilot.light, 0.5f * r.pilot.difference * r.pilot.difference, pilot_rays};
-    const auto eye = frame.camera().perspective() ? std::optional(frame.camera().position()) : std::nullopt;
+    const auto eye = frame.camera().has_eye() ? std::optional(frame.camera().position()) : std::nullopt;
     fit.collect({receiver, {}, mark.at, extent_at(frame.camera(), r.position), shown, eye}, LocalRegression::Of::change,
                 frame.grid, frame.records, mark.record);
     const RegressionError error = fit.estimate();

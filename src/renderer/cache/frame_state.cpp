@@ -21,13 +21,13 @@ std::optional<CacheQuery> FrameState::query_of(std::size_t t, std::size_t i) con
     const GatherPoint& p = seen().tiles[t][i];
     if (p.reached_by_specular()) {
         // The way by mirrors and glass is about as long as the straight one.
-        const float away = camera().perspective() ? glm::distance(camera().position(), p.point.position) : 1.0f;
-        return CacheQuery{p, tiles[t].tolerance[i], middle_of(t, p), camera().pixel_size() * away, receives(p)};
+        const float away = glm::distance(camera().position(), p.point.position);
+        return CacheQuery{p, tiles[t].tolerance[i], middle_of(t, p), camera().pixel_extent(away), receives(p)};
     }
     const auto on_picture = camera().project(p.point.position);
     if (!on_picture) return std::nullopt;
-    const float extent = camera().pixel_size() * (camera().perspective() ? on_picture->depth : 1.0f);
-    const auto eye = camera().perspective() ? std::optional(camera().position()) : std::nullopt;
+    const float extent = camera().pixel_extent(on_picture->depth);
+    const auto eye = camera().has_eye() ? std::optional(camera().position()) : std::nullopt;
     return CacheQuery{p, tiles[t].tolerance[i], on_picture->position, extent, receives(p), eye};
 }
 

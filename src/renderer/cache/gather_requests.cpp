@@ -268,7 +268,7 @@ std::optional<IrradianceRecord> take(FrameState& frame, const GatheredRequests& 
     record->tolerance = tile.tolerance[ref.index];
     if (ref.record == PointRef::none) {
         record->numbers = request_of(p, {}, frame.pixel_of(ref.tile, p), frame.camera()).numbers;
-        if (p.point.bsdf.has_lobe() && frame.camera().perspective()) record->lobe.depth = depth_behind(frame, g, i);
+        if (p.point.bsdf.has_lobe() && frame.camera().has_eye()) record->lobe.depth = depth_behind(frame, g, i);
         return record;
     }
     // Its rays stay what they are.

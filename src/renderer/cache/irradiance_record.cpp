@@ -68,6 +68,7 @@ RecordGrid::Place RecordGrid::place_of(const IrradianceRecord& record, const sce
 }
 
 void RecordGrid::extend(std::span<const IrradianceRecord> records, const scene::Camera& camera) {
+    wraps_ = camera.wraps();
     if (!starts_.empty() && records.size() == places_.size()) return;
     const auto pixels = static_cast<std::size_t>(width_ + 2 * border) * static_cast<std::size_t>(height_ + 2 * border);
     const std::size_t known = places_.size();

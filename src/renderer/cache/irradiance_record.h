@@ -142,6 +142,16 @@ class RecordGrid {
         const std::size_t last = base + static_cast<std::size_t>(x1 + border) + 1;
         return std::span(marks_).subspan(starts_[first], starts_[last] - starts_[first]);
     }
+    /// Calls visit(mark, aside) for the marks of pixels x0 to x1 of a row, where these lie within the border; with
+    /// those beyond the seam of a picture that wraps, which lie `aside` from where their marks say.
+    template <class Visit>
+    void visit_row(int y, int x0, int x1, Visit&& visit) const {
+        for (const SurfaceMark& m : row(y, std::max(x0, -border), std::min(x1, width_ + border - 1))) visit(m, 0.0f);
+        if (!wraps_) return;
+        const auto turn = static_cast<float>(width_);
+        for (const SurfaceMark& m : row(y, x0 + width_, width_ - 1)) visit(m, -turn);
+        for (const SurfaceMark& m : row(y, 0, x1 - width_)) visit(m, turn);
+    }
     std::size_t size() const { return marks_.size(); }
     /// All marks, pixel by pixel.
     std::span<const SurfaceMark> marks() const { return marks_; }
@@ -159,6 +169,7 @@ class RecordGrid {
     Place place_of(const IrradianceRecord& record, const scene::Camera& camera) const;
 
     int width_ = 0, height_ = 0;
+    bool wraps_ = false;                 ///< as its camera's picture
     std::vector<Place> places_;          ///< of the records
     std::vector<std::uint32_t> starts_;  ///< of each pixel in `marks_`, and the end
     std::vector<SurfaceMark> marks_;

@@ -59,8 +59,6 @@ void LocalRegression::collect(const CacheQuery& q, Of of, const RecordGrid& grid
     if (!grid.reaches(q.at, largest_radius)) return;
     constexpr float reach = static_cast<float>(largest_radius) + 0.5f;
     const int x = static_cast<int>(std::floor(q.at.x)), y = static_cast<int>(std::floor(q.at.y)),
-              left = std::max(x - largest_radius, -RecordGrid::border),
-              right = std::min(x + largest_radius, grid.width() + RecordGrid::border - 1),
               top = std::max(y - largest_radius, -RecordGrid::border),
               bottom = std::min(y + largest_radius, grid.height() + RecordGrid::border - 1);
     const SurfacePoint& p = q.point.point;
@@ -68,35 +66,34 @@ void LocalRegression::collect(const CacheQuery& q, Of of, const RecordGrid& grid
     const GatherPoint plain = plain_receiver(q.point);
     const float shown = of == Of::all_light ? q.receives : receives(plain), receives2 = shown * shown;
     const glm::vec3 reflects = q.point.weight * p.bsdf.diffuse;
-    for (int row = top; row <= bottom; ++row) {
-        for (const SurfaceMark& m : grid.row(row, left, right)) {
-            const glm::vec2 offset = m.at - q.at;
-            const float distance2 = glm::dot(offset, offset);
-            if (distance2 > reach * reach || m.surface != here.surface ||
-                !on_one_surface(here, m, q.extent * std::sqrt(distance2), q.extent, p.position_error))
-                continue;
-            const IrradianceRecord& r = records[m.record];
-            if (of == Of::change && !r.is_pilot_now) continue;
-            const auto lobe = lobe_at(q, r);
-            if (!lobe) continue;
-            const std::size_t i = members_.size(), k = i % member_lanes;
-            if (k == 0) lanes_.emplace_back().distance2.fill(far_away);
-            MemberLanes& lanes = lanes_.back();
-            lanes.x[k] = offset.x;
-            lanes.y[k] = offset.y;
-            lanes.distance2[k] = distance2;
-            lanes.value[k] = of == Of::all_light
-                                 ? core::luminance(reflects * r.irradiance() + q.point.weight * lobe->radiance)
-                                 : static_cast<float>(shown_luminance(plain, r.by_rays));
-            lanes.precision[k] = r.ray_count > 0 ? std::sqrt(static_cast<float>(r.ray_count)) : 1.0f;
-            lanes.batch_share[k] = static_cast<float>(batch_share(r.ray_count));
-            lanes.batch_variance[k] = receives2 * r.batch_variance;
-            Member& member = members_.emplace_back();
-            member.record = m.record;
-            member.is_own = own == none ? distance2 < same_place * same_place : m.record == own;
-            member.lobe = *lobe;
-        }
-    }
+    const auto take = [&](const SurfaceMark& m, float aside) {
+        const glm::vec2 offset = m.at + glm::vec2(aside, 0.0f) - q.at;
+        const float distance2 = glm::dot(offset, offset);
+        if (distance2 > reach * reach || m.surface != here.surface ||
+            !on_one_surface(here, m, q.extent * std::sqrt(distance2), q.extent, p.position_error))
+            return;
+        const IrradianceRecord& r = records[m.record];
+        if (of == Of::change && !r.is_pilot_now) return;
+        const auto lobe = lobe_at(q, r);
+        if (!lobe) return;
+        const std::size_t i = members_.size(), k = i % member_lanes;
+        if (k == 0) lanes_.emplace_back().distance2.fill(far_away);
+        MemberLanes& lanes = lanes_.back();
+        lanes.x[k] = offset.x;
+        lanes.y[k] = offset.y;
+        lanes.distance2[k] = distance2;
+        lanes.value[k] = of == Of::all_light
+                             ? core::luminance(reflects * r.irradiance() + q.point.weight * lobe->radiance)
+                             : static_cast<float>(shown_luminance(plain, r.by_rays));
+        lanes.precision[k] = r.ray_count > 0 ? std::sqrt(static_cast<float>(r.ray_count)) : 1.0f;
+        lanes.batch_share[k] = static_cast<float>(batch_share(r.ray_count));
+        lanes.batch_variance[k] = receives2 * r.batch_variance;
+        Member& member = members_.emplace_back();
+        member.record = m.record;
+        member.is_own = own == none ? distance2 < same_place * same_place : m.record == own;
+        member.lobe = *lobe;
+    };
+    for (int row = top; row <= bottom; ++row) grid.visit_row(row, x - largest_radius, x + largest_radius, take);
     if (of == Of::change) explain_change(plain, records, receives2);
 }
 

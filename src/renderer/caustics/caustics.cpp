@@ -59,7 +59,7 @@ class Splatting {
         : posed_scene_(posed_scene), casters_(casters), tree_(tree), settings_(settings) {
         const scene::Camera& camera = posed_scene.posed().camera;
         eye_ = camera.position();
-        angle_ = camera.lens().vertical_fov / static_cast<float>(height);
+        angle_ = camera.pixel_angle();
         const scene::Animation& film = posed_scene.animation();
         limit_ = largest_axis * glm::length(film.bounds_max - film.bounds_min);
     }

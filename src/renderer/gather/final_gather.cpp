@@ -98,7 +98,7 @@ GatherRequest request_of(const GatherPoint& point, const PointTolerance& toleran
                     .at(static_cast<std::uint64_t>(address.object) << 8 | point.path)
                     .at(address.primitive);
     const auto on_picture = camera.project(point.point.position);
-    r.extent = camera.pixel_size() * (camera.perspective() && on_picture ? on_picture->depth : 1.0f);
+    r.extent = camera.pixel_extent(on_picture ? on_picture->depth : 1.0f);
     return r;
 }
 

@@ -144,7 +144,7 @@ NearField::Part NearField::at(glm::vec3 place) const {
     return {1.0f - least, intensity * inverse2 / least};
 }
 
-ViewSample sample_view(const PosedScene& posed_scene, const Plan& plan, const scene::Camera& camera, glm::ivec2 size) {
+ViewSample sample_view(const PosedScene& posed_scene, const Plan& plan, const scene::Camera& camera) {
     const FlushDenormals flushed;
     const GatherRays rays(posed_scene, plan);
     SurfaceCache cache(posed_scene, plan);
@@ -160,7 +160,7 @@ ViewSample sample_view(const PosedScene& posed_scene, const Plan& plan, const sc
         std::uint64_t traced = 0;
         for (std::uint64_t i = task * eye_rays_at_once; i < (task + 1) * eye_rays_at_once; ++i) {
             const scene::Ray eye =
-                camera.ray_through(glm::vec2(core::halton(0, i + 1), core::halton(1, i + 1)) * glm::vec2(size));
+                camera.ray_through(camera.even_position({core::halton(0, i + 1), core::halton(1, i + 1)}));
             const RayQuery ray{eye.origin, eye.direction, std::numeric_limits<float>::infinity()};
             const Hit hit = posed_scene.tracer().nearest(ray.origin, ray.direction, ray.far);
             if (hit.found()) of_task[task].places.push_back(ray.origin + hit.distance * ray.direction);

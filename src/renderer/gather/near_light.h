@@ -19,7 +19,7 @@ struct ViewSample {
 };
 
 /// View of this camera at the posed instant.
-ViewSample sample_view(const PosedScene& posed_scene, const Plan& plan, const scene::Camera& camera, glm::ivec2 size);
+ViewSample sample_view(const PosedScene& posed_scene, const Plan& plan, const scene::Camera& camera);
 
 /// Places so near a lamp or shining object that they far outshine the rest: its shade, the wall behind it. Gather rays
 /// would meet such spots rarely, and find them hundreds of times as bright as all else. A share of what surfaces there

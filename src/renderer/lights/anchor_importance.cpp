@@ -54,7 +54,7 @@ std::vector<SeenPoint> seen_points(const PosedScene& posed_scene) {
     std::vector<SeenPoint> seen;
     for (int y = 0; y < importance_format.height; ++y)
         for (int x = 0; x < importance_format.width; ++x) {
-            const scene::Ray ray = camera.ray_through(glm::vec2(x, y) + 0.5f);
+            const scene::Ray ray = camera.ray_through(camera.even_position((glm::vec2(x, y) + 0.5f) / camera.size()));
             const Hit hit =
                 posed_scene.tracer().nearest(ray.origin, ray.direction, std::numeric_limits<float>::infinity());
             if (!hit.found()) continue;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <tuple>
 
 #include "core/box.h"
 #include "parallel/loops.h"
@@ -25,6 +27,16 @@ void mark(std::vector<float>& tiles, int across, glm::vec2 low, glm::vec2 high, 
         }
 }
 
+/// The same where the picture may wrap.
+void mark(std::vector<float>& tiles, int across, const scene::Camera& camera, glm::vec2 low, glm::vec2 high,
+          float blur) {
+    mark(tiles, across, low, high, blur);
+    if (!camera.wraps()) return;
+    const glm::vec2 turn(camera.size().x, 0);
+    mark(tiles, across, low - turn, high - turn, blur);
+    mark(tiles, across, low + turn, high + turn, blur);
+}
+
 /// Cover of an object on the picture while the shutter is open, about its boxes at all knots.
 struct Cover {
     glm::vec2 low{1e30f}, high{-1e30f};  ///< on the picture of the middle, pixels
@@ -44,8 +56,10 @@ Cover cover_of(const Blur& blur, const scene::Snapshot& snapshot, std::uint32_t 
     const scene::Animation& film = *snapshot.animation;
     const glm::vec2 size = snapshot.camera.size();
     Cover cover;
+    core::Box all;
     const auto own = core::Box::about(film.meshes[static_cast<std::size_t>(film.objects[object].mesh)].positions);
     glm::vec2 ways_low[8], ways_high[8];
+    std::optional<glm::vec2> begins[8];
     std::fill(std::begin(ways_low), std::end(ways_low), glm::vec2(1e30f));
     std::fill(std::begin(ways_high), std::end(ways_high), glm::vec2(-1e30f));
     const auto add = [&](const auto& posed) {
@@ -57,14 +71,20 @@ Cover cover_of(const Blur& blur, const scene::Snapshot& snapshot, std::uint32_t 
             const glm::vec3 corner = glm::vec3(state.to_world * glm::vec4(box.corner(c), 1));
             cover.add(corner, blur, snapshot.camera, size);
             const auto place = snapshot.camera.project(corner);
-            const glm::vec2 p = glm::clamp(place ? place->position : glm::vec2(0), -size, 2.0f * size);
+            glm::vec2 p = glm::clamp(place ? place->position : glm::vec2(0), -size, 2.0f * size);
+            if (!begins[c]) begins[c] = p;
+            p = snapshot.camera.nearest_turn(p, *begins[c]);
             ways_low[c] = glm::min(ways_low[c], p);
             ways_high[c] = glm::max(ways_high[c], p);
+            all.hold(corner);
         }
     };
     add(snapshot);
     if (snapshot.sweep && snapshot.sweep->object_moves(object))
         for (const scene::SweepKnot& knot : snapshot.sweep->knots) add(knot);
+    // In a panorama what lies between corners leaves the rectangle about them.
+    if (const auto ball = snapshot.camera.cover_of_ball(all.middle(), 0.5f * glm::length(all.high - all.low)))
+        std::tie(cover.low, cover.high) = *ball;
     for (int c = 0; c < 8; ++c) cover.blur = std::max(cover.blur, glm::length(ways_high[c] - ways_low[c]));
     return cover;
 }
@@ -78,7 +98,7 @@ void mark_objects(const Blur& blur, const scene::Snapshot& snapshot, int across,
         const bool moves = snapshot.sweep && snapshot.sweep->object_moves(o);
         if (!moves && !material.emits() && !material.unlit) continue;
         const Cover cover = cover_of(blur, snapshot, o);
-        if (cover.blur >= least_blur) mark(tiles, across, cover.low, cover.high, cover.blur);
+        if (cover.blur >= least_blur) mark(tiles, across, snapshot.camera, cover.low, cover.high, cover.blur);
     }
 }
 
@@ -102,13 +122,17 @@ float Blur::of_lens(float depth) const {
     return std::min(camera.circle_of_confusion(depth) * std::max(1.0f, 1.0f / camera.lens().squeeze), diagonal_);
 }
 
+glm::vec2 Blur::way(const scene::ScreenPoint& from, const scene::ScreenPoint& to) const {
+    return snapshot_.camera.nearest_turn(to.position, from.position) - from.position;
+}
+
 float Blur::of_place(glm::vec3 world) const {
     const std::optional<scene::ScreenPoint> place = snapshot_.camera.project(world);
     float blur = 0;
     if (snapshot_.camera.has_aperture()) blur = place ? of_lens(place->depth) : diagonal_;
     if (!moves_ || !snapshot_.sweep->camera_moves) return blur;
     const auto a = opening_.project(world), b = closing_.project(world);
-    return a && b ? std::max(blur, std::min(glm::length(b->position - a->position), diagonal_)) : diagonal_;
+    return a && b ? std::max(blur, std::min(glm::length(way(*a, *b)), diagonal_)) : diagonal_;
 }
 
 float Blur::of_distance(float distance) const {
@@ -128,7 +152,7 @@ float Blur::of(const core::SurfaceAddress& address) const {
     const auto a = opening_.project(*scene::swept_position(address, snapshot_, false)),
                b = closing_.project(*scene::swept_position(address, snapshot_, true));
     if (!a || !b || !place) return diagonal_;
-    const float moved = glm::length(place->position - a->position) + glm::length(b->position - place->position);
+    const float moved = glm::length(way(*a, *place)) + glm::length(way(*place, *b));
     return std::max(blur, std::min(moved, diagonal_));
 }
 
@@ -137,8 +161,8 @@ float Blur::of_sky(glm::vec2 position) const {
     if (!moves_ || !snapshot_.sweep->camera_moves) return blur;
     const glm::vec3 direction = snapshot_.camera.ray_through(position).direction;
     const auto a = opening_.project_direction(direction), b = closing_.project_direction(direction);
-    if (!a || !b) return snapshot_.camera.perspective() ? diagonal_ : blur;
-    return std::max(blur, std::min(glm::length(b->position - a->position), diagonal_));
+    if (!a || !b) return snapshot_.camera.has_eye() ? diagonal_ : blur;
+    return std::max(blur, std::min(glm::length(way(*a, *b)), diagonal_));
 }
 
 float Blur::of_pixel(const core::Visible& visible, int x, int y) const {
@@ -158,7 +182,7 @@ glm::vec2 Blur::motion_of_pixel(const core::Visible& visible, int x, int y) cons
     if (!snapshot_.sweep->camera_moves && !snapshot_.sweep->object_moves(address.object)) return glm::vec2(0);
     const auto a = opening_.project(*scene::swept_position(address, snapshot_, false)),
                b = closing_.project(*scene::swept_position(address, snapshot_, true));
-    return a && b ? b->position - a->position : glm::vec2(0);
+    return a && b ? way(*a, *b) : glm::vec2(0);
 }
 
 core::Plane<glm::vec2> Blur::motions(const core::Visible& visible) const {
@@ -202,7 +226,8 @@ std::vector<float> blur_of_tiles(const Blur& blur, const scene::Snapshot& snapsh
     for (std::size_t t = 0; t < tiles.size(); ++t) {
         if (tiles[t] < least_blur) continue;
         const TileArea area = area_of(seen, t);
-        mark(reached, across, glm::vec2(area.first) - tiles[t], glm::vec2(area.end - 1) + tiles[t], tiles[t]);
+        mark(reached, across, snapshot.camera, glm::vec2(area.first) - tiles[t], glm::vec2(area.end - 1) + tiles[t],
+             tiles[t]);
     }
     for (float& tile : reached)
         if (tile < least_blur) tile = 0;

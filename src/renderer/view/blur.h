@@ -41,6 +41,7 @@ class Blur {
 
   private:
     float of_lens(float depth) const;
+    glm::vec2 way(const scene::ScreenPoint& from, const scene::ScreenPoint& to) const;
 
     const scene::Snapshot& snapshot_;
     bool moves_;

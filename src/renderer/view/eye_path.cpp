@@ -69,13 +69,13 @@ EyeRay eye_ray(const scene::Camera& camera, glm::vec2 position, float spacing, f
     ray.direction_change = {right.direction - middle.direction, below.direction - middle.direction};
 
     // Begin at the near plane and end at the far one.
-    const glm::vec3 forward = camera.forward();
-    const float cosine = glm::dot(ray.direction, forward);
+    const glm::vec3 deeper = camera.depth_axis(ray.direction);
+    const float cosine = glm::dot(ray.direction, deeper);
     const float near = core::divide_or(std::max(camera.lens().near, 0.0f), cosine, 0.0f);
     far = camera.lens().far > 0.0f ? core::divide_or(camera.lens().far, cosine, 0.0f) - near
                                    : std::numeric_limits<float>::infinity();
     if (near > 0.0f) {
-        ray.origin_change = ray.footprint_at(near, forward);
+        ray.origin_change = ray.footprint_at(near, deeper);
         ray.origin += near * ray.direction;
     }
     return ray;

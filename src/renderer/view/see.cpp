@@ -55,18 +55,19 @@ bool shows_rim(const core::Plane<glm::vec3>& mirrored, int x, int y) {
     return brightest > same_light * darkest;
 }
 
-/// Whether an edge passes by a pixel, as the middles of the pixels about it tell.
-bool is_at_edge(const Frame& seen, int x, int y, float angle) {
+/// Whether an edge passes by a pixel, as the middles of the pixels about it tell. `wraps`: on both sides of the seam.
+bool is_at_edge(const Frame& seen, int x, int y, float angle, bool wraps) {
     const core::Visible& visible = seen.visible;
+    const auto column = [&](int x1) { return wraps ? (x1 + visible.width()) % visible.width() : x1; };
     const auto ends = [&](int dx, int dy) {
-        const int x1 = x + dx, y1 = y + dy;
+        const int x1 = column(x + dx), y1 = y + dy;
         return x1 >= 0 && y1 >= 0 && x1 < visible.width() && y1 < visible.height() && !goes_on(visible, x, y, x1, y1);
     };
     if (ends(-1, 0) || ends(1, 0) || ends(0, -1) || ends(0, 1)) return true;
     // The corner of a lamp that no sample met shows, however small its share is.
     const auto shines = [&](int dx, int dy) {
-        return ends(dx, dy) && visible.kind.at(x + dx, y + dy) == core::PixelClass::surface &&
-               core::luminance(seen.emitted.at(x + dx, y + dy)) > 0.0f;
+        return ends(dx, dy) && visible.kind.at(column(x + dx), y + dy) == core::PixelClass::surface &&
+               core::luminance(seen.emitted.at(column(x + dx), y + dy)) > 0.0f;
     };
     if (shines(-1, -1) || shines(1, -1) || shines(-1, 1) || shines(1, 1)) return true;
     if (!seen.emitted_specular.empty() && shows_rim(seen.emitted_specular, x, y)) return true;
@@ -76,12 +77,12 @@ bool is_at_edge(const Frame& seen, int x, int y, float angle) {
 }
 
 /// Marks the pixels of a tile that show an edge, those that are marked among them.
-void mark_edges(const Frame& seen, std::size_t t, float angle, PixelMarks& marks) {
+void mark_edges(const Frame& seen, std::size_t t, float angle, bool wraps, PixelMarks& marks) {
     const TileArea area = area_of(seen, t);
     for (int y = area.first.y; y < area.end.y; ++y)
         for (int x = area.first.x; x < area.end.x; ++x) {
             bool& mark = marks[static_cast<std::size_t>(y % tile_size)][static_cast<std::size_t>(x % tile_size)];
-            mark = mark || is_at_edge(seen, x, y, angle);
+            mark = mark || is_at_edge(seen, x, y, angle, wraps);
         }
 }
 
@@ -141,9 +142,10 @@ Frame see(const PosedScene& posed_scene, const SeeSettings& settings, const Plan
     if (settings.edge_samples > settings.samples) {
         const std::vector<glm::vec2> finer = sample_pattern(settings.edge_samples);
         seen.samples = core::Plane<std::uint16_t>(width, height, static_cast<std::uint16_t>(settings.samples));
-        const float angle = snapshot.camera.lens().vertical_fov / static_cast<float>(height);
+        const float angle = snapshot.camera.pixel_angle();
         // Marks read what neighbouring tiles show by a first look.
-        parallel::for_each(seen.tiles.size(), [&](std::size_t t) { mark_edges(seen, t, angle, edges[t]); });
+        parallel::for_each(seen.tiles.size(),
+                           [&](std::size_t t) { mark_edges(seen, t, angle, snapshot.camera.wraps(), edges[t]); });
         parallel::for_each(seen.tiles.size(),
                            [&](std::size_t t) { look_again(looking(finer), t, edges[t], seen, tile_counts[t]); });
     }

@@ -77,8 +77,7 @@ void record(core::Visible& visible, const scene::Camera& camera, int x, int y, c
     visible.material.at(x, y) = point.material;
     visible.geometric_normal.at(x, y) = core::PackedNormal(point.geometric_normal);
     visible.shading_normal.at(x, y) = core::PackedNormal(point.shading_normal);
-    const glm::vec3 from_eye = point.position - camera.position();
-    visible.depth.at(x, y) = std::max(glm::dot(from_eye, camera.forward()), std::numeric_limits<float>::min());
+    visible.depth.at(x, y) = std::max(camera.depth_of(point.position), std::numeric_limits<float>::min());
 }
 
 /// Copies the parts of one pixel.

@@ -58,6 +58,40 @@ void read_aperture(const JsonValue& value, std::size_t index, CameraLens& lens, 
     value.set("squeeze", lens.squeeze, 0.1, 10);
 }
 
+/// Two angles of a panorama's edges, degrees; nothing where they are left out.
+void read_edges(const JsonValue& value, std::string_view key, double most, double& from, double& to) {
+    const auto edges = value.find(key);
+    if (!edges) return;
+    const std::vector<JsonValue> two = edges->list(2, 2);
+    from = glm::radians(two[0].number(-most, most));
+    to = glm::radians(two[1].number(-most, most));
+    if (!(from < to)) edges->fail("go from the lower to the higher");
+}
+
+/// The part of the sphere that a camera with a `projection` shows.
+void read_panorama(const JsonValue& value, CameraLens& lens, const Curve& fov) {
+    const auto projection = value.find("projection");
+    if (!projection) {
+        for (const std::string_view key : {"longitudes", "latitudes"})
+            if (value.has(key)) value.need(key).fail("are those of a camera with a `projection`");
+        return;
+    }
+    const std::size_t name = projection->word(panorama_names);
+    for (const std::string_view key :
+         {"height", "shift", "f_stop", "focus", "sensor_height", "blades", "blade_rotation", "squeeze"})
+        if (value.has(key)) value.need(key).fail("is not a panorama's, which has no lens");
+    if (!fov.empty()) value.fail("has both `fov` and `projection`");
+    SphereWindow window = panorama_windows[name];
+    if (window == SphereWindow()) {
+        read_edges(value, "longitudes", 180, window.west, window.east);
+        read_edges(value, "latitudes", 90, window.south, window.north);
+    } else {
+        for (const std::string_view key : {"longitudes", "latitudes"})
+            if (value.has(key)) value.need(key).fail("are those of an `equirectangular` camera");
+    }
+    make_panorama(lens, window);
+}
+
 void focus_on_object(const JsonValue& camera, CameraLens& lens, const Animation& film) {
     const auto focus = camera.find("focus");
     if (!focus || !focus->is_text()) return;
@@ -73,10 +107,6 @@ void focus_on_object(const JsonValue& camera, CameraLens& lens, const Animation&
 
 void read_camera(const JsonValue& value, const std::string& name, std::size_t index, Animation& film,
                  const FilmClock& clock) {
-    if (const auto projection = value.find("projection"))
-        projection->fail(
-            "panoramas are not rendered: the encoder's exact motion is that of flat pictures; a camera has `fov`, or "
-            "`height` for a parallel projection");
     value.allow_only(keys::camera);
     CameraLens lens;
     lens.name = name;
@@ -93,7 +123,7 @@ void read_camera(const JsonValue& value, const std::string& name, std::size_t in
     const Curve fov = curve_of(value, {"fov", 1, 0.1, 175, true}, clock, keys::camera_key);
     if (const auto v = value.find("height")) {
         if (!fov.empty()) value.fail("has both `fov` (perspective) and `height` (parallel projection)");
-        lens.perspective = false;
+        lens.projection = ProjectionKind::orthographic;
         lens.y_magnification = static_cast<float>(v->number(1e-6, 1e6) / 2);
     }
     // chosen: 45 degrees, the normal lens of a 4:3 picture's height.
@@ -104,6 +134,7 @@ void read_camera(const JsonValue& value, const std::string& name, std::size_t in
         film.tracks.push_back(
             track_of(fov, TrackTarget::field_of_view, static_cast<int>(index), glm::pi<double>() / 180));
     read_aperture(value, index, lens, film, clock);
+    read_panorama(value, lens, fov);
     film.cameras.insert(film.cameras.begin() + static_cast<std::ptrdiff_t>(index), lens);
 }
 

@@ -24,7 +24,7 @@ inline const Keys glare = core::words_in("kind strength size seed");
 inline const Keys view = core::words_in("name gamma");
 inline const Keys camera = core::words_in(
     "position look_at rotate roll fov height interpolation keys loop near shift f_stop focus sensor_height "
-    "blades blade_rotation squeeze far");
+    "blades blade_rotation squeeze far projection longitudes latitudes");
 inline const Keys camera_key = core::words_in("at position look_at rotate roll fov f_stop focus");
 inline const Keys shot = core::words_in("at camera");
 inline const Keys light = core::words_in(

@@ -141,7 +141,7 @@ CameraLens lens_of(const ClassicCamera& classic) {
     if (!(horizontal > 0.02) || !(horizontal < 3.1)) horizontal = glm::pi<double>() / 3;
     lens.vertical_fov = static_cast<float>(2 * std::atan(std::tan(horizontal / 2) / aspect));
     if (classic.half_width > 0 && std::isfinite(classic.half_width)) {
-        lens.perspective = false;
+        lens.projection = ProjectionKind::orthographic;
         lens.y_magnification = static_cast<float>(classic.half_width / aspect);
     }
     return lens;

@@ -30,11 +30,12 @@ CameraLens lens_of(const Element& element) {
     CameraLens lens;
     lens.name = element.string("name", "");
     const std::string type = element.string("type", "");
-    lens.perspective = type == "perspective";
-    if (!lens.perspective && type != "orthographic") element.refuse("type " + in_quotes(type) + " is none of glTF's");
+    const bool perspective = type == "perspective";
+    lens.projection = perspective ? ProjectionKind::perspective : ProjectionKind::orthographic;
+    if (!perspective && type != "orthographic") element.refuse("type " + in_quotes(type) + " is none of glTF's");
     const std::optional<Element> own = element.object(type.c_str());
     if (!own) element.refuse("lacks " + in_quotes(type));
-    if (lens.perspective) {
+    if (perspective) {
         lens.vertical_fov = static_cast<float>(own->number("yfov", 0));
         lens.aspect = static_cast<float>(own->number("aspectRatio", 0));
     } else {

@@ -3,7 +3,10 @@
 #include <glm/glm.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
+
+#include "scene/model/projection.h"
 
 namespace render2mpeg::scene {
 
@@ -11,11 +14,12 @@ namespace render2mpeg::scene {
 struct CameraLens {
     std::string name;
     int node = -1;
-    bool perspective = true;
-    float vertical_fov = 0.9f;  ///< radians, 0 < fov < pi
+    ProjectionKind projection = ProjectionKind::perspective;
+    SphereWindow window;        ///< equirectangular: what it shows
+    float vertical_fov = 0.9f;  ///< perspective: radians, 0 < fov < pi; equirectangular: of the window
     float y_magnification = 1;  ///< orthographic: half the visible height, scene units, > 0
     glm::vec2 shift{0, 0};      ///< of the picture to the right and up over what the lens shows, in picture heights
-    float near = 0;             ///< scene units; nothing nearer is seen
+    float near = 0;             ///< depth, scene units; nothing nearer is seen
     float far = 0;              ///< 0: infinite
     float aspect = 0;           ///< width over height of the picture that its maker framed; 0: not said
 
@@ -29,7 +33,12 @@ struct CameraLens {
     float blade_rotation = 0;               ///< radians
     float squeeze = 1;                      ///< anamorphic: the aperture's height over its width, > 0
     float aperture_radius = 0;              ///< scene units, what follows from all this at one instant; 0: a pinhole
+
+    bool is_panorama() const { return projection == ProjectionKind::equirectangular; }
 };
+
+/// Has a lens show part of the sphere, all of it sharp; its place, near and far stay.
+void make_panorama(CameraLens& lens, const SphereWindow& window);
 
 struct Ray {
     glm::vec3 origin;
@@ -39,7 +48,7 @@ struct Ray {
 /// Where a point appears: pixels, (0, 0) the upper left corner of the upper left pixel, whose centre is (0.5, 0.5).
 struct ScreenPoint {
     glm::vec2 position;
-    float depth;  ///< along the camera's axis, > 0
+    float depth;  ///< along the camera's axis, > 0; in a panorama the distance
 };
 
 /// A camera at one instant with one picture format.
@@ -71,30 +80,52 @@ class Camera {
     /// Position of a direction, at depth +infinity; none for orthographic cameras.
     std::optional<ScreenPoint> project_direction(glm::vec3 world_direction) const;
 
+    /// Whether columns go on from the right edge to the left one: a panorama all around.
+    bool wraps() const { return projection_.is_closed(); }
+    /// A position, or the same a turn away where the picture wraps: that which is nearest to another one.
+    glm::vec2 nearest_turn(glm::vec2 position, glm::vec2 to) const;
+    /// Picture that a ball may cover, upper left and lower right corner, beyond its sides where it wraps; none in flat
+    /// pictures.
+    std::optional<std::pair<glm::vec2, glm::vec2>> cover_of_ball(glm::vec3 middle, float radius) const;
+    /// Solid angle of a pixel of a row over that of the largest; 1 in flat pictures.
+    float weight_of_row(int row) const;
+    /// A position for two numbers in [0, 1]: even numbers are even over the solid angle, or over a flat picture.
+    glm::vec2 even_position(glm::vec2 numbers) const;
+
     glm::vec3 position() const { return glm::vec3(to_world_[3]); }
     glm::vec3 forward() const { return -glm::vec3(to_world_[2]); }
-    /// World size of one pixel: at unit depth for a perspective camera, everywhere for an orthographic one.
+    /// World size of one pixel at unit depth; everywhere for an orthographic camera.
     float pixel_size() const;
-    bool perspective() const { return lens_.perspective; }
+    /// World size of one pixel at a depth.
+    float pixel_extent(float depth) const { return pixel_size() * (has_eye() ? depth : 1.0f); }
+    /// Angle of one pixel, radians: the picture's height over its rows.
+    float pixel_angle() const { return lens_.vertical_fov / static_cast<float>(height_); }
+    float depth_of(glm::vec3 world) const;
+    /// The direction along which a ray's points become deeper by their distance: the camera's axis, or the ray's own.
+    glm::vec3 depth_axis(glm::vec3 direction) const { return projection_.is_sphere() ? direction : forward(); }
+    /// Whether all rays leave one point: not those of an orthographic camera.
+    bool has_eye() const { return projection_.has_eye(); }
+    bool is_flat() const { return !projection_.is_sphere(); }
     glm::vec2 size() const { return {width_, height_}; }  ///< of the picture, pixels
     const CameraLens& lens() const { return lens_; }
     const glm::mat4& to_world() const { return to_world_; }
     /// World points to OpenEXR's camera space: x right, y up, z along the view.
     glm::mat4 world_to_camera() const;
     /// World to (0, 0) upper left, (1, 1) lower right after division by w; the third coordinate is 0 at
-    /// CameraLens::near.
+    /// CameraLens::near. Of flat pictures.
     glm::mat4 world_to_ndc() const;
 
   private:
-    /// From coordinates along the camera's axes, divided by `scale` where it is a perspective camera.
-    std::optional<ScreenPoint> on_picture(double right, double up, double scale, double depth) const;
+    glm::dvec2 film_place(glm::vec2 position) const;
+    std::optional<ScreenPoint> on_picture(const std::optional<FilmPoint>& film) const;
+    glm::dvec3 along_axes(glm::dvec3 way) const;
 
     CameraLens lens_;
     glm::mat4 to_world_{1.0f};
     int width_ = 0;
     int height_ = 0;
-    glm::vec2 shift_{0, 0};        ///< CameraLens::shift in halves of the picture's width and height
-    glm::vec2 half_extent_{1, 1};  ///< of the picture at unit depth (perspective) or in scene units (orthographic)
+    glm::vec2 shift_{0, 0};  ///< CameraLens::shift in halves of the picture's width and height
+    Projection projection_;
 };
 
 }  // namespace render2mpeg::scene

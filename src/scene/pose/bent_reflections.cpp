@@ -104,7 +104,7 @@ Way way_of_turn(const LocalMirror& mirror, glm::dvec3 to_spot, glm::dvec3 r, glm
     const double ma = glm::dot(moved, dx), mb = glm::dot(moved, dy);
     const glm::dvec3 way = ((bb * ma - ab * mb) * spot.along[0] + (aa * mb - ab * ma) * spot.along[1]) / area;
     const double first = glm::length(way);
-    if (!mirror.now.perspective || !(first > 0)) return {first, std::sqrt(area)};
+    if (!mirror.now.has_eye || !(first > 0)) return {first, std::sqrt(area)};
     // Of the rate at which rays turn on that way, the part that a flat mirror has falls with the distance from the
     // eye: the law of sines in the triangle of eye, point and place.
     const glm::dvec3 along = way / first, i = to_spot / distance;
@@ -224,7 +224,7 @@ Bend bend_at(const Reflection& edit, std::size_t index, const std::optional<Aime
     if (!(distance > 0) || !(far > 0) || !(bend.radius > 0) || !(border > 0) || !std::isfinite(far + distance + border))
         return bend;
     bend.strength = smooth_step(cosine / edge_on) *
-                    smooth_step(far / (too_near * std::min(bend.radius, now.perspective ? distance : infinite)));
+                    smooth_step(far / (too_near * std::min(bend.radius, now.has_eye ? distance : infinite)));
     if (!(bend.strength > 0)) return bend;
 
     const glm::dvec3 r = to_spot / distance + 2 * cosine * n, e = lifted(seen / far, n, least_cosine);
@@ -275,12 +275,8 @@ std::vector<Bend> bends_at(const Animation& animation, const std::vector<std::op
 }
 
 Instant middle_instant(const Snapshot& s, const Pose& pose) {
-    return {s.objects,
-            s.deformed,
-            pose,
-            glm::dvec3(s.camera.position()),
-            glm::dvec3(s.camera.forward()),
-            s.camera.perspective()};
+    return {s.objects,         s.deformed, pose, glm::dvec3(s.camera.position()), glm::dvec3(s.camera.forward()),
+            s.camera.has_eye()};
 }
 
 }  // namespace
@@ -343,7 +339,7 @@ std::shared_ptr<const BentReflections> bend_reflections(const Snapshot& snapshot
         const std::vector<SweepKnot>& knots = snapshot.sweep->knots;
         const SweepKnot* knot = knots.empty() ? nullptr : k == 0 ? &knots.front() : &knots.back();
         pose_all({knot ? knot->objects : snapshot.objects, knot ? knot->deformed : snapshot.deformed, there,
-                  glm::dvec3(eye[3]), -glm::dvec3(eye[2]), snapshot.camera.perspective()});
+                  glm::dvec3(eye[3]), -glm::dvec3(eye[2]), snapshot.camera.has_eye()});
     }
     return all;
 }

@@ -17,10 +17,10 @@ struct Instant {
     const std::vector<DeformedMesh>& deformed;
     const Pose& pose;
     glm::dvec3 eye, forward;
-    bool perspective;
+    bool has_eye;  ///< or all ways go `forward`
 
     /// From the eye to a place.
-    glm::dvec3 way_to(glm::dvec3 place) const { return perspective ? place - eye : forward; }
+    glm::dvec3 way_to(glm::dvec3 place) const { return has_eye ? place - eye : forward; }
 };
 
 /// A place of a surface and how it curves there.

@@ -22,7 +22,7 @@ std::optional<Move> move_of_surface(const core::SurfaceAddress& address, const S
     const std::optional<ScreenPoint> start = here.camera.project_exact(*from),
                                      end = reference.camera.project_exact(*to);
     if (!start || !end) return std::nullopt;
-    return Move{end->position - start->position, end->depth};
+    return Move{reference.camera.nearest_turn(end->position, start->position) - start->position, end->depth};
 }
 
 /// Where a flat mirror shows a point: behind its plane as far as the point is before it; an edited one on it. Both as
@@ -48,20 +48,20 @@ std::optional<glm::vec2> move_of_image(const core::SurfaceAddress& point, const 
     const std::optional<ScreenPoint> start = here.camera.project_exact(*from),
                                      end = reference.camera.project_exact(*to);
     if (!start || !end) return std::nullopt;
-    return end->position - start->position;
+    return reference.camera.nearest_turn(end->position, start->position) - start->position;
 }
 
 std::optional<Move> move_of_sky(glm::vec2 pixel, const Camera& here, const Camera& reference) {
     const glm::vec3 direction = here.ray_through(pixel).direction;
     // Orthographic cameras see one point of the sky everywhere: it stays or it is gone.
-    if (!here.perspective() || !reference.perspective()) {
-        const bool same = here.perspective() == reference.perspective() && here.forward() == reference.forward();
+    if (!here.has_eye() || !reference.has_eye()) {
+        const bool same = here.has_eye() == reference.has_eye() && here.forward() == reference.forward();
         return same ? std::optional(Move{glm::vec2(0), std::numeric_limits<float>::infinity()}) : std::nullopt;
     }
     const std::optional<ScreenPoint> start = here.project_direction(direction),
                                      end = reference.project_direction(direction);
     if (!start || !end) return std::nullopt;
-    return Move{end->position - start->position, end->depth};
+    return Move{reference.nearest_turn(end->position, start->position) - start->position, end->depth};
 }
 
 }  // namespace
@@ -70,6 +70,7 @@ core::MotionField motion_field_for(const core::Visible& visible, const Snapshot&
     core::MotionField field;
     field.picture = here.frame;
     field.reference = reference.frame;
+    field.wraps = reference.camera.wraps();
     field.vector = core::Plane<glm::vec2>(visible.width(), visible.height(), glm::vec2(0));
     field.depth_in_reference = core::Plane<float>(visible.width(), visible.height(), 0.0f);
     field.kind = core::Plane<core::PixelClass>(visible.width(), visible.height(), core::PixelClass::none);

@@ -81,7 +81,7 @@ Camera camera_of(const CameraLens& lens, const glm::dmat4& to_world, float verti
                  PictureFormat format) {
     CameraLens at_instant = lens;
     // A spline may leave the range of its keys.
-    at_instant.vertical_fov = std::clamp(vertical_fov, 1e-6f, 3.1415f);
+    if (!lens.is_panorama()) at_instant.vertical_fov = std::clamp(vertical_fov, 1e-6f, 3.1415f);
     const float aspect = static_cast<float>(format.width) * format.pixel_aspect / static_cast<float>(format.height);
     return Camera(at_instant, rigid(to_world, origin), format.width, format.height, aspect);
 }
@@ -103,7 +103,7 @@ std::optional<glm::vec3> middle_of(const Snapshot& snapshot, const std::vector<i
 void open_aperture(const CameraLens& described, const Pose& pose, std::size_t camera, const Snapshot& snapshot,
                    PictureFormat format, Camera& result) {
     const float f_stop = pose.f_stop[camera];
-    if (!(described.f_stop > 0) || !(f_stop > 0)) return;
+    if (!(described.f_stop > 0) || !(f_stop > 0) || described.is_panorama()) return;
     CameraLens lens = result.lens();
     std::optional<glm::vec3> point;
     if (!described.focus_objects.empty())
@@ -113,7 +113,7 @@ void open_aperture(const CameraLens& described, const Pose& pose, std::size_t ca
     const float distance = point ? glm::dot(*point - result.position(), result.forward()) : pose.focus_distance[camera];
     // An orthographic camera's lens is as far open as that of the picture's height in focus would be.
     const float focal_length =
-        lens.perspective ? lens.sensor_height / (2 * std::tan(0.5f * lens.vertical_fov)) : lens.sensor_height;
+        result.has_eye() ? lens.sensor_height / (2 * std::tan(0.5f * lens.vertical_fov)) : lens.sensor_height;
     lens.aperture_radius = 0.5f * focal_length / f_stop;
     // Nothing can be in focus on the eye or behind it.
     lens.focus_distance = std::max(distance, 1e-3f * lens.aperture_radius);

@@ -51,8 +51,7 @@ float chord_error(const Snapshot& snapshot, const SweepKnot& before, const Sweep
     const Camera& camera = snapshot.camera;
     float largest = 0;
     const auto take = [&](glm::vec3 a, glm::vec3 m, glm::vec3 b) {
-        const float depth = glm::dot(m - camera.position(), camera.forward());
-        const float size = camera.pixel_size() * (camera.perspective() ? depth : 1);
+        const float size = camera.pixel_extent(camera.depth_of(m));
         if (!(size > 0)) return;
         largest = std::max(largest, glm::length(m - 0.5f * (a + b)) / size);
     };

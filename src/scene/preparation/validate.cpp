@@ -166,11 +166,12 @@ void validate_cameras(Animation& animation) {
         const std::string name = described("camera", i, lens.name);
         check_index(animation, name, "node", lens.node, animation.nodes.size(), -1);
         // 3.1415 rather than pi: beyond it half the height of the picture at unit depth exceeds 20000.
-        if (lens.perspective && !(lens.vertical_fov > 0 && lens.vertical_fov < 3.1415f))
+        if (lens.projection == ProjectionKind::perspective && !(lens.vertical_fov > 0 && lens.vertical_fov < 3.1415f))
             refuse(animation, name,
                    "its vertical field of view is " + std::to_string(lens.vertical_fov) +
                        " rad; it must lie between 0 and pi");
-        if (!lens.perspective && !(lens.y_magnification > 0 && std::isfinite(lens.y_magnification)))
+        if (lens.projection == ProjectionKind::orthographic &&
+            !(lens.y_magnification > 0 && std::isfinite(lens.y_magnification)))
             refuse(animation, name, "its vertical magnification must be above 0");
         if (!(lens.near >= 0) || !std::isfinite(lens.near))
             refuse(animation, name, "its near distance must be 0 or more");

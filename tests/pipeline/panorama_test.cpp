@@ -1,0 +1,77 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <string>
+
+#include "pipeline/fixture.h"
+
+/// Panoramas through the program: said by the command line and by animation files.
+namespace render2mpeg::test {
+namespace {
+
+const std::string room =
+    R"("frames": 2, "exposure": 0, "sky": 1, "objects": [{ "shape": "box", "position": [2, 0, 0] }])";
+
+std::string film(const Folder& folder, const std::string& camera, const std::string& more = "") {
+    std::ofstream(folder / "film.json") << "{ " << room << more << R"(, "camera": )" << camera << " }";
+    return path(folder, "film.json");
+}
+
+support::Outcome plan(const std::string& words) {
+    return run(program() + " plan --within 0 " + words);
+}
+
+TEST(PanoramaFilm, IsPlannedTwoByOneOrSquareAndSaysWhatItShows) {
+    const Folder folder;
+    const std::string plain = film(folder, R"({ "position": [0, 0, 3] })");
+    const auto all = plan(plain + " --projection equirectangular");
+    EXPECT_EQ(all.status, 0) << all.output;
+    EXPECT_NE(all.output.find("640x320"), std::string::npos) << all.output;
+    EXPECT_NE(all.output.find("a panorama of 360 by 180 degrees"), std::string::npos) << all.output;
+    EXPECT_EQ(all.output.find("stretched"), std::string::npos) << all.output;
+    const auto half = plan(plain + " --projection vr180");
+    EXPECT_NE(half.output.find("640x640"), std::string::npos) << half.output;
+    EXPECT_NE(half.output.find("a panorama of 180 by 180 degrees"), std::string::npos) << half.output;
+    const auto wide = plan(plain + " --projection equirectangular --size 640x360");
+    EXPECT_EQ(wide.status, 0);
+    EXPECT_NE(wide.output.find("640x360: a panorama of 360 by 180 degrees is 2 times as wide as high; it is stretched"),
+              std::string::npos)
+        << wide.output;
+}
+
+TEST(PanoramaFilm, OfAnAnimationFileShowsItsWindow) {
+    const Folder folder;
+    const auto some = plan(
+        film(folder,
+             R"({ "projection": "equirectangular", "longitudes": [-60, 60], "latitudes": [-30, 30], "near": 0.1 })"));
+    EXPECT_EQ(some.status, 0) << some.output;
+    EXPECT_NE(some.output.find("a panorama of 120 by 60 degrees"), std::string::npos) << some.output;
+    EXPECT_NE(some.output.find("640x320"), std::string::npos) << some.output;
+}
+
+TEST(PanoramaFilm, HasNoLensAndTellsSo) {
+    const Folder folder;
+    const std::string blurred = film(folder, R"({ "position": [0, 0, 3], "f_stop": 2, "focus": 3 })");
+    const auto told = plan(blurred + " --projection equirectangular");
+    EXPECT_EQ(told.status, 0);
+    EXPECT_NE(told.output.find("a panorama has no lens, all of it is sharp"), std::string::npos) << told.output;
+    const std::string parallel = film(folder, R"({ "position": [0, 0, 3], "height": 2 })");
+    const auto refused = plan(parallel + " --projection equirectangular");
+    EXPECT_EQ(refused.status, 2);
+    EXPECT_NE(refused.output.find("parallel rays"), std::string::npos) << refused.output;
+}
+
+TEST(PanoramaFilm, IsMadeWithAllThatMovesAndBlurs) {
+    const Folder folder;
+    const std::string turning =
+        film(folder,
+             R"({ "projection": "equirectangular", "keys": [{ "at": 0, "rotate": 0 }, { "at": 0.08, "rotate": 20 }] })",
+             R"(, "shutter": 180, "fog": { "visibility": 50 })");
+    const auto made =
+        run(program() + " render " + turning + " --size 64x32 --samples 1 --quiet -o " + path(folder, "film.mpg"));
+    EXPECT_EQ(made.status, 0) << made.output;
+    EXPECT_EQ(made.output, "");
+}
+
+}  // namespace
+}  // namespace render2mpeg::test
