@@ -48,6 +48,14 @@ struct RateControl {
     std::int64_t buffer_bits = 0;  ///< VBV size; 0: the largest that the level and vbv_delay can express
 };
 
+/// Part of the sphere about a viewer that equirectangular pictures show: shares of its sides, from 0, that are left
+/// off. [SphericalVideo2]
+struct SphereBounds {
+    double left = 0, top = 0, right = 0, bottom = 0;
+
+    bool operator==(const SphereBounds&) const = default;
+};
+
 /// Coding settings, constant over the film.
 struct Settings {
     Codec codec = Codec::mpeg2;
@@ -72,7 +80,8 @@ struct Settings {
     int transfer_characteristics = 1;
     float peak = 0;          ///< cd/m^2 of the display that the film is made for, where its signals say so; 0: not said
     core::LightLevel light;  ///< of the whole film, where a container is told it
-    int grain = 0;           ///< ISO of film grain, 0 for none; decoders of AV1 add it, other pictures come with it
+    std::optional<SphereBounds> sphere;  ///< the pictures are panoramas, which containers can say; none: flat ones
+    int grain = 0;       ///< ISO of film grain, 0 for none; decoders of AV1 add it, other pictures come with it
     int level = 0;       ///< ten times the level of a library's codec: 41 is 4.1; 0: the lowest that holds the pictures
     int references = 0;  ///< pictures that one may be predicted from in H.264; 0: as its level and effort have it
     std::string user_data;  ///< printable ASCII that stands behind every sequence header [H262, 6.2.2.2.2]; empty: none

@@ -111,6 +111,11 @@ bool is_film(const std::filesystem::path& file) {
     return format_of(file) != nullptr;
 }
 
+bool tells_panoramas(const std::filesystem::path& name) {
+    const char* format = format_of(name);
+    return format != nullptr && format_tells_panoramas(format);
+}
+
 struct Muxer::Impl {
     std::filesystem::path file;
     ByteSink sink;  ///< empty: into the file

@@ -18,6 +18,9 @@ namespace render2mpeg::av {
 /// mp4, mov. Case does not matter.
 bool is_film(const std::filesystem::path& file);
 
+/// Whether films of this ending can say that their pictures are panoramas.
+bool tells_panoramas(const std::filesystem::path& name);
+
 /// Throws core::Error where players do not look for a codec in files of this ending.
 void check_container(const std::filesystem::path& name, encoder::Codec codec);
 

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "core/picture.h"
@@ -18,6 +19,12 @@
 /// Interface of the module render2mpeg_av_module.so to the light library in front of it (av.cpp, library_coder.cpp).
 /// Nothing else includes this.
 namespace render2mpeg::av {
+
+/// Whether libavformat's `format` has words for panoramas: boxes of MP4, ProjectionPrivate of Matroska. That of
+/// QuickTime has them in its files, but libavformat does not write them.
+constexpr bool format_tells_panoramas(std::string_view format) {
+    return format == "mp4" || format == "matroska";
+}
 
 /// When a coded picture is shown and decoded, in fields from the film's beginning (encoder/cadence.h).
 struct Times {

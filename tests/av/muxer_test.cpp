@@ -10,6 +10,7 @@
 #include "av/coded_film.h"
 #include "av/program_stream.h"
 #include "core/error.h"
+#include "encoder/av/inspect.h"
 
 namespace render2mpeg::test {
 namespace {
@@ -205,6 +206,36 @@ TEST(ProgramStream, PlaysOnTheStandardsDecoderSlow) {
         unknown.largest = 0;
         expect_playable(unknown, unknown.mux(folder / "guessed.vob"));
     }
+}
+
+TEST(Muxer, SaysWhereOnTheSphereItsPicturesLie) {
+    const Folder folder;
+    CodedFilm film = coded_film(folder, 64, 32, "25", 4, "-g 12 -bf 0 -q:v 4");
+    const auto probe = [](const fs::path& file) {
+        return run("ffprobe -v error -select_streams v:0 -show_streams -show_entries stream_side_data " + file.string())
+            .output;
+    };
+    const encoder::SphereBounds whole, half{0.25, 0, 0.25, 0}, some{0.125, 0.0625, 0.375, 0.5};
+    for (const char* name : {"film.mp4", "film.mkv"})
+        for (const encoder::SphereBounds& bounds : {whole, half, some}) {
+            film.settings.sphere = bounds;
+            const fs::path file = film.mux(folder / name);
+            const std::optional<encoder::SphereBounds> told = av::inspect(file).stream.sphere;
+            ASSERT_TRUE(told) << name;
+            EXPECT_EQ(*told, bounds) << name;
+            const std::string text = probe(file);
+            EXPECT_NE(text.find(bounds == whole ? "projection=equirectangular" : "projection=tiled equirectangular"),
+                      std::string::npos)
+                << text;
+            fs::remove(file);
+        }
+    for (const char* name : {"film.mpg", "film.ts", "film.mov"}) {
+        const fs::path file = film.mux(folder / name);
+        EXPECT_FALSE(av::inspect(file).stream.sphere) << name;
+        EXPECT_FALSE(av::tells_panoramas(name));
+    }
+    film.settings.sphere.reset();
+    EXPECT_FALSE(av::inspect(film.mux(folder / "flat.mp4")).stream.sphere);
 }
 
 TEST(Muxer, KnowsItsKindsByTheirEndings) {

@@ -73,5 +73,20 @@ TEST(PanoramaFilm, IsMadeWithAllThatMovesAndBlurs) {
     EXPECT_EQ(made.output, "");
 }
 
+TEST(PanoramaFilm, SaysThatItIsOneWhereItsFileCan) {
+    const Folder folder;
+    const std::string half = film(folder, R"({ "projection": "vr180" })");
+    const std::string words = " render " + half + " --size 64x64 --samples 1 --frames 0:0 --overwrite -o ";
+    ASSERT_EQ(run(program() + words + path(folder, "film.mp4") + " --quiet").status, 0);
+    const auto shown = run(program() + " info --summary " + path(folder, "film.mp4"));
+    EXPECT_NE(shown.output.find("equirectangular, 180 by 180 degrees"), std::string::npos) << shown.output;
+    const auto json = run(program() + " info --json " + path(folder, "film.mp4"));
+    EXPECT_NE(json.output.find("\"panorama\""), std::string::npos);
+    const auto told = run(program() + words + path(folder, "film.mpg"));
+    EXPECT_EQ(told.status, 0);
+    EXPECT_NE(told.output.find("such files cannot say that they are panoramas; .mp4 and .mkv do"), std::string::npos)
+        << told.output;
+}
+
 }  // namespace
 }  // namespace render2mpeg::test

@@ -181,6 +181,29 @@ class File final : public Container {
         codec.extradata_size = static_cast<int>(facts.headers.size());
         describe_buffer(*stream, facts, messages);
         if (settings.peak > 0) describe_light(*stream, settings, messages);
+        if (settings.sphere && format_tells_panoramas(context_->oformat->name))
+            describe_sphere(*stream, *settings.sphere, messages);
+    }
+
+    /// Its pictures are panoramas, for one eye.
+    void describe_sphere(AVStream& stream, const encoder::SphereBounds& bounds, const Messages& messages) {
+        // Boxes of MP4 that no ISO standard knows are written where one asks for them.
+        if (is_isom_) context_->strict_std_compliance = FF_COMPLIANCE_UNOFFICIAL;
+        std::size_t size = 0;
+        AVSphericalMapping* sphere = av_spherical_alloc(&size);
+        if (sphere == nullptr) check(AVERROR(ENOMEM), messages);
+        const bool whole = bounds == encoder::SphereBounds();
+        sphere->projection = whole ? AV_SPHERICAL_EQUIRECTANGULAR : AV_SPHERICAL_EQUIRECTANGULAR_TILE;
+        const auto fixed = [](double share) { return static_cast<std::uint32_t>(std::lround(share * 0x1p32)); };
+        sphere->bound_left = fixed(bounds.left);
+        sphere->bound_top = fixed(bounds.top);
+        sphere->bound_right = fixed(bounds.right);
+        sphere->bound_bottom = fixed(bounds.bottom);
+        add(stream, AV_PKT_DATA_SPHERICAL, sphere, size, messages);
+        AVStereo3D* eyes = av_stereo3d_alloc();
+        if (eyes == nullptr) check(AVERROR(ENOMEM), messages);
+        eyes->type = AV_STEREO3D_2D;
+        add(stream, AV_PKT_DATA_STEREO3D, eyes, sizeof *eyes, messages);
     }
 
     /// The display that the film is made for (library_encoder.cpp), and how bright it is.

@@ -214,6 +214,11 @@ class InspectedFilm {
             s.peak = av_q2d(display->max_luminance);
         if (const auto* level = side_data_of<AVContentLightMetadata>(*film_.stream, AV_PKT_DATA_CONTENT_LIGHT_LEVEL))
             s.light = {static_cast<float>(level->MaxCLL), static_cast<float>(level->MaxFALL)};
+        if (const auto* sphere = side_data_of<AVSphericalMapping>(*film_.stream, AV_PKT_DATA_SPHERICAL);
+            sphere != nullptr && (sphere->projection == AV_SPHERICAL_EQUIRECTANGULAR ||
+                                  sphere->projection == AV_SPHERICAL_EQUIRECTANGULAR_TILE))
+            s.sphere = {sphere->bound_left * 0x1p-32, sphere->bound_top * 0x1p-32, sphere->bound_right * 0x1p-32,
+                        sphere->bound_bottom * 0x1p-32};
         s.bit_rate = decoder_->rc_max_rate;
         s.buffer_bits = decoder_->rc_buffer_size;
     }

@@ -188,6 +188,12 @@ std::string device_lines(const av::Inspection& film) {
     return text;
 }
 
+/// What a player is told to wrap the pictures about its viewer by.
+std::string sphere_text(const encoder::SphereBounds& sphere) {
+    return fmt::format("  projection equirectangular, {:.4g} by {:.4g} degrees\n",
+                       360 * (1 - sphere.left - sphere.right), 180 * (1 - sphere.top - sphere.bottom));
+}
+
 std::string stream_lines(const std::string& name, const av::Inspection& film) {
     const av::StreamFacts& s = film.stream;
     const double seconds = duration_of(film);
@@ -200,6 +206,7 @@ std::string stream_lines(const std::string& name, const av::Inspection& film) {
     text += fmt::format(", {}x{}{} at {:.5g} Hz, {}, {:.2f} s\n", s.width, s.height, shape_text(s), s.rate.value(),
                         pictures_text(static_cast<std::int64_t>(film.pictures.size())), seconds);
     text += fmt::format("  container  {}, {} stream{}\n", s.container, s.streams, s.streams == 1 ? "" : "s");
+    if (s.sphere) text += sphere_text(*s.sphere);
     text += fmt::format("  pictures   {}, {:.0f} kb/s", size_text(bytes), 8e-3 * ratio_of(bytes, seconds));
     if (s.bit_rate > 0) text += fmt::format("; declared: {:.0f} kb/s", 1e-3 * static_cast<double>(s.bit_rate));
     if (s.buffer_bits > 0) text += fmt::format(", buffer of {} bits", s.buffer_bits);
@@ -309,34 +316,36 @@ json json_of(const std::string& name, const av::Inspection& film, bool summary) 
             {"backward", vectors_json(t.backward)}};
     const double seconds = duration_of(film);
     const std::int64_t bytes = coded_bytes(film);
-    json result{{"file", name},
-                {"codec", encoder::facts_of(s.codec).word},
-                {"container", s.container},
-                {"streams", s.streams},
-                {"profile", text_or_null(s.profile)},
-                {"level", text_or_null(s.level)},
-                {"width", s.width},
-                {"height", s.height},
-                {"fps", or_null(s.rate.value(), s.rate.num > 0)},
-                {"pixel_aspect", or_null(json{s.pixel_aspect.num, s.pixel_aspect.den}, s.pixel_aspect.num > 0)},
-                {"color_primaries", or_null(s.color_primaries, s.color_primaries > 0)},
-                {"transfer_characteristics", or_null(s.transfer_characteristics, s.transfer_characteristics > 0)},
-                {"matrix_coefficients", or_null(s.matrix_coefficients, s.matrix_coefficients > 0)},
-                {"peak", or_null(s.peak, s.peak > 0)},
-                {"max_cll", or_null(s.light.most, s.light.most > 0)},
-                {"max_fall", or_null(s.light.mean, s.light.most > 0)},
-                {"busiest_second", busiest_second(film)},
-                {"max_rate", or_null(s.bit_rate, s.bit_rate > 0)},
-                {"vbv_bits", or_null(s.buffer_bits, s.buffer_bits > 0)},
-                {"pictures", film.pictures.size()},
-                {"seconds", seconds},
-                {"bytes", bytes},
-                {"average", ratio_of(8 * bytes, seconds)},
-                {"groups", {{"count", groups.count}, {"longest", groups.longest}}},
-                {"not_shown", film.unshown},
-                {"damaged", damaged(film)},
-                {"damage", film.damage},
-                {"types", types}};
+    json result{
+        {"file", name},
+        {"codec", encoder::facts_of(s.codec).word},
+        {"container", s.container},
+        {"streams", s.streams},
+        {"profile", text_or_null(s.profile)},
+        {"level", text_or_null(s.level)},
+        {"width", s.width},
+        {"height", s.height},
+        {"fps", or_null(s.rate.value(), s.rate.num > 0)},
+        {"pixel_aspect", or_null(json{s.pixel_aspect.num, s.pixel_aspect.den}, s.pixel_aspect.num > 0)},
+        {"color_primaries", or_null(s.color_primaries, s.color_primaries > 0)},
+        {"transfer_characteristics", or_null(s.transfer_characteristics, s.transfer_characteristics > 0)},
+        {"matrix_coefficients", or_null(s.matrix_coefficients, s.matrix_coefficients > 0)},
+        {"peak", or_null(s.peak, s.peak > 0)},
+        {"max_cll", or_null(s.light.most, s.light.most > 0)},
+        {"max_fall", or_null(s.light.mean, s.light.most > 0)},
+        {"panorama", s.sphere ? json{s.sphere->left, s.sphere->top, s.sphere->right, s.sphere->bottom} : json()},
+        {"busiest_second", busiest_second(film)},
+        {"max_rate", or_null(s.bit_rate, s.bit_rate > 0)},
+        {"vbv_bits", or_null(s.buffer_bits, s.buffer_bits > 0)},
+        {"pictures", film.pictures.size()},
+        {"seconds", seconds},
+        {"bytes", bytes},
+        {"average", ratio_of(8 * bytes, seconds)},
+        {"groups", {{"count", groups.count}, {"longest", groups.longest}}},
+        {"not_shown", film.unshown},
+        {"damaged", damaged(film)},
+        {"damage", film.damage},
+        {"types", types}};
     if (!summary) {
         result["per_picture"] = json::array();
         for (const av::PictureFacts& picture : film.pictures)

@@ -335,6 +335,8 @@ RenderJob prepare(const RenderOptions& wanted) {
         shape = settle_shape(half_of(wishes_of(options, *loaded), shape), preset);
     film.rate = shape.rate;
     tell_shape(*loaded, shape.size);
+    const bool is_film = film.kind == OutputKind::film && !options.output.empty();
+    const std::optional<encoder::SphereBounds> sphere = is_film ? sphere_of(*loaded, options.output) : std::nullopt;
     scene::fit_automatic_camera(*loaded,
                                 static_cast<double>(shape.size.width) / shape.size.height * shape.pixel_aspect.value());
     if (loaded->frame_rate) change_rate(*loaded, core::frame_rate_from(*loaded->frame_rate), film.rate);
@@ -360,6 +362,7 @@ RenderJob prepare(const RenderOptions& wanted) {
     film.rendering.transparent = animation->transparent;
 
     film.coding = coding_settings(options.coding, shape, film.frames.first, options.output, film.view);
+    film.coding.sphere = sphere;
     film.coding.grain = options.grain ? grain_from(*options.grain) : animation->grain;
     film.rendering.mattes = options.layers || film.has_alpha() || has_alpha_beside(film, options);
     film.keyframes = keyframes_of(options.coding);

@@ -6,12 +6,14 @@
 #include <cmath>
 #include <cstdlib>
 #include <string_view>
+#include <vector>
 
 #include "app/options/option_text.h"
 #include "app/options/usage_error.h"
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"
 #include "core/text.h"
+#include "encoder/av/av.h"
 #include "encoder/codec.h"
 
 namespace render2mpeg::app {
@@ -172,6 +174,31 @@ void tell_shape(scene::Animation& animation, Size size) {
                         size.height, scene::text_of(lens.window), lens.window.aspect()));
         return;
     }
+}
+
+std::optional<encoder::SphereBounds> sphere_of(scene::Animation& animation, const std::filesystem::path& output) {
+    std::vector<const scene::CameraLens*> shown;
+    for (const scene::Shot& shot : animation.shots)
+        shown.push_back(&animation.cameras[static_cast<std::size_t>(shot.camera)]);
+    if (shown.empty()) shown.push_back(&animation.cameras.front());
+    const scene::CameraLens& first = *shown.front();
+    const auto is_other = [&](const scene::CameraLens* lens) {
+        return lens->is_panorama() != first.is_panorama() || !(lens->window == first.window);
+    };
+    if (std::ranges::any_of(shown, is_other)) {
+        animation.notes.emplace_back("cameras show different parts of the sphere: the file does not say which");
+        return std::nullopt;
+    }
+    if (!first.is_panorama()) return std::nullopt;
+    if (!av::tells_panoramas(output)) {
+        animation.notes.push_back(
+            fmt::format("{}: such files cannot say that they are panoramas; .mp4 and .mkv do", output.string()));
+        return std::nullopt;
+    }
+    const scene::SphereWindow whole, &window = first.window;
+    const double turn = whole.east - whole.west, half = whole.north - whole.south;
+    return encoder::SphereBounds{(window.west - whole.west) / turn, (whole.north - window.north) / half,
+                                 (whole.east - window.east) / turn, (window.south - whole.south) / half};
 }
 
 void change_scene(scene::Animation& animation, const RenderOptions& options) {

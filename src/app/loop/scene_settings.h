@@ -1,6 +1,8 @@
 #pragma once
 // Exposure, effects and cache by command line and scene.
 #include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <string>
 
 #include "app/loop/render_job.h"
@@ -19,6 +21,9 @@ void set_projection(scene::Animation& animation, const std::string& name);
 
 /// Notes where panoramas are stretched in pictures of this size.
 void tell_shape(scene::Animation& animation, Size size);
+
+/// What a film's container is to say of its panoramas; notes where it cannot.
+std::optional<encoder::SphereBounds> sphere_of(scene::Animation& animation, const std::filesystem::path& output);
 
 /// --shutter, --f-stop, --focus, --fog, --glare and --transparent win over the scene. Throws UsageError for
 /// contradictions.
