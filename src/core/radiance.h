@@ -7,9 +7,9 @@
 
 namespace render2mpeg::core {
 
-/// Light from a frame's pixels to the eye: scene-linear RGB with BT.709 primaries, >= 0 and finite. `combined` and
-/// `capped` always; the layers only where they are wanted, else empty. Light is kept apart from texture so that it can
-/// be interpolated and reused.
+/// Light from a frame's pixels to the eye: scene-linear RGB with BT.709 primaries, >= 0 and finite. `combined`,
+/// `capped` and errors always; the layers only where they are wanted, else empty. Light is kept apart from texture so
+/// that it can be interpolated and reused.
 struct Radiance {
     std::int64_t frame = 0;
     Plane<glm::vec3> combined;             ///< radiance
@@ -21,7 +21,8 @@ struct Radiance {
     Plane<glm::vec3> specular;             ///< radiance seen in mirrors and through glass
     Plane<float> direct_cut;               ///< clusters used, mean over the pixel's gather points
     Plane<float> indirect_cut;
-    Plane<float> error;           ///< standard error of luminance, of what is gathered
+    Plane<float> error;           ///< standard error of luminance, of what is gathered; empty: not known
+    Plane<float> shared_error;    ///< likewise of the mean of its block of 8x8 pixels, if all of it erred alike
     Plane<glm::vec3> half;        ///< radiance by half of the paths; the other half is as far on the other side of
                                   ///< `combined`; only of light by paths alone
     Plane<float> record_density;  ///< records that lie in the pixel, seen or hidden; only where light is kept in them

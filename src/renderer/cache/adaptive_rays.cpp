@@ -140,8 +140,10 @@ void reconstruct(FrameState& frame) {
                 turned += fit.weight(k) * fit.lobe(k).turned;
                 frame.records.mark_used(fit.record(k), frame.snapshot.frame);
             }
-            light.error = {static_cast<float>(std::sqrt(error.square)) + turn_error * glm::length(turned)};
-            frame.tiles[fresh.point.tile].light[fresh.point.index] = light_of(frame, fresh, light);
+            PointLight& found = frame.tiles[fresh.point.tile].light[fresh.point.index];
+            found = light_of(frame, fresh, light);
+            found.error += {static_cast<float>(std::sqrt(error.square)) + turn_error * glm::length(turned)};
+            found.shared += {static_cast<float>(std::sqrt(error.of_block))};
         }
     });
 }

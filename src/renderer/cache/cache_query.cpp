@@ -37,7 +37,7 @@ PointLight blend(const LocalRegression& fit, const CacheQuery& q, const RecordSt
     light.glossy = glm::max(light.glossy, glm::vec3(0));
     light.clamped = std::max(clamped, 0.0f) * core::luminance(light.scattered(q.point));
     light.age = core::divide_or(age, sum, 0.0f);
-    light.error = {q.receives * error_scale * std::sqrt(square) + turn_error * glm::length(turned)};
+    light.add_alone({q.receives * error_scale * std::sqrt(square) + turn_error * glm::length(turned)});
     light.served = true;
     return light;
 }
@@ -71,6 +71,7 @@ std::optional<PointLight> query_cache(const CacheQuery& q, const RecordGrid& gri
           allowed_square(error, q.tolerance.allows_noise(found), allocation)))
         return std::nullopt;
     light.error += {static_cast<float>(std::sqrt(error.square))};
+    light.shared += {static_cast<float>(std::sqrt(error.of_block))};
     for (std::size_t i = 0; i < fit.size(); ++i)
         if (fit.weight(i) != 0.0f) records.mark_used(fit.record(i), frame);
     return light;

@@ -102,6 +102,7 @@ bool reuse(FrameState& frame, std::size_t t, const FrameHistory& history, float 
         PointLight& light = tile.light[i];
         light = before.trees;
         light.error = reused_error * light.error;
+        light.shared = reused_error * light.shared;
         light.direct_cut = light.indirect_cut = 0;
         light.served = true;
         light.age += static_cast<float>(frame.snapshot.frame - history.frame);
@@ -128,6 +129,7 @@ void add_up(FrameState& frame, std::size_t t, std::size_t i) {
     light.clamped += known.clamped;
     // Two gatherings err each for itself.
     light.error += known.error;
+    light.shared += known.shared;
 }
 
 }  // namespace

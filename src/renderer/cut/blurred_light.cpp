@@ -38,7 +38,9 @@ class PixelSum {
         ++count_;
         direct_cut_ += l.direct_cut;
         indirect_cut_ += l.indirect_cut;
-        error_ += core::divide_or(core::luminance(c.weight), core::luminance(p.weight), 0.0f) * l.error;
+        const float part = core::divide_or(core::luminance(c.weight), core::luminance(p.weight), 0.0f);
+        error_ += part * l.error;
+        shared_ += part * l.shared;
         age_ += l.age;
         reused_ += l.served ? 1.0f : 0.0f;
         if (p.reached_by_specular()) {
@@ -69,9 +71,13 @@ class PixelSum {
         const auto points = static_cast<float>(std::max(count_, 1));
         radiance.direct_cut.at(x, y) = direct_cut_ / points;
         radiance.indirect_cut.at(x, y) = indirect_cut_ / points;
-        radiance.error.at(x, y) = error_.value;
         radiance.record_age.at(x, y) = age_ / points;
         radiance.record_reuse.at(x, y) = reused_ / points;
+    }
+
+    void write_errors(int x, int y, core::Radiance& radiance) const {
+        radiance.error.at(x, y) = error_.value;
+        radiance.shared_error.at(x, y) = shared_.value;
     }
 
     glm::vec3 combined{0};
@@ -80,7 +86,7 @@ class PixelSum {
     glm::vec3 weight_{0}, albedo_{0}, direct_{0}, indirect_{0}, plain_direct_{0}, plain_indirect_{0}, glossy_{0},
         specular_{0};
     float direct_cut_ = 0, indirect_cut_ = 0, age_ = 0, reused_ = 0;
-    core::StandardError error_{};
+    core::StandardError error_{}, shared_{};
     int count_ = 0;
 };
 
@@ -144,6 +150,7 @@ void spread_light(const Frame& seen, const UngatheredLight& ungathered, const Fr
             const glm::vec3 hair = value_or_zero(ungathered.hair().exposed, x, y);
             const glm::vec3 emitted = exposure.emitted.at(x, y) + air + hair;
             radiance.combined.at(x, y) = glm::max(emitted + sum.combined, glm::vec3(0));
+            sum.write_errors(x, y, radiance);
             if (layers) {
                 const glm::vec3 specular = value_or_zero(exposure.emitted_specular, x, y);
                 radiance.emission.at(x, y) = glm::max(emitted - specular - hair, glm::vec3(0));

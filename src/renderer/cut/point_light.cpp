@@ -18,7 +18,7 @@ PointLight point_light(const GatheredLight& gathered, int lane, const GatherPoin
         light.glossy = point.point.bsdf.f0 * gathered.f0.at(lane) + point.point.bsdf.f90 * gathered.schlick.at(lane);
     light.direct_cut = static_cast<float>(gathered.direct_clusters);
     light.indirect_cut = static_cast<float>(gathered.indirect_clusters);
-    light.error = {gathered.error[lane]};
+    light.add_alone({gathered.error[lane]});
     light.clamped = gathered.clamped[lane];
     light.capped = (gathered.capped >> lane & 1u) != 0;
     return light;

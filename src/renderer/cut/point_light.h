@@ -16,11 +16,17 @@ struct PointLight {
     glm::vec3 glossy{0};                     ///< radiance
     float direct_cut = 0, indirect_cut = 0;  ///< clusters that were gathered for it; 0: for other points
     core::StandardError error{};             ///< in the pixel
+    core::StandardError shared{};            ///< of the mean of its block of 8x8 pixels
     float clamped = 0;                       ///< luminance of the pixel that the clamp of near lights took
     float age = 0;        ///< frames since it was gathered; 0: in this one. A mean, where it comes from many records
     bool served = false;  ///< by records, or by an earlier frame: it may err otherwise than a cut of today
     bool capped = false;  ///< the largest cut came before the tolerance was kept
 
+    /// Adds an error that its neighbours do not share.
+    void add_alone(core::StandardError alone) {
+        error += alone;
+        shared += 0.125f * alone;
+    }
     /// Radiance of the point in its pixel.
     glm::vec3 scattered(const GatherPoint& p) const {
         return p.weight * (p.point.bsdf.diffuse * (direct + indirect) + glossy);

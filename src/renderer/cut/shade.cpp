@@ -102,14 +102,12 @@ void TileShader::add_layers(const GatherTile& tile, std::size_t first, std::size
     // Weight irradiance by what it lights, so that albedo x irradiance is the pixel's diffuse light exactly.
     glm::vec3 share(0), albedo(0), direct(0), indirect(0), plain_direct(0), plain_indirect(0), glossy(0), specular(0);
     float direct_cut = 0, indirect_cut = 0, age = 0, reused = 0;
-    core::StandardError error{};
     for (std::size_t i = first; i < last; ++i) {
         const GatherPoint& p = tile[i];
         const PointLight& l = light_[i];
         const glm::vec3 scattered = l.scattered(p);
         direct_cut += l.direct_cut;
         indirect_cut += l.indirect_cut;
-        error += l.error;
         age += l.age;
         reused += l.served ? 1.0f : 0.0f;
         if (p.reached_by_specular()) {
@@ -139,7 +137,6 @@ void TileShader::add_layers(const GatherTile& tile, std::size_t first, std::size
     const auto count = static_cast<float>(std::max<std::size_t>(last - first, 1));
     radiance_.direct_cut.at(x, y) = direct_cut / count;
     radiance_.indirect_cut.at(x, y) = indirect_cut / count;
-    radiance_.error.at(x, y) = error.value;
     radiance_.record_age.at(x, y) = age / count;
     radiance_.record_reuse.at(x, y) = reused / count;
     radiance_.specular.at(x, y) += specular;
@@ -151,11 +148,14 @@ void TileShader::add_to_pixels(const GatherTile& tile) {
         const int x = x_of(tile[first]), y = y_of(tile[first]);
         glm::vec3 sum(0);
         float clusters = 0;
+        core::StandardError error{}, shared{};
         for (; last < tile.size() && tile[last].pixel == tile[first].pixel; ++last) {
             const GatherPoint& p = tile[last];
             const PointLight& l = light_[last];
             sum += l.scattered(p);
             clusters += l.direct_cut + l.indirect_cut;
+            error += l.error;
+            shared += l.shared;
             if (std::isfinite(l.clamped)) counts_.clamped += l.clamped;
             if (l.capped) {
                 radiance_.capped.at(x, y) = 1;
@@ -163,6 +163,8 @@ void TileShader::add_to_pixels(const GatherTile& tile) {
             }
         }
         radiance_.combined.at(x, y) += sum;
+        radiance_.error.at(x, y) = error.value;
+        radiance_.shared_error.at(x, y) = shared.value;
         const float luminance = core::luminance(sum);
         if (std::isfinite(luminance)) counts_.gathered += luminance;
         counts_.bands.add(allowed_share(x, y), last - first, static_cast<std::uint64_t>(clusters));
@@ -270,12 +272,12 @@ core::Radiance shade(const LightingContext& context, const FrameLight& light, bo
     radiance.frame = seen.visible.frame;
     radiance.combined = core::Plane<glm::vec3>(width, height, glm::vec3(0));
     radiance.capped = core::Plane<std::uint8_t>(width, height, 0);
+    for (auto* errors : {&radiance.error, &radiance.shared_error}) *errors = core::Plane<float>(width, height, 0.0f);
     if (layers) {
         for (auto* layer : {&radiance.emission, &radiance.direct_irradiance, &radiance.indirect_irradiance,
                             &radiance.albedo, &radiance.glossy, &radiance.specular})
             *layer = core::Plane<glm::vec3>(width, height, glm::vec3(0));
-        for (auto* layer : {&radiance.direct_cut, &radiance.indirect_cut, &radiance.error, &radiance.record_age,
-                            &radiance.record_reuse})
+        for (auto* layer : {&radiance.direct_cut, &radiance.indirect_cut, &radiance.record_age, &radiance.record_reuse})
             *layer = core::Plane<float>(width, height, 0.0f);
     }
     std::vector<ShadeCounts> of_tile(seen.tiles.size());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/color.h"
 #include "core/numeric.h"
 
 namespace render2mpeg::renderer {
@@ -13,6 +14,12 @@ constexpr int step = 4;
 
 bool is_lit(int x, int y) {
     return x % step == step / 2 && y % step == step / 2;
+}
+
+/// Column or row of a lit pixel near that of any; 0 where none is lit.
+int lit_beside(int place, int size) {
+    const int lit = place / step * step + step / 2;
+    return std::max(lit < size ? lit : lit - step, 0);
 }
 
 /// Response of each pixel to white light.
@@ -83,6 +90,12 @@ void interpolate_light(const Frame& frame, const UngatheredLight& ungathered, co
             if (is_lit(x, y)) continue;
             radiance.combined.at(x, y) =
                 ungathered.all().at(x, y) + reflectance.at(x, y) * light_at(frame.visible, light, x, y);
+            // Errors are those of the lit pixel of its 4x4, as shares of light.
+            const int lit_x = lit_beside(x, width), lit_y = lit_beside(y, height);
+            const float share = core::divide_or(core::luminance(reflectance.at(x, y)),
+                                                core::luminance(reflectance.at(lit_x, lit_y)), 0.0f);
+            radiance.error.at(x, y) = share * radiance.error.at(lit_x, lit_y);
+            radiance.shared_error.at(x, y) = share * radiance.shared_error.at(lit_x, lit_y);
         }
 }
 

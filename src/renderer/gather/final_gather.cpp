@@ -107,7 +107,7 @@ void add(const RayLight& rays, const GatherPoint& point, PointLight& light) {
     light.indirect += rays.light[0];
     light.glossy += bsdf.f0 * rays.light[1] + bsdf.f90 * rays.light[2];
     light.indirect_cut += static_cast<float>(rays.rays);
-    light.error += rays.error;
+    light.add_alone(rays.error);
 }
 
 FinalGather::FinalGather(const PosedScene& posed_scene, const Plan& plan)
