@@ -1,0 +1,89 @@
+#include "perceptual/light_loss.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/sampling.h"
+
+namespace render2mpeg::perceptual {
+namespace {
+
+constexpr float step = 16;
+
+/// Steps that are alike in all coefficients, rounded to the nearest level.
+Quantisation even_steps() {
+    Quantisation quantisation;
+    quantisation.intra.fill(step);
+    quantisation.inter.fill(step);
+    quantisation.dc_step = step;
+    return quantisation;
+}
+
+core::Plane<BlockNoise> white_noise(int width, int height, float variance) {
+    BlockNoise noise;
+    noise.fill(variance);
+    return core::Plane<BlockNoise>(width, height, noise);
+}
+
+/// Blocks whose coefficients lie anywhere between two levels.
+core::Plane<core::Block8x8> busy_blocks(int width, int height) {
+    core::Plane<core::Block8x8> blocks(width, height);
+    for (std::size_t b = 0; b < blocks.size(); ++b)
+        for (std::size_t i = 0; i < 64; ++i) blocks.values()[b][i] = 100 * step * core::uniform(7, b, i);
+    return blocks;
+}
+
+TEST(LightLoss, OfBusyBlocksIsAllOfTheirNoise) {
+    const core::Plane<core::Block8x8> blocks = busy_blocks(40, 30);
+    for (const float variance : {2.0f, 20.0f}) {
+        const NoisyPicture picture{blocks, white_noise(40, 30, variance), even_steps(), 1};
+        // Rounding to levels leaves a twelfth of the step's square, whatever the noise.
+        const double expected = 10 * std::log10(1 + variance / (step * step / 12.0));
+        EXPECT_NEAR(picture.loss(1) / expected, 1, 0.05) << variance;
+        EXPECT_NEAR(picture.loss(2), 10 * std::log10(1 + 4 * variance / (step * step / 12.0)), 0.05 * expected * 4);
+        EXPECT_EQ(picture.loss(0), 0);
+    }
+}
+
+TEST(LightLoss, OfWhatVanishesIsNothingUntilNoiseReachesALevel) {
+    core::Block8x8 faint;
+    faint.fill(0.5f);
+    const core::Plane<core::Block8x8> blocks(40, 30, faint);
+    const NoisyPicture picture{blocks, white_noise(40, 30, 1.0f), even_steps(), 1};
+    EXPECT_EQ(picture.loss(1), 0);
+    EXPECT_GT(picture.loss(8), 10);
+}
+
+TEST(LightLoss, NumberOfALossIsWhereItIs) {
+    const core::Plane<core::Block8x8> blocks = busy_blocks(40, 30);
+    const NoisyPicture picture{blocks, white_noise(40, 30, 3.0f), even_steps(), 1};
+    const auto loss = [&](double times) { return picture.loss(times); };
+    EXPECT_NEAR(picture.loss(number_of_loss(0.3, 0.1, 10, loss)), 0.3, 0.02);
+    // Out of reach, it is an end.
+    EXPECT_NEAR(number_of_loss(90, 0.1, 10, loss), 10, 0.1);
+    EXPECT_NEAR(number_of_loss(1e-9, 0.1, 10, loss), 0.1, 0.001);
+}
+
+TEST(LightLoss, BlocksKeepTheEnergyOfTheirPixels) {
+    const auto energy = [](const BlockNoise& noise) {
+        double sum = 0;
+        for (const float variance : noise) sum += static_cast<double>(variance);
+        return sum / 64;
+    };
+    // White noise has a 64th of its variance in the mean; records of the widest planes 0.29.
+    for (const float of_block : {1.0f / 64, 0.1f, 0.28f}) {
+        const core::Plane<BlockNoise> noise = noise_of_blocks(core::Plane<PixelNoise>(19, 9, {5.0f, 5.0f * of_block}));
+        ASSERT_EQ(noise.width(), 3);
+        ASSERT_EQ(noise.height(), 2);
+        for (const BlockNoise& block : noise.values()) {
+            EXPECT_NEAR(energy(block), 5, 1e-4);
+            EXPECT_NEAR(block[0] / 64, 5 * of_block, 1e-3);
+        }
+    }
+    const BlockNoise white = noise_of_blocks(core::Plane<PixelNoise>(8, 8, {5.0f, 5.0f / 64})).at(0, 0);
+    for (const float variance : white) EXPECT_NEAR(variance, 5, 1e-4);
+}
+
+}  // namespace
+}  // namespace render2mpeg::perceptual
