@@ -38,9 +38,6 @@ struct CodecFacts {
     int least_width = 16, least_height = 16;  ///< of its pictures, in pixels
     /// Its quantisers beside MPEG-2's q: at_1 + by_doubling * log2(q). fit: docs/measurements.md#codecs
     double at_1 = 1, by_doubling = 1;
-    /// Share of MPEG-2's error that its coding hides: at equal PSNR-Y its steps are larger by more than what they hide.
-    /// fit: docs/measurements.md#codecs
-    float hidden = 1;
     LibraryOffsets offsets{};  ///< chosen: docs/measurements.md#codecs; SVT-AV1 has its own by layers
     LibraryNames ffmpeg{};
     std::string_view endings{};  ///< of files in which players look for it, the usual one first
@@ -100,7 +97,6 @@ inline constexpr std::array all_codecs{
                .most_b_pictures = 3,
                .at_1 = 14.9,
                .by_doubling = 5.7,
-               .hidden = 0.72f,
                .offsets = {2, 1},
                .ffmpeg = {"h264", "libx264", "slow", "veryfast", "preset", "yuv420p", "FFmpeg with libx264", ""},
                .endings = ".mp4 .mkv .mov .ts",
@@ -113,7 +109,6 @@ inline constexpr std::array all_codecs{
                .most_b_pictures = 3,
                .at_1 = 15.6,
                .by_doubling = 5.4,
-               .hidden = 0.6f,
                .offsets = {2, 1},
                .ffmpeg = {"hevc", "libx265", "slow", "veryfast", "preset", "yuv420p10", "FFmpeg with libx265", "hvc1"},
                .endings = ".mp4 .mkv .mov .ts",
@@ -127,7 +122,6 @@ inline constexpr std::array all_codecs{
                .least_height = 64,
                .at_1 = 9.6,
                .by_doubling = 11,
-               .hidden = 0.6f,
                .ffmpeg = {"av1", "libsvtav1", "6", "10", "preset", "yuv420p10", "FFmpeg with libsvtav1", ""},
                .endings = ".mp4 .mkv",
                .not_on = "phones and televisions from before 2021, most editors",

@@ -30,7 +30,6 @@ StepSizes flat_steps(Codec codec, int quantiser) {
     // x264's rounding offsets, as other coders of this family have them: a third and a sixth of a step.
     steps.intra_dead_zone = 2.0f / 3;
     steps.inter_dead_zone = 5.0f / 6;
-    steps.hidden = facts_of(codec).hidden;
     return steps;
 }
 

@@ -14,7 +14,6 @@ struct StepSizes {
     float intra_dc = 0;      ///< step of the mean coefficient of intra blocks, whatever the scale
     /// Smallest coefficient that does not vanish, as a fraction of a step.
     float intra_dead_zone = 0.5f, inter_dead_zone = 1.0f;
-    float hidden = 1;  ///< share of step-sized errors hidden by coding, over MPEG-2's share
 };
 
 /// The steps of a film's pictures with this quantiser. Codecs that transform 4x4 as well as 8x8 have the same step in

@@ -10,12 +10,6 @@
 
 namespace render2mpeg::perceptual {
 
-/// k: the share of what coding hides that gathering light may use so that a film loses 0.05 dB of PSNR-Y by it at most
-/// against the truth: half of what `--loss` gives to all parts. Beyond it errors of lighting add to those of coding; at
-/// 1 the eye's model alone would find them. In (0, 1]; of pictures that nothing is predicted from. fit:
-/// docs/measurements.md#tolerance-fraction. The same for every quantiser: a power of it gains nothing.
-inline constexpr float default_tolerance_fraction = 0.5f;
-
 /// Share of k for a picture that `followers` >= 0 later ones depend on, since coding hands errors on: 1 without any,
 /// less in I pictures than in P pictures. In (0, 1].
 float propagation_factor(bool intra, std::int64_t followers);

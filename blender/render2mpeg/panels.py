@@ -49,7 +49,7 @@ class RENDER2MPEG_PT_light(RenderPanel, bpy.types.Panel):
         settings, render, layout = context.scene.render2mpeg, context.scene.render, self.begin()
         layout.prop(settings, "effort")
         layout.prop(settings, "tolerance")
-        layout.prop(settings, "hidden" if settings.tolerance == "HIDDEN" else "percent")
+        layout.prop(settings, "loss" if settings.tolerance == "HIDDEN" else "percent")
         if context.engine == ENGINE:
             layout.prop(render, "use_motion_blur", text="Motion Blur")
             row = layout.row()

@@ -11,8 +11,8 @@ def light_words(settings, film):
     words = [] if settings.effort == "DEFAULT" else ["--effort", settings.effort.lower()]
     if settings.tolerance == "FIXED":
         words += ["--tolerance", f"fixed={settings.percent:g}%"]
-    elif film and settings.hidden != 0.5:
-        words += ["--tolerance", f"coupled={settings.hidden:g}"]
+    elif film and settings.loss != 0.2:
+        words += ["--loss", f"{settings.loss:g}"]
     return words
 
 
@@ -49,8 +49,8 @@ class Render2mpegSettings(bpy.types.PropertyGroup):
     tolerance: bpy.props.EnumProperty(name="Tolerance", items=[
         ("HIDDEN", "What Coding Hides", "Light is as exact as the film can show"),
         ("FIXED", "Fixed", "Light is as exact everywhere")])
-    hidden: bpy.props.FloatProperty(name="Share", default=0.5, min=0.01, max=4,
-                                    description="Of what coding and the eye hide, how much light may be off by")
+    loss: bpy.props.FloatProperty(name="Loss", default=0.2, min=0.01, max=6,
+                                  description="PSNR-Y in dB that coded pictures may lose by the noise of their light; lower is finer and slower")
     percent: bpy.props.FloatProperty(name="Error", default=2, min=0.1, max=50, subtype="PERCENTAGE",
                                      description="By how much of its luminance a pixel's light may be off")
     report: bpy.props.BoolProperty(name="Report", default=True, description="Write a page about the film beside it")

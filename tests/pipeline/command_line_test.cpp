@@ -131,6 +131,7 @@ TEST(Notes, TellWhichOptionsDoNothing) {
     noted(start + frames + " --gop 5 --tune perceptual", "--gop, --tune do nothing here: f.%d.exr is not coded");
     noted(start + frames + " --exposure 1 --tolerance reference", "--exposure does nothing here");
     noted(start + film_out + " --tolerance fixed=2% --masking quantised", "--masking does nothing here");
+    noted(start + film_out + " --tolerance fixed=2% --loss 0.1", "--loss does nothing here");
     noted(start + film_out + " --frames 0:9 --keyframes 3,12,40", "2 of 3 are no frames of the film, which has 0 to 9");
     noted(start + film_out + " --frames 3", "--frames 3 is one frame, number 3 from 0; the first 3 are --frames 0:2");
     // Silent where all count, and where nobody wants to know.

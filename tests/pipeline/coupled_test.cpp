@@ -48,16 +48,31 @@ TEST(Coupled, TheShareOfWhatIsHiddenSteersTheRays) {
               0.5 * gather_rays(make(folder, plain_film(), rest + "0.1")));
 }
 
+TEST(Coupled, TheLossThatIsAskedForSteersTheRays) {
+    const Folder folder;
+    const std::string rest = " --frames 0:1 --quantiser 8 --loss ";
+    const Made fine = make(folder, film("cornell"), rest + "0.05"),
+               coarse = make(folder, film("cornell"), rest + "1.5");
+    EXPECT_LT(gather_rays(coarse), 0.7 * gather_rays(fine));
+    const auto told = [](const Made& made, const char* what) {
+        return made.statistics.at("light_loss").at(what).get<double>();
+    };
+    EXPECT_EQ(told(fine, "asked"), 0.05);
+    EXPECT_EQ(told(fine, "pictures"), 1) << "predicted pictures are not measured";
+    EXPECT_LT(told(fine, "found"), 0.5 * told(coarse, "found"));
+    EXPECT_LT(told(fine, "share"), 0.5 * told(coarse, "share"));
+}
+
 TEST(Coupled, TheFilmDoesNotDependOnThreadsSlow) {
     const Folder folder;
-    const std::string rest = " --frames 0:3 --gop 3 --tolerance coupled=0.5 --threads ";
+    const std::string rest = " --frames 0:3 --gop 3 --threads ";
     EXPECT_EQ(make(folder, film("character"), rest + "1").bytes, make(folder, film("character"), rest + "4").bytes);
 }
 
 TEST(Coupled, NoChunkDependsOnTheOneBeforeSlow) {
     // Chunks begin on a grid from the first frame; the second one of 60 + 60 is the first one of what begins there.
     const Folder folder;
-    const std::string tiny = " --b-pictures 0 --tolerance coupled=1 --frames ";
+    const std::string tiny = " --b-pictures 0 --loss 2 --frames ";
     const Made both = make(folder, plain_film(), tiny + "0:62"), second = make(folder, plain_film(), tiny + "60:62");
     for (int i = 0; i < 3; ++i)
         for (const char* count : {"records_created", "shadow_rays", "indirect_cut"})

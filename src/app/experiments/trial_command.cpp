@@ -217,6 +217,7 @@ std::optional<Trial> run_trial(Trials& trials, const RenderJob& film, const std:
 RenderJob with_tolerance(RenderJob film, const ToleranceRequest& tolerance) {
     film.tolerance = tolerance;
     film.coupling.fraction = tolerance.fraction;
+    film.coupling.loss = tolerance.loss;
     return film;
 }
 

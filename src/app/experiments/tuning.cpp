@@ -11,7 +11,6 @@
 #include "app/report/figures.h"
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"
-#include "perceptual/tolerance.h"
 
 namespace render2mpeg::app {
 
@@ -180,21 +179,27 @@ struct Rung {
     std::string name;
 };
 
+/// Largest loss of a step, dB, and the power of tolerances that losses follow (docs/model/tolerance.md#the-price).
+constexpr double most_loss = 6, noise_power = 1.6;
+
 ToleranceRequest loosened(const ToleranceRequest& asked, float factor) {
     ToleranceRequest tolerance = asked;
     tolerance.reference = false;
     tolerance.truth.reset();
     // chosen: what is asked without clustering is first lit as films are; a pixel's luminance is the end of all shares.
     if (asked.reference) tolerance.coupled = true;
-    if (tolerance.coupled)
-        tolerance.fraction = std::min(asked.fraction.value_or(perceptual::default_tolerance_fraction) * factor, 100.0f);
+    if (tolerance.coupled && tolerance.fraction)
+        tolerance.fraction = std::min(*asked.fraction * factor, 100.0f);
+    else if (tolerance.coupled)
+        tolerance.loss = std::min(asked.loss * std::pow(factor, noise_power), most_loss);
     else
         tolerance.relative = std::min(std::max(asked.relative, 0.0025f) * factor, 0.5f);
     return tolerance;
 }
 
 std::string text_of(const ToleranceRequest& t) {
-    return t.coupled ? fmt::format("coupled={:.3g}", *t.fraction) : fmt::format("fixed={:.3g}%", 100 * t.relative);
+    if (t.coupled) return t.fraction ? fmt::format("coupled={:.3g}", *t.fraction) : fmt::format("{:.3g}", t.loss);
+    return fmt::format("fixed={:.3g}%", 100 * t.relative);
 }
 
 /// From what was asked for to next to nothing.
@@ -212,7 +217,10 @@ std::vector<Rung> ladder_of(const RenderJob& film) {
         if (r.indirect == renderer::Indirect::lightcuts && vpls > 0)
             r.vpls = std::max(std::min(vpls, 64), vpls / fewer_points);
         if (r.samples != samples) r.edge_samples = r.most_samples = 0;
-        if (factor > 1) rung.options.emplace_back("--tolerance", text_of(rung.film.tolerance));
+        if (factor > 1)
+            rung.options.emplace_back(
+                rung.film.tolerance.coupled && !rung.film.tolerance.fraction ? "--loss" : "--tolerance",
+                text_of(rung.film.tolerance));
         if (r.samples != samples) rung.options.emplace_back("--samples", std::to_string(r.samples));
         if (r.vpls != vpls) rung.options.emplace_back("--vpls", std::to_string(r.vpls));
         for (const auto& [name, value] : rung.options)

@@ -3,6 +3,7 @@
 #include <memory>
 #include <utility>
 
+#include "app/loop/light_price.h"
 #include "core/error.h"
 #include "encoder/prediction.h"
 #include "encoder/step_sizes.h"
@@ -23,18 +24,18 @@ perceptual::CodingPlan Coupling::steps_of(const encoder::PicturePlan& plan, int 
             {steps.intra, steps.inter, steps.intra_dc, steps.intra_dead_zone, steps.inter_dead_zone}};
 }
 
-void Coupling::take_rough_look(const core::Picture& picture, const core::Radiance& radiance,
-                               const core::Visible& visible, const encoder::PicturePlan& plan) {
-    state_ = model_.assume_coded(model_.observe(picture, radiance, std::make_shared<const core::Visible>(visible)),
+void Coupling::take_rough_look(const core::Picture& picture, const core::Radiance& light, float tolerance,
+                               const core::Radiance& shown, const core::Visible& visible,
+                               const encoder::PicturePlan& plan) {
+    state_ = model_.assume_coded(model_.observe(picture, shown, std::make_shared<const core::Visible>(visible)),
                                  steps_of(plan, plan.quantiser));
+    if (!settings_.fraction) share_ = expected_share(model_, *state_, light, tolerance, settings_.loss);
     requantised_.reset();
 }
 
-float Coupling::fraction_for(const encoder::PicturePlan& plan) const {
-    const float hidden = encoder::step_sizes(coding_, plan.quantiser).hidden;
+float Coupling::part_of(const encoder::PicturePlan& plan) {
     const std::int64_t followers = plan.horizon.value_or(plan.number) - plan.number;
-    return settings_.fraction.value_or(perceptual::default_tolerance_fraction * hidden) *
-           perceptual::propagation_factor(plan.type == encoder::PictureType::intra, followers);
+    return perceptual::propagation_factor(plan.type == encoder::PictureType::intra, followers);
 }
 
 core::ToleranceMap Coupling::tolerate(const core::Visible& visible, const encoder::PicturePlan& plan,
@@ -42,18 +43,23 @@ core::ToleranceMap Coupling::tolerate(const core::Visible& visible, const encode
     EXPECTS(state_.has_value());
     const perceptual::CodingPlan steps = steps_of(plan, plan.quantiser);
     if (!requantised_ || !(requantised_->plan == steps)) requantised_ = model_.requantise(*state_, steps);
-    perceptual::Tolerated tolerated = model_.tolerate(visible, *requantised_, *state_, motion, fraction_for(plan));
+    perceptual::Tolerated tolerated = model_.tolerate(visible, *requantised_, *state_, motion, share_ * part_of(plan));
     // A rough look has nothing to blend with.
     warped_ = state_->number == plan.number ? perceptual::MaskedErrors() : std::move(tolerated.warped);
     return std::move(tolerated.map);
 }
 
-void Coupling::keep(const core::Picture& picture, const core::Radiance& radiance, const core::Visible& visible,
-                    const encoder::PicturePlan& plan) {
-    if (plan.type == encoder::PictureType::bidirectional) return;
-    kept_.insert_or_assign(
-        picture.number,
-        model_.observe(picture, radiance, std::make_shared<const core::Visible>(visible), std::exchange(warped_, {})));
+std::optional<double> Coupling::keep(const core::Picture& picture, const core::Radiance& light,
+                                     const core::Radiance& shown, const core::Visible& visible,
+                                     const encoder::PicturePlan& plan) {
+    if (plan.type == encoder::PictureType::bidirectional) return {};
+    perceptual::Observation& kept = kept_[picture.number];
+    kept = model_.observe(picture, shown, std::make_shared<const core::Visible>(visible), std::exchange(warped_, {}));
+    if (plan.type != encoder::PictureType::intra) return {};
+    const LightLoss found = measure_loss(kept, light, model_.light(), steps_of(plan, plan.quantiser), settings_.loss,
+                                         share_, part_of(plan));
+    if (!settings_.fraction) share_ = found.share;
+    return found.of_picture;
 }
 
 perceptual::CodedFacts Coupling::facts_of(const encoder::CodedPicture& coded) const {

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 
+#include "app/options/options.h"
 #include "core/motion_field.h"
 #include "core/picture.h"
 #include "core/plane.h"
@@ -16,8 +17,9 @@ namespace render2mpeg::app {
 
 struct CouplingSettings {
     perceptual::Strategy strategy = perceptual::Strategy::warped;
-    /// Share of masked error in pictures that nothing depends on; none: perceptual::default_tolerance_fraction.
+    /// Share of masked error in pictures that nothing depends on; none: by which they lose `loss`.
     std::optional<float> fraction;
+    double loss = usual_loss;  ///< dB of PSNR-Y by the noise of light, > 0
 };
 
 /// Temporal state over one chunk: from coded pictures to the next frames' tolerances. Tolerances come from the newest
@@ -25,13 +27,17 @@ struct CouplingSettings {
 class Coupling {
   public:
     Coupling(const perceptual::Display& display, const encoder::Settings& coding, const CouplingSettings& settings)
-        : model_(display, settings.strategy), coding_(coding), settings_(settings) {}
+        : model_(display, settings.strategy),
+          coding_(coding),
+          settings_(settings),
+          share_(settings.fraction.value_or(0)) {}
 
     /// Begins a chunk or a shot.
     void forget();
     /// Replaces a missing previous picture by a rough look at the planned frame.
-    void take_rough_look(const core::Picture& picture, const core::Radiance& radiance, const core::Visible& visible,
-                         const encoder::PicturePlan& plan);
+    /// `light`: as it was lit, by a `tolerance` of its luminance; `shown`: as an eye gets it.
+    void take_rough_look(const core::Picture& picture, const core::Radiance& light, float tolerance,
+                         const core::Radiance& shown, const core::Visible& visible, const encoder::PicturePlan& plan);
     bool remembers() const { return state_.has_value(); }
 
     /// Source of the next frame's tolerances.
@@ -40,28 +46,33 @@ class Coupling {
     core::ToleranceMap tolerate(const core::Visible& visible, const encoder::PicturePlan& plan,
                                 const core::MotionField* motion);
 
-    /// Keeps a picture to be judged; only after tolerate() of the same frame.
-    void keep(const core::Picture& picture, const core::Radiance& radiance, const core::Visible& visible,
-              const encoder::PicturePlan& plan);
+    /// Keeps a picture to be judged; only after tolerate() of the same frame. Learns what intra pictures lose by their
+    /// light: dB, told then.
+    std::optional<double> keep(const core::Picture& picture, const core::Radiance& light, const core::Radiance& shown,
+                               const core::Visible& visible, const encoder::PicturePlan& plan);
+    /// Share of masked error that the next picture may have, if nothing depends on it.
+    float share() const { return share_; }
     /// Learns what coding left of a picture. Pictures come in coding order.
     void judge(const encoder::CodedPicture& coded);
 
     /// Its state between two frames.
     template <class A>
     friend void archive(A& a, Coupling& c) {
-        auto& [model, coding, settings, state, requantised, warped, kept, reference] = c;
-        a(state, kept, reference);
+        auto& [model, coding, settings, share, state, requantised, warped, kept, reference] = c;
+        a(share, state, kept, reference);
         if constexpr (std::is_same_v<A, core::ArchiveReader>) requantised.reset();
     }
 
   private:
-    float fraction_for(const encoder::PicturePlan& plan) const;
+    /// Part of the share that is left to a picture on which others depend.
+    static float part_of(const encoder::PicturePlan& plan);
     perceptual::CodingPlan steps_of(const encoder::PicturePlan& plan, int quantiser) const;
     perceptual::CodedFacts facts_of(const encoder::CodedPicture& coded) const;
 
     perceptual::VisibilityModel model_;
     encoder::Settings coding_;
     CouplingSettings settings_;
+    float share_;  ///< 0: not known yet
     std::optional<perceptual::TemporalState> state_;
     std::optional<perceptual::Requantised> requantised_;  ///< state_, for the frame lit last: B pictures share it
     perceptual::MaskedErrors warped_;                     ///< to the frame being lit

@@ -47,9 +47,10 @@ class ChunkLoop {
     void look_roughly(const scene::Snapshot& world, const renderer::Frame& frame, const encoder::PicturePlan& plan);
     renderer::Lit light(const scene::Snapshot& world, renderer::Frame frame, int quantiser, RenderedMotion& motion);
     core::Picture develop(const core::Radiance& radiance, const renderer::Frame& seen, std::int64_t n);
-    /// Codes the frame, and keeps it for the coupling until it is coded.
-    void code(const core::Picture& picture, const core::Radiance& shown, const core::Visible& visible,
-              const encoder::PicturePlan& plan, Motion& motion);
+    /// Keeps the frame for the coupling until it is coded.
+    void keep_for_coupling(const core::Picture& picture, const renderer::Lit& lit, const core::Radiance& shown,
+                           const encoder::PicturePlan& plan);
+    void code(const core::Picture& picture, const encoder::PicturePlan& plan, Motion& motion);
     void take(const std::vector<encoder::CodedPicture>& pictures);
     void repeat_coding(std::int64_t n);
     void restore();
@@ -121,7 +122,8 @@ void ChunkLoop::frame(std::int64_t n) {
     // Keep it, whatever stops, and code it with exact motion.
     const parallel::StopWhen never({});
     observers_.lit({*world, lit, tolerance_, shown, picture, motion, before, renderer_.statistics()});
-    code(picture, shown, lit.frame.visible, coding, motion);
+    keep_for_coupling(picture, lit, shown, coding);
+    code(picture, coding, motion);
     if (kept_ != nullptr && n < chunk_.last) kept_->add(picture);
 }
 
@@ -215,7 +217,7 @@ void ChunkLoop::look_roughly(const scene::Snapshot& world, const renderer::Frame
     const StageTimer timer(statistics_, Stage::tolerate);
     core::Picture picture = display_.develop(shown);
     picture.number = plan.number;
-    coupling_->take_rough_look(picture, shown, frame.visible, plan);
+    coupling_->take_rough_look(picture, rough.radiance, rough_tolerance, shown, frame.visible, plan);
 }
 
 renderer::Lit ChunkLoop::light(const scene::Snapshot& world, renderer::Frame frame, int quantiser,
@@ -242,10 +244,17 @@ core::Picture ChunkLoop::develop(const core::Radiance& radiance, const renderer:
     return picture;
 }
 
-void ChunkLoop::code(const core::Picture& picture, const core::Radiance& shown, const core::Visible& visible,
-                     const encoder::PicturePlan& plan, Motion& motion) {
+void ChunkLoop::keep_for_coupling(const core::Picture& picture, const renderer::Lit& lit, const core::Radiance& shown,
+                                  const encoder::PicturePlan& plan) {
+    if (!coupling_) return;
+    const StageTimer timer(statistics_, Stage::tolerate);
+    LightingCost& cost = statistics_.frames.back().cost;
+    cost.share = coupling_->share();
+    cost.loss = coupling_->keep(picture, lit.radiance, shown, lit.frame.visible, plan).value_or(-1);
+}
+
+void ChunkLoop::code(const core::Picture& picture, const encoder::PicturePlan& plan, Motion& motion) {
     if (!coder_) return;
-    if (coupling_) timed(statistics_, Stage::tolerate, [&] { coupling_->keep(picture, shown, visible, plan); });
     statistics_.frames.back().type = "-IPB"[static_cast<int>(plan.type)];
     take(coder_->code(picture, plan, motion));
 }

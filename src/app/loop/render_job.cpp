@@ -22,7 +22,6 @@
 #include "encoder/av/av.h"
 #include "encoder/codec.h"
 #include "parallel/loops.h"
-#include "perceptual/tolerance.h"
 #include "scene/load.h"
 #include "scene/preparation/framing.h"
 #include "scene/preparation/traits.h"
@@ -106,6 +105,7 @@ CouplingSettings coupling_settings(const RenderOptions& options, const Tolerance
     CouplingSettings settings;
     settings.strategy = options.masking == "quantised" ? perceptual::Strategy::quantised : perceptual::Strategy::warped;
     settings.fraction = tolerance.fraction;
+    settings.loss = tolerance.loss;
     return settings;
 }
 
@@ -310,6 +310,9 @@ void settle_tolerance(RenderJob& film, const RenderOptions& options) {
     const encoder::CodecFacts& codec = encoder::facts_of(codec_of(options.coding, options.output));
     const bool master = coded && codec.master;
     film.tolerance = tolerance_from(options.tolerance.value_or(master ? "fixed=1%" : coded ? "coupled" : "fixed=2%"));
+    film.tolerance.loss = options.loss.value_or(usual_loss);
+    if (options.is_given("--loss") && film.tolerance.fraction)
+        throw UsageError("--loss: --tolerance " + *options.tolerance + " says how far light errs; give one of both");
     film.coupling = coupling_settings(options, film.tolerance);
     if (film.tolerance.coupled && (!coded || master))
         throw UsageError(
@@ -407,11 +410,10 @@ RenderJob draft_of(const RenderJob& film) {
 RenderJob at_effort(const RenderJob& film, const Effort& effort) {
     RenderJob changed = film;
     if (film.tolerance.coupled)
-        changed.tolerance.fraction =
-            effort.fraction * film.tolerance.fraction.value_or(perceptual::default_tolerance_fraction);
+        changed.tolerance.loss = effort.loss, changed.tolerance.fraction.reset();
     else
         changed.tolerance.relative = effort.fixed;
-    changed.coupling.fraction = changed.tolerance.fraction;
+    changed.coupling.loss = changed.tolerance.loss, changed.coupling.fraction = changed.tolerance.fraction;
     changed.rendering.samples = std::min(film.rendering.samples, effort.samples);
     if (effort.edge_samples > 0)
         changed.rendering.edge_samples = std::min(film.rendering.edge_samples, effort.edge_samples);

@@ -44,6 +44,8 @@ void each_member(Visit&& visit, Entries&... s) {
     visit("records_created", added, s.cost.records.created...);
     visit("records_live", added, s.cost.records.live...);
     visit("records_served", added, s.cost.records.served...);
+    visit("light_share", added, s.cost.share...);
+    visit("light_loss", added, s.cost.loss...);
     visit("seconds", added, s.cost.seconds...);
     visit("seconds_by_stage", added, s.cost.seconds_by_stage...);
 }
@@ -207,6 +209,20 @@ RateOutcome RunStatistics::rate_outcome() const {
         outcome.off_plan += entry.quantiser != entry.planned_quantiser ? 1 : 0;
     }
     return outcome;
+}
+
+LightLossFound RunStatistics::light_loss() const {
+    LightLossFound found;
+    double shares = 0;
+    for (const FrameEntry& frame : frames) {
+        shares += frame.cost.share;
+        if (frame.cost.loss < 0) continue;
+        found.loss += frame.cost.loss;
+        ++found.pictures;
+    }
+    found.loss = ratio_of(found.loss, found.pictures);
+    found.share = ratio_of(shares, frames.size());
+    return found;
 }
 
 QuantiserRange RunStatistics::quantisers() const {

@@ -52,6 +52,8 @@ struct LightingCost {
     std::uint64_t shadow_rays = 0, gather_rays = 0, exposure_rays = 0, caustic_rays = 0;
     double direct_cut = 0, indirect_cut = 0;  ///< clusters per gather point
     RecordsEntry records;
+    double share = 0;                 ///< of what coding hides that its light might err by; 0: not coupled
+    double loss = -1;                 ///< of PSNR-Y by its light's noise, dB; below 0: not known
     double seconds = 0;               ///< CPU
     StageSeconds seconds_by_stage{};  ///< of these
 };
@@ -87,6 +89,13 @@ struct QuantiserRange {
     int min = 0, max = 0;  ///< of the pictures
     int finest = 0;        ///< how many pictures have quantiser 1
     int coarsest = 0;      ///< and how many 31
+};
+
+/// What pictures lost by the noise of their light; 0 pictures: not known.
+struct LightLossFound {
+    int pictures = 0;
+    double loss = 0;   ///< dB of PSNR-Y, mean
+    double share = 0;  ///< of what coding hides that light might err by, mean of all frames
 };
 
 /// Errors of audited pixels against unclustered light and the truth.
@@ -133,6 +142,7 @@ struct RunStatistics {
     std::optional<double> pumping() const;
     RateOutcome rate_outcome() const;
     QuantiserRange quantisers() const;
+    LightLossFound light_loss() const;
     double mean_direct_cut() const { return ratio_of(rendering.direct_clusters, rendering.gather_points); }
     double mean_indirect_cut() const { return ratio_of(rendering.indirect_clusters, rendering.gather_points); }
 };

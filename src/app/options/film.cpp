@@ -19,7 +19,6 @@
 #include "encoder/capabilities.h"
 #include "encoder/codec.h"
 #include "perceptual/display.h"
-#include "perceptual/tolerance.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -55,10 +54,9 @@ RenderOptions with_effort(const RenderOptions& options) {
     const Effort& effort = effort_from(*options.effort);
     const bool coded = options.output.empty() || kind_of(options.output) == OutputKind::film;
     const bool master = coded && encoder::facts_of(codec_of(options.coding, options.output)).master;
-    if (!options.tolerance)
-        changed.tolerance = coded && !master
-                                ? fmt::format("coupled={:g}", effort.fraction * perceptual::default_tolerance_fraction)
-                                : fmt::format("fixed={:g}%", (master ? 50 : 100) * effort.fixed);
+    if (!options.tolerance && (!coded || master))
+        changed.tolerance = fmt::format("fixed={:g}%", (master ? 50 : 100) * effort.fixed);
+    if (!options.loss) changed.loss = effort.loss;
     if (options.is_given("--samples") || options.edge_samples) return changed;
     changed.samples = effort.samples;
     changed.edge_samples = effort.edge_samples;

@@ -18,17 +18,17 @@ namespace render2mpeg::app {
 
 struct Effort {
     const char* name;
-    float fraction = 1;      ///< of the tolerance that films are lit with
-    float fixed = 0.02f;     ///< tolerance of frames
-    int samples = 4;         ///< eye samples of a pixel
-    int edge_samples = 0;    ///< of pixels with edges; 0: as many as films and frames have
-    int most_samples = 256;  ///< of pixels whose edges could show all the same
+    double loss = usual_loss;  ///< of films, dB
+    float fixed = 0.02f;       ///< tolerance of frames
+    int samples = 4;           ///< eye samples of a pixel
+    int edge_samples = 0;      ///< of pixels with edges; 0: as many as films and frames have
+    int most_samples = 256;    ///< of pixels whose edges could show all the same
 };
 
-/// Efforts beside the draft. chosen: low loosens in the order of `tune --max-time`; high has half the tolerance and
+/// Efforts beside the draft. chosen: low loosens in the order of `tune --max-time`; high has a third of the loss and
 /// four times the edges' samples (docs/choosing.md).
-inline constexpr std::array efforts{Effort{"low", 4, 0.08f, 1, 4, 0}, Effort{"default"},
-                                    Effort{"high", 0.5f, 0.01f, 4, 64, 256}};
+inline constexpr std::array efforts{Effort{"low", 9 * usual_loss, 0.08f, 1, 4, 0}, Effort{"default"},
+                                    Effort{"high", usual_loss / 3, 0.01f, 4, 64, 256}};
 
 const Effort& effort_from(const std::string& name);
 

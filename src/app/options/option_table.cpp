@@ -217,12 +217,16 @@ Rows light_rows(CommandLine& line) {
          "of them; `plan` tells)",
          range(1, 1024)},
         {"--tolerance", light, &o.tolerance,
-         "Error allowed in a pixel's light. `coupled`: what the film's coding and the eye hide; coupled=K: K times "
-         "what they hide at most (default: 0.5), less in pictures that others are predicted from; fixed=P% of its "
+         "Error allowed in a pixel's light. `coupled`: of what the film's coding and the eye hide as much as --loss "
+         "allows; coupled=K: K times that, less in pictures that others are predicted from; fixed=P% of its "
          "luminance; `reference`: every light point and 4096 rays a point, slow; `truth`: paths of light instead of "
          "light points, as many as bring each pixel's standard error to 1% of its luminance, or truth=P%, very slow "
          "(default: coupled for films, fixed=1% for masters, fixed=2% for frames)",
          "coupled|fixed=P%|reference|truth", reads<tolerance_from>},
+        {"--loss", light, &o.loss,
+         "PSNR-Y in dB that coded pictures may lose by the noise of their light: found while it is lit, in the first "
+         "picture of each chunk (docs/model/tolerance.md); lower is finer and slower",
+         range(0.01, 6.0), ShownAs{"0.2"}, Idle::uncoupled},
         {"--masking", light, &o.masking,
          "What hides errors in coupled films: the picture before, `warped` along motion, or place by place as decoded, "
          "its coding errors included (`quantised`; for films that hardly move)",

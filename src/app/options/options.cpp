@@ -83,7 +83,7 @@ const std::string picture_options =
     "--size --fps --frames --hold --display-aspect --pixel-aspect --exposure --shutter --f-stop --focus --fog --glare "
     "--view --grain --peak --transparent ";
 const std::string light_options = "--samples --edge-samples --exposure-samples ";
-const std::string accuracy_options = "--tolerance --masking --clamp --cache ";
+const std::string accuracy_options = "--tolerance --loss --masking --clamp --cache ";
 /// Of all commands that code; options of rates stand apart, since some commands set them.
 const std::string coding_options = "--for --quantiser --codec --level --crf ";
 const std::string rate_options = "--quality --bitrate --cbr --maxrate --vbv --passes ";
@@ -127,7 +127,7 @@ const std::vector<CommandRow> commands{
      "(docs/choosing.md). The reference is dear: it comes first, with an estimate.\n"
      "Example: render2mpeg cost scene.glb --size 320x180 --report cost.html",
      scene_options + "--sample@cost --within@cost --tolerances " + picture_options + light_options +
-         "--masking --clamp --cache " + coding_options + group_options + trial_options + "--progress"},
+         "--loss --masking --clamp --cache " + coding_options + group_options + trial_options + "--progress"},
     {"tune", "Find the setting that reaches a quality, rate, size or time",
      "Tries a sample of the film, each try a row of a table, then renders the film and tells what became of it "
      "(docs/choosing.md). Exit status 1 where the target is out of reach, or the film missed it.\n"

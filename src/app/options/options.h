@@ -14,12 +14,17 @@
 
 namespace render2mpeg::app {
 
+/// dB of PSNR-Y that light may lose in coded films. chosen: 0.2: nobody sees it, and half of it takes about twice the
+/// rays.
+inline constexpr double usual_loss = 0.2;
+
 struct ToleranceRequest {
     bool reference = false;                     ///< every light point, no clustering; with `truth` by paths instead
     float relative = 0.02f;                     ///< else: share of each pixel's luminance
     bool coupled = false;                       ///< instead: errors masked by coding and the eye
-    std::optional<float> fraction;              ///< of it, > 0; none: derived from the quantiser
+    std::optional<float> fraction;              ///< of it, > 0; none: by what the film loses
     std::optional<float> truth = std::nullopt;  ///< standard error of a pixel over its luminance
+    double loss = usual_loss;                   ///< coupled without a fraction: dB, > 0
 };
 
 struct ShutterRequest {
@@ -74,6 +79,7 @@ struct Hire {
 struct RenderOptions : FilmOptions {
     std::optional<std::string> size, tolerance, shutter, f_stop, focus, fog, glare, transparent, sky, camera,
         projection, animation, variant, isa, effort, memory;
+    std::optional<double> loss;  ///< none: usual_loss, or --effort's
     int samples = 4, vpls = 4096, audit = 0;
     std::optional<int> edge_samples, exposure_samples, chunks_at_once;
     std::string indirect = "rays", caustics = "on", masking = "warped", exposure = "auto", clamp = "bounded",

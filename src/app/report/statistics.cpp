@@ -167,6 +167,7 @@ json entry_of(const FrameEntry& frame) {
     json entry = json_of(frame);
     entry["type"] = std::string(1, frame.type);
     if (frame.pumping < 0) entry["pumping"] = nullptr;
+    if (frame.cost.loss < 0) entry["light_loss"] = nullptr;
     json& stages = entry["seconds_by_stage"] = json::object();
     for (std::size_t i = 0; i < stage_names.size(); ++i)
         if (const double seconds = frame.cost.seconds_by_stage[i]; seconds > 0) stages[stage_names[i]] = seconds;
@@ -213,6 +214,16 @@ json tolerance_of(const RenderJob& film) {
     return {{"mode", "coupled"},
             {"fraction", or_null(film.tolerance.fraction)},
             {"masking", film.coupling.strategy == perceptual::Strategy::quantised ? "quantised" : "warped"}};
+}
+
+/// Loss by light: asked for, and found.
+json light_loss_of(const RenderJob& film, const RunStatistics& statistics) {
+    const LightLossFound found = statistics.light_loss();
+    if (found.pictures == 0) return nullptr;
+    return {{"asked", film.tolerance.fraction ? json(nullptr) : json(film.tolerance.loss)},
+            {"pictures", found.pictures},
+            {"found", found.loss},
+            {"share", found.share}};
 }
 
 json grain_bits_of(const GrainBits& grain) {
@@ -293,6 +304,7 @@ json statistics_of(const RenderJob& film, const RunStatistics& statistics, const
         {"isa", core::name_of(film.rendering.isa)},
         {"preview", film.preview},
         {"tolerance", tolerance_of(film)},
+        {"light_loss", light_loss_of(film, statistics)},
         {"passes", passes_of(film, statistics)},
         {"effects", effects_json(film, statistics)},
         {"mean_cut", {{"direct", statistics.mean_direct_cut()}, {"indirect", statistics.mean_indirect_cut()}}},

@@ -204,6 +204,13 @@ void add_audit(SummaryLines& lines, const Audit& audit) {
     lines.push_back({"", fmt::format("gathering (rms of {} points that both show)", audit.split.sums().followed)});
 }
 
+void add_light_loss(SummaryLines& lines, const RenderJob& film, const LightLossFound& found) {
+    if (found.pictures == 0) return;
+    lines.push_back({"loss", fmt::format("{:.2f} dB of PSNR-Y by the noise of light", found.loss)});
+    if (!film.tolerance.fraction) lines.back().text += fmt::format(" ({:g} asked for)", film.tolerance.loss);
+    lines.back().text += fmt::format(", which was {:.2f} of what coding hides", found.share);
+}
+
 /// "film.mpg: 60 frames, 640x360 at 25 Hz, 2.40 s, 1.2 MB, 4000 kb/s"
 std::string film_line(const Film& film, const RunStatistics& statistics, const RunFacts& facts) {
     const std::size_t frames = statistics.frames.size();
@@ -237,6 +244,7 @@ std::string summary(const RenderJob& film, const RunStatistics& statistics, cons
         if (e.seconds && *e.seconds >= 0.005) effects.push_back({e.name, *e.seconds});
     add_seconds(lines, "effects", effects);
     if (film.audit > 0) add_audit(lines, statistics.audit);
+    add_light_loss(lines, film, statistics.light_loss());
     if (film.kind == OutputKind::film) add_coding(lines, film.film(), statistics, "rendered");
     return text_of(film_line(film.film(), statistics, facts), lines);
 }

@@ -1,0 +1,105 @@
+#include "app/loop/light_price.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/numeric.h"
+#include "core/standard_error.h"
+#include "perceptual/light_loss.h"
+#include "renderer/base/allocation.h"
+
+namespace render2mpeg::app {
+namespace {
+
+/// Shares that are asked for. chosen: at 2 errors are twice as large as what coding hides, and edges show; below 1/32
+/// tolerances end at half a code value.
+constexpr double least_share = 1.0 / 32, most_share = 2;
+
+/// A measured share is within so many times the one that light had: noise that a price does not move is to move no
+/// price. Not tuned.
+constexpr float most_change = 2;
+
+/// Power of the share that standard errors follow. fit: docs/measurements.md#tolerance-fraction, 0.77 and 0.75; eq. 3
+/// of docs/model/gathering.md has 0.82.
+constexpr double error_power = 0.8;
+
+/// Share of a point's variance that is left where neighbours share what they found. fit:
+/// docs/measurements.md#tolerance-fraction, of 1, 1/2, 1/4 and 1/10.
+constexpr double left_by_neighbours = 0.5;
+
+/// Rays that the first of a point are, and that a variance is told of.
+constexpr double first_rays = 16, batch = 8;
+
+/// Rays that a point is worth whose mean of a batch varies by so much (docs/model/gathering.md, eq. 3).
+double worth(double batch_variance, double allowed, const renderer::Allocation& allocation) {
+    const double needs = renderer::samples_for(allowed, batch, batch_variance, renderer::variance_power);
+    return std::max(allocation.worth(needs), first_rays);
+}
+
+double variance_of(double rays, double batch_variance) {
+    return batch_variance * std::pow(batch / rays, static_cast<double>(renderer::variance_power));
+}
+
+/// The variance of a batch that rays as many as it was worth left so much of.
+double batch_variance_of(double left, double allowed, const renderer::Allocation& allocation) {
+    const double by_first = left / variance_of(first_rays, 1);
+    if (!(allowed > 0) || worth(by_first, allowed, allocation) <= first_rays) return by_first;
+    // Of a variance V they are n V^(1 / (1 + p)), which leave V^(1 / (1 + p)) (8 / n)^p.
+    constexpr double p = static_cast<double>(renderer::variance_power);
+    const double n = allocation.worth(renderer::samples_for(allowed, batch, 1, p));
+    return std::pow(left * std::pow(n / batch, p), 1 + p);
+}
+
+/// Squared standard error that a tolerance, in code values, asks of noise.
+double allowed_square(double tolerance) {
+    return std::pow(tolerance / static_cast<double>(core::errors_of_noise), 2);
+}
+
+}  // namespace
+
+float expected_share(const perceptual::VisibilityModel& model, const perceptual::TemporalState& rough,
+                     const core::Radiance& light, float tolerance, double loss) {
+    core::Plane<perceptual::PixelNoise> noise =
+        perceptual::noise_of(rough.light, model.light(), light.error, light.shared_error);
+    const core::Plane<perceptual::PixelNoise> hidden =
+        perceptual::noise_of(rough.light, model.light(), rough.errors, rough.errors);
+    // How light varies without the rays that the look took.
+    std::vector<double> batches(noise.size());
+    for (std::size_t i = 0; i < noise.size(); ++i) {
+        const auto of_error =
+            static_cast<double>(core::divide_or(rough.light.luminance.values()[i], rough.errors.values()[i], 0.0f));
+        const double looked = static_cast<double>(tolerance) * of_error * std::sqrt(hidden.values()[i].alone);
+        batches[i] = left_by_neighbours *
+                     batch_variance_of(noise.values()[i].alone, allowed_square(looked), {.typical = tolerance});
+    }
+    const float low = model.requantise(rough, rough.plan).low_fraction;
+    const auto loss_of = [&](double share) {
+        const renderer::Allocation allocation{
+            .typical = std::max(static_cast<float>(share) * low, perceptual::least_relative)};
+        for (std::size_t i = 0; i < noise.size(); ++i) {
+            const double allowed = allowed_square(share * std::sqrt(hidden.values()[i].alone));
+            const double left = variance_of(worth(batches[i], allowed, allocation), batches[i]);
+            noise.values()[i] = {static_cast<float>(left), static_cast<float>(left / 64)};
+        }
+        const perceptual::NoisyPicture noisy{rough.coefficients, perceptual::noise_of_blocks(noise),
+                                             rough.plan.quantisation, rough.plan.scale};
+        return noisy.loss(1);
+    };
+    return static_cast<float>(perceptual::number_of_loss(loss, least_share, most_share, loss_of));
+}
+
+LightLoss measure_loss(const perceptual::Observation& picture, const core::Radiance& light,
+                       const perceptual::InverseLuma& display, const perceptual::CodingPlan& coding, double loss,
+                       float share, float of_it) {
+    const perceptual::NoisyPicture noisy{
+        picture.coefficients,
+        perceptual::noise_of_blocks(perceptual::noise_of(picture.light, display, light.error, light.shared_error)),
+        coding.quantisation, coding.scale};
+    const double wanted = std::pow(
+        perceptual::number_of_loss(loss, 1.0 / 8, 8, [&](double times) { return noisy.loss(times); }), 1 / error_power);
+    const float change = std::clamp(of_it * static_cast<float>(wanted), 1 / most_change, most_change);
+    return {noisy.loss(1), std::clamp(change * share, static_cast<float>(least_share), static_cast<float>(most_share))};
+}
+
+}  // namespace render2mpeg::app
