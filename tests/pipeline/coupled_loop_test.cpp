@@ -5,6 +5,7 @@
 #include <map>
 #include <vector>
 
+#include "app/loop/coupling.h"
 #include "app/loop/pipeline.h"
 #include "app/options/options.h"
 #include "core/color.h"
@@ -261,6 +262,28 @@ TEST(CoupledLoop, APictureThatOthersArePredictedFromMayErrByLess) {
         sum[0] += static_cast<double>(less), sum[1] += static_cast<double>(more);
     }
     EXPECT_LT(sum[0], 0.8 * sum[1]);
+}
+
+TEST(CoupledLoop, LetsRowsOfAPanoramaBeOffByWhatTheirSolidAngleHides) {
+    scene::CameraLens lens;
+    const scene::Camera flat(lens, glm::mat4(1.0f), 64, 32, 2);
+    scene::make_panorama(lens, {});
+    const scene::Camera all_around(lens, glm::mat4(1.0f), 64, 32, 2);
+    const core::ToleranceMap before = core::ToleranceMap::uniform(64, 32, {0.25f, 0.02f, 0.5f});
+    core::ToleranceMap map = before;
+    widen_poles(flat, map);
+    EXPECT_EQ(map.pixels, before.pixels);
+    widen_poles(all_around, map);
+    for (int y = 0; y < 32; ++y) {
+        const double level = std::cos((0.5 - (y + 0.5) / 32) * std::acos(-1.0)),
+                     wider = std::min(1 / std::sqrt(level), 4.0);
+        EXPECT_NEAR(map.pixels.at(5, y).absolute, 0.25 * wider, 1e-5);
+        EXPECT_NEAR(map.pixels.at(5, y).relative, 0.02 * wider, 1e-6);
+        EXPECT_EQ(map.pixels.at(5, y).background, 0.5f);
+    }
+    core::ToleranceMap exact = core::ToleranceMap::reference();
+    widen_poles(all_around, exact);
+    EXPECT_TRUE(exact.is_reference());
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "app/loop/coupling.h"
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <utility>
 
@@ -87,6 +89,20 @@ void Coupling::judge(const encoder::CodedPicture& coded) {
         requantised_.reset();
     }
     reference_ = coded.reconstruction.y;
+}
+
+void widen_poles(const scene::Camera& camera, core::ToleranceMap& tolerance) {
+    if (camera.is_flat() || tolerance.is_reference()) return;
+    // chosen: 4, beyond 86.4 degrees of latitude, where two thousandths of the sphere are.
+    constexpr float most = 4;
+    for (int y = 0; y < tolerance.pixels.height(); ++y) {
+        const float wider = std::min(1 / std::sqrt(std::max(camera.weight_of_row(y), 1e-6f)), most);
+        core::Tolerance* row = tolerance.pixels.row(y);
+        for (int x = 0; x < tolerance.pixels.width(); ++x) {
+            row[x].absolute *= wider;
+            row[x].relative *= wider;
+        }
+    }
 }
 
 }  // namespace render2mpeg::app

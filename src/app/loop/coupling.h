@@ -12,6 +12,7 @@
 #include "core/tolerance_map.h"
 #include "encoder/types.h"
 #include "perceptual/visibility_model.h"
+#include "scene/model/camera.h"
 
 namespace render2mpeg::app {
 
@@ -79,5 +80,9 @@ class Coupling {
     std::map<std::int64_t, perceptual::Observation> kept_;
     core::Plane<std::uint8_t> reference_;  ///< luma of the newest I or P picture that is coded
 };
+
+/// Widens tolerances of a panorama's rows: a viewer sees their pixels as so many fewer, and as much error over their
+/// solid angle is hidden as elsewhere.
+void widen_poles(const scene::Camera& camera, core::ToleranceMap& tolerance);
 
 }  // namespace render2mpeg::app

@@ -200,6 +200,7 @@ encoder::PicturePlan ChunkLoop::plan(const scene::Snapshot& world, const rendere
     const core::MotionField* field = reference == plan.number ? nullptr : motion.to(reference);
     const StageTimer timer(statistics_, Stage::tolerate);
     tolerance_ = coupling_->tolerate(frame.visible, plan, field);
+    widen_poles(world.camera, tolerance_);
     shown_.carry_back(tolerance_);
     return plan;
 }
