@@ -121,7 +121,7 @@ TEST(CoupledLoop, CoarserQuantisersTakeFewerRaysWhileTheDecodedFilmStaysAsNearTo
         const Record coupled = made(options, "coupled");
         const auto rays = static_cast<double>(coupled.rendering.gather_rays);
         EXPECT_LT(rays, 0.8 * rays_before) << quantiser;
-        EXPECT_LT(rays, 0.2 * static_cast<double>(converged.rendering.gather_rays)) << quantiser;
+        EXPECT_LT(rays, 0.3 * static_cast<double>(converged.rendering.gather_rays)) << quantiser;
         rays_before = rays;
         over += coupled.share_over / 3;
         if (quantiser != 8) continue;
@@ -137,9 +137,9 @@ TEST(CoupledLoop, CoarserQuantisersTakeFewerRaysWhileTheDecodedFilmStaysAsNearTo
 TEST(CoupledLoop, WarpedTolerancesAreThoseThatWouldBeFoundAnewSlow) {
     RenderOptions options = options_of(support::panel_film(), "0:5", "64x48");
     options.coding.gop = 1;
-    const Record film = made(options, "coupled");
+    const Record film = made(options, "coupled=0.5");
     options.frames = "5:5";
-    const Record begun = made(options, "coupled");
+    const Record begun = made(options, "coupled=0.5");
     const auto [mean, distance] = apart(film, begun, 5);
     EXPECT_NEAR(mean, 0.0, 0.1);
     EXPECT_LT(distance, 0.2);
@@ -153,7 +153,7 @@ TEST(CoupledLoop, CutsShrinkWhileTheDecodedFilmStaysAsNearToTheTruthSlow) {
     EXPECT_LT(coupled.mean_cut(), 0.6 * fixed.mean_cut());
     EXPECT_GT(coupled.mean_cut(), 8.0);
     const double loss = perceptual::psnr(decoded_error(fixed, truth)) - perceptual::psnr(decoded_error(coupled, truth));
-    // The default is fitted to lose less than 0.1 dB; films this small scatter.
+    // The default asks for 0.2 dB; films this small scatter.
     EXPECT_LT(loss, 0.25);
     EXPECT_GT(loss, -0.3);
     // Light that errs more is no harder to code.
@@ -206,9 +206,9 @@ TEST(CoupledLoop, WhatABrightPictureHidesShowsOnceTheLampIsOutSlow) {
     // its first look's roughness, though the picture before hid far more; and not next to nothing either.
     RenderOptions options = options_of(support::film("flash_cut"), "11:13");
     options.exposure = "3";
-    const Record film = made(options, "coupled");
+    const Record film = made(options, "coupled=0.5");
     options.frames = "12:13";
-    const Record begun = made(options, "coupled");
+    const Record begun = made(options, "coupled=0.5");
     for (const std::int64_t n : {12, 13}) {
         const auto allowed = [&](const Record& record, std::size_t i) {
             return record.tolerances.at(n).pixels.values()[i].allows(core::luminance(record.light.at(n).values()[i]));
