@@ -236,19 +236,19 @@ glm::vec3 GatherRays::follow(RayQuery ray, Hit hit, const RayRules& rules, const
         }
         distance += hit.distance;
         const auto material = static_cast<std::size_t>(posed_scene_.animation().objects[hit.address.object].material);
-        const CellQuery place = cell_query(ray, hit, distance, rules, numbers.at(static_cast<std::uint64_t>(step)));
         const bool shines = shines_[material] && (asked != nullptr || !rules.shining.empty());
         // What is cut out is plain, or not there.
         const bool cut_out = cut_out_[material] && !shines;
         const float ahead = cut_out ? posed_scene_.transmittance_at(hit.address, ray.direction).x : 0.0f;
-        if ((plain_[material] || cut_out) && ahead == 0.0f && !mirrored && !shines) {
-            chosen.offer(passing, place);
-            break;
-        }
         if (ahead == 1.0f) {
             if (!(core::luminance(passing) > least_passing)) break;
             ray.origin = posed_scene_.origin_behind(hit.address, ray.direction);
             continue;
+        }
+        const CellQuery place = cell_query(ray, hit, distance, rules, numbers.at(static_cast<std::uint64_t>(step)));
+        if ((plain_[material] || cut_out) && ahead == 0.0f && !mirrored && !shines) {
+            chosen.offer(passing, place);
+            break;
         }
 
         // Look at what passes or mirrors.
