@@ -20,8 +20,8 @@ constexpr double least_share = 1.0 / 32, most_share = 2;
 /// price. Not tuned.
 constexpr float most_change = 2;
 
-/// Power of the share that standard errors follow. fit: docs/measurements.md#tolerance-fraction, 0.77 and 0.75; eq. 3
-/// of docs/model/gathering.md has 0.82.
+/// Power of the share that standard errors follow. fit: docs/measurements.md#tolerance-fraction, 0.77 and 0.47 told of
+/// a kitchen; eq. 3 of docs/model/gathering.md has 0.82.
 constexpr double error_power = 0.8;
 
 /// Share of a point's variance that is left where neighbours share what they found. fit:

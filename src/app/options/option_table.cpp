@@ -25,8 +25,8 @@ constexpr const char *scene = "Scene", *picture = "Picture and time", *light = "
                      *target = "What is to be reached (one of these)";
 
 void check_exposure(const std::string& text, const std::string& /*option*/) {
-    if (text == "auto") return;
     char* end = nullptr;
+    if (text == "auto") return;
     const double ev = std::strtod(text.c_str(), &end);
     if (text.empty() || *end != '\0' || !std::isfinite(ev) || std::abs(ev) > 64)
         throw UsageError("exposure " + text + ": expected `auto` or a number of EV from -64 to 64, e.g. -1.5");
@@ -43,11 +43,6 @@ void reads_bits(const std::string& text, const std::string& option) {
 template <class Number>
 constexpr Range range(Number low, Number high) {
     return {double(low), double(high), std::is_integral_v<Number>};
-}
-
-template <class Texts>
-std::string joined(const Texts& words) {
-    return fmt::format("{}", fmt::join(words, "|"));
 }
 
 Rows file_rows(CommandLine& line) {
@@ -90,8 +85,7 @@ Rows scene_rows(CommandLine& line) {
     return {
         {"--camera", scene, &o.camera, "Camera to look through, by name or index (default: the first)", "NAME"},
         {"--projection", scene, &o.projection,
-         "Panoramas of all cameras: `equirectangular`, all around, or `vr180`, half of it (default: the scene's)",
-         Words{"equirectangular|vr180"}},
+         "Panoramas of all cameras: all around, or half of it (default: the scene's)", Words{"equirectangular|vr180"}},
         {"--animation", scene, &o.animation, "Animation to play, by name or index (default: all at once)", "NAME"},
         {"--variant", scene, &o.variant, "Variant of a glTF file's materials, by name or index (default: none of them)",
          "NAME"},
@@ -245,7 +239,7 @@ Rows light_rows(CommandLine& line) {
 
 Rows coding_rows(CommandLine& line) {
     CodingOptions& o = line.render.coding;
-    static const std::string presets = joined(preset_names()), codecs = words_of_codecs(),
+    static const std::string presets = fmt::format("{}", fmt::join(preset_names(), "|")), codecs = words_of_codecs(),
                              codecs_and_hevc = codecs + "|h265", gop = std::to_string(usual_gop);
     return {
         {"--for", coding, &o.preset,
@@ -440,7 +434,7 @@ Rows trial_rows(CommandLine& line) {
 }
 
 Rows farm_rows(CommandLine& line) {
-    static const std::string schedulers = joined(scheduler_names);
+    static const std::string schedulers = fmt::format("{}", fmt::join(scheduler_names, "|"));
     return {
         {"--to", farm, &line.farm.scheduler,
          "Who spreads the parts: job files for it are written beside the plan (docs/machines.md)",
