@@ -1,6 +1,7 @@
 // The films in animations/ contain what they say that they isolate, and hold together as films.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -79,13 +80,32 @@ TEST_P(Animations, SayInTwoLinesWhatTheyIsolate) {
 INSTANTIATE_TEST_SUITE_P(All, Animations,
                          ::testing::Values("cornell", "colonnade", "many_lamps", "mirror_and_glass", "night_street",
                                            "ring_and_lens", "character", "still_room", "flash_cut", "wheel",
-                                           "rack_focus", "aimed_reflection", "furry_walk"),
+                                           "rack_focus", "aimed_reflection", "furry_walk", "all_around"),
                          [](const auto& chosen) { return std::string(chosen.param); });
 
 TEST(AnimationsIsolate, FurryWalkMovesHairUnderASunAndASky) {
     const Traits t = traits_of(film("furry_walk"));
     EXPECT_TRUE(t.has_hair && t.objects_move && t.camera_moves && t.has_punctual_lights && t.has_shining_sky);
     EXPECT_FALSE(t.objects_deform || t.lights_change || t.has_emissive_surfaces || t.has_cuts || t.has_glass);
+}
+
+TEST(AnimationsIsolate, AllAroundRollsABallAcrossTheSeamOfAPanorama) {
+    const Animation& a = film("all_around");
+    EXPECT_TRUE(traits_of(a).objects_move);
+    EXPECT_FALSE(traits_of(a).camera_moves);
+    ASSERT_TRUE(a.cameras[0].is_panorama());
+    const auto ball =
+        std::find_if(a.objects.begin(), a.objects.end(), [](const Object& o) { return o.name == "ball"; });
+    const auto place = [&](std::int64_t n) {
+        const Snapshot s = frame(a, n);
+        const glm::mat4& to_world = s.objects[static_cast<std::size_t>(ball - a.objects.begin())].to_world;
+        return s.camera.project(glm::vec3(to_world[3]))->position;
+    };
+    EXPECT_LT(place(0).x, 0.2f * 640);
+    EXPECT_GT(place(35).x, 0.8f * 640);
+    const Camera camera = frame(a, 0).camera;
+    for (std::int64_t n = 1; n <= 35; ++n)
+        EXPECT_LT(glm::distance(camera.nearest_turn(place(n), place(n - 1)), place(n - 1)), 12.0f) << n;
 }
 
 TEST(AnimationsIsolate, CornellMovesBoxesUnderAPanelBeforeAStillCamera) {
