@@ -54,7 +54,7 @@ constexpr core::Tolerance rough{0.0f, 0.05f};
 
 class Splatting {
   public:
-    Splatting(const PosedScene& posed_scene, const Casters& casters, const SplatTree& tree, int height,
+    Splatting(const PosedScene& posed_scene, const Casters& casters, const SplatTree& tree,
               const CausticSettings& settings)
         : posed_scene_(posed_scene), casters_(casters), tree_(tree), settings_(settings) {
         const scene::Camera& camera = posed_scene.posed().camera;
@@ -231,7 +231,7 @@ void Caustics::add(const PosedScene& posed_scene, std::span<const LightPoint> li
     const Casters casters(posed_scene, lights, sky_of_rays);
     if (casters.empty()) return;
     const SplatTree tree(seen);
-    const Splatting splatting(posed_scene, casters, tree, height, settings_);
+    const Splatting splatting(posed_scene, casters, tree, settings_);
 
     // Choose the number of photons at the chunk's first frame.
     CausticBudget budget{settings_.photons};
