@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "core/error.h"
+#include "core/numeric.h"
 #include "core/sampling.h"
 
 namespace render2mpeg::perceptual {
@@ -34,6 +35,9 @@ core::Block8x8 shares_of_shared() {
 /// one picture differ by a third.
 constexpr std::size_t asked = 2048;
 
+/// Squared error of a block's pixels by rounding to whole code values, which the decoder does whatever the steps.
+constexpr double by_rounding = 64.0 / 12;
+
 /// A coefficient as it is decoded.
 float decoded(float c, float step, float dead_zone) {
     const float levels = std::floor(std::abs(c) / step + 1.0f - dead_zone);
@@ -59,7 +63,8 @@ core::Plane<PixelNoise> noise_of(const PixelLight& light, const InverseLuma& dis
     for (std::size_t i = 0; i < noise.size(); ++i) {
         const float of_one_code = display.difference(light.luma.values()[i], light.luminance.values()[i],
                                                      light.exponent.values()[i], 1.0f),
-                    alone = error.values()[i] / of_one_code, of_block = shared_error.values()[i] / of_one_code;
+                    alone = core::divide_or(error.values()[i], of_one_code, 0.0f),
+                    of_block = core::divide_or(shared_error.values()[i], of_one_code, 0.0f);
         noise.values()[i] = {alone * alone, of_block * of_block};
     }
     return noise;
@@ -92,7 +97,7 @@ double NoisyPicture::loss(double times) const {
     const std::size_t blocks = coefficients.size();
     EXPECTS(noise.size() == blocks && blocks > 0);
     const double step = std::max(static_cast<double>(blocks) / asked, 1.0);
-    double by_coding = 0, with_noise = 0;
+    double by_coding = by_rounding * asked, with_noise = by_coding;
     for (std::size_t draw = 0; draw < asked; ++draw) {
         const std::size_t block = static_cast<std::size_t>(step * static_cast<double>(draw)) % blocks;
         for (std::size_t i = 0; i < 64; ++i) {
@@ -106,7 +111,7 @@ double NoisyPicture::loss(double times) const {
             with_noise += now * now;
         }
     }
-    return by_coding > 0 && with_noise > by_coding ? 10 * std::log10(with_noise / by_coding) : 0.0;
+    return with_noise > by_coding ? 10 * std::log10(with_noise / by_coding) : 0.0;
 }
 
 }  // namespace render2mpeg::perceptual

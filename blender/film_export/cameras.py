@@ -36,7 +36,15 @@ def panorama_of(data):
 
 def is_panorama(camera):
     """Whether it has a panorama that the film can have."""
-    return camera.data.type == "PANO" and panorama_of(camera.data).panorama_type == "EQUIRECTANGULAR"
+    if camera.data.type != "PANO" or panorama_of(camera.data).panorama_type != "EQUIRECTANGULAR":
+        return False
+    return all(low < high for low, high in window_of(camera))
+
+
+def window_of(camera):
+    """Longitudes and latitudes that a panorama shows, in degrees."""
+    seen = panorama_of(camera.data)
+    return [[round(math.degrees(getattr(seen, f"{name}_{end}")), 4) for end in ("min", "max")] for name in ("longitude", "latitude")]
 
 
 class Cameras:
@@ -56,6 +64,8 @@ class Cameras:
             matrix = TO_FILM @ np.array(now.matrix_world, dtype=float)
             lens = np.array(now.calc_matrix_camera(depsgraph, x=render.resolution_x, y=render.resolution_y,
                                                    scale_x=render.pixel_aspect_x, scale_y=render.pixel_aspect_y))
+            if is_panorama(now):  # as large as a pixel is in its middle
+                lens[[0, 1], [0, 1]] = [2 / math.radians(high - low) for low, high in window_of(now)]
             data = now.data
             focus = data.dof
             distance = focus.focus_distance
@@ -64,7 +74,7 @@ class Cameras:
                 away = there - now.matrix_world.translation
                 distance = abs(away.dot(now.matrix_world.to_3x3().col[2].normalized()))
             self.poses[camera.name_full].append({
-                "position": matrix[:3, 3], "eye": np.array(now.matrix_world.translation, dtype=float), "rotate": turns(rotation_of(matrix)), "lens": lens, "clip": (data.clip_start, data.clip_end),
+                "position": matrix[:3, 3], "eye": np.array(now.matrix_world.translation, dtype=float), "rotate": turns(rotation_of(matrix)), "lens": lens, "clip": (data.clip_start, data.clip_end), "window": window_of(now) if is_panorama(now) else None,
                 "f": focus.aperture_fstop if focus.use_dof else None, "focus": distance})
 
     def tell_losses(self, camera, poses):
@@ -73,6 +83,8 @@ class Cameras:
             kind = panorama_of(data).panorama_type.lower().replace("_", " ")
             self.lost.add(camera, f"panoramic lens ({kind}), which films do not have; shown as a perspective one")
         first = poses[0]
+        if is_panorama(camera) and any(p["window"] != first["window"] for p in poses):
+            self.lost.add(camera, "animated angles of a panorama; as on the first frame")
         if np.max(np.ptp([self.shift_of(camera, p) for p in poses], axis=0)) > 1e-4:
             self.lost.add(camera, "animated lens shift; as on the first frame")
         if any(pose["clip"] != first["clip"] for pose in poses):
@@ -119,10 +131,7 @@ class Cameras:
             says["shift"] = [json_number(s) for s in shift]
         quantities = {"position": ([p["position"] for p in poses], 1e-5), "rotate": (unwound([p["rotate"] for p in poses]), 1e-3)}
         if is_panorama(camera):
-            seen = panorama_of(camera.data)
-            says["projection"] = "equirectangular"
-            says["longitudes"] = [round(math.degrees(a), 4) for a in (seen.longitude_min, seen.longitude_max)]
-            says["latitudes"] = [round(math.degrees(a), 4) for a in (seen.latitude_min, seen.latitude_max)]
+            says["projection"], (says["longitudes"], says["latitudes"]) = "equirectangular", poses[0]["window"]
         elif camera.data.type == "ORTHO":
             says["height"] = json_number(2 / poses[0]["lens"][1, 1])
         else:

@@ -16,7 +16,8 @@ GRID = "density"
 # A voxel is as wide as two pixels where it is nearest; 128^3 of them are 8 MB a frame.
 PIXELS, MOST_VOXELS, MOST_ALONG, LEAST_ALONG = 2, 128 ** 3, 256, 16
 # Nodes by which a place of an object has other values when the object moves.
-OF_THE_WORLD = {"NEW_GEOMETRY", "OBJECT_INFO", "CAMERA"}
+OF_THE_WORLD = {"NEW_GEOMETRY", "OBJECT_INFO", "VECT_TRANSFORM"}
+OF_THE_CAMERA = {"Camera", "Window", "Reflection"}  # outputs of Texture Coordinate
 
 
 def is_field(grid):
@@ -41,8 +42,15 @@ def moves_by_nodes(material, field):
         return False, False
     nodes, animation = nodes_before(field).values(), material.node_tree.animation_data
     keyed = bool(animation and (animation.action or animation.drivers or animation.nla_tracks))
-    others = [n.object for n in nodes if n.type == "TEX_COORD" and n.object is not None]
-    return keyed or bool(others), bool(others) or any(n.type in OF_THE_WORLD for n in nodes)
+    keyed |= any(is_of_another(n) or n.type == "TEX_IMAGE" and n.image is not None and n.image.source in {"SEQUENCE", "MOVIE"} for n in nodes)
+    return keyed, any(n.type in OF_THE_WORLD for n in nodes)
+
+
+def is_of_another(node):
+    """Whether places are those of another object or of the camera, which may move."""
+    if node.type == "TEX_COORD":
+        return node.object is not None or any(out.is_linked and out.name in OF_THE_CAMERA for out in node.outputs)
+    return node.type == "CAMERA"
 
 
 def share_within(shape, low, sides, cells):
@@ -56,12 +64,15 @@ def share_within(shape, low, sides, cells):
     offsets = (0.2503, 0.7496)
     for k, j, dz, dy in ((k, j, dz, dy) for k in range(nz) for j in range(ny) for dz in offsets for dy in offsets):
         at = Vector((low[0] - step, low[1] + (j + dy) * sides[1], low[2] + (k + dz) * sides[2]))
-        crossings = []
+        deep = 0  # in how many of the mesh's shells, which may overlap
         while (hit := tree.ray_cast(at, Vector((1, 0, 0))))[0] is not None:
-            crossings.append(hit[0].x)
-            at.x = hit[0].x + step
-        for begin, end in zip(crossings[::2], crossings[1::2]):
-            share[k, j] += 0.25 * np.clip(np.minimum(edges[1:], end) - np.maximum(edges[:-1], begin), 0, None) / sides[0]
+            here, at.x = hit[0].x, hit[0].x + step
+            enters = hit[1].x < 0
+            if enters and deep == 0:
+                begin = here
+            elif not enters and deep == 1:
+                share[k, j] += 0.25 * np.clip(np.minimum(edges[1:], here) - np.maximum(edges[:-1], begin), 0, None) / sides[0]
+            deep = max(deep + (1 if enters else -1), 0)
     return share
 
 
@@ -109,7 +120,7 @@ class Voxels:
         mesh = self.slices(grid, columns, side)
         copy = self.baker.stage(mesh, Matrix(matrix.tolist()), bpy.data.objects.get(grid.over.object_name))
         copy.material_slots[0].link, copy.material_slots[0].material = "OBJECT", grid.material
-        self.baker.scene.frame_set(int(frame))  # what is in the scene by now follows
+        self.baker.scene.frame_set(math.floor(frame), subframe=frame - math.floor(frame))  # what is in the scene by now follows
         pixels = self.baker.value(copy, 0, grid.material, grid.field, side, alike=0)
         self.baker.unstage()
         bpy.data.meshes.remove(mesh)

@@ -103,7 +103,7 @@ class Materials:
                 where = list(node.inputs).index(node.inputs[look.animated[1]])
                 if curve.data_path == f"{follows}.inputs[{where}].default_value":
                     continue
-            if any(curve.data_path.startswith(f'nodes["{name}"]') for name in followed):
+            if any(curve.data_path.startswith(f'nodes["{bpy.utils.escape_identifier(name)}"]') for name in followed):
                 continue
             self.lost.add_of(material, f"animated {curve.data_path}; as on the first frame")
 

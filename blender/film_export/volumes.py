@@ -288,7 +288,7 @@ class Volumes:
         medium, box = self.medium_of(material, thing.name), box_of(over.shape)
         if medium is None:
             return None
-        if over.bending or box is None and not over.shape.is_closed():
+        if over.bending or box is None and not (over.shape.is_closed() and np.ptp(over.shape.vertices, axis=0).min() > 0):
             self.lost.add(thing.name, f"a volume in a shape that {'bends' if over.bending else 'is open'}; it is not there in the film")
             return None
         if medium.blackbody > 0:

@@ -55,6 +55,16 @@ TEST(LightLoss, OfWhatVanishesIsNothingUntilNoiseReachesALevel) {
     EXPECT_GT(picture.loss(8), 10);
 }
 
+TEST(LightLoss, OfABlackPictureIsOverItsRounding) {
+    const core::Plane<core::Block8x8> black(40, 30, core::Block8x8{});
+    EXPECT_EQ((NoisyPicture{black, white_noise(40, 30, 0), even_steps(), 1}.loss(8)), 0);
+    Quantisation fine = even_steps();
+    fine.intra.fill(0.01f);
+    fine.dc_step = 0.01f;
+    EXPECT_NEAR((NoisyPicture{black, white_noise(40, 30, 0.25f), fine, 1}.loss(1)), 10 * std::log10(1 + 0.25 * 12),
+                0.1);
+}
+
 TEST(LightLoss, NumberOfALossIsWhereItIs) {
     const core::Plane<core::Block8x8> blocks = busy_blocks(40, 30);
     const NoisyPicture picture{blocks, white_noise(40, 30, 3.0f), even_steps(), 1};

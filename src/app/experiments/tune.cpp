@@ -359,6 +359,7 @@ int TuneCommand::make(const RenderFilm& render_film) {
         if (name == "--quality") render_options.coding.quality = std::stod(value);
         if (name == "--bitrate") render_options.coding.bitrate = value;
         if (name == "--tolerance") render_options.tolerance = value;
+        if (name == "--loss") render_options.loss = std::stod(value);
         if (name == "--samples") render_options.samples = std::stoi(value);
         if (name == "--vpls") render_options.vpls = std::stoi(value);
     }

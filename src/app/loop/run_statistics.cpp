@@ -213,15 +213,16 @@ RateOutcome RunStatistics::rate_outcome() const {
 
 LightLossFound RunStatistics::light_loss() const {
     LightLossFound found;
-    double shares = 0;
+    double shares = 0, lit = 0;
     for (const FrameEntry& frame : frames) {
         shares += frame.cost.share;
+        lit += frame.cost.share > 0 ? 1 : 0;
         if (frame.cost.loss < 0) continue;
         found.loss += frame.cost.loss;
         ++found.pictures;
     }
     found.loss = ratio_of(found.loss, found.pictures);
-    found.share = ratio_of(shares, frames.size());
+    found.share = ratio_of(shares, lit);
     return found;
 }
 

@@ -218,8 +218,9 @@ Rows light_rows(CommandLine& line) {
          "(default: coupled for films, fixed=1% for masters, fixed=2% for frames)",
          "coupled|fixed=P%|reference|truth", reads<tolerance_from>},
         {"--loss", light, &o.loss,
-         "PSNR-Y in dB that coded pictures may lose by the noise of their light: found while it is lit, in the first "
-         "picture of each chunk (docs/model/tolerance.md); lower is finer and slower",
+         "PSNR-Y in dB that intra pictures may lose by the noise of their light: expected of a rough look at each "
+         "chunk, "
+         "then measured in each of them (docs/model/tolerance.md); lower is finer and slower",
          range(0.01, 6.0), ShownAs{"0.2"}, Idle::uncoupled},
         {"--masking", light, &o.masking,
          "What hides errors in coupled films: the picture before, `warped` along motion, or place by place as decoded, "
