@@ -50,7 +50,7 @@ TEST(Report, IsOnePageThatStandsAloneAndItsFiguresAreTheStatisticsSlow) {
     const double audit = statistics.at("audit").at("seconds").get<double>();
     EXPECT_GT(seconds, 0.2 * (statistics.at("seconds").at("cpu").get<double>() - audit));
     EXPECT_LT(seconds, statistics.at("seconds").at("cpu").get<double>());
-    ASSERT_EQ(page.at("pictures").size(), 2u) << "a pair, and tolerances";
+    ASSERT_EQ(page.at("pictures").size(), 3u) << "a pair, tolerances, and errors";
     EXPECT_EQ(page.at("pictures")[0].at("names"), json({"decoded", "as it was lit", "difference"}));
     for (const json& source : page.at("pictures")[0].at("sources"))
         EXPECT_TRUE(source.get<std::string>().starts_with("data:image/png;base64,"));

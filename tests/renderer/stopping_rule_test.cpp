@@ -99,7 +99,7 @@ TEST(StoppingRule, RefinesLessWhereMoreIsToleratedSlow) {
 
 TEST(StoppingRule, SaysByHowMuchEveryPixelMayErrSlow) {
     FilmStage stage(furnished_room(), stop_settings());
-    EXPECT_TRUE(stage.cut(0.08f).error.empty());
+    EXPECT_FALSE(stage.cut(0.08f).error.empty()) << "whatever layers are wanted";
     stage.restart(true);
     const core::Radiance truth = stage.reference(), cut = stage.cut(0.08f);
     int within = 0, pixels = 0;
