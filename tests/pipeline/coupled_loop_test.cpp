@@ -130,8 +130,9 @@ TEST(CoupledLoop, CoarserQuantisersTakeFewerRaysWhileTheDecodedFilmStaysAsNearTo
             0.25);
         EXPECT_LT(static_cast<double>(coupled.bytes), 1.1 * static_cast<double>(converged.bytes));
     }
-    // Against paths. Of 2400 pixels 0.068, 0.029 and 0.013 are over; 216 err by 0.013.
-    EXPECT_LT(over, 0.037 + 3 * 0.013);
+    // Against paths. Of 2400 pixels 0.098, 0.040 and 0.011 are over, where light has 0.24, 0.38 and 0.59 of what coding
+    // hides; 216 err by 0.015.
+    EXPECT_LT(over, 0.050 + 3 * 0.015);
 }
 
 TEST(CoupledLoop, WarpedTolerancesAreThoseThatWouldBeFoundAnewSlow) {
