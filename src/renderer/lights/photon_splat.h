@@ -105,7 +105,7 @@ class PhotonSplatter {
     /// The place of a photon in `photons`, and the nearest anchor that sees it where it is one of what is still.
     struct Placed {
         std::uint32_t nearest, photon;
-        auto operator<=>(const Placed&) const = default;
+        auto operator<=>(const Placed&) const = default;  // NOLINT(modernize-use-nullptr): a mistake of version 14
     };
     void share(std::span<const Placed> placed, std::span<const PhotonHit> photons, const OccludedNeighbours* occluded,
                std::span<SplatWeights> shares) const;
