@@ -7,6 +7,17 @@
 
 namespace render2mpeg::encoder {
 
+RateSearch::RateSearch(double near, int most_tries) : near_(near), most_tries_(most_tries) {
+    EXPECTS(near >= 0 && most_tries > 0);
+}
+
+RateSearch RateSearch::onwards(double near, int most_tries) const {
+    RateSearch next(near, most_tries);
+    next.factor_ = factor_;
+    next.slope_ = slope_;
+    return next;
+}
+
 double RateSearch::factor() const {
     return std::exp(factor_);
 }
@@ -34,11 +45,9 @@ bool RateSearch::try_ratio(double ratio) {
 }
 
 bool RateSearch::goes_on() const {
-    // chosen: a half per cent, or the best of eight: whole quantisers of short films come no nearer. Thrice the same
-    // is the scale's end, or its next step's.
-    constexpr double near = 0.005;
-    constexpr int most_tries = 8, most_alike = 2;
-    return closest_ > near && tries_ < most_tries && alike_ < most_alike;
+    // Thrice the same is the scale's end, or its next step's.
+    constexpr int most_alike = 2;
+    return closest_ > near_ && tries_ < most_tries_ && alike_ < most_alike;
 }
 
 }  // namespace render2mpeg::encoder

@@ -9,6 +9,11 @@ namespace render2mpeg::encoder {
 /// (Illinois) on logarithms, from what was coded with other factors.
 class RateSearch {
   public:
+    /// Ends within a share `near` of the bits, or after `most_tries` (1..).
+    // chosen: a half per cent, or the best of eight: whole quantisers of short films come no nearer.
+    explicit RateSearch(double near = 0.005, int most_tries = 8);
+    /// One that begins where this one is, with the slope that it found: for coding that follows quantisers alike.
+    RateSearch onwards(double near, int most_tries) const;
     /// To be tried next; 1 at first.
     double factor() const;
     /// Takes the bits that came of factor(), over those wanted, both above 0. True: no other factor came nearer.
@@ -20,6 +25,8 @@ class RateSearch {
     struct Tried {
         double factor, excess;  ///< logarithms
     };
+    double near_;
+    int most_tries_;
     std::optional<Tried> above_, below_, last_;
     double factor_ = 0, closest_ = std::numeric_limits<double>::infinity();
     double slope_ = 0.9;         ///< bits fall with this power of the quantiser

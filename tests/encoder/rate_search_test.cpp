@@ -62,5 +62,18 @@ TEST(RateSearch, EndsWhereTheScaleEnds) {
     EXPECT_LE(outcome.tries, 5);
 }
 
+TEST(RateSearch, GoesOnWithTheSlopeThatItFound) {
+    const auto fast = [](double factor) { return 3 * std::pow(factor, -1.6); };
+    const auto own = [&](double factor) { return 0.8 * fast(factor); };
+    RateSearch roughly(0.05, 5);
+    while (roughly.goes_on()) roughly.try_ratio(fast(roughly.factor()));
+    RateSearch search = roughly.onwards(0.01, 8);
+    double ratio = 0;
+    int tries = 0;
+    for (; search.goes_on(); ++tries) search.try_ratio(ratio = own(search.factor()));
+    EXPECT_NEAR(ratio, 1, 0.01);
+    EXPECT_LE(tries, 2) << "one tells what efforts differ by, one meets it";
+}
+
 }  // namespace
 }  // namespace render2mpeg::encoder

@@ -242,7 +242,7 @@ bool encode_chunk(Job& job, const Film& film, const Chunk& chunk, std::span<cons
     return whole;
 }
 
-/// Codes chunks with one quantiser (of MPEG-2, or its like) to learn their sizes. Empty after an interruption.
+/// Codes chunks with one quantiser to learn their sizes. Empty after an interruption.
 std::vector<encoder::FirstPassPicture> code_roughly(Job& job, std::span<const Chunk> chunks, double quantiser,
                                                     bool quiet) {
     Film fast = job.film;
@@ -264,13 +264,17 @@ double change_of(std::span<const encoder::BitAllocation> allocations, std::span<
     return std::exp(logarithms / static_cast<double>(std::max<std::size_t>(1, film.size())));
 }
 
-/// What the film comes to as it is allocated. None after an interruption.
-std::optional<double> rehearsed_bits(Job& job, bool quiet) {
-    Progress progress(job.film.frame_count(), quiet, "first pass", Counted::frames_of_step);
-    FirstPassCollector counter(job.film.coding);
+/// What the film comes to with one quantiser (MPEG-2's like) and an effort, which stays allocated. None after an
+/// interruption.
+std::optional<double> rehearsed_bits(Job& job, double quantiser, encoder::Effort effort, bool quiet) {
+    job.allocations.assign(static_cast<std::size_t>(job.film.frame_count()), {.quantiser = quantiser});
+    Film film = job.film;
+    film.coding.effort = effort;
+    Progress progress(film.frame_count(), quiet, "first pass", Counted::frames_of_step);
+    FirstPassCollector counter(film.coding);
     RunStatistics statistics;
-    for (const Chunk& chunk : chunks_of(job.film.frames, job.film.coding.gop))
-        if (!encode_chunk(job, job.film, chunk, job.allocations, counter, statistics, progress) ||
+    for (const Chunk& chunk : chunks_of(film.frames, film.coding.gop))
+        if (!encode_chunk(job, film, chunk, job.allocations, counter, statistics, progress) ||
             InterruptGuard::requested())
             return {};
     double bits = 0;
@@ -278,31 +282,36 @@ std::optional<double> rehearsed_bits(Job& job, bool quiet) {
     return bits;
 }
 
-/// Brings the quantisers of another codec than MPEG-2 to the film's rate: by what the whole film comes to with them.
+/// Allocates to another codec than MPEG-2 the one quantiser that reaches the film's rate: the fast effort tells how
+/// bits follow quantisers, a pass or more of the film's own effort what it makes of them.
 void reach_rate(Job& job, bool quiet) {
-    // Nothing else is to correct them while the film is coded.
-    for (encoder::BitAllocation& allocation : job.allocations) allocation.bits_left = 0;
     const encoder::Settings& coding = job.film.coding;
     const double wanted = static_cast<double>(coding.rate_control.bit_rate) *
                           static_cast<double>(job.film.frame_count()) / coding.rate.hertz.value();
-    const std::vector<encoder::BitAllocation> planned = job.allocations;
-    std::vector<encoder::BitAllocation> best;
-    encoder::RateSearch search;
-    while (search.goes_on()) {
-        job.allocations = planned;
-        for (encoder::BitAllocation& allocation : job.allocations) allocation.quantiser *= search.factor();
-        const std::optional<double> bits = rehearsed_bits(job, quiet);
-        if (!bits) return;
-        if (search.try_ratio(*bits / wanted)) best = job.allocations;
-    }
-    job.allocations = std::move(best);
+    const double usual = usual_quantiser(coding);
+    double best = usual;
+    // False after an interruption.
+    const auto searched = [&](encoder::RateSearch& search, encoder::Effort effort) {
+        while (search.goes_on()) {
+            const double quantiser = usual * search.factor();
+            const std::optional<double> bits = rehearsed_bits(job, quantiser, effort, quiet);
+            if (!bits) return false;
+            if (search.try_ratio(*bits / wanted)) best = quantiser;
+        }
+        return true;
+    };
+    // chosen: within 5 %, five at most: efforts differ by more. Then within 1 %: most films by the second try.
+    encoder::RateSearch roughly(0.05, 5);
+    if (!searched(roughly, encoder::Effort::fast)) return;
+    encoder::RateSearch search = roughly.onwards(0.01, 8);
+    if (!searched(search, coding.effort)) return;
+    for (encoder::BitAllocation& allocation : job.allocations) allocation.quantiser = best;
 }
 
 /// Allocates the bits of chunks by a first pass, which is repeated where its quantiser was far off.
 std::vector<encoder::BitAllocation> first_pass(Job& job, std::span<const Chunk> chunks, bool quiet) {
     // chosen: again beyond a factor of 1.5, and no more than twice (1.2..3): noise for which 2 was guessed and 18 is
     // right was 28 % over its rate.
-    const bool is_whole = job.film.coding.codec == encoder::Codec::mpeg2;
     constexpr double far = 1.5;
     double quantiser = usual_quantiser(job.film.coding);
     for (int again = 2;; --again) {
@@ -312,7 +321,7 @@ std::vector<encoder::BitAllocation> first_pass(Job& job, std::span<const Chunk> 
             encoder::allocate_bits(job.film.coding, film, 1.0, chunks.back().last == job.film.frames.last);
         const double change = change_of(allocations, film);
         if (again == 0 || (change < far && change > 1 / far)) return allocations;
-        const double nearer = is_whole ? std::clamp(std::round(quantiser * change), 1.0, 31.0) : quantiser * change;
+        const double nearer = std::clamp(std::round(quantiser * change), 1.0, 31.0);
         if (nearer == quantiser) return allocations;
         quantiser = nearer;
     }
@@ -322,8 +331,10 @@ std::vector<encoder::BitAllocation> first_pass(Job& job, std::span<const Chunk> 
 bool allocate(Job& job, const EncodeOptions& options, RunStatistics& statistics) {
     if (two_passes(options.coding) && job.is_there()) {
         const StageTimer timer(statistics, Stage::first_pass);
-        job.allocations = first_pass(job, chunks_of(job.film.frames, job.film.coding.gop), options.quiet);
-        if (!job.allocations.empty() && job.film.coding.codec != encoder::Codec::mpeg2) reach_rate(job, options.quiet);
+        if (job.film.coding.codec == encoder::Codec::mpeg2)
+            job.allocations = first_pass(job, chunks_of(job.film.frames, job.film.coding.gop), options.quiet);
+        else
+            reach_rate(job, options.quiet);
     }
     return !InterruptGuard::requested();
 }
