@@ -33,7 +33,11 @@ double step_of(Codec codec, double quantiser) {
             return av1_step(4 * quantiser);  // of SVT-AV1's 64 quantisers
         case Codec::mpeg2:
         case Codec::prores:
+        case Codec::prores_422:
+        case Codec::prores_lt:
+        case Codec::prores_proxy:
         case Codec::prores4444:
+        case Codec::prores4444xq:
         case Codec::dnxhr:
         case Codec::ffv1:  // light of masters does not follow their steps
             break;

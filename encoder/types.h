@@ -16,7 +16,20 @@ namespace render2mpeg::encoder {
 enum class PictureType : std::uint8_t { intra = 1, predicted = 2, bidirectional = 3 };  ///< picture_coding_type
 
 /// How a film is coded: by our own MPEG-2 encoder, or by one of libavcodec's (encoder/av/coders.h).
-enum class Codec : std::uint8_t { mpeg2, h264, hevc, av1, prores, prores4444, dnxhr, ffv1 };
+enum class Codec : std::uint8_t {
+    mpeg2,
+    h264,
+    hevc,
+    av1,
+    prores,
+    prores_422,
+    prores_lt,
+    prores_proxy,
+    prores4444,
+    prores4444xq,
+    dnxhr,
+    ffv1
+};
 
 /// How much is tried: one prediction mode per macroblock in full, or several.
 enum class Effort : std::uint8_t { fast, quality };

@@ -74,12 +74,17 @@ TEST(Codecs, RefuseInOneLineWhatTheyDoNotHave) {
     EXPECT_EQ(folder.entries(), 1u) << "nothing was written";
 }
 
-/// Bits per second of a film, coded with these options.
-double rate_of(const Folder& folder, const std::string& frames, const std::string& options) {
+/// What is told of a film, coded with these options.
+json told_of(const Folder& folder, const std::string& frames, const std::string& options) {
     const auto outcome = run(program() + " encode " + frames + " -y --quiet --encoder fast " + options + " -o " +
                              path(folder, "f.mp4") + " --stats " + path(folder, "f.json"));
     EXPECT_EQ(outcome.status, 0) << outcome.output;
-    return json::parse(contents(folder / "f.json")).at("rate").at("average").get<double>();
+    return json::parse(contents(folder / "f.json"));
+}
+
+/// Bits per second of a film, coded with these options.
+double rate_of(const Folder& folder, const std::string& frames, const std::string& options) {
+    return told_of(folder, frames, options).at("rate").at("average").get<double>();
 }
 
 TEST(Codecs, ReachARateInTwoPasses) {
@@ -93,6 +98,37 @@ TEST(Codecs, ReachARateInTwoPasses) {
                 rate_of(folder, frames, "--codec " + codec + " --bitrate " + std::to_string(std::lround(wanted))),
                 wanted, 0.02 * wanted)
                 << codec;
+    }
+}
+
+/// Soft waves, before which a square moves: all but it can be predicted.
+void write_waves(const std::string& file, int frames) {
+    constexpr int width = 96, height = 80;
+    std::ofstream stream(file, std::ios::binary);
+    stream << "YUV4MPEG2 W" << width << " H" << height << " F25:1 Ip C420mpeg2\n";
+    for (int n = 0; n < frames; ++n) {
+        stream << "FRAME\n";
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x) {
+                const bool is_square = std::abs(x - 20 - n) < 6 && std::abs(y - 40) < 6;
+                const double wave = 60 * std::sin(0.11 * x) * std::cos(0.09 * y);
+                stream.put(static_cast<char>(128 + std::lround(wave) + (is_square ? 40 : 0)));
+            }
+        stream << std::string(static_cast<std::size_t>(width * height / 2), '\x80');
+    }
+}
+
+TEST(Codecs, LoseNothingByARateFarFromTheUsualQuantiser) {
+    const Folder folder;
+    const std::string frames = path(folder, "f.y4m");
+    write_waves(frames, 40);
+    for (const std::string codec : {"h264", "hevc"}) {
+        if (!codes(codec)) continue;
+        const json by_quantiser = told_of(folder, frames, "--codec " + codec + " --crf 44");
+        const auto rate = std::lround(by_quantiser.at("rate").at("average").get<double>());
+        const json by_rate = told_of(folder, frames, "--codec " + codec + " --bitrate " + std::to_string(rate));
+        // Quantisers are whole: a step of one is 0.5 dB.
+        EXPECT_GT(by_rate.at("psnr_y").get<double>(), by_quantiser.at("psnr_y").get<double>() - 1) << codec;
     }
 }
 

@@ -145,7 +145,11 @@ TEST_P(Masters, AreTheSameForAnyThreadsAfterAKillAndOfPartsSlow) {
 
 INSTANTIATE_TEST_SUITE_P(Codecs, Masters,
                          testing::Values(Master{"prores", ".mov", "yuv422p10le", "apch", "64x48", 0.3},
+                                         Master{"prores_422", ".mov", "yuv422p10le", "apcn", "64x48", 0.4},
+                                         Master{"prores_lt", ".mov", "yuv422p10le", "apcs", "64x48", 0.5},
+                                         Master{"prores_proxy", ".mov", "yuv422p10le", "apco", "64x48", 0.8},
                                          Master{"prores4444", ".mov", "yuva444p12le", "ap4h", "64x48", 0.3},
+                                         Master{"prores4444xq", ".mov", "yuva444p12le", "ap4x", "64x48", 0.3},
                                          Master{"dnxhr", ".mov", "yuv422p10le", "AVdh", "256x720", 0.5},
                                          Master{"ffv1", ".mkv", "yuv444p12le", "", "64x48", 0.001}),
                          [](const auto& tested) { return std::string(tested.param.codec); });
