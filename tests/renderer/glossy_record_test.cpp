@@ -45,6 +45,44 @@ TEST_F(Wall, LobesThatAnotherEyeSawServeByHowFarItWas) {
     EXPECT_FALSE(holds(3.0f, 10.0f));
 }
 
+TEST_F(Wall, LobesThatFollowWhatTheyShowServeHoweverFarTheEyeWent) {
+    // Of what white metal shows nothing stays behind, of paint the irradiance does.
+    const auto error = [&](float moved, float matt) {
+        records_.forget();
+        strew(2, [](glm::vec2) { return 1.0f; });
+        const glm::vec3 eye = stage_.world().camera.position() + glm::vec3(moved, 0, 0);
+        polish(eye);
+        for (std::uint32_t i = 0; i < records_.size(); ++i) {
+            IrradianceRecord& r = records_.change(i);
+            r.indirect = glm::vec3(matt);
+            r.lobe.depth = glm::distance(eye, r.position) / (1.0f + matt);
+        }
+        map_.build(records_.all(), stage_.world().camera);
+        const auto found = estimate_polished(point_at(12, 12), 10.0f, matt > 0.0f ? 1.0f : 0.0f);
+        return found ? found->error.value : -1.0f;
+    };
+    EXPECT_NEAR(error(0.3f, 0.0f), 0.0f, 1e-3f);
+    // Half of the turn that a point behind the wall by its part of the light is seen by: 0.3 of 2 + 1.
+    EXPECT_NEAR(error(0.3f, 1.0f), 0.23f * 0.5f * 0.5f * (0.3f / 3.0f) / lobe_width, 0.002f);
+}
+
+TEST_F(Wall, LobesOfBentSurfacesErrByWhatAPlaneMisses) {
+    // Normals that turn by a sixth of a width from pixel to pixel, and light with them, at the picture's rim.
+    const auto light = [](glm::vec2 at) { return 20.0f + 2.0f * (at.x - 12.5f); };
+    strew(1, light);
+    polish(stage_.world().camera.position());
+    for (std::uint32_t i = 0; i < records_.size(); ++i) {
+        IrradianceRecord& r = records_.change(i);
+        const float across = stage_.world().camera.project(r.position)->position.x - 12.5f;
+        r.shading_normal = glm::normalize(glm::vec3(across * lobe_width / 6.0f, 0, 1));
+    }
+    map_.build(records_.all(), stage_.world().camera);
+    const auto found = estimate_polished(point_at(12, 0), 0.1f);
+    ASSERT_TRUE(found);
+    EXPECT_NEAR(found->glossy.x, 20.0f, 0.01f);
+    EXPECT_LT(found->error.value, 0.005f);
+}
+
 TEST_F(Wall, RoundLobesTakeRecordsHoweverNarrowTheyAre) {
     GatherPoint p = point_at(12, 12);
     EXPECT_TRUE(uses_cache(p));

@@ -68,9 +68,9 @@ class Wall : public ::testing::Test {
             r.indirect = glm::vec3(0);
         }
     }
-    std::optional<PointLight> estimate_polished(GatherPoint p, float relative) {
+    std::optional<PointLight> estimate_polished(GatherPoint p, float relative, float matt = 0) {
         const glm::vec3 eye = stage_.world().camera.position();
-        p.point.bsdf = {glm::vec3(0), glm::vec3(1), lobe_width};
+        p.point.bsdf = {glm::vec3(matt), glm::vec3(1), lobe_width};
         p.point.outgoing = glm::normalize(eye - p.point.position);
         const auto at = stage_.world().camera.project(p.point.position);
         const float extent = stage_.world().camera.pixel_size() * at->depth;

@@ -7,14 +7,14 @@
 namespace render2mpeg::renderer {
 
 /// Standard error of a lobe's light as its half vectors turn by its width, beyond the change known by `seen_from`.
-/// Counts by the weighted sum of the records' turns, which is zero where a plane lies through them and the eye stands
-/// still. chosen: 0.23 of 0, 0.12, 0.23 and 0.38 (docs/measurements.md#irradiance-cache).
+/// Counts by the weighted sum of the records' turns. chosen: 0.23 of 0, 0.12, 0.23 and 0.38
+/// (docs/measurements.md#irradiance-cache).
 inline constexpr float turn_error = 0.23f;
 
 /// A record's lobe towards the eye of a point that asks, by the point's material.
 struct SeenLobe {
     glm::vec3 radiance{0};
-    glm::vec3 turned{0};  ///< half vectors that it was looked at by, off the point's, in widths; times luminance
+    glm::vec3 turned{0};  ///< change of half vectors since, in widths, beyond what the record followed; times luminance
 };
 
 /// None where it says nothing of the point's.
