@@ -44,6 +44,16 @@ float decoded(float c, float step, float dead_zone) {
     return levels > 0.0f ? std::copysign(levels * step, c) : 0.0f;
 }
 
+/// Variance of luma by a variance of light, both squared code values there: light is a power of luma, nothing is darker
+/// than black, and next to it the curve is straight.
+float shown(float variance, float luma) {
+    constexpr float power = 2.2f, black = 16.0f, straight = 9.0f;
+    const float above = std::max(luma - black, straight), change = power * std::sqrt(variance) / above,
+                up = std::pow(1.0f + change, 1.0f / power) - 1.0f,
+                down = 1.0f - std::pow(std::max(1.0f - change, 0.0f), 1.0f / power);
+    return 0.5f * above * above * (up * up + down * down);
+}
+
 /// A number of about the standard normal distribution: the sum of eight bytes of a hash, less its mean, over its
 /// standard deviation.
 float normal(std::uint64_t draw, std::uint64_t coefficient) {
@@ -70,7 +80,8 @@ core::Plane<PixelNoise> noise_of(const PixelLight& light, const InverseLuma& dis
     return noise;
 }
 
-core::Plane<BlockNoise> noise_of_blocks(const core::Plane<PixelNoise>& pixels) {
+core::Plane<BlockNoise> noise_of_blocks(const core::Plane<PixelNoise>& pixels, const core::Plane<float>& luma) {
+    EXPECTS(pixels.size() == luma.size());
     static const core::Block8x8 shares = shares_of_shared();
     core::Plane<BlockNoise> noise((pixels.width() + side - 1) / side, (pixels.height() + side - 1) / side);
     for (int row = 0; row < noise.height(); ++row)
@@ -78,8 +89,10 @@ core::Plane<BlockNoise> noise_of_blocks(const core::Plane<PixelNoise>& pixels) {
             float alone = 0, of_block = 0, count = 0;
             for (int y = row * side; y < std::min((row + 1) * side, pixels.height()); ++y)
                 for (int x = column * side; x < std::min((column + 1) * side, pixels.width()); ++x) {
-                    alone += pixels.at(x, y).alone;
-                    of_block += pixels.at(x, y).of_block;
+                    const PixelNoise& light = pixels.at(x, y);
+                    const float seen = shown(light.alone, luma.at(x, y));
+                    alone += seen;
+                    of_block += light.of_block * core::divide_or(seen, light.alone, 1.0f);
                     ++count;
                 }
             alone /= count;

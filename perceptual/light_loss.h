@@ -12,7 +12,8 @@ namespace render2mpeg::perceptual {
 /// Variances of the coefficients of a block's luma by noise, squared code values.
 using BlockNoise = core::Block8x8;
 
-/// Variance of pixels by noise: squared code values, of one pixel and of the mean of its block.
+/// Variance of pixels by noise: squared code values, of one pixel and of the mean of its block. Counts light, by that
+/// of one code value in its place.
 struct PixelNoise {
     float alone = 0, of_block = 0;
 };
@@ -21,8 +22,8 @@ struct PixelNoise {
 core::Plane<PixelNoise> noise_of(const PixelLight& light, const InverseLuma& display, const core::Plane<float>& error,
                                  const core::Plane<float>& shared_error);
 
-/// Noise of blocks (docs/model/tolerance.md#the-price).
-core::Plane<BlockNoise> noise_of_blocks(const core::Plane<PixelNoise>& pixels);
+/// Noise of blocks, of pixels with this luma, as a display shows it (docs/model/tolerance.md#the-price).
+core::Plane<BlockNoise> noise_of_blocks(const core::Plane<PixelNoise>& pixels, const core::Plane<float>& luma);
 
 /// Coding of a picture's luma by itself, with noise in its light.
 struct NoisyPicture {

@@ -83,16 +83,33 @@ TEST(LightLoss, BlocksKeepTheEnergyOfTheirPixels) {
     };
     // White noise has a 64th of its variance in the mean; records of the widest planes 0.29.
     for (const float of_block : {1.0f / 64, 0.1f, 0.28f}) {
-        const core::Plane<BlockNoise> noise = noise_of_blocks(core::Plane<PixelNoise>(19, 9, {5.0f, 5.0f * of_block}));
+        const core::Plane<BlockNoise> noise =
+            noise_of_blocks(core::Plane<PixelNoise>(19, 9, {5.0f, 5.0f * of_block}), core::Plane<float>(19, 9, 235.0f));
         ASSERT_EQ(noise.width(), 3);
         ASSERT_EQ(noise.height(), 2);
         for (const BlockNoise& block : noise.values()) {
-            EXPECT_NEAR(energy(block), 5, 1e-4);
+            EXPECT_NEAR(energy(block), 5, 2e-3);
             EXPECT_NEAR(block[0] / 64, 5 * of_block, 1e-3);
         }
     }
-    const BlockNoise white = noise_of_blocks(core::Plane<PixelNoise>(8, 8, {5.0f, 5.0f / 64})).at(0, 0);
-    for (const float variance : white) EXPECT_NEAR(variance, 5, 1e-4);
+    const BlockNoise white =
+        noise_of_blocks(core::Plane<PixelNoise>(8, 8, {5.0f, 5.0f / 64}), core::Plane<float>(8, 8, 235.0f)).at(0, 0);
+    for (const float variance : white) EXPECT_NEAR(variance, 5, 2e-3);
+}
+
+TEST(LightLoss, NoiseIsAsADisplayShowsIt) {
+    // Light of luma 36, off by so many times itself, up or down.
+    constexpr float luma = 36.0f, above = luma - 16.0f, power = 2.2f;
+    const auto rms = [&](float of_light) {
+        const float codes = of_light * above / power;
+        const BlockNoise block = noise_of_blocks(core::Plane<PixelNoise>(8, 8, {codes * codes, codes * codes / 64}),
+                                                 core::Plane<float>(8, 8, luma))
+                                     .at(0, 0);
+        return std::sqrt(block[0]);
+    };
+    EXPECT_NEAR(rms(0.05f), 0.05f * above / power, 1e-3f);
+    const float brighter = above * (std::pow(501.0f, 1 / power) - 1.0f);
+    EXPECT_NEAR(rms(500.0f), std::sqrt(0.5f * (brighter * brighter + above * above)), 0.1f);
 }
 
 }  // namespace

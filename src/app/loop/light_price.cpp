@@ -85,7 +85,7 @@ float expected_share(const perceptual::VisibilityModel& model, const perceptual:
             const double left = variance_of(worth(batches[i], allowed, allocation), batches[i]);
             noise.values()[i] = {static_cast<float>(left), static_cast<float>(left / 64)};
         }
-        const perceptual::NoisyPicture noisy{rough.coefficients, perceptual::noise_of_blocks(noise),
+        const perceptual::NoisyPicture noisy{rough.coefficients, perceptual::noise_of_blocks(noise, rough.light.luma),
                                              rough.plan.quantisation, rough.plan.scale};
         return noisy.loss(1);
     };
@@ -98,7 +98,8 @@ LightLoss measure_loss(const perceptual::Observation& picture, const core::Radia
                        float share, float of_it) {
     const perceptual::NoisyPicture noisy{
         picture.coefficients,
-        perceptual::noise_of_blocks(perceptual::noise_of(picture.light, display, light.error, light.shared_error)),
+        perceptual::noise_of_blocks(perceptual::noise_of(picture.light, display, light.error, light.shared_error),
+                                    picture.light.luma),
         coding.quantisation, coding.scale};
     constexpr double most_times = 8;
     if (!(noisy.loss(most_times) > 0)) return {0, share};
