@@ -20,8 +20,8 @@
 /// Nothing else includes this.
 namespace render2mpeg::av {
 
-/// Whether libavformat's `format` has words for panoramas: boxes of MP4, ProjectionPrivate of Matroska. That of
-/// QuickTime has them in its files, but libavformat does not write them.
+/// Whether libavformat's `format` has words for panoramas and two eyes: boxes of MP4, ProjectionPrivate and StereoMode
+/// of Matroska. That of QuickTime has them in its files, but libavformat does not write them.
 constexpr bool format_tells_panoramas(std::string_view format) {
     return format == "mp4" || format == "matroska";
 }

@@ -180,6 +180,11 @@ void archive(A& a, std::optional<T>& value) {
     if (there) a(*value);
 }
 
+template <class A, class T, std::size_t count>
+requires(!std::is_trivially_copyable_v<T>) void archive(A& a, std::array<T, count>& values) {
+    for (T& value : values) a(value);
+}
+
 template <class A, class T>
 void archive(A& a, std::shared_ptr<const T>& value) {
     bool there = value != nullptr;

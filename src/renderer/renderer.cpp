@@ -1,6 +1,7 @@
 #include "renderer/renderer.h"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <utility>
 
@@ -76,7 +77,7 @@ struct Renderer::Impl {
         if (posed_scene.air() != nullptr) posed_scene.light_volumes({});
         cache.forget();
         calibration.forget();
-        draft_light.forget();
+        for (DraftLight& of_eye : draft_light) of_eye.forget();
     }
 
     SeeSettings see_settings() const {
@@ -158,10 +159,10 @@ struct Renderer::Impl {
     HairLight hair_light;
     IrradianceCache cache;
     FilmCalibration calibration;
-    DraftLight draft_light;
-    double shared_seconds = 0;         ///< of gathering by rays, that rows have already
-    std::uint64_t counted_rays = 0;    ///< of all, that statistics have, or that count nowhere
-    double earlier_layer_seconds = 0;  ///< before statistics began
+    std::array<DraftLight, 2> draft_light;  ///< of either eye
+    double shared_seconds = 0;              ///< of gathering by rays, that rows have already
+    std::uint64_t counted_rays = 0;         ///< of all, that statistics have, or that count nowhere
+    double earlier_layer_seconds = 0;       ///< before statistics began
 };
 
 /// Finer edges, where the tolerance shows them.
@@ -270,8 +271,10 @@ core::Radiance Renderer::Impl::gather_sparse(const scene::Snapshot& snapshot, co
 
 FrameLight Renderer::Impl::gather_draft(const scene::Snapshot& snapshot, const LightingContext& context,
                                         const core::MotionField* to_before, ShadeCounts& counts) {
-    if (snapshot.cut_before) draft_light.forget();
-    FrameLight light = draft_light.light({context, lights.trees(), to_before}, cut_limits(), counts);
+    if (snapshot.cut_before)
+        for (DraftLight& of_eye : draft_light) of_eye.forget();
+    FrameLight light =
+        draft_light[snapshot.camera.eye_number()].light({context, lights.trees(), to_before}, cut_limits(), counts);
     if (plan.runs(Pass::lobe_rays)) add_rays(final_gather, snapshot.camera, context, RaysOf::lobes, light);
     return light;
 }
@@ -313,7 +316,7 @@ void Renderer::prepare(const scene::Snapshot& snapshot) {
 void Renderer::resize(const scene::PictureFormat& format) {
     EXPECTS(format.width > 0 && format.height > 0);
     impl_->settings.format = format;
-    impl_->draft_light.forget();
+    for (DraftLight& of_eye : impl_->draft_light) of_eye.forget();
 }
 
 bool Renderer::is_sound(KnownLight light) {

@@ -181,14 +181,16 @@ class File final : public Container {
         codec.extradata_size = static_cast<int>(facts.headers.size());
         describe_buffer(*stream, facts, messages);
         if (settings.peak > 0) describe_light(*stream, settings, messages);
-        if (settings.sphere && format_tells_panoramas(context_->oformat->name))
-            describe_sphere(*stream, *settings.sphere, messages);
+        if (!format_tells_panoramas(context_->oformat->name)) return;
+        // Boxes of MP4 that no ISO standard knows are written where one asks for them.
+        const bool has_eyes = settings.packing != encoder::FramePacking::none;
+        if (is_isom_ && (settings.sphere || has_eyes)) context_->strict_std_compliance = FF_COMPLIANCE_UNOFFICIAL;
+        if (settings.sphere) describe_sphere(*stream, *settings.sphere, messages);
+        if (settings.sphere || has_eyes) describe_eyes(*stream, settings.packing, messages);
     }
 
-    /// Its pictures are panoramas, for one eye.
+    /// Its pictures are panoramas.
     void describe_sphere(AVStream& stream, const encoder::SphereBounds& bounds, const Messages& messages) {
-        // Boxes of MP4 that no ISO standard knows are written where one asks for them.
-        if (is_isom_) context_->strict_std_compliance = FF_COMPLIANCE_UNOFFICIAL;
         std::size_t size = 0;
         AVSphericalMapping* sphere = av_spherical_alloc(&size);
         if (sphere == nullptr) check(AVERROR(ENOMEM), messages);
@@ -200,9 +202,15 @@ class File final : public Container {
         sphere->bound_right = fixed(bounds.right);
         sphere->bound_bottom = fixed(bounds.bottom);
         add(stream, AV_PKT_DATA_SPHERICAL, sphere, size, messages);
+    }
+
+    /// For how many eyes its pictures are.
+    void describe_eyes(AVStream& stream, encoder::FramePacking packing, const Messages& messages) {
         AVStereo3D* eyes = av_stereo3d_alloc();
         if (eyes == nullptr) check(AVERROR(ENOMEM), messages);
-        eyes->type = AV_STEREO3D_2D;
+        eyes->type = packing == encoder::FramePacking::side_by_side ? AV_STEREO3D_SIDEBYSIDE
+                     : packing == encoder::FramePacking::top_bottom ? AV_STEREO3D_TOPBOTTOM
+                                                                    : AV_STEREO3D_2D;
         add(stream, AV_PKT_DATA_STEREO3D, eyes, sizeof *eyes, messages);
     }
 

@@ -141,7 +141,7 @@ class LiveSession {
         try {
             RenderJob film = prepare_within_memory(options_);
             if (!options_.memory) film.images->read_ahead(image_probes(false));
-            if (wish_.size.width == 0) wish_.size = {film.format.width, film.format.height};
+            if (wish_.size.width == 0) wish_.size = {film.rendering.format.width, film.rendering.format.height};
             if (!view_) wish_.frame = film.frames.first;
             auto next = std::make_unique<LiveView>(std::move(film));
             view_ = std::move(next);
@@ -155,7 +155,7 @@ class LiveSession {
         answers_.tell({{"scene", scene.string()},
                        {"line", line},
                        {"frames", {film.frames.first, film.frames.last}},
-                       {"size", {film.format.width, film.format.height}},
+                       {"size", {film.rendering.format.width, film.rendering.format.height}},
                        {"exposure", film.exposure ? json(*film.exposure) : json(nullptr)},
                        {"notes", film.animation->notes},
                        {"seconds", seconds_since(start)},

@@ -261,10 +261,10 @@ Trial Trials::coded_again(const LitWindows& lit, RenderJob film) const {
             PictureCoder coder(film.film(), window, film.allocations, shots_of(*film.animation), statistics,
                                scene::traits_of(*film.animation).lights_change);
             for (std::int64_t n = window.first; n <= window.last; ++n) {
-                const std::shared_ptr<const scene::Snapshot> world = posed.at(n);
-                RenderedMotion motion(film, posed, lit.frames.at(n).visible, *world, statistics);
+                const EyeSnapshots worlds = posed.at(n);
+                RenderedMotion motion(film, posed, {{lit.frames.at(n).visible}}, worlds, statistics);
                 take(timed(sum.seconds, [&] {
-                    const encoder::PicturePlan plan = coder.plan(n, world->cut_before, motion);
+                    const encoder::PicturePlan plan = coder.plan(n, worlds.front()->cut_before, motion);
                     return coder.code(*pictures[static_cast<std::size_t>(n - window.first)], plan, motion);
                 }));
             }

@@ -35,9 +35,7 @@ int side_of(encoder::Codec codec, int side) {
 
 RenderJob small(const RenderJob& film) {
     RenderJob pass = film;
-    pass.format.width = side_of(film.coding.codec, film.format.width);
-    pass.format.height = side_of(film.coding.codec, film.format.height);
-    pass.rendering.format = pass.format;
+    pass.resize(side_of(film.coding.codec, film.format.width), side_of(film.coding.codec, film.format.height));
     pass.rendering.samples = 1;
     pass.rendering.edge_samples = pass.rendering.most_samples = 0;
     pass.rendering.calibrate = false;  // nothing is promised of its light

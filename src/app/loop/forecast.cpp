@@ -348,7 +348,7 @@ std::vector<double> prices_of(const RenderJob& film, std::int64_t frames, render
     if (static_cast<double>(length * std::ssize(of_cameras)) > most_share * times * static_cast<double>(frames))
         return {};
     const std::unique_ptr<renderer::Renderer> own = renderer.beside(film.snapshot(film.frames.first));
-    own->resize(small.format);
+    own->resize(small.rendering.format);
     std::vector<double> prices;
     for (std::size_t k = 0; k < begins.size(); ++k) {
         const std::int64_t end = k + 1 < begins.size() ? begins[k + 1] : film.frames.last + 1;
@@ -389,9 +389,7 @@ RenderJob resized(const RenderJob& film, double scale) {
     const auto side = [&](int pixels) {
         return std::min(pixels, std::max(shortest_side, static_cast<int>(std::lround(scale * pixels / 2)) * 2));
     };
-    job.format.width = side(film.format.width);
-    job.format.height = side(film.format.height);
-    job.rendering.format = job.format;
+    job.resize(side(film.format.width), side(film.format.height));
     job.coding.width = job.format.width;
     job.coding.height = job.format.height;
     job.audit = 0;

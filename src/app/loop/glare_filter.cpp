@@ -8,8 +8,8 @@ namespace render2mpeg::app {
 
 GlareFilter::GlareFilter(const RenderJob& film, RunStatistics& statistics) : statistics_(statistics) {
     if (film.plan.runs(renderer::Pass::glare))
-        glare_.emplace(film.animation->glare, film.format.width, film.format.height, film.format.pixel_aspect,
-                       film.exposure.value_or(0));
+        glare_.emplace(film.animation->glare, film.rendering.format.width, film.rendering.format.height,
+                       film.format.pixel_aspect, film.exposure.value_or(0));
 }
 
 const core::Radiance& GlareFilter::of(const core::Radiance& light, const core::Rational& seconds) {

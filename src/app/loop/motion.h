@@ -34,30 +34,33 @@ class Motion {
     std::map<std::int64_t, core::MotionField> found_;
 };
 
+/// An instant as each eye looks at it, in the order of eyes_of().
+using EyeSnapshots = std::vector<std::shared_ptr<const scene::Snapshot>>;
+
 /// Snapshots of recently used frames.
 class PosedFrames {
   public:
     explicit PosedFrames(const RenderJob& job) : job_(job) {}
-    std::shared_ptr<const scene::Snapshot> at(std::int64_t frame);
+    EyeSnapshots at(std::int64_t frame);
 
   private:
     const RenderJob& job_;
-    std::vector<std::shared_ptr<const scene::Snapshot>> latest_;  ///< the last one asked for comes last
+    std::vector<EyeSnapshots> latest_;  ///< the last one asked for comes last
+};
+
+/// All that motion needs to know of an eye's view.
+struct SeenByEye {
+    core::Visible visible;
+    scene::MirrorImages imaged{};
 };
 
 /// Exact motion of a rendered frame.
 class RenderedMotion : public Motion {
   public:
-    /// `visible` shows `world`, `imaged` its mirror images; references must outlive it. Time counts as the pass
-    /// `motion`.
-    RenderedMotion(const RenderJob& job, PosedFrames& posed, core::Visible visible, const scene::Snapshot& world,
-                   RunStatistics& statistics, scene::MirrorImages imaged = {})
-        : job_(job),
-          posed_(posed),
-          visible_(std::move(visible)),
-          world_(world),
-          statistics_(statistics),
-          imaged_(std::move(imaged)) {}
+    /// `seen` shows `worlds`, eye by eye; references must outlive it. Time counts as the pass `motion`.
+    RenderedMotion(const RenderJob& job, PosedFrames& posed, std::vector<SeenByEye> seen, EyeSnapshots worlds,
+                   RunStatistics& statistics)
+        : job_(job), posed_(posed), seen_(std::move(seen)), worlds_(std::move(worlds)), statistics_(statistics) {}
 
     /// As to(), also where nothing moves.
     const core::MotionField& exact_to(std::int64_t reference);
@@ -70,10 +73,9 @@ class RenderedMotion : public Motion {
 
     const RenderJob& job_;
     PosedFrames& posed_;
-    core::Visible visible_;
-    const scene::Snapshot& world_;
+    std::vector<SeenByEye> seen_;
+    EyeSnapshots worlds_;
     RunStatistics& statistics_;
-    scene::MirrorImages imaged_;
     std::map<std::int64_t, core::MotionField> still_;  ///< fields of a scene in which nothing moves
 };
 

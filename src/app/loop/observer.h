@@ -4,31 +4,27 @@
 
 #include "app/loop/motion.h"
 #include "app/options/film.h"
+#include "core/mattes.h"
 #include "core/picture.h"
 #include "core/radiance.h"
 #include "core/tolerance_map.h"
 #include "encoder/types.h"
 #include "renderer/renderer.h"
-#include "renderer/view/mattes.h"
 #include "scene/pose/snapshot.h"
 
 namespace render2mpeg::app {
 
 struct LitFrame {
     const scene::Snapshot& world;
-    const renderer::Lit& lit;
+    const renderer::Lit& lit;             ///< of both eyes: what the picture shows, `visible` and `radiance`, alone
     const core::ToleranceMap& tolerance;  ///< that it was lit by
     const core::Radiance& shown;          ///< its light as an eye gets it (glare_filter.h)
     const core::Picture& picture;
     RenderedMotion& motion;              ///< from it to others
     const renderer::Statistics& before;  ///< the renderer's counts before it was shaded
     const renderer::Statistics& after;   ///< and after it
+    const core::Mattes& mattes;          ///< empty: the renderer did not look for them
 };
-
-/// Alpha of a frame whose renderer looked for mattes.
-inline core::Mattes mattes_of(const LitFrame& frame) {
-    return renderer::mattes_of(frame.lit.frame);
-}
 
 /// Observes a chunk in the making. Frames come in order, pictures in coding order.
 class LoopObserver {

@@ -40,13 +40,29 @@ class ChunkLoop {
     void finish(bool whole);
 
   private:
-    renderer::Frame look(const scene::Snapshot& world);
+    /// The views of all eyes, one after the other; `look`: by which the renderer looks.
+    std::vector<renderer::Frame> look(const EyeSnapshots& worlds,
+                                      renderer::Frame (renderer::Renderer::*look)(const scene::Snapshot&));
     /// Coding of the frame, meaningless without a coder, and by it the tolerances of its light.
-    encoder::PicturePlan plan(const scene::Snapshot& world, const renderer::Frame& frame, Motion& motion);
+    encoder::PicturePlan plan(const EyeSnapshots& worlds, const std::vector<renderer::Frame>& frames, Motion& motion);
     /// Rough light, for the tolerances of a frame without a picture before it.
-    void look_roughly(const scene::Snapshot& world, const renderer::Frame& frame, const encoder::PicturePlan& plan);
-    renderer::Lit light(const scene::Snapshot& world, renderer::Frame frame, int quantiser, RenderedMotion& motion);
-    core::Picture develop(const core::Radiance& radiance, const renderer::Frame& seen, std::int64_t n);
+    void look_roughly(const EyeSnapshots& worlds, const std::vector<renderer::Frame>& frames,
+                      const encoder::PicturePlan& plan);
+    /// Lights the eyes' views one after the other: what one finds on surfaces serves the next. Time stands still
+    /// meanwhile.
+    std::vector<renderer::Lit> light(const EyeSnapshots& worlds, std::vector<renderer::Frame> frames, int quantiser,
+                                     RenderedMotion& motion);
+    /// Light of all eyes as they get it, and as it is.
+    struct PackedLight {
+        renderer::Lit lit;     ///< as LitFrame has it
+        core::Radiance shown;  ///< unless it is as `lit` has it
+        core::Mattes mattes;
+        bool is_filtered = false;
+
+        const core::Radiance& as_shown() const { return is_filtered ? shown : lit.radiance; }
+    };
+    PackedLight pack(std::vector<renderer::Lit> eyes, const core::Rational& time);
+    core::Picture develop(const PackedLight& light, std::int64_t n);
     /// Keeps the frame for the coupling until it is coded.
     void keep_for_coupling(const core::Picture& picture, const renderer::Lit& lit, const core::Radiance& shown,
                            const encoder::PicturePlan& plan);
@@ -56,7 +72,7 @@ class ChunkLoop {
     void restore();
     template <class A>
     void archive_state(A& a) {
-        a(shown_);
+        for (GlareFilter& filter : shown_) a(filter);
         if (coupling_) a(*coupling_);
     }
 
@@ -65,7 +81,7 @@ class ChunkLoop {
     const Chunk& chunk_;
     RunStatistics& statistics_;
     perceptual::Display display_;
-    GlareFilter shown_;
+    std::vector<GlareFilter> shown_;  ///< to each eye
     PosedFrames posed_;
     StatisticsRecorder recorder_;
     Auditor auditor_;
@@ -84,13 +100,13 @@ ChunkLoop::ChunkLoop(const RenderJob& job, renderer::Renderer& renderer, const C
       chunk_(chunk),
       statistics_(statistics),
       display_(job.display()),
-      shown_(job, statistics),
       posed_(job),
       recorder_(statistics, job.kind == OutputKind::film),
       auditor_(renderer, display_, job.audit, statistics),
       grain_cost_(job.film(), chunk),
       kept_(kept) {
-    renderer.start_chunk(*posed_.at(chunk.first));
+    for (std::size_t e = 0; e < eyes_of(job.animation->stereo).size(); ++e) shown_.emplace_back(job, statistics);
+    renderer.start_chunk(*posed_.at(chunk.first).front());
     if (job.kind == OutputKind::film)
         coder_.emplace(job.film(), chunk, job.allocations, shots_of(*job.animation), statistics,
                        !job.rough && scene::traits_of(*job.animation).lights_change);
@@ -104,25 +120,42 @@ ChunkLoop::ChunkLoop(const RenderJob& job, renderer::Renderer& renderer, const C
     observers_.add(observer);
 }
 
+namespace {
+
+std::vector<core::Visible> visible_of(const std::vector<renderer::Frame>& frames) {
+    std::vector<core::Visible> visible;
+    for (const renderer::Frame& frame : frames) visible.push_back(frame.visible);
+    return visible;
+}
+
+std::vector<SeenByEye> seen_in(const std::vector<renderer::Frame>& frames) {
+    std::vector<SeenByEye> seen;
+    for (const renderer::Frame& frame : frames) seen.push_back({frame.visible, frame.imaged});
+    return seen;
+}
+
+}  // namespace
+
 void ChunkLoop::frame(std::int64_t n) {
     const FrameTimer timer(statistics_);
-    const std::shared_ptr<const scene::Snapshot> world = posed_.at(n);
-    renderer::Frame frame = look(*world);
-    RenderedMotion motion(job_, posed_, frame.visible, *world, statistics_, frame.imaged);
+    const EyeSnapshots worlds = posed_.at(n);
+    std::vector<renderer::Frame> frames = look(worlds, &renderer::Renderer::look);
+    RenderedMotion motion(job_, posed_, seen_in(frames), worlds, statistics_);
 
     // Plan its coding, and by it and the eye its tolerances.
-    const encoder::PicturePlan coding = plan(*world, frame, motion);
+    const encoder::PicturePlan coding = plan(worlds, frames, motion);
 
     // Light it within them, and show it.
     const renderer::Statistics before = renderer_.statistics();
-    const renderer::Lit lit = light(*world, std::move(frame), coding.quantiser, motion);
-    const core::Radiance& shown = shown_.of(lit.radiance, world->time);
-    const core::Picture picture = develop(shown, lit.frame, n);
+    const PackedLight light =
+        pack(this->light(worlds, std::move(frames), coding.quantiser, motion), worlds.front()->time);
+    const core::Picture picture = develop(light, n);
 
     // Keep it, whatever stops, and code it with exact motion.
     const parallel::StopWhen never({});
-    observers_.lit({*world, lit, tolerance_, shown, picture, motion, before, renderer_.statistics()});
-    keep_for_coupling(picture, lit, shown, coding);
+    observers_.lit({*worlds.front(), light.lit, tolerance_, light.as_shown(), picture, motion, before,
+                    renderer_.statistics(), light.mattes});
+    keep_for_coupling(picture, light.lit, light.as_shown(), coding);
     code(picture, coding, motion);
     if (kept_ != nullptr && n < chunk_.last) kept_->add(picture);
 }
@@ -141,17 +174,19 @@ void ChunkLoop::repeat(std::int64_t n) {
 
 /// Lights of every instant follow from those before; of what is seen the coder asks pixels' motion alone.
 void ChunkLoop::repeat_coding(std::int64_t n) {
-    const std::shared_ptr<const scene::Snapshot> world = posed_.at(n);
-    renderer_.prepare(*world);
-    renderer::Lit lit;
-    if (coder_) lit.frame = timed(statistics_, Stage::see, [&] { return renderer_.look_at_middles(*world); });
-    RenderedMotion motion(job_, posed_, lit.frame.visible, *world, statistics_, lit.frame.imaged);
+    const EyeSnapshots worlds = posed_.at(n);
+    renderer_.prepare(*worlds.front());
+    std::vector<renderer::Frame> frames(worlds.size());
+    if (coder_) frames = look(worlds, &renderer::Renderer::look_at_middles);
+    RenderedMotion motion(job_, posed_, seen_in(frames), worlds, statistics_);
     encoder::PicturePlan coding;
-    if (coder_) coding = coder_->plan(n, world->cut_before, motion);
+    if (coder_) coding = coder_->plan(n, worlds.front()->cut_before, motion);
+    renderer::Lit lit;
+    lit.frame.visible = packed(visible_of(frames), job_.animation->stereo);
     const core::Picture picture = kept_->next(n);
     const parallel::StopWhen never({});
     const renderer::Statistics counts = renderer_.statistics();
-    observers_.lit_before({*world, lit, tolerance_, lit.radiance, picture, motion, counts, counts});
+    observers_.lit_before({*worlds.front(), lit, tolerance_, lit.radiance, picture, motion, counts, counts, {}});
     if (!coder_) return;
     statistics_.frames.back().type = "-IPB"[static_cast<int>(coding.type)];
     take(coder_->code(picture, coding, motion));
@@ -185,62 +220,113 @@ void ChunkLoop::finish(bool whole) {
     if (whole) grain_cost_.measure(statistics_);
 }
 
-renderer::Frame ChunkLoop::look(const scene::Snapshot& world) {
+std::vector<renderer::Frame> ChunkLoop::look(const EyeSnapshots& worlds,
+                                             renderer::Frame (renderer::Renderer::*look)(const scene::Snapshot&)) {
     const StageTimer timer(statistics_, Stage::see);
-    return renderer_.look(world);
+    std::vector<renderer::Frame> frames;
+    for (const auto& world : worlds) frames.push_back((renderer_.*look)(*world));
+    return frames;
 }
 
-encoder::PicturePlan ChunkLoop::plan(const scene::Snapshot& world, const renderer::Frame& frame, Motion& motion) {
+encoder::PicturePlan ChunkLoop::plan(const EyeSnapshots& worlds, const std::vector<renderer::Frame>& frames,
+                                     Motion& motion) {
     if (!coder_) return {};
+    const scene::Snapshot& world = *worlds.front();
     const encoder::PicturePlan plan = coder_->plan(world.frame, world.cut_before, motion);
     if (!coupling_) return plan;
     if (world.cut_before || plan.number == chunk_.first) coupling_->forget();
-    if (!coupling_->remembers()) look_roughly(world, frame, plan);
+    if (!coupling_->remembers()) look_roughly(worlds, frames, plan);
     const std::int64_t reference = coupling_->remembered();
     const core::MotionField* field = reference == plan.number ? nullptr : motion.to(reference);
+    const scene::StereoPacking packing = job_.animation->stereo;
     const StageTimer timer(statistics_, Stage::tolerate);
-    tolerance_ = coupling_->tolerate(frame.visible, plan, field);
-    widen_poles(world.camera, tolerance_);
-    shown_.carry_back(tolerance_);
+    core::ToleranceMap whole = coupling_->tolerate(packed(visible_of(frames), packing), plan, field);
+    std::vector<core::ToleranceMap> eyes;
+    for (std::size_t e = 0; e < worlds.size(); ++e) {
+        widen_poles(worlds[e]->camera, eyes.emplace_back(part_of(whole, packing, e)));
+        shown_[e].carry_back(eyes.back());
+    }
+    tolerance_ = packed(std::move(eyes), packing);
     return plan;
 }
 
-void ChunkLoop::look_roughly(const scene::Snapshot& world, const renderer::Frame& frame,
+void ChunkLoop::look_roughly(const EyeSnapshots& worlds, const std::vector<renderer::Frame>& frames,
                              const encoder::PicturePlan& plan) {
-    core::ToleranceMap about =
-        core::ToleranceMap::uniform(frame.visible.width(), frame.visible.height(), {0.0f, rough_tolerance});
-    about.typical = rough_tolerance;  // rays by price: dark corners need not keep it
-    const renderer::Lit rough = [&] {
+    std::vector<renderer::Lit> eyes;
+    for (std::size_t e = 0; e < worlds.size(); ++e) {
         const StageTimer timer(statistics_, Stage::preview);
-        return renderer_.light(world, frame, {about, renderer::LightingMode::sparse});
-    }();
-    const core::Radiance& shown = shown_.of(rough.radiance, world.time);
-    const StageTimer timer(statistics_, Stage::tolerate);
-    core::Picture picture = display_.develop(shown);
-    picture.number = plan.number;
-    coupling_->take_rough_look(picture, rough.radiance, rough_tolerance, shown, frame.visible, plan);
-}
-
-renderer::Lit ChunkLoop::light(const scene::Snapshot& world, renderer::Frame frame, int quantiser,
-                               RenderedMotion& motion) {
-    renderer::LightOrder order{tolerance_};
-    order.exposure = exposure_samples(job_, quantiser, display_);
-    if (job_.preview) {
-        order.mode = renderer::LightingMode::draft;
-        if (world.frame > chunk_.first && !world.cut_before) order.to_before = &motion.exact_to(world.frame - 1);
-    } else if (job_.tolerance.truth) {
-        order.mode = renderer::LightingMode::truth;
-        order.truth = {*job_.tolerance.truth, most_true_paths};
+        core::ToleranceMap about =
+            core::ToleranceMap::uniform(frames[e].visible.width(), frames[e].visible.height(), {0.0f, rough_tolerance});
+        about.typical = rough_tolerance;  // rays by price: dark corners need not keep it
+        eyes.push_back(renderer_.light(*worlds[e], frames[e], {about, renderer::LightingMode::sparse}));
     }
-    const StageTimer timer(statistics_, Stage::shade);
-    return renderer_.light(world, std::move(frame), order);
+    const PackedLight rough = pack(std::move(eyes), worlds.front()->time);
+    const StageTimer timer(statistics_, Stage::tolerate);
+    core::Picture picture = display_.develop(rough.as_shown());
+    picture.number = plan.number;
+    coupling_->take_rough_look(picture, rough.lit.radiance, rough_tolerance, rough.as_shown(), rough.lit.frame.visible,
+                               plan);
 }
 
-core::Picture ChunkLoop::develop(const core::Radiance& radiance, const renderer::Frame& seen, std::int64_t n) {
+std::vector<renderer::Lit> ChunkLoop::light(const EyeSnapshots& worlds, std::vector<renderer::Frame> frames,
+                                            int quantiser, RenderedMotion& motion) {
+    const scene::Snapshot& first = *worlds.front();
+    const core::MotionField* to_before = nullptr;
+    if (job_.preview && first.frame > chunk_.first && !first.cut_before) to_before = &motion.exact_to(first.frame - 1);
+    std::vector<renderer::Lit> eyes;
+    for (std::size_t e = 0; e < worlds.size(); ++e) {
+        const core::ToleranceMap tolerance = part_of(tolerance_, job_.animation->stereo, e);
+        renderer::LightOrder order{tolerance};
+        order.exposure = exposure_samples(job_, quantiser, display_);
+        core::MotionField before;
+        if (to_before != nullptr) {
+            before = part_of(*to_before, job_.animation->stereo, e);
+            order.to_before = &before;
+        }
+        if (job_.preview) {
+            order.mode = renderer::LightingMode::draft;
+        } else if (job_.tolerance.truth) {
+            order.mode = renderer::LightingMode::truth;
+            order.truth = {*job_.tolerance.truth, most_true_paths};
+        }
+        const StageTimer timer(statistics_, Stage::shade);
+        eyes.push_back(renderer_.light(*worlds[e], std::move(frames[e]), order));
+    }
+    return eyes;
+}
+
+ChunkLoop::PackedLight ChunkLoop::pack(std::vector<renderer::Lit> eyes, const core::Rational& time) {
+    PackedLight all;
+    const scene::StereoPacking packing = job_.animation->stereo;
+    std::vector<core::Radiance> lit, shown;
+    std::vector<core::Mattes> mattes;
+    for (std::size_t e = 0; e < eyes.size(); ++e) {
+        const core::Radiance& now = shown_[e].of(eyes[e].radiance, time);
+        all.is_filtered = &now != &eyes[e].radiance;
+        if (all.is_filtered) shown.push_back(now);
+        mattes.push_back(renderer::mattes_of(eyes[e].frame));
+    }
+    if (all.is_filtered) all.shown = packed(std::move(shown), packing);
+    all.mattes = packed(std::move(mattes), packing);
+    if (eyes.size() == 1) {
+        all.lit = std::move(eyes.front());
+        return all;
+    }
+    std::vector<core::Visible> visible;
+    for (renderer::Lit& eye : eyes) {
+        visible.push_back(std::move(eye.frame.visible));
+        lit.push_back(std::move(eye.radiance));
+    }
+    all.lit.frame.visible = packed(std::move(visible), packing);
+    all.lit.radiance = packed(std::move(lit), packing);
+    return all;
+}
+
+core::Picture ChunkLoop::develop(const PackedLight& light, std::int64_t n) {
     const StageTimer timer(statistics_, Stage::develop);
     const bool has_alpha = job_.kind == OutputKind::film && job_.has_alpha();
     core::Picture picture =
-        has_alpha ? display_.develop(radiance, renderer::mattes_of(seen)) : display_.develop(radiance);
+        has_alpha ? display_.develop(light.as_shown(), light.mattes) : display_.develop(light.as_shown());
     picture.number = n;
     return picture;
 }

@@ -322,6 +322,19 @@ void settle_tolerance(RenderJob& film, const RenderOptions& options) {
 
 }  // namespace
 
+namespace {
+
+/// The shape of pictures that hold those of all eyes.
+Shape shape_of_all(Shape of_eye, scene::StereoPacking packing) {
+    const scene::PictureFormat all = packed({of_eye.size.width, of_eye.size.height}, packing);
+    of_eye.size = {all.width, all.height};
+    const bool is_square = of_eye.pixel_aspect.num == of_eye.pixel_aspect.den;
+    if (packing != scene::StereoPacking::none && !is_square) of_eye.aspect_ratio_code = 0;
+    return of_eye;
+}
+
+}  // namespace
+
 RenderJob prepare(const RenderOptions& wanted) {
     const RenderOptions asked = with_effort(wanted), options = asked.preview ? preview_options(asked) : asked;
     RenderJob film;
@@ -337,9 +350,11 @@ RenderJob prepare(const RenderOptions& wanted) {
     if (film.preview && !options.size && !options.effort && preset == nullptr)
         shape = settle_shape(half_of(wishes_of(options, *loaded), shape), preset);
     film.rate = shape.rate;
+    set_stereo(*loaded, options, shape.size);
     tell_shape(*loaded, shape.size);
     const bool is_film = film.kind == OutputKind::film && !options.output.empty();
     const std::optional<encoder::SphereBounds> sphere = is_film ? sphere_of(*loaded, options.output) : std::nullopt;
+    const encoder::FramePacking packing = is_film ? packing_of(*loaded, options.output) : encoder::FramePacking::none;
     scene::fit_automatic_camera(*loaded,
                                 static_cast<double>(shape.size.width) / shape.size.height * shape.pixel_aspect.value());
     if (loaded->frame_rate) change_rate(*loaded, core::frame_rate_from(*loaded->frame_rate), film.rate);
@@ -357,15 +372,19 @@ RenderJob prepare(const RenderOptions& wanted) {
     // A still scene has any length.
     if (!options.hold && (animation->last_frame || animation->duration > 0)) refuse_outside(film.frames, whole);
     film.pixel_aspect = shape.pixel_aspect;
-    film.format = {shape.size.width, shape.size.height, static_cast<float>(shape.pixel_aspect.value())};
-    film.rendering = rendering_settings(options, film.format);
+    const scene::PictureFormat of_eye{shape.size.width, shape.size.height,
+                                      static_cast<float>(shape.pixel_aspect.value())};
+    film.format = packed(of_eye, animation->stereo);
+    film.rendering = rendering_settings(options, of_eye);
+    const Shape of_all = shape_of_all(shape, animation->stereo);
     settle_display(film, options);
     film.audit = options.audit;
 
     film.rendering.transparent = animation->transparent;
 
-    film.coding = coding_settings(options.coding, shape, film.frames.first, options.output, film.view);
+    film.coding = coding_settings(options.coding, of_all, film.frames.first, options.output, film.view);
     film.coding.sphere = sphere;
+    film.coding.packing = packing;
     film.coding.grain = options.grain ? grain_from(*options.grain) : animation->grain;
     film.rendering.mattes = options.layers || film.has_alpha() || has_alpha_beside(film, options);
     film.keyframes = keyframes_of(options.coding);
@@ -432,15 +451,19 @@ float measure_exposure(const RenderJob& film) {
     // chosen: of 3 to 12 frames and 48 to 192 pixels (bench/tables/pictures.csv). Light of one pixel in 4 x 4 costs
     // a quarter of that of all pixels of half the size, which smaller films have.
     constexpr int frames = 5, side_of_sparse = 192;
-    const bool is_sparse = std::max(film.format.width, film.format.height) >= side_of_sparse;
+    const bool is_sparse = std::max(film.rendering.format.width, film.rendering.format.height) >= side_of_sparse;
     const int longest_side = is_sparse ? side_of_sparse : side_of_sparse / 2;
     // chosen: 0.2 of 0.1 to 0.6; 0.3 moves the exposure of five films by 0.04 EV at most, 0.6 by 0.07.
     constexpr float rough = 0.2f;
-    const float scale = std::min(
-        1.0f, static_cast<float>(longest_side) / static_cast<float>(std::max(film.format.width, film.format.height)));
+    const float scale =
+        std::min(1.0f, static_cast<float>(longest_side) /
+                           static_cast<float>(std::max(film.rendering.format.width, film.rendering.format.height)));
     RenderJob small = film;
-    small.format.width = std::max(1, static_cast<int>(std::lround(static_cast<float>(film.format.width) * scale)));
-    small.format.height = std::max(1, static_cast<int>(std::lround(static_cast<float>(film.format.height) * scale)));
+    // Of two eyes, one is looked through.
+    const auto side = [&](int pixels) {
+        return std::max(1, static_cast<int>(std::lround(static_cast<float>(pixels) * scale)));
+    };
+    small.format = {side(film.rendering.format.width), side(film.rendering.format.height), film.format.pixel_aspect};
     small.rendering.format = small.format;
     small.rendering.mattes = small.rendering.transparent = false;
     small.rendering.samples = 1;

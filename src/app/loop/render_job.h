@@ -8,6 +8,7 @@
 
 #include "app/files/light_file.h"
 #include "app/loop/coupling.h"
+#include "app/loop/eyes.h"
 #include "app/options/film.h"
 #include "app/options/options.h"
 #include "app/options/output_kind.h"
@@ -47,7 +48,7 @@ struct RenderJob {
     std::shared_ptr<renderer::TextureStore> textures;  ///< likewise
     core::FrameRate rate;
     FrameRange frames;
-    scene::PictureFormat format;
+    scene::PictureFormat format;  ///< of the pictures, which hold those of all eyes; `rendering` has that of one eye
     renderer::Settings rendering;
     renderer::Wanted wanted;  ///< of the plan
     renderer::Plan plan{{}};
@@ -76,8 +77,17 @@ struct RenderJob {
 
     std::int64_t frame_count() const { return frames.count(); }
     std::vector<Chunk> chunks() const;
-    scene::Snapshot snapshot(std::int64_t frame) const {
-        return scene::snapshot_at(*animation, frame, core::time_of(frame, rate), format, shutter());
+    /// For two eyes: each has its part of the picture.
+    bool is_stereo() const { return animation->stereo != scene::StereoPacking::none; }
+    scene::Snapshot snapshot(std::int64_t frame) const { return snapshot(frame, eyes_of(animation->stereo).front()); }
+    scene::Snapshot snapshot(std::int64_t frame, scene::Eye eye) const {
+        return scene::snapshot_at(*animation, frame, core::time_of(frame, rate), rendering.format, shutter(), eye);
+    }
+    /// Makes its pictures about as large as this; both eyes' parts are alike.
+    void resize(int width, int height) {
+        format.width = width, format.height = height;
+        rendering.format = of_eye(format, animation->stereo);
+        format = packed(rendering.format, animation->stereo);
     }
     /// Closed where no frame would show that it is open.
     scene::ShutterInterval shutter() const {

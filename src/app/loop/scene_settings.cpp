@@ -163,6 +163,28 @@ void set_projection(scene::Animation& animation, const std::string& name) {
         animation.notes.push_back(fmt::format("--projection {}: a panorama has no lens, all of it is sharp", name));
 }
 
+void set_stereo(scene::Animation& animation, const RenderOptions& options, Size of_eye) {
+    if (options.stereo)
+        animation.stereo = static_cast<scene::StereoPacking>(std::ranges::find(scene::packing_names, *options.stereo) -
+                                                             scene::packing_names.begin());
+    if (animation.stereo == scene::StereoPacking::none) return;
+    const std::string_view packing = scene::packing_names[static_cast<std::size_t>(animation.stereo)];
+    const std::string who = options.stereo ? fmt::format("--stereo {}", packing) : fmt::format("stereo {}", packing);
+    for (const scene::CameraLens& lens : animation.cameras)
+        if (lens.projection == scene::ProjectionKind::orthographic)
+            throw UsageError(
+                fmt::format("{}: the camera \"{}\" is one of parallel rays, which see no depth", who, lens.name));
+    const bool across = animation.stereo == scene::StereoPacking::side_by_side;
+    if ((across ? of_eye.width : of_eye.height) % 2 != 0)
+        throw UsageError(fmt::format("{}: {}x{} for each eye: take an even {}, so that no sample of colour is of both",
+                                     who, of_eye.width, of_eye.height, across ? "width" : "height"));
+    if (options.coding.preset)
+        throw UsageError(fmt::format("{}: the pictures of --for {} are for one eye; leave one of both out", who,
+                                     *options.coding.preset));
+    if (options.audit > 0)
+        throw UsageError(fmt::format("--audit: with {} it would know one eye alone; leave one of both out", who));
+}
+
 void tell_shape(scene::Animation& animation, Size size) {
     for (const scene::CameraLens& lens : animation.cameras) {
         if (!lens.is_panorama()) continue;
@@ -199,6 +221,15 @@ std::optional<encoder::SphereBounds> sphere_of(scene::Animation& animation, cons
     const double turn = whole.east - whole.west, half = whole.north - whole.south;
     return encoder::SphereBounds{(window.west - whole.west) / turn, (whole.north - window.north) / half,
                                  (whole.east - window.east) / turn, (window.south - whole.south) / half};
+}
+
+encoder::FramePacking packing_of(scene::Animation& animation, const std::filesystem::path& output) {
+    if (animation.stereo == scene::StereoPacking::none) return encoder::FramePacking::none;
+    if (!av::tells_panoramas(output))
+        animation.notes.push_back(
+            fmt::format("{}: such files cannot say that they are for two eyes; .mp4 and .mkv do", output.string()));
+    return animation.stereo == scene::StereoPacking::side_by_side ? encoder::FramePacking::side_by_side
+                                                                  : encoder::FramePacking::top_bottom;
 }
 
 void change_scene(scene::Animation& animation, const RenderOptions& options) {

@@ -19,11 +19,17 @@ scene::LoadOptions load_options_of(const RenderOptions& options);
 /// --projection: all cameras show panoramas. Throws UsageError where one has no eye.
 void set_projection(scene::Animation& animation, const std::string& name);
 
+/// --stereo wins over the scene. Throws UsageError for pictures that cannot hold two eyes'.
+void set_stereo(scene::Animation& animation, const RenderOptions& options, Size of_eye);
+
 /// Notes where panoramas are stretched in pictures of this size.
 void tell_shape(scene::Animation& animation, Size size);
 
 /// What a film's container is to say of its panoramas; notes where it cannot.
 std::optional<encoder::SphereBounds> sphere_of(scene::Animation& animation, const std::filesystem::path& output);
+
+/// What a film and its container are to say of its eyes; notes where they cannot.
+encoder::FramePacking packing_of(scene::Animation& animation, const std::filesystem::path& output);
 
 /// --shutter, --f-stop, --focus, --fog, --glare and --transparent win over the scene. Throws UsageError for
 /// contradictions.

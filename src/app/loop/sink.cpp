@@ -13,7 +13,6 @@
 #include "image/layers.h"
 #include "image/motion_file.h"
 #include "perceptual/display.h"
-#include "renderer/view/mattes.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -51,7 +50,7 @@ void LayersWriter::lit(const LitFrame& frame) {
     const core::MotionField& after = frame.motion.exact_to(n + 1);
     const StageTimer timer(statistics_, renderer::Pass::layers);
     image::write_layers(numbered(layers_in(folder_), n), frame.lit.frame.visible, frame.lit.radiance, &before, &after,
-                        facts_of(film_, frame), &frame.tolerance, renderer::mattes_of(frame.lit.frame), names_);
+                        facts_of(film_, frame), &frame.tolerance, frame.mattes, names_);
     write_whole(numbered(motion_in(folder_), n), image::motion_file(before, after, frame.lit.frame.visible.kind));
 }
 
@@ -92,12 +91,12 @@ std::unique_ptr<Sink> make_sink(const RenderJob& film, const std::filesystem::pa
     if (film.kind == OutputKind::exr)
         return std::make_unique<FrameSink>([&film, output](const LitFrame& frame) {
             image::write_frame(numbered(output, frame.picture.number), frame.lit.radiance.combined,
-                               facts_of(film, frame), film.has_alpha() ? mattes_of(frame) : core::Mattes());
+                               facts_of(film, frame), film.has_alpha() ? frame.mattes : core::Mattes());
         });
     return std::make_unique<FrameSink>([&film, output, display = film.display()](const LitFrame& frame) {
         image::write_png(
             numbered(output, frame.picture.number), frame.picture.width(), frame.picture.height(),
-            film.has_alpha() ? with_alpha(display, frame.shown, mattes_of(frame)) : display.develop_srgb(frame.shown),
+            film.has_alpha() ? with_alpha(display, frame.shown, frame.mattes) : display.develop_srgb(frame.shown),
             film.format.pixel_aspect);
     });
 }

@@ -78,7 +78,7 @@ struct Hire {
 /// What is given wins over the animation file.
 struct RenderOptions : FilmOptions {
     std::optional<std::string> size, tolerance, shutter, f_stop, focus, fog, glare, transparent, sky, camera,
-        projection, animation, variant, isa, effort, memory;
+        projection, stereo, animation, variant, isa, effort, memory;
     std::optional<double> loss;  ///< none: usual_loss, or --effort's
     int samples = 4, vpls = 4096, audit = 0;
     std::optional<int> edge_samples, exposure_samples, chunks_at_once;

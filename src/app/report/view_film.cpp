@@ -38,6 +38,8 @@ encoder::Settings settings_of(const std::string& word, const std::filesystem::pa
     shape.aspect_ratio_code = film.coding.aspect_ratio_code;
     encoder::Settings coding = coding_settings(options, shape, film.frames.first, output, view);
     coding.grain = film.coding.grain;
+    coding.sphere = film.coding.sphere;
+    coding.packing = film.coding.packing;
     return coding;
 }
 
@@ -71,8 +73,7 @@ void ViewFilm::open(const Chunk& chunk) {
 
 void ViewFilm::lit(const LitFrame& frame) {
     const bool has_alpha = encoder::facts_of(film().coding.codec).has_alpha() && render_.is_transparent();
-    core::Picture picture =
-        has_alpha ? display_->develop(frame.shown, mattes_of(frame)) : display_->develop(frame.shown);
+    core::Picture picture = has_alpha ? display_->develop(frame.shown, frame.mattes) : display_->develop(frame.shown);
     picture.number = frame.world.frame;
     light_ += picture.level;
     const std::array<const core::Picture*, 1> shown{&picture};

@@ -49,7 +49,7 @@ bool pose(const PosedScene& scene, const scene::Camera& camera, IrradianceRecord
         r.geometric_normal = p.geometric_normal;
         r.shading_normal = p.shading_normal;
     }
-    if (camera.has_eye() && !is_lobe_seen_from(r, camera.position())) return false;
+    if (camera.has_eye() && !is_lobe_seen_from(r, camera.eye_of(r.position))) return false;
     if (glossy) p.bsdf.alpha = r.lobe.alpha;
     receiver = plain_receiver(receiver);
     return true;
@@ -97,7 +97,7 @@ RecordUpdate updated(const FrameState& frame, const SurfaceMark& mark, const Gat
     const IrradianceRecord& r = frame.records[mark.record];
     const float shown = receives(receiver), shown2 = shown * shown;
     RecordUpdate now{r.pilot.light, 0.5f * r.pilot.difference * r.pilot.difference, pilot_rays};
-    const auto eye = frame.camera().has_eye() ? std::optional(frame.camera().position()) : std::nullopt;
+    const auto eye = frame.camera().has_eye() ? std::optional(frame.camera().eye_of(r.position)) : std::nullopt;
     fit.collect({receiver, {}, mark.at, extent_at(frame.camera(), r.position), shown, eye}, LocalRegression::Of::change,
                 frame.grid, frame.records, mark.record);
     const RegressionError error = fit.estimate();

@@ -27,7 +27,7 @@ std::optional<CacheQuery> FrameState::query_of(std::size_t t, std::size_t i) con
     const auto on_picture = camera().project(p.point.position);
     if (!on_picture) return std::nullopt;
     const float extent = camera().pixel_extent(on_picture->depth);
-    const auto eye = camera().has_eye() ? std::optional(camera().position()) : std::nullopt;
+    const auto eye = camera().has_eye() ? std::optional(camera().eye_of(p.point.position)) : std::nullopt;
     return CacheQuery{p, tiles[t].tolerance[i], on_picture->position, extent, receives(p), eye};
 }
 

@@ -16,17 +16,17 @@ void IrradianceCache::forget() {
     records_.forget();
     library_.start_chunk();
     left_.clear();
-    history_ = {};
+    histories_ = {};
 }
 
 void IrradianceCache::light_changes() {
-    history_.tiles.clear();
+    for (FrameHistory& history : histories_) history.tiles.clear();
     is_other_light_ = true;
 }
 
 void IrradianceCache::cut_to(const Frame& seen, const scene::Snapshot& snapshot) {
     // The last frame's errors are of another error scale.
-    history_.tiles.clear();
+    for (FrameHistory& history : histories_) history.tiles.clear();
     RecordGrid grid(seen.visible.width(), seen.visible.height());
     grid.build(records_.all(), snapshot.camera);
     library_.note(records_.thin(snapshot.frame, grid), near_field_, left_);
@@ -63,8 +63,9 @@ FrameLight IrradianceCache::light(const LightingContext& context, const scene::S
                                   CacheCounts& counts) {
     EXPECTS(!context.tolerance.is_reference());
     if (snapshot.cut_before) cut_to(context.seen, snapshot);
+    FrameHistory& history = histories_[snapshot.camera.eye_number()];
     const float reused_error =
-        core::divide_or(limits.error_scale, std::exchange(last_error_scale_, limits.error_scale), 1.0f);
+        core::divide_or(limits.error_scale, std::exchange(history.error_scale, limits.error_scale), 1.0f);
 
     FrameState frame(context, snapshot, limits, rays, records_);
     if (std::exchange(is_other_light_, false)) {
@@ -76,12 +77,12 @@ FrameLight IrradianceCache::light(const LightingContext& context, const scene::S
     if (rays != nullptr) near_field_ = rays->near_field().key();
     if (!library_.is_empty()) counts.known += take_known(context.seen, snapshot.frame);
     // Reuse the last frame's light,
-    start(frame, history_, reused_error);
+    start(frame, history, reused_error);
     // ask the cache for the rest, or gather it,
     light_points(frame);
     // and remember.
     library_.note(records_.thin(snapshot.frame, frame.grid), near_field_, left_);
-    FrameLight light = finish(frame, history_);
+    FrameLight light = finish(frame, history);
     frame.counts.live = frame.counts.most = records_.size();
     counts.add(frame.counts);
     shade_counts.add(frame.shade_counts);

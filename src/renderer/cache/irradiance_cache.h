@@ -1,5 +1,7 @@
 #pragma once
 // The irradiance cache over a film's frames.
+#include <array>
+
 #include "renderer/cache/cache_counts.h"
 #include "renderer/cache/frame_state.h"
 #include "renderer/cache/record_library.h"
@@ -38,8 +40,8 @@ class IrradianceCache {
     /// All that it knows of the chunk.
     template <class A>
     friend void archive(A& a, IrradianceCache& c) {
-        auto& [records, library, left, near_field, history, is_other_light, last_error_scale] = c;
-        a(records, library, left, near_field, history, is_other_light, last_error_scale);
+        auto& [records, library, left, near_field, histories, is_other_light] = c;
+        a(records, library, left, near_field, histories, is_other_light);
     }
 
   private:
@@ -51,11 +53,10 @@ class IrradianceCache {
 
     RecordStore records_;
     RecordLibrary library_;
-    std::vector<StoredRecord> left_;  ///< found by records that are no more
-    std::uint32_t near_field_ = 0;    ///< NearField::key of the last frame
-    FrameHistory history_;
+    std::vector<StoredRecord> left_;         ///< found by records that are no more
+    std::uint32_t near_field_ = 0;           ///< NearField::key of the last frame
+    std::array<FrameHistory, 2> histories_;  ///< of the left or single eye, and of the right one
     bool is_other_light_ = false;
-    float last_error_scale_ = 1;  ///< that the last frame was lit with
 };
 
 }  // namespace render2mpeg::renderer

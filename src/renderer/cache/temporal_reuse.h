@@ -16,16 +16,17 @@ struct LitPoint {
     PointLight exact, trees;
 };
 
-/// The last frame.
+/// The last frame of an eye.
 struct FrameHistory {
     std::vector<std::vector<LitPoint>> tiles;  ///< empty: nothing of it holds
     std::int64_t frame = 0;
+    float error_scale = 1;  ///< that it was lit with
 };
 
 template <class A>
 void archive(A& a, FrameHistory& history) {
-    auto& [tiles, frame] = history;
-    a(tiles, frame);
+    auto& [tiles, frame, error_scale] = history;
+    a(tiles, frame, error_scale);
 }
 
 /// Begins a frame: shares out its tolerances among points, reuses the light of points that are the very same as in the

@@ -127,7 +127,7 @@ std::size_t FilmCalibration::before(const scene::Snapshot& snapshot, std::int64_
     if (calibration_.knows() && share <= coarser * share_) return 0;
     const std::size_t pixels = calibrate(calibration_, context, limits);
     if (pixels > 0) share_ = share;
-    last_ = key_of(snapshot, lit_frame, context.tolerance);
+    last_[snapshot.camera.eye_number()] = key_of(snapshot, lit_frame, context.tolerance);
     return pixels;
 }
 
@@ -135,8 +135,9 @@ std::size_t FilmCalibration::after(const scene::Snapshot& snapshot, std::int64_t
                                    const LightingContext& context, float error_scale, const FrameLight& light,
                                    const core::Radiance& radiance, std::uint64_t rays) {
     FrameKey key = key_of(snapshot, lit_frame, context.tolerance);
-    const bool repeats = last_ == key;
-    last_ = std::move(key);
+    std::optional<FrameKey>& last = last_[snapshot.camera.eye_number()];
+    const bool repeats = last == key;
+    last = std::move(key);
     return repeats ? 0 : recalibrate(calibration_, context, error_scale, light, radiance, rays);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 // Calibrates the cut's error for a film, on pixels gathered without clustering.
+#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <optional>
@@ -73,8 +74,8 @@ class FilmCalibration {
 
   private:
     ErrorCalibration calibration_;
-    std::optional<FrameKey> last_;  ///< frame that taught
-    float share_ = 0;               ///< typical_share of the coarsest
+    std::array<std::optional<FrameKey>, 2> last_;  ///< frames of either eye that taught
+    float share_ = 0;                              ///< typical_share of the coarsest
 };
 
 }  // namespace render2mpeg::renderer

@@ -215,7 +215,8 @@ void TileExposer::to_middle(Fragment& fragment, float time) const {
     if (fragment.path != direct_path) return;
     // It is looked at from the eye, unless that sees its other side.
     const glm::vec3 to_eye = core::normalize_or(
-        snapshot.camera.has_eye() ? snapshot.camera.position() - p.position : -snapshot.camera.forward(), p.outgoing);
+        snapshot.camera.has_eye() ? snapshot.camera.eye_of(p.position) - p.position : -snapshot.camera.forward(),
+        p.outgoing);
     if (glm::dot(to_eye, p.geometric_normal) > 0.0f)
         p.outgoing = to_eye;
     else if (!(glm::dot(p.outgoing, p.geometric_normal) > 0.0f))

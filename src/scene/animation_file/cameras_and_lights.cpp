@@ -92,6 +92,33 @@ void read_panorama(const JsonValue& value, CameraLens& lens, const Curve& fov) {
     make_panorama(lens, window);
 }
 
+/// Where a camera's eyes are.
+void read_stereo(const JsonValue& value, CameraLens& lens) {
+    const auto eyes = value.find("stereo");
+    if (!eyes) return;
+    eyes->allow_only(keys::stereo);
+    if (lens.projection == ProjectionKind::orthographic) eyes->fail("is not for parallel rays, which see no depth");
+    Stereo& stereo = lens.stereo;
+    stereo.interocular_distance = eyes->number_or("interocular_distance", 0, 1e6, stereo.interocular_distance);
+    stereo.convergence_distance = eyes->number_or("convergence_distance", 1e-6, 1e9, stereo.convergence_distance);
+    if (const auto v = eyes->find("convergence"))
+        stereo.convergence = static_cast<Convergence>(v->word(convergence_names));
+    if (const auto v = eyes->find("pivot")) stereo.pivot = static_cast<Pivot>(v->word(pivot_names));
+    if (const auto v = eyes->find("spherical")) stereo.spherical = v->boolean();
+    const auto merge = eyes->find("pole_merge");
+    if (!merge) return;
+    if (merge->is_text()) {
+        constexpr std::array<std::string_view, 1> words{"off"};
+        merge->word(words);
+        stereo.pole_merge_from = stereo.pole_merge_to = 0;
+        return;
+    }
+    const std::vector<JsonValue> two = merge->list(2, 2);
+    stereo.pole_merge_from = glm::radians(two[0].number(0, 90));
+    stereo.pole_merge_to = glm::radians(two[1].number(0.01, 90));
+    if (stereo.pole_merge_from > stereo.pole_merge_to) merge->fail("go from the lower to the higher");
+}
+
 void focus_on_object(const JsonValue& camera, CameraLens& lens, const Animation& film) {
     const auto focus = camera.find("focus");
     if (!focus || !focus->is_text()) return;
@@ -135,6 +162,7 @@ void read_camera(const JsonValue& value, const std::string& name, std::size_t in
             track_of(fov, TrackTarget::field_of_view, static_cast<int>(index), glm::pi<double>() / 180));
     read_aperture(value, index, lens, film, clock);
     read_panorama(value, lens, fov);
+    read_stereo(value, lens);
     film.cameras.insert(film.cameras.begin() + static_cast<std::ptrdiff_t>(index), lens);
 }
 

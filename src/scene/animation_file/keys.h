@@ -13,6 +13,7 @@ inline const Keys film = core::words_in(
     "$schema title scene closed_glass_is_solid size display_aspect frame_rate frames seconds times sky exposure camera "
     "cameras shots "
     "lights objects materials change sound view shutter shutter_phase rolling_shutter glare grain fog transparent "
+    "stereo "
     "volumes");
 inline const Keys fog = core::words_in("visibility color anisotropy height falloff bounces");
 inline const Keys volume = core::words_in(
@@ -24,7 +25,9 @@ inline const Keys glare = core::words_in("kind strength size seed");
 inline const Keys view = core::words_in("name gamma");
 inline const Keys camera = core::words_in(
     "position look_at rotate roll fov height interpolation keys loop near shift f_stop focus sensor_height "
-    "blades blade_rotation squeeze far projection longitudes latitudes");
+    "blades blade_rotation squeeze far projection longitudes latitudes stereo");
+inline const Keys stereo =
+    core::words_in("interocular_distance convergence_distance convergence pivot spherical pole_merge");
 inline const Keys camera_key = core::words_in("at position look_at rotate roll fov f_stop focus");
 inline const Keys shot = core::words_in("at camera");
 inline const Keys light = core::words_in(

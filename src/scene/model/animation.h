@@ -99,6 +99,7 @@ struct Animation {
     core::Glare glare;                                    ///< likewise, or as the command line says
     int grain = 0;                                        ///< ISO of film grain, likewise; 0: none
     bool transparent = false;                             ///< the camera sees no world; likewise
+    StereoPacking stereo = StereoPacking::none;           ///< of both eyes' pictures, likewise; none: a film for one
     std::optional<glm::ivec2> size;                       ///< picture width and height, likewise
     std::optional<core::Rational>
         display_aspect;  ///< width by height of the picture as shown, likewise; none: square pixels

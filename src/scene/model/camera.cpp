@@ -15,6 +15,8 @@ glm::dvec3 axis(const glm::mat4& to_world, int column) {
 }
 
 Projection projection_of(const CameraLens& lens, float aspect) {
+    if (lens.is_panorama() && lens.eye != Eye::single && lens.stereo.spherical)
+        return Projection(lens.window, circle_of(lens.stereo, lens.eye));
     if (lens.is_panorama()) return Projection(lens.window);
     const float up = lens.projection == ProjectionKind::perspective
                          ? static_cast<float>(std::tan(0.5 * static_cast<double>(lens.vertical_fov)))
@@ -34,7 +36,7 @@ void make_panorama(CameraLens& lens, const SphereWindow& window) {
 }
 
 Camera::Camera(const CameraLens& lens, const glm::mat4& to_world, int width, int height, float aspect)
-    : lens_(lens), to_world_(to_world), width_(width), height_(height) {
+    : lens_(lens), head_to_world_(to_world), to_world_(to_world), width_(width), height_(height) {
     EXPECTS(width > 0 && height > 0 && aspect > 0 && std::isfinite(aspect));
     EXPECTS(core::is_finite(to_world));
     EXPECTS(lens.aperture_radius == 0 || (lens.aperture_radius > 0 && lens.focus_distance > 0));
@@ -43,6 +45,18 @@ Camera::Camera(const CameraLens& lens, const glm::mat4& to_world, int width, int
     EXPECTS(core::is_finite(shift_));
     const glm::vec2 half_extent(projection_.half_extent());
     EXPECTS(half_extent.y > 0 && core::is_finite(half_extent));
+    if (lens.eye == Eye::single || (lens.is_panorama() && lens.stereo.spherical)) return;
+    // The eye, and its picture so far aside that both eyes' cover the same of the plane of convergence.
+    const glm::dmat4 eye = place_of(lens.stereo, lens.eye);
+    to_world_ = glm::mat4(glm::dmat4(to_world) * eye);
+    if (lens.stereo.convergence == Convergence::off_axis && lens.projection == ProjectionKind::perspective)
+        shift_.x -= static_cast<float>(eye[3].x / (lens.stereo.convergence_distance * projection_.half_extent().x));
+}
+
+glm::vec3 Camera::eye_of(glm::vec3 world) const {
+    const glm::dvec3 seen = along_axes(glm::dvec3(world) - axis(to_world_, 3)), eye = projection_.eye_of(seen);
+    return glm::vec3(axis(to_world_, 3) + eye.x * axis(to_world_, 0) + eye.y * axis(to_world_, 1) +
+                     eye.z * axis(to_world_, 2));
 }
 
 Camera Camera::moved(const glm::mat4& to_world, float vertical_fov) const {
@@ -62,8 +76,7 @@ Ray Camera::ray_through(glm::vec2 position) const {
     const FilmRay ray = projection_.ray(film_place(position));
     const glm::dvec3 right = axis(to_world_, 0), up = axis(to_world_, 1), back = axis(to_world_, 2);
     const glm::dvec3 direction = ray.direction.x * right + ray.direction.y * up + ray.direction.z * back;
-    if (has_eye()) return {glm::vec3(to_world_[3]), glm::vec3(glm::normalize(direction))};
-    return {glm::vec3(axis(to_world_, 3) + ray.origin.x * right + ray.origin.y * up),
+    return {glm::vec3(axis(to_world_, 3) + ray.origin.x * right + ray.origin.y * up + ray.origin.z * back),
             glm::vec3(glm::normalize(direction))};
 }
 

@@ -34,6 +34,9 @@ struct CameraLens {
     float squeeze = 1;                      ///< anamorphic: the aperture's height over its width, > 0
     float aperture_radius = 0;              ///< scene units, what follows from all this at one instant; 0: a pinhole
 
+    Stereo stereo;          ///< of films for two eyes
+    Eye eye = Eye::single;  ///< at one instant: that which looks
+
     bool is_panorama() const { return projection == ProjectionKind::equirectangular; }
 };
 
@@ -55,7 +58,8 @@ struct ScreenPoint {
 class Camera {
   public:
     Camera() = default;
-    /// `to_world` is rigid. `aspect`: displayed width over height, pixel aspect included.
+    /// `to_world` is rigid, and that of the camera between or at its eyes. `aspect`: displayed width over height, pixel
+    /// aspect included.
     Camera(const CameraLens& lens, const glm::mat4& to_world, int width, int height, float aspect);
 
     /// The same camera elsewhere, and with another field of view.
@@ -66,6 +70,9 @@ class Camera {
 
     /// Ray from `lens` (unit disc, x right, y up) through the focused point of the central ray.
     Ray ray_through(glm::vec2 position, glm::vec2 lens) const;
+
+    /// 1: it is the right eye of two; else 0.
+    std::size_t eye_number() const { return lens_.eye == Eye::right ? 1 : 0; }
 
     bool has_aperture() const { return lens_.aperture_radius > 0; }
 
@@ -92,7 +99,10 @@ class Camera {
     /// A position for two numbers in [0, 1]: even numbers are even over the solid angle, or over a flat picture.
     glm::vec2 even_position(glm::vec2 numbers) const;
 
+    /// Of the eye, or of the middle of the circle that it goes round.
     glm::vec3 position() const { return glm::vec3(to_world_[3]); }
+    /// Where the ray begins that shows a world point, if there is an eye.
+    glm::vec3 eye_of(glm::vec3 world) const;
     glm::vec3 forward() const { return -glm::vec3(to_world_[2]); }
     /// World size of one pixel at unit depth; everywhere for an orthographic camera.
     float pixel_size() const;
@@ -109,6 +119,10 @@ class Camera {
     glm::vec2 size() const { return {width_, height_}; }  ///< of the picture, pixels
     const CameraLens& lens() const { return lens_; }
     const glm::mat4& to_world() const { return to_world_; }
+    /// The same camera through another lens.
+    Camera through(const CameraLens& lens, float aspect) const {
+        return Camera(lens, head_to_world_, width_, height_, aspect);
+    }
     /// World points to OpenEXR's camera space: x right, y up, z along the view.
     glm::mat4 world_to_camera() const;
     /// World to (0, 0) upper left, (1, 1) lower right after division by w; the third coordinate is 0 at
@@ -121,7 +135,8 @@ class Camera {
     glm::dvec3 along_axes(glm::dvec3 way) const;
 
     CameraLens lens_;
-    glm::mat4 to_world_{1.0f};
+    glm::mat4 head_to_world_{1.0f};  ///< as it was given
+    glm::mat4 to_world_{1.0f};       ///< of the eye
     int width_ = 0;
     int height_ = 0;
     glm::vec2 shift_{0, 0};  ///< CameraLens::shift in halves of the picture's width and height

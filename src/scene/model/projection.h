@@ -8,6 +8,8 @@
 #include <string>
 #include <string_view>
 
+#include "scene/model/stereo.h"
+
 namespace render2mpeg::scene {
 
 enum class ProjectionKind : std::uint8_t { perspective, orthographic, equirectangular };
@@ -59,13 +61,20 @@ class Projection {
           half_extent_(0.5 * (window.east - window.west), 0.5 * (window.north - window.south)),
           window_(window) {}
 
+    /// A panorama's of an eye on a circle.
+    Projection(const SphereWindow& window, const EyeCircle& circle) : Projection(window) { circle_ = circle; }
+
     FilmRay ray(glm::dvec2 place) const;
-    /// None on or behind the eye's plane; of a sphere none in the eye alone. Points beyond a window lie off its film.
+    /// None on or behind the eye's plane; of a sphere none in the eye alone, or within the circle that it goes round.
+    /// Points beyond a window lie off its film.
     std::optional<FilmPoint> point(glm::dvec3 seen) const;
     /// At depth +infinity; none for orthographic cameras, which see one direction everywhere.
     std::optional<FilmPoint> direction(glm::dvec3 seen) const;
 
-    /// Whether all rays leave one point.
+    /// Where the ray begins that shows a point; of parallel rays the origin.
+    glm::dvec3 eye_of(glm::dvec3 seen) const;
+
+    /// Whether all rays leave one point, or a circle about it that is small beside what is seen.
     bool has_eye() const { return kind_ != ProjectionKind::orthographic; }
     /// Whether depths are distances.
     bool is_sphere() const { return kind_ == ProjectionKind::equirectangular; }
@@ -84,11 +93,14 @@ class Projection {
     /// Of a place where a flat picture has `right` and `up` at this scale.
     glm::dvec2 on_plane(glm::dvec3 seen, double scale) const;
     glm::dvec2 on_sphere(glm::dvec3 seen) const;
+    /// The direction, about the circle's middle, of the ray that shows a point.
+    std::optional<glm::dvec3> way_from_circle(glm::dvec3 seen) const;
     double latitude(double height) const { return window_.south + (height + 1) * half_extent_.y; }
 
     ProjectionKind kind_ = ProjectionKind::perspective;
     glm::dvec2 half_extent_{1, 1};
     SphereWindow window_;
+    EyeCircle circle_;
 };
 
 }  // namespace render2mpeg::scene

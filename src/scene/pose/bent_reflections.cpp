@@ -335,11 +335,12 @@ std::shared_ptr<const BentReflections> bend_reflections(const Snapshot& snapshot
         }
         const double seconds = time + (k == 0 ? shutter.opens : shutter.closes);
         const Pose there = pose_at(animation, seconds, steps);
-        const glm::dmat4 eye(rigid(path.to_world(seconds, steps), animation.origin));
+        const Camera eye = snapshot.camera.moved(rigid(path.to_world(seconds, steps), animation.origin),
+                                                 snapshot.camera.lens().vertical_fov);
         const std::vector<SweepKnot>& knots = snapshot.sweep->knots;
         const SweepKnot* knot = knots.empty() ? nullptr : k == 0 ? &knots.front() : &knots.back();
         pose_all({knot ? knot->objects : snapshot.objects, knot ? knot->deformed : snapshot.deformed, there,
-                  glm::dvec3(eye[3]), -glm::dvec3(eye[2]), snapshot.camera.has_eye()});
+                  glm::dvec3(eye.position()), glm::dvec3(eye.forward()), snapshot.camera.has_eye()});
     }
     return all;
 }

@@ -78,8 +78,9 @@ glm::vec3 position_of(const Snapshot& snapshot, std::size_t object, std::uint32_
 }
 
 Camera camera_of(const CameraLens& lens, const glm::dmat4& to_world, float vertical_fov, glm::dvec3 origin,
-                 PictureFormat format) {
+                 PictureFormat format, Eye eye) {
     CameraLens at_instant = lens;
+    at_instant.eye = eye;
     // A spline may leave the range of its keys.
     if (!lens.is_panorama()) at_instant.vertical_fov = std::clamp(vertical_fov, 1e-6f, 3.1415f);
     const float aspect = static_cast<float>(format.width) * format.pixel_aspect / static_cast<float>(format.height);
@@ -119,7 +120,7 @@ void open_aperture(const CameraLens& described, const Pose& pose, std::size_t ca
     lens.focus_distance = std::max(distance, 1e-3f * lens.aperture_radius);
     if (!std::isfinite(lens.focus_distance) || !std::isfinite(lens.aperture_radius)) return;
     const float aspect = static_cast<float>(format.width) * format.pixel_aspect / static_cast<float>(format.height);
-    result = Camera(lens, result.to_world(), format.width, format.height, aspect);
+    result = result.through(lens, aspect);
 }
 
 }  // namespace
@@ -175,7 +176,7 @@ int camera_at(const Animation& animation, std::int64_t frame) {
 }
 
 Snapshot snapshot_at(const Animation& animation, std::int64_t frame, core::Rational time, PictureFormat format,
-                     const ShutterInterval& wanted) {
+                     const ShutterInterval& wanted, Eye eye) {
     EXPECTS(!animation.cameras.empty() && format.width > 0 && format.height > 0 && format.pixel_aspect > 0);
     const ShutterInterval shutter = within_shot(animation, frame, wanted);
     const Pose pose = pose_at(animation, time.value() + shutter.middle());
@@ -197,9 +198,9 @@ Snapshot snapshot_at(const Animation& animation, std::int64_t frame, core::Ratio
     const int camera = camera_at(animation, frame);
     const CameraLens& lens = animation.cameras[static_cast<std::size_t>(camera)];
     snapshot.camera = camera_of(lens, pose.world_of(lens.node), pose.vertical_fov[static_cast<std::size_t>(camera)],
-                                animation.origin, format);
+                                animation.origin, format, eye);
     open_aperture(lens, pose, static_cast<std::size_t>(camera), snapshot, format, snapshot.camera);
-    snapshot.cut_before = camera != camera_at(animation, frame - 1);
+    snapshot.cut_before = eye != Eye::right && camera != camera_at(animation, frame - 1);
     if (shutter.is_open()) find_sweep(snapshot, pose, camera, shutter);
     snapshot.bends = bend_reflections(snapshot, pose, camera, shutter);
     return snapshot;

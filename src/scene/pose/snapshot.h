@@ -68,7 +68,8 @@ struct Snapshot {
     std::vector<float> emission_factor;  ///< per material, 1 where nothing animates it
     std::vector<glm::vec4> base_color;   ///< per material: Material::base_color, or what animates it
     Camera camera;
-    bool cut_before = false;                         ///< the camera is another one than in the frame before
+    /// The camera is another one than in the frame before; not of the right eye, which looks after the left one.
+    bool cut_before = false;
     std::shared_ptr<const Sweep> sweep{};            ///< motion while the shutter is open (sweep.h); null: none
     std::shared_ptr<const BentReflections> bends{};  ///< edits of reflections in mirrors; null: none
     std::vector<VolumeState> volumes{};              ///< as the animation has them
@@ -84,7 +85,7 @@ struct PictureFormat {
 /// The animation at frame `frame`, which lies at `time`, in the middle of the time that its shutter is open. A pure
 /// function: no frame depends on another. Light that changes meanwhile has its mean.
 Snapshot snapshot_at(const Animation& animation, std::int64_t frame, core::Rational time, PictureFormat format,
-                     const ShutterInterval& shutter = {});
+                     const ShutterInterval& shutter = {}, Eye eye = Eye::single);
 
 /// World position of the three corners of a triangle at this instant.
 struct Triangle {

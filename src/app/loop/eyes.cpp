@@ -1,0 +1,165 @@
+#include "app/loop/eyes.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "core/error.h"
+
+namespace render2mpeg::app {
+namespace {
+
+using scene::StereoPacking;
+
+/// Which part of the picture an eye has.
+glm::ivec2 corner_of(int width, int height, StereoPacking packing, std::size_t eye) {
+    if (eye == 0) return {0, 0};
+    return packing == StereoPacking::side_by_side ? glm::ivec2(width, 0) : glm::ivec2(0, height);
+}
+
+/// Values of one eye alone are left as they are.
+template <class T>
+core::Plane<T> packed_planes(std::span<core::Plane<T>* const> eyes, StereoPacking packing) {
+    core::Plane<T>& first = *eyes.front();
+    if (eyes.size() == 1 || first.empty()) return std::move(first);
+    const int width = first.width(), height = first.height();
+    const glm::ivec2 last = corner_of(width, height, packing, 1);
+    core::Plane<T> all(last.x + width, last.y + height);
+    for (std::size_t e = 0; e < eyes.size(); ++e) {
+        EXPECTS(eyes[e]->width() == width && eyes[e]->height() == height);
+        const glm::ivec2 at = corner_of(width, height, packing, e);
+        for (int y = 0; y < height; ++y) std::copy(eyes[e]->row(y), eyes[e]->row(y) + width, all.row(at.y + y) + at.x);
+    }
+    return all;
+}
+
+template <class T, class Picture>
+core::Plane<T> packed_member(std::vector<Picture>& eyes, core::Plane<T> Picture::*member, StereoPacking packing) {
+    std::vector<core::Plane<T>*> planes;
+    for (Picture& eye : eyes) planes.push_back(&(eye.*member));
+    return packed_planes<T>(planes, packing);
+}
+
+/// Packs these planes of pictures; the rest is as the first has it.
+template <class Picture, class... Members>
+Picture packed_picture(std::vector<Picture>& eyes, StereoPacking packing, Members... members) {
+    Picture all;
+    ((all.*members = packed_member(eyes, members, packing)), ...);
+    return all;
+}
+
+template <class T>
+core::Plane<T> part_of_plane(const core::Plane<T>& whole, StereoPacking packing, std::size_t eye) {
+    if (packing == StereoPacking::none || whole.empty()) return whole;
+    const scene::PictureFormat format = of_eye({whole.width(), whole.height()}, packing);
+    const glm::ivec2 at = corner_of(format.width, format.height, packing, eye);
+    core::Plane<T> part(format.width, format.height);
+    for (int y = 0; y < format.height; ++y) {
+        const T* from = whole.row(at.y + y) + at.x;
+        std::copy(from, from + format.width, part.row(y));
+    }
+    return part;
+}
+
+/// Forgets points that leave the picture where another eye's part goes on.
+void end_at_sides(core::MotionField& field, StereoPacking packing) {
+    const bool across = packing == StereoPacking::side_by_side;
+    const int width = field.vector.width(), height = field.vector.height();
+    const auto side = static_cast<float>(across ? width : height);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const glm::vec2 to = glm::vec2(x, y) + 0.5f + field.vector.at(x, y);
+            const float along = across ? to.x : to.y;
+            if (!(along >= 0 && along < side)) field.kind.at(x, y) = core::PixelClass::none;
+        }
+}
+
+}  // namespace
+
+std::span<const scene::Eye> eyes_of(StereoPacking packing) {
+    static constexpr std::array single{scene::Eye::single};
+    static constexpr std::array both{scene::Eye::left, scene::Eye::right};
+    if (packing == StereoPacking::none) return single;
+    return both;
+}
+
+scene::PictureFormat packed(scene::PictureFormat of_eye, StereoPacking packing) {
+    if (packing == StereoPacking::side_by_side) of_eye.width *= 2;
+    if (packing == StereoPacking::top_bottom) of_eye.height *= 2;
+    return of_eye;
+}
+
+scene::PictureFormat of_eye(scene::PictureFormat whole, StereoPacking packing) {
+    if (packing == StereoPacking::side_by_side) whole.width = std::max(whole.width / 2, 1);
+    if (packing == StereoPacking::top_bottom) whole.height = std::max(whole.height / 2, 1);
+    return whole;
+}
+
+core::Visible packed(std::vector<core::Visible> eyes, StereoPacking packing) {
+    using V = core::Visible;
+    if (eyes.size() == 1) return std::move(eyes.front());
+    V all = packed_picture(eyes, packing, &V::address, &V::depth, &V::geometric_normal, &V::shading_normal,
+                           &V::material, &V::kind);
+    all.frame = eyes.front().frame;
+    return all;
+}
+
+core::Radiance packed(std::vector<core::Radiance> eyes, StereoPacking packing) {
+    using R = core::Radiance;
+    if (eyes.size() == 1) return std::move(eyes.front());
+    R all = packed_picture(eyes, packing, &R::combined, &R::emission, &R::direct_irradiance, &R::indirect_irradiance,
+                           &R::albedo, &R::glossy, &R::specular, &R::direct_cut, &R::indirect_cut, &R::error,
+                           &R::shared_error, &R::half, &R::record_density, &R::record_age, &R::record_reuse,
+                           &R::coverage, &R::capped);
+    all.frame = eyes.front().frame;
+    return all;
+}
+
+core::Mattes packed(std::vector<core::Mattes> eyes, StereoPacking packing) {
+    if (eyes.size() == 1 || eyes.front().empty()) return std::move(eyes.front());
+    const int width = eyes.front().width, height = eyes.front().height;
+    const scene::PictureFormat format = packed({width, height}, packing);
+    core::Mattes all{format.width, format.height, {0}, {}};
+    for (int y = 0; y < format.height; ++y)
+        for (int x = 0; x < format.width; ++x) {
+            const std::size_t eye = x >= width || y >= height ? 1 : 0;
+            const glm::ivec2 at = glm::ivec2(x, y) - corner_of(width, height, packing, eye);
+            const auto parts = eyes[eye].of_pixel(static_cast<std::size_t>(at.y * width + at.x));
+            all.parts.insert(all.parts.end(), parts.begin(), parts.end());
+            all.starts.push_back(all.parts.size());
+        }
+    return all;
+}
+
+core::ToleranceMap packed(std::vector<core::ToleranceMap> eyes, StereoPacking packing) {
+    core::ToleranceMap all = packed_picture(eyes, packing, &core::ToleranceMap::pixels);
+    all.typical = eyes.front().typical;
+    all.means = eyes.front().means;
+    return all;
+}
+
+core::MotionField packed(std::vector<core::MotionField> eyes, StereoPacking packing) {
+    using M = core::MotionField;
+    if (eyes.size() == 1) return std::move(eyes.front());
+    for (M& eye : eyes) end_at_sides(eye, packing);
+    M all = packed_picture(eyes, packing, &M::vector, &M::depth_in_reference, &M::kind);
+    all.picture = eyes.front().picture;
+    all.reference = eyes.front().reference;
+    // Where columns go on within an eye's part, the picture's edges do not.
+    all.wraps = eyes.front().wraps && packing == StereoPacking::top_bottom;
+    return all;
+}
+
+core::ToleranceMap part_of(const core::ToleranceMap& whole, StereoPacking packing, std::size_t eye) {
+    return {part_of_plane(whole.pixels, packing, eye), whole.typical, whole.means};
+}
+
+core::MotionField part_of(const core::MotionField& whole, StereoPacking packing, std::size_t eye) {
+    core::MotionField part{whole.picture, whole.reference, part_of_plane(whole.vector, packing, eye),
+                           part_of_plane(whole.depth_in_reference, packing, eye),
+                           part_of_plane(whole.kind, packing, eye)};
+    part.wraps = whole.wraps;
+    return part;
+}
+
+}  // namespace render2mpeg::app

@@ -1,0 +1,38 @@
+#pragma once
+// Both eyes' pictures in one, and back.
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/mattes.h"
+#include "core/motion_field.h"
+#include "core/radiance.h"
+#include "core/tolerance_map.h"
+#include "core/visible.h"
+#include "scene/model/stereo.h"
+#include "scene/pose/snapshot.h"
+
+namespace render2mpeg::app {
+
+/// The eyes of a film: a single one, or the left and the right one, in this order.
+std::span<const scene::Eye> eyes_of(scene::StereoPacking packing);
+
+/// The format of the picture that holds those of all eyes.
+scene::PictureFormat packed(scene::PictureFormat of_eye, scene::StereoPacking packing);
+/// The format of each eye's part of it, at least one pixel.
+scene::PictureFormat of_eye(scene::PictureFormat whole, scene::StereoPacking packing);
+
+// Pictures of all eyes, which all have one size, as one: without stereo the only one, as it is. Not all that they know
+// of an instant is kept: of radiance what is combined and the layers.
+core::Visible packed(std::vector<core::Visible> eyes, scene::StereoPacking packing);
+core::Radiance packed(std::vector<core::Radiance> eyes, scene::StereoPacking packing);
+core::Mattes packed(std::vector<core::Mattes> eyes, scene::StereoPacking packing);
+core::ToleranceMap packed(std::vector<core::ToleranceMap> eyes, scene::StereoPacking packing);
+/// Points that leave their eye's part of the picture are of class `none`: beyond it is the other eye's.
+core::MotionField packed(std::vector<core::MotionField> eyes, scene::StereoPacking packing);
+
+/// The part of one eye, by its place among eyes_of().
+core::ToleranceMap part_of(const core::ToleranceMap& whole, scene::StereoPacking packing, std::size_t eye);
+core::MotionField part_of(const core::MotionField& whole, scene::StereoPacking packing, std::size_t eye);
+
+}  // namespace render2mpeg::app
