@@ -177,8 +177,7 @@ def look_of_film(scene, film, lost):
     film["view"] = {"name": name, "gamma": round(gamma, 6)} if abs(gamma - 1) > 1e-4 else name
     if render.use_motion_blur:
         add_shutter(scene, film, lost)
-    for is_on, what in ((render.use_freestyle, "lines of Freestyle"), (render.use_multiview, "stereoscopy, and other views; the camera's own is rendered"),
-                        (render.use_stamp, "metadata burnt into pictures")):
+    for is_on, what in ((render.use_freestyle, "lines of Freestyle"), (render.use_stamp, "metadata burnt into pictures")):
         if is_on:
             lost.add(scene, what)
     if render.use_border:

@@ -47,9 +47,48 @@ def window_of(camera):
     return [[round(math.degrees(getattr(seen, f"{name}_{end}")), 4) for end in ("min", "max")] for name in ("longitude", "latitude")]
 
 
+PACKINGS = {"SIDEBYSIDE": "side-by-side", "TOPBOTTOM": "top-bottom"}
+
+
+def packing_of(scene, lost):
+    """How pictures hold both eyes'; None: they are for one eye."""
+    render = scene.render
+    if not render.use_multiview:
+        return None
+    if render.views_format != "STEREO_3D":
+        lost.add(scene, "views by other cameras; the camera's own is rendered")
+        return None
+    if not all(render.views[name].use for name in ("left", "right") if name in render.views):
+        lost.add(scene, "a view that is switched off; both eyes' are rendered")
+    settings = render.image_settings
+    if settings.views_format != "STEREO_3D":
+        return "side-by-side"  # Blender would write two files
+    kind = settings.stereo_3d_format
+    if kind.display_mode not in PACKINGS:
+        lost.add(scene, f"both eyes' pictures as {kind.display_mode.lower()}; they lie side by side")
+    if kind.use_squeezed_frame and kind.display_mode in PACKINGS:
+        lost.add(scene, "squeezed pictures of eyes; they have their whole size")
+    if kind.use_sideside_crosseyed and kind.display_mode == "SIDEBYSIDE":
+        lost.add(scene, "eyes that are crossed; the left one's picture comes first")
+    return PACKINGS.get(kind.display_mode, "side-by-side")
+
+
+def eyes_of(data):
+    """Where a camera's eyes are, as the film says it."""
+    stereo = data.stereo
+    merges = stereo.use_pole_merge and stereo.pole_merge_angle_to > 0
+    low, high = sorted(math.degrees(a) for a in (stereo.pole_merge_angle_from, stereo.pole_merge_angle_to))
+    return {"interocular_distance": json_number(stereo.interocular_distance),
+            "convergence_distance": json_number(stereo.convergence_distance),
+            "convergence": {"OFFAXIS": "off-axis", "PARALLEL": "parallel", "TOE": "toe-in"}[stereo.convergence_mode],
+            "pivot": stereo.pivot.lower(), "spherical": stereo.use_spherical_stereo,
+            "pole_merge": [json_number(low), json_number(max(high, 0.01))] if merges else "off"}
+
+
 class Cameras:
     def __init__(self, scene, frames, times, lost):
         self.scene, self.times, self.lost = scene, times, lost
+        self.packing = packing_of(scene, lost)
         self.cuts = cuts(scene, frames)
         self.shown = []
         for _, camera in self.cuts:
@@ -75,6 +114,7 @@ class Cameras:
                 distance = abs(away.dot(now.matrix_world.to_3x3().col[2].normalized()))
             self.poses[camera.name_full].append({
                 "position": matrix[:3, 3], "eye": np.array(now.matrix_world.translation, dtype=float), "rotate": turns(rotation_of(matrix)), "lens": lens, "clip": (data.clip_start, data.clip_end), "window": window_of(now) if is_panorama(now) else None,
+                "eyes": eyes_of(data) if self.packing else None,
                 "f": focus.aperture_fstop if focus.use_dof else None, "focus": distance})
 
     def tell_losses(self, camera, poses):
@@ -85,6 +125,13 @@ class Cameras:
         first = poses[0]
         if is_panorama(camera) and any(p["window"] != first["window"] for p in poses):
             self.lost.add(camera, "animated angles of a panorama; as on the first frame")
+        if any(p["eyes"] != first["eyes"] for p in poses):
+            self.lost.add(camera, "animated stereoscopy; as on the first frame")
+        if self.packing and data.type == "ORTHO":
+            self.lost.add(self.scene, "stereoscopy of a parallel projection, which has no depth; the camera's own view is rendered")
+            self.packing = None
+        if self.packing and data.type != "PANO" and data.stereo.use_spherical_stereo:
+            self.lost.add(camera, "spherical stereo of a flat picture; its eyes look from their two places")
         if np.max(np.ptp([self.shift_of(camera, p) for p in poses], axis=0)) > 1e-4:
             self.lost.add(camera, "animated lens shift; as on the first frame")
         if any(pose["clip"] != first["clip"] for pose in poses):
@@ -130,6 +177,8 @@ class Cameras:
         if np.max(np.abs(shift)) > 1e-6:
             says["shift"] = [json_number(s) for s in shift]
         quantities = {"position": ([p["position"] for p in poses], 1e-5), "rotate": (unwound([p["rotate"] for p in poses]), 1e-3)}
+        if self.packing:
+            says["stereo"] = poses[0]["eyes"]
         if is_panorama(camera):
             says["projection"], (says["longitudes"], says["latitudes"]) = "equirectangular", poses[0]["window"]
         elif camera.data.type == "ORTHO":
@@ -164,6 +213,8 @@ class Cameras:
             return
         names = {camera.name_full: camera.name if camera.library is None else camera.name_full for camera in self.shown}
         film["cameras"] = {names[c.name_full]: self.described(c) for c in self.shown}
+        if self.packing:
+            film["stereo"] = self.packing
         shots = [(number, camera) for number, camera in self.cuts if camera is not None]
         if len(shots) > 1:
             film["shots"] = [{"at": json_number(self.times[n]), "camera": names[c.name_full]} for n, c in shots]

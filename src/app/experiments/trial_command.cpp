@@ -145,6 +145,7 @@ RenderJob prepare_trials(const RenderOptions& render, const TrialOptions& option
     if (encoder::facts_of(film.coding.codec).master)
         throw UsageError("--codec " + *render.coding.codec +
                          ": a master has no quantisers to try; choose another codec, or `render`");
+    if (film.is_stereo()) throw UsageError("stereo: settings are tried on films for one eye; say --stereo none");
     for (const std::string& note : film.animation->notes)
         if (!render.quiet && !note.empty()) print_line(note);
     check_trial_outputs(film, options);

@@ -467,12 +467,15 @@ std::string film_text(const RenderJob& film) {
     const std::string volumes = scene.volumes.empty() ? "" : "; " + core::counted(scene.volumes.size(), "volume");
     const scene::CameraLens& lens = scene.cameras[static_cast<std::size_t>(camera)];
     const std::string panorama = lens.is_panorama() ? ", a panorama of " + scene::text_of(lens.window) : "";
+    const std::string eyes =
+        film.is_stereo() ? fmt::format(" for two eyes ({})", scene::packing_names[static_cast<std::size_t>(scene.stereo)])
+                         : "";
     const auto shots = scene.shots.size();
     return core::printable(fmt::format(
-        "{}: {} ({} to {}; {:.2f} s) of {}x{} at {} Hz; camera {}{}{}; light: {}{}", scene.source,
+        "{}: {} ({} to {}; {:.2f} s) of {}x{}{} at {} Hz; camera {}{}{}; light: {}{}", scene.source,
         core::counted(static_cast<std::size_t>(film.frame_count()), "frame"), film.frames.first, film.frames.last,
         static_cast<double>(film.frame_count()) / film.rate.hertz.value(), film.format.width, film.format.height,
-        film.rate.name, lens.name.empty() ? std::to_string(camera) : "\"" + lens.name + "\"", panorama,
+        eyes, film.rate.name, lens.name.empty() ? std::to_string(camera) : "\"" + lens.name + "\"", panorama,
         shots > 1 ? fmt::format(" first, {} shots", shots) : "", lights.empty() ? "none" : lights, volumes));
 }
 

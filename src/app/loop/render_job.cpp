@@ -354,7 +354,7 @@ RenderJob prepare(const RenderOptions& wanted) {
     tell_shape(*loaded, shape.size);
     const bool is_film = film.kind == OutputKind::film && !options.output.empty();
     const std::optional<encoder::SphereBounds> sphere = is_film ? sphere_of(*loaded, options.output) : std::nullopt;
-    const encoder::FramePacking packing = is_film ? packing_of(*loaded, options.output) : encoder::FramePacking::none;
+    const encoder::FramePacking packing = is_film ? packing_of(*loaded, options) : encoder::FramePacking::none;
     scene::fit_automatic_camera(*loaded,
                                 static_cast<double>(shape.size.width) / shape.size.height * shape.pixel_aspect.value());
     if (loaded->frame_rate) change_rate(*loaded, core::frame_rate_from(*loaded->frame_rate), film.rate);

@@ -223,9 +223,10 @@ std::optional<encoder::SphereBounds> sphere_of(scene::Animation& animation, cons
                                  (whole.east - window.east) / turn, (window.south - whole.south) / half};
 }
 
-encoder::FramePacking packing_of(scene::Animation& animation, const std::filesystem::path& output) {
+encoder::FramePacking packing_of(scene::Animation& animation, const RenderOptions& options) {
     if (animation.stereo == scene::StereoPacking::none) return encoder::FramePacking::none;
-    if (!av::tells_panoramas(output))
+    const std::filesystem::path& output = options.output;
+    if (!av::tells_panoramas(output) && codec_of(options.coding, output) != encoder::Codec::h264)
         animation.notes.push_back(
             fmt::format("{}: such files cannot say that they are for two eyes; .mp4 and .mkv do", output.string()));
     return animation.stereo == scene::StereoPacking::side_by_side ? encoder::FramePacking::side_by_side

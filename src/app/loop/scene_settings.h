@@ -29,7 +29,7 @@ void tell_shape(scene::Animation& animation, Size size);
 std::optional<encoder::SphereBounds> sphere_of(scene::Animation& animation, const std::filesystem::path& output);
 
 /// What a film and its container are to say of its eyes; notes where they cannot.
-encoder::FramePacking packing_of(scene::Animation& animation, const std::filesystem::path& output);
+encoder::FramePacking packing_of(scene::Animation& animation, const RenderOptions& options);
 
 /// --shutter, --f-stop, --focus, --fog, --glare and --transparent win over the scene. Throws UsageError for
 /// contradictions.

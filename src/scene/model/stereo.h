@@ -20,7 +20,7 @@ inline constexpr std::array<std::string_view, 3> convergence_names{"parallel", "
 enum class Pivot : std::uint8_t { left, center, right };
 inline constexpr std::array<std::string_view, 3> pivot_names{"left", "center", "right"};
 
-/// Stereoscopy of a camera, with Blender's settings and their defaults.
+/// Stereoscopy of a camera, with Blender's settings. Its distances are Blender's; panoramas look around by default.
 struct Stereo {
     double interocular_distance = 0.065;  ///< between the eyes, scene units, >= 0
     double convergence_distance = 1.95;   ///< of the plane of convergence, scene units, > 0
