@@ -12,13 +12,14 @@ namespace {
 enum class UnitKind { header, picture, comment };
 
 /// By nal_unit_type. [H264, table 7-1], [H265, table 7-1] The display that a film is made for belongs to the headers
-/// [H265, D.2.28], as does how pictures hold those of two eyes [H264, D.2.26].
+/// [H265, D.2.28]; how pictures hold those of two eyes is said with
+/// them [H264, D.2.26].
 UnitKind kind_of_nal(encoder::Codec codec, std::span<const std::uint8_t> unit) {
     if (codec == encoder::Codec::h264) {
         const int type = unit[0] & 31;
         if (type >= 1 && type <= 5) return UnitKind::picture;
         constexpr int sei = 6, frame_packing = 45;
-        if (type == sei && unit.size() > 2 && unit[1] == frame_packing) return UnitKind::header;
+        if (type == sei && unit.size() > 2 && unit[1] == frame_packing) return UnitKind::picture;
         return type == 7 || type == 8 ? UnitKind::header : UnitKind::comment;
     }
     const int type = (unit[0] >> 1) & 63;

@@ -1,7 +1,6 @@
 #include "renderer/renderer.h"
 
 #include <algorithm>
-#include <array>
 #include <optional>
 #include <utility>
 
@@ -77,7 +76,7 @@ struct Renderer::Impl {
         if (posed_scene.air() != nullptr) posed_scene.light_volumes({});
         cache.forget();
         calibration.forget();
-        for (DraftLight& of_eye : draft_light) of_eye.forget();
+        draft_light = {};
     }
 
     SeeSettings see_settings() const {
@@ -271,8 +270,7 @@ core::Radiance Renderer::Impl::gather_sparse(const scene::Snapshot& snapshot, co
 
 FrameLight Renderer::Impl::gather_draft(const scene::Snapshot& snapshot, const LightingContext& context,
                                         const core::MotionField* to_before, ShadeCounts& counts) {
-    if (snapshot.cut_before)
-        for (DraftLight& of_eye : draft_light) of_eye.forget();
+    if (snapshot.cut_before) draft_light = {};
     FrameLight light =
         draft_light[snapshot.camera.eye_number()].light({context, lights.trees(), to_before}, cut_limits(), counts);
     if (plan.runs(Pass::lobe_rays)) add_rays(final_gather, snapshot.camera, context, RaysOf::lobes, light);
@@ -316,7 +314,7 @@ void Renderer::prepare(const scene::Snapshot& snapshot) {
 void Renderer::resize(const scene::PictureFormat& format) {
     EXPECTS(format.width > 0 && format.height > 0);
     impl_->settings.format = format;
-    for (DraftLight& of_eye : impl_->draft_light) of_eye.forget();
+    impl_->draft_light = {};
 }
 
 bool Renderer::is_sound(KnownLight light) {

@@ -238,6 +238,28 @@ TEST(Muxer, SaysWhereOnTheSphereItsPicturesLie) {
     EXPECT_FALSE(av::inspect(film.mux(folder / "flat.mp4")).stream.sphere);
 }
 
+TEST(Muxer, TellsHowPicturesHoldThoseOfTwoEyes) {
+    const Folder folder;
+    CodedFilm film = coded_film(folder, 64, 48, "25", 3, "-q:v 8");
+    using encoder::FramePacking;
+    for (const char* name : {"film.mp4", "film.mkv"})
+        for (const bool around : {false, true})
+            for (const FramePacking packing : {FramePacking::side_by_side, FramePacking::top_bottom}) {
+                film.settings.packing = packing;
+                film.settings.sphere = around ? std::optional(encoder::SphereBounds()) : std::nullopt;
+                const fs::path file = film.mux(folder / name);
+                const av::StreamFacts told = av::inspect(file).stream;
+                EXPECT_EQ(told.packing, packing) << name;
+                EXPECT_EQ(told.sphere.has_value(), around) << name;
+                const std::string text =
+                    run("ffprobe -v error -show_streams -show_entries stream_side_data " + file.string()).output;
+                EXPECT_NE(text.find(packing == FramePacking::top_bottom ? "type=top and bottom" : "type=side by side"),
+                          std::string::npos)
+                    << text;
+                fs::remove(file);
+            }
+}
+
 TEST(Muxer, KnowsItsKindsByTheirEndings) {
     for (const char* name : {"a.mpg", "b.MPG", "c.mpeg", "d.vob", "dir.x/e.ts", "f.m2v", "g.mkv", "h.Mp4"})
         EXPECT_TRUE(av::is_film(name)) << name;

@@ -32,6 +32,7 @@ def told():
     scene = start(2)
     world_of((0.5, 0.5, 0.5))
     scene.render.use_freestyle, scene.render.use_multiview, scene.render.use_stamp = True, True, True
+    scene.render.views_format = "MULTIVIEW"
     cycles = scene.cycles
     cycles.film_exposure, cycles.transparent_max_bounces = 2, 6
     cycles.sample_clamp_direct, cycles.sample_clamp_indirect, cycles.diffuse_bounces = 3, 1, 0

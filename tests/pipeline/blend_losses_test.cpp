@@ -70,7 +70,7 @@ TEST_F(BlendLossesTogetherSlow, MissingImagesAreToldByPlanAndByRender) {
 }
 
 TEST_F(BlendLossesTogetherSlow, LinesOtherEyesAndBurntInWordsAreTold) {
-    for (const char* what : {"lines of Freestyle", "stereoscopy", "metadata burnt into pictures"})
+    for (const char* what : {"lines of Freestyle", "views by other cameras", "metadata burnt into pictures"})
         EXPECT_TRUE(tells(std::string("Scene: ") + what)) << said_;
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "app/loop/automatic_exposure.h"
 #include "app/loop/pipeline.h"
 #include "app/loop/render_job.h"
 #include "support/program.h"

@@ -7,6 +7,7 @@
 
 #include "app/files/file_io.h"
 #include "app/files/publish.h"
+#include "app/loop/automatic_exposure.h"
 #include "app/loop/resume.h"
 #include "app/options/usage_error.h"
 #include "app/report/frame_view.h"

@@ -83,6 +83,11 @@ std::span<const scene::Eye> eyes_of(StereoPacking packing) {
     return both;
 }
 
+std::string eyes_text(StereoPacking packing) {
+    if (packing == StereoPacking::none) return {};
+    return " for two eyes (" + std::string(scene::packing_names[static_cast<std::size_t>(packing)]) + ")";
+}
+
 scene::PictureFormat packed(scene::PictureFormat of_eye, StereoPacking packing) {
     if (packing == StereoPacking::side_by_side) of_eye.width *= 2;
     if (packing == StereoPacking::top_bottom) of_eye.height *= 2;

@@ -2,6 +2,7 @@
 // Both eyes' pictures in one, and back.
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/mattes.h"
@@ -16,6 +17,9 @@ namespace render2mpeg::app {
 
 /// The eyes of a film: a single one, or the left and the right one, in this order.
 std::span<const scene::Eye> eyes_of(scene::StereoPacking packing);
+
+/// " for two eyes (side-by-side)"; empty for one.
+std::string eyes_text(scene::StereoPacking packing);
 
 /// The format of the picture that holds those of all eyes.
 scene::PictureFormat packed(scene::PictureFormat of_eye, scene::StereoPacking packing);

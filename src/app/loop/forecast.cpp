@@ -8,6 +8,7 @@
 #include <memory>
 #include <span>
 
+#include "app/loop/automatic_exposure.h"
 #include "app/loop/pipeline.h"
 #include "app/options/output_kind.h"
 #include "app/system/image_reader.h"
@@ -467,16 +468,13 @@ std::string film_text(const RenderJob& film) {
     const std::string volumes = scene.volumes.empty() ? "" : "; " + core::counted(scene.volumes.size(), "volume");
     const scene::CameraLens& lens = scene.cameras[static_cast<std::size_t>(camera)];
     const std::string panorama = lens.is_panorama() ? ", a panorama of " + scene::text_of(lens.window) : "";
-    const std::string eyes =
-        film.is_stereo() ? fmt::format(" for two eyes ({})", scene::packing_names[static_cast<std::size_t>(scene.stereo)])
-                         : "";
     const auto shots = scene.shots.size();
     return core::printable(fmt::format(
         "{}: {} ({} to {}; {:.2f} s) of {}x{}{} at {} Hz; camera {}{}{}; light: {}{}", scene.source,
         core::counted(static_cast<std::size_t>(film.frame_count()), "frame"), film.frames.first, film.frames.last,
         static_cast<double>(film.frame_count()) / film.rate.hertz.value(), film.format.width, film.format.height,
-        eyes, film.rate.name, lens.name.empty() ? std::to_string(camera) : "\"" + lens.name + "\"", panorama,
-        shots > 1 ? fmt::format(" first, {} shots", shots) : "", lights.empty() ? "none" : lights, volumes));
+        eyes_text(scene.stereo), film.rate.name, lens.name.empty() ? std::to_string(camera) : "\"" + lens.name + "\"",
+        panorama, shots > 1 ? fmt::format(" first, {} shots", shots) : "", lights.empty() ? "none" : lights, volumes));
 }
 
 std::string text_of(const Forecast& f) {

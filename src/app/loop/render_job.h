@@ -128,9 +128,6 @@ void check_scene(const std::filesystem::path& input);
 /// Loads the scene and settles every setting. Throws core::Error.
 RenderJob prepare(const RenderOptions& options);
 
-/// Exposure of the film in EV, by a few small, coarse frames.
-float measure_exposure(const RenderJob& film);
-
 /// Sound of the frames by the options, else `scenes`, the scene's own; decoded once in a probe. Throws core::Error for
 /// unreadable sound, or an `output` without sound.
 av::Sound sound_of(const CodingOptions& options, const std::optional<std::filesystem::path>& scenes,

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "app/files/file_io.h"
+#include "app/loop/automatic_exposure.h"
 #include "app/loop/first_pass.h"
 #include "app/loop/kept_frames.h"
 #include "app/system/interrupt.h"

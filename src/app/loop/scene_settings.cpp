@@ -198,6 +198,8 @@ void tell_shape(scene::Animation& animation, Size size) {
     }
 }
 
+namespace {
+
 std::optional<encoder::SphereBounds> sphere_of(scene::Animation& animation, const std::filesystem::path& output) {
     std::vector<const scene::CameraLens*> shown;
     for (const scene::Shot& shot : animation.shots)
@@ -231,6 +233,13 @@ encoder::FramePacking packing_of(scene::Animation& animation, const RenderOption
             fmt::format("{}: such files cannot say that they are for two eyes; .mp4 and .mkv do", output.string()));
     return animation.stereo == scene::StereoPacking::side_by_side ? encoder::FramePacking::side_by_side
                                                                   : encoder::FramePacking::top_bottom;
+}
+
+}  // namespace
+
+void describe_view(scene::Animation& animation, const RenderOptions& options, encoder::Settings& coding) {
+    coding.sphere = sphere_of(animation, options.output);
+    coding.packing = packing_of(animation, options);
 }
 
 void change_scene(scene::Animation& animation, const RenderOptions& options) {

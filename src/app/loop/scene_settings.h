@@ -25,11 +25,8 @@ void set_stereo(scene::Animation& animation, const RenderOptions& options, Size 
 /// Notes where panoramas are stretched in pictures of this size.
 void tell_shape(scene::Animation& animation, Size size);
 
-/// What a film's container is to say of its panoramas; notes where it cannot.
-std::optional<encoder::SphereBounds> sphere_of(scene::Animation& animation, const std::filesystem::path& output);
-
-/// What a film and its container are to say of its eyes; notes where they cannot.
-encoder::FramePacking packing_of(scene::Animation& animation, const RenderOptions& options);
+/// What a film and its container are to say of its panoramas and eyes; notes where they cannot.
+void describe_view(scene::Animation& animation, const RenderOptions& options, encoder::Settings& coding);
 
 /// --shutter, --f-stop, --focus, --fog, --glare and --transparent win over the scene. Throws UsageError for
 /// contradictions.

@@ -161,7 +161,6 @@ FilmClock read_format(const JsonValue& value, Animation& film) {
     if (const auto view = value.find("view")) film.view = view_of(*view);
     if (const auto fog = value.find("fog")) film.fog = fog_of(*fog);
     if (const auto v = value.find("transparent")) film.transparent = v->boolean();
-    if (const auto v = value.find("stereo")) film.stereo = static_cast<StereoPacking>(v->word(packing_names));
     if (const auto grain = value.find("grain"); grain && grain->number(0, core::most_iso) != 0)
         film.grain = static_cast<int>(grain->integer(core::least_iso, core::most_iso));
     if (const auto glare = value.find("glare")) film.glare = glare_of(*glare);
@@ -173,6 +172,7 @@ void read_shape(const JsonValue& value, Animation& film) {
         const std::vector<JsonValue> v = size->list(2, 2);
         film.size = glm::ivec2(v[0].integer(1, 16384), v[1].integer(1, 16384));
     }
+    if (const auto v = value.find("stereo")) film.stereo = static_cast<StereoPacking>(v->word(packing_names));
     if (const auto aspect = value.find("display_aspect")) {
         try {
             film.display_aspect = core::ratio_from(aspect->text());

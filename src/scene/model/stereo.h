@@ -43,7 +43,7 @@ struct EyeCircle {
     double convergence_distance = std::numeric_limits<double>::infinity();  ///< from the middle; infinite: parallel
     double merge_from = 0, merge_to = 0;                                    ///< as of Stereo
 
-    /// `aside` at a latitude, radians [Cycles' spherical_stereo_position].
+    /// `aside` at a latitude, radians [CyclesStereo].
     double at(double latitude) const;
 };
 
