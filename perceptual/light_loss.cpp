@@ -48,10 +48,18 @@ float decoded(float c, float step, float dead_zone) {
 /// than black, and next to it the curve is straight.
 float shown(float variance, float luma) {
     constexpr float power = 2.2f, black = 16.0f, straight = 9.0f;
-    const float above = std::max(luma - black, straight), change = power * std::sqrt(variance) / above,
-                up = std::pow(1.0f + change, 1.0f / power) - 1.0f,
-                down = 1.0f - std::pow(std::max(1.0f - change, 0.0f), 1.0f / power);
-    return 0.5f * above * above * (up * up + down * down);
+    const float above = std::max(luma - black, straight), change = power * std::sqrt(variance) / above;
+    // Gauss and Hermite's rule of four points.
+    struct Node {
+        float place, weight;
+    };
+    float square = 0;
+    for (const Node node : {Node{0.74196378f, 0.45412415f}, Node{2.3344142f, 0.04587585f}})
+        for (const float sign : {-1.0f, 1.0f}) {
+            const float off = std::pow(std::max(1.0f + sign * node.place * change, 0.0f), 1.0f / power) - 1.0f;
+            square += node.weight * off * off;
+        }
+    return above * above * square;
 }
 
 /// A number of about the standard normal distribution: the sum of eight bytes of a hash, less its mean, over its
