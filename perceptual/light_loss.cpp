@@ -6,7 +6,9 @@
 
 #include "core/error.h"
 #include "core/numeric.h"
+#include "core/picture.h"
 #include "core/sampling.h"
+#include "perceptual/masking.h"
 
 namespace render2mpeg::perceptual {
 namespace {
@@ -62,6 +64,17 @@ float shown(float variance, float luma) {
     return above * above * square;
 }
 
+/// Step and dead zone of a coefficient.
+struct Levels {
+    float step, dead_zone;
+    Levels(const Quantisation& q, float scale, bool predicted, std::size_t i)
+        : step(scale * (predicted ? q.inter[i] : q.intra[i])),
+          dead_zone(predicted ? q.inter_dead_zone : q.intra_dead_zone) {
+        if (!predicted && i == 0) step = q.dc_step, dead_zone = 0.5f;
+    }
+    float decode(float coefficient) const { return decoded(coefficient, step, dead_zone); }
+};
+
 /// A number of about the standard normal distribution: the sum of eight bytes of a hash, less its mean, over its
 /// standard deviation.
 float normal(std::uint64_t draw, std::uint64_t coefficient) {
@@ -114,21 +127,51 @@ core::Plane<BlockNoise> noise_of_blocks(const core::Plane<PixelNoise>& pixels, c
     return noise;
 }
 
+CodedBlocks::CodedBlocks(const core::Plane<core::Block8x8>& picture, const core::Plane<float>& luma,
+                         const core::Plane<float>& prediction)
+    : coefficients(picture) {
+    if (prediction.empty()) return;
+    EXPECTS(prediction.width() == luma.width() && prediction.height() == luma.height());
+    core::Picture left;
+    left.y = core::Plane<std::uint8_t>(luma.width(), luma.height());
+    left.luma = luma;
+    predicted = core::Plane<std::uint8_t>(picture.width(), picture.height(), 1);
+    for (int y = 0; y < luma.height(); ++y)
+        for (int x = 0; x < luma.width(); ++x) {
+            left.luma.at(x, y) -= prediction.at(x, y);
+            if (!(prediction.at(x, y) > 0)) predicted.at(x / side, y / side) = 0;
+        }
+    const core::Plane<core::Block8x8> residual = transform(left);
+    EXPECTS(residual.size() == predicted.size());
+    for (std::size_t i = 0; i < predicted.size(); ++i)
+        if (predicted.values()[i] != 0) coefficients.values()[i] = residual.values()[i];
+}
+
+CodedBlocks left_by_intra(const core::Plane<core::Block8x8>& picture, const Quantisation& quantisation, float scale) {
+    CodedBlocks left(picture, {}, {});
+    left.predicted = core::Plane<std::uint8_t>(picture.width(), picture.height(), 1);
+    for (std::size_t i = 0; i < 64; ++i) {
+        const Levels levels(quantisation, scale, false, i);
+        for (core::Block8x8& block : left.coefficients.values()) block[i] -= levels.decode(block[i]);
+    }
+    return left;
+}
+
 double NoisyPicture::loss(double times) const {
-    const std::size_t blocks = coefficients.size();
-    EXPECTS(noise.size() == blocks && blocks > 0);
-    const double step = std::max(static_cast<double>(blocks) / asked, 1.0);
+    const std::size_t count = blocks.coefficients.size();
+    EXPECTS(noise.size() == count && count > 0);
+    const double step = std::max(static_cast<double>(count) / asked, 1.0);
     double by_coding = by_rounding * asked, with_noise = by_coding;
     for (std::size_t draw = 0; draw < asked; ++draw) {
-        const std::size_t block = static_cast<std::size_t>(step * static_cast<double>(draw)) % blocks;
+        const std::size_t block = static_cast<std::size_t>(step * static_cast<double>(draw)) % count;
+        const bool inter = !blocks.predicted.empty() && blocks.predicted.values()[block] != 0;
         for (std::size_t i = 0; i < 64; ++i) {
-            const float c = coefficients.values()[block][i], variance = noise.values()[block][i],
-                        of_levels = i == 0 ? quantisation.dc_step : scale * quantisation.intra[i],
-                        dead_zone = i == 0 ? 0.5f : quantisation.intra_dead_zone;
-            const float lost = decoded(c, of_levels, dead_zone) - c;
+            const float c = blocks.coefficients.values()[block][i], variance = noise.values()[block][i];
+            const Levels levels(quantisation, scale, inter, i);
+            const float lost = levels.decode(c) - c;
             by_coding += static_cast<double>(lost) * static_cast<double>(lost);
             const float more = static_cast<float>(times) * std::sqrt(variance) * normal(draw, i);
-            const double now = static_cast<double>(decoded(c + more, of_levels, dead_zone) - c);
+            const double now = static_cast<double>(levels.decode(c + more) - c);
             with_noise += now * now;
         }
     }

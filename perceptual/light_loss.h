@@ -1,6 +1,7 @@
 #pragma once
 // What a coded picture loses by the noise of its light.
 #include <cmath>
+#include <cstdint>
 
 #include "core/dct.h"
 #include "core/plane.h"
@@ -25,9 +26,23 @@ core::Plane<PixelNoise> noise_of(const PixelLight& light, const InverseLuma& dis
 /// Noise of blocks, of pixels with this luma, as a display shows it (docs/model/tolerance.md#the-price).
 core::Plane<BlockNoise> noise_of_blocks(const core::Plane<PixelNoise>& pixels, const core::Plane<float>& luma);
 
-/// Coding of a picture's luma by itself, with noise in its light.
+/// Blocks of a picture as they are coded: of its luma, or of what a prediction leaves of it.
+struct CodedBlocks {
+    core::Plane<core::Block8x8> coefficients;
+    core::Plane<std::uint8_t> predicted;  ///< 1: by prediction; empty: none is
+
+    /// Blocks of a picture whose luma has these coefficients. Predicted are those of which all pixels are: luma > 0
+    /// from other pictures, or less where nothing shows the same; empty: none.
+    CodedBlocks(const core::Plane<core::Block8x8>& picture, const core::Plane<float>& luma,
+                const core::Plane<float>& prediction);
+};
+
+/// What is left of a picture for the next one to code, if nothing moves: what these intra steps lost.
+CodedBlocks left_by_intra(const core::Plane<core::Block8x8>& picture, const Quantisation& quantisation, float scale);
+
+/// Coding of a picture's luma with noise in its light.
 struct NoisyPicture {
-    const core::Plane<core::Block8x8>& coefficients;  ///< must outlive it
+    CodedBlocks blocks;
     core::Plane<BlockNoise> noise;
     Quantisation quantisation;
     float scale = 1;  ///< BlockCoding::scale

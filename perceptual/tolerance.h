@@ -1,6 +1,5 @@
 #pragma once
 // Tolerances of pixels from the errors of their blocks, in space and time: eqs. 7.4 and 7.5.
-#include <cstdint>
 #include <functional>
 
 #include "core/dct.h"
@@ -9,10 +8,6 @@
 #include "perceptual/inverse_luma.h"
 
 namespace render2mpeg::perceptual {
-
-/// Share of k for a picture that `followers` >= 0 later ones depend on, since coding hands errors on: 1 without any,
-/// less in I pictures than in P pictures. In (0, 1].
-float propagation_factor(bool intra, std::int64_t followers);
 
 /// Blocks' errors: coefficient by coefficient, with signs, for block (column, row).
 using BlockErrors = std::function<core::Block8x8(int column, int row)>;

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/picture.h"
 #include "core/sampling.h"
+#include "perceptual/masking.h"
 
 namespace render2mpeg::perceptual {
 namespace {
@@ -35,10 +37,15 @@ core::Plane<core::Block8x8> busy_blocks(int width, int height) {
     return blocks;
 }
 
+/// Blocks that nothing predicts.
+CodedBlocks alone(const core::Plane<core::Block8x8>& blocks) {
+    return {blocks, {}, {}};
+}
+
 TEST(LightLoss, OfBusyBlocksIsAllOfTheirNoise) {
     const core::Plane<core::Block8x8> blocks = busy_blocks(40, 30);
     for (const float variance : {2.0f, 20.0f}) {
-        const NoisyPicture picture{blocks, white_noise(40, 30, variance), even_steps(), 1};
+        const NoisyPicture picture{alone(blocks), white_noise(40, 30, variance), even_steps(), 1};
         // Rounding to levels leaves a twelfth of the step's square, whatever the noise.
         const double expected = 10 * std::log10(1 + variance / (step * step / 12.0));
         EXPECT_NEAR(picture.loss(1) / expected, 1, 0.05) << variance;
@@ -51,24 +58,61 @@ TEST(LightLoss, OfWhatVanishesIsNothingUntilNoiseReachesALevel) {
     core::Block8x8 faint;
     faint.fill(0.5f);
     const core::Plane<core::Block8x8> blocks(40, 30, faint);
-    const NoisyPicture picture{blocks, white_noise(40, 30, 1.0f), even_steps(), 1};
+    const NoisyPicture picture{alone(blocks), white_noise(40, 30, 1.0f), even_steps(), 1};
     EXPECT_EQ(picture.loss(1), 0);
     EXPECT_GT(picture.loss(8), 10);
 }
 
+TEST(LightLoss, OfWhatIsPredictedVanishesWithTheRest) {
+    // Stripes that no step hides, and a prediction of all but the last block.
+    core::Picture picture;
+    picture.y = core::Plane<std::uint8_t>(64, 8);
+    picture.luma = core::Plane<float>(64, 8);
+    for (int y = 0; y < 8; ++y)
+        for (int x = 0; x < 64; ++x) picture.luma.at(x, y) = x % 2 == 0 ? 53.0f : 180.0f;
+    const core::Plane<core::Block8x8> blocks = transform(picture);
+    core::Plane<float> prediction = picture.luma;
+    const auto loss = [&](const core::Plane<float>& by) {
+        Quantisation quantisation = even_steps();
+        quantisation.inter_dead_zone = 1;
+        return NoisyPicture{{blocks, picture.luma, by}, white_noise(8, 1, 4), quantisation, 1}.loss(1);
+    };
+    EXPECT_GT(loss({}), 0.1);
+    EXPECT_EQ(loss(prediction), 0);
+    prediction.at(60, 4) = -1;
+    const CodedBlocks coded(blocks, picture.luma, prediction);
+    EXPECT_EQ(coded.predicted.at(6, 0), 1);
+    EXPECT_EQ(coded.predicted.at(7, 0), 0);
+    EXPECT_EQ(coded.coefficients.at(7, 0), blocks.at(7, 0));
+    EXPECT_GT(loss(prediction), 0);
+}
+
+TEST(LightLoss, OfWhatStepsLeftIsLessThanOfThePicture) {
+    const core::Plane<core::Block8x8> blocks = busy_blocks(40, 30);
+    Quantisation quantisation = even_steps();
+    const CodedBlocks left = left_by_intra(blocks, quantisation, 1);
+    for (const core::Block8x8& block : left.coefficients.values())
+        for (const float c : block) ASSERT_LE(std::abs(c), 0.5f * step + 1e-3f);
+    quantisation.inter_dead_zone = 1;
+    const auto loss = [&](const CodedBlocks& coded) {
+        return NoisyPicture{coded, white_noise(40, 30, 4), quantisation, 1}.loss(1);
+    };
+    EXPECT_LT(loss(left), 0.1 * loss(alone(blocks)));
+}
+
 TEST(LightLoss, OfABlackPictureIsOverItsRounding) {
     const core::Plane<core::Block8x8> black(40, 30, core::Block8x8{});
-    EXPECT_EQ((NoisyPicture{black, white_noise(40, 30, 0), even_steps(), 1}.loss(8)), 0);
+    EXPECT_EQ((NoisyPicture{alone(black), white_noise(40, 30, 0), even_steps(), 1}.loss(8)), 0);
     Quantisation fine = even_steps();
     fine.intra.fill(0.01f);
     fine.dc_step = 0.01f;
-    EXPECT_NEAR((NoisyPicture{black, white_noise(40, 30, 0.25f), fine, 1}.loss(1)), 10 * std::log10(1 + 0.25 * 12),
-                0.1);
+    EXPECT_NEAR((NoisyPicture{alone(black), white_noise(40, 30, 0.25f), fine, 1}.loss(1)),
+                10 * std::log10(1 + 0.25 * 12), 0.1);
 }
 
 TEST(LightLoss, NumberOfALossIsWhereItIs) {
     const core::Plane<core::Block8x8> blocks = busy_blocks(40, 30);
-    const NoisyPicture picture{blocks, white_noise(40, 30, 3.0f), even_steps(), 1};
+    const NoisyPicture picture{alone(blocks), white_noise(40, 30, 3.0f), even_steps(), 1};
     const auto loss = [&](double times) { return picture.loss(times); };
     EXPECT_NEAR(picture.loss(number_of_loss(0.3, 0.1, 10, loss)), 0.3, 0.02);
     // Out of reach, it is an end.

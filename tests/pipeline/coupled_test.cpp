@@ -58,7 +58,7 @@ TEST(Coupled, TheLossThatIsAskedForSteersTheRays) {
         return made.statistics.at("light_loss").at(what).get<double>();
     };
     EXPECT_EQ(told(fine, "asked"), 0.05);
-    EXPECT_EQ(told(fine, "pictures"), 1) << "predicted pictures are not measured";
+    EXPECT_EQ(told(fine, "pictures"), 2) << "I and P pictures are measured";
     EXPECT_LT(told(fine, "found"), 0.5 * told(coarse, "found"));
     EXPECT_LT(told(fine, "share"), 0.5 * told(coarse, "share"));
 }

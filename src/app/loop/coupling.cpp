@@ -9,7 +9,7 @@
 #include "core/error.h"
 #include "encoder/prediction.h"
 #include "encoder/step_sizes.h"
-#include "perceptual/tolerance.h"
+#include "perceptual/warp.h"
 
 namespace render2mpeg::app {
 void Coupling::forget() {
@@ -31,13 +31,15 @@ void Coupling::take_rough_look(const core::Picture& picture, const core::Radianc
                                const encoder::PicturePlan& plan) {
     state_ = model_.assume_coded(model_.observe(picture, shown, std::make_shared<const core::Visible>(visible)),
                                  steps_of(plan, plan.quantiser));
-    if (!settings_.fraction) share_ = expected_share(model_, *state_, light, tolerance, settings_.loss);
+    if (!settings_.fraction) {
+        share_ = expected_share(model_, *state_, light, tolerance, settings_.loss);
+        share_of_predicted_ = 0;
+    }
     requantised_.reset();
 }
 
-float Coupling::part_of(const encoder::PicturePlan& plan) {
-    const std::int64_t followers = plan.horizon.value_or(plan.number) - plan.number;
-    return perceptual::propagation_factor(plan.type == encoder::PictureType::intra, followers);
+float Coupling::share_of(const encoder::PicturePlan& plan) const {
+    return plan.type != encoder::PictureType::intra && share_of_predicted_ > 0 ? share_of_predicted_ : share_;
 }
 
 core::ToleranceMap Coupling::tolerate(const core::Visible& visible, const encoder::PicturePlan& plan,
@@ -45,9 +47,17 @@ core::ToleranceMap Coupling::tolerate(const core::Visible& visible, const encode
     EXPECTS(state_.has_value());
     const perceptual::CodingPlan steps = steps_of(plan, plan.quantiser);
     if (!requantised_ || !(requantised_->plan == steps)) requantised_ = model_.requantise(*state_, steps);
-    perceptual::Tolerated tolerated = model_.tolerate(visible, *requantised_, *state_, motion, share_ * part_of(plan));
-    // A rough look has nothing to blend with.
-    warped_ = state_->number == plan.number ? perceptual::MaskedErrors() : std::move(tolerated.warped);
+    perceptual::Tolerated tolerated = model_.tolerate(visible, *requantised_, *state_, motion, share_of(plan));
+    // A rough look has nothing to blend with, nor is anything predicted from it.
+    const bool is_rough = state_->number == plan.number;
+    warped_ = is_rough ? perceptual::MaskedErrors() : std::move(tolerated.warped);
+    prediction_ = {};
+    if (plan.type == encoder::PictureType::predicted && !is_rough && reference_number_ == state_->number &&
+        !reference_.empty()) {
+        core::Plane<float> luma(reference_.width(), reference_.height());
+        std::copy(reference_.values().begin(), reference_.values().end(), luma.values().begin());
+        prediction_ = perceptual::warp(luma, *state_->visible, visible, motion);
+    }
     return std::move(tolerated.map);
 }
 
@@ -57,10 +67,20 @@ std::optional<double> Coupling::keep(const core::Picture& picture, const core::R
     if (plan.type == encoder::PictureType::bidirectional) return {};
     perceptual::Observation& kept = kept_[picture.number];
     kept = model_.observe(picture, shown, std::make_shared<const core::Visible>(visible), std::exchange(warped_, {}));
-    if (plan.type != encoder::PictureType::intra) return {};
-    const LightLoss found = measure_loss(kept, light, model_.light(), steps_of(plan, plan.quantiser), settings_.loss,
-                                         share_, part_of(plan));
-    if (!settings_.fraction) share_ = found.share;
+    const core::Plane<float> prediction = std::exchange(prediction_, {});
+    const bool is_intra = plan.type == encoder::PictureType::intra;
+    if (!is_intra && prediction.empty()) return {};
+    const perceptual::CodingPlan steps = steps_of(plan, plan.quantiser);
+    const auto measured = [&](perceptual::CodedBlocks blocks) {
+        return measure_loss(std::move(blocks), kept.light, light, model_.light(), steps, settings_.loss,
+                            share_of(plan));
+    };
+    const LightLoss found = measured({kept.coefficients, kept.light.luma, prediction});
+    if (settings_.fraction) return found.of_picture;
+    if (is_intra && share_of_predicted_ == 0)
+        share_of_predicted_ =
+            measured(perceptual::left_by_intra(kept.coefficients, steps.quantisation, steps.scale)).share;
+    (is_intra ? share_ : share_of_predicted_) = found.share;
     return found.of_picture;
 }
 
@@ -89,6 +109,7 @@ void Coupling::judge(const encoder::CodedPicture& coded) {
         requantised_.reset();
     }
     reference_ = coded.reconstruction.y;
+    reference_number_ = coded.plan.number;
 }
 
 void widen_poles(const scene::Camera& camera, core::ToleranceMap& tolerance) {

@@ -18,7 +18,7 @@ namespace render2mpeg::app {
 
 struct CouplingSettings {
     perceptual::Strategy strategy = perceptual::Strategy::warped;
-    /// Share of masked error in pictures that nothing depends on; none: by which they lose `loss`.
+    /// Share of masked error; none: by which pictures lose `loss`.
     std::optional<float> fraction;
     double loss = usual_loss;  ///< dB of PSNR-Y by the noise of light, > 0
 };
@@ -47,38 +47,40 @@ class Coupling {
     core::ToleranceMap tolerate(const core::Visible& visible, const encoder::PicturePlan& plan,
                                 const core::MotionField* motion);
 
-    /// Keeps a picture to be judged; only after tolerate() of the same frame. Learns what intra pictures lose by their
-    /// light: dB, told then.
+    /// Keeps a picture to be judged; only after tolerate() of the same frame. Learns what I and P pictures lose by
+    /// their light: dB, told then.
     std::optional<double> keep(const core::Picture& picture, const core::Radiance& light, const core::Radiance& shown,
                                const core::Visible& visible, const encoder::PicturePlan& plan);
-    /// Share of masked error that the next picture may have, if nothing depends on it.
-    float share() const { return share_; }
+    /// Share of masked error that such a picture may have, if it is the next.
+    float share_of(const encoder::PicturePlan& plan) const;
     /// Learns what coding left of a picture. Pictures come in coding order.
     void judge(const encoder::CodedPicture& coded);
 
     /// Its state between two frames.
     template <class A>
     friend void archive(A& a, Coupling& c) {
-        auto& [model, coding, settings, share, state, requantised, warped, kept, reference] = c;
-        a(share, state, kept, reference);
+        auto& [model, coding, settings, share, of_predicted, state, requantised, warped, prediction, kept, reference,
+               number] = c;
+        a(share, of_predicted, state, kept, reference, number);
         if constexpr (std::is_same_v<A, core::ArchiveReader>) requantised.reset();
     }
 
   private:
-    /// Part of the share that is left to a picture on which others depend.
-    static float part_of(const encoder::PicturePlan& plan);
     perceptual::CodingPlan steps_of(const encoder::PicturePlan& plan, int quantiser) const;
     perceptual::CodedFacts facts_of(const encoder::CodedPicture& coded) const;
 
     perceptual::VisibilityModel model_;
     encoder::Settings coding_;
     CouplingSettings settings_;
-    float share_;  ///< 0: not known yet
+    float share_;                   ///< of I pictures; 0: not known yet
+    float share_of_predicted_ = 0;  ///< of P and B pictures, which they tell; 0: as of I pictures
     std::optional<perceptual::TemporalState> state_;
     std::optional<perceptual::Requantised> requantised_;  ///< state_, for the frame lit last: B pictures share it
     perceptual::MaskedErrors warped_;                     ///< to the frame being lit
+    core::Plane<float> prediction_;                       ///< its luma along motion, if it is to be a P picture
     std::map<std::int64_t, perceptual::Observation> kept_;
     core::Plane<std::uint8_t> reference_;  ///< luma of the newest I or P picture that is coded
+    std::int64_t reference_number_ = -1;
 };
 
 /// Widens tolerances of a panorama's rows: a viewer sees their pixels as so many fewer, and as much error over their

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "core/numeric.h"
 #include "core/standard_error.h"
-#include "perceptual/light_loss.h"
 #include "renderer/base/allocation.h"
 
 namespace render2mpeg::app {
@@ -85,28 +85,29 @@ float expected_share(const perceptual::VisibilityModel& model, const perceptual:
             const double left = variance_of(worth(batches[i], allowed, allocation), batches[i]);
             noise.values()[i] = {static_cast<float>(left), static_cast<float>(left / 64)};
         }
-        const perceptual::NoisyPicture noisy{rough.coefficients, perceptual::noise_of_blocks(noise, rough.light.luma),
-                                             rough.plan.quantisation, rough.plan.scale};
+        const perceptual::NoisyPicture noisy{{rough.coefficients, rough.light.luma, {}},
+                                             perceptual::noise_of_blocks(noise, rough.light.luma),
+                                             rough.plan.quantisation,
+                                             rough.plan.scale};
         return noisy.loss(1);
     };
     if (!(loss_of(most_share) > 0)) return share_of_none;
     return static_cast<float>(perceptual::number_of_loss(loss, least_share, most_share, loss_of));
 }
 
-LightLoss measure_loss(const perceptual::Observation& picture, const core::Radiance& light,
+LightLoss measure_loss(perceptual::CodedBlocks blocks, const perceptual::PixelLight& seen, const core::Radiance& light,
                        const perceptual::InverseLuma& display, const perceptual::CodingPlan& coding, double loss,
-                       float share, float of_it) {
+                       float share) {
     const perceptual::NoisyPicture noisy{
-        picture.coefficients,
-        perceptual::noise_of_blocks(perceptual::noise_of(picture.light, display, light.error, light.shared_error),
-                                    picture.light.luma),
+        std::move(blocks),
+        perceptual::noise_of_blocks(perceptual::noise_of(seen, display, light.error, light.shared_error), seen.luma),
         coding.quantisation, coding.scale};
     constexpr double most_times = 8;
     if (!(noisy.loss(most_times) > 0)) return {0, share};
     const double wanted = std::pow(
         perceptual::number_of_loss(loss, 1 / most_times, most_times, [&](double times) { return noisy.loss(times); }),
         1 / error_power);
-    const float change = std::clamp(of_it * static_cast<float>(wanted), 1 / most_change, most_change);
+    const float change = std::clamp(static_cast<float>(wanted), 1 / most_change, most_change);
     return {noisy.loss(1), std::clamp(change * share, static_cast<float>(least_share), static_cast<float>(most_share))};
 }
 

@@ -336,7 +336,7 @@ void ChunkLoop::keep_for_coupling(const core::Picture& picture, const renderer::
     if (!coupling_) return;
     const StageTimer timer(statistics_, Stage::tolerate);
     LightingCost& cost = statistics_.frames.back().cost;
-    cost.share = coupling_->share();
+    cost.share = coupling_->share_of(plan);
     cost.loss = coupling_->keep(picture, lit.radiance, shown, lit.frame.visible, plan).value_or(-1);
 }
 

@@ -206,7 +206,7 @@ void add_audit(SummaryLines& lines, const Audit& audit) {
 
 void add_light_loss(SummaryLines& lines, const RenderJob& film, const LightLossFound& found) {
     if (found.pictures == 0) return;
-    lines.push_back({"loss", fmt::format("{:.2f} dB of PSNR-Y in intra pictures by the noise of light", found.loss)});
+    lines.push_back({"loss", fmt::format("{:.2f} dB of PSNR-Y in I and P pictures by the noise of light", found.loss)});
     if (!film.tolerance.fraction) lines.back().text += fmt::format(" ({:g} asked for)", film.tolerance.loss);
     lines.back().text += fmt::format(", which was {:.2f} of what coding hides", found.share);
 }
