@@ -63,6 +63,20 @@ TEST(Coupled, TheLossThatIsAskedForSteersTheRays) {
     EXPECT_LT(told(fine, "share"), 0.5 * told(coarse, "share"));
 }
 
+TEST(Coupled, PredictedPicturesHaveAShareOfTheirOwn) {
+    const Folder folder;
+    const std::string rest = " --frames 0:4 --quantiser 8";
+    const auto share = [](const Made& made, std::size_t frame) {
+        return made.statistics.at("per_frame").at(frame).at("light_share").get<double>();
+    };
+    // What is left to code of a picture that is predicted mostly vanishes, and noise with it.
+    const Made found = make(folder, film("cornell"), rest + " --loss 0.2");
+    ASSERT_EQ(found.statistics.at("per_frame").at(4).at("type"), "P");
+    EXPECT_GT(share(found, 4), 1.2 * share(found, 0));
+    const Made told = make(folder, film("cornell"), rest + " --tolerance coupled=0.5");
+    for (const std::size_t frame : {0u, 1u, 4u}) EXPECT_EQ(share(told, frame), 0.5) << frame;
+}
+
 TEST(Coupled, TheFilmDoesNotDependOnThreadsSlow) {
     const Folder folder;
     const std::string rest = " --frames 0:3 --gop 3 --threads ";
