@@ -68,7 +68,7 @@ def packing_of(scene, lost):
         lost.add(scene, f"both eyes' pictures as {kind.display_mode.lower()}; they lie side by side")
     if kind.use_squeezed_frame and kind.display_mode in PACKINGS:
         lost.add(scene, "squeezed pictures of eyes; they have their whole size")
-    if kind.use_sideside_crosseyed and kind.display_mode == "SIDEBYSIDE":
+    if kind.use_sidebyside_crosseyed and kind.display_mode == "SIDEBYSIDE":
         lost.add(scene, "eyes that are crossed; the left one's picture comes first")
     return PACKINGS.get(kind.display_mode, "side-by-side")
 
