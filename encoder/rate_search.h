@@ -9,8 +9,8 @@ namespace render2mpeg::encoder {
 /// (Illinois) on logarithms, from what was coded with other factors.
 class RateSearch {
   public:
-    /// Ends within a share `near` of the bits, or after `most_tries` (1..).
-    // chosen: a half per cent, or the best of eight: whole quantisers of short films come no nearer.
+    /// Ends within a share `near` of the bits, or after `most_tries` (1..). chosen: a half per cent, or the best of
+    /// eight: whole quantisers of short films come no nearer.
     explicit RateSearch(double near = 0.005, int most_tries = 8);
     /// One that begins where this one is, with the slope that it found: for coding that follows quantisers alike.
     RateSearch onwards(double near, int most_tries) const;

@@ -1,6 +1,7 @@
 #include "perceptual/light_loss.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -46,11 +47,11 @@ float decoded(float c, float step, float dead_zone) {
     return levels > 0.0f ? std::copysign(levels * step, c) : 0.0f;
 }
 
-/// Variance of luma by a variance of light, both squared code values there: light is a power of luma, nothing is darker
-/// than black, and next to it the curve is straight.
-float shown(float variance, float luma) {
-    constexpr float power = 2.2f, black = 16.0f, straight = 9.0f;
-    const float above = std::max(luma - black, straight), change = power * std::sqrt(variance) / above;
+/// Power that light is of luma above black.
+constexpr float power = 2.2f;
+
+/// Mean squared change of luma, relative to it, where light has a standard error relative to it.
+float shown(float change) {
     // Gauss and Hermite's rule of four points.
     struct Node {
         float place, weight;
@@ -61,7 +62,37 @@ float shown(float variance, float luma) {
             const float off = std::pow(std::max(1.0f + sign * node.place * change, 0.0f), 1.0f / power) - 1.0f;
             square += node.weight * off * off;
         }
-    return above * above * square;
+    return square;
+}
+
+/// The same by a table of 64 entries for each doubling of the error.
+class ShownErrors {
+  public:
+    ShownErrors() {
+        for (std::size_t i = 0; i < changes_.size(); ++i) changes_[i] = shown(error_of(static_cast<float>(i)));
+    }
+    float operator()(float error) const {
+        // Below a thousandth light and luma change alike.
+        if (!(error > least)) return error * error / (power * power);
+        const float place = by_doubling * std::log2(error / least);
+        const auto below = static_cast<std::size_t>(place);
+        if (below + 1 >= changes_.size()) return shown(error);
+        return std::lerp(changes_[below], changes_[below + 1], place - static_cast<float>(below));
+    }
+
+  private:
+    static constexpr float least = 1e-3f, by_doubling = 64;
+    static float error_of(float place) { return least * std::exp2(place / by_doubling); }
+    std::array<float, std::size_t{64} * 17> changes_{};  ///< up to 131
+};
+
+/// Variance of luma by a variance of light, both squared code values there: nothing is darker than black, and next to
+/// it the curve is straight.
+float shown(float variance, float luma) {
+    static const ShownErrors errors;
+    constexpr float black = 16.0f, straight = 9.0f;
+    const float above = std::max(luma - black, straight);
+    return above * above * errors(power * std::sqrt(variance) / above);
 }
 
 /// Step and dead zone of a coefficient.

@@ -12,7 +12,7 @@ from .film import STOPPED, Film
 from .live_view import LiveView
 from .program import INTERRUPTED, Refused, Run, keep_text, program
 from .scene_copy import Export, frame_of_film, on_main_thread
-from .settings import light_words
+from .settings import ONE_EYE, light_words
 
 
 
@@ -51,6 +51,8 @@ class Render2mpegEngine(LiveView, bpy.types.RenderEngine):
         if depsgraph.view_layer.name != scene.view_layers[0].name:
             self.report({"WARNING"}, f"{depsgraph.view_layer.name}: the first view layer alone is rendered")
             return
+        if scene.render.use_multiview:
+            self.report({"WARNING"}, "Stereoscopy: these frames are of one eye; Render Film (render2mpeg) makes both")
         try:
             if self.is_animation:
                 self.answer(scene, depsgraph.view_layer)
@@ -110,7 +112,7 @@ class Render2mpegEngine(LiveView, bpy.types.RenderEngine):
             about = 1 if scene.render.use_motion_blur and scene.frame_current > 0 else 0
             number = frame_of_film(folder, scene, about)
             image = os.path.join(export.place, "still.%04d.exr")
-            run = Run(["render", folder, "-o", image, "--frames", f"{number}:{number}"] + light_words(scene.render2mpeg, film=False))
+            run = Run(["render", folder, "-o", image, "--frames", f"{number}:{number}", *ONE_EYE] + light_words(scene.render2mpeg, film=False))
             self.wait(run, "still")
             self.show(scene, layer, image % number)
             self.tell_lost(export.run.lost(), export.run.lines + run.lines)

@@ -12,8 +12,7 @@ namespace {
 enum class UnitKind { header, picture, comment };
 
 /// By nal_unit_type. [H264, table 7-1], [H265, table 7-1] The display that a film is made for belongs to the headers
-/// [H265, D.2.28]; how pictures hold those of two eyes is said with
-/// them [H264, D.2.26].
+/// [H265, D.2.28], how pictures hold those of two eyes to the pictures [H264, D.2.26].
 UnitKind kind_of_nal(encoder::Codec codec, std::span<const std::uint8_t> unit) {
     if (codec == encoder::Codec::h264) {
         const int type = unit[0] & 31;

@@ -13,7 +13,7 @@ namespace {
 
 using scene::StereoPacking;
 
-constexpr int width = 64, height = 48;
+constexpr int eye_width = 64, eye_height = 48;
 
 const std::string things =
     R"("exposure": 0, "sky": [0.3, 0.4, 0.5], "objects": [
@@ -39,8 +39,8 @@ support::Outcome render(const std::string& words) {
 /// Part of a picture of RGB code values.
 std::string part_of(const std::string& codes, int across, int left, int top) {
     std::string part;
-    for (int y = top; y < top + height; ++y)
-        part += codes.substr(static_cast<std::size_t>(3 * (y * across + left)), 3u * width);
+    for (int y = top; y < top + eye_height; ++y)
+        part += codes.substr(static_cast<std::size_t>(3 * (y * across + left)), 3u * eye_width);
     return part;
 }
 
@@ -98,7 +98,7 @@ TEST(StereoFilmSlow, ShowsEachEyeWhatACameraInItsPlaceShows) {
             const std::string packing = across ? "side-by-side" : "top-bottom";
             ASSERT_EQ(render(both + " --stereo " + packing + size + path(folder, "both%d.png")).status, 0);
             const std::string codes = codes_of(path(folder, "both0.png"));
-            ASSERT_EQ(codes.size(), 2u * 3 * width * height);
+            ASSERT_EQ(codes.size(), 2u * 3 * eye_width * eye_height);
             for (const int eye : {0, 1}) {
                 const double aside = eye == 0 ? -0.2 : 0.2,
                              shift = convergence == "parallel" ? 0 : -aside / (6 * std::tan(glm::radians(22.5)));
@@ -107,15 +107,15 @@ TEST(StereoFilmSlow, ShowsEachEyeWhatACameraInItsPlaceShows) {
                                                    std::to_string(shift) + ", 0]",
                                                "", "alone.json");
                 ASSERT_EQ(render(alone + size + path(folder, "alone%d.png")).status, 0);
-                const std::string part =
-                    across ? part_of(codes, 2 * width, eye * width, 0) : part_of(codes, width, 0, eye * height);
+                const std::string part = across ? part_of(codes, 2 * eye_width, eye * eye_width, 0)
+                                                : part_of(codes, eye_width, 0, eye * eye_height);
                 const auto [psnr, mean] = compared(part, codes_of(path(folder, "alone0.png")));
                 EXPECT_GT(psnr, 45) << convergence << packing << eye;
                 EXPECT_NEAR(mean, 1, 0.01) << convergence << packing << eye;
             }
-            const auto [apart, mean] =
-                compared(part_of(codes, across ? 2 * width : width, 0, 0),
-                         part_of(codes, across ? 2 * width : width, across ? width : 0, across ? 0 : height));
+            const auto [apart, mean] = compared(
+                part_of(codes, across ? 2 * eye_width : eye_width, 0, 0),
+                part_of(codes, across ? 2 * eye_width : eye_width, across ? eye_width : 0, across ? 0 : eye_height));
             EXPECT_LT(apart, 32) << "eyes see different pictures";
         }
 }

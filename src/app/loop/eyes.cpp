@@ -112,6 +112,11 @@ core::Visible packed(std::vector<core::Visible> eyes, StereoPacking packing) {
 core::Radiance packed(std::vector<core::Radiance> eyes, StereoPacking packing) {
     using R = core::Radiance;
     if (eyes.size() == 1) return std::move(eyes.front());
+    // An eye in which nothing is exposed has no coverage.
+    const bool covers = std::ranges::any_of(eyes, [](const R& eye) { return !eye.coverage.empty(); });
+    for (R& eye : eyes)
+        if (covers && eye.coverage.empty())
+            eye.coverage = core::Plane<float>(eye.combined.width(), eye.combined.height(), 1.0f);
     R all = packed_picture(eyes, packing, &R::combined, &R::emission, &R::direct_irradiance, &R::indirect_irradiance,
                            &R::albedo, &R::glossy, &R::specular, &R::direct_cut, &R::indirect_cut, &R::error,
                            &R::shared_error, &R::half, &R::record_density, &R::record_age, &R::record_reuse,

@@ -26,8 +26,7 @@ scene::PictureFormat packed(scene::PictureFormat of_eye, scene::StereoPacking pa
 /// The format of each eye's part of it, at least one pixel.
 scene::PictureFormat of_eye(scene::PictureFormat whole, scene::StereoPacking packing);
 
-// Pictures of all eyes, which all have one size, as one: without stereo the only one, as it is. Not all that they know
-// of an instant is kept: of radiance what is combined and the layers.
+// Pictures of all eyes, which all have one size, as one: without stereo the only one, as it is.
 core::Visible packed(std::vector<core::Visible> eyes, scene::StereoPacking packing);
 core::Radiance packed(std::vector<core::Radiance> eyes, scene::StereoPacking packing);
 core::Mattes packed(std::vector<core::Mattes> eyes, scene::StereoPacking packing);

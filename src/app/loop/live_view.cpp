@@ -43,7 +43,9 @@ bool is_same(const scene::PictureFormat& format, Size size) {
 }  // namespace
 
 LiveView::LiveView(RenderJob film)
-    : film_(std::move(film)), draft_film_(draft_of(film_)), draft_(renderer_of(draft_film_)) {}
+    : film_(std::move(film)), draft_film_(draft_of(film_)), draft_(renderer_of(draft_film_)) {
+    draft_film_.format = draft_film_.rendering.format;  // of one eye
+}
 
 void LiveView::show(const LiveWish& wish) {
     wish_ = wish;

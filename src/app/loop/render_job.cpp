@@ -312,10 +312,6 @@ void settle_tolerance(RenderJob& film, const RenderOptions& options) {
             (master ? std::string(codec.name) : options.output.string()));
 }
 
-}  // namespace
-
-namespace {
-
 /// The shape of pictures that hold those of all eyes.
 Shape shape_of_all(Shape of_eye, scene::StereoPacking packing) {
     const scene::PictureFormat all = packed({of_eye.size.width, of_eye.size.height}, packing);

@@ -116,7 +116,8 @@ std::pair<std::filesystem::path, std::string> mark_of(const RenderJob& film, con
     return {files[0], text_of(sum.value())};
 }
 
-/// All that decides the light on a film's surfaces, whatever its coding. Other frames and sizes find little of it.
+/// All that decides the light on a film's surfaces, whatever its coding. Other frames and sizes find little of it; a
+/// second eye finds it all.
 json light_identity_of(const RenderJob& film, const RenderOptions& options) {
     const renderer::Settings& s = film.rendering;
     json words = json::object();

@@ -170,10 +170,13 @@ void set_stereo(scene::Animation& animation, const RenderOptions& options, Size 
     if (animation.stereo == scene::StereoPacking::none) return;
     const std::string_view packing = scene::packing_names[static_cast<std::size_t>(animation.stereo)];
     const std::string who = options.stereo ? fmt::format("--stereo {}", packing) : fmt::format("stereo {}", packing);
-    for (const scene::CameraLens& lens : animation.cameras)
+    for (std::size_t shown = 0; shown < std::max<std::size_t>(1, animation.shots.size()); ++shown) {
+        const int camera = animation.shots.empty() ? 0 : animation.shots[shown].camera;
+        const scene::CameraLens& lens = animation.cameras[static_cast<std::size_t>(camera)];
         if (lens.projection == scene::ProjectionKind::orthographic)
             throw UsageError(
                 fmt::format("{}: the camera \"{}\" is one of parallel rays, which see no depth", who, lens.name));
+    }
     const bool across = animation.stereo == scene::StereoPacking::side_by_side;
     if ((across ? of_eye.width : of_eye.height) % 2 != 0)
         throw UsageError(fmt::format("{}: {}x{} for each eye: take an even {}, so that no sample of colour is of both",
