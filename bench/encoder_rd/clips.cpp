@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "app/loop/pipeline.h"
+#include "app/loop/automatic_exposure.h"
 #include "app/loop/render_job.h"
 #include "core/error.h"
 #include "encoder/av/y4m.h"

@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "app/loop/automatic_exposure.h"
 #include "app/loop/render_job.h"
 #include "app/loop/run_statistics.h"
 #include "core/color.h"
