@@ -9,8 +9,8 @@
 #include <memory>
 #include <utility>
 
-#include "app/loop/pipeline.h"
 #include "app/loop/automatic_exposure.h"
+#include "app/loop/pipeline.h"
 #include "app/loop/render_job.h"
 #include "core/error.h"
 #include "encoder/av/y4m.h"

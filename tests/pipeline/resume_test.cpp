@@ -236,6 +236,25 @@ TEST_F(InAChunkOfSmoke, ASignalCostsTheFrameAtHandSlow) {
     EXPECT_TRUE(lasting(folder_ / "film.json") == lasting(folder_ / "whole.json"));
 }
 
+/// Two eyes, each with its own last frame, glare and blur.
+class InAChunkForTwoEyes : public InAChunk {
+  protected:
+    void SetUp() override {
+        json scene = json::parse(support::travel_scene(24));
+        scene["stereo"] = "side-by-side";
+        scene["glare"] = "static";
+        scene["shutter"] = 180;
+        std::ofstream(folder_ / "scene.json") << scene;
+        make_whole();
+    }
+};
+
+TEST_F(InAChunkForTwoEyes, LitFramesAreKeptSlow) {
+    for (const std::int64_t beyond : {1, 5}) EXPECT_GT(end_by("TERM", beyond), beyond);
+    go_on();
+    EXPECT_TRUE(lasting(folder_ / "film.json") == lasting(folder_ / "whole.json"));
+}
+
 TEST_F(InAChunk, LitFramesThatAreDamagedAreLitAnewAndSaidSlow) {
     EXPECT_GT(end_by("KILL"), 0);
     std::string state = contents(state_);
