@@ -209,7 +209,9 @@ std::vector<HardCase> motion_cases() {
          },
          [](const Lit& film) {
              EXPECT_GT(film.mean(0), 0.0);
-             EXPECT_LE(film.mean(1), film.way == Way::records ? 1e-3 * film.mean(0) : 0.0);
+             // Records of the frame before may leave what their tolerance hides.
+             const bool records = film.way == Way::records || film.way == Way::coupled;
+             EXPECT_LE(film.mean(1), records ? 1e-3 * film.mean(0) : 0.0);
              EXPECT_GT(film.mean(2), 0.0);
          }},
     };
