@@ -163,7 +163,7 @@ TEST(StereoFilm, SaysHowItsPicturesHoldBothEyesWhereItCan) {
     // H.264 says it itself; MPEG-2 cannot, and that is told.
     const std::string stream = path(folder, "film.ts");
     EXPECT_EQ(render(words + stream + " --codec h264").output, "");
-    EXPECT_NE(eyes_in(stream).find("type=top and bottom"), std::string::npos) << eyes_in(stream);
+    EXPECT_NE(eyes_in(stream).find("stereo_mode=top_bottom"), std::string::npos) << eyes_in(stream);
     const auto told = run(program() + " render " + words + path(folder, "film.mpg"));
     EXPECT_EQ(told.status, 0);
     EXPECT_NE(told.output.find("such files cannot say that they are for two eyes; .mp4 and .mkv do"), std::string::npos)

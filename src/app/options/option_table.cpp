@@ -242,8 +242,8 @@ Rows light_rows(CommandLine& line) {
 
 Rows coding_rows(CommandLine& line) {
     CodingOptions& o = line.render.coding;
-    static const std::string presets = fmt::format("{}", fmt::join(preset_names(), "|")), codecs = words_of_codecs(),
-                             codecs_and_hevc = codecs + "|h265", gop = std::to_string(usual_gop);
+    static const std::string codecs = words_of_codecs() + "|h265", gop = std::to_string(usual_gop);
+    static const std::string presets = fmt::format("{}", fmt::join(preset_names(), "|"));
     return {
         {"--for", coding, &o.preset,
          "Where the film goes: dvd-ntsc, dvd-pal or atsc. Sets size, rate, shape, GOPs, rates and buffer "
@@ -254,8 +254,8 @@ Rows coding_rows(CommandLine& line) {
          "little finer, B pictures are coarser. Other codecs code to about the same quality",
          range(1, 31), ShownAs{"4"}, Idle::uncoded},
         {"--codec", coding, &o.codec,
-         "How pictures are coded (default: h264 in .mp4, .mov, .mkv, else mpeg2); the last three: for editors",
-         codecs.c_str(), Words{codecs_and_hevc.c_str()}, Idle::uncoded},
+         "mpeg2, h264, hevc, av1 (default: h264 in .mp4, .mov, .mkv, else mpeg2); for editors prores, dnxhr, ffv1 ...",
+         "CODEC", Words{codecs.c_str()}, Idle::uncoded},
         {"--level", coding, &o.level,
          "Level of H.264 or AV1 that the film keeps to in size, pictures per second and references, e.g. 4.1 (default: "
          "the lowest)",
