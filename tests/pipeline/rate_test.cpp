@@ -56,7 +56,7 @@ TEST(Rates, OfOnePassSpendOnNoiseWhatACalmShotBeforeItLeaves) {
 TEST(RatesSlow, OnePassAndTwoComeNearAndStatisticsSayHow) {
     const Folder folder;
     const auto two = rendered(folder, "--bitrate 60k --maxrate 100k --vbv 200k", "f.m2v", support::panel_film());
-    EXPECT_LT(error_of(two), 0.04) << two.at("rate");
+    EXPECT_LT(error_of(two), 0.05) << two.at("rate");
     EXPECT_GT(two.at("seconds").at("first_pass").get<double>(), 0);
     EXPECT_EQ(two.at("rate").at("mode"), "variable");
     EXPECT_EQ(two.at("rate").at("max_rate"), 100'000);

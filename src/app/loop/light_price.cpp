@@ -27,10 +27,6 @@ constexpr float most_change = 2;
 /// a kitchen; eq. 3 of docs/model/gathering.md has 0.82.
 constexpr double error_power = 0.8;
 
-/// Share of a point's variance that is left where neighbours share what they found. fit:
-/// docs/measurements.md#tolerance-fraction, of 1, 1/2, 1/4 and 1/10.
-constexpr double left_by_neighbours = 0.5;
-
 /// Rays that the first of a point are, and that a variance is told of.
 constexpr double first_rays = 16, batch = 8;
 
@@ -73,8 +69,7 @@ float expected_share(const perceptual::VisibilityModel& model, const perceptual:
         const auto of_error =
             static_cast<double>(core::divide_or(rough.light.luminance.values()[i], rough.errors.values()[i], 0.0f));
         const double looked = static_cast<double>(tolerance) * of_error * std::sqrt(hidden.values()[i].alone);
-        batches[i] = left_by_neighbours *
-                     batch_variance_of(noise.values()[i].alone, allowed_square(looked), {.typical = tolerance});
+        batches[i] = batch_variance_of(noise.values()[i].alone, allowed_square(looked), {.typical = tolerance});
     }
     const float low = model.requantise(rough, rough.plan).low_fraction;
     const auto loss_of = [&](double share) {
