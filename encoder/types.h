@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/frame_packing.h"
 #include "core/motion_field.h"
 #include "core/picture.h"
 #include "core/rational.h"
@@ -69,9 +70,6 @@ struct SphereBounds {
     bool operator==(const SphereBounds&) const = default;
 };
 
-/// How a picture holds those of two eyes: the left one to the left, or above [H264, D.2.26].
-enum class FramePacking : std::uint8_t { none, side_by_side, top_bottom };
-
 /// Coding settings, constant over the film.
 struct Settings {
     Codec codec = Codec::mpeg2;
@@ -97,7 +95,7 @@ struct Settings {
     float peak = 0;          ///< cd/m^2 of the display that the film is made for, where its signals say so; 0: not said
     core::LightLevel light;  ///< of the whole film, where a container is told it
     std::optional<SphereBounds> sphere;  ///< the pictures are panoramas, which containers can say; none: flat ones
-    FramePacking packing = FramePacking::none;  ///< likewise, and H.264 itself
+    core::FramePacking packing = core::FramePacking::none;  ///< likewise, and H.264 itself
     int grain = 0;       ///< ISO of film grain, 0 for none; decoders of AV1 add it, other pictures come with it
     int level = 0;       ///< ten times the level of a library's codec: 41 is 4.1; 0: the lowest that holds the pictures
     int references = 0;  ///< pictures that one may be predicted from in H.264; 0: as its level and effort have it

@@ -111,9 +111,9 @@ bool is_film(const std::filesystem::path& file) {
     return format_of(file) != nullptr;
 }
 
-bool tells_panoramas(const std::filesystem::path& name) {
+bool tells_immersive(const std::filesystem::path& name) {
     const char* format = format_of(name);
-    return format != nullptr && format_tells_panoramas(format);
+    return format != nullptr && format_tells_immersive(format);
 }
 
 struct Muxer::Impl {

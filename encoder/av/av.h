@@ -19,7 +19,7 @@ namespace render2mpeg::av {
 bool is_film(const std::filesystem::path& file);
 
 /// Whether films of this ending can say that their pictures are panoramas, or for two eyes.
-bool tells_panoramas(const std::filesystem::path& name);
+bool tells_immersive(const std::filesystem::path& name);
 
 /// Throws core::Error where players do not look for a codec in files of this ending.
 void check_container(const std::filesystem::path& name, encoder::Codec codec);

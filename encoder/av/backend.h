@@ -22,7 +22,7 @@ namespace render2mpeg::av {
 
 /// Whether libavformat's `format` has words for panoramas and two eyes: boxes of MP4, ProjectionPrivate and StereoMode
 /// of Matroska. That of QuickTime has them in its files, but libavformat does not write them.
-constexpr bool format_tells_panoramas(std::string_view format) {
+constexpr bool format_tells_immersive(std::string_view format) {
     return format == "mp4" || format == "matroska";
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/frame_packing.h"
 #include "core/rational.h"
 #include "encoder/types.h"
 
@@ -27,10 +28,10 @@ struct StreamFacts {
     int transfer_characteristics = 0;   ///< as declared: 1 and 6 BT.709's curve, 13 sRGB's, 16 PQ, 18 HLG; 0: not said
     double peak = 0;         ///< cd/m^2 of the display that it is made for, as the container says; 0: not said
     core::LightLevel light;  ///< likewise
-    std::optional<encoder::SphereBounds> sphere;                  ///< its pictures are panoramas, as the container says
-    encoder::FramePacking packing = encoder::FramePacking::none;  ///< for two eyes, likewise
-    std::int64_t bit_rate = 0;                                    ///< as declared, bits per second; 0: not said
-    std::int64_t buffer_bits = 0;                                 ///< of the decoder's buffer as declared; 0: not said
+    std::optional<encoder::SphereBounds> sphere;            ///< its pictures are panoramas, as the container says
+    core::FramePacking packing = core::FramePacking::none;  ///< for two eyes, likewise
+    std::int64_t bit_rate = 0;                              ///< as declared, bits per second; 0: not said
+    std::int64_t buffer_bits = 0;                           ///< of the decoder's buffer as declared; 0: not said
 };
 
 /// Vectors of one picture in one direction of time.

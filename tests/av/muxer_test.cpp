@@ -232,7 +232,7 @@ TEST(Muxer, SaysWhereOnTheSphereItsPicturesLie) {
     for (const char* name : {"film.mpg", "film.ts", "film.mov"}) {
         const fs::path file = film.mux(folder / name);
         EXPECT_FALSE(av::inspect(file).stream.sphere) << name;
-        EXPECT_FALSE(av::tells_panoramas(name));
+        EXPECT_FALSE(av::tells_immersive(name));
     }
     film.settings.sphere.reset();
     EXPECT_FALSE(av::inspect(film.mux(folder / "flat.mp4")).stream.sphere);
@@ -241,7 +241,7 @@ TEST(Muxer, SaysWhereOnTheSphereItsPicturesLie) {
 TEST(Muxer, TellsHowPicturesHoldThoseOfTwoEyes) {
     const Folder folder;
     CodedFilm film = coded_film(folder, 64, 48, "25", 3, "-q:v 8");
-    using encoder::FramePacking;
+    using core::FramePacking;
     for (const char* name : {"film.mp4", "film.mkv"})
         for (const bool around : {false, true})
             for (const FramePacking packing : {FramePacking::side_by_side, FramePacking::top_bottom}) {

@@ -11,7 +11,7 @@
 namespace render2mpeg::test {
 namespace {
 
-using scene::StereoPacking;
+using core::FramePacking;
 
 constexpr int eye_width = 64, eye_height = 48;
 
@@ -58,7 +58,7 @@ std::pair<double, double> compared(const std::string& a, const std::string& b) {
 }
 
 TEST(StereoPacking, OfPartsIsUndoneByTakingTheParts) {
-    for (const StereoPacking packing : {StereoPacking::side_by_side, StereoPacking::top_bottom}) {
+    for (const FramePacking packing : {FramePacking::side_by_side, FramePacking::top_bottom}) {
         std::vector<core::ToleranceMap> eyes;
         for (const float first : {1.0f, 100.0f}) {
             core::ToleranceMap map = core::ToleranceMap::uniform(3, 2, {});
@@ -67,7 +67,7 @@ TEST(StereoPacking, OfPartsIsUndoneByTakingTheParts) {
             eyes.push_back(map);
         }
         const core::ToleranceMap whole = app::packed(eyes, packing);
-        EXPECT_EQ(whole.pixels.width(), packing == StereoPacking::side_by_side ? 6 : 3);
+        EXPECT_EQ(whole.pixels.width(), packing == FramePacking::side_by_side ? 6 : 3);
         EXPECT_EQ(whole.pixels.size(), 12u);
         EXPECT_EQ(whole.typical, 0.5f);
         for (const std::size_t e : {0u, 1u}) EXPECT_EQ(app::part_of(whole, packing, e).pixels, eyes[e].pixels);
@@ -79,10 +79,10 @@ TEST(StereoPacking, LetsNothingMoveFromOneEyeToTheOther) {
     eye.vector = core::Plane<glm::vec2>(4, 2, glm::vec2(1.5f, 0));
     eye.kind = core::Plane<core::PixelClass>(4, 2, core::PixelClass::surface);
     eye.wraps = true;
-    const core::MotionField across = app::packed({eye, eye}, StereoPacking::side_by_side);
+    const core::MotionField across = app::packed({eye, eye}, FramePacking::side_by_side);
     EXPECT_FALSE(across.wraps);
     for (int x = 0; x < 8; ++x) EXPECT_EQ(across.kind.at(x, 1) == core::PixelClass::none, x % 4 >= 2) << x;
-    const core::MotionField down = app::packed({eye, eye}, StereoPacking::top_bottom);
+    const core::MotionField down = app::packed({eye, eye}, FramePacking::top_bottom);
     EXPECT_TRUE(down.wraps);
     for (const core::PixelClass kind : down.kind.values()) EXPECT_EQ(kind, core::PixelClass::surface);
 }

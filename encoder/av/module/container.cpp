@@ -181,9 +181,9 @@ class File final : public Container {
         codec.extradata_size = static_cast<int>(facts.headers.size());
         describe_buffer(*stream, facts, messages);
         if (settings.peak > 0) describe_light(*stream, settings, messages);
-        if (!format_tells_panoramas(context_->oformat->name)) return;
+        if (!format_tells_immersive(context_->oformat->name)) return;
         // Boxes of MP4 that no ISO standard knows are written where one asks for them.
-        const bool has_eyes = settings.packing != encoder::FramePacking::none;
+        const bool has_eyes = settings.packing != core::FramePacking::none;
         if (is_isom_ && (settings.sphere || has_eyes)) context_->strict_std_compliance = FF_COMPLIANCE_UNOFFICIAL;
         if (settings.sphere) describe_sphere(*stream, *settings.sphere, messages);
         if (settings.sphere || has_eyes) describe_eyes(*stream, settings.packing, messages);
@@ -205,12 +205,12 @@ class File final : public Container {
     }
 
     /// For how many eyes its pictures are.
-    void describe_eyes(AVStream& stream, encoder::FramePacking packing, const Messages& messages) {
+    void describe_eyes(AVStream& stream, core::FramePacking packing, const Messages& messages) {
         AVStereo3D* eyes = av_stereo3d_alloc();
         if (eyes == nullptr) check(AVERROR(ENOMEM), messages);
-        eyes->type = packing == encoder::FramePacking::side_by_side ? AV_STEREO3D_SIDEBYSIDE
-                     : packing == encoder::FramePacking::top_bottom ? AV_STEREO3D_TOPBOTTOM
-                                                                    : AV_STEREO3D_2D;
+        eyes->type = packing == core::FramePacking::side_by_side ? AV_STEREO3D_SIDEBYSIDE
+                     : packing == core::FramePacking::top_bottom ? AV_STEREO3D_TOPBOTTOM
+                                                                 : AV_STEREO3D_2D;
         add(stream, AV_PKT_DATA_STEREO3D, eyes, sizeof *eyes, messages);
     }
 

@@ -220,8 +220,8 @@ class InspectedFilm {
             s.sphere = {sphere->bound_left * 0x1p-32, sphere->bound_top * 0x1p-32, sphere->bound_right * 0x1p-32,
                         sphere->bound_bottom * 0x1p-32};
         if (const auto* eyes = side_data_of<AVStereo3D>(*film_.stream, AV_PKT_DATA_STEREO3D)) {
-            if (eyes->type == AV_STEREO3D_SIDEBYSIDE) s.packing = encoder::FramePacking::side_by_side;
-            if (eyes->type == AV_STEREO3D_TOPBOTTOM) s.packing = encoder::FramePacking::top_bottom;
+            if (eyes->type == AV_STEREO3D_SIDEBYSIDE) s.packing = core::FramePacking::side_by_side;
+            if (eyes->type == AV_STEREO3D_TOPBOTTOM) s.packing = core::FramePacking::top_bottom;
         }
         s.bit_rate = decoder_->rc_max_rate;
         s.buffer_bits = decoder_->rc_buffer_size;

@@ -59,9 +59,9 @@ std::string mastering_svt(const encoder::Settings& settings) {
 /// ahead, types make no difference. Adaptive quantisation is on, else offsets are ignored, but next to nothing.
 std::string x264_settings(const encoder::Settings& settings) {
     // Its numbers are those of frame_packing_arrangement_type [H264, table D-8].
-    const char* packing = settings.packing == encoder::FramePacking::side_by_side ? ":frame-packing=3"
-                          : settings.packing == encoder::FramePacking::top_bottom ? ":frame-packing=4"
-                                                                                  : "";
+    const char* packing = settings.packing == core::FramePacking::side_by_side ? ":frame-packing=3"
+                          : settings.packing == core::FramePacking::top_bottom ? ":frame-packing=4"
+                                                                               : "";
     return "qcomp=1:aq-mode=1:aq-strength=0.0001:mbtree=0:rc-lookahead=0:sync-lookahead=0:force-cfr=1:"
            "ipratio=1:pbratio=1:scenecut=0:keyint=infinite:b-adapt=0:b-pyramid=normal:open-gop=0:no-psy=1:level=" +
            std::to_string(settings.level) + ":ref=" + std::to_string(settings.references) + packing;

@@ -194,10 +194,6 @@ std::string sphere_text(const encoder::SphereBounds& sphere) {
                        360 * (1 - sphere.left - sphere.right), 180 * (1 - sphere.top - sphere.bottom));
 }
 
-const char* word_of(encoder::FramePacking packing) {
-    return packing == encoder::FramePacking::side_by_side ? "side-by-side" : "top-bottom";
-}
-
 std::string stream_lines(const std::string& name, const av::Inspection& film) {
     const av::StreamFacts& s = film.stream;
     const double seconds = duration_of(film);
@@ -211,7 +207,7 @@ std::string stream_lines(const std::string& name, const av::Inspection& film) {
                         pictures_text(static_cast<std::int64_t>(film.pictures.size())), seconds);
     text += fmt::format("  container  {}, {} stream{}\n", s.container, s.streams, s.streams == 1 ? "" : "s");
     if (s.sphere) text += sphere_text(*s.sphere);
-    if (s.packing != encoder::FramePacking::none) text += fmt::format("  eyes       two, {}\n", word_of(s.packing));
+    if (s.packing != core::FramePacking::none) text += fmt::format("  eyes       two, {}\n", core::name_of(s.packing));
     text += fmt::format("  pictures   {}, {:.0f} kb/s", size_text(bytes), 8e-3 * ratio_of(bytes, seconds));
     if (s.bit_rate > 0) text += fmt::format("; declared: {:.0f} kb/s", 1e-3 * static_cast<double>(s.bit_rate));
     if (s.buffer_bits > 0) text += fmt::format(", buffer of {} bits", s.buffer_bits);
@@ -339,7 +335,7 @@ json json_of(const std::string& name, const av::Inspection& film, bool summary) 
         {"max_cll", or_null(s.light.most, s.light.most > 0)},
         {"max_fall", or_null(s.light.mean, s.light.most > 0)},
         {"panorama", s.sphere ? json{s.sphere->left, s.sphere->top, s.sphere->right, s.sphere->bottom} : json()},
-        {"stereo", s.packing != encoder::FramePacking::none ? json(word_of(s.packing)) : json()},
+        {"stereo", s.packing != core::FramePacking::none ? json(std::string(core::name_of(s.packing))) : json()},
         {"busiest_second", busiest_second(film)},
         {"max_rate", or_null(s.bit_rate, s.bit_rate > 0)},
         {"vbv_bits", or_null(s.buffer_bits, s.buffer_bits > 0)},

@@ -9,17 +9,17 @@
 namespace render2mpeg::app {
 namespace {
 
-using scene::StereoPacking;
+using core::FramePacking;
 
 /// Which part of the picture an eye has.
-glm::ivec2 corner_of(int width, int height, StereoPacking packing, std::size_t eye) {
+glm::ivec2 corner_of(int width, int height, FramePacking packing, std::size_t eye) {
     if (eye == 0) return {0, 0};
-    return packing == StereoPacking::side_by_side ? glm::ivec2(width, 0) : glm::ivec2(0, height);
+    return packing == FramePacking::side_by_side ? glm::ivec2(width, 0) : glm::ivec2(0, height);
 }
 
 /// Values of one eye alone are left as they are.
 template <class T>
-core::Plane<T> packed_planes(std::span<core::Plane<T>* const> eyes, StereoPacking packing) {
+core::Plane<T> packed_planes(std::span<core::Plane<T>* const> eyes, FramePacking packing) {
     core::Plane<T>& first = *eyes.front();
     if (eyes.size() == 1 || first.empty()) return std::move(first);
     const int width = first.width(), height = first.height();
@@ -34,7 +34,7 @@ core::Plane<T> packed_planes(std::span<core::Plane<T>* const> eyes, StereoPackin
 }
 
 template <class T, class Picture>
-core::Plane<T> packed_member(std::vector<Picture>& eyes, core::Plane<T> Picture::*member, StereoPacking packing) {
+core::Plane<T> packed_member(std::vector<Picture>& eyes, core::Plane<T> Picture::*member, FramePacking packing) {
     std::vector<core::Plane<T>*> planes;
     for (Picture& eye : eyes) planes.push_back(&(eye.*member));
     return packed_planes<T>(planes, packing);
@@ -42,15 +42,15 @@ core::Plane<T> packed_member(std::vector<Picture>& eyes, core::Plane<T> Picture:
 
 /// Packs these planes of pictures; the rest is as the first has it.
 template <class Picture, class... Members>
-Picture packed_picture(std::vector<Picture>& eyes, StereoPacking packing, Members... members) {
+Picture packed_picture(std::vector<Picture>& eyes, FramePacking packing, Members... members) {
     Picture all;
     ((all.*members = packed_member(eyes, members, packing)), ...);
     return all;
 }
 
 template <class T>
-core::Plane<T> part_of_plane(const core::Plane<T>& whole, StereoPacking packing, std::size_t eye) {
-    if (packing == StereoPacking::none || whole.empty()) return whole;
+core::Plane<T> part_of_plane(const core::Plane<T>& whole, FramePacking packing, std::size_t eye) {
+    if (packing == FramePacking::none || whole.empty()) return whole;
     const scene::PictureFormat format = of_eye({whole.width(), whole.height()}, packing);
     const glm::ivec2 at = corner_of(format.width, format.height, packing, eye);
     core::Plane<T> part(format.width, format.height);
@@ -62,8 +62,8 @@ core::Plane<T> part_of_plane(const core::Plane<T>& whole, StereoPacking packing,
 }
 
 /// Forgets points that leave the picture where another eye's part goes on.
-void end_at_sides(core::MotionField& field, StereoPacking packing) {
-    const bool across = packing == StereoPacking::side_by_side;
+void end_at_sides(core::MotionField& field, FramePacking packing) {
+    const bool across = packing == FramePacking::side_by_side;
     const int width = field.vector.width(), height = field.vector.height();
     const auto side = static_cast<float>(across ? width : height);
     for (int y = 0; y < height; ++y)
@@ -76,31 +76,31 @@ void end_at_sides(core::MotionField& field, StereoPacking packing) {
 
 }  // namespace
 
-std::span<const scene::Eye> eyes_of(StereoPacking packing) {
+std::span<const scene::Eye> eyes_of(FramePacking packing) {
     static constexpr std::array single{scene::Eye::single};
     static constexpr std::array both{scene::Eye::left, scene::Eye::right};
-    if (packing == StereoPacking::none) return single;
+    if (packing == FramePacking::none) return single;
     return both;
 }
 
-std::string eyes_text(StereoPacking packing) {
-    if (packing == StereoPacking::none) return {};
-    return " for two eyes (" + std::string(scene::packing_names[static_cast<std::size_t>(packing)]) + ")";
+std::string eyes_text(FramePacking packing) {
+    if (packing == FramePacking::none) return {};
+    return " for two eyes (" + std::string(core::name_of(packing)) + ")";
 }
 
-scene::PictureFormat packed(scene::PictureFormat of_eye, StereoPacking packing) {
-    if (packing == StereoPacking::side_by_side) of_eye.width *= 2;
-    if (packing == StereoPacking::top_bottom) of_eye.height *= 2;
+scene::PictureFormat packed(scene::PictureFormat of_eye, FramePacking packing) {
+    if (packing == FramePacking::side_by_side) of_eye.width *= 2;
+    if (packing == FramePacking::top_bottom) of_eye.height *= 2;
     return of_eye;
 }
 
-scene::PictureFormat of_eye(scene::PictureFormat whole, StereoPacking packing) {
-    if (packing == StereoPacking::side_by_side) whole.width = std::max(whole.width / 2, 1);
-    if (packing == StereoPacking::top_bottom) whole.height = std::max(whole.height / 2, 1);
+scene::PictureFormat of_eye(scene::PictureFormat whole, FramePacking packing) {
+    if (packing == FramePacking::side_by_side) whole.width = std::max(whole.width / 2, 1);
+    if (packing == FramePacking::top_bottom) whole.height = std::max(whole.height / 2, 1);
     return whole;
 }
 
-core::Visible packed(std::vector<core::Visible> eyes, StereoPacking packing) {
+core::Visible packed(std::vector<core::Visible> eyes, FramePacking packing) {
     using V = core::Visible;
     if (eyes.size() == 1) return std::move(eyes.front());
     V all = packed_picture(eyes, packing, &V::address, &V::depth, &V::geometric_normal, &V::shading_normal,
@@ -109,7 +109,7 @@ core::Visible packed(std::vector<core::Visible> eyes, StereoPacking packing) {
     return all;
 }
 
-core::Radiance packed(std::vector<core::Radiance> eyes, StereoPacking packing) {
+core::Radiance packed(std::vector<core::Radiance> eyes, FramePacking packing) {
     using R = core::Radiance;
     if (eyes.size() == 1) return std::move(eyes.front());
     // An eye in which nothing is exposed has no coverage.
@@ -125,7 +125,7 @@ core::Radiance packed(std::vector<core::Radiance> eyes, StereoPacking packing) {
     return all;
 }
 
-core::Mattes packed(std::vector<core::Mattes> eyes, StereoPacking packing) {
+core::Mattes packed(std::vector<core::Mattes> eyes, FramePacking packing) {
     if (eyes.size() == 1 || eyes.front().empty()) return std::move(eyes.front());
     const int width = eyes.front().width, height = eyes.front().height;
     const scene::PictureFormat format = packed({width, height}, packing);
@@ -141,14 +141,14 @@ core::Mattes packed(std::vector<core::Mattes> eyes, StereoPacking packing) {
     return all;
 }
 
-core::ToleranceMap packed(std::vector<core::ToleranceMap> eyes, StereoPacking packing) {
+core::ToleranceMap packed(std::vector<core::ToleranceMap> eyes, FramePacking packing) {
     core::ToleranceMap all = packed_picture(eyes, packing, &core::ToleranceMap::pixels);
     all.typical = eyes.front().typical;
     all.means = eyes.front().means;
     return all;
 }
 
-core::MotionField packed(std::vector<core::MotionField> eyes, StereoPacking packing) {
+core::MotionField packed(std::vector<core::MotionField> eyes, FramePacking packing) {
     using M = core::MotionField;
     if (eyes.size() == 1) return std::move(eyes.front());
     for (M& eye : eyes) end_at_sides(eye, packing);
@@ -156,15 +156,15 @@ core::MotionField packed(std::vector<core::MotionField> eyes, StereoPacking pack
     all.picture = eyes.front().picture;
     all.reference = eyes.front().reference;
     // Where columns go on within an eye's part, the picture's edges do not.
-    all.wraps = eyes.front().wraps && packing == StereoPacking::top_bottom;
+    all.wraps = eyes.front().wraps && packing == FramePacking::top_bottom;
     return all;
 }
 
-core::ToleranceMap part_of(const core::ToleranceMap& whole, StereoPacking packing, std::size_t eye) {
+core::ToleranceMap part_of(const core::ToleranceMap& whole, FramePacking packing, std::size_t eye) {
     return {part_of_plane(whole.pixels, packing, eye), whole.typical, whole.means};
 }
 
-core::MotionField part_of(const core::MotionField& whole, StereoPacking packing, std::size_t eye) {
+core::MotionField part_of(const core::MotionField& whole, FramePacking packing, std::size_t eye) {
     core::MotionField part{whole.picture, whole.reference, part_of_plane(whole.vector, packing, eye),
                            part_of_plane(whole.depth_in_reference, packing, eye),
                            part_of_plane(whole.kind, packing, eye)};

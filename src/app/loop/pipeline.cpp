@@ -120,8 +120,6 @@ ChunkLoop::ChunkLoop(const RenderJob& job, renderer::Renderer& renderer, const C
     observers_.add(observer);
 }
 
-namespace {
-
 std::vector<core::Visible> visible_of(const std::vector<renderer::Frame>& frames) {
     std::vector<core::Visible> visible;
     for (const renderer::Frame& frame : frames) visible.push_back(frame.visible);
@@ -133,8 +131,6 @@ std::vector<SeenByEye> seen_in(const std::vector<renderer::Frame>& frames) {
     for (const renderer::Frame& frame : frames) seen.push_back({frame.visible, frame.imaged});
     return seen;
 }
-
-}  // namespace
 
 void ChunkLoop::frame(std::int64_t n) {
     const FrameTimer timer(statistics_);
@@ -238,7 +234,7 @@ encoder::PicturePlan ChunkLoop::plan(const EyeSnapshots& worlds, const std::vect
     if (!coupling_->remembers()) look_roughly(worlds, frames, plan);
     const std::int64_t reference = coupling_->remembered();
     const core::MotionField* field = reference == plan.number ? nullptr : motion.to(reference);
-    const scene::StereoPacking packing = job_.animation->stereo;
+    const core::FramePacking packing = job_.animation->stereo;
     const StageTimer timer(statistics_, Stage::tolerate);
     core::ToleranceMap whole = coupling_->tolerate(packed(visible_of(frames), packing), plan, field);
     std::vector<core::ToleranceMap> eyes;
@@ -297,7 +293,7 @@ std::vector<renderer::Lit> ChunkLoop::light(const EyeSnapshots& worlds, std::vec
 
 ChunkLoop::PackedLight ChunkLoop::pack(std::vector<renderer::Lit> eyes, const core::Rational& time) {
     PackedLight all;
-    const scene::StereoPacking packing = job_.animation->stereo;
+    const core::FramePacking packing = job_.animation->stereo;
     std::vector<core::Radiance> lit, shown;
     std::vector<core::Mattes> mattes;
     for (std::size_t e = 0; e < eyes.size(); ++e) {

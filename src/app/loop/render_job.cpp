@@ -313,11 +313,11 @@ void settle_tolerance(RenderJob& film, const RenderOptions& options) {
 }
 
 /// The shape of pictures that hold those of all eyes.
-Shape shape_of_all(Shape of_eye, scene::StereoPacking packing) {
+Shape shape_of_all(Shape of_eye, core::FramePacking packing) {
     const scene::PictureFormat all = packed({of_eye.size.width, of_eye.size.height}, packing);
     of_eye.size = {all.width, all.height};
     const bool is_square = of_eye.pixel_aspect.num == of_eye.pixel_aspect.den;
-    if (packing != scene::StereoPacking::none && !is_square) of_eye.aspect_ratio_code = 0;
+    if (packing != core::FramePacking::none && !is_square) of_eye.aspect_ratio_code = 0;
     return of_eye;
 }
 

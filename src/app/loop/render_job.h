@@ -78,7 +78,7 @@ struct RenderJob {
     std::int64_t frame_count() const { return frames.count(); }
     std::vector<Chunk> chunks() const;
     /// For two eyes: each has its part of the picture.
-    bool is_stereo() const { return animation->stereo != scene::StereoPacking::none; }
+    bool is_stereo() const { return animation->stereo != core::FramePacking::none; }
     scene::Snapshot snapshot(std::int64_t frame) const { return snapshot(frame, eyes_of(animation->stereo).front()); }
     scene::Snapshot snapshot(std::int64_t frame, scene::Eye eye) const {
         return scene::snapshot_at(*animation, frame, core::time_of(frame, rate), rendering.format, shutter(), eye);

@@ -165,10 +165,10 @@ void set_projection(scene::Animation& animation, const std::string& name) {
 
 void set_stereo(scene::Animation& animation, const RenderOptions& options, Size of_eye) {
     if (options.stereo)
-        animation.stereo = static_cast<scene::StereoPacking>(std::ranges::find(scene::packing_names, *options.stereo) -
-                                                             scene::packing_names.begin());
-    if (animation.stereo == scene::StereoPacking::none) return;
-    const std::string_view packing = scene::packing_names[static_cast<std::size_t>(animation.stereo)];
+        animation.stereo = static_cast<core::FramePacking>(std::ranges::find(core::packing_names, *options.stereo) -
+                                                           core::packing_names.begin());
+    if (animation.stereo == core::FramePacking::none) return;
+    const std::string_view packing = core::name_of(animation.stereo);
     const std::string who = options.stereo ? fmt::format("--stereo {}", packing) : fmt::format("stereo {}", packing);
     for (std::size_t shown = 0; shown < std::max<std::size_t>(1, animation.shots.size()); ++shown) {
         const int camera = animation.shots.empty() ? 0 : animation.shots[shown].camera;
@@ -177,7 +177,7 @@ void set_stereo(scene::Animation& animation, const RenderOptions& options, Size 
             throw UsageError(
                 fmt::format("{}: the camera \"{}\" is one of parallel rays, which see no depth", who, lens.name));
     }
-    const bool across = animation.stereo == scene::StereoPacking::side_by_side;
+    const bool across = animation.stereo == core::FramePacking::side_by_side;
     if ((across ? of_eye.width : of_eye.height) % 2 != 0)
         throw UsageError(fmt::format("{}: {}x{} for each eye: take an even {}, so that no sample of colour is of both",
                                      who, of_eye.width, of_eye.height, across ? "width" : "height"));
@@ -217,7 +217,7 @@ std::optional<encoder::SphereBounds> sphere_of(scene::Animation& animation, cons
         return std::nullopt;
     }
     if (!first.is_panorama()) return std::nullopt;
-    if (!av::tells_panoramas(output)) {
+    if (!av::tells_immersive(output)) {
         animation.notes.push_back(
             fmt::format("{}: such files cannot say that they are panoramas; .mp4 and .mkv do", output.string()));
         return std::nullopt;
@@ -228,14 +228,13 @@ std::optional<encoder::SphereBounds> sphere_of(scene::Animation& animation, cons
                                  (whole.east - window.east) / turn, (window.south - whole.south) / half};
 }
 
-encoder::FramePacking packing_of(scene::Animation& animation, const RenderOptions& options) {
-    if (animation.stereo == scene::StereoPacking::none) return encoder::FramePacking::none;
+core::FramePacking packing_of(scene::Animation& animation, const RenderOptions& options) {
+    if (animation.stereo == core::FramePacking::none) return animation.stereo;
     const std::filesystem::path& output = options.output;
-    if (!av::tells_panoramas(output) && codec_of(options.coding, output) != encoder::Codec::h264)
+    if (!av::tells_immersive(output) && codec_of(options.coding, output) != encoder::Codec::h264)
         animation.notes.push_back(
             fmt::format("{}: such files cannot say that they are for two eyes; .mp4 and .mkv do", output.string()));
-    return animation.stereo == scene::StereoPacking::side_by_side ? encoder::FramePacking::side_by_side
-                                                                  : encoder::FramePacking::top_bottom;
+    return animation.stereo;
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ image::FrameFacts facts_of(const RenderJob& film, const LitFrame& frame) {
     const scene::Camera& camera = frame.world.camera;
     // No matrix leads to a panorama's picture, or to one of two eyes.
     return {film.format.pixel_aspect, film.exposure.value_or(0), film.rate.hertz, camera.world_to_camera(),
-            camera.is_flat() && film.animation->stereo == scene::StereoPacking::none
+            camera.is_flat() && film.animation->stereo == core::FramePacking::none
                 ? std::optional(camera.world_to_ndc())
                 : std::nullopt};
 }

@@ -172,7 +172,8 @@ void read_shape(const JsonValue& value, Animation& film) {
         const std::vector<JsonValue> v = size->list(2, 2);
         film.size = glm::ivec2(v[0].integer(1, 16384), v[1].integer(1, 16384));
     }
-    if (const auto v = value.find("stereo")) film.stereo = static_cast<StereoPacking>(v->word(packing_names));
+    if (const auto v = value.find("stereo"))
+        film.stereo = static_cast<core::FramePacking>(v->word(core::packing_names));
     if (const auto aspect = value.find("display_aspect")) {
         try {
             film.display_aspect = core::ratio_from(aspect->text());

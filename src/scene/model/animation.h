@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/fog.h"
+#include "core/frame_packing.h"
 #include "core/glare.h"
 #include "core/rational.h"
 #include "core/view.h"
@@ -91,16 +92,16 @@ struct Animation {
 
     double duration = 0;                    ///< seconds until the last key, or file of a volume; 0: nothing moves
     std::optional<std::string> frame_rate;  ///< as the animation file says
-    std::optional<std::int64_t> first_frame, last_frame;  ///< likewise
-    Shutter shutter;                                      ///< likewise, or as the command line says
-    std::optional<float> exposure;                        ///< EV, likewise; none: automatic
-    std::optional<core::View> view;                       ///< likewise; none: neutral
-    core::Fog fog;                                        ///< likewise, or as the command line says
-    core::Glare glare;                                    ///< likewise, or as the command line says
-    int grain = 0;                                        ///< ISO of film grain, likewise; 0: none
-    bool transparent = false;                             ///< the camera sees no world; likewise
-    StereoPacking stereo = StereoPacking::none;           ///< of both eyes' pictures, likewise; none: a film for one
-    std::optional<glm::ivec2> size;                       ///< picture width and height, likewise
+    std::optional<std::int64_t> first_frame, last_frame;   ///< likewise
+    Shutter shutter;                                       ///< likewise, or as the command line says
+    std::optional<float> exposure;                         ///< EV, likewise; none: automatic
+    std::optional<core::View> view;                        ///< likewise; none: neutral
+    core::Fog fog;                                         ///< likewise, or as the command line says
+    core::Glare glare;                                     ///< likewise, or as the command line says
+    int grain = 0;                                         ///< ISO of film grain, likewise; 0: none
+    bool transparent = false;                              ///< the camera sees no world; likewise
+    core::FramePacking stereo = core::FramePacking::none;  ///< of both eyes' pictures, likewise; none: a film for one
+    std::optional<glm::ivec2> size;                        ///< picture width and height, likewise
     std::optional<core::Rational>
         display_aspect;  ///< width by height of the picture as shown, likewise; none: square pixels
 

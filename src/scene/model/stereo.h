@@ -1,5 +1,5 @@
 #pragma once
-// Two eyes of a camera, and how one picture holds what both see.
+// Two eyes of a camera.
 #include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -32,10 +32,6 @@ struct Stereo {
 
     bool operator==(const Stereo&) const = default;
 };
-
-/// How one picture holds both eyes' pictures, the left one first.
-enum class StereoPacking : std::uint8_t { none, side_by_side, top_bottom };
-inline constexpr std::array<std::string_view, 3> packing_names{"none", "side-by-side", "top-bottom"};
 
 /// The circle on which an eye lies that looks around: a ray begins beside its direction.
 struct EyeCircle {
