@@ -198,13 +198,17 @@ enum class Force : std::uint8_t {
 };
 
 /// Optional hints for coding a picture, besides its motion. Maps have an entry per macroblock of the displayed picture,
-/// (width + 15) / 16 by (height + 15) / 16; both are ignored where the VBV has room for next to nothing.
+/// (width + 15) / 16 by (height + 15) / 16; they are ignored where the VBV has room for next to nothing.
 struct Hints {
     /// Motion to the plan's horizon: macroblocks that are static until then get finer quantisers. Null: not known.
     const core::MotionField* onward = nullptr;
     /// Innovation over the picture before, by macroblock (encoder/innovation.h): the larger it is, the less `onward`
     /// refines the quantiser. Null: not known, taken for 0.
     const core::Plane<float>* innovation = nullptr;
+    /// Octaves by which each macroblock's contrast raises the error that stays unseen, finite and 0 or more: 0 where it
+    /// hides nothing, 1 where it hides twice as much. Quantisers follow it, in all codecs that have any by macroblock.
+    /// Null: they do not.
+    const core::Plane<float>* hidden = nullptr;
     /// Factors of each macroblock's quantiser, finite and above 0, before it is rounded into 1..31: below 1 where a
     /// viewer looks, say. Null: 1.
     const core::Plane<float>* quantiser_factors = nullptr;

@@ -65,6 +65,18 @@ void apply_masking(core::Block8x8& block, float brightness, const core::Block8x8
     }
 }
 
+/// Thresholds on a flat block of the mean luminance, as shares of the intra matrix.
+/// chosen: the steps of MPEG-2's finest quantiser. Contrast below them is not seen, and hides nothing.
+constexpr float least_seen = 1.0f / 8;
+
+/// Octaves by which a block's contrast raises its thresholds, mean over AC coefficients.
+double octaves_hidden(const core::Block8x8& coefficients) {
+    double product = 1.0;  // [Render2MPEG, eq. 7.2] is a power of each factor; 63 of them are below 2^700
+    for (std::size_t i = 1; i < 64; ++i)
+        product *= static_cast<double>(std::max(1.0f, std::abs(coefficients[i]) / (least_seen * sensitivity[i])));
+    return static_cast<double>(contrast_exponent) * std::log2(product) / 63.0;
+}
+
 }  // namespace
 
 const core::Block8x8& masking_sensitivity() {
@@ -104,6 +116,21 @@ ThresholdMap mask(const core::Plane<core::Block8x8>& coefficients, std::int64_t 
 
 ThresholdMap mask(const core::Picture& picture) {
     return mask(transform(picture), picture.number);
+}
+
+core::Plane<float> hidden(const core::Picture& picture) {
+    const core::Plane<core::Block8x8> blocks = transform(picture);
+    core::Plane<float> octaves((picture.width() + 15) / 16, (picture.height() + 15) / 16);
+    for (int row = 0; row < octaves.height(); ++row)
+        for (int column = 0; column < octaves.width(); ++column) {
+            double sum = 0.0;
+            int count = 0;
+            for (int y = 2 * row; y < std::min(2 * row + 2, blocks.height()); ++y)
+                for (int x = 2 * column; x < std::min(2 * column + 2, blocks.width()); ++x, ++count)
+                    sum += octaves_hidden(blocks.at(x, y));
+            octaves.at(column, row) = static_cast<float>(sum / count);
+        }
+    return octaves;
 }
 
 }  // namespace render2mpeg::perceptual

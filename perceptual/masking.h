@@ -29,6 +29,11 @@ ThresholdMap mask(const core::Picture& picture);
 core::Plane<core::Block8x8> transform(const core::Picture& picture);
 ThresholdMap mask(const core::Plane<core::Block8x8>& coefficients, std::int64_t number);
 
+/// Octaves by which each macroblock's own contrast raises the thresholds of a flat one of the mean luminance
+/// [Render2MPEG, eq. 7.2]: mean over the AC coefficients of its blocks, so that an edge hides less than noise. 0 where
+/// luma is flat. (width + 15) / 16 by (height + 15) / 16.
+core::Plane<float> hidden(const core::Picture& picture);
+
 /// Thresholds of a picture of one colour: the eye's sensitivity.
 const core::Block8x8& masking_sensitivity();
 

@@ -84,6 +84,10 @@ void check_pushed(const Settings& settings, const core::Picture& picture, const 
         EXPECTS(std::all_of(hints.quantiser_factors->values().begin(), hints.quantiser_factors->values().end(),
                             [](float factor) { return std::isfinite(factor) && factor > 0; }));
     }
+    if (hints.hidden) {
+        check_map(settings, *hints.hidden);
+        EXPECTS(std::all_of(hints.hidden->values().begin(), hints.hidden->values().end(), is_amount));
+    }
     if (hints.innovation) {
         check_map(settings, *hints.innovation);
         EXPECTS(std::all_of(hints.innovation->values().begin(), hints.innovation->values().end(), is_amount));

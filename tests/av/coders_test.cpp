@@ -271,6 +271,26 @@ TEST(Coders, OfHevcCodeBlocksFinerWhereTheyAreToldTo) {
     EXPECT_LT(2 * errors[0], errors[1]) << "half the step has a quarter of the error";
 }
 
+TEST(Coders, HaveCoarserQuantisersWhereMoreIsHidden) {
+    for (const Codec codec : {Codec::mpeg2, Codec::h264, Codec::hevc}) {
+        if (!is_there(codec)) continue;
+        encoder::Settings s = settings_of(codec);
+        s.width = 128;
+        s.quantiser = static_cast<int>(std::lround(encoder::quantiser_like(codec, 2)));  // that noise does not vanish
+        core::Plane<float> hidden((s.width + 15) / 16, (s.height + 15) / 16, 0.0f);
+        for (int row = 0; row < hidden.height(); ++row)
+            for (int column = hidden.width() / 2; column < hidden.width(); ++column) hidden.at(column, row) = 4.0f;
+        encoder::Hints hints;
+        hints.hidden = &hidden;
+        const auto coder = av::make_coder(s);
+        CodedPictures coded;
+        code_chunk(*coder, s, 0, 11, coded, hints);
+        append(coded, coder->flush());
+        const std::array<double, 2> errors = errors_of_halves(coded, s);
+        EXPECT_LT(1.5 * errors[0], errors[1]) << encoder::facts_of(codec).name;
+    }
+}
+
 TEST_P(EveryCoder, CodesWithTheFinestAndTheCoarsestQuantiser) {
     for (const int quantiser : {encoder::facts_of(GetParam()).finest, encoder::facts_of(GetParam()).coarsest}) {
         encoder::Settings s = settings_of(GetParam());

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/error.h"
+#include "encoder/mpeg2/macroblock/overrides.h"
 #include "film.h"
 
 // What callers ask of single macroblocks (Hints).
@@ -64,6 +65,28 @@ TEST(Overrides, FinerFactorsBuyQuality) {
     }
 }
 
+TEST(Overrides, QuantisersGrowWithAPowerOfWhatIsHiddenWhateverThePicture) {
+    const auto factors_of = [](const std::vector<float>& octaves, const core::Plane<float>* asked) {
+        core::Plane<float> hidden(static_cast<int>(octaves.size()), 1);
+        std::copy(octaves.begin(), octaves.end(), hidden.values().begin());
+        Hints hints;
+        hints.hidden = &hidden;
+        hints.quantiser_factors = asked;
+        return mpeg2::overrides_from(hints, hidden.width(), 1, 4).quantiser_factors;
+    };
+    const core::Plane<float> calm = factors_of({0, 0, 1}, nullptr), busy = factors_of({1, 2, 4}, nullptr);
+    const float ratio = calm.at(2, 0) / calm.at(0, 0);
+    EXPECT_GT(ratio, 1.1f);
+    EXPECT_LT(ratio, 2.0f) << "less than all that is hidden";
+    EXPECT_LT(calm.at(0, 0), 1.0f);
+    EXPECT_FLOAT_EQ(calm.at(0, 0), calm.at(1, 0));
+    EXPECT_FLOAT_EQ(busy.at(0, 0), calm.at(2, 0)) << "where the same is hidden in another picture";
+    EXPECT_NEAR(busy.at(1, 0) / busy.at(0, 0), ratio, 1e-5f);
+    EXPECT_NEAR(busy.at(2, 0) / busy.at(1, 0), ratio * ratio, 1e-5f);
+    const core::Plane<float> asked(3, 1, 0.5f);
+    EXPECT_FLOAT_EQ(factors_of({0, 0, 1}, &asked).at(2, 0), 0.5f * calm.at(2, 0));
+}
+
 TEST(Overrides, ForcedMacroblocksAreIntraOrSkippedInAllPicturesThatCan) {
     const Settings s = settings(96, 64, 4, 7, 3, 2);
     core::Plane<Force> forced(6, 4, Force::none);
@@ -106,6 +129,13 @@ TEST(Overrides, MapsOfAnotherSizeOrWithoutMeaningAreRefused) {
         else
             hints.forced = &low;
         EXPECT_THROW(hinted_film(s, 1, hints), core::ContractViolation);
+    }
+    for (const float wrong : {-1.0f, std::nanf(""), std::numeric_limits<float>::infinity()}) {
+        core::Plane<float> hidden(6, 4, 1.0f);
+        hidden.at(2, 2) = wrong;
+        Hints hints;
+        hints.hidden = &hidden;
+        EXPECT_THROW(hinted_film(s, 1, hints), core::ContractViolation) << wrong;
     }
     for (const float wrong : {0.0f, -1.0f, std::nanf(""), std::numeric_limits<float>::infinity()}) {
         core::Plane<float> factors(6, 4, 1.0f);

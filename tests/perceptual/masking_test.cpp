@@ -152,6 +152,50 @@ TEST(Masking, ContrastRaisesOnlyItsOwnFrequency) {
     }
 }
 
+/// Grey, and from column `edge` on `contrast` times the threshold, an eighth of 26, of the coefficient (0, 4), in whose
+/// pattern luma is above and below by an eighth of the coefficient.
+core::Picture striped(int width, int height, int edge, float contrast) {
+    core::Plane<float> luma(width, height, 120.0f);
+    for (int y = 0; y < height; ++y)
+        for (int x = edge; x < width; ++x)
+            luma.at(x, y) += (x % 4 == 0 || x % 4 == 3 ? 1.0f : -1.0f) * contrast * 26.0f / 64.0f;
+    return picture_of(std::move(luma));
+}
+
+TEST(Hidden, IsNothingWhereLumaIsFlatHoweverBright) {
+    for (const float grey : {16.0f, 70.0f, 235.0f}) {
+        const core::Plane<float> octaves = hidden(picture_of(core::Plane<float>(40, 24, grey)));
+        for (const float here : octaves.values()) EXPECT_EQ(here, 0.0f) << grey;
+    }
+}
+
+TEST(Hidden, IsByHowMuchContrastRaisesThresholds) {
+    EXPECT_NEAR(hidden(striped(16, 16, 0, 0.9f)).at(0, 0), 0.0f, 1e-4f) << "contrast that is not seen hides nothing";
+    const double expected = 0.7 * std::log2(10.0) / 63;
+    EXPECT_NEAR(hidden(striped(16, 16, 0, 10.0f)).at(0, 0), expected, 1e-4);
+}
+
+TEST(Hidden, OfNoiseGrowsWithItsDeviation) {
+    const auto noise = [](float deviation) {
+        core::Picture picture = picture_of(core::Plane<float>(64, 64, 120.0f));
+        for (std::size_t i = 0; i < picture.luma.size(); ++i)
+            picture.luma.values()[i] += deviation * std::sqrt(12.0f) * (core::uniform(5, i) - 0.5f);
+        return picture;
+    };
+    const core::Plane<float> once = hidden(noise(20000)), twice = hidden(noise(40000));
+    for (std::size_t i = 0; i < once.size(); ++i)
+        EXPECT_NEAR(twice.values()[i] - once.values()[i], 0.7, 0.01) << "[Render2MPEG, eq. 7.2]";
+}
+
+TEST(Hidden, OfAMacroblockIsTheMeanOfItsBlocksWithinThePicture) {
+    const core::Plane<float> octaves = hidden(striped(56, 24, 24, 10.0f));
+    ASSERT_EQ(octaves.width(), 4);
+    ASSERT_EQ(octaves.height(), 2);
+    EXPECT_NEAR(octaves.at(0, 0), 0.0f, 1e-5f);
+    EXPECT_NEAR(octaves.at(1, 0), 0.5f * octaves.at(2, 0), 1e-4f) << "half of it is flat";
+    EXPECT_NEAR(octaves.at(3, 1), octaves.at(2, 0), 1e-4f) << "padding does not count";
+}
+
 TEST(Masking, APictureWithoutPixelsHasNoBlocks) {
     EXPECT_TRUE(mask(core::Picture{}).blocks.empty());
 }

@@ -12,8 +12,8 @@ struct MacroblockOverrides {
     core::Plane<Force> forced;
 };
 
-/// Combines the overrides from onward motion (macroblock_tree.h) with the caller's. Rows and columns that
-/// only pad the picture are treated like the last one. `quantiser`: MPEG-2's, of the picture.
+/// Combines the overrides from onward motion (macroblock_tree.h) and hidden errors with the caller's. Rows and columns
+/// that only pad the picture are treated like the last one. `quantiser`: MPEG-2's, of the picture.
 MacroblockOverrides overrides_from(const Hints& hints, int columns, int rows, double quantiser);
 
 }  // namespace render2mpeg::encoder::mpeg2

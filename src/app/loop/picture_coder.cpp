@@ -5,10 +5,10 @@
 #include "encoder/av/coders.h"
 #include "encoder/bit_allocation.h"
 #include "encoder/codec.h"
-#include "encoder/contrast_masking.h"
 #include "encoder/innovation.h"
 #include "encoder/motion_nonuniformity.h"
 #include "parallel/loops.h"
+#include "perceptual/masking.h"
 #include "perceptual/metrics.h"
 #include "perceptual/pumping.h"
 
@@ -151,13 +151,13 @@ std::vector<encoder::CodedPicture> PictureCoder::code(const core::Picture& pictu
     const core::MotionField* onward = plan.horizon ? motion.onward(*plan.horizon) : nullptr;
     const StageTimer timer(statistics_, Stage::encode);
     if (quality_) unjudged_.emplace(plan.number, picture.y);
-    // MPEG-2's matrices follow the eye instead.
+    // MPEG-2's matrices follow the eye instead (docs/decisions.md#levers-that-do-not-pay).
     const bool by_contrast =
         film_.coding.tune == encoder::Tune::perceptual && film_.coding.codec != encoder::Codec::mpeg2;
-    const core::Plane<float> masking = by_contrast ? encoder::contrast_factors(picture.y) : core::Plane<float>();
+    const core::Plane<float> hidden = by_contrast ? perceptual::hidden(picture) : core::Plane<float>();
     std::vector<encoder::CodedPicture> complete =
         coder_->push(picture, plan, fields,
-                     {onward, innovation.empty() ? nullptr : &innovation, masking.empty() ? nullptr : &masking});
+                     {onward, innovation.empty() ? nullptr : &innovation, hidden.empty() ? nullptr : &hidden});
     judge(complete);
     return complete;
 }
