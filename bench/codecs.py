@@ -1,12 +1,15 @@
 #!/usr/bin/python3
 """Bits of `encode`'s codecs beside ffmpeg's encoders at equal quality.
 
-  bench/codecs.py PROGRAM FOLDER... [-- OPTION...]
+  [VMAF=vmaf] bench/codecs.py PROGRAM FOLDER... [-- OPTION...]
 
 Each folder holds frames.y4m and layers/frame_%04d.motion, as `render -o frames.y4m --aov layers` leaves them. Codes them with
 quantisers 2, 4, 8, 16 and the options, and with the peers of the codec as people type them, on one thread. Prints by film and peer the
 difference of bits in per cent (Bjontegaard, piecewise cubics) at equal PSNR-Y, SSIM and PSNR-HVS-M of decoded luma, and CPU
-milliseconds a picture of both; ours reads motion and decodes too. Containers and encoders' messages do not count."""
+milliseconds a picture of both; ours reads motion and decodes too. Containers and encoders' messages do not count.
+Where the environment names libvmaf's program also at equal VMAF NEG, from 30 to 97, and SSIMULACRA2 of a quarter of the frames, by the
+Python package of that name."""
+import json
 import os
 import resource
 import subprocess
@@ -97,14 +100,31 @@ def ssim(a, b):
     return -10 * np.log10(1 - values.mean())
 
 
-def point(source, film, codec, milliseconds):
-    """Bits of a stream, the three qualities of the file that holds it, and time."""
+def to_the_eye(frames, film):
+    """VMAF NEG and SSIMULACRA2."""
+    from ssimulacra2 import compute_ssimulacra2
+    decode = ["ffmpeg", "-v", "error", "-y", "-i"]
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        quarter = ["-vf", r"select=lt(mod(n*0.618034+0.5\,1)\,0.25)", "-fps_mode", "passthrough"]  # no type of pictures preferred
+        for side, file in (("a", frames), ("b", film)):
+            subprocess.run([*decode, file, "-fps_mode", "passthrough", *TEN_BITS, "-strict", "-1", folder / f"{side}.y4m"], check=True)
+            subprocess.run([*decode, file, *quarter, folder / f"{side}%03d.png"], check=True)
+        subprocess.run([os.environ["VMAF"], "-q", "-r", folder / "a.y4m", "-d", folder / "b.y4m", "--model",
+                        "version=vmaf_v0.6.1neg:name=neg", "--json", "-o", folder / "vmaf"], check=True, stderr=subprocess.DEVNULL)
+        pictures = [compute_ssimulacra2(a, folder / a.name.replace("a", "b")) for a in sorted(folder.glob("a*.png"))]
+        return json.loads((folder / "vmaf").read_text())["pooled_metrics"]["neg"]["mean"], float(np.mean(pictures))
+
+
+def point(source, film, codec, milliseconds, frames):
+    """Bits of a stream, the qualities of the file that holds it, and time."""
     stream = film.with_name("stream")
     subprocess.run(["ffmpeg", "-v", "error", "-y", "-i", film, "-c", "copy", "-bsf:v", STREAMS[codec][1], "-f", STREAMS[codec][0], stream],
                    check=True)
     shown = luma_of_film(film, source)
     error = ((source - shown) ** 2).mean()
-    return stream.stat().st_size * 8, 10 * np.log10(65025 / error), ssim(source, shown), hvs_m(source, shown), milliseconds
+    return stream.stat().st_size * 8, 10 * np.log10(65025 / error), ssim(source, shown), hvs_m(source, shown), *(
+        to_the_eye(frames, film) if "VMAF" in os.environ else ()), milliseconds
 
 
 def run(source, *command):
@@ -144,7 +164,8 @@ def cubic(x, y):
 
 def difference(curve, other, quality):
     sides = [np.array(sorted((p[quality], np.log(p[0])) for p in c)).T for c in (curve, other)]
-    grid = np.linspace(max(s[0][0] for s in sides), min(s[0][-1] for s in sides), 200)
+    low, high = max(s[0][0] for s in sides), min(s[0][-1] for s in sides)
+    grid = np.linspace(*((max(low, 30), min(high, 97)) if quality == 4 else (low, high)), 200)
     mine, its = (cubic(*s)(grid) for s in sides)
     return 100 * (np.exp((mine - its).mean()) - 1)
 
@@ -157,17 +178,19 @@ def main():
     program, folders, options = words[0], [Path(f) for f in words[1:cut]], words[cut + 1:]
     codec = options[options.index("--codec") + 1] if "--codec" in options else "h264"
     differences = {}
-    print("film,peer,PSNR-Y,SSIM,PSNR-HVS-M,our ms,its ms")
+    qualities = ["PSNR-Y", "SSIM", "PSNR-HVS-M", "VMAF NEG", "SSIMULACRA2"][:5 if "VMAF" in os.environ else 3]
+    print("film", "peer", *qualities, "our ms", "its ms", sep=",")
     with tempfile.TemporaryDirectory() as name:
         film = Path(name) / "film.mkv"
         for folder in folders:
             source = luma_of_y4m(folder / "frames.y4m")
-            mine = [point(source, film, codec, ours(source, program, folder, film, q, options)) for q in QUANTISERS]
+            frames = folder / "frames.y4m"
+            mine = [point(source, film, codec, ours(source, program, folder, film, q, options), frames) for q in QUANTISERS]
             for factors, peer in PEERS[codec]:
                 kind = next(c for c, name in (("h264", "x264"), ("hevc", "x265"), ("av1", "av1")) if name in peer[0])
-                curve = [point(source, film, kind, theirs(source, folder, film, f, peer)) for f in factors]
-                row = [difference(mine, curve, quality) for quality in (1, 2, 3)]
-                row += [np.mean([p[4] for p in c]) for c in (mine, curve)]
+                curve = [point(source, film, kind, theirs(source, folder, film, f, peer), frames) for f in factors]
+                row = [difference(mine, curve, quality) for quality in range(1, 1 + len(qualities))]
+                row += [np.mean([p[-1] for p in c]) for c in (mine, curve)]
                 words = " ".join(w for w in peer if w not in ALONE and w != "-svtav1-params" and w != "lp=1")
                 differences.setdefault(words, []).append(row)
                 print(folder.name, words, *(f"{v:.1f}" for v in row), sep=",", flush=True)
