@@ -7,7 +7,7 @@
 #include "core/sampling.h"
 #include "parallel/loops.h"
 #include "renderer/cut/gatherer.h"
-#include "renderer/lights/anchor_places.h"
+#include "renderer/lights/virtual_lights.h"
 #include "tests/renderer/film_stage.h"
 #include "tests/renderer/lighting.h"
 
@@ -60,14 +60,13 @@ void BuildTree(benchmark::State& state) {
 }
 BENCHMARK(BuildTree)->Arg(1000)->Arg(10000)->Arg(100000)->Arg(1000000)->Unit(benchmark::kMillisecond);
 
-void CellAreas(benchmark::State& state) {
+void Spread(benchmark::State& state) {
     const parallel::ThreadLimit limit(1);
-    std::vector<OrientedPoint> places;
-    for (const LightPoint& l : room_lights(state.range(0))) places.push_back({l.position, l.normal});
-    for (auto _ : state) benchmark::DoNotOptimize(cell_areas(places, 1.0f));
+    auto lights = room_lights(state.range(0));
+    for (auto _ : state) spread(lights, 1.0f);
     state.SetItemsProcessed(state.iterations() * state.range(0));
 }
-BENCHMARK(CellAreas)->Arg(10000)->Arg(100000)->Unit(benchmark::kMillisecond);
+BENCHMARK(Spread)->Arg(10000)->Arg(100000)->Unit(benchmark::kMillisecond);
 
 /// One light or node against sixteen points; items are points.
 void EvaluateLight(benchmark::State& state) {

@@ -1,8 +1,8 @@
 // What light costs by the number of light points and of pixels: one point of the curves of light_curves.sh.
 // bench_light_curves SCENE [frame=0] [vpls=4096] [width=512] [height=512] [tolerance=2] [every=16]
 // Gathering is measured at every so manieth tile of 16x16 pixels, once light is made, the fastest of three, on one
-// thread, and told for the whole picture. Prints one line: light points, width, height; CPU seconds of choosing
-// anchors, of an instant's photons, of planning and growing trees, of gathering; clusters and shadow rays per gather
+// thread, and told for the whole picture. Prints one line: light points, width, height; CPU seconds of counting
+// paths, of an instant's photons, of planning and growing trees, of gathering; clusters and shadow rays per gather
 // point; the process's peak memory in MiB before the light was made and at the end.
 #include <fmt/format.h>
 
@@ -51,7 +51,7 @@ void run(const std::string& scene, const bench::Wishes& wishes) {
     const double memory_before = app::peak_memory_mib();
 
     renderer.start_chunk(world);
-    const double anchors = renderer.seconds(renderer::Pass::photons),
+    const double counting = renderer.seconds(renderer::Pass::photons),
                  plans = renderer.seconds(renderer::Pass::direct_tree);
     // The first frame traces photons and grows trees.
     const auto tolerance =
@@ -59,7 +59,7 @@ void run(const std::string& scene, const bench::Wishes& wishes) {
     double start = app::cpu_seconds();
     renderer.light(world, seen, {tolerance}).radiance;
     const double first = app::cpu_seconds() - start;
-    const double photons = renderer.seconds(renderer::Pass::photons) - anchors;
+    const double photons = renderer.seconds(renderer::Pass::photons) - counting;
     const renderer::Statistics before = renderer.statistics();
     double gathering = 1e30;
     for (int i = 0; i < repeats; ++i) {
@@ -73,7 +73,7 @@ void run(const std::string& scene, const bench::Wishes& wishes) {
     const auto clusters = static_cast<double>(after.direct_clusters + after.indirect_clusters - before.direct_clusters -
                                               before.indirect_clusters);
     fmt::print("{} {} {} {:.3f} {:.3f} {:.3f} {:.3f} {:.1f} {:.1f} {:.0f} {:.0f}\n", after.indirect_points, width,
-               height, anchors, photons, trees, part * gathering, clusters / points,
+               height, counting, photons, trees, part * gathering, clusters / points,
                static_cast<double>(after.shadow_rays - before.shadow_rays) / points, memory_before,
                app::peak_memory_mib());
 }

@@ -1,18 +1,18 @@
 """Table and picture of bench/light_curves.sh: light_curves.py POINTS OUT.svg."""
 import math, sys
 
-names = ("lights", "width", "height", "anchors", "photons", "trees", "gathering", "clusters", "rays", "before", "peak")
+names = ("lights", "width", "height", "counting", "photons", "trees", "gathering", "clusters", "rays", "before", "peak")
 rows = {"vpls": [], "size": []}
 for line in open(sys.argv[1]):
     kind, *values = line.split()
     rows[kind].append(dict(zip(names, map(float, values))))
 
-print("| light points | size | anchors, s | photons, s | trees, s | gathering, s | clusters, rays per point | peak, MiB | bytes per light point |")
+print("| light points | size | counting, s | photons, s | trees, s | gathering, s | clusters, rays per point | peak, MiB | bytes per light point |")
 print("|---|---|---|---|---|---|---|---|---|")
 for kind in ("vpls", "size"):
     for d in rows[kind]:
         each = (d["peak"] - d["before"]) * 2**20 / d["lights"]
-        print(f"| {d['lights']:,.0f} | {d['width']:.0f}x{d['height']:.0f} | {d['anchors']:.2f} | {d['photons']:.2f} | {d['trees']:.2f} | {d['gathering']:.2f} "
+        print(f"| {d['lights']:,.0f} | {d['width']:.0f}x{d['height']:.0f} | {d['counting']:.2f} | {d['photons']:.2f} | {d['trees']:.2f} | {d['gathering']:.2f} "
               f"| {d['clusters']:.0f}, {d['rays']:.0f} | {d['peak']:.0f} | {each:.0f} |")
 many = [d for d in rows["vpls"] if d["lights"] > 5e5]
 some = [d for d in rows["vpls"] if 5e3 < d["lights"] < 5e4]
@@ -43,7 +43,7 @@ def panel(left, title, xs, curves):
 
 
 parts = []
-colors = {"gathering": "#0b62a4", "photons": "#c0392b", "anchors": "#7f8c8d", "trees": "#1e8449"}
+colors = {"gathering": "#0b62a4", "photons": "#c0392b", "counting": "#7f8c8d", "trees": "#1e8449"}
 for index, (kind, title, x_of) in enumerate((("vpls", "CPU seconds over light points, 256x256", lambda d: d["lights"]),
                                               ("size", "CPU seconds over pixels, 9,000 light points", lambda d: d["width"] * d["height"]))):
     if len(rows[kind]) > 1:

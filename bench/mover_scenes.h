@@ -11,7 +11,7 @@ namespace render2mpeg::bench {
 /// may get wrong about what moves. All show 5 m x 3 m x 5 m.
 ///
 /// `ball`: a white ball of 40 cm crosses the room. `along_wall`: a white board of 60 cm x 60 cm x 2 cm slides along the
-/// back wall, 4 cm off it, less than the radius of an anchor's disc. `touching_wall`: the same, 1 mm off it. `swarm`:
+/// back wall, 4 cm off it, less than the radius of a VPL's disc. `touching_wall`: the same, 1 mm off it. `swarm`:
 /// 60 balls of 8 cm fly about, each its own way. `copies`: the ball of `ball`, before three columns that are still
 /// instances; `columns`: the same, the columns no instances.
 test::SceneBuilder mover_scene(const std::string& name);

@@ -1,5 +1,6 @@
 #include "renderer/film_lights.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "core/color.h"
@@ -9,8 +10,8 @@ namespace render2mpeg::renderer {
 namespace {
 
 /// Up to which share of what its surroundings would give, if they filled the receiver's view, one light point may give.
-/// chosen: 25 % of 2 to 100 % (2 radii of a point's disc) for anchors and points of emissive surfaces, which lie in
-/// even strata; [Render2MPEG, 6.5]'s 2 % is for VPLs at random places (docs/model/clamping.md).
+/// chosen: 25 % of 2 to 100 % (2 radii of a point's disc): discs follow the local density of light, unlike the bound of
+/// [Render2MPEG, 6.5] (docs/model/clamping.md).
 constexpr GeometryClamp point_clamp{0.25f};
 
 /// Light trees are rebuilt at most every 15 frames of a chunk. chosen: half a second, for which what fits badly may
@@ -35,8 +36,7 @@ FilmLights::FilmLights(const FilmLights& prepared, PosedScene& posed_scene, cons
       settings_(settings),
       statistics_(statistics),
       times_(times),
-      light_points_(prepared.light_points_),
-      anchors_(prepared.anchors_) {}
+      light_points_(prepared.light_points_) {}
 
 void FilmLights::prepare(const scene::Snapshot& instant) {
     {
@@ -47,12 +47,6 @@ void FilmLights::prepare(const scene::Snapshot& instant) {
         const Stopwatch timer(times_[Pass::pose]);
         posed_scene_.pose(instant);
     }
-    if (!anchors_ && plan_.runs(Pass::photons) && settings_.vpls > 0 && !by_rays()) {
-        const Stopwatch timer(times_[Pass::photons]);
-        anchors_ = std::make_shared<const Anchors>(
-            posed_scene_, light_points_, AnchorSettings{settings_.vpls, settings_.bounces, settings_.photons});
-        statistics_.photon_rays += anchors_->rays();
-    }
 }
 
 void FilmLights::start_chunk(const scene::Snapshot& first) {
@@ -62,13 +56,14 @@ void FilmLights::start_chunk(const scene::Snapshot& first) {
         const Stopwatch timer(times_[Pass::emissive_lights]);
         light_points_.place(posed_scene_, first);
     }
+    if (plan_.runs(Pass::photons) && settings_.vpls > 0 && !by_rays()) {
+        const Stopwatch timer(times_[Pass::photons]);
+        paths_ = virtual_light_paths(posed_scene_, light_points_.average(), settings_.vpls, settings_.bounces);
+    }
     const Stopwatch timer(times_[Pass::direct_tree]);
-    const auto still = anchors_ ? anchors_->average_still() : std::vector<LightPoint>();
-    const auto moving = anchors_ ? anchors_->average_moving() : std::vector<LightPoint>();
     if (plan_.runs(Pass::area_lamps)) lamps_ = AreaLamps(posed_scene_, light_points_.average());
     // Light trees take two seeds, one for direct light and the next for indirect light.
-    persistent_trees_ =
-        PersistentLightTrees({clustered(light_points_.average()), still, moving}, settings_.seed + 2 * settings_.draw);
+    persistent_trees_ = PersistentLightTrees(clustered(light_points_.average()), settings_.seed + 2 * settings_.draw);
     shone_at_.reset();
 }
 
@@ -103,14 +98,15 @@ bool FilmLights::shine(const scene::Snapshot& snapshot, const LightChange& chang
     }
     if (by_rays()) {
         sky_of_rays_.near_field = near_field;
-        indirect_.still =
-            near_light(posed_scene_, shining_, light_points_.average(), near_field, statistics_.photon_rays);
+        indirect_ = near_light(posed_scene_, shining_, light_points_.average(), near_field, statistics_.photon_rays);
     }
-    if (!anchors_) return true;
-    indirect_ = anchors_->at(posed_scene_, shining_);
-    statistics_.photon_rays += indirect_.rays;
-    statistics_.photon_energy += indirect_.landed;
-    statistics_.photon_energy_lost += indirect_.lost;
+    if (paths_ == 0) return true;
+    PhotonResult photons =
+        virtual_lights(posed_scene_, {shining_, light_points_.average()}, {settings_.vpls, settings_.bounces, paths_});
+    statistics_.photon_rays += photons.rays;
+    statistics_.photon_energy += photons.landed;
+    statistics_.photon_energy_lost += photons.lost;
+    indirect_ = std::move(photons.vpls);
     return true;
 }
 
@@ -129,16 +125,24 @@ std::vector<LightPoint> FilmLights::clustered(std::vector<LightPoint> points) co
 
 void FilmLights::build_trees(const scene::Snapshot& snapshot) {
     statistics_.direct_points = shining_.size();
-    statistics_.indirect_points = indirect_.still.size() + indirect_.moving.size();
+    statistics_.indirect_points = indirect_.size();
     {
         const Stopwatch timer(times_[Pass::direct_tree]);
         trees_ = {};  // before the next ones grow: many light points take as much memory
-        trees_ = persistent_trees_.at({clustered(std::exchange(shining_, {})), indirect_.still, indirect_.moving},
+        trees_ = persistent_trees_.at(clustered(std::exchange(shining_, {})),
                                       (snapshot.frame - first_frame_) % rebuild_interval == 0);
         trees_.lamps = lamps_.at(posed_scene_);
-        if (by_rays())
-            trees_.trees[LightTrees::static_tree] =
-                build_light_tree(LightType::oriented, indirect_.still, settings_.seed + 2 * settings_.draw + 1);
+    }
+    {
+        const Stopwatch timer(times_[by_rays() ? Pass::indirect_tree : Pass::photons]);
+        const auto of_movers = std::stable_partition(indirect_.begin(), indirect_.end(), [&](const LightPoint& p) {
+            return by_rays() || posed_scene_.animation().objects[p.object].mobility == scene::Mobility::still;
+        });
+        const std::uint64_t seed = settings_.seed + 2 * settings_.draw + 1;
+        trees_.trees[LightTrees::static_tree] =
+            build_light_tree(LightType::oriented, {indirect_.begin(), of_movers}, seed);
+        trees_.trees[LightTrees::dynamic_tree] =
+            build_light_tree(LightType::oriented, {of_movers, indirect_.end()}, seed);
     }
     trees_.point_clamp = settings_.clamp == Clamp::bounded ? point_clamp : GeometryClamp::none();
     trees_.lobe_rays = plan_.runs(Pass::lobe_rays);

@@ -9,9 +9,9 @@
 #include "renderer/gather/final_gather.h"
 #include "renderer/gather/near_light.h"
 #include "renderer/geometry/light_change.h"
-#include "renderer/lights/anchors.h"
 #include "renderer/lights/area_lamps.h"
 #include "renderer/lights/light_points.h"
+#include "renderer/lights/virtual_lights.h"
 #include "renderer/settings.h"
 #include "renderer/statistics.h"
 #include "renderer/tree/light_trees.h"
@@ -60,13 +60,13 @@ class FilmLights {
     Statistics& statistics_;
     PassTimes& times_;
     LightPoints light_points_;
-    std::shared_ptr<const Anchors> anchors_;  ///< null: not prepared, or the film has none
+    std::uint64_t paths_ = 0;  ///< of photons, in each frame of the chunk
     AreaLamps lamps_;
     PersistentLightTrees persistent_trees_;  ///< of the chunk
     std::int64_t first_frame_ = 0;           ///< of the chunk
     std::optional<scene::Snapshot> shone_at_;
-    std::vector<LightPoint> shining_;  ///< direct light points, until trees take them
-    Anchors::Lit indirect_;            ///< lit anchors, or light of the near field
+    std::vector<LightPoint> shining_;   ///< direct light points, until trees take them
+    std::vector<LightPoint> indirect_;  ///< VPLs of photons, or of the near field
     SkyOfRays sky_of_rays_;
     LightTrees trees_;
     std::int64_t lit_frame_ = 0;

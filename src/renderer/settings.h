@@ -31,7 +31,7 @@ struct Settings {
     int most_samples =
         0;  ///< of pixels whose edges show beyond their tolerance (refine_edges.h), 64 or 256; 0: no more
     int direct_points = 1024;           ///< light points for emissive surfaces; twice as many for a sky, or for both
-    int vpls = 4096;                    ///< anchor lights, about: light points of indirect light; 0: none
+    int vpls = 32768;                   ///< about: light points of indirect light; 0: none
     int bounces = 0;                    ///< longest photon path; 0: any
     std::uint64_t caustic_photons = 0;  ///< of a frame; 0: as many as its tolerance needs (caustics.h)
     int min_cut = 8;                    ///< clusters per gather point, both trees together
@@ -40,8 +40,7 @@ struct Settings {
     bool mattes = false;       ///< frames know what covers pixels (mattes.h)
     bool transparent = false;  ///< the world is seen in mirrors and through glass alone
     Clamp clamp = Clamp::bounded;
-    std::uint64_t photons = 0;  ///< that each instant's anchors are lit by; 0: as many as `vpls` asks for
-    bool calibrate = true;      ///< let the film's own light decide the error scale of its cuts (calibration.h)
+    bool calibrate = true;  ///< let the film's own light decide the error scale of its cuts (calibration.h)
     CacheUse cache = CacheUse::off;
     core::Isa isa = core::Isa::sse2;
     std::uint64_t seed = 1;  ///< of representatives and light samples; photons use a fixed Halton sequence

@@ -32,7 +32,7 @@ TEST(RoomCheck, FindsArrowsThatPointTheWrongWay) {
     const std::pair<const char*, const char*> arrows[] = {
         {"src/renderer/geometry/a.cpp", "renderer/cut/gatherer.h"},
         {"src/renderer/lights/a.cpp", "renderer/tree/light_tree.h"},
-        {"src/renderer/tree/a.h", "renderer/lights/anchors.h"},
+        {"src/renderer/tree/a.h", "renderer/lights/virtual_lights.h"},
         {"src/scene/gltf/a.cpp", "scene/assimp/parts.h"},
         {"encoder/mpeg2/bitstream/a.cpp", "encoder/mpeg2/rate/rate_model.h"},
         {"encoder/mpeg2/rate/a.cpp", "encoder/look_ahead.h"},

@@ -106,7 +106,7 @@ std::vector<HardCase> light_cases() {
              HardCase alone;
              const Lit dim = lit(alone, two_rooms(1, 0), film.way);
              EXPECT_GT(dim.mean(), 0.0);
-             // Its bounced light has half of the anchors that it has alone.
+             // Its bounced light has few of the photons that it has alone.
              EXPECT_NEAR(film.mean() / dim.mean(), 1.0, 0.1);
          }},
         {"a lamp of infinite intensity",

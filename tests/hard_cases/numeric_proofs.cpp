@@ -134,7 +134,7 @@ std::vector<Proof> geometry_proofs() {
         {"thin walls and single-sided surfaces",
          "no light on the wrong side",
          {"a wall a millionth thick"},
-         {"Anchors.KeepLightOnItsSideOfAWall", "Emission.LeavesTheFrontAndTheBackOnlyOfDoubleSidedSurfaces"}},
+         {"VirtualLights.KeepLightOnItsSideOfAWall", "Emission.LeavesTheFrontAndTheBackOnlyOfDoubleSidedSurfaces"}},
         {"mirrored transforms",
          "shaded as their mirror image",
          {"a mirrored object"},

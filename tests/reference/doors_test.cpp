@@ -20,10 +20,9 @@ SurfacePoint surface(const PosedScene& posed_scene, glm::vec3 place) {
     return posed_scene.surface_at(hit.address, -way);
 }
 
-/// Indirect light that the anchors make it scatter.
-double by_anchors(const PosedScene& posed_scene, const Anchors::Lit& lit, const SurfacePoint& point) {
-    LightTrees light_trees = test::build_light_trees({}, lit.still, 1);
-    light_trees.trees[LightTrees::dynamic_tree] = build_light_tree(LightType::oriented, lit.moving, 1);
+/// Indirect light that the virtual lights make it scatter.
+double by_points(const PosedScene& posed_scene, const std::vector<LightPoint>& lit, const SurfacePoint& point) {
+    LightTrees light_trees = test::build_light_trees({}, lit, 1);
     light_trees.point_clamp = {0.25f};
     GatherPoint gathering;
     gathering.point = point;
@@ -36,23 +35,23 @@ double by_anchors(const PosedScene& posed_scene, const Anchors::Lit& lit, const 
 }
 
 TEST(DoorsSlow, LightTheNextRoomAsPathsDo) {
-    test::AnchorStage stage(test::rooms_with_a_door(), {2048, bounces});
+    test::VirtualLightStage stage(test::rooms_with_a_door(), {32768, bounces});
     double open = 0;
     for (const double seconds : {2.0, 1.6, 1.3, 0.5}) {
         stage.pose(seconds);
-        const Anchors::Lit lit = stage.light();
-        double anchors = 0, paths = 0;
+        const std::vector<LightPoint> lit = stage.light();
+        double points = 0, paths = 0;
         for (const glm::vec3& place : places) {
             const SurfacePoint point = surface(stage.posed_scene(), place);
-            const double found = by_anchors(stage.posed_scene(), lit, point);
+            const double found = by_points(stage.posed_scene(), lit, point);
             const reference::Estimate e = reference::scattered_light(stage.posed_scene(), point, bounces, 30000, 1, 1);
             const double truth = core::luminance(glm::vec3(e.mean)), error = core::luminance(glm::vec3(e.error));
-            anchors += found;
+            points += found;
             paths += truth;
             EXPECT_NEAR(found, truth, 0.2 * truth + 4 * error + 1e-3 * open) << seconds << " s, x = " << place.x;
         }
-        if (open == 0) open = anchors;
-        EXPECT_NEAR(anchors, paths, 0.1 * paths + 1e-4 * open) << seconds << " s";
+        if (open == 0) open = points;
+        EXPECT_NEAR(points, paths, 0.1 * paths + 1e-4 * open) << seconds << " s";
     }
 }
 

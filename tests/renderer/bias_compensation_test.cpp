@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "core/sampling.h"
-#include "tests/renderer/anchor_stage.h"
 #include "tests/renderer/lighting.h"
+#include "tests/renderer/virtual_light_stage.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -94,10 +94,9 @@ TEST(NearLights, ArePointsFromThreeRadiiOn) {
 /// A closed room whose walls all shine alike: indirect light is the same everywhere.
 class FurnaceEdges : public testing::Test {
   protected:
-    FurnaceEdges() : stage_(room(), {800, 3}) {
-        const Anchors::Lit lit = stage_.light();
-        light_trees_ = test::build_light_trees({}, lit.still, 1);
-        for (const LightPoint& l : lit.still) radius_ += std::sqrt(l.disc2) / static_cast<float>(lit.still.size());
+    FurnaceEdges() : stage_(room(), {25600, 3}) {
+        const std::vector<LightPoint> lit = stage_.light();
+        light_trees_ = test::build_light_trees({}, lit, 1);
     }
     static test::SceneBuilder room() {
         test::SceneBuilder b;
@@ -129,21 +128,21 @@ class FurnaceEdges : public testing::Test {
     }
 
     static constexpr int places = 48;
-    test::AnchorStage stage_;
+    test::VirtualLightStage stage_;
     LightTrees light_trees_;
-    float radius_ = 0;
 };
 
 TEST_F(FurnaceEdges, AreNeitherDarkNorBlotchy) {
     const double middle = along(2.0f, {0.25f}).first;
-    for (const float radii : {0.1f, 0.4f, 1.0f, 2.0f}) {
-        const auto [mean, scatter] = along(radii * radius_, {0.25f});
-        EXPECT_GT(mean, 0.82 * middle) << radii;
-        EXPECT_LT(mean, 1.08 * middle) << radii;
-        EXPECT_LT(scatter, 0.11) << radii;
+    const std::pair<float, double> most_scatter[] = {{0.02f, 0.25}, {0.08f, 0.18}, {0.2f, 0.11}, {0.4f, 0.11}};
+    for (const auto& [metres, most] : most_scatter) {
+        const auto [mean, scatter] = along(metres, {0.25f});
+        EXPECT_GT(mean, 0.82 * middle) << metres;
+        EXPECT_LT(mean, 1.08 * middle) << metres;
+        EXPECT_LT(scatter, most) << metres;
     }
-    // Points alone show every anchor near an edge.
-    EXPECT_GT(along(0.4f * radius_, GeometryClamp::none()).second, 0.2);
+    // Points alone show every VPL near an edge.
+    EXPECT_GT(along(0.02f, GeometryClamp::none()).second, 0.29);
 }
 
 }  // namespace

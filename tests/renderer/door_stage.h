@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/renderer/anchor_stage.h"
+#include "tests/renderer/virtual_light_stage.h"
 
 namespace render2mpeg::test {
 

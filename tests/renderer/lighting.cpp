@@ -1,7 +1,7 @@
 #include "tests/renderer/lighting.h"
 
 #include "core/color.h"
-#include "renderer/lights/anchor_places.h"
+#include "renderer/lights/virtual_lights.h"
 #include "scene/preparation/traits.h"
 
 namespace render2mpeg::test {
@@ -26,10 +26,7 @@ renderer::LightTrees LitStage::light(const LightingSettings& settings) {
     if (settings.paths > 0)
         photons = renderer::trace_photons(posed_scene_, direct,
                                           {1 + settings.set * settings.paths, settings.paths, settings.bounces});
-    std::vector<renderer::OrientedPoint> places;
-    for (const renderer::LightPoint& v : photons.vpls) places.push_back({v.position, v.normal});
-    const std::vector<float> areas = renderer::cell_areas(places, 1.0f);
-    for (std::size_t i = 0; i < areas.size(); ++i) photons.vpls[i].disc2 = areas[i] / 3.14159265f;
+    renderer::spread(photons.vpls, 1.0f);
     renderer::LightTrees light_trees = build_light_trees(direct, photons.vpls, settings.set);
     light_trees.point_clamp = settings.clamp;
     light_trees.translucent = plan_.runs(renderer::Pass::alpha) || plan_.runs(renderer::Pass::glass);
@@ -61,8 +58,7 @@ Scattered gather_all(const LitStage& stage, const renderer::LightTrees& light_tr
 renderer::LightTrees build_light_trees(std::span<const renderer::LightPoint> direct,
                                        std::span<const renderer::LightPoint> vpls, std::uint64_t seed) {
     using renderer::LightTrees, renderer::LightType;
-    const renderer::LitPoints points{direct, vpls, {}};
-    LightTrees trees = renderer::PersistentLightTrees(points, seed).at(points);
+    LightTrees trees = renderer::PersistentLightTrees(direct, seed).at(direct);
     for (int t = 0; t < LightTrees::direct_trees; ++t) {
         std::vector<renderer::LightPoint> own;
         for (const renderer::LightPoint& p : direct)

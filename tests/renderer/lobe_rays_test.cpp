@@ -175,7 +175,7 @@ TEST(LobeRays, OfAFloorShowTheLightOfAWall) {
         }
     }
     ASSERT_GT(compared, 100);
-    // chosen: measured 0.007 and 0.05; a thousand anchors are few.
+    // chosen: measured 0.007 and 0.05; a thousand VPLs are few.
     EXPECT_LT(std::abs(mean / compared), 0.02);
     EXPECT_LT(std::sqrt(squares / compared), 0.08);
 }

@@ -78,7 +78,7 @@ TEST(CacheOfMovingLight, FollowsWhatDeformsSlow) {
     EXPECT_GE(share_over(truth[0], truth[1], 0.05f), 0.015);
 }
 
-TEST(CacheOfMovingLight, IsOfLampsWhereThereAreNoAnchorsSlow) {
+TEST(CacheOfMovingLight, IsOfLampsWhereNothingBouncesSlow) {
     Settings s = moving_settings(true);
     s.vpls = 0;
     FilmStage stage(moving_room({here, beside, here}, true), s);

@@ -21,20 +21,23 @@ FrameLuminances MovingLightFilm::lit(const FilmLight& light, int first, int coun
     renderer::LightPoints points(posed_scene_, plan_, 128, 1);
     scene::Snapshot world = at(first);
     posed_scene_.pose(world);
-    const renderer::Anchors anchors(posed_scene_, points, light.anchors);
     points.place(posed_scene_, world);
-    renderer::PersistentLightTrees persistent({points.average(), anchors.average_still(), anchors.average_moving()}, 1);
+    renderer::VirtualLightSettings virtual_lights = light.virtual_lights;
+    virtual_lights.paths = renderer::virtual_light_paths(posed_scene_, points.average(), virtual_lights.vpls, 0);
+    renderer::PersistentLightTrees persistent(points.average(), 1);
     FrameLuminances frames;
     for (int n = first; n < first + count; ++n) {
         scene::Snapshot next = at(n);
         std::swap(world, next);
         posed_scene_.pose(world);
         std::vector<renderer::LightPoint> direct = points.at(posed_scene_);
-        renderer::Anchors::Lit lit = anchors.at(posed_scene_, direct);
+        const std::vector<renderer::LightPoint> vpls =
+            renderer::virtual_lights(posed_scene_, {direct, points.average()}, virtual_lights).vpls;
         if (!light.direct) direct.clear();
-        if (!light.still) lit.still.clear();
-        if (!light.moving) lit.moving.clear();
-        renderer::LightTrees light_trees = persistent.at({direct, lit.still, lit.moving}, n == first);
+        renderer::LightTrees light_trees = persistent.at(direct, n == first);
+        if (light.indirect)
+            light_trees.trees[renderer::LightTrees::static_tree] =
+                renderer::build_light_tree(renderer::LightType::oriented, vpls, 2);
         light_trees.point_clamp = {0.25f};
         frames.push_back(shade(world, light_trees, light.tolerance, cost != nullptr ? *cost : own));
     }

@@ -6,7 +6,8 @@
 
 #include "core/motion_field.h"
 #include "core/tolerance_map.h"
-#include "renderer/lights/anchors.h"
+#include "renderer/lights/light_points.h"
+#include "renderer/lights/virtual_lights.h"
 #include "renderer/tree/light_trees.h"
 #include "renderer/view/see.h"
 #include "tests/support/scene_builder.h"
@@ -15,9 +16,9 @@ namespace render2mpeg::test {
 
 /// How the frames of a film are lit.
 struct FilmLight {
-    renderer::AnchorSettings anchors;
+    renderer::VirtualLightSettings virtual_lights;
     core::ToleranceMap tolerance = core::ToleranceMap::reference();
-    bool direct = true, still = true, moving = true;  ///< which light points there are
+    bool direct = true, indirect = true;  ///< which light points there are
 };
 
 /// What frames took: CPU seconds of seeing and shading all of them, over all threads.

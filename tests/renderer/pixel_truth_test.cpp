@@ -165,7 +165,7 @@ TEST(Judge, FindsGatheringWithoutErrorInAReferenceFrameSlow) {
     split.add(room.judge(24), luma);
     EXPECT_EQ(split.pixels(), 24u);
     EXPECT_LT(split.rms(ErrorCause::gathering, ErrorMeasure::relative), 1e-4);
-    // 4,096 anchors in a small room: some percent.
+    // VPLs in a small room: some percent.
     EXPECT_LT(split.rms(ErrorCause::light_points, ErrorMeasure::relative), 0.1);
     EXPECT_LT(std::abs(split.bias(ErrorCause::total).value), 0.05);
     EXPECT_LT(split.bias(ErrorCause::total).error, 0.03);

@@ -5,16 +5,15 @@
 
 #include "core/sampling.h"
 #include "renderer/cut/gatherer.h"
-#include "renderer/lights/photon_splat.h"
-#include "tests/renderer/anchor_stage.h"
 #include "tests/renderer/lighting.h"
+#include "tests/renderer/virtual_light_stage.h"
 
 namespace render2mpeg::renderer {
 namespace {
 
-using test::AnchorStage;
 using test::LitStage;
 using test::SceneBuilder;
+using test::VirtualLightStage;
 
 constexpr std::uint32_t first_wall = 1, last_wall = 3, mover = 4;
 
@@ -72,18 +71,18 @@ TEST(StillInstances, AreMetAsOtherWallsAreAndAreNoMovers) {
             const RayQuery ray = some_ray(i);
             const Hit hit = a.nearest(ray.origin, ray.direction, ray.far);
             EXPECT_EQ(hit.address.object, b.nearest(ray.origin, ray.direction, ray.far).address.object) << i;
-            const bool still = a.meets_static(ray.origin, ray.direction, ray.far);
-            const bool moves = a.meets_dynamic(ray.origin, ray.direction, ray.far);
-            ASSERT_EQ(still, b.meets_static(ray.origin, ray.direction, ray.far)) << i;
-            ASSERT_EQ(moves, b.meets_dynamic(ray.origin, ray.direction, ray.far)) << i;
-            ASSERT_EQ(still || moves, hit.found()) << i;
             walls += hit.found() && hit.address.object <= last_wall ? 1 : 0;
-            moving += moves ? 1 : 0;
+            moving += hit.found() && hit.address.object == mover ? 1 : 0;
+            if (hit.found() && hit.address.object == mover)
+                ASSERT_TRUE(a.may_meet_dynamic(ray.origin, ray.direction, ray.far)) << i;
+            ASSERT_EQ(a.may_meet_dynamic(ray.origin, ray.direction, ray.far),
+                      b.may_meet_dynamic(ray.origin, ray.direction, ray.far))
+                << i;
             if (i % 16 != 0) continue;
             const ShadowPacket packet = packet_of(i);
             const std::uint32_t occluded = a.occluded(packet, nullptr);
             ASSERT_EQ(occluded, b.occluded(packet, nullptr)) << i;
-            ASSERT_EQ((occluded & 1u) != 0, still || moves) << i;
+            ASSERT_EQ((occluded & 1u) != 0, hit.found()) << i;
             blocked += static_cast<int>(__builtin_popcount(occluded));
         }
         EXPECT_GT(walls, 200);
@@ -98,9 +97,7 @@ TEST(StillInstances, AloneMakeNoFilmMove) {
     const LitStage stage(b);
     EXPECT_TRUE(stage.posed_scene().tracer().is_instanced(first_wall));
     EXPECT_FALSE(stage.posed_scene().tracer().has_dynamic_objects());
-    const glm::vec3 before(2.5f, 1, 0.5f), way(1, 0, 0);
-    EXPECT_TRUE(stage.posed_scene().tracer().meets_static(before, way, 1.0f));
-    EXPECT_FALSE(stage.posed_scene().tracer().meets_dynamic(before, way, 1.0f));
+    EXPECT_FALSE(stage.posed_scene().tracer().may_meet_dynamic({2.5f, 1, 0.5f}, {1, 0, 0}, 1.0f));
 }
 
 /// Cuts for groups of sixteen neighbours all over the floor.
@@ -145,54 +142,28 @@ TEST(StillInstances, AreLitAndShadowByTheSameCutsAsOtherWalls) {
     EXPECT_TRUE(near(a.rays, b.rays)) << a.rays << " " << b.rays;
     EXPECT_TRUE(near(a.clusters, b.clusters)) << a.clusters << " " << b.clusters;
     ASSERT_GT(b.clusters, 60 * 20);
-    for (std::size_t i = 0; i < a.light.size(); ++i)
-        EXPECT_LE(glm::distance(a.light[i], b.light[i]), 1e-4f * glm::length(b.light[i])) << i;
-}
-
-/// Anchors all over the floor, some 25 cm from each other.
-std::vector<AnchorPlace> floor_places() {
-    std::vector<AnchorPlace> places;
-    for (std::uint64_t i = 0; i < 400; ++i) {
-        AnchorPlace place;
-        place.rest = {{6 * core::halton(0, i + 1), 0, 4 * core::halton(1, i + 1)}, {0, 1, 0}};
-        place.disc2 = 0.02f;
-        places.push_back(place);
+    std::size_t others = 0;
+    for (std::size_t i = 0; i < a.light.size(); ++i) {
+        const float off = glm::distance(a.light[i], b.light[i]) / glm::length(b.light[i]);
+        EXPECT_LE(off, 5e-3f) << i;
+        others += off > 1e-4f ? 1 : 0;
     }
-    return places;
+    EXPECT_LE(others, a.light.size() / 100) << "where a photon that went another way was a representative";
 }
 
-TEST(StillInstances, PartAnchorsOnceAndForAll) {
-    const LitStage copied(shared_room(true)), baked(shared_room(false));
-    const RayTracer &a = copied.posed_scene().tracer(), &b = baked.posed_scene().tracer();
-    const std::vector<AnchorPlace> places = floor_places();
-    const PhotonSplatter by_a(places, a), by_b(places, b);
-    EXPECT_EQ(by_a.rays(), by_b.rays());
-    const OccludedNeighbours parted_a = by_a.occluded_neighbours(a), parted_b = by_b.occluded_neighbours(b);
-    EXPECT_EQ(parted_a.rays, parted_b.rays);
-    EXPECT_EQ(parted_a.hidden, parted_b.hidden);
-
-    std::vector<PhotonHit> photons;
-    for (std::uint64_t i = 0; i < 2000; ++i)
-        photons.push_back({0, {{6 * core::uniform(5, i, 0), 0, 4 * core::uniform(5, i, 1)}, {0, 1, 0}}, glm::vec3(1)});
-    std::vector<glm::dvec3> light_a(places.size(), glm::dvec3(0)), light_b = light_a;
-    EXPECT_EQ(by_a.splat(photons, a, &parted_a, light_a), by_b.splat(photons, b, &parted_b, light_b));
-    EXPECT_EQ(light_a, light_b);
-}
-
-TEST(StillInstances, HaveAnchorsAsOtherWallsHave) {
-    // Which places are chosen hangs on the last digits of where photons land; what they hold together does not.
-    AnchorStage copied(shared_room(true)), baked(shared_room(false));
-    const auto beyond = [](const Anchors::Lit& lit) {
+TEST(StillInstances, ReflectLightAsOtherWallsDo) {
+    VirtualLightStage copied(shared_room(true)), baked(shared_room(false));
+    const auto beyond = [](const std::vector<LightPoint>& lights) {
         double sum = 0;
-        for (const LightPoint& l : lit.still) sum += l.position.x > 3.1f ? glm::length(l.intensity) : 0.0f;
+        for (const LightPoint& l : lights) sum += l.position.x > 3.1f ? glm::length(l.intensity) : 0.0f;
         return sum;
     };
     for (const double seconds : {0.0, 0.6}) {
         copied.pose(seconds);
         baked.pose(seconds);
-        const Anchors::Lit a = copied.light(), b = baked.light();
-        ASSERT_GT(b.still.size(), 300u);
-        EXPECT_NEAR(static_cast<double>(a.rays) / static_cast<double>(b.rays), 1.0, 0.1);
+        const std::vector<LightPoint> a = copied.light(), b = baked.light();
+        ASSERT_GT(b.size(), 300u);
+        EXPECT_NEAR(static_cast<double>(a.size()) / static_cast<double>(b.size()), 1.0, 0.02);
         EXPECT_NEAR(beyond(a) / beyond(b), 1.0, 0.02);
     }
 }

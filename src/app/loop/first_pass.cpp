@@ -39,8 +39,8 @@ RenderJob small(const RenderJob& film) {
     pass.rendering.samples = 1;
     pass.rendering.edge_samples = pass.rendering.most_samples = 0;
     pass.rendering.calibrate = false;  // nothing is promised of its light
-    // chosen: textures, edges and motion make most of the bits, not the last light points (64..4096).
-    pass.rendering.vpls = std::min(film.rendering.vpls, 256);
+    // chosen: textures, edges and motion make most of the bits, not the last light points.
+    pass.rendering.vpls = std::min(film.rendering.vpls, 2048);
     pass.rough = true;
     pass.tolerance = {};
     pass.tolerance.relative = 0.2f;

@@ -12,7 +12,6 @@
 #include "core/error.h"
 #include "encoder/codec.h"
 #include "image/image.h"
-#include "renderer/lights/anchors.h"
 #include "renderer/surface/opacity_map.h"
 #include "scene/preparation/traits.h"
 
@@ -23,7 +22,7 @@ namespace {
 /// docs/measurements.md#memory
 constexpr std::uint64_t per_triangle = 135;
 constexpr std::uint64_t per_lamp = 1300;
-constexpr std::uint64_t per_candidate = 400;  ///< of the places that anchors are chosen from
+constexpr std::uint64_t per_vpl = 600;  ///< as many as are asked for, about
 constexpr std::uint64_t per_pixel = 250, per_sample = 60;
 constexpr std::uint64_t per_pixel_looked_at_closer = 500;
 constexpr std::uint64_t per_exposed_sample = 40;
@@ -126,7 +125,7 @@ MemoryNeed memory_need(const RenderJob& film) {
             need.moving += own;
         }
     need.lights = per_lamp * (static_cast<std::uint64_t>(film.rendering.direct_points) + scene.lights.size()) +
-                  per_candidate * renderer::candidates_for(static_cast<std::uint64_t>(film.rendering.vpls));
+                  per_vpl * static_cast<std::uint64_t>(film.rendering.vpls);
     const std::uint64_t closer = film.rendering.most_samples > 0 ? per_pixel_looked_at_closer : 0;
     const bool follows = film.rendering.indirect == renderer::Indirect::rays &&
                          film.rendering.cache != renderer::CacheUse::off && scene::traits_of(scene).changes_light();

@@ -9,7 +9,7 @@ namespace render2mpeg::app {
 /// Estimated memory in bytes, before anything is allocated (docs/measurements.md#memory).
 struct MemoryNeed {
     std::uint64_t held = 0;       ///< by this process now: program, scene as it was read
-    std::uint64_t triangles = 0;  ///< trees of rays, and what chooses anchors
+    std::uint64_t triangles = 0;  ///< trees of rays
     std::uint64_t textures = 0;   ///< with their smaller copies
     std::uint64_t decoding = 0;   ///< of the largest image, while it is read
     std::uint64_t volumes = 0;    ///< grids, and light within them

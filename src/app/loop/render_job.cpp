@@ -191,7 +191,6 @@ ShapeWishes half_of(ShapeWishes wishes, const Shape& shape) {
 /// Draft settings without an option.
 void settle_preview(RenderJob& film) {
     film.rendering.calibrate = false;
-    film.rendering.photons = preview_photons;
     film.coding.user_data = "draft: render2mpeg --preview";
 }
 

@@ -83,7 +83,7 @@ RenderOptions preview_options(const RenderOptions& options) {
     if (!options.tolerance) draft.tolerance = "fixed=30%";
     if (!options.is_given("--samples")) draft.samples = 1;
     if (!options.is_given("--edge-samples")) draft.edge_samples = options.is_given("--samples") ? options.samples : 4;
-    if (!options.is_given("--vpls")) draft.vpls = 2048;
+    if (!options.is_given("--vpls")) draft.vpls = 16384;
     draft.indirect = "lightcuts";
     draft.cache = "off";
 

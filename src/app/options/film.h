@@ -35,9 +35,6 @@ const Effort& effort_from(const std::string& name);
 /// Options with --effort applied; `draft` is --preview in the film's own size.
 RenderOptions with_effort(const RenderOptions& options);
 
-/// Photons of each frame of a draft. chosen: 4 per anchor, of 4 and 8: 0 to 0.1 dB less.
-inline constexpr std::uint64_t preview_photons = 4 * 2048;
-
 /// Options with a draft's coarse light, few samples and quick coding where none are given (docs/pictures.md). Throws
 /// UsageError, naming an option that drafts do not have.
 RenderOptions preview_options(const RenderOptions& options);

@@ -80,7 +80,7 @@ struct RenderOptions : FilmOptions {
     std::optional<std::string> size, tolerance, shutter, f_stop, focus, fog, glare, transparent, sky, camera,
         projection, stereo, animation, variant, isa, effort, memory;
     std::optional<double> loss;  ///< none: usual_loss, or --effort's
-    int samples = 4, vpls = 4096, audit = 0;
+    int samples = 4, vpls = 32768, audit = 0;
     std::optional<int> edge_samples, exposure_samples, chunks_at_once;
     std::string indirect = "rays", caustics = "on", masking = "warped", exposure = "auto", clamp = "bounded",
                 cache = "auto", light = "studio", player, within = "10s";

@@ -53,8 +53,8 @@ struct LightPoint {
     /// Squared radius of the disc of surface that the point stands for (directional: solid angle over pi); 0: a true
     /// point. Light nearer than a multiple of it is clamped, and sharp lobes see the disc, not the point.
     float disc2 = 0;
-    std::uint32_t id = 0;                ///< stable over the film; photons' own VPLs have none
-    std::uint32_t object = core::no_id;  ///< on whose surface it lies; no_id: on none, or an anchor that never moves
+    std::uint32_t id = 0;                ///< stable over the film; of VPLs, while their path leaves as many
+    std::uint32_t object = core::no_id;  ///< on whose surface it lies; no_id: on none
     LightType type = LightType::oriented;
 
     bool shines() const { return core::is_finite(intensity) && core::luminance(intensity) > 0.0f; }

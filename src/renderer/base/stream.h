@@ -24,8 +24,7 @@ enum class Purpose : std::uint64_t {
     near_points,
     lamp_points,
     representatives,
-    looks_of_anchors,
-    photons,
+    photons = 18,
     true_paths,
     rays_of_volumes,
 };

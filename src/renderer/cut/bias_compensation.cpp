@@ -23,7 +23,7 @@ namespace {
 constexpr int corners = 6;
 constexpr float corner_radius = 1.0996361f;
 
-/// Hexagons are this much wider than their discs, and as much dimmer, so that neighbours overlap: discs of the anchors'
+/// Hexagons are this much wider than their discs, and as much dimmer, so that neighbours overlap: discs of their
 /// own size leave gaps and bright dashes along edges. chosen: 1.75 of 1 to 2.5 (docs/measurements.md#lightcuts).
 constexpr float overlap = 1.75f;
 
@@ -150,8 +150,8 @@ void see(const GatherLanes& lanes, const TreeLight& light, const RayTracer& trac
 }
 
 /// Forgets lanes for which no surface lies where a part of the hexagon would light them from: halfway between the light
-/// and the place of its plane that is nearest to the lane. Cells of anchors on slender things reach over their edges,
-/// those of anchors in a gap between a thing and the wall behind it along the wall. What lies as near to the lane's own
+/// and the place of its plane that is nearest to the lane. Discs on slender things reach over their edges,
+/// those in a gap between a thing and the wall behind it along the wall. What lies as near to the lane's own
 /// surface is that, and does not count.
 void keep_to_surfaces(const GatherLanes& lanes, const TreeLight& light, const RayTracer& tracer, Lanes& deficit,
                       GatheredLight& out) {

@@ -20,6 +20,7 @@
 #include "renderer/gather/surface_cache.h"
 #include "renderer/lights/photon_source.h"
 #include "renderer/lights/photons.h"
+#include "renderer/lights/virtual_lights.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -190,40 +191,25 @@ std::vector<LightPoint> near_light(const PosedScene& posed_scene, std::span<cons
                                    std::span<const LightPoint> average, const NearField& near_field,
                                    std::uint64_t& rays) {
     if (near_field.empty()) return {};
-    // All that ever shine, those dark that do not now.
-    std::map<std::uint32_t, const LightPoint*> by_id;
-    for (const LightPoint& p : lights) by_id[p.id] = &p;
-    std::vector<LightPoint> planned(average.begin(), average.end()), shining = planned;
-    for (LightPoint& p : shining) {
-        const auto found = by_id.find(p.id);
-        if (found != by_id.end())
-            p = *found->second;
-        else
-            p.intensity = glm::vec3(0);
-        if (found != by_id.end()) by_id.erase(found);
-    }
-    for (const auto& [id, light] : by_id) {
-        planned.push_back(*light);
-        shining.push_back(*light);
-    }
-    favour_near(shining, near_field, world_box(posed_scene.posed()), planned);
+    PlannedLights all(lights, average);
+    favour_near(all.shining, near_field, world_box(posed_scene.posed()), all.planned);
 
     PhotonSettings settings;
     settings.paths = photon_paths;
-    settings.planned = planned;
-    PhotonResult photons = trace_photons(posed_scene, shining, settings);
+    settings.planned = all.planned;
+    PhotonResult photons = trace_photons(posed_scene, all.shining, settings);
     rays += photons.rays;
     std::vector<NearField::Part> parts(photons.vpls.size());
     parallel::for_each(parts.size(), [&](std::size_t i) { parts[i] = near_field.at(photons.vpls[i].position); });
-    double all = 0;
+    double power = 0;
     for (std::size_t i = 0; i < parts.size(); ++i) {
         LightPoint& p = photons.vpls[i];
         // The surface that so much flux spreads over.
         p.disc2 = core::divide_or(core::luminance(p.intensity), parts[i].irradiance, 0.0f);
         p.intensity *= parts[i].share;
-        all += static_cast<double>(core::luminance(p.intensity));
+        power += static_cast<double>(core::luminance(p.intensity));
     }
-    thin_out(all / most_near_points, photons.vpls);
+    thin_out(power / most_near_points, photons.vpls);
     return photons.vpls;
 }
 

@@ -85,7 +85,6 @@ EmbreeScene::EmbreeScene(const scene::Animation& animation, core::Isa isa, std::
         any_translucent_ = any_translucent_ || is_filtered(static_cast<std::uint32_t>(i));
         const bool still = object.mobility == scene::Mobility::still;
         has_dynamic_objects_ = has_dynamic_objects_ || !still;
-        has_static_instances_ = has_static_instances_ || (still && placed_[i].kind == Kind::instanced);
     }
 
     // Start with empty scenes: nothing is anywhere before it is posed.
@@ -102,8 +101,7 @@ EmbreeScene::EmbreeScene(const EmbreeScene& posed)
       still_(posed.still_),
       placed_(posed.placed_.size()),
       any_translucent_(posed.any_translucent_),
-      has_dynamic_objects_(posed.has_dynamic_objects_),
-      has_static_instances_(posed.has_static_instances_) {
+      has_dynamic_objects_(posed.has_dynamic_objects_) {
     const FlushDenormals flushed;
     for (std::size_t i = 0; i < placed_.size(); ++i) {
         const Placed& from = posed.placed_[i];

@@ -52,12 +52,11 @@ class EmbreeScene {
     RTCSceneTy* baked() const { return still_->baked.get(); }
     bool has_instances() const { return top_ != nullptr; }
     bool has_dynamic_objects() const { return has_dynamic_objects_; }
-    bool has_static_instances() const { return has_static_instances_; }
 
     /// Bits of a ray's mask in `root`: what lies in `baked`; what moves, changes its shape, comes or goes in the film;
     /// and instances that never do.
     static constexpr unsigned baked_mask = 1, dynamic_mask = 2, copied_mask = 4;
-    static constexpr unsigned static_mask = baked_mask | copied_mask, instance_mask = dynamic_mask | copied_mask;
+    static constexpr unsigned instance_mask = dynamic_mask | copied_mask;
 
     /// One object by itself, for walks below its surface; null for others than those, and where it is not present.
     RTCSceneTy* alone(std::uint32_t object) const { return placed_[object].alone.get(); }
@@ -162,7 +161,7 @@ class EmbreeScene {
     Scene top_;  ///< none where everything is baked
     RTCGeometryTy* baked_instance_ = nullptr;
     std::vector<Placed> placed_;
-    bool any_translucent_ = false, has_dynamic_objects_ = false, has_static_instances_ = false;
+    bool any_translucent_ = false, has_dynamic_objects_ = false;
 };
 
 }  // namespace render2mpeg::renderer

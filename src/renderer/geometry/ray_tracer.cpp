@@ -257,17 +257,6 @@ bool RayTracer::meets(glm::vec3 origin, glm::vec3 direction, float far) const {
     return meets_any(impl_->scene.root(), 0xffffffffu, {origin, direction, far});
 }
 
-bool RayTracer::meets_static(glm::vec3 origin, glm::vec3 direction, float far) const {
-    const EmbreeScene& scene = impl_->scene;
-    return meets_any(scene.has_static_instances() ? scene.root() : scene.baked(), EmbreeScene::static_mask,
-                     {origin, direction, far});
-}
-
-bool RayTracer::meets_dynamic(glm::vec3 origin, glm::vec3 direction, float far) const {
-    return may_meet_dynamic(origin, direction, far) &&
-           meets_any(impl_->scene.root(), EmbreeScene::dynamic_mask, {origin, direction, far});
-}
-
 bool RayTracer::may_meet_dynamic(glm::vec3 origin, glm::vec3 direction, float far) const {
     const std::vector<MiddleBox>& boxes = impl_->dynamic_objects;
     return boxes.size() > most_boxes ? has_dynamic_objects()

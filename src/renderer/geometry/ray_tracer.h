@@ -85,12 +85,7 @@ class RayTracer {
     /// for less.
     bool meets(glm::vec3 origin, glm::vec3 direction, float far) const;
 
-    /// Whether the ray meets anything that never moves at a distance in (0, far), translucent or not. Objects that
-    /// share a mesh count as others do.
-    bool meets_static(glm::vec3 origin, glm::vec3 direction, float far) const;
-
-    /// The same for all other objects: those that move, change their shape, come or go in the film.
-    bool meets_dynamic(glm::vec3 origin, glm::vec3 direction, float far) const;
+    /// Whether some objects move, change their shape, come or go in the film.
     bool has_dynamic_objects() const;
 
     /// Whether the ray may meet such an object at a distance in (0, far): no false denial, and no ray is traced.

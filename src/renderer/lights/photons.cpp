@@ -108,9 +108,9 @@ bool go_on(const PosedScene& scene, const SurfacePoint& p, Scattering event, glm
 }
 
 /// Leaves a VPL where a photon landed; `landed`: of its flux.
-void leave(const SurfacePoint& p, glm::vec3 flux, glm::vec3 landed, PhotonResult& out) {
+void leave(const SurfacePoint& p, glm::vec3 flux, glm::vec3 landed, std::uint64_t key, PhotonResult& out) {
     out.vpls.push_back(vpl_at(p, flux));
-    out.addresses.push_back(p.address);
+    out.vpls.back().id = static_cast<std::uint32_t>(core::mix(key) >> 32);
     out.landed += static_cast<double>(core::luminance(landed));
 }
 
@@ -143,11 +143,13 @@ int follow(const PosedScene& posed_scene, const PhotonSource& source, std::uint6
         const auto next = static_cast<Scattering>(found);
         if (p.unlit && next != Scattering::layer) break;
         if (next != Scattering::layer) {
+            const std::uint64_t key = 2 * (path * most_events + static_cast<std::uint64_t>(event));
             if (p.bsdf.has_diffuse() || p.bsdf.has_glossy()) {
-                leave(p, photon.flux, photon.flux, out);
+                leave(p, photon.flux, photon.flux, key, out);
                 --left;
             }
-            if (p.bsdf.has_diffuse_transmission()) leave(posed_scene.other_side(p), photon.flux, glm::vec3(0), out);
+            if (p.bsdf.has_diffuse_transmission())
+                leave(posed_scene.other_side(p), photon.flux, glm::vec3(0), key + 1, out);
             out.lost += static_cast<double>(chances.lost);
         }
         if (found == scatterings) break;
@@ -170,7 +172,6 @@ PhotonResult follow_all(const PosedScene& posed_scene, const PhotonSource& sourc
     });
     for (const PhotonResult& p : part) {
         result.vpls.insert(result.vpls.end(), p.vpls.begin(), p.vpls.end());
-        result.addresses.insert(result.addresses.end(), p.addresses.begin(), p.addresses.end());
         result.rays += p.rays;
         result.landed += p.landed;
         result.lost += p.lost;

@@ -42,12 +42,6 @@ class PointTree {
     /// their place in that order: for who keeps what belongs to the points in the same.
     std::vector<std::uint32_t> take_order();
 
-    /// Bytes held.
-    std::size_t bytes() const {
-        return points_.capacity() * sizeof(Point) + index_.capacity() * sizeof(std::uint32_t) + axis_.capacity() +
-               facing_.capacity() * sizeof(std::uint64_t);
-    }
-
   private:
     struct Search;
     struct Point {

@@ -12,10 +12,12 @@
 #include "core/plane.h"
 #include "core/sampling.h"
 #include "parallel/loops.h"
-#include "renderer/lights/anchor_importance.h"
 
 namespace render2mpeg::renderer {
 namespace {
+
+/// Picture format of the cameras that look: few rays serve.
+constexpr scene::PictureFormat importance_format{24, 14, 1.0f};
 
 /// Instants of the film that are looked at, and rays from each point that is seen there. chosen: 16 and 16; with 86,000
 /// rays a window of a hundredth of the sky still gets hundreds.
@@ -31,6 +33,37 @@ constexpr float even_sky_share = 0.2f;
 
 /// Light by one bounce counts so much as direct light. chosen: a half, the albedo of most things.
 constexpr float of_bounce = 0.5f;
+
+/// A place that a camera sees, off its surface.
+struct SeenPoint {
+    glm::vec3 position, normal;
+};
+
+/// Points seen by the camera of the posed instant: one for each of its pixels that shows a surface.
+std::vector<SeenPoint> seen_points(const PosedScene& posed_scene) {
+    const scene::Camera& camera = posed_scene.posed().camera;
+    std::vector<SeenPoint> seen;
+    for (int y = 0; y < importance_format.height; ++y)
+        for (int x = 0; x < importance_format.width; ++x) {
+            const scene::Ray ray = camera.ray_through(camera.even_position((glm::vec2(x, y) + 0.5f) / camera.size()));
+            const Hit hit =
+                posed_scene.tracer().nearest(ray.origin, ray.direction, std::numeric_limits<float>::infinity());
+            if (!hit.found()) continue;
+            const SurfacePoint p = posed_scene.surface_at(hit.address, -ray.direction);
+            seen.push_back({offset_origin(p, p.geometric_normal), p.geometric_normal});
+        }
+    return seen;
+}
+
+/// The film at one of `count` instants spread over it, its lights at their average strength, its camera one of its
+/// shots'.
+scene::Snapshot importance_instant(const scene::Animation& film, int i, int count) {
+    const auto microseconds = static_cast<std::int64_t>(1e6 * film.duration * (i + 0.5) / count);
+    const std::size_t shots = film.shots.size();
+    const std::int64_t frame =
+        shots == 0 ? 0 : film.shots[static_cast<std::size_t>(i) * shots / static_cast<std::size_t>(count)].frame;
+    return with_average_light(scene::snapshot_at(film, frame, {microseconds, 1000000}, importance_format));
+}
 
 /// The sphere in bands of equal solid angle.
 class Directions {

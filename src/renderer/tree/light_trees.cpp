@@ -29,10 +29,6 @@ void add_exact(const LightPoint& p, std::uint64_t seed, std::vector<ExactLight>&
         exact.push_back({tree.type, tree.lights.front(), tree.spots.empty() ? Spot{} : tree.spots.front()});
 }
 
-std::uint64_t seed_of(int tree, std::uint64_t seed) {
-    return LightTrees::is_direct(tree) ? seed : seed + 1;
-}
-
 /// All lights of a topology as they lie now, to rebuild it by; those that are absent lie with their neighbours in the
 /// tree.
 std::vector<LightPoint> with_absent(const TreeTopology& topology, std::span<const LightPoint> now) {
@@ -63,41 +59,33 @@ std::vector<LightPoint> with_absent(const TreeTopology& topology, std::span<cons
 
 }  // namespace
 
-PersistentLightTrees::PersistentLightTrees(const LitPoints& average, std::uint64_t seed) : seed_(seed) {
-    const auto punctual = std::count_if(average.direct.begin(), average.direct.end(), is_punctual);
+PersistentLightTrees::PersistentLightTrees(std::span<const LightPoint> average, std::uint64_t seed) : seed_(seed) {
+    const auto punctual = std::count_if(average.begin(), average.end(), is_punctual);
     PointsByType types;
-    for (const LightPoint& p : average.direct) {
+    for (const LightPoint& p : average) {
         if (is_punctual(p) && static_cast<std::size_t>(punctual) <= most_exact_lights)
             exact_.push_back(p.id);
         else
             types[static_cast<std::size_t>(p.type)].push_back(p);
     }
     std::sort(exact_.begin(), exact_.end());
-    for (int t = 0; t < LightTrees::tree_count; ++t) {
-        const bool direct = LightTrees::is_direct(t);
-        const auto points = direct                         ? std::span<const LightPoint>(types[t])
-                            : t == LightTrees::static_tree ? average.still
-                                                           : average.moving;
-        const LightType type = direct ? static_cast<LightType>(t) : LightType::oriented;
-        topologies_[t] = topology_of(build_persistent_tree(type, points, seed_of(t, seed)));
-    }
+    for (std::size_t t = 0; t < types.size(); ++t)
+        topologies_[t] = topology_of(build_persistent_tree(static_cast<LightType>(t), types[t], seed));
 }
 
-LightTrees PersistentLightTrees::at(const LitPoints& now, bool may_rebuild) {
+LightTrees PersistentLightTrees::at(std::span<const LightPoint> now, bool may_rebuild) {
     LightTrees light_trees;
     PointsByType types;
-    for (const LightPoint& p : now.direct) {
+    for (const LightPoint& p : now) {
         if (std::binary_search(exact_.begin(), exact_.end(), p.id))
             add_exact(p, seed_, light_trees.exact);
         else
             types[static_cast<std::size_t>(p.type)].push_back(p);
     }
-    for (int t = 0; t < LightTrees::tree_count; ++t) {
-        const auto points = LightTrees::is_direct(t)       ? std::span<const LightPoint>(types[t])
-                            : t == LightTrees::static_tree ? now.still
-                                                           : now.moving;
+    for (std::size_t t = 0; t < types.size(); ++t) {
+        const std::span<const LightPoint> points = types[t];
         LightTree& tree = light_trees.trees[t];
-        tree = build_from_topology(topologies_[t], points, seed_of(t, seed_));
+        tree = build_from_topology(topologies_[t], points, seed_);
         if (tree.empty()) continue;
         // A dark tree would be asked about for nothing.
         if (!(core::luminance(tree.intensity(tree.root)) > 0.0f)) {
@@ -106,9 +94,8 @@ LightTrees PersistentLightTrees::at(const LitPoints& now, bool may_rebuild) {
             continue;
         }
         if (!may_rebuild) continue;
-        TreeTopology other =
-            topology_of(build_persistent_tree(tree.type, with_absent(topologies_[t], points), seed_of(t, seed_)));
-        LightTree fresh = build_from_topology(other, points, seed_of(t, seed_));
+        TreeTopology other = topology_of(build_persistent_tree(tree.type, with_absent(topologies_[t], points), seed_));
+        LightTree fresh = build_from_topology(other, points, seed_);
         if (cost_of(tree) <= most_cost * cost_of(fresh)) continue;
         tree = std::move(fresh);
         topologies_[t] = std::move(other);

@@ -58,11 +58,6 @@ struct LightTrees {
 /// cut at 2 % saves few rays, since each lamp that matters is a cluster of its own; not tuned.
 inline constexpr std::size_t most_exact_lights = 16;
 
-/// The light points of one instant. Ids are unique in each of the three.
-struct LitPoints {
-    std::span<const LightPoint> direct, still, moving;
-};
-
 /// Light trees that follow their lights from instant to instant: who is whose neighbour in its trees was settled once,
 /// from lights at their time-averaged strength, so that what changes smoothly is gathered smoothly
 /// (docs/model/lights.md).
@@ -70,18 +65,18 @@ class PersistentLightTrees {
   public:
     PersistentLightTrees() = default;
     /// `average` holds every light point that will ever shine, as bright as it is in the mean.
-    PersistentLightTrees(const LitPoints& average, std::uint64_t seed);
+    PersistentLightTrees(std::span<const LightPoint> average, std::uint64_t seed);
 
     /// The light trees of an instant: a function of these lights, and of the topologies alone. Where `may_rebuild`
     /// says so, a tree whose topology fits these lights badly is rebuilt by them first, for this instant and all later
     /// ones: to be said at instants that only the chunk decides, among them its first.
-    LightTrees at(const LitPoints& now, bool may_rebuild = false);
+    LightTrees at(std::span<const LightPoint> now, bool may_rebuild = false);
 
     /// Bytes held between instants.
     std::size_t bytes() const;
 
   private:
-    std::array<TreeTopology, LightTrees::tree_count> topologies_;
+    std::array<TreeTopology, LightTrees::direct_trees> topologies_;
     std::vector<std::uint32_t> exact_;  ///< ids, in order
     std::uint64_t seed_ = 0;
 };

@@ -1,30 +1,34 @@
-#include "tests/renderer/anchor_stage.h"
+#include "tests/renderer/virtual_light_stage.h"
 
 #include <cmath>
 #include <utility>
 
+#include "scene/preparation/traits.h"
+
 namespace render2mpeg::test {
 
-AnchorStage::AnchorStage(const SceneBuilder& builder, renderer::AnchorSettings settings)
+VirtualLightStage::VirtualLightStage(const SceneBuilder& builder, renderer::VirtualLightSettings settings,
+                                     int direct_points)
     : film_(builder.build()),
       plan_(renderer::make_plan(scene::traits_of(film_), {})),
       posed_scene_(film_, core::detect_isa(), plan_),
-      points_(posed_scene_, plan_, 64, 1),
-      world_(snapshot(film_, 0, 32, 32)) {
+      points_(posed_scene_, plan_, direct_points, 1),
+      world_(snapshot(film_, 0, 32, 32)),
+      settings_(settings) {
     posed_scene_.pose(world_);
-    anchors_ = std::make_unique<renderer::Anchors>(posed_scene_, points_, settings);
     points_.place(posed_scene_, world_);
+    settings_.paths = renderer::virtual_light_paths(posed_scene_, points_.average(), settings.vpls, settings.bounces);
 }
 
-void AnchorStage::pose(double seconds) {
+void VirtualLightStage::pose(double seconds) {
     const auto thousandths = static_cast<std::int64_t>(std::lround(seconds * 1000));
     scene::Snapshot next = scene::snapshot_at(film_, 0, {thousandths, 1000}, {32, 32, 1.0f});
     std::swap(world_, next);
     posed_scene_.pose(world_);
 }
 
-renderer::PhotonResult AnchorStage::photons() {
-    return renderer::trace_photons(posed_scene_, points_.at(posed_scene_), {1, anchors_->paths(), 4});
+std::vector<renderer::LightPoint> VirtualLightStage::light() const {
+    return renderer::virtual_lights(posed_scene_, {direct(), points_.average()}, settings_).vpls;
 }
 
 SceneBuilder hall() {
