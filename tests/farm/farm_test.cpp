@@ -165,8 +165,11 @@ TEST(Farm, MakesAllThatOneRunMakesSlow) {
 }
 
 TEST(Farm, MakesFilmsOfEveryKindAsOneRunDoesSlow) {
-    const std::pair<const char*, const char*> kinds[] = {
-        {"f.mkv", "--bitrate 300k --passes 2"}, {"f.mp4", ""}, {"f.ts", "--bitrate 400k --cbr"}, {"f.y4m", ""}};
+    const std::pair<const char*, const char*> kinds[] = {{"f.mkv", "--bitrate 300k --passes 2"},
+                                                         {"f.mp4", ""},
+                                                         {"eyes.mkv", "--stereo side-by-side"},
+                                                         {"f.ts", "--bitrate 400k --cbr"},
+                                                         {"f.y4m", ""}};
     for (const auto& [name, options] : kinds) {
         const FarmFilm film(options, 120);
         const std::string farm = std::string(name) + ".farm";

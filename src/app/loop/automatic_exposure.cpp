@@ -2,10 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <set>
+#include <span>
 #include <utility>
 #include <vector>
 
+#include "app/loop/eyes.h"
 #include "core/color.h"
+#include "core/numeric.h"
 #include "perceptual/display.h"
 
 namespace render2mpeg::app {
@@ -19,11 +24,19 @@ float studio_exposure(float to_mid_grey) {
     return std::log2(std::clamp(mean, darkest, lightest) / mean);
 }
 
-/// Takes of a panorama's rows as many pixels as their solid angle is worth, evenly; all of a flat picture.
-bool counts_in_mean(const scene::Camera& camera, int pixel, int width) {
-    const float weight = camera.weight_of_row(pixel / width);
-    const auto before = static_cast<float>(pixel % width);
-    return std::floor((before + 1) * weight) > std::floor(before * weight);
+/// Takes of a panorama's rows as many pixels as their solid angle is worth, evenly, and all of its largest row; all of
+/// a flat picture.
+std::vector<std::uint8_t> counted_in_mean(const scene::Camera& camera, const scene::PictureFormat& format) {
+    std::vector<float> weights;
+    for (int y = 0; y < format.height; ++y) weights.push_back(camera.weight_of_row(y));
+    const float largest = *std::ranges::max_element(weights);
+    std::vector<std::uint8_t> counted;
+    for (const float weight : weights)
+        for (int x = 0; x < format.width; ++x) {
+            const float share = core::divide_or(weight, largest, 1.0f), before = static_cast<float>(x);
+            counted.push_back(std::floor((before + 1) * share) > std::floor(before * share) ? 1 : 0);
+        }
+    return counted;
 }
 
 }  // namespace
@@ -40,7 +53,7 @@ float measure_exposure(const RenderJob& film) {
         std::min(1.0f, static_cast<float>(longest_side) /
                            static_cast<float>(std::max(film.rendering.format.width, film.rendering.format.height)));
     RenderJob small = film;
-    // Of two eyes, one is looked through.
+    // Of two eyes each looks at every second frame.
     const auto side = [&](int pixels) {
         return std::max(1, static_cast<int>(std::lround(static_cast<float>(pixels) * scale)));
     };
@@ -60,16 +73,19 @@ float measure_exposure(const RenderJob& film) {
     const renderer::LightingMode mode = is_sparse ? renderer::LightingMode::sparse : renderer::LightingMode::rough;
     std::vector<float> surfaces, sky;
     const int stage = film.animation->stage;
-    std::int64_t last = film.frames.first - 1;
+    const std::span<const scene::Eye> eyes = eyes_of(film.animation->stereo);
+    std::set<std::pair<std::int64_t, scene::Eye>> looked;
     for (int i = 0; i < frames; ++i) {
         const std::int64_t frame = film.frames.first + (film.frame_count() - 1) * (2 * i + 1) / (2 * frames);
-        if (frame == std::exchange(last, frame)) continue;
-        const scene::Snapshot world = small.snapshot(frame);
+        const scene::Eye eye = eyes[static_cast<std::size_t>(i) % eyes.size()];
+        if (!looked.emplace(frame, eye).second) continue;
+        const scene::Snapshot world = small.snapshot(frame, eye);
         if (i == 0) renderer.start_chunk(world);
         const renderer::Lit lit = renderer.light(world, renderer.look(world), {about, mode});
         const core::Radiance& radiance = lit.radiance;
+        const std::vector<std::uint8_t> counted = counted_in_mean(world.camera, small.format);
         for (std::size_t p = 0; p < radiance.combined.size(); ++p) {
-            if (!counts_in_mean(world.camera, static_cast<int>(p), small.format.width)) continue;
+            if (counted[p] == 0) continue;
             const float luminance = core::luminance(radiance.combined.values()[p]);
             const bool of_stage =
                 stage >= 0 && lit.frame.visible.address.values()[p].object == static_cast<unsigned>(stage);

@@ -367,7 +367,7 @@ RenderJob prepare(const RenderOptions& wanted) {
     film.rendering.transparent = animation->transparent;
 
     film.coding = coding_settings(options.coding, of_all, film.frames.first, options.output, film.view);
-    if (film.kind == OutputKind::film && !options.output.empty()) describe_view(*loaded, options, film.coding);
+    if (film.kind == OutputKind::film) describe_view(*loaded, options, film.coding);
     film.coding.grain = options.grain ? grain_from(*options.grain) : animation->grain;
     film.rendering.mattes = options.layers || film.has_alpha() || has_alpha_beside(film, options);
     film.keyframes = keyframes_of(options.coding);

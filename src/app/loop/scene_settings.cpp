@@ -203,7 +203,19 @@ void tell_shape(scene::Animation& animation, Size size) {
 
 namespace {
 
-std::optional<encoder::SphereBounds> sphere_of(scene::Animation& animation, const std::filesystem::path& output) {
+/// Tells of the film and those beside it which of their files cannot say something.
+void tell_silent(scene::Animation& animation, const RenderOptions& options, const char* what, auto&& says) {
+    const auto tell = [&](const std::filesystem::path& file, encoder::Codec codec) {
+        if (!file.empty() && !says(file, codec))
+            animation.notes.push_back(
+                fmt::format("{}: such files cannot say that they are {}; .mp4 and .mkv do", file.string(), what));
+    };
+    if (!options.output.empty()) tell(options.output, codec_of(options.coding, options.output));
+    for (const auto& [subject, file] : options.side_films)
+        if (const auto named = view_and_codec(subject)) tell(file, named->codec_in(file));
+}
+
+std::optional<encoder::SphereBounds> sphere_of(scene::Animation& animation, const RenderOptions& options) {
     std::vector<const scene::CameraLens*> shown;
     for (const scene::Shot& shot : animation.shots)
         shown.push_back(&animation.cameras[static_cast<std::size_t>(shot.camera)]);
@@ -217,11 +229,8 @@ std::optional<encoder::SphereBounds> sphere_of(scene::Animation& animation, cons
         return std::nullopt;
     }
     if (!first.is_panorama()) return std::nullopt;
-    if (!av::tells_immersive(output)) {
-        animation.notes.push_back(
-            fmt::format("{}: such files cannot say that they are panoramas; .mp4 and .mkv do", output.string()));
-        return std::nullopt;
-    }
+    tell_silent(animation, options, "panoramas",
+                [](const std::filesystem::path& file, encoder::Codec) { return av::tells_immersive(file); });
     const scene::SphereWindow whole, &window = first.window;
     const double turn = whole.east - whole.west, half = whole.north - whole.south;
     return encoder::SphereBounds{(window.west - whole.west) / turn, (whole.north - window.north) / half,
@@ -230,17 +239,16 @@ std::optional<encoder::SphereBounds> sphere_of(scene::Animation& animation, cons
 
 core::FramePacking packing_of(scene::Animation& animation, const RenderOptions& options) {
     if (animation.stereo == core::FramePacking::none) return animation.stereo;
-    const std::filesystem::path& output = options.output;
-    if (!av::tells_immersive(output) && codec_of(options.coding, output) != encoder::Codec::h264)
-        animation.notes.push_back(
-            fmt::format("{}: such files cannot say that they are for two eyes; .mp4 and .mkv do", output.string()));
+    tell_silent(animation, options, "for two eyes", [](const std::filesystem::path& file, encoder::Codec codec) {
+        return av::tells_immersive(file) || codec == encoder::Codec::h264;
+    });
     return animation.stereo;
 }
 
 }  // namespace
 
 void describe_view(scene::Animation& animation, const RenderOptions& options, encoder::Settings& coding) {
-    coding.sphere = sphere_of(animation, options.output);
+    coding.sphere = sphere_of(animation, options);
     coding.packing = packing_of(animation, options);
 }
 
