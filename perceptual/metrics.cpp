@@ -143,16 +143,22 @@ double block_error(const core::Block8x8& a, const core::Block8x8& b) {
 
 }  // namespace
 
-double mean_squared_error(const Plane& a, const Plane& b) {
+double mean_squared_error(const Plane& a, const Plane& b, std::span<const float> rows) {
     EXPECTS(a.width() == b.width() && a.height() == b.height());
+    EXPECTS(rows.empty() || rows.size() == static_cast<std::size_t>(a.height()));
     if (a.empty()) return 0.0;
-    std::int64_t sum = 0;
-    const auto p = a.values(), q = b.values();
-    for (std::size_t i = 0; i < p.size(); ++i) {
-        const int d = p[i] - q[i];
-        sum += d * d;
+    double sum = 0, weights = 0;
+    for (int y = 0; y < a.height(); ++y) {
+        const double weight = rows.empty() ? 1.0 : static_cast<double>(rows[static_cast<std::size_t>(y)]);
+        std::int64_t squares = 0;
+        for (int x = 0; x < a.width(); ++x) {
+            const int d = a.at(x, y) - b.at(x, y);
+            squares += d * d;
+        }
+        sum += weight * static_cast<double>(squares);
+        weights += weight * a.width();
     }
-    return static_cast<double>(sum) / static_cast<double>(a.size());
+    return sum / weights;
 }
 
 double psnr(double mean_squared_error) {
@@ -188,8 +194,8 @@ double ssim(const Plane& a, const Plane& b) {
     return total / (static_cast<double>(columns - 1) * (rows - 1));
 }
 
-void FilmQuality::add(const core::Picture& picture, const core::Picture& reference) {
-    add(mean_squared_error(picture.y, reference.y), ssim(picture.y, reference.y));
+void FilmQuality::add(const core::Picture& picture, const core::Picture& reference, std::span<const float> rows) {
+    add(mean_squared_error(picture.y, reference.y, rows), ssim(picture.y, reference.y));
 }
 
 void FilmQuality::add(double error, double similarity) {

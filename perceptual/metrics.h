@@ -1,6 +1,7 @@
 #pragma once
 // PSNR and SSIM of pictures and films.
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/picture.h"
@@ -8,8 +9,10 @@
 
 namespace render2mpeg::perceptual {
 
-/// Mean squared difference of two planes of the same size, in code values squared.
-double mean_squared_error(const core::Plane<std::uint8_t>& a, const core::Plane<std::uint8_t>& b);
+/// Mean squared difference of two planes of the same size, in code values squared. `rows`: weights of their rows, above
+/// 0; empty: all count alike. By solid angle its psnr() is WS-PSNR [Sun2017].
+double mean_squared_error(const core::Plane<std::uint8_t>& a, const core::Plane<std::uint8_t>& b,
+                          std::span<const float> rows = {});
 
 /// PSNR in dB for 8-bit planes; +infinity for equal ones. Films are averaged by their mean squared error, as in
 /// ffmpeg's `psnr`.
@@ -22,8 +25,8 @@ double ssim(const core::Plane<std::uint8_t>& a, const core::Plane<std::uint8_t>&
 /// Luma quality of a film, averaged as by ffmpeg's `psnr` and `ssim` (docs/model/metrics.md).
 class FilmQuality {
   public:
-    /// Both pictures have the same size.
-    void add(const core::Picture& picture, const core::Picture& reference);
+    /// Both pictures have the same size. `rows`: as of mean_squared_error.
+    void add(const core::Picture& picture, const core::Picture& reference, std::span<const float> rows = {});
     /// A picture by its mean squared error and SSIM.
     void add(double error, double similarity);
 

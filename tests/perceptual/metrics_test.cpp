@@ -44,6 +44,12 @@ TEST(MeanSquaredError, IsTheSquareOfAConstantDifference) {
     EXPECT_EQ(mean_squared_error(Samples(7, 5, 255), Samples(7, 5, 0)), 65025.0);
     EXPECT_EQ(mean_squared_error(Samples(), Samples()), 0.0);
     EXPECT_THROW(mean_squared_error(Samples(7, 5), Samples(5, 7)), core::ContractViolation);
+    // Rows by weight.
+    Samples lower(4, 2, 10);
+    lower.at(0, 1) = 14;
+    const float rows[] = {3, 1};
+    EXPECT_EQ(mean_squared_error(Samples(4, 2, 10), lower, rows), 1.0);
+    EXPECT_EQ(mean_squared_error(Samples(4, 2, 10), lower), 2.0);
 }
 
 TEST(Psnr, FallsByTenDecibelsForTenTimesTheError) {

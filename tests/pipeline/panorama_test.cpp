@@ -88,5 +88,34 @@ TEST(PanoramaFilm, SaysThatItIsOneWhereItsFileCan) {
         << told.output;
 }
 
+/// The planned and the mean quantiser of a film's pictures.
+std::pair<double, double> quantisers_of(const Folder& folder, const std::string& film, const std::string& words) {
+    EXPECT_EQ(
+        run(program() + " render " + film + " --size 256x128 --samples 1 --frames 0:1 --quiet --overwrite --stats " +
+            path(folder, "stats.json") + " " + words)
+            .status,
+        0);
+    std::pair<double, double> sum;
+    const json stats = json::parse(contents(folder / "stats.json"));
+    for (const json& frame : stats.at("per_frame")) {
+        sum.first += frame.at("quantiser").get<double>();
+        sum.second += frame.at("mean_quantiser").get<double>();
+    }
+    return sum;
+}
+
+TEST(PanoramaFilm, IsCodedMoreCoarselyTowardsItsPoles) {
+    const Folder folder;
+    const std::string around = film(folder, R"({ "projection": "equirectangular" })");
+    // The mean over latitudes of 1 / sqrt(cos) is 1.67, of its logarithm to base 2 0.5 times 1.
+    for (const auto& [words, most] : {std::pair<std::string, double>{"--codec h264 -o " + path(folder, "a.mkv"), 6},
+                                      {"--codec hevc -o " + path(folder, "b.mkv"), 6}}) {
+        const auto [planned, mean] = quantisers_of(folder, around, words);
+        EXPECT_NEAR((mean - planned) / 2, 0.5 * most, 1.3) << words;
+    }
+    const auto [planned, mean] = quantisers_of(folder, around, "--quantiser 8 -o " + path(folder, "c.mpg"));
+    EXPECT_NEAR(mean / planned, 1.4, 0.25);
+}
+
 }  // namespace
 }  // namespace render2mpeg::test

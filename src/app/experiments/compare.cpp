@@ -202,7 +202,8 @@ void Comparing::run() {
     LitWindows fixed;
     if (!run_trial(trials_, with_tolerance(film(), {}), "fixed 2 %", is_quiet(), &fixed)) return;
     log("\nCPU seconds and size per frame; decoded against that light" +
-        std::string(trials_.truth() ? ", PSNR-Y the truth" : "") + ".\n" +
+        std::string(trials_.truth() ? ", PSNR-Y the truth" : "") + "." +
+        (trials_.are_weighted() ? "\nPSNR-Y is weighted by solid angle (WS-PSNR)." : "") + "\n" +
         heads_text(compare_columns, "                    q", compare_name_width));
     for (const int quantiser : quantisers_)
         if (!try_quantiser(quantiser, fixed)) return;
@@ -239,7 +240,9 @@ void Comparing::write(const std::vector<std::string>& words) const {
         if (!found_.render.empty()) print("\n" + found_.render + "\n");
     }
     if (!found_.complete && !is_quiet()) print_line("interrupted: this is a part of the table");
-    write_results(options_, trials_, words, compare_json(film(), found_), [&] {
+    nlohmann::json results = compare_json(film(), found_);
+    results["psnr_y_by"] = trials_.are_weighted() ? "solid angle" : "pixels";
+    write_results(options_, trials_, words, results, [&] {
         return TrialPage{"compare", "coupled, or rendered first",
                          found_.complete ? answer + " " + sentence_of(found_) : "Interrupted: this is a part of it.",
                          compare_page(film(), found_)};

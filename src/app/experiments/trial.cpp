@@ -14,6 +14,7 @@
 #include "core/color.h"
 #include "core/numeric.h"
 #include "encoder/encoder.h"
+#include "encoder/latitude.h"
 #include "parallel/loops.h"
 #include "renderer/calibration/audit.h"
 #include "scene/preparation/traits.h"
@@ -70,13 +71,15 @@ double sum_of(double shown, double there, double decoded) {
 
 double ReferenceFrame::mean_squared_error(const core::Plane<std::uint8_t>& luma) const {
     // A pixel's squared error is the product of those against both halves.
+    const float all_rows = std::accumulate(rows.begin(), rows.end(), 0.0f) / static_cast<float>(luma.height());
     double change = 0;
     for (const TruePixel& p : truth) {
-        const double error = 1.0 * luma.at(p.place.x, p.place.y) - picture.y.at(p.place.x, p.place.y);
-        change += (error - p.beyond[0]) * (error - p.beyond[1]) - error * error;
+        const double error = 1.0 * luma.at(p.place.x, p.place.y) - picture.y.at(p.place.x, p.place.y),
+                     weight = rows.empty() ? 1.0 : rows[static_cast<std::size_t>(p.place.y)] / all_rows;
+        change += weight * ((error - p.beyond[0]) * (error - p.beyond[1]) - error * error);
     }
     const double share = static_cast<double>(gathering.size()) / static_cast<double>(luma.size());
-    const double all = perceptual::mean_squared_error(luma, picture.y) +
+    const double all = perceptual::mean_squared_error(luma, picture.y, rows) +
                        share * core::divide_or(change, static_cast<double>(truth.size()), 0.0);
     return std::max(all, 0.0);
 }
@@ -144,7 +147,7 @@ class Trials::Judge : public LoopObserver {
     }
 
     void decoded(std::int64_t number, const core::Picture& picture, const core::Picture& lit) {
-        trial_.shown.add(picture, lit);
+        trial_.shown.add(picture, lit, trials_.rows_);
         const double masked = trials_.masks_all_ ? perceptual::masked_error(picture.y, lit.y) : 0.0;
         trial_.shown_masked += masked / trials_.frames();
         const auto known = trials_.references_.find(number);
@@ -156,7 +159,7 @@ class Trials::Judge : public LoopObserver {
             sample_frame->decoded = part_of(picture, view_of(picture.width(), picture.height()));
             trial_.sample_frame = std::move(sample_frame);
         }
-        trial_.shown_there.add(picture, lit);
+        trial_.shown_there.add(picture, lit, trials_.rows_);
         trial_.shown_masked_there += masked / trials_.references();
         trial_.masked_error += perceptual::masked_error(picture.y, known->second.picture.y) / trials_.references();
     }
@@ -190,6 +193,7 @@ class Trials::Judge : public LoopObserver {
 
 Trials::Trials(const RenderJob& film, std::vector<Chunk> windows, int references)
     : film_(plainly_coded(film, references)),
+      rows_(encoder::weights_of_rows(film.coding)),
       windows_(std::move(windows)),
       renderer_(*film_.animation, film_.rendering, film_.plan),
       references_of_window_(std::clamp(references, 0, static_cast<int>(windows_.front().frames()))) {
@@ -364,6 +368,7 @@ void Trials::light_reference(std::int64_t frame, const std::function<void(double
     if (!shown_) shown_ = std::make_unique<GlareFilter>(film_, shown_statistics_);
     reference.picture = film_.display().develop(shown_->of(whole, world.time));
     reference.picture.number = frame;
+    reference.rows = rows_;
     references_.insert_or_assign(frame, std::move(reference));
 }
 

@@ -31,6 +31,7 @@ struct ReferenceFrame {
         std::array<double, 2> beyond{};
     };
     std::vector<TruePixel> truth;
+    std::vector<float> rows{};  ///< weights of rows, as of perceptual::mean_squared_error
 
     /// Mean squared error of a picture against the truth, where some of that is known: against reference light
     /// everywhere, and what the truth changes of it there. Noise of paths is not in it.
@@ -153,6 +154,8 @@ class Trials {
 
     const std::vector<Chunk>& windows() const { return windows_; }
     const RenderJob& film() const { return film_; }
+    /// PSNR-Y is by solid angle: the pictures are panoramas.
+    bool are_weighted() const { return !rows_.empty(); }
     int frames() const;  ///< of all windows
     /// Memory for references, and for frames where they are kept.
     double bytes_held(bool keeps_frames) const;
@@ -169,6 +172,7 @@ class Trials {
     void light_reference(std::int64_t frame, const std::function<void(double)>& expected);
 
     RenderJob film_;
+    std::vector<float> rows_;  ///< their weights; empty: all count alike
     std::vector<Chunk> windows_;
     renderer::Renderer renderer_;
     float half_code_ = 0;  ///< luminance

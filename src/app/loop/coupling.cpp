@@ -31,6 +31,7 @@ void Coupling::take_rough_look(const core::Picture& picture, const core::Radianc
                                const encoder::PicturePlan& plan) {
     state_ = model_.assume_coded(model_.observe(picture, shown, std::make_shared<const core::Visible>(visible)),
                                  steps_of(plan, plan.quantiser));
+    is_judged_ = false;
     if (!settings_.fraction) {
         share_ = expected_share(model_, *state_, light, tolerance, settings_.loss);
         share_of_predicted_ = 0;
@@ -106,6 +107,7 @@ void Coupling::judge(const encoder::CodedPicture& coded) {
     if (coded.plan.type == encoder::PictureType::bidirectional) return;
     if (const auto kept = kept_.extract(coded.plan.number)) {
         state_ = model_.judge(std::move(kept.mapped()), facts_of(coded));
+        is_judged_ = true;
         requantised_.reset();
     }
     reference_ = coded.reconstruction.y;

@@ -40,6 +40,8 @@ class Coupling {
     void take_rough_look(const core::Picture& picture, const core::Radiance& light, float tolerance,
                          const core::Radiance& shown, const core::Visible& visible, const encoder::PicturePlan& plan);
     bool remembers() const { return state_.has_value(); }
+    /// Whether tolerances follow quantisers that macroblocks were coded with, not those of a plan.
+    bool follows_macroblocks() const { return is_judged_; }
 
     /// Source of the next frame's tolerances.
     std::int64_t remembered() const { return state_->number; }
@@ -59,9 +61,9 @@ class Coupling {
     /// Its state between two frames.
     template <class A>
     friend void archive(A& a, Coupling& c) {
-        auto& [model, coding, settings, share, of_predicted, state, requantised, warped, prediction, kept, reference,
-               number] = c;
-        a(share, of_predicted, state, kept, reference, number);
+        auto& [model, coding, settings, share, of_predicted, state, is_judged, requantised, warped, prediction, kept,
+               reference, number] = c;
+        a(share, of_predicted, state, is_judged, kept, reference, number);
         if constexpr (std::is_same_v<A, core::ArchiveReader>) requantised.reset();
     }
 
@@ -75,6 +77,7 @@ class Coupling {
     float share_;                   ///< of I pictures; 0: not known yet
     float share_of_predicted_ = 0;  ///< of P and B pictures, which they tell; 0: as of I pictures
     std::optional<perceptual::TemporalState> state_;
+    bool is_judged_ = false;                              ///< of a picture that is coded
     std::optional<perceptual::Requantised> requantised_;  ///< state_, for the frame lit last: B pictures share it
     perceptual::MaskedErrors warped_;                     ///< to the frame being lit
     core::Plane<float> prediction_;                       ///< its luma along motion, if it is to be a P picture

@@ -6,6 +6,7 @@
 #include "encoder/bit_allocation.h"
 #include "encoder/codec.h"
 #include "encoder/innovation.h"
+#include "encoder/latitude.h"
 #include "encoder/motion_nonuniformity.h"
 #include "parallel/loops.h"
 #include "perceptual/masking.h"
@@ -30,6 +31,7 @@ PictureCoder::PictureCoder(const Film& film, const Chunk& chunk, std::span<const
       statistics_(statistics),
       lights_change_(lights_change),
       ahead_(ahead),
+      latitude_(encoder::latitude_factors(film.coding)),
       coder_(av::make_coder(film.coding)) {
     const encoder::RateControl& rate = film.coding.rate_control;
     if (rate.mode == encoder::RateMode::constant_quality) quality_.emplace(rate.quality);
@@ -155,9 +157,9 @@ std::vector<encoder::CodedPicture> PictureCoder::code(const core::Picture& pictu
     const bool by_contrast =
         film_.coding.tune == encoder::Tune::perceptual && film_.coding.codec != encoder::Codec::mpeg2;
     const core::Plane<float> hidden = by_contrast ? perceptual::hidden(picture) : core::Plane<float>();
+    const auto if_any = [](const core::Plane<float>& map) { return map.empty() ? nullptr : &map; };
     std::vector<encoder::CodedPicture> complete =
-        coder_->push(picture, plan, fields,
-                     {onward, innovation.empty() ? nullptr : &innovation, hidden.empty() ? nullptr : &hidden});
+        coder_->push(picture, plan, fields, {onward, if_any(innovation), if_any(hidden), if_any(latitude_)});
     judge(complete);
     return complete;
 }

@@ -65,6 +65,7 @@ class PictureCoder {
     RunStatistics& statistics_;
     bool lights_change_;
     encoder::LookAhead* ahead_;
+    core::Plane<float> latitude_;  ///< of a panorama: factors of macroblocks' quantisers; else empty
     std::unique_ptr<encoder::Coder> coder_;
     std::vector<encoder::FirstPassPicture> trial_;
     std::int64_t gop_start_ = 0;

@@ -11,6 +11,7 @@
 #include "app/loop/picture_coder.h"
 #include "app/loop/scene_settings.h"
 #include "app/loop/statistics_recorder.h"
+#include "encoder/latitude.h"
 #include "parallel/loops.h"
 #include "perceptual/display.h"
 #include "renderer/view/mattes.h"
@@ -89,6 +90,7 @@ class ChunkLoop {
     LoopObservers observers_;
     std::optional<PictureCoder> coder_;  ///< none: pictures are not coded
     std::optional<Coupling> coupling_;   ///< none: tolerances are fixed
+    bool by_latitude_;                   ///< macroblocks of panoramas have quantisers by their latitude
     core::ToleranceMap tolerance_;       ///< of the frame's light
     KeptFrames* kept_;                   ///< null: no frames are kept
 };
@@ -104,6 +106,7 @@ ChunkLoop::ChunkLoop(const RenderJob& job, renderer::Renderer& renderer, const C
       recorder_(statistics, job.kind == OutputKind::film),
       auditor_(renderer, display_, job.audit, statistics),
       grain_cost_(job.film(), chunk),
+      by_latitude_(!encoder::latitude_factors(job.coding).empty()),
       kept_(kept) {
     for (std::size_t e = 0; e < eyes_of(job.animation->stereo).size(); ++e) shown_.emplace_back(job, statistics);
     renderer.start_chunk(*posed_.at(chunk.first).front());
@@ -238,8 +241,11 @@ encoder::PicturePlan ChunkLoop::plan(const EyeSnapshots& worlds, const std::vect
     const StageTimer timer(statistics_, Stage::tolerate);
     core::ToleranceMap whole = coupling_->tolerate(packed(visible_of(frames), packing), plan, field);
     std::vector<core::ToleranceMap> eyes;
+    // Quantisers of macroblocks are wider there by themselves.
+    const bool is_wide = by_latitude_ && coupling_->follows_macroblocks();
     for (std::size_t e = 0; e < worlds.size(); ++e) {
-        widen_poles(worlds[e]->camera, eyes.emplace_back(part_of(whole, packing, e)));
+        eyes.push_back(part_of(whole, packing, e));
+        if (!is_wide) widen_poles(worlds[e]->camera, eyes.back());
         shown_[e].carry_back(eyes.back());
     }
     tolerance_ = packed(std::move(eyes), packing);
