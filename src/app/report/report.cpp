@@ -21,6 +21,8 @@ namespace render2mpeg::app {
 
 /// page.html, with REPORT_DATA in place of a page's data.
 extern const char* const page_html;
+/// Part of a page on which a panorama is looked around in, with AROUND_DATA in place of what it is.
+extern const char* const around_html;
 
 namespace {
 
@@ -96,6 +98,35 @@ bool is_json_of_ours(const std::filesystem::path& file) {
 
 }  // namespace
 
+namespace {
+
+/// JSON as a script within a page.
+std::string script_of(const json& value) {
+    std::string data = value.dump(-1, ' ', false, json::error_handler_t::replace);
+    // No text may end the script that holds it.
+    for (std::size_t at = 0; (at = data.find('<', at)) != std::string::npos; at += 6) data.replace(at, 1, "\\u003c");
+    return data;
+}
+
+std::string filled(std::string text, std::string_view place, const json& value) {
+    return text.replace(text.find(place), place.size(), script_of(value));
+}
+
+/// The part that shows a panorama, which is looked for beside the page as it lies now; else nothing.
+std::string around(const std::filesystem::path& html, const RenderJob& film, const std::filesystem::path& output) {
+    if (!film.coding.sphere || output.empty()) return {};
+    const encoder::SphereBounds& b = *film.coding.sphere;
+    const bool has_eyes = film.coding.packing != core::FramePacking::none;
+    return filled(
+        around_html, "AROUND_DATA",
+        {{"name",
+          std::filesystem::proximate(output, html.parent_path().empty() ? "." : html.parent_path()).generic_string()},
+         {"bounds", {b.left, b.top, b.right, b.bottom}},
+         {"stereo", has_eyes ? json(core::name_of(film.coding.packing)) : json()}});
+}
+
+}  // namespace
+
 std::filesystem::path report_json_of(const std::filesystem::path& html) {
     return std::filesystem::path(html).replace_extension(".report.json");
 }
@@ -110,12 +141,9 @@ void check_report(const std::filesystem::path& html) {
     }
 }
 
-void write_page(const std::filesystem::path& html, const json& page) {
-    static constexpr std::string_view place = "REPORT_DATA";
-    std::string text = page_html, data = page.dump(-1, ' ', false, json::error_handler_t::replace);
-    // No text may end the script that holds it.
-    for (std::size_t at = 0; (at = data.find('<', at)) != std::string::npos; at += 6) data.replace(at, 1, "\\u003c");
-    text.replace(text.find(place), place.size(), data);
+void write_page(const std::filesystem::path& html, const json& page, const std::string& part) {
+    std::string text = filled(page_html, "REPORT_DATA", page);
+    text.insert(text.rfind("</body>"), part.empty() ? part : "<main>" + part + "</main>\n");
     write_whole(html, text);
 }
 
@@ -126,14 +154,16 @@ void write_report(const std::filesystem::path& html, const RenderJob& film, cons
     s["plan"] = plan_of(film, statistics);
     json shown = s;
     shown.erase("per_frame");
-    write_page(html, {{"kind", "render"},
-                      {"title", std::filesystem::path(facts.output).filename().string()},
-                      {"lead", s.at("summary")},
-                      {"figures", shown},
-                      {"frames", frames_of(s)},
-                      {"scale", scale_of(s)},
-                      {"text", summary(film, statistics, facts)},
-                      {"pictures", pictures}});
+    write_page(html,
+               {{"kind", "render"},
+                {"title", std::filesystem::path(facts.output).filename().string()},
+                {"lead", s.at("summary")},
+                {"figures", shown},
+                {"frames", frames_of(s)},
+                {"scale", scale_of(s)},
+                {"text", summary(film, statistics, facts)},
+                {"pictures", pictures}},
+               around(html, film, facts.output));
     write_json(report_json_of(html), s);
 }
 

@@ -14,8 +14,8 @@ std::filesystem::path report_json_of(const std::filesystem::path& html);
 void check_report(const std::filesystem::path& html);
 
 /// Writes a page that needs nothing else (page.html): its `kind`, `title`, `lead`, `figures` as in the JSON file, and
-/// what that kind shows besides.
-void write_page(const std::filesystem::path& html, const nlohmann::json& page);
+/// what that kind shows besides. `part`: of HTML, at its end.
+void write_page(const std::filesystem::path& html, const nlohmann::json& page, const std::string& part = {});
 
 /// Writes a render's page, and report_json_of() it (docs/first-film.md). `pictures`: of sample frames (frame_view.h).
 void write_report(const std::filesystem::path& html, const RenderJob& film, const RunStatistics& statistics,
