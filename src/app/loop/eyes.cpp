@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "core/error.h"
+#include "parallel/loops.h"
 
 namespace render2mpeg::app {
 namespace {
@@ -72,6 +74,50 @@ void end_at_sides(core::MotionField& field, FramePacking packing) {
             const float along = across ? to.x : to.y;
             if (!(along >= 0 && along < side)) field.kind.at(x, y) = core::PixelClass::none;
         }
+}
+
+/// Places of a depth that differ by more than this share of it are different ones. chosen: 0.05, as a floor that is
+/// seen at a grazing angle changes between two pixels; only a rough look depends on it.
+constexpr float same_depth = 0.05f;
+
+/// The left eye's pixel that shows what a pixel of the right one shows; -1: none.
+int pixel_in_left(const core::Visible& left, const core::Visible& right, const core::MotionField& to_left, int x,
+                  int y) {
+    const core::PixelClass kind = to_left.kind.at(x, y);
+    const glm::vec2 to = glm::vec2(x, y) + to_left.vector.at(x, y);
+    if (kind == core::PixelClass::none || !(std::abs(to.x) < 1e6f && std::abs(to.y) < 1e6f)) return -1;
+    const long column = std::lround(to_left.column(to.x)), row = std::lround(to.y);
+    if (column < 0 || row < 0 || column >= left.width() || row >= left.height()) return -1;
+    const auto i = static_cast<std::size_t>(row * left.width() + column);
+    if (left.kind.values()[i] != right.kind.at(x, y)) return -1;
+    if (kind != core::PixelClass::sky) {
+        const float depth = left.depth.values()[i], wanted = to_left.depth_in_reference.at(x, y);
+        if (left.address.values()[i].object != right.address.at(x, y).object ||
+            !(std::abs(depth - wanted) <= same_depth * wanted))
+            return -1;
+    }
+    return static_cast<int>(i);
+}
+
+/// That of each pixel of a row, or of the nearest one that has any; a row without any has its own.
+std::vector<int> row_in_left(const core::Visible& left, const core::Visible& right, const core::MotionField& to_left,
+                             int y) {
+    const int width = right.width();
+    std::vector<int> from, before, after(static_cast<std::size_t>(width));
+    for (int x = 0; x < width; ++x) from.push_back(pixel_in_left(left, right, to_left, x, y));
+    // The nearest columns that have any, on both sides.
+    const auto has = [&](int x) { return from[static_cast<std::size_t>(x)] >= 0; };
+    for (int x = 0, last = -width; x < width; ++x) before.push_back(last = has(x) ? x : last);
+    for (int x = width - 1, last = 2 * width; x >= 0; --x)
+        after[static_cast<std::size_t>(x)] = last = has(x) ? x : last;
+    std::vector<int> nearest;
+    for (int x = 0; x < width; ++x) {
+        const int a = before[static_cast<std::size_t>(x)], b = after[static_cast<std::size_t>(x)];
+        const int column = x - a <= b - x ? a : b;
+        const bool any = column >= 0 && column < width;
+        nearest.push_back(any ? from[static_cast<std::size_t>(column)] : y * width + x);
+    }
+    return nearest;
 }
 
 }  // namespace
@@ -170,6 +216,24 @@ core::MotionField part_of(const core::MotionField& whole, FramePacking packing, 
                            part_of_plane(whole.kind, packing, eye)};
     part.wraps = whole.wraps;
     return part;
+}
+
+core::Radiance carried_to_right(const core::Radiance& left, const core::Visible& seen_left,
+                                const core::Visible& seen_right, const core::MotionField& to_left) {
+    EXPECTS(left.combined.width() == seen_right.width() && left.combined.height() == seen_right.height());
+    core::Radiance right = left;
+    const auto width = static_cast<std::size_t>(seen_right.width());
+    parallel::for_each(static_cast<std::size_t>(seen_right.height()), [&](std::size_t y) {
+        const std::vector<int> from = row_in_left(seen_left, seen_right, to_left, static_cast<int>(y));
+        const auto carry = [&](auto& to, const auto& all) {
+            for (std::size_t x = 0; !all.empty() && x < width; ++x)
+                to.values()[y * width + x] = all.values()[static_cast<std::size_t>(from[x])];
+        };
+        carry(right.combined, left.combined);
+        carry(right.error, left.error);
+        carry(right.shared_error, left.shared_error);
+    });
+    return right;
 }
 
 }  // namespace render2mpeg::app

@@ -39,4 +39,9 @@ core::MotionField packed(std::vector<core::MotionField> eyes, core::FramePacking
 core::ToleranceMap part_of(const core::ToleranceMap& whole, core::FramePacking packing, std::size_t eye);
 core::MotionField part_of(const core::MotionField& whole, core::FramePacking packing, std::size_t eye);
 
+/// Light that the left eye sees as the right one would, roughly. A pixel that shows what the left picture shows has its
+/// light there, another one that of the nearest such pixel in its row. `to_left`: motion of the right eye's pixels.
+core::Radiance carried_to_right(const core::Radiance& left, const core::Visible& seen_left,
+                                const core::Visible& seen_right, const core::MotionField& to_left);
+
 }  // namespace render2mpeg::app

@@ -257,6 +257,15 @@ void ChunkLoop::look_roughly(const EyeSnapshots& worlds, const std::vector<rende
     std::vector<renderer::Lit> eyes;
     for (std::size_t e = 0; e < worlds.size(); ++e) {
         const StageTimer timer(statistics_, Stage::preview);
+        if (e > 0) {
+            const core::MotionField to_left =
+                scene::motion_between(frames[e].visible, *worlds[e], *worlds.front(), &frames[e].imaged);
+            renderer::Lit& right = eyes.emplace_back();
+            right.frame = frames[e];
+            right.radiance =
+                carried_to_right(eyes.front().radiance, frames.front().visible, frames[e].visible, to_left);
+            continue;
+        }
         core::ToleranceMap about =
             core::ToleranceMap::uniform(frames[e].visible.width(), frames[e].visible.height(), {0.0f, rough_tolerance});
         about.typical = rough_tolerance;  // rays by price: dark corners need not keep it
