@@ -87,6 +87,27 @@ TEST(StereoPacking, LetsNothingMoveFromOneEyeToTheOther) {
     for (const core::PixelClass kind : down.kind.values()) EXPECT_EQ(kind, core::PixelClass::surface);
 }
 
+TEST(StereoPacking, CarriesLightToTheEyeThatSeesTheSameAndFillsTheRest) {
+    constexpr int wide = 6;
+    core::Visible left(0, wide, 1), right(0, wide, 1);
+    core::Radiance light;
+    light.combined = core::Plane<glm::vec3>(wide, 1);
+    core::MotionField to_left{0, 0, core::Plane<glm::vec2>(wide, 1, glm::vec2(1, 0)), core::Plane<float>(wide, 1, 2.0f),
+                              core::Plane<core::PixelClass>(wide, 1, core::PixelClass::surface)};
+    for (int x = 0; x < wide; ++x) {
+        light.combined.at(x, 0) = glm::vec3(static_cast<float>(10 * x));
+        for (core::Visible* seen : {&left, &right}) {
+            seen->kind.at(x, 0) = core::PixelClass::surface;
+            seen->address.at(x, 0).object = 3;
+            seen->depth.at(x, 0) = 2;
+        }
+    }
+    left.depth.at(3, 0) = 1;  // something else, for the left eye alone
+    const core::Radiance carried = app::carried_to_right(light, left, right, to_left);
+    const float expected[wide] = {10, 20, 20, 40, 50, 50};
+    for (int x = 0; x < wide; ++x) EXPECT_EQ(carried.combined.at(x, 0).x, expected[x]) << x;
+}
+
 /// Cameras that are moved aside by hand, and their pictures shifted, see what eyes see.
 TEST(StereoFilmSlow, ShowsEachEyeWhatACameraInItsPlaceShows) {
     const Folder folder;
@@ -118,6 +139,28 @@ TEST(StereoFilmSlow, ShowsEachEyeWhatACameraInItsPlaceShows) {
                 part_of(codes, across ? 2 * eye_width : eye_width, across ? eye_width : 0, across ? 0 : eye_height));
             EXPECT_LT(apart, 32) << "eyes see different pictures";
         }
+}
+
+/// Counts of a film of four frames.
+json counts_of(const Folder& folder, const std::string& film, const std::string& packing) {
+    const std::string stats = path(folder, packing + ".json");
+    EXPECT_EQ(render(film + " --size 192x144 --quantiser 8 --frames 0:3 --stereo " + packing + " --stats " + stats +
+                     " -o " + path(folder, packing + ".mp4"))
+                  .status,
+              0);
+    return json::parse(contents(stats)).at("counts");
+}
+
+/// Shadows and bounced light that the left eye has found are the right one's where it sees the same.
+TEST(StereoFilmSlow, LightsForTheSecondEyeWhatTheFirstDoesNotSee) {
+    const Folder folder;
+    const std::string words = film(folder, on_the_way);
+    const json one = counts_of(folder, words, "none"), both = counts_of(folder, words, "side-by-side");
+    const auto more = [&](const char* key) { return both.at(key).get<double>() / one.at(key).get<double>() - 1; };
+    EXPECT_NEAR(more("gather_points"), 1, 0.1);
+    EXPECT_LT(more("shadow_rays"), 0.5);
+    EXPECT_LT(more("gather_rays"), 0.5);
+    EXPECT_GT(more("shadow_rays"), 0.02) << "rims are lit anew";
 }
 
 TEST(StereoFilmSlow, HasTheSameBytesForAnyNumberOfThreads) {
@@ -168,6 +211,11 @@ TEST(StereoFilm, SaysHowItsPicturesHoldBothEyesWhereItCan) {
     EXPECT_EQ(told.status, 0);
     EXPECT_NE(told.output.find("such files cannot say that they are for two eyes; .mp4 and .mkv do"), std::string::npos)
         << told.output;
+    const auto beside = run(program() + " render " + words + path(folder, "film.mkv") + " --overwrite --also neutral " +
+                            path(folder, "also.mpg"));
+    EXPECT_EQ(beside.status, 0);
+    EXPECT_NE(beside.output.find("also.mpg: such files cannot say that they are for two eyes"), std::string::npos)
+        << beside.output;
 }
 
 TEST(StereoFilm, RefusesPicturesThatCannotHoldBothEyes) {

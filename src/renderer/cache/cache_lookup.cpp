@@ -1,9 +1,13 @@
 // How a frame's points get their light (docs/model/irradiance-cache.md, "Order of a frame").
 #include "renderer/cache/cache_lookup.h"
 
+#include "core/color.h"
+#include "core/numeric.h"
+#include "core/standard_error.h"
 #include "parallel/loops.h"
 #include "renderer/cache/adaptive_rays.h"
 #include "renderer/cache/gather_requests.h"
+#include "renderer/cache/glossy_record.h"
 
 namespace render2mpeg::renderer {
 namespace {
@@ -12,14 +16,42 @@ namespace {
 /// are asked again on the next. chosen: 128, the fastest of 0 to 128 (docs/measurements.md#irradiance-cache).
 constexpr std::size_t least_dense = 128;
 
+/// Light that the other eye has found at a point, where it changes little between its pixels and by the turn to this
+/// eye.
+std::optional<PointLight> light_of_other_eye(const ToldLight& told, const GatherPoint& p,
+                                             const PointTolerance& tolerance) {
+    if (!(told.light.error > 0.0f)) return std::nullopt;
+    PointLight light;
+    light.indirect = told.light.matt;
+    light.glossy = told.light.glossy;
+    const float weight = core::luminance(p.weight),
+                allowed = tolerance.allows_samples(core::luminance(light.scattered(p)));
+    float turned = 0;
+    if (p.point.bsdf.has_glossy())
+        turned = turn_error * 0.5f * core::divide_or(glm::length(told.turn), p.point.bsdf.alpha, 1e6f) *
+                 core::luminance(p.weight * light.glossy);
+    if (!(told.spread <= allowed) || !(core::errors_of_one_in_hundred * turned <= allowed)) return std::nullopt;
+    light.error = {weight * told.light.error + turned};
+    light.shared = {weight * told.light.error_of_block};
+    light.served = true;
+    return light;
+}
+
 /// Lights one point by the cache, if that can.
 bool look_up(FrameState& frame, std::size_t t, std::size_t i) {
     TileState& tile = frame.tiles[t];
     if (tile.state[i] != PointState::open) return false;
-    const auto query = frame.query_of(t, i);
+    auto query = frame.query_of(t, i);
     if (!query) return false;
-    const auto found = query_cache(*query, frame.grid, frame.records, frame.allocation, frame.limits.error_scale,
-                                   frame.snapshot.frame);
+    std::optional<PointLight> found;
+    if (!frame.other.is_empty()) {
+        const ToldLight told = frame.other.at(query->point, query->extent);
+        found = light_of_other_eye(told, query->point, tile.tolerance[i]);
+        query->other_error = told.light.error * core::luminance(query->point.weight);
+    }
+    if (!found)
+        found = query_cache(*query, frame.grid, frame.records, frame.allocation, frame.limits.error_scale,
+                            frame.snapshot.frame);
     tile.state[i] = found ? PointState::done : PointState::failed;
     if (found) tile.light[i] = *found;
     return found.has_value();

@@ -46,6 +46,9 @@ PointLight blend(const LocalRegression& fit, const CacheQuery& q, const RecordSt
 /// point in twenty exceeds it; not tuned.
 constexpr float errors_of_detail = 2.0f;
 
+/// Where both eyes see a place its light in the second may err so many times as much as in the first.
+constexpr float most_rivalry = 1.2f;
+
 /// Mean square error that is allowed to a point whose rays vary by so much, of which a share is left by its neighbours.
 double allowed_square(const RegressionError& error, float tolerance, Allocation allocation) {
     if (!(error.batch_variance > 0.0)) return std::pow(tolerance / errors_of_detail, 2.0f);
@@ -66,9 +69,10 @@ std::optional<PointLight> query_cache(const CacheQuery& q, const RecordGrid& gri
     if (!error.is_valid()) return std::nullopt;
     PointLight light = blend(fit, q, records, error_scale, frame);
     const float found = core::luminance(light.scattered(q.point)), tolerance = q.tolerance.allows_samples(found);
-    if (!(tolerance > 0.0f) || !(core::errors_of_one_in_hundred * light.error.value <= tolerance) ||
-        !(allocation.priced(error.square, error.of_block) <=
-          allowed_square(error, q.tolerance.allows_noise(found), allocation)))
+    const bool as_other = light.error.value + std::sqrt(error.square) <= most_rivalry * q.other_error;
+    if (!as_other && (!(tolerance > 0.0f) || !(core::errors_of_one_in_hundred * light.error.value <= tolerance) ||
+                      !(allocation.priced(error.square, error.of_block) <=
+                        allowed_square(error, q.tolerance.allows_noise(found), allocation))))
         return std::nullopt;
     light.error += {static_cast<float>(std::sqrt(error.square))};
     light.shared += {static_cast<float>(std::sqrt(error.of_block))};

@@ -5,13 +5,14 @@
 namespace render2mpeg::renderer {
 
 FrameState::FrameState(const LightingContext& lit_by, const scene::Snapshot& instant, const CutLimits& cut_limits,
-                       FinalGather* final_gather, RecordStore& store)
+                       FinalGather* final_gather, RecordStore& store, const OtherEye& left)
     : context(lit_by),
       snapshot(instant),
       limits(cut_limits),
       rays(final_gather),
       allocation{context.tolerance.typical, context.tolerance.means},
       records(store),
+      other(left),
       grid(seen().visible.width(), seen().visible.height()),
       tiles(seen().tiles.size()) {
     limits.exact = false;

@@ -7,6 +7,7 @@
 
 #include "renderer/cache/cache_counts.h"
 #include "renderer/cache/cache_query.h"
+#include "renderer/cache/other_eye.h"
 #include "renderer/cache/receiver.h"
 #include "renderer/cache/request_groups.h"
 #include "renderer/cut/lighting_context.h"
@@ -31,8 +32,9 @@ enum class PointState : std::uint8_t {
 struct TileState {
     std::vector<PointTolerance> tolerance;
     std::vector<PointState> state;
-    std::vector<PointLight> light;  ///< of trees
-    std::vector<PointLight> exact;  ///< of lights that are gathered one by one
+    std::vector<PointLight> light;    ///< of trees
+    std::vector<PointLight> exact;    ///< of lights that are gathered one by one
+    std::vector<SharedLight> shared;  ///< two eyes: of the left one to be told, of the right one as it was; else empty
     std::uint64_t served = 0;
 };
 
@@ -48,7 +50,7 @@ struct NewRecord {
 /// IrradianceCache::light.
 struct FrameState {
     FrameState(const LightingContext& context, const scene::Snapshot& snapshot, const CutLimits& limits,
-               FinalGather* rays, RecordStore& records);
+               FinalGather* rays, RecordStore& records, const OtherEye& other);
 
     const LightingContext context;
     const scene::Snapshot& snapshot;
@@ -57,6 +59,7 @@ struct FrameState {
     const Allocation allocation;  ///< of rays
 
     RecordStore& records;
+    const OtherEye& other;         ///< of the right eye the left one; else empty
     RecordGrid grid;               ///< of them
     std::vector<TileState> tiles;  ///< light so far
     std::vector<NewRecord> fresh;
@@ -65,6 +68,7 @@ struct FrameState {
 
     const Frame& seen() const { return context.seen; }
     const scene::Camera& camera() const { return snapshot.camera; }
+    bool is_of(scene::Eye eye) const { return camera().lens().eye == eye; }
     const GatherPoint& point(const PointRef& r) const { return seen().tiles[r.tile][r.index]; }
     /// None for points that no picture shows, which does not happen but by rounding.
     std::optional<CacheQuery> query_of(std::size_t tile, std::size_t point) const;

@@ -17,6 +17,7 @@ void IrradianceCache::forget() {
     library_.start_chunk();
     left_.clear();
     histories_ = {};
+    other_eye_.forget();
 }
 
 void IrradianceCache::light_changes() {
@@ -67,7 +68,8 @@ FrameLight IrradianceCache::light(const LightingContext& context, const scene::S
     const float reused_error =
         core::divide_or(limits.error_scale, std::exchange(history.error_scale, limits.error_scale), 1.0f);
 
-    FrameState frame(context, snapshot, limits, rays, records_);
+    if (snapshot.camera.lens().eye != scene::Eye::right) other_eye_.forget();
+    FrameState frame(context, snapshot, limits, rays, records_, other_eye_);
     if (std::exchange(is_other_light_, false)) {
         if (rays != nullptr && !snapshot.cut_before)
             update_by_control_variates(frame);
@@ -82,7 +84,9 @@ FrameLight IrradianceCache::light(const LightingContext& context, const scene::S
     light_points(frame);
     // and remember.
     library_.note(records_.thin(snapshot.frame, frame.grid), near_field_, left_);
+    if (frame.is_of(scene::Eye::left)) tell(frame, other_eye_);
     FrameLight light = finish(frame, history);
+    if (frame.is_of(scene::Eye::right)) other_eye_.forget();
     frame.counts.live = frame.counts.most = records_.size();
     counts.add(frame.counts);
     shade_counts.add(frame.shade_counts);

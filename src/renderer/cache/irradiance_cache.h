@@ -37,10 +37,10 @@ class IrradianceCache {
     /// Whether all records lie on one of so many objects, and were lit by representatives that there are.
     bool is_sound(std::size_t objects) const;
 
-    /// All that it knows of the chunk.
+    /// All that it knows of the chunk, between instants.
     template <class A>
     friend void archive(A& a, IrradianceCache& c) {
-        auto& [records, library, left, near_field, histories, is_other_light] = c;
+        auto& [records, library, left, near_field, histories, is_other_light, other_eye] = c;
         a(records, library, left, near_field, histories, is_other_light);
     }
 
@@ -57,6 +57,7 @@ class IrradianceCache {
     std::uint32_t near_field_ = 0;           ///< NearField::key of the last frame
     std::array<FrameHistory, 2> histories_;  ///< of the left or single eye, and of the right one
     bool is_other_light_ = false;
+    OtherEye other_eye_;  ///< the left one, until the right one is lit
 };
 
 }  // namespace render2mpeg::renderer

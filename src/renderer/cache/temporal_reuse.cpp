@@ -1,5 +1,6 @@
 #include "renderer/cache/temporal_reuse.h"
 
+#include <algorithm>
 #include <cmath>
 #include <span>
 
@@ -38,9 +39,55 @@ TileState empty_tile(const GatherTile& points) {
     return tile;
 }
 
-/// Gathers the lights that are not clustered for all points of a tile.
-void gather_exact(const FrameState& frame, std::size_t t, std::vector<PointLight>& exact, ShadeCounts& counts) {
+/// What the left eye knows of the right one's points.
+void ask_other_eye(FrameState& frame, std::size_t t) {
     const GatherTile& points = frame.seen().tiles[t];
+    if (!frame.is_of(scene::Eye::single)) frame.tiles[t].shared.assign(points.size(), {});
+    if (frame.other.is_empty()) return;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const float depth = frame.camera().depth_of(points[i].point.position);
+        frame.tiles[t].shared[i] = frame.other.at(points[i], frame.camera().pixel_extent(depth)).light;
+    }
+}
+
+/// Shadows of a group's points, as both eyes share them.
+class GroupShadows {
+  public:
+    GroupShadows(std::size_t lights, std::span<SharedLight> shared)
+        : of_light_(shared.empty() ? 0 : lights), shared_(shared) {}
+
+    std::span<LaneShadows> of_group(const GatherGroup& group) {
+        std::ranges::fill(of_light_, LaneShadows());
+        each(group, [](LaneShadows& lanes, int lane, SharedLight& point, std::uint32_t light) {
+            if (((point.lit | point.dark) & light) != 0) lanes.set(lane, (point.lit & light) != 0);
+        });
+        return of_light_;
+    }
+    /// Gives points what was found.
+    void give(const GatherGroup& group) {
+        each(group, [](const LaneShadows& lanes, int lane, SharedLight& point, std::uint32_t light) {
+            if ((lanes.lit >> lane & 1u) != 0) point.lit |= light;
+            if ((lanes.dark >> lane & 1u) != 0) point.dark |= light;
+        });
+    }
+
+  private:
+    template <class Do>
+    void each(const GatherGroup& group, Do go) {
+        for (std::size_t l = 0; l < std::min(of_light_.size(), SharedLight::most_lights); ++l)
+            for (std::size_t i = 0; i < group.points.size(); ++i)
+                go(of_light_[l], static_cast<int>(i), shared_[group.points[i]], 1u << l);
+    }
+
+    std::vector<LaneShadows> of_light_;
+    std::span<SharedLight> shared_;
+};
+
+/// Gathers the lights that are not clustered for all points of a tile.
+void gather_exact(FrameState& frame, std::size_t t, ShadeCounts& counts) {
+    const GatherTile& points = frame.seen().tiles[t];
+    std::vector<PointLight>& exact = frame.tiles[t].exact;
+    GroupShadows shadows(frame.context.light_trees.sharp_lights(), frame.tiles[t].shared);
     Gatherer gatherer(frame.context.light_trees, frame.context.tracer);
     GatherLanes lanes;
     GroupTolerance tolerance;
@@ -52,7 +99,8 @@ void gather_exact(const FrameState& frame, std::size_t t, std::vector<PointLight
         lanes.set = 0;
         for (std::size_t i = 0; i < group.points.size(); ++i)
             tolerance.set(static_cast<int>(i), frame.tiles[t].tolerance[group.points[i]]);
-        gatherer.gather_exact(lanes, Shadow::sharp, &tolerance, gathered);
+        gatherer.gather_exact(lanes, Shadow::sharp, &tolerance, shadows.of_group(group), gathered);
+        shadows.give(group);
         counts.shadow_rays += gathered.shadow_rays;
         counts.direct_clusters += group.points.size() * static_cast<std::uint64_t>(gathered.direct_clusters);
         for (std::size_t i = 0; i < group.points.size(); ++i)
@@ -142,12 +190,23 @@ void start(FrameState& frame, const FrameHistory& history, float reused_error) {
         TileState& tile = frame.tiles[t];
         tile = empty_tile(points);
         tile.tolerance = point_tolerances(frame.context, t, frame.rays != nullptr);
+        ask_other_eye(frame, t);
         const bool knows = reuse(frame, t, history, reused_error);
-        if (!knows && frame.context.light_trees.has_exact()) gather_exact(frame, t, tile.exact, of_tile[t]);
+        if (!knows && frame.context.light_trees.has_exact()) gather_exact(frame, t, of_tile[t]);
         for (std::size_t i = 0; i < points.size(); ++i)
             tile.tolerance[i].base += known_luminance(tile.exact[i], points[i]);
     });
     for (const ShadeCounts& c : of_tile) frame.shade_counts.add(c);
+}
+
+void tell(const FrameState& frame, OtherEye& eye) {
+    std::vector<std::vector<PointLight>> light;
+    std::vector<std::vector<SharedLight>> shared;
+    for (const TileState& tile : frame.tiles) {
+        light.push_back(tile.light);
+        shared.push_back(tile.shared);
+    }
+    eye.take(frame.seen(), frame.camera(), light, shared);
 }
 
 FrameLight finish(FrameState& frame, FrameHistory& history) {

@@ -34,6 +34,9 @@ void archive(A& a, FrameHistory& history) {
 /// of the errors of the last frame, which was lit with another error scale.
 void start(FrameState& frame, const FrameHistory& history, float reused_error);
 
+/// Keeps what is known of the left eye's points for the right one.
+void tell(const FrameState& frame, OtherEye& eye);
+
 /// Ends it: adds the parts of each point's light, and becomes the history of the next frame.
 FrameLight finish(FrameState& frame, FrameHistory& history);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/color.h"
+#include "core/error.h"
 #include "core/standard_error.h"
 #include "renderer/base/flush_denormals.h"
 #include "renderer/cut/bias_compensation.h"
@@ -21,10 +22,10 @@ void Gatherer::gather(const GatherLanes& lanes, const GroupTolerance& tolerance,
     // Gather the lights that are not clustered, each by itself.
     alignas(64) Lanes exact_luminance{};
     alignas(64) Lanes lamp_variance{};
-    if (limits.exact) add_exact(lanes, sums, exact_luminance, out);
+    if (limits.exact) add_exact(lanes, {}, sums, exact_luminance, out);
     const LampAccuracy accuracy{.tolerance = &tolerance};
-    if (limits.exact) add_lamps(lanes, Shadow::sharp, accuracy, sums, exact_luminance, lamp_variance, out);
-    add_lamps(lanes, Shadow::smooth, accuracy, sums, exact_luminance, lamp_variance, out);
+    if (limits.exact) add_lamps(lanes, Shadow::sharp, accuracy, {}, sums, exact_luminance, lamp_variance, out);
+    add_lamps(lanes, Shadow::smooth, accuracy, {}, sums, exact_luminance, lamp_variance, out);
 
     // Start with the root of every tree, its representative tested by shadow rays.
     cut_.start(lanes, tolerance, limits, exact_luminance, shadows_);
@@ -45,10 +46,13 @@ void Gatherer::gather(const GatherLanes& lanes, const GroupTolerance& tolerance,
     compensate_clamping_bias(light_trees_, tracer_, lanes, out);
 }
 
-void Gatherer::add_exact(const GatherLanes& lanes, CutSums& sums, Lanes& luminance, GatheredLight& out) {
-    for (const ExactLight& exact : light_trees_.exact) {
+void Gatherer::add_exact(const GatherLanes& lanes, std::span<LaneShadows> shadows, CutSums& sums, Lanes& luminance,
+                         GatheredLight& out) {
+    for (std::size_t l = 0; l < light_trees_.exact.size(); ++l) {
+        const ExactLight& exact = light_trees_.exact[l];
         LightContribution contribution = LightContribution::unknown_in(0);
-        shadows_.trace_from_places(exact.type, exact.light, &exact.spot, light_trees_.point_clamp, contribution);
+        shadows_.trace_from_places(exact.type, exact.light, &exact.spot, light_trees_.point_clamp,
+                                   shadows.empty() ? nullptr : &shadows[l], contribution);
         const UnitLight unit = contribution.visible(lanes, light_trees_.translucent);
         add_luminance(lanes, unit, exact.light.intensity, luminance);
         sums.add(unit, exact.light.intensity, true);
@@ -57,11 +61,13 @@ void Gatherer::add_exact(const GatherLanes& lanes, CutSums& sums, Lanes& luminan
 }
 
 /// `variance`: of the luminance, since lamps are sampled.
-void Gatherer::add_lamps(const GatherLanes& lanes, Shadow shadow, LampAccuracy accuracy, CutSums& sums,
-                         Lanes& luminance, Lanes& variance, GatheredLight& out) {
+void Gatherer::add_lamps(const GatherLanes& lanes, Shadow shadow, LampAccuracy accuracy, std::span<LaneShadows> shadows,
+                         CutSums& sums, Lanes& luminance, Lanes& variance, GatheredLight& out) {
     accuracy.luminance = &luminance;
+    std::size_t next = 0;
     for (const auto& lamp : light_trees_.lamps) {
         if (lamp->sharp != (shadow == Shadow::sharp)) continue;
+        accuracy.shadows = shadows.empty() ? nullptr : &shadows[next++];
         LampLight light;
         gather_lamp(*lamp, lanes, light_trees_.translucent, accuracy, shadows_, light);
         const UnitLight unit = light.visible(lanes, light_trees_.translucent);
@@ -73,15 +79,17 @@ void Gatherer::add_lamps(const GatherLanes& lanes, Shadow shadow, LampAccuracy a
 }
 
 void Gatherer::gather_exact(const GatherLanes& lanes, Shadow shadow, const GroupTolerance* tolerance,
-                            GatheredLight& out) {
+                            std::span<LaneShadows> shadows, GatheredLight& out) {
+    EXPECTS(shadows.empty() || (shadow == Shadow::sharp && shadows.size() == light_trees_.sharp_lights()));
     const FlushDenormals flushed;
     out.clear_counts();
     shadows_.start(lanes);
     CutSums sums(lanes);
     alignas(64) Lanes luminance{}, variance{};
-    if (shadow == Shadow::sharp) add_exact(lanes, sums, luminance, out);
+    if (shadow == Shadow::sharp) add_exact(lanes, shadows, sums, luminance, out);
     const LampAccuracy accuracy{.tolerance = tolerance, .one_point = tolerance == nullptr};
-    add_lamps(lanes, shadow, accuracy, sums, luminance, variance, out);
+    const std::span<LaneShadows> of_lamps = shadows.empty() ? shadows : shadows.subspan(light_trees_.exact.size());
+    add_lamps(lanes, shadow, accuracy, of_lamps, sums, luminance, variance, out);
     for (int i = 0; i < lane_count; ++i) out.error[i] = std::sqrt(variance[i]);
     sums.store(out);
     out.shadow_rays = shadows_.rays();
@@ -93,9 +101,9 @@ void Gatherer::gather_all(const GatherLanes& lanes, GatheredLight& out) {
     shadows_.start(lanes);
     CutSums sums(lanes);
     alignas(64) Lanes luminance{}, variance{};
-    add_exact(lanes, sums, luminance, out);
+    add_exact(lanes, {}, sums, luminance, out);
     for (const Shadow shadow : {Shadow::sharp, Shadow::smooth})
-        add_lamps(lanes, shadow, LampAccuracy{}, sums, luminance, variance, out);
+        add_lamps(lanes, shadow, LampAccuracy{}, {}, sums, luminance, variance, out);
     // Lanes without a ray in a packet keep their light.
     LightContribution contribution = LightContribution::unknown_in(0);
     for (int t = 0; t < LightTrees::tree_count; ++t) {

@@ -1,5 +1,7 @@
 #pragma once
 // Gathers the light of groups of points: lightcuts, step by step.
+#include <span>
+
 #include "renderer/cut/cut.h"
 #include "renderer/cut/cut_sums.h"
 #include "renderer/cut/gathered_light.h"
@@ -24,16 +26,19 @@ class Gatherer {
 
     /// Only lights that are not clustered, each by itself: those whose shadows are too sharp to be interpolated
     /// (punctual lights, small suns), or the other lamps that are lit by as a whole. Lamps by as many samples as
-    /// `tolerance` asks for; null: by all, and all lanes are copies of one point.
-    void gather_exact(const GatherLanes& lanes, Shadow shadow, const GroupTolerance* tolerance, GatheredLight& out);
+    /// `tolerance` asks for; null: by all, and all lanes are copies of one point. `shadows`: those of the sharp lights,
+    /// one each in the order of LightTrees, known before and added to; empty: nobody knows or asks.
+    void gather_exact(const GatherLanes& lanes, Shadow shadow, const GroupTolerance* tolerance,
+                      std::span<LaneShadows> shadows, GatheredLight& out);
 
     /// Every light point by itself, in the order of the trees: what all cuts are held against.
     void gather_all(const GatherLanes& lanes, GatheredLight& out);
 
   private:
-    void add_exact(const GatherLanes& lanes, CutSums& sums, Lanes& luminance, GatheredLight& out);
-    void add_lamps(const GatherLanes& lanes, Shadow shadow, LampAccuracy accuracy, CutSums& sums, Lanes& luminance,
-                   Lanes& variance, GatheredLight& out);
+    void add_exact(const GatherLanes& lanes, std::span<LaneShadows> shadows, CutSums& sums, Lanes& luminance,
+                   GatheredLight& out);
+    void add_lamps(const GatherLanes& lanes, Shadow shadow, LampAccuracy accuracy, std::span<LaneShadows> shadows,
+                   CutSums& sums, Lanes& luminance, Lanes& variance, GatheredLight& out);
 
     const LightTrees& light_trees_;
     const RayTracer& tracer_;

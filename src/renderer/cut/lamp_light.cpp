@@ -60,8 +60,10 @@ class LampGatherer {
 
   private:
     void measure();
+    void take_known();
     void trace_all();
     void trace_as_needed();
+    void tell_shadows() const;
     void trace(std::uint32_t asked, int first, int end);
     /// Which of the samples, of the lamp or of a lobe.
     struct Which {
@@ -85,6 +87,7 @@ class LampGatherer {
     std::optional<LampSampler> sampler_;
     std::optional<LobeIntegral> lobes_;     ///< where some lane is glossy
     std::uint32_t reached_ = 0;             ///< lanes that the lamp is above the horizon of
+    std::uint32_t asked_ = 0;               ///< those of them whose shadow is not known
     std::uint32_t along_lobes_ = 0;         ///< lanes that trace rays along their lobes
     std::uint32_t by_lobe_ = 0;             ///< lanes whose samples tell which share of their lobe is seen
     alignas(64) Lanes whole_{};             ///< irradiance without occlusion
@@ -103,6 +106,7 @@ void LampGatherer::gather(LampLight& out) {
         reached_ |= whole_[i] > 0.0f ? 1u << i : 0u;
     }
     if (reached_ == 0) return;
+    take_known();
     sampler_.emplace(lamp_, lanes_);
     if (lanes_.glossy) lobes_.emplace(lamp_, lanes_, *sampler_, whole_);
     measure();
@@ -113,7 +117,31 @@ void LampGatherer::gather(LampLight& out) {
         trace_as_needed();
         refine_lobes();
     }
+    tell_shadows();
     store(out);
+}
+
+/// Lanes that see all of the lamp, or nothing, as if one sample had told so.
+void LampGatherer::take_known() {
+    asked_ = reached_;
+    if (accuracy_.shadows == nullptr) return;
+    asked_ &= ~accuracy_.shadows->known();
+    for (int i = 0; i < lane_count; ++i) {
+        if (((reached_ & ~asked_) >> i & 1u) == 0) continue;
+        const bool lit = (accuracy_.shadows->lit >> i & 1u) != 0;
+        traced_.lamp.add(i, 1.0f, lit);
+        for (Lanes& passed : traced_.passed) passed[i] = lit ? 1.0f : 0.0f;
+    }
+}
+
+void LampGatherer::tell_shadows() const {
+    for (int i = 0; accuracy_.shadows != nullptr && i < lane_count; ++i) {
+        if ((asked_ >> i & 1u) == 0) continue;
+        const float share = traced_.lamp.share(i);
+        bool is_plain = (share == 0.0f || share == 1.0f) && (lobes_ == std::nullopt || lobe_share(i) == share);
+        for (const Lanes& passed : traced_.passed) is_plain = is_plain && passed[i] == traced_.lamp.seen[i];
+        if (is_plain) accuracy_.shadows->set(i, share > 0.0f);
+    }
 }
 
 float LampGatherer::allowed(int lane, float light) const {
@@ -135,7 +163,7 @@ void LampGatherer::measure() {
     std::fill(std::begin(part.diffuse), std::end(part.diffuse), 0.0f);
     add_luminance(lanes_, unit_light(lanes_, part), lamp_.radiance, lobe_);
     for (int i = 0; i < lane_count; ++i) {
-        if ((reached_ >> i & 1u) == 0 || lanes_.lobed[i] == 0.0f) continue;
+        if ((asked_ >> i & 1u) == 0 || lanes_.lobed[i] == 0.0f) continue;
         if (!(lobes_->peaks()[i] > 0.0f)) {
             by_lobe_ |= 1u << i;
             continue;
@@ -249,7 +277,7 @@ std::uint32_t LampGatherer::too_rough(std::uint32_t reached, int count) {
 
 /// Traces as many samples of the lanes as their tolerances ask for.
 void LampGatherer::trace_as_needed() {
-    std::uint32_t asked = reached_;
+    std::uint32_t asked = asked_;
     for (std::size_t s = 0; s < steps.size() && asked != 0; ++s) {
         trace(asked, s == 0 ? 0 : steps[s - 1], steps[s]);
         asked = too_rough(asked, steps[s]);

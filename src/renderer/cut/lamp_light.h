@@ -24,6 +24,7 @@ struct LampAccuracy {
     const GroupTolerance* tolerance = nullptr;  ///< null: by all samples
     const Lanes* luminance = nullptr;           ///< of the lanes so far
     bool one_point = false;                     ///< by all samples; all lanes are one point, and share them
+    LaneShadows* shadows = nullptr;             ///< as of ShadowTester::trace_from_places
 };
 
 /// A lamp's light in the lanes of a group [Szecsi2004]: J, the irradiance without occlusion, times the share of

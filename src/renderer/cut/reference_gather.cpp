@@ -57,9 +57,9 @@ void gather_all(const LightTrees& light_trees, const RayTracer& tracer, const Ga
     GatherLanes lanes, alone;
     fill(lanes, copies);
     GatheredLight exact;
-    Gatherer(light_trees, tracer).gather_exact(lanes, Shadow::sharp, nullptr, exact);
+    Gatherer(light_trees, tracer).gather_exact(lanes, Shadow::sharp, nullptr, {}, exact);
     GatheredLight lamps;
-    Gatherer(light_trees, tracer).gather_exact(lanes, Shadow::smooth, nullptr, lamps);
+    Gatherer(light_trees, tracer).gather_exact(lanes, Shadow::smooth, nullptr, {}, lamps);
     fill(alone, std::span(copies).first(1));
 
     CutSums sums(lanes);

@@ -90,6 +90,11 @@ struct ShadowTester::PlaceCounts {
     int asked[lane_count]{}, lit[lane_count]{};
     glm::vec3 passed[lane_count]{};
 
+    /// Whether all places see it undimmed, or none does.
+    bool is_plain(int lane) const {
+        return lit[lane] == 0 || (lit[lane] == asked[lane] && passed[lane] == glm::vec3(static_cast<float>(lit[lane])));
+    }
+
     /// `times`: as many rays as the one stands for.
     void add(int lane, bool reached, glm::vec3 passes, int times = 1) {
         asked[lane] += times;
@@ -112,18 +117,19 @@ std::uint32_t ShadowTester::swept(const ShadowPacket& packet, std::uint32_t acti
 }
 
 void ShadowTester::trace_from_places(LightType type, const TreeLight& light, const Spot* spot, GeometryClamp clamp,
-                                     LightContribution& contribution) {
+                                     LaneShadows* shadows, LightContribution& contribution) {
     const GatherLanes& lanes = *lanes_;
-    if (lanes.places == 1 && !lanes.timed) {
+    if (lanes.places == 1 && !lanes.timed && shadows == nullptr) {
         trace(type, light, spot, clamp, light_trees_.bodies, contribution);
         return;
     }
     LightLanes& unit = contribution.unit;
     evaluate_light(lanes, type, light, spot, clamp, unit);
-    const std::uint32_t active = reached(unit);
-    if (active == 0) return;
+    const LaneShadows known = shadows != nullptr ? *shadows : LaneShadows();
+    const std::uint32_t active = reached(unit) & ~known.known();
+    if ((active | known.known()) == 0) return;
     PlaceCounts counts;
-    for (int place = 0; place < lanes.places; ++place) {
+    for (int place = 0; active != 0 && place < lanes.places; ++place) {
         ShadowPacket packet;
         aim<Aimed::at_one>(origins(lanes, place), type, &light.position.x, &light.position.y, &light.position.z,
                            packet);
@@ -137,7 +143,9 @@ void ShadowTester::trace_from_places(LightType type, const TreeLight& light, con
             trace_further(type, light, *lanes.more_places[i], i, counts);
     for (int i = 0; i < lane_count; ++i) {
         const auto lit = static_cast<float>(counts.lit[i]);
-        const float share = core::divide_or(lit, static_cast<float>(counts.asked[i]), 0.0f);
+        const float known_share = (known.lit >> i & 1u) != 0 ? 1.0f : 0.0f;
+        const float share = core::divide_or(lit, static_cast<float>(counts.asked[i]), known_share);
+        if (shadows != nullptr && counts.asked[i] > 0 && counts.is_plain(i)) shadows->set(i, share > 0.0f);
         for (int c = 0; c < 3; ++c) contribution.tint.passes[i][c] = core::divide_or(counts.passed[i][c], lit, 1.0f);
         unit.diffuse[i] *= share;
         if (!lanes.glossy) continue;

@@ -29,6 +29,14 @@ struct LightContribution {
     }
 };
 
+/// Lanes of which it is known that a light reaches them whole, or not at all.
+struct LaneShadows {
+    std::uint16_t lit = 0, dark = 0;
+
+    std::uint32_t known() const { return static_cast<std::uint32_t>(lit | dark); }
+    void set(int lane, bool is_lit) { (is_lit ? lit : dark) |= static_cast<std::uint16_t>(1u << lane); }
+};
+
 /// Tests which lights reach one group of points, by rays.
 class ShadowTester {
   public:
@@ -43,9 +51,10 @@ class ShadowTester {
                LightContribution& contribution, bool on_mover = false);
 
     /// The same of a direct light that is gathered by itself: `unit` times the share of each lane's places that it
-    /// reaches. `lit` and `unknown` say nothing then. Further places are asked 16 at a time.
+    /// reaches. `lit` and `unknown` say nothing then. Further places are asked 16 at a time. `shadows`, unless null:
+    /// lanes that trace no ray, to which others are added that are found lit or dark.
     void trace_from_places(LightType type, const TreeLight& light, const Spot* spot, GeometryClamp clamp,
-                           LightContribution& contribution);
+                           LaneShadows* shadows, LightContribution& contribution);
 
     std::uint64_t rays() const { return rays_; }
     Bodies bodies() const { return light_trees_.bodies; }

@@ -60,7 +60,7 @@ class PointGatherer {
     template <class Found>
     void gather_sharp(std::span<const PointRef> points, ShadeCounts& counts, const Found& found) {
         load(points, 0);
-        gatherer_.gather_exact(lanes_, Shadow::sharp, &tolerance_, gathered_);
+        gatherer_.gather_exact(lanes_, Shadow::sharp, &tolerance_, {}, gathered_);
         counts.shadow_rays += gathered_.shadow_rays;
         for (std::size_t i = 0; i < points.size(); ++i)
             found(i, point_light(gathered_, static_cast<int>(i), point(points[i])));

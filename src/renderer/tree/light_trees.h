@@ -38,9 +38,11 @@ struct LightTrees {
     Bodies bodies = Bodies::pass;  ///< to shadow rays of direct light
 
     /// Whether some light is gathered for every point by itself, not interpolated.
-    bool has_exact() const { return !exact.empty() || has_sharp_lamps(); }
-    bool has_sharp_lamps() const {
-        return std::any_of(lamps.begin(), lamps.end(), [](const auto& lamp) { return lamp->sharp; });
+    bool has_exact() const { return sharp_lights() > 0; }
+    bool has_sharp_lamps() const { return sharp_lights() > exact.size(); }
+    std::size_t sharp_lights() const {
+        return exact.size() + static_cast<std::size_t>(
+                                  std::count_if(lamps.begin(), lamps.end(), [](const auto& l) { return l->sharp; }));
     }
 
     static bool is_direct(int tree) { return tree < direct_trees; }
