@@ -14,7 +14,7 @@ constexpr int moving_size = 48;
 Settings moving_settings(bool cache) {
     Settings s = test::lightcuts_frame(moving_size, moving_size);
     s.cache = cache ? CacheUse::on : CacheUse::off;
-    s.vpls = 800;
+    s.vpls = 8192;
     return s;
 }
 
