@@ -162,10 +162,10 @@ bool hints(Input input) {
         core::MotionField onward;
         if (plan->horizon) onward = motion_from(numbers, s, n, *plan->horizon);
         const Demands demands(numbers, s);
-        keep(coder.push(
-            picture_from(numbers, s, n), *plan, motion,
-            {plan->horizon ? &onward : nullptr, demands.with_factors ? &demands.factors : nullptr,
-             demands.with_factors ? &demands.factors : nullptr, demands.with_forced ? &demands.forced : nullptr}));
+        const core::Plane<float>* const factors = demands.with_factors ? &demands.factors : nullptr;
+        keep(coder.push(picture_from(numbers, s, n), *plan, motion,
+                        {plan->horizon ? &onward : nullptr, factors, factors, factors,
+                         demands.with_forced ? &demands.forced : nullptr}));
     }
     keep(coder.flush());
     expect_decodes(coded);
