@@ -103,6 +103,12 @@ TEST_F(Wall, CoarselyGatheredRecordsServeNoFinePixel) {
     EXPECT_TRUE(estimate_at(12, 12, 0.4f).has_value());
 }
 
+TEST_F(Wall, NobodyIsServedWhereNothingMayErr) {
+    strew(1, [](glm::vec2) { return 0.0f; });
+    EXPECT_TRUE(estimate_at(12, 12, 0.02f).has_value());
+    EXPECT_FALSE(estimate_at(12, 12, 0.0f).has_value()) << "even by records without any error";
+}
+
 TEST_F(Wall, NobodyIsServedWhereThePictureDoesNotReach) {
     strew(1, [](glm::vec2) { return 1.0f; });
     const GatherPoint p = point_at(12, 12);

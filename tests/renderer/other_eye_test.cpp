@@ -42,6 +42,7 @@ class OtherEyeTest : public testing::Test {
                 PointLight& light = light_[0].emplace_back();
                 light.error.value = 0.25f;
                 light.direct = glm::vec3(static_cast<float>(x));
+                light.indirect = glm::vec3(2.0f * static_cast<float>(x));
                 light.glossy = glm::vec3(static_cast<float>(y));
                 SharedLight& told = shared_[0].emplace_back();
                 told.lit = x > 8 ? 1u : 0u;
@@ -76,7 +77,8 @@ TEST_F(OtherEyeTest, TellsLightBetweenPixelsAndHowMuchTheyDiffer) {
     const ToldLight told = eye_.at(p, right_.pixel_extent(4.0f));
     const glm::vec2 there = left_.project(p.point.position)->position - 0.5f;
     EXPECT_GT(there.x, 9.0f) << "what is near moves to the right for the left eye";
-    EXPECT_NEAR(told.light.matt.x, there.x, 1e-3);
+    EXPECT_NEAR(told.light.direct.x, there.x, 1e-3);
+    EXPECT_NEAR(told.light.indirect.x, 2 * there.x, 2e-3);
     EXPECT_NEAR(told.light.glossy.x, there.y, 1e-3);
     EXPECT_NEAR(told.spread, 0.5f, 1e-4) << "of gloss alone: the point reflects no diffuse light";
     EXPECT_NEAR(told.turn.x, -0.1f / 4, 2e-3);
@@ -110,8 +112,13 @@ TEST_F(OtherEyeTest, TellsNothingOfOtherSurfacesNorBeyondThePicture) {
         return at(there);
     };
     EXPECT_EQ(about(12.5f).lit, 1u);
-    EXPECT_FLOAT_EQ(about(12.5f).matt.x, 13.0f) << "of the column beside it";
+    EXPECT_FLOAT_EQ(about(12.5f).direct.x, 13.0f) << "of the column beside it";
+    EXPECT_GT(about(12.5f).error, 0.0f);
     EXPECT_EQ(about(12.1f).lit, 0u) << "nine tenths of it are something else";
+    seen_.tiles[0][static_cast<std::size_t>(6 * tile_size + 13)].point.address.object = 9;
+    take();
+    EXPECT_EQ(about(12.5f).lit, 1u);
+    EXPECT_EQ(about(12.5f).error, 0.0f) << "nobody knows how light varies about one pixel";
     eye_.forget();
     EXPECT_EQ(at(p).lit, 0u);
 }

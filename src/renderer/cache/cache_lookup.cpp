@@ -22,7 +22,8 @@ std::optional<PointLight> light_of_other_eye(const ToldLight& told, const Gather
                                              const PointTolerance& tolerance) {
     if (!(told.light.error > 0.0f)) return std::nullopt;
     PointLight light;
-    light.indirect = told.light.matt;
+    light.direct = told.light.direct;
+    light.indirect = told.light.indirect;
     light.glossy = told.light.glossy;
     const float weight = core::luminance(p.weight),
                 allowed = tolerance.allows_samples(core::luminance(light.scattered(p)));

@@ -69,7 +69,8 @@ std::optional<PointLight> query_cache(const CacheQuery& q, const RecordGrid& gri
     if (!error.is_valid()) return std::nullopt;
     PointLight light = blend(fit, q, records, error_scale, frame);
     const float found = core::luminance(light.scattered(q.point)), tolerance = q.tolerance.allows_samples(found);
-    const bool as_other = light.error.value + std::sqrt(error.square) <= most_rivalry * q.other_error;
+    const bool as_other =
+        q.other_error > 0.0f && light.error.value + std::sqrt(error.square) <= most_rivalry * q.other_error;
     if (!as_other && (!(tolerance > 0.0f) || !(core::errors_of_one_in_hundred * light.error.value <= tolerance) ||
                       !(allocation.priced(error.square, error.of_block) <=
                         allowed_square(error, q.tolerance.allows_noise(found), allocation))))

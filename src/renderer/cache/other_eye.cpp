@@ -41,7 +41,8 @@ void OtherEye::take(const Frame& seen, const scene::Camera& camera, std::span<co
                                                         shared[t].empty() ? SharedLight() : shared[t][i]});
             const PointLight& known = light[t][i];
             const float weight = core::luminance(p.weight);
-            point.shared.matt = known.direct + known.indirect;
+            point.shared.direct = known.direct;
+            point.shared.indirect = known.indirect;
             point.shared.glossy = known.glossy;
             point.shared.error = core::divide_or(known.error.value, weight, 0.0f);
             point.shared.error_of_block = core::divide_or(known.shared.value, weight, 0.0f);
@@ -90,6 +91,7 @@ ToldLight OtherEye::at(const GatherPoint& p, float extent) const {
     SharedLight& sum = told.light;
     sum.lit = sum.dark = ~0u;
     float least = std::numeric_limits<float>::infinity(), most = -least, shares = 0;
+    int tell = 0;
     for (int k = 0; k < 4; ++k) {
         const glm::ivec2 step(k % 2, k / 2);
         const Point* const other = point_at(glm::ivec2(first) + step, p, extent);
@@ -97,19 +99,24 @@ ToldLight OtherEye::at(const GatherPoint& p, float extent) const {
         const SharedLight& one = other->shared;
         const float share = (step.x == 1 ? part.x : 1 - part.x) * (step.y == 1 ? part.y : 1 - part.y);
         shares += share;
+        ++tell;
         sum.lit &= one.lit;
         sum.dark &= one.dark;
-        sum.matt += share * one.matt;
+        sum.direct += share * one.direct;
+        sum.indirect += share * one.indirect;
         sum.glossy += share * one.glossy;
         sum.error += share * one.error;
         sum.error_of_block += share * one.error_of_block;
-        const float shown = core::luminance(p.weight * (p.point.bsdf.diffuse * one.matt + one.glossy));
+        const float shown =
+            core::luminance(p.weight * (p.point.bsdf.diffuse * (one.direct + one.indirect) + one.glossy));
         least = std::min(least, shown);
         most = std::max(most, shown);
     }
     if (shares < least_share) return {};
-    for (glm::vec3* light : {&sum.matt, &sum.glossy}) *light /= shares;
+    for (glm::vec3* light : {&sum.direct, &sum.indirect, &sum.glossy}) *light /= shares;
     for (float* error : {&sum.error, &sum.error_of_block}) *error /= shares;
+    // How light varies is not known of one pixel.
+    if (tell < 2) sum.error = 0;
     told.spread = most - least;
     told.turn =
         core::normalize_or(camera_.eye_of(p.point.position) - p.point.position, p.point.outgoing) - p.point.outgoing;

@@ -18,9 +18,8 @@ struct SharedLight {
     /// Bit l: the l-th sharp light (Gatherer::gather_exact) shines on all of it, or on nothing of it. Neither: nobody
     /// knows. Lights beyond the last bit are known nowhere.
     std::uint32_t lit = 0, dark = 0;
-    /// All other light, as PointLight's `direct + indirect` and `glossy`, its errors by unit of the point's weight.
-    /// An error of 0: not known.
-    glm::vec3 matt{0}, glossy{0};
+    /// All other light, as in PointLight, its errors by unit of the point's weight. An error of 0: not known.
+    glm::vec3 direct{0}, indirect{0}, glossy{0};
     float error = 0, error_of_block = 0;
 
     static constexpr std::size_t most_lights = 32;

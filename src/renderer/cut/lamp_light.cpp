@@ -138,7 +138,8 @@ void LampGatherer::tell_shadows() const {
     for (int i = 0; accuracy_.shadows != nullptr && i < lane_count; ++i) {
         if ((asked_ >> i & 1u) == 0) continue;
         const float share = traced_.lamp.share(i);
-        bool is_plain = (share == 0.0f || share == 1.0f) && (lobes_ == std::nullopt || lobe_share(i) == share);
+        bool is_plain = traced_.lamp.weight[i] > 0.0f && (share == 0.0f || share == 1.0f) &&
+                        (lobes_ == std::nullopt || lobe_share(i) == share);
         for (const Lanes& passed : traced_.passed) is_plain = is_plain && passed[i] == traced_.lamp.seen[i];
         if (is_plain) accuracy_.shadows->set(i, share > 0.0f);
     }
