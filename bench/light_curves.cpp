@@ -1,5 +1,5 @@
 // What light costs by the number of light points and of pixels: one point of the curves of light_curves.sh.
-// bench_light_curves SCENE [frame=0] [vpls=4096] [width=512] [height=512] [tolerance=2] [every=16]
+// bench_light_curves SCENE [frame=0] [vpls=32768] [width=512] [height=512] [tolerance=2] [every=16]
 // Gathering is measured at every so manieth tile of 16x16 pixels, once light is made, the fastest of three, on one
 // thread, and told for the whole picture. Prints one line: light points, width, height; CPU seconds of counting
 // paths, of an instant's photons, of planning and growing trees, of gathering; clusters and shadow rays per gather
@@ -41,7 +41,7 @@ void run(const std::string& scene, const bench::Wishes& wishes) {
     const int width = wishes.number("width", 512), height = wishes.number("height", 512);
     options.size = fmt::format("{}x{}", width, height);
     options.samples = 1;
-    options.vpls = wishes.number("vpls", 4096);
+    options.vpls = wishes.number("vpls", 32768);
     options.exposure = "0";
     app::RenderJob film = app::prepare(options);
     const scene::Snapshot world = film.snapshot(wishes.number("frame", 0));

@@ -276,6 +276,22 @@ TEST(VirtualLights, AreNotManyMoreThanWantedWhereLightComesIndoors) {
     EXPECT_NEAR(sphere_pi * power_of(indoors) / (4 * sphere_pi * 10 * 4), 1.0, 0.05);
 }
 
+TEST(VirtualLights, AreNotManyMoreThanWantedWhereEachPathLeavesMany) {
+    // Nothing is hit when paths are counted; then the lamp is in a white box, where each bounces forty times.
+    SceneBuilder b;
+    b.add_box({0, 0, 0}, {2, 2, 2}, b.add_material(glm::vec3(0.975f)), true);
+    b.material(0).double_sided = false;
+    const int light = b.add_point_light({0, 0, 0}, 10.0f);
+    b.add_track(scene::TrackTarget::translation, b.film().lights[static_cast<std::size_t>(light)].node, 3, {0, 1},
+                {0, 1e4f, 0, 1, 1, 1});
+    VirtualLightStage stage(b, {500, 0});
+    stage.pose(1);
+    const std::vector<LightPoint> indoors = stage.light();
+    EXPECT_LE(indoors.size(), 4u * 500u * 15u / 10u);
+    EXPECT_GE(indoors.size(), 400u);
+    EXPECT_NEAR(sphere_pi * power_of(indoors) / (4 * sphere_pi * 10 * 39), 1.0, 0.3) << "by some fifty paths";
+}
+
 TEST(VirtualLights, ComeThoughNoneLandedWhenTheirPathsWereCounted) {
     SceneBuilder b;
     b.add_quad({-2, 0, -2}, {0, 0, 4}, {4, 0, 0}, b.add_material(glm::vec3(0.6f)));

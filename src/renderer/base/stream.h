@@ -9,9 +9,7 @@ namespace render2mpeg::renderer {
 
 /// Purposes of random numbers. Each has streams of its own, so that no two are correlated.
 enum class Purpose : std::uint64_t {
-    sides_of_faces = 1,
-    open_directions,
-    audited_pixels,
+    audited_pixels = 3,
     spread_audits,
     audited_rays,
     guided_rays = 7,

@@ -205,8 +205,9 @@ PhotonResult trace_photons(const PosedScene& posed_scene, std::span<const LightP
     const PhotonSource source(lights, world_box(posed_scene.posed()), settings.planned);
     if (source.empty() || settings.paths == 0) return {};
     PhotonResult result = follow_all(posed_scene, source, settings);
-    const float share = static_cast<float>(1.0 / static_cast<double>(settings.paths));
-    for (LightPoint& vpl : result.vpls) vpl.intensity *= share;
+    const double share = 1.0 / static_cast<double>(settings.paths);
+    for (LightPoint& vpl : result.vpls) vpl.intensity *= static_cast<float>(share);
+    for (double* flux : {&result.landed, &result.lost}) *flux *= share;
     return result;
 }
 

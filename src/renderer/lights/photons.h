@@ -19,7 +19,7 @@ struct PhotonSettings {
 };
 
 struct PhotonResult {
-    std::vector<LightPoint> vpls;  ///< in the order of paths and bounces; ids are hashes of both
+    std::vector<LightPoint> vpls;  ///< in the order of paths and bounces; ids are hashes of both, hardly ever alike
     std::uint64_t rays = 0;
     double landed = 0;  ///< flux that met scattering surfaces, luminance, summed over bounces
     double lost = 0;    ///< of it, what largest_albedo kept from going on

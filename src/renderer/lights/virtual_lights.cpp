@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <map>
 
 #include "core/color.h"
@@ -23,6 +24,13 @@ constexpr float least_facing = 0.5f;
 
 /// VPLs of an instant over those wanted, at most, about. chosen: 4; bounds memory where light comes indoors.
 constexpr int most_over_wanted = 4;
+
+/// Paths that leave so many VPLs each: a power of two, so that hardly an instant differs in it, and light that stays is
+/// as bright.
+std::uint64_t most_paths(int vpls, double each) {
+    const double most = core::divide_or(static_cast<double>(most_over_wanted) * vpls, each, 1e18);
+    return std::bit_floor(static_cast<std::uint64_t>(std::clamp(most, 1.0, 1e18)));
+}
 
 }  // namespace
 
@@ -81,12 +89,14 @@ PhotonResult virtual_lights(const PosedScene& posed_scene, const PlannedLights& 
     PhotonSettings photons{1, std::min(settings.paths, static_cast<std::uint64_t>(settings.vpls)), settings.bounces,
                            lights.planned};
     PhotonResult result = trace_photons(posed_scene, lights.shining, photons);
-    // Where few paths landed when they were counted, all of them may land now.
-    if (photons.paths < settings.paths) {
-        const double each = static_cast<double>(result.vpls.size()) / static_cast<double>(photons.paths);
-        const double most = core::divide_or(static_cast<double>(most_over_wanted) * settings.vpls, each, 1e18);
-        photons.paths = std::min(settings.paths, static_cast<std::uint64_t>(most));
+    const double each = static_cast<double>(result.vpls.size()) / std::max(static_cast<double>(photons.paths), 1.0);
+    const std::uint64_t paths = std::min(settings.paths, most_paths(settings.vpls, each));
+    if (paths != photons.paths) {
+        // Where few paths landed when they were counted, all of them may land now; others leave more than most do.
+        photons.paths = paths;
+        const std::uint64_t rays = result.rays;
         result = trace_photons(posed_scene, lights.shining, photons);
+        result.rays += rays;
     }
     const glm::vec3 extent = world_box(posed_scene.posed()).size();
     spread(result.vpls, glm::dot(extent, extent));
