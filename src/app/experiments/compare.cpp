@@ -169,6 +169,7 @@ Comparing::Comparing(const TrialOptions& options, const RenderJob& film, const S
       quantisers_(in_scale_of(film.coding.codec, quantisers_from(options.quantisers.value_or(usual_quantisers)))),
       trials_(film, middle_windows(film, sample.windows, sample.frames), options.references.value_or(4)) {
     trials_.mask_all();
+    trials_.weigh_by_solid_angle();
     found_.ffmpeg = ffmpeg;
     check_memory(trials_.bytes_held(true));
     const auto by_ffmpeg = [](const FfmpegWay& way) {

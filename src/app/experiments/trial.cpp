@@ -193,7 +193,6 @@ class Trials::Judge : public LoopObserver {
 
 Trials::Trials(const RenderJob& film, std::vector<Chunk> windows, int references)
     : film_(plainly_coded(film, references)),
-      rows_(encoder::weights_of_rows(film.coding)),
       windows_(std::move(windows)),
       renderer_(*film_.animation, film_.rendering, film_.plan),
       references_of_window_(std::clamp(references, 0, static_cast<int>(windows_.front().frames()))) {
@@ -351,6 +350,10 @@ double Trials::expected_seconds(const scene::Snapshot& world, const renderer::Pl
     const double start = clock_seconds();
     gathered(world, part);
     return (clock_seconds() - start) * static_cast<double>(seen.tiles.size()) / static_cast<double>(lit);
+}
+
+void Trials::weigh_by_solid_angle() {
+    rows_ = encoder::weights_of_rows(film_.coding);
 }
 
 void Trials::light_reference(std::int64_t frame, const std::function<void(double)>& expected) {

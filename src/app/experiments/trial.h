@@ -154,6 +154,8 @@ class Trials {
 
     const std::vector<Chunk>& windows() const { return windows_; }
     const RenderJob& film() const { return film_; }
+    /// Before the first trial: PSNR-Y of panoramas counts by solid angle.
+    void weigh_by_solid_angle();
     /// PSNR-Y is by solid angle: the pictures are panoramas.
     bool are_weighted() const { return !rows_.empty(); }
     int frames() const;  ///< of all windows
@@ -172,7 +174,7 @@ class Trials {
     void light_reference(std::int64_t frame, const std::function<void(double)>& expected);
 
     RenderJob film_;
-    std::vector<float> rows_;  ///< their weights; empty: all count alike
+    std::vector<float> rows_{};  ///< their weights; empty: all count alike
     std::vector<Chunk> windows_;
     renderer::Renderer renderer_;
     float half_code_ = 0;  ///< luminance
