@@ -50,7 +50,7 @@ app::RenderJob render_job(const HardCase& hard_case, scene::Animation film, Way 
     p.rendering.direct_points = 64;
     const bool rays = way == Way::records || way == Way::coupled;
     p.rendering.indirect = rays ? renderer::Indirect::rays : renderer::Indirect::lightcuts;
-    p.rendering.vpls = 2048;
+    p.rendering.vpls = 8192;
     p.rendering.isa = core::detect_isa();
     p.rendering.cache = rays ? renderer::CacheUse::static_light : renderer::CacheUse::off;
     p.plan = renderer::make_plan(scene::traits_of(film), {});

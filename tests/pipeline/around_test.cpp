@@ -54,13 +54,13 @@ TEST(PanoramaInABrowser, ShowsWhatACameraThatIsTurnedShowsSlow) {
     if (browser().empty()) GTEST_SKIP() << "no chromium or google-chrome is installed";
     const Folder folder;
     std::ofstream(folder / "film.json") << walls << R"("projection": "equirectangular" }, "stereo": "top-bottom" })";
-    const std::string film = path(folder, "film.mp4");
-    ASSERT_EQ(run(program() + " render " + path(folder, "film.json") + " --size 256x128 --quiet --codec h264 -o " +
-                  film + " --report " + path(folder, "film.html"))
+    const std::string film = path(folder, "film #1.mp4");
+    ASSERT_EQ(run(program() + " render " + path(folder, "film.json") + " --size 256x128 --quiet --codec h264 -o '" +
+                  film + "' --report " + path(folder, "film.html"))
                   .status,
               0);
     std::string page = contents(folder / "film.html");
-    const std::string name = "\"name\":\"film.mp4\"";
+    const std::string name = "\"name\":\"film%20%231.mp4\"";
     ASSERT_NE(page.find(name), std::string::npos) << "it looks for the film beside it";
     EXPECT_NE(page.find("\"stereo\":\"top-bottom\""), std::string::npos);
     // Pages of a folder may not read its files; a film within the page may be read.
@@ -68,8 +68,8 @@ TEST(PanoramaInABrowser, ShowsWhatACameraThatIsTurnedShowsSlow) {
     const std::size_t section = page.find("<section id=\"around\">");
     ASSERT_NE(section, std::string::npos);
     std::ofstream(folder / "page.html") << page.substr(0, section);
-    run("{ printf '<script>const told = \"data:video/mp4;base64,'; base64 -w 0 " + film +
-        "; printf '\"</script>'; } >> " + path(folder, "page.html"));
+    run("{ printf '<script>const told = \"data:video/mp4;base64,'; base64 -w 0 '" + film +
+        "'; printf '\"</script>'; } >> " + path(folder, "page.html"));
     std::ofstream(folder / "page.html", std::ios::app) << page.substr(section) << probe;
     const json found = said_by_page(folder, path(folder, "page.html"));
     ASSERT_FALSE(found.is_null());

@@ -104,7 +104,7 @@ TEST_F(Wall, CoarselyGatheredRecordsServeNoFinePixel) {
 }
 
 TEST_F(Wall, NobodyIsServedWhereNothingMayErr) {
-    strew(1, [](glm::vec2) { return 0.0f; });
+    strew(1, [](glm::vec2) { return 1.0f; });
     EXPECT_TRUE(estimate_at(12, 12, 0.02f).has_value());
     EXPECT_FALSE(estimate_at(12, 12, 0.0f).has_value()) << "even by records without any error";
 }

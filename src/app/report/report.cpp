@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cctype>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -112,6 +113,17 @@ std::string filled(std::string text, std::string_view place, const json& value) 
     return text.replace(text.find(place), place.size(), script_of(value));
 }
 
+/// A file's name as links have it: percent signs and numbers for what they reserve.
+std::string escaped(const std::string& name) {
+    std::string address;
+    for (const char c : name)
+        if (std::isalnum(static_cast<unsigned char>(c)) != 0 || std::string_view("-._~/").find(c) != std::string::npos)
+            address += c;
+        else
+            address += fmt::format("%{:02X}", static_cast<unsigned char>(c));
+    return address;
+}
+
 /// The part that shows a panorama, which is looked for beside the page as it lies now; else nothing.
 std::string around(const std::filesystem::path& html, const RenderJob& film, const std::filesystem::path& output) {
     if (!film.coding.sphere || output.empty()) return {};
@@ -119,8 +131,8 @@ std::string around(const std::filesystem::path& html, const RenderJob& film, con
     const bool has_eyes = film.coding.packing != core::FramePacking::none;
     return filled(
         around_html, "AROUND_DATA",
-        {{"name",
-          std::filesystem::proximate(output, html.parent_path().empty() ? "." : html.parent_path()).generic_string()},
+        {{"name", escaped(std::filesystem::proximate(output, html.parent_path().empty() ? "." : html.parent_path())
+                              .generic_string())},
          {"bounds", {b.left, b.top, b.right, b.bottom}},
          {"stereo", has_eyes ? json(core::name_of(film.coding.packing)) : json()}});
 }
