@@ -4,6 +4,7 @@
 
 #include <fstream>
 
+#include "app/loop/render_job.h"
 #include "app/options/film.h"
 #include "app/options/mistakes.h"
 #include "core/error.h"
@@ -260,6 +261,41 @@ TEST(Keyframes, EndWhatIsPromised) {
         EXPECT_EQ(keyframes.begins_at(n), n == 4 || n == 5 || n == 9);
     }
     EXPECT_EQ(Keyframes{}.frames_left(3, 8), 8);
+}
+
+TEST(Sizes, OfSmallerPicturesAreThoseThatTheirCodecTakes) {
+    const auto expect = [](Size whole, double scale, std::optional<encoder::Codec> codec, Size right) {
+        const Size found = scaled(whole, scale, codec);
+        EXPECT_EQ(found.width, right.width);
+        EXPECT_EQ(found.height, right.height);
+    };
+    const Size whole{320, 180};
+    expect(whole, 0.25, encoder::Codec::mpeg2, {80, 46});
+    expect(whole, 0.25, encoder::Codec::h264, {80, 46});
+    expect(whole, 0.1, encoder::Codec::h264, {32, 18});
+    expect(whole, 0.05, encoder::Codec::h264, {16, 16});
+    expect(whole, 0.1, encoder::Codec::av1, {114, 64});
+    expect(whole, 0.5, encoder::Codec::dnxhr, {256, 144});
+    expect(whole, 0.01, {}, {3, 2});
+    expect({640, 20}, 0.5, encoder::Codec::h264, {320, 16});
+    EXPECT_DOUBLE_EQ(scale_taken(whole, 0.5, encoder::Codec::dnxhr), 0.8);
+    EXPECT_DOUBLE_EQ(scale_taken({200, 100}, 0.5, encoder::Codec::dnxhr), 1) << "the codec refuses the whole one";
+}
+
+TEST(Sizes, OfDraftsAreThoseThatTheirCodecTakes) {
+    RenderOptions options;
+    options.input = support::film("aimed_reflection");
+    options.preview = true;
+    const auto expect = [&](const char* codec, const char* output, Size right) {
+        options.coding.codec = codec;
+        options.output = output;
+        const RenderJob film = prepare(options);
+        EXPECT_EQ(film.size().width, right.width) << codec;
+        EXPECT_EQ(film.size().height, right.height) << codec;
+    };
+    expect("h264", "draft.mp4", {160, 88});
+    expect("av1", "draft.mp4", {160, 88});
+    expect("dnxhr", "draft.mov", {256, 140});
 }
 
 }  // namespace

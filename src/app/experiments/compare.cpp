@@ -136,7 +136,8 @@ Trials::Codec ffmpeg_codec(const FfmpegWay& way, int quantiser, int gop, const c
 /// Runs the command; rows are printed as they come.
 class Comparing {
   public:
-    Comparing(const TrialOptions& options, const RenderJob& film, const Sample& sample, const std::string& ffmpeg);
+    Comparing(const TrialOptions& options, const RenderJob& film, const SampleExtent& sample,
+              const std::string& ffmpeg);
 
     void run();
     /// Sets the command of the recommended way.
@@ -163,7 +164,7 @@ class Comparing {
     Comparison found_;
 };
 
-Comparing::Comparing(const TrialOptions& options, const RenderJob& film, const Sample& sample,
+Comparing::Comparing(const TrialOptions& options, const RenderJob& film, const SampleExtent& sample,
                      const std::string& ffmpeg)
     : options_(options),
       quantisers_(in_scale_of(film.coding.codec, quantisers_from(options.quantisers.value_or(usual_quantisers)))),

@@ -45,7 +45,7 @@ std::vector<Setting> settings_of(const TrialOptions& options, const RenderJob& f
 
 /// Sample of the film, and of its effects.
 struct CostSample {
-    Sample sweep;
+    SampleExtent sweep;
     double scale = 1;       ///< of its pictures
     int effect_frames = 2;  ///< of the windows that effects are left out of
     std::optional<Forecast> forecast;
@@ -59,10 +59,10 @@ void fit_sample(const TrialOptions& options, const RenderJob& film, double first
     constexpr double of_tolerance = 0.065, of_efforts = 2.6, of_reference = 14;
     double settings = 1 + of_efforts;
     for (const float share : percents_from(options.tolerances)) settings += of_tolerance / static_cast<double>(share);
-    const auto takes = [&](const Sample& s) {
+    const auto takes = [&](const SampleExtent& s) {
         return s.windows * (settings * (first + (s.frames - 1) * frame) + of_reference * frame);
     };
-    for (const Sample& sample : {Sample{1, 2}, Sample{1, 3}, Sample{2, 3}})
+    for (const SampleExtent& sample : {SampleExtent{1, 2}, SampleExtent{1, 3}, SampleExtent{2, 3}})
         if (takes(sample) < time) chosen.sweep = sample;
     // chosen: 160 pixels show what tolerances do (96 to 320); CPU grows with the pixels, or slower.
     constexpr double least_side = 160;
@@ -73,7 +73,7 @@ void fit_sample(const TrialOptions& options, const RenderJob& film, double first
 /// Forecast of the film, and a sample that --within has time for. None after an interruption.
 std::optional<CostSample> first_answer(const TrialOptions& options, RenderJob& film) {
     if (options.sample) {
-        const Sample sample = sample_from(*options.sample);
+        const SampleExtent sample = sample_from(*options.sample);
         return CostSample{sample, 1, std::min(sample.frames, 3), {}};
     }
     const double within = time_in_seconds(options.within);

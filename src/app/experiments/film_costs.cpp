@@ -47,11 +47,10 @@ struct Lit {
 
 std::optional<Lit> light(const RenderJob& film, const std::vector<Chunk>& windows, const std::string& name,
                          bool quiet) {
-    const RenderJob small = resized(film, scale_for(film, longest_side));
-    const auto frames = static_cast<std::int64_t>(windows.size()) * windows.front().frames();
-    Progress progress(frames, quiet || !shows_steps(), name, Counted::frames_of_step);
+    const Sample small{resized(film, scale_for(film, longest_side)), {windows, {}}};
+    Progress progress(small.windows.frames(), quiet || !shows_steps(), name, Counted::frames_of_step);
     Pictures pictures(windows);
-    const auto sample = sample_frames(small, windows, pictures, progress);
+    const auto sample = sample_frames(small, pictures, progress);
     if (!sample) return {};
     return Lit{film_by(film, *sample).seconds, std::move(pictures.all)};
 }

@@ -84,7 +84,7 @@ double ReferenceFrame::mean_squared_error(const core::Plane<std::uint8_t>& luma)
     return std::max(all, 0.0);
 }
 
-std::vector<Chunk> windows_by_shot(const RenderJob& film, const Sample& sample) {
+std::vector<Chunk> windows_by_shot(const RenderJob& film, const SampleExtent& sample) {
     const std::size_t cuts = cuts_of(film).size();
     // chosen: eight shots are sampled one by one (4 to 16); of more the parts tell enough.
     if (cuts == 0 || cuts >= 8) return middle_windows(film, sample.windows, sample.frames);
@@ -227,7 +227,8 @@ std::optional<Trial> Trials::run(const RenderJob& film, const std::function<bool
     if (!is_same_light(film, film_)) own.emplace(*film.animation, film.rendering, film.plan);
     renderer::Renderer& renderer = own ? *own : renderer_;
     const renderer::Statistics before = renderer.statistics();
-    const std::optional<FrameSample> sample = light_windows(film, renderer, windows_, judge, statistics, frame_done);
+    const std::optional<FrameSample> sample =
+        light_sample({film, {windows_, {}}}, renderer, judge, statistics, frame_done);
     if (!sample) return std::nullopt;
     set_counts(trial, before, renderer.statistics());
     trial.seconds = statistics.of(Stage::shade) + statistics.of(Stage::preview);

@@ -39,7 +39,7 @@ struct ReferenceFrame {
 };
 
 /// The middle frames of each shot, where there are cuts and no more than eight shots; else as middle_windows().
-std::vector<Chunk> windows_by_shot(const RenderJob& film, const Sample& sample);
+std::vector<Chunk> windows_by_shot(const RenderJob& film, const SampleExtent& sample);
 
 /// Coding of a film with one quantiser, or by --quality.
 RenderJob at_quantiser(RenderJob film, int quantiser);

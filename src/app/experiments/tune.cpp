@@ -275,7 +275,7 @@ class TuneCommand {
     void settle_command() {
         tuning_.command = render_command(words_, options_.render.input, trials_->film().coding.codec, tuning_.options);
     }
-    Sample sample_of(const RenderJob& film) const;
+    SampleExtent sample_of(const RenderJob& film) const;
     void look_at_film(const Rendered& rendered);
 
     const TrialOptions& options_;
@@ -285,7 +285,7 @@ class TuneCommand {
     std::optional<Trials> trials_;
 };
 
-Sample TuneCommand::sample_of(const RenderJob& film) const {
+SampleExtent TuneCommand::sample_of(const RenderJob& film) const {
     if (options_.sample) return sample_from(*options_.sample);
     if (tuning_.target.kind == Kind::time) return sample_from("2x3");
     // chosen: 15 frames: I pictures count by the film's GOPs, and others are alike (9..60); and what is lit twice or
@@ -294,7 +294,7 @@ Sample TuneCommand::sample_of(const RenderJob& film) const {
     constexpr int whole = 15;
     // chosen: as many frames in windows of five (3 to 8).
     if (tuning_.target.worst_tenth) return {std::clamp(std::min(eighth, 2 * whole) / 5, 1, 6), 5};
-    return eighth >= 2 * whole ? Sample{2, whole} : Sample{1, std::min(eighth, whole)};
+    return eighth >= 2 * whole ? SampleExtent{2, whole} : SampleExtent{1, std::min(eighth, whole)};
 }
 
 bool TuneCommand::search() {
@@ -307,7 +307,7 @@ bool TuneCommand::search() {
     if (!options_.render.dry_run) check_reachable(options_.render.output);
 
     // Rates need no references.
-    const Sample sample = sample_of(film);
+    const SampleExtent sample = sample_of(film);
     // The worst tenth is often one shot.
     const bool by_shot = target.worst_tenth && !options_.sample;
     trials_.emplace(film, by_shot ? windows_by_shot(film, sample) : middle_windows(film, sample.windows, sample.frames),

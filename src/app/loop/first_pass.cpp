@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "app/loop/pipeline.h"
+#include "app/loop/sample.h"
 #include "app/system/interrupt.h"
 #include "app/system/progress.h"
 #include "encoder/codec.h"
@@ -13,7 +14,7 @@ namespace {
 
 /// Sides of the first pass's pictures are a fourth of the film's.
 /// chosen: 1/4; half the sides cost three times the light and find the same shares within a few per cent.
-constexpr int shrink = 4;
+constexpr double shrink = 0.25;
 
 /// Bits of the film's pictures over those of the first pass at the same quantiser: more pixels, but each told more by
 /// its neighbours. Only the first pictures of a chunk depend on it; then their own sizes are known.
@@ -22,20 +23,12 @@ constexpr double size_ratio = 7;
 
 /// The ratio for passes that are less than 4x4 smaller.
 double size_ratio_of(const RenderJob& film, const RenderJob& pass) {
-    if (film.coding.codec == encoder::Codec::mpeg2) return size_ratio;
-    const auto area = [](const RenderJob& job) { return static_cast<double>(job.format.width) * job.format.height; };
-    return std::pow(size_ratio, std::log(area(film) / area(pass)) / std::log(static_cast<double>(shrink * shrink)));
-}
-
-/// Other codecs than MPEG-2 need even sides of at least 64 pixels.
-int side_of(encoder::Codec codec, int side) {
-    if (codec == encoder::Codec::mpeg2) return (side + shrink - 1) / shrink;
-    return std::min(side, std::max(64, 2 * ((side + 2 * shrink - 1) / (2 * shrink))));
+    return std::pow(size_ratio,
+                    std::log(area_of(film.size()) / area_of(pass.size())) / std::log(1 / (shrink * shrink)));
 }
 
 RenderJob small(const RenderJob& film) {
-    RenderJob pass = film;
-    pass.resize(side_of(film.coding.codec, film.format.width), side_of(film.coding.codec, film.format.height));
+    RenderJob pass = resized(film, shrink);
     pass.rendering.samples = 1;
     pass.rendering.edge_samples = pass.rendering.most_samples = 0;
     pass.rendering.calibrate = false;  // nothing is promised of its light
@@ -45,8 +38,6 @@ RenderJob small(const RenderJob& film) {
     pass.tolerance = {};
     pass.tolerance.relative = 0.2f;
     pass.coding = rough(film.coding, usual_quantiser(film.coding));
-    pass.coding.width = pass.format.width;
-    pass.coding.height = pass.format.height;
     return pass;
 }
 

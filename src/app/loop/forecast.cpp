@@ -4,12 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <memory>
-#include <span>
 
 #include "app/loop/automatic_exposure.h"
-#include "app/loop/pipeline.h"
+#include "app/loop/shots.h"
 #include "app/options/output_kind.h"
 #include "app/system/image_reader.h"
 #include "core/numeric.h"
@@ -31,16 +28,12 @@ constexpr int most_windows = 4;
 /// Longest side of the smallest pictures; each size after it has four times the pixels. chosen: 48 (32 to 96).
 constexpr double least_side = 48;
 
-/// Of pictures that are predicted, how many are P pictures; windows end before their longest runs of B pictures do.
-/// fit: a third in eleven films of animations/, two in five in their windows.
-constexpr double p_share = 0.27, p_share_weight = 6;
-
 /// Later frames of a chunk over those of a window at its beginning: light that is kept serves them. fit:
 /// bench/fits/forecast.jsonl
 constexpr double kept_later = 0.93, bytes_later = 1.1;
 
-/// CPU and bytes grow with these powers of the pixels where one size alone is known. fit: bench/fits/forecast.jsonl
-constexpr double time_power = 0.5, bits_power = 0.8;
+/// Bytes grow with this power of the pixels where one size alone is known. fit: bench/fits/forecast.jsonl
+constexpr double bits_power = 0.8;
 
 /// What two sizes tell of bytes holds for larger ones by half: small pictures have hardly a predicted block of detail.
 /// fit: bench/fits/forecast.jsonl
@@ -49,44 +42,18 @@ constexpr double bits_share = 0.5, least_bits_power = 0.5, most_bits_power = 1.2
 /// chosen: no film takes less than a fifth more in four times the pixels, or more than they are (0 to 1.1).
 constexpr double least_power = 0.15;
 
-/// Later frames of a window over its first, where none was lit in time. fit: bench/fits/forecast.jsonl (median 0.75,
-/// 0.17 to 1.07; bytes 0.19, 0.04 to 0.45); the least of seconds.
-constexpr double later_over_first = 0.7, later_bytes_over_first = 0.2, least_later_over_first = 0.15;
+/// Later frames over the first at the least, where the first was not lit in time. fit: bench/fits/forecast.jsonl
+/// (median 0.75, 0.17 to 1.07)
+constexpr double least_later_over_first = 0.15;
 
 /// A first pass's share of the film's time. chosen: a sixteenth of the pixels, roughly lit.
 constexpr double first_pass_share = 0.05;
 
-double pixels_of(const Size& size) {
-    return static_cast<double>(size.width) * size.height;
-}
-
-Size size_of(const RenderJob& film) {
-    return {film.format.width, film.format.height};
-}
-
-/// A mean with a default.
-struct Mean {
-    double sum = 0, count = 0;
-    void add(double value, double weight = 1) {
-        sum += weight * value;
-        count += weight;
-    }
-    double or_else(double instead) const { return core::divide_or(sum, count, instead); }
-};
-
 /// Groups of pictures, begun by chunks and cuts.
-double groups_of(const RenderJob& film, const std::vector<std::int64_t>& cuts) {
+double groups_of(const RenderJob& film) {
     double groups = 0;
-    for (const Chunk& chunk : chunks_of(film.frames, film.coding.gop)) {
-        std::int64_t begin = chunk.first;
-        const auto add = [&](std::int64_t end) {
-            groups += std::ceil(static_cast<double>(end - begin) / static_cast<double>(film.coding.gop));
-            begin = end;
-        };
-        for (const std::int64_t cut : cuts)
-            if (cut > chunk.first && cut <= chunk.last) add(cut);
-        add(chunk.last + 1);
-    }
+    for (const Chunk& stretch : stretches_of(film, chunks_of(film.frames, film.coding.gop)))
+        groups += std::ceil(static_cast<double>(stretch.frames()) / static_cast<double>(film.coding.gop));
     return groups;
 }
 
@@ -94,25 +61,6 @@ double groups_of(const RenderJob& film, const std::vector<std::int64_t>& cuts) {
 double starts_of(const RenderJob& film) {
     const auto starts = chunks_of(film.frames, film.coding.gop).size() + cuts_of(film).size();
     return std::min(static_cast<double>(film.frame_count()), static_cast<double>(starts));
-}
-
-/// Mean cost of later frames, by the film's shares of P and B pictures.
-FrameCost later_of(std::span<const FrameEntry> frames, const std::vector<std::int64_t>& firsts) {
-    Mean seconds[2], bytes[2];  // of P pictures, and of B pictures or what is not coded
-    for (const FrameEntry& entry : frames) {
-        if (std::ranges::find(firsts, entry.frame) != firsts.end()) continue;
-        const int kind = entry.type == 'P' || entry.type == 'I' ? 0 : 1;
-        seconds[kind].add(entry.cost.seconds);
-        bytes[kind].add(static_cast<double>(entry.bytes));
-    }
-    if (seconds[0].count == 0 || seconds[1].count == 0) {
-        const int known = seconds[0].count == 0 ? 1 : 0;
-        return {seconds[known].or_else(0), bytes[known].or_else(0)};
-    }
-    const double all = seconds[0].count + seconds[1].count,
-                 p = (p_share * p_share_weight + seconds[0].count) / (p_share_weight + all);
-    return {p * seconds[0].or_else(0) + (1 - p) * seconds[1].or_else(0),
-            p * bytes[0].or_else(0) + (1 - p) * bytes[1].or_else(0)};
 }
 
 /// Settles the film's exposure. Whether nobody interrupted.
@@ -163,16 +111,13 @@ std::optional<Sampled> sample_sizes(const RenderJob& film, const SpentTime& spen
     std::optional<double> scale = scale_for(film, least_side);
     while (scale) {
         const double began = spent.seconds();
-        const RenderJob job = resized(film, *scale);
-        const SampleWindows windows = sample_windows(job, most_windows, window_frames);
-        std::int64_t frames = 0;
-        for (const Chunk& window : windows.all) frames += window.frames();
-        Progress progress(frames, quiet, "sample", Counted::parts_of_step);
+        const Sample wanted{resized(film, *scale), sample_windows(film, most_windows, window_frames)};
+        Progress progress(wanted.windows.frames(), quiet, "sample", Counted::parts_of_step);
         LoopObserver nobody;
         // The first sample is needed, and may take three times as long; its first frame tells the most.
         const double end = found ? limit : limit + 2 * (limit - began);
-        const std::optional<FrameSample> sample = sample_frames(
-            job, windows.all, nobody, progress, [&] { return spent.seconds() > end; }, windows.weights);
+        const std::optional<FrameSample> sample =
+            sample_frames(wanted, nobody, progress, [&] { return spent.seconds() > end; });
         if (!sample) return InterruptGuard::requested() ? std::nullopt : found;
         // Times of some frames are not those of all.
         if (found && sample->frames < found->largest.frames) return found;
@@ -193,7 +138,7 @@ double sound_bytes(const av::Sound& sound, const std::filesystem::path& output, 
 
 double file_bytes(const RenderJob& film, const std::filesystem::path& output, double pictures) {
     const auto frames = static_cast<double>(film.frame_count());
-    const double pixels = pixels_of(size_of(film));
+    const double pixels = area_of(film.size());
     // chosen: half floats that hardly compress; PNG of rendered pictures has 1.2 to 2.2 bytes a pixel.
     if (film.kind == OutputKind::exr) return 6 * pixels * frames;
     if (film.kind == OutputKind::png) return 1.7 * pixels * frames;
@@ -216,13 +161,13 @@ std::string bytes_text(double bytes) {
 
 }  // namespace
 
-FrameSample FrameSample::grown(double times, const Growth& growth) const {
-    FrameSample grown = *this;
-    const double least = least_bytes(codec, std::ceil(size.height / 16.0) * std::sqrt(times));
+FrameSample grown(const FrameSample& sample, double times, const Growth& growth) {
+    FrameSample grown = sample;
+    const double least = least_bytes(sample.codec, std::ceil(sample.size.height / 16.0) * std::sqrt(times));
     const auto grow = [&](FrameCost& cost, const FrameCost& power) {
         cost.seconds *= std::pow(times, power.seconds);
         if (cost.bytes > 0)
-            cost.bytes = least + std::max(0.0, detail_of(*this, cost.bytes)) * std::pow(times, power.bytes);
+            cost.bytes = least + std::max(0.0, detail_of(sample, cost.bytes)) * std::pow(times, power.bytes);
     };
     grow(grown.first, growth.first);
     grow(grown.later, growth.later);
@@ -231,7 +176,7 @@ FrameSample FrameSample::grown(double times, const Growth& growth) const {
 
 Growth growth_between(const FrameSample* smaller, const FrameSample& larger) {
     const FrameCost usual{time_power, bits_power};
-    const double times = smaller != nullptr ? pixels_of(larger.size) / pixels_of(smaller->size) : 1;
+    const double times = smaller != nullptr ? area_of(larger.size) / area_of(smaller->size) : 1;
     if (times <= 1) return {usual, usual};
     // Sizes that are hardly apart tell little.
     const double share = std::min(1.0, std::log(times) / std::log(4.0));
@@ -247,164 +192,13 @@ Growth growth_between(const FrameSample* smaller, const FrameSample& larger) {
     return {kind(smaller->first, larger.first), kind(smaller->later, larger.later)};
 }
 
-std::optional<FrameSample> light_windows(RenderJob film, renderer::Renderer& renderer,
-                                         const std::vector<Chunk>& windows, LoopObserver& observer,
-                                         RunStatistics& statistics, const std::function<bool()>& frame_done,
-                                         const std::function<bool()>& stops) {
-    FrameSample found;
-    found.size = size_of(film);
-    found.codec = film.coding.codec;
-    const double began = clock_seconds(), cpu_before = cpu_seconds();
-    const std::size_t frames_before = statistics.frames.size();
-    // Frames behind cuts within a window are of neither kind.
-    std::vector<std::int64_t> fresh = cuts_of(film);
-    Mean seconds, bytes;
-    for (const Chunk& window : windows) {
-        // It owes the next window nothing of a decoder's buffer.
-        film.frames = {window.first, window.last};
-        film.is_sample = true;
-        const std::size_t before = statistics.frames.size();
-        const double start = cpu_seconds();
-        double first = 0;
-        bool goes_on = true;
-        render_chunk(
-            film, renderer, window, observer, statistics,
-            [&] {
-                if (statistics.frames.size() == before + 1) first = cpu_seconds() - start;
-                return goes_on = frame_done();
-            },
-            stops);
-        if (!goes_on || InterruptGuard::requested()) return {};
-        if (statistics.frames.size() == before) break;  // `stops` ended its first frame
-        fresh.push_back(window.first);
-        ++found.windows;
-        seconds.add(first);
-        bytes.add(static_cast<double>(statistics.frames[before].bytes));
-        if (stops()) break;
-    }
-    found.frames = static_cast<int>(statistics.frames.size() - frames_before);
-    found.cpu = cpu_seconds() - cpu_before;
-    found.clock = clock_seconds() - began;
-    if (found.windows == 0) return found;
-    found.first = {seconds.or_else(0), bytes.or_else(0)};
-    found.later = found.frames > found.windows ? later_of(std::span(statistics.frames).subspan(frames_before), fresh)
-                                               : found.first;
-    return found;
-}
-
-std::optional<FrameSample> sample_frames(const RenderJob& job, const std::vector<Chunk>& windows,
-                                         LoopObserver& observer, Progress& progress,
-                                         const std::function<bool()>& is_over, const std::vector<double>& weights) {
-    const double cpu_before = cpu_seconds();
-    renderer::Renderer renderer = renderer_of(job);
-    FrameSample all;
-    all.built = cpu_seconds() - cpu_before;
-    RunStatistics statistics;
-    Mean first_seconds, first_bytes, later_seconds, later_bytes;
-    for (std::size_t k = 0; k < windows.size() && (k == 0 || !is_over()); ++k) {
-        const std::optional<FrameSample> found = light_windows(
-            job, renderer, {windows[k]}, observer, statistics,
-            [&] {
-                progress.advance();
-                return !InterruptGuard::requested();
-            },
-            [&] { return InterruptGuard::requested() || is_over(); });
-        if (!found) return {};
-        all.size = found->size;
-        all.codec = found->codec;
-        all.frames += found->frames;
-        all.windows += found->windows;
-        all.cpu += found->cpu;
-        all.clock += found->clock;
-        if (found->frames == 0) break;
-        // Windows that were to have more than a first frame.
-        const bool is_short = found->frames == 1 && windows[k].frames() > 1;
-        const FrameCost later =
-            is_short ? FrameCost{later_over_first * found->first.seconds, later_bytes_over_first * found->first.bytes}
-                     : found->later;
-        const double weight = weights.empty() ? 1 : weights[k];
-        first_seconds.add(found->first.seconds);
-        first_bytes.add(found->first.bytes);
-        later_seconds.add(later.seconds, weight);
-        later_bytes.add(later.bytes, weight);
-    }
-    all.first = {first_seconds.or_else(0), first_bytes.or_else(0)};
-    all.later = {later_seconds.or_else(0), later_bytes.or_else(0)};
-    all.statistics = totals_of(statistics, renderer);
-    return all;
-}
-
-std::vector<double> prices_of(const RenderJob& film, std::int64_t frames, renderer::Renderer& renderer) {
-    // chosen: pictures of 32 pixels, in which shots' times are in proportion to a fifth or so (24 to 48), two frames of
-    // each camera, and a thirtieth of the film's time at most; one of several minutes loses a hundredth of that.
-    constexpr double side = 32, most_share = 1.0 / 30;
-    constexpr std::int64_t length = 2;
-    std::vector<std::int64_t> begins = cuts_of(film);
-    if (begins.empty()) return {};
-    begins.insert(begins.begin(), film.frames.first);
-    const RenderJob small = resized(film, scale_for(film, side));
-    const double times = std::pow(pixels_of(size_of(film)) / pixels_of(size_of(small)), time_power);
-    std::map<int, double> of_cameras;
-    for (const std::int64_t begin : begins) of_cameras.emplace(camera_at(film, begin), 0);
-    if (static_cast<double>(length * std::ssize(of_cameras)) > most_share * times * static_cast<double>(frames))
-        return {};
-    const std::unique_ptr<renderer::Renderer> own = renderer.beside(film.snapshot(film.frames.first));
-    own->resize(small.rendering.format);
-    std::vector<double> prices;
-    for (std::size_t k = 0; k < begins.size(); ++k) {
-        const std::int64_t end = k + 1 < begins.size() ? begins[k + 1] : film.frames.last + 1;
-        double& price = of_cameras.at(camera_at(film, begins[k]));
-        if (price == 0) {
-            LoopObserver nobody;
-            RunStatistics statistics;
-            const std::int64_t first = begins[k] + std::max<std::int64_t>(0, end - begins[k] - length) / 2;
-            const auto sample = light_windows(small, *own, {{0, first, std::min(first + length, end) - 1}}, nobody,
-                                              statistics, [] { return !InterruptGuard::requested(); });
-            if (!sample) return {};
-            price = std::max(sample->cpu / sample->frames, 1e-6);
-        }
-        prices.resize(static_cast<std::size_t>(end - film.frames.first), price);
-    }
-    return prices;
-}
-
-/// Shortest side of resized pictures, whatever their shape.
-constexpr int shortest_side = 16;
-
-double scale_for(const RenderJob& film, double side) {
-    const auto [width, height] = std::pair(film.format.width, film.format.height);
-    double scale = side / std::max(width, height);
-    const auto take = [&](int least, int pixels) {
-        if (least > shortest_side) scale = std::max(scale, 1.0 * least / pixels);
-    };
-    if (film.kind == OutputKind::film) {
-        const encoder::CodecFacts& facts = encoder::facts_of(film.coding.codec);
-        take(facts.least_width, width);
-        take(facts.least_height, height);
-    }
-    return std::min(1.0, scale);
-}
-
-RenderJob resized(const RenderJob& film, double scale) {
-    RenderJob job = film;
-    const auto side = [&](int pixels) {
-        return std::min(pixels, std::max(shortest_side, static_cast<int>(std::lround(scale * pixels / 2)) * 2));
-    };
-    job.resize(side(film.format.width), side(film.format.height));
-    job.coding.width = job.format.width;
-    job.coding.height = job.format.height;
-    job.audit = 0;
-    job.two_passes = false;
-    return job;
-}
-
 FrameCost film_by(const RenderJob& film, const FrameSample& sample) {
-    const std::vector<std::int64_t> cuts = cuts_of(film);
     const auto frames = static_cast<double>(film.frame_count());
     const double starts = starts_of(film);
-    const double groups = std::min(frames, groups_of(film, cuts));
+    const double groups = std::min(frames, groups_of(film));
     // Frames far behind a short window differ from it.
-    const double length = sample.windows > 0 ? static_cast<double>(sample.frames) / sample.windows : window_frames,
+    const double windows = static_cast<double>(sample.windows.size()),
+                 length = windows > 0 ? sample.frames / windows : window_frames,
                  unlike = frames <= length ? 0 : std::min(1.0, window_frames / length),
                  kept = 1 + unlike * (kept_later - 1), more = 1 + unlike * (bytes_later - 1);
     return {starts * sample.first.seconds + (frames - starts) * kept * sample.later.seconds,
@@ -418,7 +212,7 @@ Forecast least_forecast(const RenderJob& film, const FrameSample& unlit) {
     Forecast least;
     least.is_least = true;
     least.sample = unlit;
-    const double first = unlit.cpu * std::pow(pixels_of(size_of(film)) / pixels_of(unlit.size), least_power);
+    const double first = unlit.cpu * std::pow(area_of(film.size()) / area_of(unlit.size), least_power);
     least.first = {first, 0};
     least.later = {least_later_over_first * first, 0};
     const double frames = static_cast<double>(film.frame_count()), starts = starts_of(film);
@@ -440,7 +234,7 @@ std::optional<Forecast> forecast(RenderJob& film, const std::filesystem::path& o
     Forecast forecast;
     forecast.sample = sampled->largest;
     const FrameSample grown =
-        sampled->largest.grown(pixels_of(size_of(film)) / pixels_of(sampled->largest.size), sampled->growth);
+        app::grown(sampled->largest, area_of(film.size()) / area_of(sampled->largest.size), sampled->growth);
     const FrameCost whole = film_by(film, grown);
     forecast.first = grown.first;
     forecast.later = grown.later;
@@ -451,7 +245,7 @@ std::optional<Forecast> forecast(RenderJob& film, const std::filesystem::path& o
     forecast.disk = is_one_file(film.kind) ? 2 * forecast.bytes : forecast.bytes;
     forecast.memory = memory_need(film).total();
     // fit: bench/fits/forecast.jsonl: nine of ten films; each four times the pixels that are not lit add as much again.
-    const double fours = std::log(pixels_of(size_of(film)) / pixels_of(grown.size)) / std::log(4.0);
+    const double fours = std::log(area_of(film.size()) / area_of(grown.size)) / std::log(4.0);
     forecast.spread = std::min(0.6, 0.15 + 0.1 * std::max(0.0, fours));
     return forecast;
 }

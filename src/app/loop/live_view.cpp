@@ -24,10 +24,6 @@ constexpr std::array smaller{1, 2, 4};
 /// Of the picture by rays: that of images' default. chosen: alone; one within 8 % before it is more uneven than drafts.
 constexpr float fine_tolerance = 0.02f;
 
-double area_of(Size size) {
-    return static_cast<double>(size.width) * size.height;
-}
-
 Size divided(Size size, int by) {
     return {std::max(16, (size.width + by - 1) / by), std::max(16, (size.height + by - 1) / by)};
 }

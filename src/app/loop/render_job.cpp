@@ -182,12 +182,6 @@ void refuse_beside_truth(const RenderJob& film, const RenderOptions& options) {
             refuse("--heatmap " + subject, "there are neither cuts nor records");
 }
 
-ShapeWishes half_of(ShapeWishes wishes, const Shape& shape) {
-    const auto half = [](int length) { return std::max(16, (length + 3) / 4 * 2); };
-    wishes.size = Size{half(shape.size.width), half(shape.size.height)};
-    return wishes;
-}
-
 /// Draft settings without an option.
 void settle_preview(RenderJob& film) {
     film.rendering.calibrate = false;
@@ -333,9 +327,14 @@ RenderJob prepare(const RenderOptions& wanted) {
     if (options.projection) set_projection(*loaded, *options.projection);
     const Preset* preset = preset_of(options.coding);
     if (preset != nullptr) preset->check_output(options.output);
-    Shape shape = settle_shape(wishes_of(options, *loaded), preset);
-    if (film.preview && !options.size && !options.effort && preset == nullptr)
-        shape = settle_shape(half_of(wishes_of(options, *loaded), shape), preset);
+    ShapeWishes wishes = wishes_of(options, *loaded);
+    Shape shape = settle_shape(wishes, preset);
+    if (film.preview && !options.size && !options.effort && preset == nullptr) {
+        const bool coded = film.kind == OutputKind::film;
+        wishes.size =
+            scaled(shape.size, 0.5, coded ? std::optional(codec_of(options.coding, options.output)) : std::nullopt);
+        shape = settle_shape(wishes, preset);
+    }
     film.rate = shape.rate;
     set_stereo(*loaded, options, shape.size);
     tell_shape(*loaded, shape.size);

@@ -76,6 +76,11 @@ struct RenderJob {
     std::optional<ChunkRange> part;  ///< chunks that this run makes of it; none: all
 
     std::int64_t frame_count() const { return frames.count(); }
+    Size size() const { return {format.width, format.height}; }
+    /// None: its pictures are files.
+    std::optional<encoder::Codec> codec() const {
+        return kind == OutputKind::film ? std::optional(coding.codec) : std::nullopt;
+    }
     std::vector<Chunk> chunks() const;
     /// For two eyes: each has its part of the picture.
     bool is_stereo() const { return animation->stereo != core::FramePacking::none; }
@@ -84,10 +89,11 @@ struct RenderJob {
         return scene::snapshot_at(*animation, frame, core::time_of(frame, rate), rendering.format, shutter(), eye);
     }
     /// Makes its pictures about as large as this; both eyes' parts are alike.
-    void resize(int width, int height) {
-        format.width = width, format.height = height;
+    void resize(const Size& size) {
+        format.width = size.width, format.height = size.height;
         rendering.format = of_eye(format, animation->stereo);
         format = packed(rendering.format, animation->stereo);
+        coding.width = format.width, coding.height = format.height;
     }
     /// Closed where no frame would show that it is open.
     scene::ShutterInterval shutter() const {

@@ -33,26 +33,47 @@ std::vector<Chunk> middle_windows(const RenderJob& film, int count, int length) 
     return windows;
 }
 
-std::vector<Chunk> windows_of_shots(const RenderJob& film, int length) {
-    std::vector<std::int64_t> begins = cuts_of(film);
-    begins.insert(begins.begin(), film.frames.first);
-    std::vector<Chunk> windows;
-    for (std::size_t k = 0; k < begins.size(); ++k) {
-        RenderJob shot = film;
-        shot.frames = {begins[k], k + 1 < begins.size() ? begins[k + 1] - 1 : film.frames.last};
-        windows.push_back(middle_windows(shot, 1, length).front());
-        windows.back().index = static_cast<int>(k);
+std::vector<Chunk> stretches_of(const RenderJob& film, const std::vector<Chunk>& chunks) {
+    const std::vector<std::int64_t> cuts = cuts_of(film);
+    std::vector<Chunk> stretches;
+    for (const Chunk& chunk : chunks) {
+        stretches.push_back(chunk);
+        for (const std::int64_t cut : cuts) {
+            if (cut <= chunk.first || cut > chunk.last) continue;
+            stretches.back().last = cut - 1;
+            stretches.push_back({chunk.index, cut, chunk.last});
+        }
     }
-    return windows;
+    return stretches;
+}
+
+std::vector<Chunk> middles_of(const std::vector<Chunk>& stretches, int length) {
+    std::vector<Chunk> middles;
+    for (const Chunk& stretch : stretches) {
+        const std::int64_t first = stretch.first + std::max<std::int64_t>(0, stretch.frames() / 2 - length / 2),
+                           last = std::min(first + length - 1, stretch.last);
+        middles.push_back({static_cast<int>(middles.size()), first, last});
+    }
+    return middles;
+}
+
+std::vector<Chunk> windows_of_shots(const RenderJob& film, int length) {
+    return middles_of(stretches_of(film, {{0, film.frames.first, film.frames.last}}), length);
+}
+
+std::int64_t SampleWindows::frames() const {
+    std::int64_t sum = 0;
+    for (const Chunk& window : all) sum += window.frames();
+    return sum;
 }
 
 SampleWindows sample_windows(const RenderJob& film, int most, int length) {
-    std::vector<std::int64_t> begins = cuts_of(film);
-    if (static_cast<int>(begins.size()) >= most) {
+    const std::vector<std::int64_t> cuts = cuts_of(film);
+    if (static_cast<int>(cuts.size()) >= most) {
         SampleWindows even{middle_windows(film, most, length), {}};
         for (Chunk& window : even.all) {
             // The longer part counts.
-            for (const std::int64_t cut : begins) {
+            for (const std::int64_t cut : cuts) {
                 if (cut <= window.first || cut > window.last) continue;
                 if (cut - window.first > window.last - cut)
                     window.last = cut - 1;
@@ -64,10 +85,8 @@ SampleWindows sample_windows(const RenderJob& film, int most, int length) {
         return even;
     }
     SampleWindows found{windows_of_shots(film, length), {}};
-    begins.insert(begins.begin(), film.frames.first);
-    begins.push_back(film.frames.last + 1);
-    for (std::size_t k = 0; k + 1 < begins.size(); ++k)
-        found.weights.push_back(static_cast<double>(begins[k + 1] - begins[k]));
+    for (const Chunk& shot : stretches_of(film, {{0, film.frames.first, film.frames.last}}))
+        found.weights.push_back(static_cast<double>(shot.frames()));
     return found;
 }
 

@@ -223,7 +223,7 @@ float f_stop_from(const std::string& text) {
     return static_cast<float>(*number);
 }
 
-Sample sample_from(const std::string& text) {
+SampleExtent sample_from(const std::string& text) {
     // chosen: more than a thousand windows or frames of each is a film, not a sample of one.
     const auto sample = pair_in(text, "x", 1000);
     if (!sample) throw UsageError("sample " + text + ": expected WINDOWSxFRAMES from 1x1 to 1000x1000, e.g. 2x3");

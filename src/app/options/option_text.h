@@ -43,7 +43,7 @@ GlareRequest glare_from(const std::string& text);
 /// "2.8"; "off": 0, all is sharp.
 float f_stop_from(const std::string& text);
 /// "2x3": windows by frames of each.
-Sample sample_from(const std::string& text);
+SampleExtent sample_from(const std::string& text);
 /// "4,2,0.5": shares of 1, from the largest to the least, each once.
 std::vector<float> percents_from(const std::string& text);
 /// "2,4,8", ascending, each once; "none": none.

@@ -107,7 +107,7 @@ struct InfoOptions {
 inline constexpr const char* usual_quantisers = "2,4,8,16";
 
 /// Sample of a film: windows of consecutive frames; fewer in short films.
-struct Sample {
+struct SampleExtent {
     int windows = 2, frames = 3;  ///< >= 1
 };
 

@@ -14,6 +14,9 @@
 namespace render2mpeg::app {
 namespace {
 
+/// Least side of most codecs' pictures; narrow ones are no smaller at any scale.
+constexpr int usual_least_side = 16;
+
 constexpr core::Rational wide{16, 9}, narrow{4, 3};
 
 /// DVD-Video [DVDVideo]: MPEG-2 at Main level as fields, at most 36 fields a GOP at 525 lines, 30 at 625. chosen: 9
@@ -215,6 +218,27 @@ void Preset::check_output(const std::filesystem::path& output) const {
     if (output.empty() || kind_of(output) != OutputKind::film) return;
     if (std::ranges::find(endings, core::ending_of(output)) == endings.end())
         throw UsageError(fmt::format("--output {}: {} takes {}", output.string(), option(), fmt::join(endings, ", ")));
+}
+
+double scale_taken(const Size& whole, double wished, std::optional<encoder::Codec> codec) {
+    double scale = wished;
+    const auto take = [&](int least, int pixels) {
+        if (least > usual_least_side) scale = std::max(scale, 1.0 * least / pixels);
+    };
+    if (codec) {
+        take(encoder::facts_of(*codec).least_width, whole.width);
+        take(encoder::facts_of(*codec).least_height, whole.height);
+    }
+    return std::min(1.0, scale);
+}
+
+Size scaled(const Size& whole, double wished, std::optional<encoder::Codec> codec) {
+    const double scale = scale_taken(whole, wished, codec);
+    const int step = codec ? 2 : 1, least = codec ? usual_least_side : 1;
+    const auto side = [&](int pixels) {
+        return std::min(pixels, std::max(least, static_cast<int>(std::lround(scale * pixels / step)) * step));
+    };
+    return {side(whole.width), side(whole.height)};
 }
 
 std::vector<std::string> preset_names() {

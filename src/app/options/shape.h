@@ -7,6 +7,7 @@
 
 #include "app/options/options.h"
 #include "core/rational.h"
+#include "encoder/types.h"
 
 namespace render2mpeg::app {
 
@@ -41,6 +42,17 @@ struct Preset {
     /// Throws core::Error for another container.
     void check_output(const std::filesystem::path& output) const;
 };
+
+/// In pixels.
+inline double area_of(const Size& size) {
+    return static_cast<double>(size.width) * size.height;
+}
+
+/// The nearest scale from `wished` to 1 at which a codec takes pictures of `whole`; none: nothing codes them.
+double scale_taken(const Size& whole, double wished, std::optional<encoder::Codec> codec);
+
+/// `whole` by that scale, in even sides of at least 16 where it is coded.
+Size scaled(const Size& whole, double wished, std::optional<encoder::Codec> codec);
 
 std::vector<std::string> preset_names();
 
